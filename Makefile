@@ -1,0 +1,128 @@
+# `make` sets up the environment, fits both contacts and draws the maps; `make help` lists the rest.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+CYLCONTACT := $(BIN)/cylcontact
+
+SOURCES := $(shell find src/cylcontact -name '*.py')
+BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.csv)
+CAMPAIGNS := $(wildcard fitting/*.toml)
+RESULTS := $(CAMPAIGNS:fitting/%.toml=fitting/results/%.json)
+RECIPES := $(wildcard reports/*.py)
+
+# Another user's Python packages must not leak into the environment.
+unexport PYTHONHOME PYTHONPATH
+
+.DELETE_ON_ERROR:
+.PHONY: all env fits figures claims report verify test test-slow lint format lock clean distclean \
+	help FORCE
+
+##@ The main job
+
+all: build/comparison.txt build/.figures ## Set up, fit both contacts, compare with the paper, draw the maps (default)
+	@cat build/comparison.txt
+	@echo "The figures, each with its numbers as CSV, are in reports/figures."
+
+build/%.json: fitting/%.toml datasets/%.toml $(SOURCES) $(VENV)/.dependencies | $(VENV)/.editable
+	@mkdir -p $(@D)
+	$(CYLCONTACT) fit $< -o $@
+
+build/comparison.txt: build/internal.json build/external.json
+	@$(CYLCONTACT) compare $^ > $@
+
+build/.figures: build/internal.json build/external.json $(RECIPES) $(BENCH)
+	$(CYLCONTACT) report --results build
+	@touch $@
+
+##@ Results and figures
+
+fits: $(RESULTS) ## Redo every committed reference fit, fitting/*.toml to fitting/results
+
+# Always redone when asked for: a checkout's timestamps say nothing about what a result came from.
+fitting/results/%.json: fitting/%.toml FORCE | $(VENV)/.editable
+	$(CYLCONTACT) fit $< -o $@
+
+figures: build/.figures ## Draw the figures from this machine's fits, in build
+
+report: $(VENV)/.editable ## Draw the figures from the committed fits, in fitting/results
+	@rm -f build/.figures
+	$(CYLCONTACT) report
+
+claims: $(VENV)/.editable ## Hold every number the paper states against ours
+	$(CYLCONTACT) claims
+
+verify: $(VENV)/.editable ## Fit afresh and compare with the committed results
+	$(CYLCONTACT) verify
+
+##@ Checks
+
+test: $(VENV)/.editable ## Run the tests and the examples in the docstrings
+	$(BIN)/python -m pytest
+
+test-slow: $(VENV)/.editable ## Run the studies that take minutes
+	$(BIN)/python -m pytest -m slow
+
+lint: $(VENV)/.editable ## Check style, formatting and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+format: $(VENV)/.editable ## Rewrite the sources in the project's format
+	$(BIN)/ruff check --fix-only .
+	$(BIN)/ruff format .
+
+##@ The environment
+
+env: $(VENV)/.editable ## Set up the environment only; make PYTHON=python3.12 chooses the interpreter
+
+# An interpreter named on the command line is used, even if the environment stands on another one.
+ifeq ($(origin PYTHON),command line)
+ifneq ($(shell cat $(VENV)/.dependencies 2>/dev/null),$(PYTHON))
+$(VENV)/.dependencies: FORCE
+endif
+endif
+
+# The stamp is written last, so an interrupted install is simply redone.
+$(VENV)/.dependencies: requirements.lock
+	@command -v "$(PYTHON)" >/dev/null || { echo "There is no '$(PYTHON)' here;" \
+		"name a Python 3.11 or newer, for example: make PYTHON=python3.12" >&2; exit 1; }
+	@"$(PYTHON)" -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else \
+		"$(PYTHON) is Python %d.%d.%d, and 3.11 or newer is needed;" % sys.version_info[:3] + \
+		" name one, for example: make PYTHON=python3.12")'
+	@"$(PYTHON)" -c 'import ensurepip, venv' 2>/dev/null || { echo "$(PYTHON) cannot make virtual" \
+		"environments; on Debian and Ubuntu: apt install python3-venv" >&2; exit 1; }
+	@echo "Installing the pinned dependencies in $(VENV) (about a minute) ..."
+	@"$(PYTHON)" -m venv --clear $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--require-hashes -r requirements.lock || { echo "The install did not finish:" \
+		"the reason is above; once it is mended, the same make command resumes." >&2; exit 1; }
+	@echo "$(PYTHON)" > $@
+
+# The build backend is in the lock, so this step needs no network.
+$(VENV)/.editable: pyproject.toml $(VENV)/.dependencies
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--no-build-isolation --no-deps -e .
+	@touch $@
+
+lock: ## Pin the dependencies anew in requirements.lock; make lock UPGRADE=--upgrade for the latest
+	@mkdir -p build
+	@"$(PYTHON)" -m venv --clear build/lock-tools
+	@build/lock-tools/bin/python -m pip install --quiet --disable-pip-version-check uv
+	@cp requirements.lock build/requirements.lock
+	build/lock-tools/bin/uv pip compile pyproject.toml --extra test --universal \
+		--generate-hashes --python-version 3.11 --custom-compile-command "make lock" \
+		--no-config --quiet $(UPGRADE) -o build/requirements.lock
+	@mv build/requirements.lock requirements.lock
+
+clean: ## Remove what the commands above made: fits, figures, tables, caches
+	rm -rf build dist datasets/generated reports/figures
+	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find src tests reports -name __pycache__ -type d -prune -exec rm -rf {} +
+
+distclean: clean ## Remove the environment as well
+	rm -rf $(VENV)
+
+help: ## Show this list
+	@awk 'BEGIN { FS = ":.*## " } /^##@ / { printf "\n%s\n", substr($$0, 5) } \
+		/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile

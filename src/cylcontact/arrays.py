@@ -1,0 +1,48 @@
+"""Small helpers shared by everything that takes arrays."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cylcontact.errors import InputError
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+
+def as_floats(values: object) -> FloatArray:
+    """Return `values` as float64, an array or a NumPy scalar."""
+    array: FloatArray = np.asarray(values, dtype=np.float64)[()]
+    return array
+
+
+def inside_or_nan(values: FloatArray, inside: BoolArray) -> FloatArray:
+    """Keep `values` where `inside` holds and put NaN elsewhere.
+
+    Examples
+    --------
+    >>> inside_or_nan(np.array([1.0, 2.0]), np.array([True, False]))
+    array([ 1., nan])
+    """
+    result: FloatArray = np.where(inside, values, np.nan)[()]
+    return result
+
+
+def require(
+    holds: bool | BoolArray | np.bool_, source: str, key: str, value: object, rule: str, remedy: str
+) -> None:
+    """Raise `InputError` unless `holds` is true for every element."""
+    if not np.all(holds):
+        raise InputError(source, key, value, rule, remedy)
+
+
+def same_fields(one: Any, other: object) -> bool:
+    """Compare two dataclass instances field by field, arrays by value."""
+    names = [field.name for field in fields(one)]
+    return type(one) is type(other) and all(
+        np.array_equal(getattr(one, name), getattr(other, name)) for name in names
+    )

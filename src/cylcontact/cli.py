@@ -1,0 +1,187 @@
+"""The command line: `cylcontact sample | fit | compare | verify | report | claims`.
+
+Exit codes: 0 done, 1 a check does not hold, 2 bad input (one line on standard error),
+130 interrupted. Heavy imports wait until a command needs them.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cylcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.calibrate import Progress
+
+RESULTS = Path("fitting/results")
+
+app = typer.Typer(
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    help="Calibrate contact laws for parallel cylinders and see where each can be trusted.",
+)
+
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", "-j", min=1, help="Worker processes; all cores by default.")
+]
+
+
+@app.command()
+def sample(
+    spec: Annotated[Path, typer.Argument(help="A grid spec, e.g. datasets/internal.toml.")],
+    out: Annotated[Path, typer.Option("-o", "--out", help="The .parquet or .csv file to write.")],
+) -> None:
+    """Sample a reference law over a grid, in bounded memory."""
+    from cylcontact.datasets import read_grid, write_samples
+
+    grid = read_grid(spec)
+    with _progress() as progress:
+        counts = write_samples(grid, out, lambda n: progress("sampling", n, grid.dR.size))
+    typer.echo(f"{out}: {counts.samples:,} samples, {counts.masked:,} masked by the domain (Eq 8)")
+
+
+@app.command()
+def fit(
+    campaign: Annotated[Path, typer.Argument(help="A campaign, e.g. fitting/internal.toml.")],
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", help="The result; results/NAME.json beside the campaign."),
+    ] = None,
+    jobs: Jobs = None,
+    runs: Annotated[int | None, typer.Option(help="Runs, instead of the campaign's.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed, instead of the campaign's.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted fit.")] = False,
+) -> None:
+    """Calibrate a law to a reference by genetic search and local polish."""
+    from cylcontact.files import require_writable
+    from cylcontact.fitting import calibrate, read_campaign
+
+    target = out or campaign.parent / "results" / f"{campaign.stem}.json"
+    kept = target.with_name(target.name + ".partial")
+    planned = read_campaign(campaign, runs, seed)
+    require_writable(target)
+    try:
+        with _progress() as progress:
+            result = calibrate(planned, jobs or _cores(), progress, kept, resume)
+    except KeyboardInterrupt:
+        typer.echo(_interrupted(kept), err=True)
+        raise typer.Exit(130) from None
+    result.save(target)
+    kept.unlink(missing_ok=True)
+    typer.echo(f"{result}\n\nwritten to {target}")
+
+
+@app.command()
+def compare(
+    results: Annotated[list[Path], typer.Argument(help="Result files, e.g. fitting/results/*.")],
+) -> None:
+    """Show results side by side, with the published coefficients."""
+    from cylcontact import fitting
+
+    typer.echo(fitting.compare([fitting.FitResult.load(path) for path in results]))
+
+
+@app.command()
+def verify(
+    results: Annotated[
+        list[Path] | None, typer.Argument(help="Result files; all committed ones by default.")
+    ] = None,
+    jobs: Jobs = None,
+) -> None:
+    """Redo committed fits with their own settings and compare; exit code 1 where one differs."""
+    from cylcontact.fitting.verify import verify as verify_one
+
+    paths = results or sorted(RESULTS.glob("*.json"))
+    if not paths:
+        raise InputError(str(RESULTS), "", None, "holds no results", "run make fits, or name some")
+    failed = 0
+    for path in paths:
+        with _progress() as progress:
+            checks = verify_one(path, jobs or _cores(), progress)
+        for check in checks:
+            typer.echo(f"{path.stem}: {check}")
+        failed += sum(not check.holds for check in checks)
+    typer.echo(f"{len(paths)} results verified, {failed} checks do not hold")
+    if failed:
+        raise typer.Exit(1)
+
+
+def _cores() -> int:
+    """Return the number of cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _interrupted(kept: Path) -> str:
+    """Say what an interrupted fit leaves behind."""
+    runs = 0
+    if kept.exists():
+        runs = max(0, len(kept.read_text(encoding="utf-8").splitlines()) - 1)
+    if not runs:
+        kept.unlink(missing_ok=True)
+        return "cylcontact: interrupted before a run was complete; nothing is kept"
+    return (
+        f"cylcontact: interrupted; {runs} complete runs are kept in {kept}; "
+        "the same command with --resume goes on from there"
+    )
+
+
+@contextmanager
+def _progress() -> Iterator[Progress]:
+    """Show a progress bar on a terminal, and nothing when standard error is not one."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description:>10}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=console, disable=not console.is_terminal) as bars:
+        tasks = {}
+
+        def show(stage: str, done: int, total: int) -> None:
+            if stage not in tasks:
+                tasks[stage] = bars.add_task(stage, total=total)
+            bars.update(tasks[stage], completed=done)
+
+        yield show
+
+
+def main() -> None:
+    """Run the command line, and turn every expected failure into one line and an exit code."""
+    try:
+        status = app(standalone_mode=False)
+    except InputError as error:
+        status = _fail(str(error))
+    except KeyboardInterrupt:
+        typer.echo("cylcontact: interrupted; nothing is left half-written", err=True)
+        status = 130
+    except BrokenPipeError:
+        # The reader of a pipe has gone; give Python somewhere to flush what is left.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = 0
+    except Exception as error:
+        if not hasattr(error, "format_message"):
+            raise
+        status = _fail(f"{error.format_message()} See cylcontact --help.")
+    sys.exit(status or 0)
+
+
+def _fail(message: str) -> int:
+    """Print one line on standard error and return the exit code of bad input."""
+    typer.echo(f"cylcontact: {message}", err=True)
+    return 2
+
+
+if __name__ == "__main__":
+    main()

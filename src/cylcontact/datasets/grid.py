@@ -1,0 +1,215 @@
+"""Grids of E, ν, ΔR and load on which a reference law is sampled."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from cylcontact.arrays import FloatArray
+from cylcontact.laws import REFERENCES
+from cylcontact.pair import Contact
+from cylcontact.specs import Spec, broken, parse_spec, read_toml
+
+_POSITIVE_AXES = ("E", "dR", "load")
+_UNITS = {"E": "GPa", "nu": "dimensionless", "dR": "mm", "load": "N/mm"}
+
+
+class AxisSpec(Spec):
+    """One axis: either min, max, points and spacing, or a list of values."""
+
+    min: float | None = Field(None, description="the axis's first value, a number")
+    max: float | None = Field(None, description="the axis's last value, a number")
+    points: int | None = Field(None, description="the number of points, an integer of at least 2")
+    spacing: Literal["log", "linear"] | None = Field(None, description='"log" or "linear"')
+    values: tuple[float, ...] | None = Field(
+        None, description="a list of increasing numbers", strict=False
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> AxisSpec:
+        ranged = {k: getattr(self, k) for k in ("min", "max", "points", "spacing")}
+        if self.values is not None:
+            _check_values(self.values, [k for k, v in ranged.items() if v is not None])
+            return self
+        missing = [key for key, value in ranged.items() if value is None]
+        if missing:
+            raise broken(
+                missing[0],
+                None,
+                "is required",
+                "an axis takes min, max, points and spacing, or values = [...]",
+            )
+        self._check_range()
+        return self
+
+    def _check_range(self) -> None:
+        low, high, points = self.min or 0.0, self.max or 0.0, self.points or 0
+        if low >= high:
+            raise broken("min", low, f"must be below max = {high}", "exchange or correct them")
+        if points < 2:
+            raise broken("points", points, "must be at least 2", "for one value use values = [...]")
+        if self.spacing == "log" and low <= 0:
+            raise broken(
+                "min", low, "log spacing needs a positive min", 'raise it, or use "linear"'
+            )
+
+    def numbers(self) -> FloatArray:
+        """Return the axis's values, shape (points,)."""
+        if self.values is not None:
+            return np.array(self.values, dtype=np.float64)
+        spaced = np.geomspace if self.spacing == "log" else np.linspace
+        return np.asarray(spaced(self.min or 0.0, self.max or 0.0, self.points or 0))
+
+
+def _check_values(values: tuple[float, ...], others: list[str]) -> None:
+    """Refuse an empty or unordered list, and one beside a range."""
+    if others:
+        raise broken(others[0], None, "stands beside values", "keep either the range or the values")
+    if not values or any(b <= a for a, b in pairwise(values)):
+        raise broken(
+            "values", list(values), "must be a list of increasing numbers", "sort it, drop repeats"
+        )
+
+
+class AxesSpec(Spec):
+    """The four axes."""
+
+    E: AxisSpec = Field(description="a table [axes.E] for Young's modulus in GPa")
+    nu: AxisSpec = Field(description="a table [axes.nu] for Poisson's ratio")
+    dR: AxisSpec = Field(description="a table [axes.dR] for ΔR in mm")
+    load: AxisSpec = Field(description="a table [axes.load] for the load in N/mm")
+
+    @model_validator(mode="after")
+    def _check(self) -> AxesSpec:
+        for name in _POSITIVE_AXES:
+            first = float(getattr(self, name).numbers()[0])
+            if first <= 0:
+                raise broken(
+                    name, first, "every value must be positive", f"give it in {_UNITS[name]}"
+                )
+        ratio = self.nu.numbers()
+        if ratio[0] < 0 or ratio[-1] > 0.5:
+            raise broken(
+                "nu",
+                [float(ratio[0]), float(ratio[-1])],
+                "Poisson's ratio must lie in [0, 0.5]",
+                "narrow the axis",
+            )
+        return self
+
+
+class GridSpec(Spec):
+    """A grid spec file."""
+
+    contact: Contact = Field(description='"internal" or "external"')
+    reference: str = Field(description=f"the law to sample: {' or '.join(REFERENCES)}")
+    axes: AxesSpec = Field(description="the tables [axes.E], [axes.nu], [axes.dR], [axes.load]")
+
+    @model_validator(mode="after")
+    def _check(self) -> GridSpec:
+        if self.reference not in REFERENCES:
+            raise broken(
+                "reference",
+                self.reference,
+                "is not a known law",
+                f"choose {' or '.join(REFERENCES)}",
+            )
+        return self
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """The Cartesian product of values of E, ν, ΔR and load, and the law to sample there.
+
+    Attributes
+    ----------
+    contact : {"internal", "external"}
+        Pin in hole, or two rollers.
+    reference : str
+        Name of the law sampled.
+    E, nu, dR, load : array of float
+        The axes, in GPa, -, mm and N/mm.
+    source : str
+        What errors call it.
+
+    Examples
+    --------
+    >>> grid = Grid("internal", "johnson", np.array([207.0]), np.array([0.3]),
+    ...             np.array([0.05, 0.5]), np.array([10.0, 100.0, 1000.0]))
+    >>> grid.shape, grid.size
+    ((1, 1, 2, 3), 6)
+    """
+
+    contact: Contact
+    reference: str
+    E: FloatArray
+    nu: FloatArray
+    dR: FloatArray
+    load: FloatArray
+    source: str = "grid"
+
+    @property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Points along E, ν, ΔR and load."""
+        return (self.E.size, self.nu.size, self.dR.size, self.load.size)
+
+    @property
+    def size(self) -> int:
+        """Number of combinations."""
+        nE, nnu, ndR, nload = self.shape
+        return nE * nnu * ndR * nload
+
+
+def read_grid(path: Path | str) -> Grid:
+    """Read a grid spec.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file with contact, reference and the tables axes.E (GPa), axes.nu, axes.dR
+        (mm) and axes.load (N/mm).
+
+    Returns
+    -------
+    Grid
+
+    Raises
+    ------
+    InputError
+        If the file is not a grid spec; the line names key, value, rule and remedy.
+    """
+    return grid_from(read_toml(path), str(path))
+
+
+def grid_from(data: dict[str, Any], source: str) -> Grid:
+    """Return the grid that the contents of a spec describe."""
+    spec = parse_spec(GridSpec, data, source)
+    axes = spec.axes
+    return Grid(
+        contact=spec.contact,
+        reference=spec.reference,
+        E=axes.E.numbers(),
+        nu=axes.nu.numbers(),
+        dR=axes.dR.numbers(),
+        load=axes.load.numbers(),
+        source=source,
+    )
+
+
+def spec_hash(data: dict[str, Any]) -> str:
+    """Return a short hash of a spec's contents, the same whatever its layout and comments.
+
+    Examples
+    --------
+    >>> spec_hash({"a": 1, "b": 2}) == spec_hash({"b": 2, "a": 1})
+    True
+    """
+    text = json.dumps(data, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()[:16]

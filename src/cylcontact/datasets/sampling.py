@@ -1,0 +1,253 @@
+"""Sample a reference law over a grid, block by block.
+
+A grid is walked one ΔR after the other and within it in blocks of bounded size, so that
+memory does not grow with the grid. Blocks, and the order in which they are put together,
+depend on the grid alone: the result is the same for any number of workers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import joblib
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
+
+from cylcontact.arrays import FloatArray
+from cylcontact.datasets.grid import Grid
+from cylcontact.datasets.moments import Moments, concatenate, merge
+from cylcontact.errors import InputError
+from cylcontact.files import replacing
+from cylcontact.laws import reference_law
+from cylcontact.materials import Material
+from cylcontact.pair import CylinderPair
+
+# Samples per block: a block's dozen temporaries stay within a core's cache (some 0.5 MiB each).
+BLOCK = 1 << 16
+
+COLUMNS = ("E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm")
+
+Progress = Callable[[int], None]
+
+
+@dataclass(frozen=True)
+class Counts:
+    """How many samples a grid gave, and how many the reference law's domain masked."""
+
+    samples: int
+    masked: int
+
+
+@dataclass(frozen=True)
+class Block:
+    """Samples at one ΔR: flat arrays, those outside the reference's domain left out.
+
+    Attributes
+    ----------
+    dR : float
+        ΔR in mm.
+    E, nu, load, penetration, E_star : array of float, shape (k,)
+        In GPa, -, N/mm, mm and MPa.
+    masked : int
+        Samples left out.
+    """
+
+    dR: float
+    E: FloatArray
+    nu: FloatArray
+    load: FloatArray
+    penetration: FloatArray
+    E_star: FloatArray
+    masked: int
+
+    @property
+    def s(self) -> FloatArray:
+        """Logarithm of the load over the modulus in mm, ln(f/E*)."""
+        return np.asarray(np.log(self.load / self.E_star))
+
+    @property
+    def j(self) -> FloatArray:
+        """Logarithm of the penetration in mm, ln δ."""
+        return np.asarray(np.log(self.penetration))
+
+
+def blocks(grid: Grid, dR: float) -> Iterator[Block]:
+    """Sample the grid's reference law at one ΔR, block by block.
+
+    Parameters
+    ----------
+    grid : Grid
+        The grid.
+    dR : float
+        One of its clearances, in mm.
+
+    Yields
+    ------
+    Block
+        At most `BLOCK` samples, E slowest and load fastest.
+    """
+    law = reference_law(grid.reference)
+    E, nu = (axis.ravel() for axis in np.meshgrid(grid.E, grid.nu, indexing="ij"))
+    loads_per_block = min(grid.load.size, BLOCK)
+    rows_per_block = max(1, BLOCK // loads_per_block)
+    for row in range(0, E.size, rows_per_block):
+        rows = slice(row, row + rows_per_block)
+        material = Material("grid", E[rows, None] * 1e3, nu[rows, None])
+        pair = CylinderPair.from_dR(grid.contact, dR, material)
+        for first in range(0, grid.load.size, loads_per_block):
+            load = grid.load[first : first + loads_per_block]
+            penetration = law.penetration(load, pair)
+            yield _masked_block(dR, E[rows], nu[rows], load, penetration, pair.E_star)
+
+
+def _masked_block(
+    dR: float,
+    E: FloatArray,
+    nu: FloatArray,
+    load: FloatArray,
+    penetration: FloatArray,
+    E_star: FloatArray,
+) -> Block:
+    """Flatten a block and leave out what lies outside the reference's domain."""
+    inside = np.isfinite(penetration)
+
+    def kept(column: FloatArray) -> FloatArray:
+        return np.broadcast_to(column, penetration.shape)[inside]
+
+    return Block(
+        dR=dR,
+        E=kept(E[:, None]),
+        nu=kept(nu[:, None]),
+        load=kept(load),
+        penetration=kept(penetration),
+        E_star=kept(E_star),
+        masked=int(penetration.size - np.count_nonzero(inside)),
+    )
+
+
+def reduce_grid(
+    grid: Grid, jobs: int = 1, progress: Progress | None = None
+) -> tuple[Moments, Counts]:
+    """Reduce a grid of any size to moments, holding only a block of it per worker.
+
+    Parameters
+    ----------
+    grid : Grid
+        The grid.
+    jobs : int
+        Threads; the result does not depend on it.
+    progress : callable, optional
+        Called with the number of clearances done, as each is.
+
+    Returns
+    -------
+    moments : Moments
+        At the grid's clearances, those that are wholly masked left out.
+    counts : Counts
+        Samples used and masked.
+
+    Raises
+    ------
+    InputError
+        If the reference law's domain masks every sample.
+
+    Examples
+    --------
+    >>> from cylcontact.datasets.grid import Grid
+    >>> grid = Grid("internal", "johnson", np.array([69.0]), np.array([0.33]),
+    ...             np.array([0.0075]), np.array([10.0, 100.0, 490.0, 500.0]))
+    >>> moments, counts = reduce_grid(grid)
+    >>> counts
+    Counts(samples=3, masked=1)
+    """
+    work = (joblib.delayed(_reduce_clearance)(grid, float(dR)) for dR in grid.dR)
+    parallel = joblib.Parallel(n_jobs=jobs, prefer="threads", return_as="generator")
+    parts: list[Moments] = []
+    masked = 0
+    for done, (moments, left_out) in enumerate(parallel(work), start=1):
+        masked += left_out
+        if moments.total:
+            parts.append(moments)
+        if progress is not None:
+            progress(done)
+    if not parts:
+        raise InputError(
+            grid.source,
+            "axes",
+            None,
+            f"all {grid.size} samples lie outside the domain of {grid.reference} (Eq 8)",
+            "lower the loads, or raise E or dR",
+        )
+    moments = concatenate(parts)
+    return moments, Counts(int(moments.total), masked)
+
+
+def _reduce_clearance(grid: Grid, dR: float) -> tuple[Moments, int]:
+    """Return the moments at one ΔR and the number of masked samples."""
+    parts, masked = [], 0
+    for block in blocks(grid, dR):
+        parts.append(Moments.of_samples(dR, block.s, block.j))
+        masked += block.masked
+    return merge(parts), masked
+
+
+def write_samples(grid: Grid, path: Path | str, progress: Progress | None = None) -> Counts:
+    """Sample a grid into a table, in bounded memory.
+
+    Parameters
+    ----------
+    grid : Grid
+        The grid.
+    path : path
+        A .parquet or .csv file; it appears when it is complete. Its columns are `COLUMNS`.
+    progress : callable, optional
+        Called with the number of clearances done, as each is.
+
+    Returns
+    -------
+    Counts
+        Samples written and masked.
+
+    Raises
+    ------
+    InputError
+        If the suffix is neither, the file cannot be written, or every sample is masked.
+    """
+    schema = pa.schema([(name, pa.float64()) for name in COLUMNS])
+    samples = masked = 0
+    with replacing(path) as temporary, _table_writer(path, temporary, schema) as writer:
+        for done, dR in enumerate(grid.dR, start=1):
+            for block in blocks(grid, float(dR)):
+                writer.write_batch(_record_batch(block, schema))
+                samples += block.load.size
+                masked += block.masked
+            if progress is not None:
+                progress(done)
+        if not samples:
+            reduce_grid(grid)  # raises the error that names the reason
+    return Counts(samples, masked)
+
+
+def _table_writer(
+    path: Path | str, temporary: Path, schema: pa.Schema
+) -> pyarrow.parquet.ParquetWriter | pyarrow.csv.CSVWriter:
+    """Return a writer of batches for the suffix of `path`."""
+    suffix = Path(path).suffix
+    if suffix == ".parquet":
+        return pyarrow.parquet.ParquetWriter(temporary, schema, compression="zstd")
+    if suffix == ".csv":
+        return pyarrow.csv.CSVWriter(temporary, schema)
+    raise InputError(
+        str(path), "", None, "is neither .parquet nor .csv", "name the output so that it is one"
+    )
+
+
+def _record_batch(block: Block, schema: pa.Schema) -> pa.RecordBatch:
+    """Return a block as a batch of the table."""
+    dR = np.full(block.load.size, block.dR)
+    columns = (block.E, block.nu, dR, block.load, block.penetration)
+    return pa.record_batch([pa.array(column) for column in columns], schema=schema)

@@ -1,0 +1,102 @@
+"""Files that appear complete or not at all."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from cylcontact.errors import InputError
+
+
+@contextmanager
+def replacing(path: Path | str) -> Iterator[Path]:
+    """Give a temporary path beside `path` and rename it to `path` when the block succeeds.
+
+    Missing folders are made. If the block fails or is interrupted, `path` is as it was before
+    and nothing else is left.
+
+    Parameters
+    ----------
+    path : path
+        The file to write.
+
+    Yields
+    ------
+    Path
+        Where to write, with the suffix of `path`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> with replacing(folder / "new" / "numbers.txt") as temporary:
+    ...     _ = temporary.write_text("1 2 3")
+    >>> (folder / "new" / "numbers.txt").read_text()
+    '1 2 3'
+    """
+    target = Path(path)
+    temporary = None
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if target.is_dir():
+            raise IsADirectoryError("it is a folder")
+        handle, name = tempfile.mkstemp(
+            prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent
+        )
+        os.close(handle)
+        temporary = Path(name)
+        yield temporary
+        temporary.chmod(0o666 & ~_umask())
+        temporary.replace(target)
+        temporary = None
+    except OSError as error:
+        raise InputError(
+            str(target),
+            "",
+            None,
+            f"cannot be written ({error.strerror or error})",
+            "choose a file in a folder you may write to, with room left",
+        ) from error
+    finally:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+
+
+def require_writable(path: Path | str) -> None:
+    """Raise `InputError` now if `path` could not be written later, and leave no trace.
+
+    Long work calls this first, so that it does not fail at its end.
+    """
+    target = Path(path)
+    existing = target.parent
+    while not existing.exists() and existing != existing.parent:
+        existing = existing.parent
+    problem = ""
+    if target.is_dir():
+        problem = "it is a folder"
+    elif not existing.is_dir():
+        problem = f"{existing} is not a folder"
+    elif not os.access(existing, os.W_OK | os.X_OK):
+        problem = f"no permission to write in {existing}"
+    if problem:
+        raise InputError(
+            str(target),
+            "",
+            None,
+            f"cannot be written ({problem})",
+            "choose a file in a folder you may write to",
+        )
+
+
+def _umask() -> int:
+    """Return the process's umask, which can only be read by setting it."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,237 @@
+"""Run a campaign: sample, search, polish, profile, and put the result together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import joblib
+import numpy as np
+
+from cylcontact.arrays import FloatArray
+from cylcontact.datasets.grid import Grid
+from cylcontact.datasets.moments import Moments
+from cylcontact.datasets.sampling import Counts, blocks, reduce_grid
+from cylcontact.errors import InputError
+from cylcontact.fitting.campaign import Campaign
+from cylcontact.fitting.checkpoint import Checkpoint
+from cylcontact.fitting.objectives import Rows, make_objective, needs_rows
+from cylcontact.fitting.parameters import Family
+from cylcontact.fitting.problem import Problem, require_defined_somewhere
+from cylcontact.fitting.profile import Profile, profile
+from cylcontact.fitting.provenance import provenance
+from cylcontact.fitting.result import (
+    FitResult,
+    MaxDifference,
+    ObjectiveValue,
+    Published,
+    SampleCounts,
+)
+from cylcontact.fitting.run import RunPlan, RunRecord, execute, plan_runs
+
+# The stage, what is done of it, and how much there is.
+Progress = Callable[[str, int, int], None]
+
+# Rows are held in memory, 24 bytes each, by every worker.
+MAX_ROWS = 20_000_000
+
+
+def _silent(stage: str, done: int, total: int) -> None:
+    """Show nothing."""
+
+
+def calibrate(
+    campaign: Campaign,
+    jobs: int = 1,
+    progress: Progress = _silent,
+    checkpoint: Path | None = None,
+    resume: bool = False,
+) -> FitResult:
+    """Run a campaign.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        From `read_campaign`.
+    jobs : int
+        Worker processes; the result does not depend on it.
+    progress : callable, optional
+        Called with the stage, the number of its parts done and their total.
+    checkpoint : path, optional
+        Where finished runs are kept until the result is complete; removed by the caller,
+        once it has saved the result.
+    resume : bool
+        Whether to take up the runs kept there.
+
+    Returns
+    -------
+    FitResult
+
+    Raises
+    ------
+    InputError
+        If every sample is masked, the bounds exclude the law's domain, or the checkpoint
+        belongs to another campaign.
+    """
+    data, counts = _data(campaign, jobs, progress)
+    objective = make_objective(campaign.spec.objective, data)
+    problem = Problem(campaign.family, campaign.parameters, objective)
+    require_defined_somewhere(problem, campaign.source)
+    keeper = Checkpoint(checkpoint, campaign.key) if checkpoint is not None else None
+    records = _run_all(problem, campaign, jobs, progress, keeper, resume)
+    best = min(records, key=lambda record: (record.objective, record.index))
+    published = campaign.family.published
+    return FitResult(
+        name=campaign.name,
+        law=campaign.family.law,
+        contact=campaign.family.contact,
+        reference=campaign.grid.reference,
+        coefficients=best.coefficients,
+        objective=ObjectiveValue(name=campaign.spec.objective, value=best.objective),
+        bound=objective.bound,
+        published=None
+        if published is None
+        else Published(coefficients=dict(published), objective=problem.value_of(published)),
+        max_abs_diff_percent=_max_difference(campaign, best.coefficients),
+        profiles=_profiles(problem, best.coefficients, published, jobs, progress),
+        runs=records,
+        counts=SampleCounts(samples=counts.samples, masked=counts.masked),
+        settings=campaign.settings,
+        provenance=provenance(campaign),
+    )
+
+
+def _data(campaign: Campaign, jobs: int, progress: Progress) -> tuple[Moments | Rows, Counts]:
+    """Sample the campaign's grid to what its objective needs."""
+    grid = campaign.grid
+    if not needs_rows(campaign.spec.objective):
+        return reduce_grid(grid, jobs, lambda done: progress("sampling", done, grid.dR.size))
+    if grid.size > MAX_ROWS:
+        raise InputError(
+            campaign.source,
+            "objective",
+            campaign.spec.objective,
+            f"keeps every sample in memory and the grid has {grid.size} (at most {MAX_ROWS})",
+            "thin the grid, or use rms-log-penetration, which needs only moments",
+        )
+    return collect_rows(grid)
+
+
+def collect_rows(grid: Grid) -> tuple[Rows, Counts]:
+    """Sample a grid into memory, sorted by clearance; wholly masked clearances are left out.
+
+    Raises
+    ------
+    InputError
+        If every sample is masked.
+    """
+    kept: list[tuple[float, FloatArray, FloatArray]] = []
+    masked = 0
+    for dR in grid.dR:
+        sampled = list(blocks(grid, float(dR)))
+        masked += sum(block.masked for block in sampled)
+        s = np.concatenate([block.s for block in sampled])
+        if s.size:
+            kept.append((float(dR), s, np.concatenate([block.j for block in sampled])))
+    if not kept:
+        reduce_grid(grid)  # raises the error that names the reason
+    rows = Rows(
+        dR=np.array([dR for dR, _, _ in kept]),
+        index=np.repeat(np.arange(len(kept)), [s.size for _, s, _ in kept]),
+        s=np.concatenate([s for _, s, _ in kept]),
+        j=np.concatenate([j for _, _, j in kept]),
+    )
+    return rows, Counts(rows.s.size, masked)
+
+
+def _run_all(
+    problem: Problem,
+    campaign: Campaign,
+    jobs: int,
+    progress: Progress,
+    keeper: Checkpoint | None,
+    resume: bool,
+) -> list[RunRecord]:
+    """Run what is not already kept, keep each run as it ends, return all in order."""
+    genetic = campaign.spec.genetic
+    plans = plan_runs(
+        genetic.runs,
+        genetic.populations,
+        genetic.crossovers,
+        genetic.generations,
+        campaign.spec.seed,
+    )
+    records = keeper.load() if keeper and resume else []
+    if keeper and not resume:
+        keeper.start()
+    finished = {record.index for record in records}
+    waiting: list[RunPlan] = [plan for plan in plans if plan.index not in finished]
+    progress("searching", len(records), len(plans))
+    parallel = joblib.Parallel(n_jobs=jobs, return_as="generator_unordered")
+    for record in parallel(joblib.delayed(execute)(problem, plan) for plan in waiting):
+        if keeper:
+            keeper.add(record)
+        records.append(record)
+        progress("searching", len(records), len(plans))
+    return sorted(records, key=lambda record: record.index)
+
+
+def _profiles(
+    problem: Problem,
+    best: Mapping[str, float],
+    published: Mapping[str, float] | None,
+    jobs: int,
+    progress: Progress,
+) -> dict[str, Profile]:
+    """Profile every free parameter."""
+    names = [p.name for p in problem.free]
+    parallel = joblib.Parallel(n_jobs=jobs, return_as="generator")
+    work = (
+        joblib.delayed(profile)(problem, name, best, published[name] if published else None)
+        for name in names
+    )
+    profiles = {}
+    progress("profiling", 0, len(names))
+    for name, found in zip(names, parallel(work), strict=True):
+        profiles[name] = found
+        progress("profiling", len(profiles), len(names))
+    return profiles
+
+
+def _max_difference(campaign: Campaign, best: Mapping[str, float]) -> MaxDifference:
+    """Return the largest |Eq 9| over the grid, fitted and published."""
+    family, published = campaign.family, campaign.family.published
+    candidates = [best] if published is None else [best, published]
+    worst = max_abs_difference_percent(campaign.grid, family, candidates)
+    return MaxDifference(
+        fitted=float(worst[0]), published=float(worst[1]) if published is not None else None
+    )
+
+
+def max_abs_difference_percent(
+    grid: Grid, family: Family, candidates: list[Mapping[str, float]]
+) -> FloatArray:
+    """Return the largest |Eq 9| in percent over a grid for each of several coefficient sets.
+
+    Parameters
+    ----------
+    grid : Grid
+        Sampled block by block, whatever its size.
+    family : Family
+        The law.
+    candidates : list of mapping
+        Coefficients by name, P of them.
+
+    Returns
+    -------
+    array of float, shape (P,)
+    """
+    points = np.array([[c[name] for name in family.names] for c in candidates])
+    worst = np.zeros(len(candidates))
+    for dR in grid.dR:
+        form = family.power_form(points, np.array([dR]))
+        for block in blocks(grid, float(dR)):
+            if block.load.size:
+                difference = np.expm1((block.s + form.c) / form.n - block.j)
+                worst = np.maximum(worst, np.abs(difference).max(axis=1))
+    return 100 * worst

@@ -1,0 +1,255 @@
+"""Campaigns: a grid, a law, an objective and a genetic search, as a file and as it is run."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field, model_validator
+
+from cylcontact.datasets.grid import Grid, grid_from, spec_hash
+from cylcontact.errors import InputError
+from cylcontact.fitting.genetic import CROSSOVERS
+from cylcontact.fitting.objectives import OBJECTIVES
+from cylcontact.fitting.parameters import Family, Parameter, family_of
+from cylcontact.specs import Spec, broken, parse_spec, read_toml
+
+_PARAMETER_REMEDY = "give low and high, or value with fixed = true"
+
+
+class ParameterSpec(Spec):
+    """A table [parameters.NAME]."""
+
+    low: float | None = Field(None, description="the lower bound, a number")
+    high: float | None = Field(None, description="the upper bound, a number")
+    value: float | None = Field(None, description="where the parameter is held, a number")
+    fixed: bool = Field(False, description="true or false")
+
+    @model_validator(mode="after")
+    def _check(self) -> ParameterSpec:
+        if self.fixed:
+            if self.value is None:
+                raise broken("value", None, "is required when fixed = true", _PARAMETER_REMEDY)
+            return self
+        if self.value is not None:
+            raise broken("value", self.value, "is used only with fixed = true", _PARAMETER_REMEDY)
+        for key in ("low", "high"):
+            if getattr(self, key) is None:
+                raise broken(key, None, "is required", _PARAMETER_REMEDY)
+        if (self.low or 0.0) >= (self.high or 0.0):
+            raise broken("low", self.low, f"must be below high = {self.high}", "exchange them")
+        return self
+
+
+class GeneticSpec(Spec):
+    """The table [genetic]."""
+
+    runs: int = Field(16, ge=1, description="the number of runs, an integer of at least 1")
+    populations: tuple[int, ...] = Field(
+        (60, 120), strict=False, description="a list of population sizes of at least 4"
+    )
+    generations: int = Field(300, ge=1, description="the generations, an integer of at least 1")
+    crossovers: tuple[str, ...] = Field(
+        ("single_point", "uniform", "blend"),
+        strict=False,
+        description=f"a list from {', '.join(CROSSOVERS)}",
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> GeneticSpec:
+        if not self.populations or min(self.populations) < 4:
+            raise broken(
+                "populations", list(self.populations), "sizes must be at least 4", "e.g. [60, 120]"
+            )
+        unknown = [name for name in self.crossovers if name not in CROSSOVERS]
+        if unknown or not self.crossovers:
+            raise broken(
+                "crossovers",
+                list(self.crossovers),
+                "must be a list of known crossovers",
+                f"choose from {', '.join(CROSSOVERS)}",
+            )
+        return self
+
+
+class CampaignSpec(Spec):
+    """A campaign file."""
+
+    dataset: str = Field(description="the path of a grid spec, beside or above the campaign")
+    law: str = Field(description="the law to fit, a string")
+    objective: str = Field(OBJECTIVES[0], description=f"one of {', '.join(OBJECTIVES)}")
+    seed: int = Field(20150101, ge=0, description="the seed, an integer of at least 0")
+    parameters: dict[str, ParameterSpec] = Field(
+        description="a table [parameters.NAME] for each parameter of the law"
+    )
+    genetic: GeneticSpec = Field(GeneticSpec(), description="a table [genetic]")
+
+    @model_validator(mode="after")
+    def _check(self) -> CampaignSpec:
+        if self.objective not in OBJECTIVES:
+            raise broken(
+                "objective",
+                self.objective,
+                "is not a known objective",
+                f"choose {', '.join(OBJECTIVES)}",
+            )
+        return self
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A campaign ready to run.
+
+    Attributes
+    ----------
+    name : str
+        The file's name without suffix.
+    spec : CampaignSpec
+        Its settings, defaults filled in.
+    grid_data : dict
+        The contents of the grid spec.
+    grid : Grid
+        The grid that they describe.
+    family : Family
+        The law and contact.
+    parameters : tuple of Parameter
+        In the order of the family's names.
+    source : str
+        What errors call it.
+    """
+
+    name: str
+    spec: CampaignSpec
+    grid_data: dict[str, Any]
+    grid: Grid
+    family: Family
+    parameters: tuple[Parameter, ...]
+    source: str
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Everything that the result depends on, as plain data."""
+        return {
+            "campaign": self.spec.model_dump(mode="json", exclude_none=True),
+            "dataset": self.grid_data,
+        }
+
+    @property
+    def key(self) -> str:
+        """A hash of `settings`."""
+        return spec_hash(self.settings)
+
+
+def read_campaign(path: Path | str, runs: int | None = None, seed: int | None = None) -> Campaign:
+    """Read a campaign file and the grid spec that it names.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file; its dataset is looked for beside it and in the folder above.
+    runs, seed : int, optional
+        Used instead of the file's.
+
+    Returns
+    -------
+    Campaign
+
+    Raises
+    ------
+    InputError
+        If either file is wrong; the line names key, value, rule and remedy.
+    """
+    data = read_toml(path)
+    if runs is not None and isinstance(data.get("genetic", {}), dict):
+        data["genetic"] = {**data.get("genetic", {}), "runs": runs}
+    if seed is not None:
+        data["seed"] = seed
+    spec = parse_spec(CampaignSpec, data, str(path))
+    dataset = _find_dataset(Path(path), spec.dataset)
+    return make_campaign(Path(path).stem, spec, read_toml(dataset), str(path), str(dataset))
+
+
+def campaign_from_settings(name: str, settings: dict[str, Any], source: str) -> Campaign:
+    """Return the campaign that a result's settings describe."""
+    if not all(isinstance(settings.get(key), dict) for key in ("campaign", "dataset")):
+        raise InputError(
+            source, "settings", None, "lacks the campaign or the dataset", "redo the fit"
+        )
+    spec = parse_spec(CampaignSpec, settings["campaign"], f"{source}, settings.campaign")
+    return make_campaign(name, spec, settings["dataset"], source, f"{source}, settings.dataset")
+
+
+def make_campaign(
+    name: str, spec: CampaignSpec, grid_data: dict[str, Any], source: str, grid_source: str
+) -> Campaign:
+    """Check a campaign against its grid and its law."""
+    grid = grid_from(grid_data, grid_source)
+    family = family_of(spec.law, grid.contact, source)
+    _require_range(grid, family, source)
+    parameters = _parameters(spec, family, source)
+    return Campaign(name, spec, grid_data, grid, family, parameters, source)
+
+
+def _find_dataset(campaign: Path, dataset: str) -> Path:
+    """Return the grid spec that a campaign names."""
+    places = [campaign.parent / dataset, campaign.parent.parent / dataset]
+    for place in places:
+        if place.is_file():
+            return place
+    raise InputError(
+        str(campaign),
+        "dataset",
+        dataset,
+        f"no such file beside the campaign or above it ({', '.join(map(str, places))})",
+        "name a grid spec, e.g. datasets/internal.toml",
+    )
+
+
+def _parameters(spec: CampaignSpec, family: Family, source: str) -> tuple[Parameter, ...]:
+    """Return the family's parameters from the tables of the campaign."""
+    known = ", ".join(family.names)
+    for name in spec.parameters:
+        if name not in family.names:
+            raise InputError(
+                source,
+                f"parameters.{name}",
+                None,
+                f"is not a parameter of {family.law} for {family.contact} contact",
+                f"its parameters: {known}",
+            )
+    for name in family.names:
+        if name not in spec.parameters:
+            raise InputError(
+                source, f"parameters.{name}", None, "is required", f"the law has {known}"
+            )
+    parameters = tuple(
+        Parameter(
+            name=name,
+            low=math.nan if table.low is None else table.low,
+            high=math.nan if table.high is None else table.high,
+            value=table.value,
+            fixed=table.fixed,
+        )
+        for name, table in ((name, spec.parameters[name]) for name in family.names)
+    )
+    if all(p.fixed for p in parameters):
+        raise InputError(
+            source, "parameters", None, "all are fixed", "free at least one: give it low and high"
+        )
+    return parameters
+
+
+def _require_range(grid: Grid, family: Family, source: str) -> None:
+    """Refuse clearances outside the range that the law is stated for."""
+    low, high = float(grid.dR.min()), float(grid.dR.max())
+    if low < family.dR_min or high > family.dR_max:
+        raise InputError(
+            source,
+            "dataset",
+            [low, high],
+            f"its ΔR (mm) leave the range of the {family.law} law for {family.contact} contact, "
+            f"{family.dR_min:g} to {family.dR_max:g} mm",
+            "narrow the dR axis of the grid",
+        )

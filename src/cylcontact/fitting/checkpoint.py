@@ -1,0 +1,97 @@
+"""Keep every finished run of a campaign, so that an interrupted one can be resumed."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+from cylcontact.errors import InputError
+from cylcontact.fitting.run import RunRecord
+from cylcontact.specs import parse_spec
+
+
+class Checkpoint:
+    """A file of finished runs beside a result: a header line, then a line of JSON per run.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    key : str
+        A hash of everything that the runs depend on; runs kept under another are refused.
+    """
+
+    def __init__(self, path: Path, key: str) -> None:
+        self.path = path
+        self._key = key
+
+    def start(self) -> None:
+        """Begin anew, with no runs."""
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self.path.write_text(json.dumps({"campaign": self._key}) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise _unwritable(self.path, error) from error
+
+    def load(self) -> list[RunRecord]:
+        """Return the runs kept so far; none where there is no file yet.
+
+        A line cut short by a kill is dropped, from the file as well.
+
+        Raises
+        ------
+        InputError
+            If the file belongs to another campaign or is not a checkpoint.
+        """
+        if not self.path.exists():
+            self.start()
+            return []
+        text = self.path.read_text(encoding="utf-8", errors="replace")
+        complete = text[: text.rfind("\n") + 1]
+        header, *lines = complete.splitlines() or [""]
+        if header != json.dumps({"campaign": self._key}):
+            raise InputError(
+                str(self.path),
+                "",
+                None,
+                "keeps the runs of another campaign or of other settings",
+                "run without --resume to start anew, or restore the settings",
+            )
+        records = [self._parse(line) for line in lines]
+        if complete != text:
+            self.path.write_text(complete, encoding="utf-8")
+        return records
+
+    def add(self, record: RunRecord) -> None:
+        """Append a finished run and force it to the disk."""
+        try:
+            with self.path.open("a", encoding="utf-8") as file:
+                file.write(record.model_dump_json() + "\n")
+                file.flush()
+                os.fsync(file.fileno())
+        except OSError as error:
+            raise _unwritable(self.path, error) from error
+
+    def remove(self) -> None:
+        """Delete the file: the result that it stood for is complete."""
+        self.path.unlink(missing_ok=True)
+
+    def _parse(self, line: str) -> RunRecord:
+        try:
+            data = json.loads(line)
+        except json.JSONDecodeError as error:
+            raise InputError(
+                str(self.path), "", None, "has a damaged line", "run without --resume"
+            ) from error
+        return parse_spec(RunRecord, data, str(self.path))
+
+
+def _unwritable(path: Path, error: OSError) -> InputError:
+    return InputError(
+        str(path),
+        "",
+        None,
+        f"cannot be written ({error.strerror})",
+        "make room, or choose another output; runs already in it are kept",
+    )

@@ -1,0 +1,115 @@
+"""A calibration problem: a family's free parameters, and the objective they are to minimise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray
+from cylcontact.errors import InputError
+from cylcontact.fitting.objectives import Objective
+from cylcontact.fitting.parameters import Family, Parameter
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Minimise an objective over the free parameters of a family.
+
+    Attributes
+    ----------
+    family : Family
+        The law and contact.
+    parameters : tuple of Parameter
+        One for each of the family's names, in their order.
+    objective : Objective
+        What is minimised, with its data.
+    """
+
+    family: Family
+    parameters: tuple[Parameter, ...]
+    objective: Objective
+
+    @property
+    def free(self) -> tuple[Parameter, ...]:
+        """The parameters that are searched."""
+        return tuple(p for p in self.parameters if not p.fixed)
+
+    @property
+    def low(self) -> FloatArray:
+        """Lower bounds of the free parameters, shape (k,)."""
+        return np.array([p.low for p in self.free])
+
+    @property
+    def high(self) -> FloatArray:
+        """Upper bounds of the free parameters, shape (k,)."""
+        return np.array([p.high for p in self.free])
+
+    def values(self, points: FloatArray) -> FloatArray:
+        """Return the objective of P points of the free parameters, shape (P, k) to (P,)."""
+        form = self.family.power_form(self._complete(points), self.objective.dR)
+        return self.objective.values(form)
+
+    def value(self, point: FloatArray) -> float:
+        """Return the objective of one point, shape (k,)."""
+        return float(self.values(point[None, :])[0])
+
+    def residuals(self, point: FloatArray) -> FloatArray:
+        """Return the objective's residuals of one point, shape (k,)."""
+        form = self.family.power_form(self._complete(point[None, :]), self.objective.dR)
+        return self.objective.residuals(form)
+
+    def coefficients(self, point: FloatArray) -> dict[str, float]:
+        """Return all parameters by name, the fixed ones included."""
+        complete = self._complete(point[None, :])[0]
+        return {p.name: float(v) for p, v in zip(self.parameters, complete, strict=True)}
+
+    def point(self, coefficients: Mapping[str, float]) -> FloatArray:
+        """Return the free ones of the named coefficients, shape (k,)."""
+        return np.array([coefficients[p.name] for p in self.free])
+
+    def value_of(self, coefficients: Mapping[str, float]) -> float:
+        """Return the objective of coefficients given by name, whatever the bounds."""
+        candidate = np.array([[coefficients[name] for name in self.family.names]])
+        return float(self.objective.values(self.family.power_form(candidate, self.objective.dR))[0])
+
+    def holding(self, name: str, value: float) -> Problem:
+        """Return the problem with one parameter held at a value."""
+        held = tuple(
+            replace(p, value=value, fixed=True) if p.name == name else p for p in self.parameters
+        )
+        return replace(self, parameters=held)
+
+    def _complete(self, points: FloatArray) -> FloatArray:
+        """Return points of all parameters, shape (P, all), from those of the free ones."""
+        complete = np.empty((len(points), len(self.parameters)))
+        column = 0
+        for index, parameter in enumerate(self.parameters):
+            if parameter.fixed:
+                complete[:, index] = np.nan if parameter.value is None else parameter.value
+            else:
+                complete[:, index] = points[:, column]
+                column += 1
+        return complete
+
+
+def require_defined_somewhere(problem: Problem, source: str) -> None:
+    """Refuse bounds within which the law is undefined everywhere that was looked.
+
+    Raises
+    ------
+    InputError
+        If K* or n is not positive at some clearance for every one of 2¹² points.
+    """
+    unit = np.random.default_rng(0).uniform(size=(1 << 12, len(problem.free)))
+    corners = np.vstack([np.zeros(len(problem.free)), np.ones(len(problem.free)), unit])
+    points = problem.low + corners * (problem.high - problem.low)
+    if not np.isfinite(problem.values(points)).any():
+        raise InputError(
+            source,
+            "parameters",
+            {p.name: [p.low, p.high] for p in problem.free},
+            "within these bounds the law is undefined: K* or n is not positive somewhere",
+            "move the bounds so that aΔR + b > 0 and n > 0 can hold",
+        )

@@ -1,0 +1,124 @@
+"""What a campaign gives: coefficients, how good they are, and everything needed to redo it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field
+
+from cylcontact.errors import InputError
+from cylcontact.files import replacing
+from cylcontact.fitting.profile import Profile
+from cylcontact.fitting.run import RunRecord
+from cylcontact.pair import Contact
+from cylcontact.specs import Spec, parse_spec
+
+
+class ObjectiveValue(Spec):
+    """An objective's name and value."""
+
+    name: str = Field(description="the objective's name")
+    value: float = Field(description="its value")
+
+
+class Published(Spec):
+    """The published coefficients on the same data."""
+
+    coefficients: dict[str, float] = Field(description="the coefficients in the paper")
+    objective: float = Field(description="their objective")
+
+
+class MaxDifference(Spec):
+    """Largest |Eq 9| over the grid, in percent."""
+
+    fitted: float = Field(description="of the fitted coefficients")
+    published: float | None = Field(description="of the published ones, where there are any")
+
+
+class SampleCounts(Spec):
+    """Samples used, and samples that the reference's domain masked."""
+
+    samples: int = Field(description="samples used")
+    masked: int = Field(description="samples masked")
+
+
+class FitResult(Spec):
+    """The result of a campaign.
+
+    `print(result)` gives the report; a notebook shows it as a table. `coefficients` goes
+    straight into `laws.Enhanced(coefficients=...)`.
+
+    Examples
+    --------
+    >>> result = FitResult.load("fitting/results/internal.json")  # doctest: +SKIP
+    >>> law = laws.Enhanced(coefficients=result.coefficients)  # doctest: +SKIP
+    """
+
+    name: str = Field(description="the campaign's name")
+    law: str = Field(description="the law fitted")
+    contact: Contact = Field(description="the contact it is for")
+    reference: str = Field(description="the law it was fitted to")
+    coefficients: dict[str, float] = Field(description="the fitted coefficients")
+    objective: ObjectiveValue = Field(description="the objective reached")
+    bound: float = Field(description="the per-clearance lower bound of the objective")
+    published: Published | None = Field(description="the published coefficients' objective")
+    max_abs_diff_percent: MaxDifference = Field(description="largest |Eq 9| over the grid")
+    profiles: dict[str, Profile] = Field(description="a profile for each free coefficient")
+    runs: list[RunRecord] = Field(description="every run")
+    counts: SampleCounts = Field(description="samples used and masked")
+    settings: dict[str, Any] = Field(description="the campaign and the grid as run")
+    provenance: dict[str, Any] = Field(description="versions and hashes")
+
+    @classmethod
+    def load(cls, path: Path | str) -> FitResult:
+        """Read a result file.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read or is not a result.
+        """
+        try:
+            data = json.loads(Path(path).read_text(encoding="utf-8"))
+        except OSError as error:
+            raise InputError(
+                str(path), "", None, f"cannot be read ({error.strerror})", "check the path"
+            ) from error
+        except (json.JSONDecodeError, UnicodeDecodeError) as error:
+            raise InputError(
+                str(path), "", None, f"is not a result file ({error})", "redo the fit"
+            ) from error
+        if not isinstance(data, dict):
+            raise InputError(str(path), "", None, "is not a result file", "redo the fit")
+        return parse_spec(cls, data, str(path))
+
+    def save(self, path: Path | str) -> None:
+        """Write the result as JSON, complete or not at all."""
+        with replacing(path) as temporary:
+            text = json.dumps(self.model_dump(), indent=1, ensure_ascii=False, allow_nan=False)
+            temporary.write_text(text + "\n", encoding="utf-8")
+
+    def repeatable(self) -> dict[str, Any]:
+        """Return everything that the same seed must give again: all but times and provenance."""
+        data = self.model_dump(exclude={"provenance"})
+        for run in data["runs"]:
+            del run["seconds"]
+        return data
+
+    def __str__(self) -> str:
+        from cylcontact.fitting.summary import as_text
+
+        return as_text(self)
+
+    def __repr__(self) -> str:
+        return (
+            f"FitResult({self.name!r}, {self.objective.name} = {self.objective.value:.6g}, "
+            f"coefficients={self.coefficients})"
+        )
+
+    def _repr_html_(self) -> str:
+        from cylcontact.fitting.summary import as_html
+
+        return as_html(self)

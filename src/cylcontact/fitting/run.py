@@ -1,0 +1,91 @@
+"""One run of a campaign: a genetic search and the polish of what it found."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import Field
+from threadpoolctl import threadpool_limits
+
+from cylcontact.fitting.genetic import search
+from cylcontact.fitting.polish import polish
+from cylcontact.fitting.problem import Problem
+from cylcontact.specs import Spec
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """What one run does: its place in the campaign, its settings and its seed."""
+
+    index: int
+    population: int
+    generations: int
+    crossover: str
+    seed: int
+
+
+class RunRecord(Spec):
+    """What one run found; the seconds are the only part that may differ between repeats."""
+
+    index: int = Field(description="the run's place in the campaign")
+    seed: int = Field(description="the seed PyGAD was given")
+    population: int = Field(description="the size of the population")
+    crossover: str = Field(description="the crossover")
+    objective_before_polish: float = Field(description="the best of the genetic search")
+    objective: float = Field(description="the objective after the polish")
+    coefficients: dict[str, float] = Field(description="the coefficients after the polish")
+    evaluations: int = Field(description="candidates that the search evaluated")
+    seconds: float = Field(description="wall-clock time")
+
+
+def plan_runs(
+    runs: int,
+    populations: tuple[int, ...],
+    crossovers: tuple[str, ...],
+    generations: int,
+    seed: int,
+) -> list[RunPlan]:
+    """Give each run its population, crossover and a seed spawned from the campaign's.
+
+    Populations and crossovers are combined in turn, so that runs differ in both.
+
+    Examples
+    --------
+    >>> for plan in plan_runs(3, (60, 120), ("uniform", "blend"), 300, seed=1):
+    ...     print(plan.population, plan.crossover)
+    60 uniform
+    120 uniform
+    60 blend
+    """
+    seeds = [int(child.generate_state(1)[0]) for child in np.random.SeedSequence(seed).spawn(runs)]
+    return [
+        RunPlan(
+            index=index,
+            population=populations[index % len(populations)],
+            generations=generations,
+            crossover=crossovers[index // len(populations) % len(crossovers)],
+            seed=run_seed,
+        )
+        for index, run_seed in enumerate(seeds)
+    ]
+
+
+def execute(problem: Problem, plan: RunPlan) -> RunRecord:
+    """Search and polish, on one thread so that the result depends on nothing but the plan."""
+    started = time.perf_counter()
+    with threadpool_limits(limits=1):
+        found = search(problem, plan.population, plan.generations, plan.crossover, plan.seed)
+        point, value = polish(problem, found.point)
+    return RunRecord(
+        index=plan.index,
+        seed=plan.seed,
+        population=plan.population,
+        crossover=plan.crossover,
+        objective_before_polish=found.value,
+        objective=value,
+        coefficients=problem.coefficients(point),
+        evaluations=found.evaluations,
+        seconds=round(time.perf_counter() - started, 3),
+    )

@@ -1,0 +1,137 @@
+"""Results as text for a terminal and as HTML for a notebook."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from html import escape
+
+from rich.console import Console
+from rich.table import Table
+
+from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.verdicts import identification, verdicts
+
+WIDTH = 100
+Rows = list[tuple[str, ...]]
+
+
+def as_text(result: FitResult) -> str:
+    """Return the report on one result."""
+    return "\n".join(
+        [
+            _headline(result),
+            "",
+            _text_table(("", "fitted", "published", "within 1 %", "identified"), _lines(result)),
+            *(f"- {sentence}" for sentence in verdicts(result)),
+        ]
+    )
+
+
+def as_html(result: FitResult) -> str:
+    """Return the same report as an HTML fragment, all of its texts escaped."""
+    columns = ("", "fitted", "published", "within 1 %", "identified")
+    head = "".join(f"<th>{column}</th>" for column in columns)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in line) + "</tr>"
+        for line in _lines(result)
+    )
+    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in verdicts(result))
+    return (
+        f"<p>{escape(_headline(result))}</p>"
+        f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table><ul>{items}</ul>"
+    )
+
+
+def compare(results: Sequence[FitResult]) -> str:
+    """Return results side by side, those of one law and contact in one table, then verdicts.
+
+    Parameters
+    ----------
+    results : sequence of FitResult
+        In the order of the columns.
+
+    Returns
+    -------
+    str
+        Each table has a column for the published coefficients and one for each result; the
+        objective of the published coefficients depends on the data and has a row of its own.
+    """
+    groups: dict[tuple[str, str], list[FitResult]] = {}
+    for result in results:
+        groups.setdefault((result.law, result.contact), []).append(result)
+    parts = [_compare_group(group) for group in groups.values()]
+    for result in results:
+        parts.append("\n".join([f"{result.name}:", *(f"- {v}" for v in verdicts(result))]))
+    return "\n\n".join(parts)
+
+
+def _headline(result: FitResult) -> str:
+    """Return what was fitted to what."""
+    return (
+        f"{result.name}: {result.law} law, {result.contact} contact, fitted to "
+        f"{result.reference} by {result.objective.name} on {result.counts.samples:,} samples "
+        f"({result.counts.masked:,} masked by the reference's domain)"
+    )
+
+
+def _lines(result: FitResult) -> Rows:
+    """Return the lines of the report's table."""
+    published = result.published
+    lines: Rows = []
+    for name, value in result.coefficients.items():
+        interval = ""
+        if name in result.profiles:
+            profile = result.profiles[name]
+            interval = f"{profile.low:.4g} … {profile.high:.4g}"
+        paper = f"{published.coefficients[name]:g}" if published else "-"
+        lines.append((name, f"{value:.5g}", paper, interval, identification(result, name)))
+    paper = f"{published.objective:.5g}" if published else "-"
+    bound = f"bound {result.bound:.5g}"
+    lines.append((result.objective.name, f"{result.objective.value:.5g}", paper, bound, ""))
+    worst = result.max_abs_diff_percent
+    lines.append(("max |Eq 9|, %", f"{worst.fitted:.4g}", _or_dash(worst.published), "", ""))
+    return lines
+
+
+def _compare_group(results: list[FitResult]) -> str:
+    """Return the table of results of one law and contact."""
+    first = results[0]
+    columns = (f"{first.law}, {first.contact}", "published", *(r.name for r in results))
+    lines: Rows = []
+    for name in first.coefficients:
+        paper = f"{first.published.coefficients[name]:g}" if first.published else "-"
+        lines.append((name, paper, *(f"{r.coefficients[name]:.5g}" for r in results)))
+    lines += [
+        ("objective", "", *(r.objective.name for r in results)),
+        ("  fitted", "", *(f"{r.objective.value:.5g}" for r in results)),
+        (
+            "  published",
+            "",
+            *(_or_dash(r.published.objective if r.published else None) for r in results),
+        ),
+        ("  lower bound", "", *(f"{r.bound:.5g}" for r in results)),
+        ("max |Eq 9|, %", "", *(f"{r.max_abs_diff_percent.fitted:.4g}" for r in results)),
+        ("  published", "", *(_or_dash(r.max_abs_diff_percent.published) for r in results)),
+        ("samples", "", *(f"{r.counts.samples:,}" for r in results)),
+        ("  masked", "", *(f"{r.counts.masked:,}" for r in results)),
+    ]
+    return _text_table(columns, lines)
+
+
+def _or_dash(value: float | None) -> str:
+    """Return a number, or a dash where there is none."""
+    return "-" if value is None else f"{value:.4g}"
+
+
+def _text_table(columns: Sequence[str], lines: Rows) -> str:
+    """Return an aligned table, numbers to the right."""
+    table = Table(box=None, pad_edge=False, header_style="")
+    for index, column in enumerate(columns):
+        table.add_column(column, justify="left" if index == 0 else "right", no_wrap=True)
+    for line in lines:
+        table.add_row(*line)
+    stream = io.StringIO()
+    width = max(WIDTH, 24 * len(columns))
+    Console(file=stream, width=width, color_system=None, markup=False, highlight=False).print(table)
+    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines())

@@ -1,0 +1,90 @@
+"""Redo a committed fit and hold the two against each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from cylcontact.fitting.calibrate import Progress, calibrate
+from cylcontact.fitting.campaign import campaign_from_settings
+from cylcontact.fitting.result import FitResult
+
+# A fresh fit may end in a neighbouring kink of Y on another processor: 0.1 % covers those.
+OBJECTIVE_TOLERANCE = 1e-3
+# What needs no search is the same but for rounding.
+EXACT_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class Check:
+    """One number of a committed result beside its fresh value."""
+
+    what: str
+    committed: float
+    fresh: float
+    tolerance: float
+
+    @property
+    def deviation(self) -> float:
+        """Relative deviation of the fresh value."""
+        return abs(self.fresh - self.committed) / abs(self.committed)
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is within the tolerance."""
+        return self.deviation <= self.tolerance
+
+    def __str__(self) -> str:
+        verdict = "holds" if self.holds else "DOES NOT HOLD"
+        return (
+            f"{self.what}: committed {self.committed:.10g}, fresh {self.fresh:.10g}, "
+            f"deviation {self.deviation:.1e}, allowed {self.tolerance:.0e}: {verdict}"
+        )
+
+
+def verify(path: Path, jobs: int, progress: Progress) -> list[Check]:
+    """Fit afresh with the settings in a result file and compare.
+
+    Parameters
+    ----------
+    path : Path
+        The result file.
+    jobs : int
+        Worker processes.
+    progress : callable
+        As for `calibrate`.
+
+    Returns
+    -------
+    list of Check
+        The objective, the lower bound, the published coefficients' objective, and the number
+        of samples.
+
+    Raises
+    ------
+    InputError
+        If the file is not a result.
+    """
+    committed = FitResult.load(path)
+    campaign = campaign_from_settings(committed.name, committed.settings, str(path))
+    fresh = calibrate(campaign, jobs, progress)
+    return compare_results(committed, fresh)
+
+
+def compare_results(committed: FitResult, fresh: FitResult) -> list[Check]:
+    """Compare a committed result with a fresh one."""
+    checks = [
+        Check("objective", committed.objective.value, fresh.objective.value, OBJECTIVE_TOLERANCE),
+        Check("lower bound", committed.bound, fresh.bound, EXACT_TOLERANCE),
+        Check("samples", committed.counts.samples, fresh.counts.samples, 0.0),
+    ]
+    if committed.published and fresh.published:
+        checks.append(
+            Check(
+                "published objective",
+                committed.published.objective,
+                fresh.published.objective,
+                EXACT_TOLERANCE,
+            )
+        )
+    return checks

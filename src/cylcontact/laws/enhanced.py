@@ -1,0 +1,233 @@
+"""The enhanced law of Pereira, Ramalho and Ambrósio, Eqs 5–6: f = (aΔR + b)·E*/ΔR·δⁿ."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from numbers import Real
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, require
+from cylcontact.errors import InputError
+from cylcontact.laws.power import power_load, power_penetration, power_stiffness
+from cylcontact.pair import Contact, CylinderPair
+
+# Eq 6d defines Y for internal contact on [0.005, 10[ mm.
+INTERNAL_DR_MIN = 0.005
+INTERNAL_DR_MAX = 10.0
+
+
+@dataclass(frozen=True)
+class InternalCoefficients:
+    """Coefficients for internal contact; the defaults are the published ones (Eq 6)."""
+
+    a: float = 0.965
+    b: float = 0.0965
+    Y_log_scale: float = 1.51
+    Y_log_exponent: float = -0.151
+    Y_slope: float = 0.0151
+    Y_offset: float = 1.151
+    n_exponent: float = -0.005
+    contact: ClassVar[Contact] = "internal"
+
+    def exponent(self, dR: FloatArray) -> FloatArray:
+        """Return n at ΔR in mm (Eq 6c)."""
+        return internal_exponent(
+            dR,
+            self.Y_log_scale,
+            self.Y_log_exponent,
+            self.Y_slope,
+            self.Y_offset,
+            self.n_exponent,
+        )
+
+
+@dataclass(frozen=True)
+class ExternalCoefficients:
+    """Coefficients for external contact; the defaults are the published ones (Eq 6)."""
+
+    a: float = 0.39
+    b: float = 0.85
+    n: float = 1.094
+    contact: ClassVar[Contact] = "external"
+
+    def exponent(self, dR: FloatArray) -> FloatArray:
+        """Return n, the same at every ΔR (Eq 6c)."""
+        return as_floats(np.full_like(dR, self.n))
+
+
+Coefficients = InternalCoefficients | ExternalCoefficients
+PUBLISHED: Mapping[Contact, Coefficients] = {
+    "internal": InternalCoefficients(),
+    "external": ExternalCoefficients(),
+}
+
+
+def stiffness_factor(dR: ArrayLike, a: ArrayLike, b: ArrayLike) -> FloatArray:
+    """Return K* = aΔR + b, the geometry part of the factor (Eqs 4–5)."""
+    return as_floats(as_floats(a) * as_floats(dR) + as_floats(b))
+
+
+def internal_Y(
+    dR: ArrayLike,
+    Y_log_scale: ArrayLike,
+    Y_log_exponent: ArrayLike,
+    Y_slope: ArrayLike,
+    Y_offset: ArrayLike,
+) -> FloatArray:
+    """Return Y at ΔR in mm (Eq 6d), as the larger of its two branches.
+
+    The published switch point, 0.34954 mm, is where the published branches cross, and the
+    larger branch applies on either side of it. Writing Y as the maximum says the same and
+    lets the switch follow when other coefficients are tried.
+
+    Examples
+    --------
+    >>> Y = internal_Y([0.05, 1.0], 1.51, -0.151, 0.0151, 1.151)
+    >>> print(Y.round(4))
+    [1.2289 1.1661]
+    """
+    gap = as_floats(dR)
+    logarithmic = as_floats(Y_log_scale) * np.log(1000 * gap) ** as_floats(Y_log_exponent)
+    linear = as_floats(Y_slope) * gap + as_floats(Y_offset)
+    return as_floats(np.maximum(logarithmic, linear))
+
+
+def internal_exponent(
+    dR: ArrayLike,
+    Y_log_scale: ArrayLike,
+    Y_log_exponent: ArrayLike,
+    Y_slope: ArrayLike,
+    Y_offset: ArrayLike,
+    n_exponent: ArrayLike,
+) -> FloatArray:
+    """Return n = Y·ΔR^n_exponent for internal contact (Eq 6c)."""
+    Y = internal_Y(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset)
+    return as_floats(Y * as_floats(dR) ** as_floats(n_exponent))
+
+
+def coefficients_from(values: Mapping[str, float]) -> Coefficients:
+    """Return the coefficients that `values` names, internal or external by their names.
+
+    Raises
+    ------
+    InputError
+        If the names are not exactly those of one contact, or a value is not a finite number.
+    """
+    for name, value in values.items():
+        require(
+            isinstance(value, Real) and np.isfinite(value),
+            "Enhanced",
+            name,
+            value,
+            "a coefficient must be a finite number",
+            "give the value that a fit or the paper gives",
+        )
+    for kind in (InternalCoefficients, ExternalCoefficients):
+        if set(values) == {field.name for field in fields(kind)}:
+            return kind(**values)
+    internal, external = (", ".join(asdict(kind)) for kind in PUBLISHED.values())
+    raise InputError(
+        "Enhanced",
+        "coefficients",
+        sorted(values),
+        "the names must be those of one contact",
+        f"internal: {internal}; external: {external}",
+    )
+
+
+@dataclass(frozen=True)
+class Enhanced:
+    """The enhanced law, Eqs 5–6, without its dissipation factor.
+
+    Parameters
+    ----------
+    coefficients : InternalCoefficients, ExternalCoefficients or mapping, optional
+        Left out, the published coefficients of the pair's contact are used. A mapping from
+        name to value (such as `FitResult.coefficients`) says by its names which contact it
+        belongs to, and the law then refuses pairs of the other.
+
+    Notes
+    -----
+    The law holds in mm, N and MPa only: its coefficients are not dimensionless. For internal
+    contact it is undefined outside 0.005 ≤ ΔR < 10 mm, and NaN there. So it is where
+    coefficients of one's own make aΔR + b or n zero or negative.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.from_dR("internal", dR=0.05, material=steel)
+    >>> print(f"{Enhanced().penetration(100.0, pair) * 1e3:.4f} µm")
+    1.5144 µm
+    """
+
+    coefficients: Coefficients | Mapping[str, float] | None = None
+    name: ClassVar[str] = "enhanced"
+
+    def __post_init__(self) -> None:
+        if isinstance(self.coefficients, Mapping):
+            object.__setattr__(self, "coefficients", coefficients_from(self.coefficients))
+
+    def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the penetration in mm under `load` in N/mm."""
+        return power_penetration(load, self.factor(pair), self.exponent(pair))
+
+    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the load in N/mm at `penetration` in mm."""
+        return power_load(penetration, self.factor(pair), self.exponent(pair))
+
+    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return d(load)/d(penetration) in N/mm²."""
+        return power_stiffness(penetration, self.factor(pair), self.exponent(pair))
+
+    def max_load(self, pair: CylinderPair) -> FloatArray:
+        """Return inf where the law is defined, NaN elsewhere."""
+        product = self.factor(pair) * self.exponent(pair)
+        return inside_or_nan(np.full_like(product, np.inf), np.isfinite(product))
+
+    def max_penetration(self, pair: CylinderPair) -> FloatArray:
+        """Return inf where the law is defined, NaN elsewhere."""
+        return self.max_load(pair)
+
+    def factor(self, pair: CylinderPair) -> FloatArray:
+        """Return K = (aΔR + b)·E*/ΔR in N/mm per mmⁿ, NaN where the law is undefined."""
+        chosen, dR = self._coefficients_for(pair), as_floats(pair.dR)
+        factor = stiffness_factor(dR, chosen.a, chosen.b) * pair.E_star / dR
+        return inside_or_nan(factor, in_range(dR, pair.contact) & (factor > 0))
+
+    def exponent(self, pair: CylinderPair) -> FloatArray:
+        """Return n (Eq 6c), NaN where the law is undefined."""
+        chosen, dR = self._coefficients_for(pair), as_floats(pair.dR)
+        inside = in_range(dR, pair.contact)
+        n = chosen.exponent(np.where(inside, dR, 1.0))
+        return inside_or_nan(n, inside & (n > 0))
+
+    def _coefficients_for(self, pair: CylinderPair) -> Coefficients:
+        """Return the coefficients for the pair's contact, or say that they are the other's."""
+        if self.coefficients is None:
+            return PUBLISHED[pair.contact]
+        chosen = (
+            self.coefficients
+            if not isinstance(self.coefficients, Mapping)
+            else coefficients_from(self.coefficients)
+        )
+        if chosen.contact != pair.contact:
+            raise InputError(
+                "Enhanced",
+                "coefficients",
+                None,
+                f"they are for {chosen.contact} contact and the pair is {pair.contact}",
+                "use coefficients fitted for the pair's contact",
+            )
+        return chosen
+
+
+def in_range(dR: FloatArray, contact: Contact) -> BoolArray:
+    """Tell where ΔR lies in the range that Eq 6 states for the contact."""
+    if contact == "internal":
+        return np.asarray((dR >= INTERNAL_DR_MIN) & (dR < INTERNAL_DR_MAX))
+    return np.asarray(dR > 0)

@@ -1,0 +1,82 @@
+"""The law of Lankarani and Nikravesh, Eq 2: a point contact used for cylinders."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.laws.power import power_load, power_penetration, power_stiffness
+from cylcontact.pair import CylinderPair
+
+
+@dataclass(frozen=True)
+class LankaraniNikravesh:
+    """The elastic part of Eq 2: F = (4/3)·E*·√R·δⁿ, with R = R_i·R_j/ΔR.
+
+    Parameters
+    ----------
+    n : float
+        Exponent, positive; 1.5 for metals.
+
+    Raises
+    ------
+    InputError
+        If the exponent is not positive, or, when the law is evaluated, if the pair lacks its
+        radii or its length.
+
+    Notes
+    -----
+    F is the *total* force of a point contact, in N: the axial length does not appear in it.
+    Per unit length it is F/L, so the pair must know its length. The paper prints the radii
+    as R_i·R_i; R_i·R_j is meant.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel, length=10.0)
+    >>> print(f"{LankaraniNikravesh().load(1e-3, pair):.3f} N/mm")
+    6.610 N/mm
+    """
+
+    n: float = 1.5
+    name: ClassVar[str] = "lankarani-nikravesh"
+
+    def __post_init__(self) -> None:
+        require(
+            self.n > 0 and np.isfinite(self.n),
+            "LankaraniNikravesh",
+            "n",
+            self.n,
+            "must be positive and finite",
+            "metals have n = 1.5",
+        )
+
+    def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the penetration in mm under `load` in N/mm."""
+        return power_penetration(load, self.factor(pair), as_floats(self.n))
+
+    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the load in N/mm at `penetration` in mm."""
+        return power_load(penetration, self.factor(pair), as_floats(self.n))
+
+    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return d(load)/d(penetration) in N/mm²."""
+        return power_stiffness(penetration, self.factor(pair), as_floats(self.n))
+
+    def max_load(self, pair: CylinderPair) -> FloatArray:
+        """Return inf: the law has no largest load."""
+        return as_floats(np.full_like(self.factor(pair), np.inf))
+
+    def max_penetration(self, pair: CylinderPair) -> FloatArray:
+        """Return inf: the law has no largest penetration."""
+        return self.max_load(pair)
+
+    def factor(self, pair: CylinderPair) -> FloatArray:
+        """Return (4/3)·E*·√R/L in N/mm per mmⁿ."""
+        length = pair.contact_length("the law of Lankarani and Nikravesh per unit length")
+        return as_floats(4 / 3 * pair.E_star * np.sqrt(pair.R) / length)

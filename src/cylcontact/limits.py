@@ -1,0 +1,185 @@
+"""Where a contact stops being elastic, and where Johnson's law ends (Sect. 3.3)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.laws import Johnson
+from cylcontact.pair import CylinderPair
+
+
+def hertz_stress(load: ArrayLike, pair: CylinderPair) -> FloatArray:
+    """Return the peak pressure of Hertz's line contact, √(f·E*/(π·R)) (Eq 7).
+
+    Parameters
+    ----------
+    load : array_like
+        Load per unit length in N/mm.
+    pair : CylinderPair
+        A pair that knows its radii.
+
+    Returns
+    -------
+    array of float
+        Stress in MPa; NaN where the load is negative.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel)
+    >>> print(f"{hertz_stress(100.0, pair):.2f} MPa")
+    138.04 MPa
+    """
+    f = as_floats(load)
+    f = np.where(f >= 0, f, np.nan)
+    return as_floats(np.sqrt(f * pair.E_star / (np.pi * pair.R)))
+
+
+def yield_load(pair: CylinderPair, yield_stress: float | None = None) -> FloatArray:
+    """Return the load at which Hertz's peak pressure reaches the yield stress (Fig 7).
+
+    Eq 7 solved for the load: f = π·σ_Y²·R/E*.
+
+    Parameters
+    ----------
+    pair : CylinderPair
+        A pair that knows its radii.
+    yield_stress : float, optional
+        In MPa; left out, the lower of the two materials' own.
+
+    Returns
+    -------
+    array of float
+        Load per unit length in N/mm.
+
+    Raises
+    ------
+    InputError
+        If neither the argument nor both materials give a yield stress, or it is not positive.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=207e3, nu=0.3, yield_stress=250.0)
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel)
+    >>> print(f"{hertz_stress(yield_load(pair), pair):.6f} MPa")
+    250.000000 MPa
+    """
+    stress = _yield_stress(pair, yield_stress)
+    return as_floats(np.pi * stress**2 * pair.R / pair.E_star)
+
+
+def johnson_limit_load(pair: CylinderPair) -> FloatArray:
+    """Return the largest load of Johnson's law in N/mm, 4π·E*·ΔR/e² (Eq 8, Fig 8).
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> aluminium = Material("aluminium", E=69e3, nu=0.33)
+    >>> pair = CylinderPair.from_dR("internal", [0.0075, 0.010], aluminium)
+    >>> print(johnson_limit_load(pair).round(1))
+    [493.8 658.4]
+    """
+    return Johnson().max_load(pair)
+
+
+def johnson_limit_penetration(pair: CylinderPair) -> FloatArray:
+    """Return the largest penetration of Johnson's law in mm, 4ΔR/e² for equal materials."""
+    return Johnson().max_penetration(pair)
+
+
+def stress_at_johnson_limit(pair: CylinderPair) -> FloatArray:
+    """Return Hertz's peak pressure in MPa at Johnson's largest load (Fig 9).
+
+    For equal materials it is (2/e)·E*·ΔR/√(R_i·R_j).
+    """
+    return hertz_stress(johnson_limit_load(pair), pair)
+
+
+def elastic_limit_clearance(R_i: float, pair: CylinderPair) -> FloatArray:
+    """Return the ΔR in mm at which yield and Johnson's limit fall on the same load.
+
+    Below it Johnson's law ends before the material yields. Setting the stress of Fig 9 equal
+    to the yield stress, (2/e)·E*·ΔR = σ_Y·√(R_i·R_j), gives with R_j = R_i − ΔR (internal) a
+    quadratic in ΔR that is solved exactly.
+
+    Parameters
+    ----------
+    R_i : float
+        Radius of the hole in mm.
+    pair : CylinderPair
+        An internal pair, for its materials; its own radii are not used.
+
+    Returns
+    -------
+    array of float
+        ΔR in mm.
+
+    Raises
+    ------
+    InputError
+        If the contact is external, the materials differ or have no yield stress, or the
+        radius is not positive.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=200e3, nu=0.3, yield_stress=250.0)
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel)
+    >>> dR = elastic_limit_clearance(10.0, pair)
+    >>> at_dR = CylinderPair.from_dR("internal", dR, steel, R_i=10.0)
+    >>> print(f"{stress_at_johnson_limit(at_dR):.6f} MPa")
+    250.000000 MPa
+    """
+    require(
+        pair.contact == "internal",
+        "elastic_limit_clearance",
+        "pair.contact",
+        pair.contact,
+        "must be internal",
+        "external contact has no clearance",
+    )
+    require(
+        pair.material_i.plane_strain_modulus == pair.material_j.plane_strain_modulus,
+        "elastic_limit_clearance",
+        "pair.material_j",
+        pair.material_j.name,
+        "must be as stiff as material_i, or Johnson's limit is not that of Eq 8",
+        "give a pair of one material",
+    )
+    require(
+        R_i > 0 and np.isfinite(R_i),
+        "elastic_limit_clearance",
+        "R_i",
+        R_i,
+        "must be positive and finite",
+        "give it in mm",
+    )
+    m = (np.e * _yield_stress(pair, None) / (2 * pair.E_star)) ** 2
+    return as_floats(2 * R_i / (1 + np.sqrt(1 + 4 / m)))
+
+
+def _yield_stress(pair: CylinderPair, given: float | None) -> float:
+    """Return the yield stress in MPa: the given one, else the lower of the materials' own."""
+    own = [m.yield_stress for m in (pair.material_i, pair.material_j) if m.yield_stress is not None]
+    require(
+        given is not None or len(own) == 2,
+        "yield limit",
+        "yield_stress",
+        None,
+        "is not known for both materials",
+        "give the materials a yield_stress in MPa, or pass one",
+    )
+    stress = given if given is not None else min(own)
+    require(
+        stress > 0 and np.isfinite(stress),
+        "yield limit",
+        "yield_stress",
+        stress,
+        "must be positive and finite",
+        "give it in MPa",
+    )
+    return stress
