@@ -114,6 +114,63 @@ def verify(
         raise typer.Exit(1)
 
 
+@app.command()
+def report(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Recipes, e.g. fig10 fig10r; all by default.")
+    ] = None,
+    results: Annotated[
+        Path, typer.Option("--results", help="The folder of fit results to draw from.")
+    ] = RESULTS,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Where to write; reports/figures.")
+    ] = None,
+) -> None:
+    """Draw the figures, each as PNG and PDF with the CSV of its numbers."""
+    from cylcontact.reports.bench import Bench
+    from cylcontact.reports.build import build, find_recipes
+
+    bench = Bench(Path(), results)
+    wanted = names or list(find_recipes(bench))
+    drawn = 0
+    with _progress() as progress:
+        progress("drawing", 0, len(wanted))
+        for name in wanted:
+            (written,) = build(bench, [name], out)
+            drawn += 1
+            progress("drawing", drawn, len(wanted))
+    typer.echo(f"{drawn} figures in {written.paths[0].parent}")
+
+
+@app.command()
+def claims(
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Write the ledger as .csv or .json instead.")
+    ] = None,
+    results: Annotated[
+        Path, typer.Option("--results", help="The folder of fit results to judge by.")
+    ] = RESULTS,
+) -> None:
+    """Hold every quantitative statement of the paper against computed numbers."""
+    from cylcontact.files import replacing
+    from cylcontact.reports.bench import Bench
+    from cylcontact.reports.claims import calibration_claims, ledger, to_csv, to_json, to_text
+
+    bench = Bench(Path(), results)
+    writers = {".csv": to_csv, ".json": to_json}
+    if out is not None and out.suffix not in writers:
+        raise InputError(
+            str(out), "", None, "is neither .csv nor .json", "name the output so that it is one"
+        )
+    found = ledger(bench.materials(), calibration_claims(bench.results_by_name()))
+    if out is None:
+        typer.echo(to_text(found), nl=False)
+        return
+    with replacing(out) as temporary:
+        temporary.write_text(writers[out.suffix](found), encoding="utf-8")
+    typer.echo(f"{len(found)} claims written to {out}")
+
+
 def _cores() -> int:
     """Return the number of cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

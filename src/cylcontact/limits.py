@@ -99,7 +99,7 @@ def stress_at_johnson_limit(pair: CylinderPair) -> FloatArray:
     return hertz_stress(johnson_limit_load(pair), pair)
 
 
-def elastic_limit_clearance(R_i: float, pair: CylinderPair) -> FloatArray:
+def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
     """Return the ΔR in mm at which yield and Johnson's limit fall on the same load.
 
     Below it Johnson's law ends before the material yields. Setting the stress of Fig 9 equal
@@ -108,7 +108,7 @@ def elastic_limit_clearance(R_i: float, pair: CylinderPair) -> FloatArray:
 
     Parameters
     ----------
-    R_i : float
+    R_i : array_like
         Radius of the hole in mm.
     pair : CylinderPair
         An internal pair, for its materials; its own radii are not used.
@@ -150,8 +150,9 @@ def elastic_limit_clearance(R_i: float, pair: CylinderPair) -> FloatArray:
         "must be as stiff as material_i, or Johnson's limit is not that of Eq 8",
         "give a pair of one material",
     )
+    radius = as_floats(R_i)
     require(
-        R_i > 0 and np.isfinite(R_i),
+        (radius > 0) & np.isfinite(radius),
         "elastic_limit_clearance",
         "R_i",
         R_i,
@@ -159,7 +160,7 @@ def elastic_limit_clearance(R_i: float, pair: CylinderPair) -> FloatArray:
         "give it in mm",
     )
     m = (np.e * _yield_stress(pair, None) / (2 * pair.E_star)) ** 2
-    return as_floats(2 * R_i / (1 + np.sqrt(1 + 4 / m)))
+    return as_floats(2 * radius / (1 + np.sqrt(1 + 4 / m)))
 
 
 def _yield_stress(pair: CylinderPair, given: float | None) -> float:

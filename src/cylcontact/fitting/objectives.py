@@ -36,7 +36,7 @@ class Objective(Protocol):
         ...
 
     def residuals(self, form: PowerForm) -> FloatArray:
-        """Return what the polish works on, for a single candidate."""
+        """Return what the polish works on, shape (P, q)."""
         ...
 
     @property
@@ -65,7 +65,7 @@ class RmsLogPenetration:
     def residuals(self, form: PowerForm) -> FloatArray:
         """Return the parts whose squares add up to the objective's, the bound's left out."""
         level, tilt = self._parts(form)
-        return np.concatenate([level[0], tilt[0]])
+        return np.concatenate([level, tilt], axis=1)
 
     @cached_property
     def bound(self) -> float:
@@ -75,9 +75,16 @@ class RmsLogPenetration:
     def _parts(self, form: PowerForm) -> tuple[FloatArray, FloatArray]:
         """Split the residuals at each ΔR into their mean and what is linear in s."""
         m = self.moments
-        level = np.sqrt(m.count / m.total) * ((m.mean_s + form.c) / form.n - m.mean_j)
-        tilt = np.sqrt(m.ss / m.total) * (1 / form.n - m.slope)
+        level_weight, tilt_weight, slope = self._constants
+        level = level_weight * ((m.mean_s + form.c) / form.n - m.mean_j)
+        tilt = tilt_weight * (1 / form.n - slope)
         return as_floats(level), as_floats(tilt)
+
+    @cached_property
+    def _constants(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What every evaluation needs of the moments: two weights and the best 1/n."""
+        m = self.moments
+        return np.sqrt(m.count / m.total), np.sqrt(m.ss / m.total), m.slope
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,11 +137,13 @@ class _RowObjective(ABC):
         return _rms(self._deviations(self.rows.log_ratio(c, n), n[self.rows.index]))
 
     def residuals(self, form: PowerForm) -> FloatArray:
-        """Return the deviations over √N: their squares add up to the objective's."""
-        c, n = form.c[0], form.n[0]
+        """Return the deviations over √N, shape (P, N): squared, they add up to the objective's."""
         with np.errstate(over="ignore"):
-            deviations = self._deviations(self.rows.log_ratio(c, n), n[self.rows.index])
-        return deviations / np.sqrt(deviations.size)
+            deviations = [
+                self._deviations(self.rows.log_ratio(c, n), n[self.rows.index])
+                for c, n in zip(form.c, form.n, strict=True)
+            ]
+        return as_floats(np.array(deviations) / np.sqrt(self.rows.s.size))
 
     @abstractmethod
     def _deviations(self, log_ratio: FloatArray, n: FloatArray) -> FloatArray:
@@ -173,12 +182,12 @@ class MaxDifference(RmsDifference):
         return float(100 * np.abs(np.expm1(self.rows.log_ratio(c, n))).max())
 
     def residuals(self, form: PowerForm) -> FloatArray:
-        """Return the largest and smallest of Eq 9 at each clearance, as fractions, (2m,)."""
-        ratio = np.expm1(self.rows.log_ratio(form.c[0], form.n[0]))
+        """Return the largest and smallest of Eq 9 at each clearance, as fractions, (P, 2m)."""
+        pairs = zip(form.c, form.n, strict=True)
+        ratio = np.expm1([self.rows.log_ratio(c, n) for c, n in pairs])
         starts = np.searchsorted(self.rows.index, np.arange(self.dR.size))
-        return np.concatenate(
-            [np.maximum.reduceat(ratio, starts), np.minimum.reduceat(ratio, starts)]
-        )
+        extremes = [ufunc.reduceat(ratio, starts, axis=1) for ufunc in (np.maximum, np.minimum)]
+        return np.concatenate(extremes, axis=1)
 
     @cached_property
     def bound(self) -> float:

@@ -12,9 +12,13 @@ from cylcontact.fitting.problem import Problem
 # A restart that gains less than this, relatively, ends the polish.
 WORTHWHILE = 1e-10
 MAX_RESTARTS = 20
+# Step of the central differences, relative to the interval between the bounds.
+DIFFERENCE = 1e-6
 
 
-def polish(problem: Problem, start: FloatArray) -> tuple[FloatArray, float]:
+def polish(
+    problem: Problem, start: FloatArray, precision: float = 1e-14
+) -> tuple[FloatArray, float]:
     """Descend from a point to a local minimum.
 
     Parameters
@@ -23,6 +27,9 @@ def polish(problem: Problem, start: FloatArray) -> tuple[FloatArray, float]:
         What to minimise.
     start : array of float, shape (k,)
         Free parameters within their bounds.
+    precision : float
+        Relative change of the objective below which a descent ends; the coefficients are then
+        known to about its square root.
 
     Returns
     -------
@@ -41,7 +48,7 @@ def polish(problem: Problem, start: FloatArray) -> tuple[FloatArray, float]:
     if point.size == 0 or not np.isfinite(value):
         return point, value
     for _ in range(MAX_RESTARTS):
-        candidate = descend(problem, point)
+        candidate = descend(problem, point, precision)
         reached = problem.value(candidate)
         if not reached < value * (1 - WORTHWHILE):
             break
@@ -49,38 +56,48 @@ def polish(problem: Problem, start: FloatArray) -> tuple[FloatArray, float]:
     return point, value
 
 
-def _descend_squares(problem: Problem, start: FloatArray) -> FloatArray:
+def _descend_squares(problem: Problem, start: FloatArray, precision: float) -> FloatArray:
     """Minimise a sum of squares within the bounds."""
     span = problem.high - problem.low
     margin = 1e-12 * span
-    inside = np.clip(start, problem.low + margin, problem.high - margin)
 
     def residuals(point: FloatArray) -> FloatArray:
-        return np.nan_to_num(problem.residuals(point), nan=1e3, posinf=1e3, neginf=-1e3)
+        return as_floats(_residuals(problem, point[None, :])[0])
+
+    def jacobian(point: FloatArray) -> FloatArray:
+        return _jacobian(problem, point)
 
     found = least_squares(
         residuals,
-        inside,
+        np.clip(start, problem.low + margin, problem.high - margin),
+        jac=jacobian,
         bounds=(problem.low, problem.high),
         x_scale=span,
-        xtol=1e-14,
-        ftol=1e-14,
-        gtol=1e-14,
+        xtol=precision,
+        ftol=precision,
+        gtol=precision,
         max_nfev=2000,
     )
     return np.asarray(found.x)
 
 
-def _descend_largest(problem: Problem, start: FloatArray) -> FloatArray:
-    """Minimise a largest magnitude t, as a smooth problem with |residual| ≤ t as constraints."""
+def _descend_largest(problem: Problem, start: FloatArray, precision: float) -> FloatArray:
+    """Minimise a largest magnitude t, as a smooth problem with |residual| ≤ t as constraints.
+
+    It works in u, the free parameters scaled to [0, 1] between their bounds, and t.
+    """
     span = problem.high - problem.low
 
-    def residuals(unit: FloatArray) -> FloatArray:
-        return np.nan_to_num(problem.residuals(problem.low + unit[:-1] * span), nan=1e3)
+    def point(unit: FloatArray) -> FloatArray:
+        return as_floats(problem.low + unit[:-1] * span)
 
     def slack(unit: FloatArray) -> FloatArray:
-        magnitudes = np.abs(residuals(unit))
-        return as_floats(unit[-1] - magnitudes)
+        return as_floats(unit[-1] - np.abs(_residuals(problem, point(unit)[None, :])[0]))
+
+    def slack_gradient(unit: FloatArray) -> FloatArray:
+        signs = np.sign(_residuals(problem, point(unit)[None, :])[0])
+        jacobian = -signs[:, None] * _jacobian(problem, point(unit)) * span
+        return np.column_stack([jacobian, np.ones(len(jacobian))])
 
     first = np.append((start - problem.low) / span, problem.value(start) / 100)
     direction = np.append(np.zeros(start.size), 1.0)
@@ -88,16 +105,31 @@ def _descend_largest(problem: Problem, start: FloatArray) -> FloatArray:
     def largest(unit: FloatArray) -> float:
         return float(unit[-1])
 
-    def gradient(_: FloatArray) -> FloatArray:
+    def largest_gradient(_: FloatArray) -> FloatArray:
         return direction
 
     found = minimize(
         largest,
         first,
-        jac=gradient,
+        jac=largest_gradient,
         method="SLSQP",
         bounds=Bounds(np.zeros(first.size), np.append(np.ones(start.size), np.inf)),
-        constraints=NonlinearConstraint(slack, 0, np.inf),
-        options={"maxiter": 500, "ftol": 1e-12},
+        constraints=NonlinearConstraint(slack, 0, np.inf, jac=slack_gradient),
+        options={"maxiter": 500, "ftol": max(precision, 1e-12)},
     )
-    return np.asarray(problem.low + np.clip(found.x[:-1], 0, 1) * span)
+    return as_floats(problem.low + np.clip(found.x[:-1], 0, 1) * span)
+
+
+def _residuals(problem: Problem, points: FloatArray) -> FloatArray:
+    """Return the residuals of points, shape (P, k) to (P, q), undefined ones made very bad."""
+    return np.nan_to_num(problem.residuals(points), nan=1e3, posinf=1e3, neginf=-1e3)
+
+
+def _jacobian(problem: Problem, point: FloatArray) -> FloatArray:
+    """Return the derivatives of the residuals at one point, shape (q, k).
+
+    Central differences, all of them in one call of the problem.
+    """
+    steps = np.diag(DIFFERENCE * (problem.high - problem.low))
+    ahead, behind = np.split(_residuals(problem, np.vstack([point + steps, point - steps])), 2)
+    return as_floats(((ahead - behind) / (2 * steps.diagonal())[:, None]).T)

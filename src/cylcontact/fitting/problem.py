@@ -55,9 +55,9 @@ class Problem:
         """Return the objective of one point, shape (k,)."""
         return float(self.values(point[None, :])[0])
 
-    def residuals(self, point: FloatArray) -> FloatArray:
-        """Return the objective's residuals of one point, shape (k,)."""
-        form = self.family.power_form(self._complete(point[None, :]), self.objective.dR)
+    def residuals(self, points: FloatArray) -> FloatArray:
+        """Return the objective's residuals of P points, shape (P, k) to (P, q)."""
+        form = self.family.power_form(self._complete(points), self.objective.dR)
         return self.objective.residuals(form)
 
     def coefficients(self, point: FloatArray) -> dict[str, float]:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 from pydantic import Field
+from scipy.optimize import brentq
 
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.polish import polish
@@ -23,7 +24,8 @@ CURVE_POINTS = 41
 # as well identified, below the second as fairly, else as poorly.
 WELL, FAIRLY = 0.02, 0.10
 _FIRST_STEP = 1e-4
-_BISECTIONS = 24
+_EDGE_PRECISION = 1e-4
+_PRECISION = 1e-10
 
 
 class Profile(Spec):
@@ -93,7 +95,7 @@ def _held(
 ) -> tuple[float, dict[str, float]]:
     """Return the best objective and coefficients with one parameter held at a value."""
     held = problem.holding(name, value)
-    point, objective = polish(held, held.point(start))
+    point, objective = polish(held, held.point(start), _PRECISION)
     return objective, held.coefficients(point)
 
 
@@ -117,20 +119,18 @@ def _edge(
     """Return where, towards a bound, the profile rises 1 % above the optimum."""
     limit = problem.value_of(best) * (1 + TOLERANCE)
     reach, inner, start = bound - best[name], 0.0, best
-    step = _FIRST_STEP
+    outer = _FIRST_STEP
     while True:
-        outer = min(1.0, step)
         value, found = _held(problem, name, best[name] + outer * reach, start)
         if not value <= limit:
             break
         if outer == 1.0:
             return bound, True
-        inner, start, step = outer, found, 2 * step
-    for _ in range(_BISECTIONS):
-        middle = (inner + outer) / 2
-        value, found = _held(problem, name, best[name] + middle * reach, start)
-        if value <= limit:
-            inner, start = middle, found
-        else:
-            outer = middle
-    return best[name] + inner * reach, False
+        inner, start, outer = outer, found, min(1.0, 2 * outer)
+
+    def above(share: float) -> float:
+        value, _ = _held(problem, name, best[name] + share * reach, start)
+        return min(value, 2 * limit) - limit
+
+    share = brentq(above, inner, outer, rtol=_EDGE_PRECISION, xtol=_EDGE_PRECISION * outer)
+    return best[name] + float(share) * reach, False

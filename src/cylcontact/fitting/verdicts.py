@@ -98,7 +98,7 @@ def _on_bounds(result: FitResult) -> list[str]:
 def _on_runs(result: FitResult) -> list[str]:
     """Say how many runs agree with the best, and where the others ended."""
     (_, agreeing), *others = basins(result)
-    found = [f"{agreeing} of {len(result.runs)} runs agree with the best within 0.1 %"]
+    found = [f"{agreeing} of {len(result.runs)} runs reached the best objective within 0.1 %"]
     if others:
         listed = ", ".join(f"{value:.4g} ({count})" for value, count in others)
         found.append(f"the others ended in other basins, at (runs): {listed}")

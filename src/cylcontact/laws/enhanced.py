@@ -174,20 +174,20 @@ class Enhanced:
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm."""
-        return power_penetration(load, self.factor(pair), self.exponent(pair))
+        return power_penetration(load, *self._factor_and_exponent(pair))
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
-        return power_load(penetration, self.factor(pair), self.exponent(pair))
+        return power_load(penetration, *self._factor_and_exponent(pair))
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm²."""
-        return power_stiffness(penetration, self.factor(pair), self.exponent(pair))
+        return power_stiffness(penetration, *self._factor_and_exponent(pair))
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return inf where the law is defined, NaN elsewhere."""
-        product = self.factor(pair) * self.exponent(pair)
-        return inside_or_nan(np.full_like(product, np.inf), np.isfinite(product))
+        factor = self.factor(pair)
+        return inside_or_nan(np.full_like(factor, np.inf), np.isfinite(factor))
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return inf where the law is defined, NaN elsewhere."""
@@ -195,16 +195,20 @@ class Enhanced:
 
     def factor(self, pair: CylinderPair) -> FloatArray:
         """Return K = (aΔR + b)·E*/ΔR in N/mm per mmⁿ, NaN where the law is undefined."""
-        chosen, dR = self._coefficients_for(pair), as_floats(pair.dR)
-        factor = stiffness_factor(dR, chosen.a, chosen.b) * pair.E_star / dR
-        return inside_or_nan(factor, in_range(dR, pair.contact) & (factor > 0))
+        return self._factor_and_exponent(pair)[0]
 
     def exponent(self, pair: CylinderPair) -> FloatArray:
         """Return n (Eq 6c), NaN where the law is undefined."""
+        return self._factor_and_exponent(pair)[1]
+
+    def _factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
+        """Return K and n, NaN in the same places: 1ⁿ is 1 even where n is NaN."""
         chosen, dR = self._coefficients_for(pair), as_floats(pair.dR)
         inside = in_range(dR, pair.contact)
+        K_star = stiffness_factor(dR, chosen.a, chosen.b)
         n = chosen.exponent(np.where(inside, dR, 1.0))
-        return inside_or_nan(n, inside & (n > 0))
+        defined = inside & (K_star > 0) & (n > 0)
+        return inside_or_nan(K_star * pair.E_star / dR, defined), inside_or_nan(n, defined)
 
     def _coefficients_for(self, pair: CylinderPair) -> Coefficients:
         """Return the coefficients for the pair's contact, or say that they are the other's."""

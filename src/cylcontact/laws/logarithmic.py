@@ -82,7 +82,8 @@ class Johnson(LogarithmicLaw):
 
     For bodies of different materials the reach is
     Λ = 4π·R_i^(2w_i)·R_j^(2w_j)/R with w_k = E*(1 − ν_k²)/E_k (each body's own half-plane
-    compression, Johnson's Contact Mechanics, Sect. 5.6); equal materials give Λ = 4π·ΔR.
+    compression, Johnson's Contact Mechanics, Sect. 5.6). As w_i + w_j = 1 and R = R_i·R_j/ΔR,
+    that is Λ = 4π·ΔR·(R_i/R_j)^(w_i − w_j), and equal materials give Λ = 4π·ΔR.
 
     Examples
     --------
@@ -100,11 +101,11 @@ class Johnson(LogarithmicLaw):
     shift = -1.0
 
     def reach(self, pair: CylinderPair) -> FloatArray:
-        """Return 4π·ΔR for equal materials, else 4π·R_i^(2w_i)·R_j^(2w_j)/R, in mm."""
+        """Return Λ in mm: 4π·ΔR for equal materials, else 4π·ΔR·(R_i/R_j)^(w_i − w_j)."""
         modulus_i = pair.material_i.plane_strain_modulus
         modulus_j = pair.material_j.plane_strain_modulus
         if np.all(modulus_i == modulus_j):
             return as_floats(4 * np.pi * as_floats(pair.dR))
         R_i, R_j = pair.radii("Johnson's law for different materials")
         w_i, w_j = pair.E_star / modulus_i, pair.E_star / modulus_j
-        return as_floats(4 * np.pi * R_i ** (2 * w_i) * R_j ** (2 * w_j) / pair.R)
+        return as_floats(4 * np.pi * as_floats(pair.dR) * (R_i / R_j) ** (w_i - w_j))

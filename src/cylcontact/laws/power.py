@@ -101,6 +101,7 @@ class PowerLaw:
 
     def factor(self, pair: CylinderPair) -> FloatArray:
         """Return K in N/mm per mmⁿ for `pair`."""
+        scale = pair.E_star / as_floats(pair.dR)
         if self.K_star is not None:
-            return as_floats(self.K_star * pair.E_star / as_floats(pair.dR))
-        return as_floats(self.K)
+            return as_floats(self.K_star * scale)
+        return as_floats(np.full_like(scale, self.K))

@@ -1,0 +1,32 @@
+"""Fig 9: Hertz's peak pressure at Johnson's largest load, with each material's yield stress."""
+
+from cylcontact.limits import elastic_limit_clearance, stress_at_johnson_limit
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.claims.domain import ELASTIC, RADII, YIELD, clearance_pair, origins
+from cylcontact.reports.curves import clearance_panels, mark_yield
+from cylcontact.reports.drawing import Drawing
+
+CAPTION = (
+    "Peak pressure of Hertz's line contact (MPa, Eq 7) at the largest load of Johnson's law "
+    "(Eq 8), against radial clearance (mm); internal contact, hole of radius R_i, both bodies of "
+    "one material. Stars: where the pressure equals the yield stress, which the thin lines carry "
+    "to the axis; left of its star Johnson's law ends before the material yields, right of it the "
+    "material yields first. Material values that are not the paper's: {told}."
+)
+
+
+def draw(bench: Bench) -> Drawing:
+    rows = bench.materials()
+    figure, panels, table = clearance_panels(
+        rows, stress_at_johnson_limit, "stress_MPa", RADII, "peak pressure (MPa)"
+    )
+    headline = {}
+    for axes, R_i in zip(panels, RADII, strict=True):
+        for number, (name, row) in enumerate(rows.items()):
+            dR = float(elastic_limit_clearance(R_i, clearance_pair(R_i / 2, row.material, R_i)))
+            mark_yield(axes, dR, row.material.yield_stress, number)
+            headline[f"{name}, R_i = {R_i:g} mm: dR (mm) of the star"] = dR
+        axes.set_ylim(0.1, 1e6)
+    panels[0].text(0.0013, 2e5, "stars: yield stress")
+    told = origins(rows, rows, ELASTIC, YIELD)
+    return Drawing(figure, table, headline, CAPTION.format(told=told))

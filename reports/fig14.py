@@ -1,0 +1,9 @@
+"""Fig 14: enhanced law against Johnson's for aluminium alloy, published coefficients."""
+
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.drawing import Drawing
+from cylcontact.reports.maps import published_map
+
+
+def draw(bench: Bench) -> Drawing:
+    return published_map(bench.material("aluminium alloy"))

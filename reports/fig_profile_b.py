@@ -1,0 +1,9 @@
+"""How sharply the external fit determines b: the objective with the others re-optimised."""
+
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.drawing import Drawing
+from cylcontact.reports.profiles import profile_drawing
+
+
+def draw(bench: Bench) -> Drawing:
+    return profile_drawing(bench.result("external"), "b", "$b$ (mm$^{2-n}$)")

@@ -1,0 +1,112 @@
+"""The bench: where the specs, fit results, recipes and figures lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from cylcontact.datasets.materials_table import MaterialRow, read_materials
+from cylcontact.errors import InputError
+from cylcontact.fitting.result import FitResult
+
+
+@dataclass(frozen=True)
+class Bench:
+    """The folders that recipes read from and figures go to.
+
+    Parameters
+    ----------
+    root : path
+        The folder that holds `datasets`, `fitting` and `reports`.
+    results : path, optional
+        The folder of fit results; left out, `fitting/results` under the root.
+
+    Examples
+    --------
+    >>> bench = Bench(Path("bench"))
+    >>> bench.results_folder.as_posix(), bench.figures_folder.as_posix()
+    ('bench/fitting/results', 'bench/reports/figures')
+    """
+
+    root: Path
+    results: Path | None = None
+
+    @property
+    def results_folder(self) -> Path:
+        """Where fit results are read from."""
+        return self.results or self.root / "fitting" / "results"
+
+    @property
+    def recipes_folder(self) -> Path:
+        """Where the recipes lie, one Python file per figure."""
+        return self.root / "reports"
+
+    @property
+    def figures_folder(self) -> Path:
+        """Where figures are written unless another folder is named."""
+        return self.recipes_folder / "figures"
+
+    @property
+    def materials_file(self) -> Path:
+        """The table of materials."""
+        return self.root / "datasets" / "materials.csv"
+
+    def materials(self) -> dict[str, MaterialRow]:
+        """Read the table of materials, name → row.
+
+        Raises
+        ------
+        InputError
+            If the table is missing or wrong.
+        """
+        return read_materials(self.materials_file)
+
+    def material(self, name: str) -> MaterialRow:
+        """Return one row of the table of materials.
+
+        Raises
+        ------
+        InputError
+            If the table has no such material.
+        """
+        rows = self.materials()
+        if name not in rows:
+            raise InputError(
+                str(self.materials_file),
+                "name",
+                name,
+                "no material has this name",
+                f"add it, or choose {', '.join(rows)}",
+            )
+        return rows[name]
+
+    def result(self, name: str) -> FitResult:
+        """Load the fit result `NAME.json`.
+
+        Raises
+        ------
+        InputError
+            If it has not been made, or is not a fit result.
+        """
+        path = self.results_folder / f"{name}.json"
+        if not path.is_file():
+            raise InputError(
+                str(path),
+                "",
+                None,
+                "this fit result does not exist",
+                f"make it with: cylcontact fit fitting/{name}.toml -o {path}",
+            )
+        return FitResult.load(path)
+
+    def results_by_name(self) -> dict[str, FitResult]:
+        """Load every fit result of the results folder, name → result; none where there are none.
+
+        Raises
+        ------
+        InputError
+            If a file there is not a fit result.
+        """
+        return {
+            path.stem: FitResult.load(path) for path in sorted(self.results_folder.glob("*.json"))
+        }

@@ -1,0 +1,235 @@
+"""Find the recipes of a bench, draw them, and write each figure with its numbers."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+from cylcontact.errors import InputError
+from cylcontact.files import replacing
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.drawing import Drawing
+from cylcontact.reports.style import figure_style
+
+DPI = 300
+# Seven significant digits: finer than any figure is read, coarser than rounding noise.
+NUMBER_FORMAT = "%.7g"
+
+
+@dataclass(frozen=True)
+class Written:
+    """One figure on disk.
+
+    Attributes
+    ----------
+    name : str
+        The recipe's name.
+    paths : tuple of path
+        The PNG, the PDF and the CSV.
+    drawing : Drawing
+        What was drawn.
+    """
+
+    name: str
+    paths: tuple[Path, ...]
+    drawing: Drawing
+
+
+def find_recipes(bench: Bench) -> dict[str, Path]:
+    """Return the bench's recipes in alphabetical order, name → file.
+
+    Parameters
+    ----------
+    bench : Bench
+        Its `reports/*.py` are the recipes.
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    InputError
+        If there is none.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> bench = Bench(Path(tempfile.mkdtemp()))
+    >>> bench.recipes_folder.mkdir()
+    >>> (bench.recipes_folder / "fig99.py").touch()
+    >>> list(find_recipes(bench))
+    ['fig99']
+    """
+    files = sorted(bench.recipes_folder.glob("*.py"))
+    if not files:
+        raise InputError(
+            str(bench.recipes_folder), "", None, "holds no recipe", "run this in the bench's folder"
+        )
+    return {file.stem: file for file in files}
+
+
+def draw(name: str, bench: Bench) -> Drawing:
+    """Draw one figure in the project's style, writing nothing.
+
+    Parameters
+    ----------
+    name : str
+        The recipe's name, such as "fig02".
+    bench : Bench
+        Where the recipe and its inputs lie.
+
+    Returns
+    -------
+    Drawing
+
+    Raises
+    ------
+    InputError
+        If there is no such recipe, the file is not one, or an input of it is missing.
+    """
+    recipe = _load_recipe(_find_recipe(name, bench))
+    with figure_style():
+        return recipe(bench)
+
+
+def build(
+    bench: Bench,
+    names: Iterable[str] = (),
+    folder: Path | None = None,
+    progress: Callable[[Written], None] = lambda _: None,
+) -> list[Written]:
+    """Draw figures and write NAME.png, NAME.pdf and NAME.csv of each.
+
+    A figure's three files appear complete or not at all, and the same input gives the same bytes.
+
+    Parameters
+    ----------
+    bench : Bench
+        Where the recipes and their inputs lie.
+    names : iterable of str, optional
+        The recipes to draw; left out, all of them.
+    folder : path, optional
+        Where to write; left out, the bench's `reports/figures`.
+    progress : callable, optional
+        Called with each figure once it is on disk.
+
+    Returns
+    -------
+    list of Written
+
+    Raises
+    ------
+    InputError
+        If a recipe or an input of it is missing, or the folder cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> bench = Bench(Path(tempfile.mkdtemp()))
+    >>> bench.recipes_folder.mkdir()
+    >>> recipe = '''
+    ... import pandas as pd
+    ... from cylcontact.reports.drawing import Drawing
+    ... from cylcontact.reports.style import new_figure
+    ...
+    ... def draw(bench):
+    ...     table = pd.DataFrame({"load_N_per_mm": [10.0]})
+    ...     return Drawing(new_figure("column", 60), table, {"load, N/mm": 10.0}, "A load.")
+    ... '''
+    >>> _ = (bench.recipes_folder / "fig99.py").write_text(recipe)
+    >>> (figure,) = build(bench)
+    >>> [path.name for path in figure.paths], figure.drawing.headline
+    (['fig99.png', 'fig99.pdf', 'fig99.csv'], {'load, N/mm': 10.0})
+    """
+    target = folder or bench.figures_folder
+    chosen = list(names) or list(find_recipes(bench))
+    for name in chosen:
+        # A mistyped name is told before the first figure is drawn.
+        _find_recipe(name, bench)
+    written = []
+    for name in chosen:
+        drawing = draw(name, bench)
+        written.append(Written(name, write(drawing, name, target), drawing))
+        progress(written[-1])
+    return written
+
+
+def write(drawing: Drawing, name: str, folder: Path) -> tuple[Path, ...]:
+    """Write a drawing's PNG, PDF and CSV, complete or not at all.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        What to write.
+    name : str
+        The files' name without its ending.
+    folder : path
+        Where to write; made if it does not exist.
+
+    Returns
+    -------
+    tuple of path
+        The PNG, the PDF and the CSV.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to.
+    """
+    with ExitStack() as stack:
+        png, pdf, csv = (
+            stack.enter_context(replacing(folder / f"{name}.{ending}"))
+            for ending in ("png", "pdf", "csv")
+        )
+        _save(drawing, png, pdf, csv)
+    return tuple(folder / f"{name}{file.suffix}" for file in (png, pdf, csv))
+
+
+def _save(drawing: Drawing, png: Path, pdf: Path, csv: Path) -> None:
+    """Write the three files, the caption inside the first two."""
+    # Dates and versions off: they would change the bytes and tell the reader nothing.
+    undated = {"CreationDate": None, "Creator": None, "Producer": None}
+    with figure_style():
+        drawing.figure.savefig(
+            png, dpi=DPI, metadata={"Software": None, "Description": drawing.caption}
+        )
+        drawing.figure.savefig(pdf, metadata={**undated, "Subject": drawing.caption})
+    drawing.table.to_csv(csv, index=False, float_format=NUMBER_FORMAT, lineterminator="\n")
+
+
+def _find_recipe(name: str, bench: Bench) -> Path:
+    """Return a recipe's file, or say which recipes there are."""
+    recipes = find_recipes(bench)
+    if name not in recipes:
+        raise InputError(
+            str(bench.recipes_folder),
+            "recipe",
+            name,
+            "there is no such recipe",
+            f"choose among {', '.join(recipes)}",
+        )
+    return recipes[name]
+
+
+def _load_recipe(file: Path) -> Callable[[Bench], Drawing]:
+    """Import a recipe by its path and return its `draw`."""
+    spec = importlib.util.spec_from_file_location(f"cylcontact_recipe_{file.stem}", file)
+    # A path ending in .py always has a loader.
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    recipe: Callable[[Bench], Drawing] | None = getattr(module, "draw", None)
+    if recipe is None:
+        raise InputError(
+            str(file),
+            "draw",
+            None,
+            "a recipe must define this function",
+            "give it draw(bench: Bench) -> Drawing",
+        )
+    return recipe

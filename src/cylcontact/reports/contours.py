@@ -1,0 +1,173 @@
+"""Signed contour maps in percent that compare with each other and read in grey."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.contour import QuadContourSet
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+
+from cylcontact.arrays import FloatArray
+from cylcontact.reports.style import new_figure, plain_log
+
+# One set of levels (percent) and colours for every map. Blue is below zero, orange above; each
+# side darkens outwards, so in grey the sign is told by dashes and by the contours' labels.
+LEVELS = (-40, -20, -12, -8, -4, 0, 4, 8, 12, 20, 40)
+COLOURS = (
+    *("#2f7fb8", "#5b9dcb", "#82b6da", "#a8cee7", "#cae1f1", "#e9f3fa"),
+    *("#fdf1e3", "#fbd9b5", "#f6bb84", "#ee9b55", "#df7b30", "#c45f17"),
+)
+COLOUR_MAP = ListedColormap(COLOURS)
+NORM = BoundaryNorm(LEVELS, len(COLOURS), extend="both")
+
+# A light rim that keeps text legible on every colour.
+RIM = withStroke(linewidth=1.8, foreground="white")
+LABEL_ROOM = 15.0  # pixels at 100 dpi that a contour's label needs on every side
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The logarithmic axes of a map.
+
+    Attributes
+    ----------
+    x, y : tuple of float
+        Their ends.
+    x_ticks, y_ticks : tuple of float
+        The values that they label.
+    x_label, y_label : str
+        What they show, with the unit.
+    """
+
+    x: tuple[float, float]
+    y: tuple[float, float]
+    x_ticks: tuple[float, ...]
+    y_ticks: tuple[float, ...]
+    x_label: str
+    y_label: str
+
+
+def new_map(frame: Frame, title: str, scale_label: str) -> tuple[Figure, Axes]:
+    """Return an empty map with its title, axes and colour scale.
+
+    Parameters
+    ----------
+    frame : Frame
+        The axes.
+    title : str
+        Stands above the map; between it and the map is room for a line of notes.
+    scale_label : str
+        Stands beside the colour scale.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    axes : matplotlib.axes.Axes
+    """
+    figure = new_figure("middle", 95.0)
+    axes = figure.subplots()
+    plain_log(axes, "x", frame.x_ticks)
+    plain_log(axes, "y", frame.y_ticks)
+    axes.set(xlim=frame.x, ylim=frame.y, xlabel=frame.x_label, ylabel=frame.y_label)
+    axes.set_title(title, pad=16)
+    bar = figure.colorbar(
+        ScalarMappable(NORM, COLOUR_MAP),
+        ax=axes,
+        ticks=LEVELS,
+        format=lambda level, _: signed(level),
+        pad=0.02,
+    )
+    bar.ax.tick_params(length=0)
+    bar.set_label(scale_label)
+    return figure, axes
+
+
+def draw_contours(axes: Axes, x: FloatArray, y: FloatArray, percent: FloatArray) -> QuadContourSet:
+    """Fill a map and draw its contours, dashed below zero.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        From `new_map`.
+    x, y, percent : array of float
+        Of one two-dimensional shape; the grid need not be rectangular.
+
+    Returns
+    -------
+    matplotlib.contour.QuadContourSet
+        For `label_contours`.
+    """
+    axes.contourf(x, y, percent, LEVELS, cmap=COLOUR_MAP, norm=NORM, extend="both")
+    return axes.contour(
+        x,
+        y,
+        percent,
+        LEVELS,
+        colors="black",
+        linewidths=[1.2 if level == 0 else 0.6 for level in LEVELS],
+        linestyles=["--" if level < 0 else "-" for level in LEVELS],
+    )
+
+
+def label_contours(axes: Axes, lines: QuadContourSet, keep_clear: FloatArray) -> None:
+    """Write each contour's value on it where there is most room, if there is enough.
+
+    The figure's layout must be settled: labels interrupt their lines by their printed length.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where the contours are.
+    lines : matplotlib.contour.QuadContourSet
+        From `draw_contours`.
+    keep_clear : array of float
+        Points in data coordinates, shape (m, 2), that labels stay away from.
+
+    Examples
+    --------
+    >>> frame = Frame((1.0, 10.0), (1.0, 10.0), (1, 10), (1, 10), "x (mm)", "y (mm)")
+    >>> figure, axes = new_map(frame, "a plane", "difference (%)")
+    >>> x, y = np.meshgrid(np.geomspace(1, 10, 20), np.geomspace(1, 10, 20))
+    >>> lines = draw_contours(axes, x, y, x - y)
+    >>> figure.draw_without_rendering()
+    >>> label_contours(axes, lines, np.empty((0, 2)))
+    >>> [text.get_text() for text in lines.labelTexts]
+    ['−8', '−4', '0', '+4', '+8']
+    """
+    taken = list(axes.transData.transform(keep_clear))
+    free = len(taken)
+    for path in lines.get_paths():
+        for polygon in axes.transData.transform_path(path).to_polygons(closed_only=False):
+            line: FloatArray = np.asarray(polygon)
+            room = _room(axes, line, taken)
+            if room.max() > LABEL_ROOM:
+                taken.append(line[np.argmax(room)])
+    if len(taken) == free:
+        return
+    places = axes.transData.inverted().transform(taken[free:])
+    for text in axes.clabel(lines, fmt=signed, fontsize=7, inline_spacing=2, manual=places):
+        text.set_path_effects([RIM])
+
+
+def _room(axes: Axes, points: FloatArray, taken: list[FloatArray]) -> FloatArray:
+    """Return how far each point is from the frame and from the places taken, in pixels."""
+    frame = axes.bbox
+    to_frame = np.minimum(points - frame.min, frame.max - points).min(axis=1)
+    to_taken = [np.hypot(*(points - place).T) for place in taken]
+    return np.asarray(np.min([to_frame, *to_taken], axis=0))
+
+
+def signed(level: float) -> str:
+    """Write a level with its sign, the minus as long as the plus.
+
+    Examples
+    --------
+    >>> signed(4.0), signed(0.0), signed(-12.0)
+    ('+4', '0', '−12')
+    """
+    return f"{level:+g}".replace("-", "\u2212") if level else "0"

@@ -1,0 +1,159 @@
+"""Curves against clearance, one line per material: Figs 7, 8 and 9."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from cylcontact.arrays import FloatArray
+from cylcontact.datasets.materials_table import MaterialRow
+from cylcontact.pair import CylinderPair
+from cylcontact.reports.claims.domain import clearance_pair
+from cylcontact.reports.style import COLOURS, LINE_STYLES, new_figure, panel_title, plain_log
+
+# The clearances of Figs 7 to 9, in mm.
+CLEARANCES: FloatArray = np.geomspace(0.001, 2.0, 100)
+CLEARANCE_TICKS = (0.001, 0.01, 0.1, 1)
+CLEARANCE_LABEL = r"radial clearance $\Delta R$ (mm)"
+
+Quantity = Callable[[CylinderPair], FloatArray]
+
+
+def clearance_table(
+    rows: Mapping[str, MaterialRow], quantity: Quantity, column: str, R_i: float | None = None
+) -> pd.DataFrame:
+    """Evaluate a quantity over the clearances of Figs 7 to 9 for every material.
+
+    Parameters
+    ----------
+    rows : mapping of str to MaterialRow
+        The table of materials.
+    quantity : callable
+        From an internal pair to an array, one value per clearance.
+    column : str
+        The name of the quantity's column, with its unit.
+    R_i : float, optional
+        Radius of the hole in mm; left out for quantities that depend on ΔR only.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns material, dR_mm and `column`.
+
+    Examples
+    --------
+    >>> from cylcontact import Material, limits
+    >>> rows = {"steel": MaterialRow(Material("steel", E=207e3, nu=0.3), {}, "")}
+    >>> table = clearance_table(rows, limits.johnson_limit_load, "load_N_per_mm")
+    >>> print(table.iloc[0]["load_N_per_mm"].round(1))
+    193.4
+    """
+    parts = [
+        pd.DataFrame(
+            {
+                "material": name,
+                "dR_mm": CLEARANCES,
+                column: quantity(clearance_pair(CLEARANCES, row.material, R_i)),
+            }
+        )
+        for name, row in rows.items()
+    ]
+    return pd.concat(parts, ignore_index=True)
+
+
+def clearance_panels(
+    rows: Mapping[str, MaterialRow],
+    quantity: Quantity,
+    column: str,
+    radii: Sequence[float],
+    label: str,
+) -> tuple[Figure, list[Axes], pd.DataFrame]:
+    """Draw a quantity against clearance, a panel per radius of the hole and a line per material.
+
+    Parameters
+    ----------
+    rows : mapping of str to MaterialRow
+        The table of materials.
+    quantity : callable
+        From an internal pair to an array, one value per clearance.
+    column : str
+        The name of the quantity's column in the table, with its unit.
+    radii : sequence of float
+        Radii of the hole in mm.
+    label : str
+        What stands beside the vertical axis, with the unit.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    panels : list of matplotlib.axes.Axes
+    table : pandas.DataFrame
+        Those of `clearance_table`, with a column R_i_mm.
+
+    Examples
+    --------
+    >>> from cylcontact import Material, limits
+    >>> rows = {"steel": MaterialRow(Material("steel", 207e3, 0.3, 1000.0), {}, "")}
+    >>> figure, panels, table = clearance_panels(
+    ...     rows, limits.yield_load, "load_N_per_mm", (100.0, 10.0), "load at yield (N/mm)"
+    ... )
+    >>> table.groupby("R_i_mm")["load_N_per_mm"].min().round().to_dict()
+    {10.0: 1105.0, 100.0: 135349.0}
+    """
+    figure = new_figure("full", 72.0)
+    panels = list(figure.subplots(1, len(radii), sharey=True))
+    tables = []
+    for number, (axes, R_i) in enumerate(zip(panels, radii, strict=True)):
+        table = clearance_table(rows, quantity, column, R_i)
+        draw_materials(axes, table, column)
+        panel_title(axes, number, f"$R_i$ = {R_i:g} mm")
+        tables.append(table.assign(R_i_mm=R_i))
+    panels[0].set_ylabel(label)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    return figure, panels, pd.concat(tables, ignore_index=True)
+
+
+def draw_materials(axes: Axes, table: pd.DataFrame, column: str) -> None:
+    """Draw one line per material on logarithmic axes."""
+    for number, (name, lines) in enumerate(table.groupby("material", sort=False)):
+        # Markers are set apart from line to line, so that none hides another's.
+        dR, values = lines["dR_mm"].to_numpy(), lines[column].to_numpy()
+        axes.plot(dR, values, label=str(name), markevery=(2 + 4 * number, 25))
+    plain_log(axes, "x", CLEARANCE_TICKS)
+    axes.set(xlabel=CLEARANCE_LABEL, xlim=(CLEARANCES[0], CLEARANCES[-1]))
+    decades_log(axes)
+
+
+def decades_log(axes: Axes) -> None:
+    """Make the vertical axis logarithmic with a tick at every decade, labelled as room allows."""
+    axes.set_yscale("log")
+    axes.yaxis.set_minor_locator(LogLocator(subs=(1.0,), numticks=20))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def mark_point(
+    axes: Axes, dR: float, value: float, label: str, offset: tuple[float, float]
+) -> None:
+    """Mark a point with a star and label it, the label `offset` points away."""
+    axes.plot(dR, value, marker="*", color="black", markerfacecolor="black", markersize=6, zorder=5)
+    axes.annotate(
+        label,
+        xy=(dR, value),
+        xytext=offset,
+        textcoords="offset points",
+        arrowprops={"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 1, "shrinkB": 3},
+    )
+
+
+def mark_yield(axes: Axes, dR: float, stress: float, number: int) -> None:
+    """Mark where the line of material `number` reaches its yield stress (MPa), at `dR` (mm)."""
+    colour, line = COLOURS[number], LINE_STYLES[number]
+    ends = ([CLEARANCES[0], dR], [stress, stress])
+    axes.plot(*ends, linestyle=line, color=colour, linewidth=0.5, marker="")
+    axes.plot(dR, stress, marker="*", color=colour, markerfacecolor=colour, markersize=6, zorder=5)

@@ -1,0 +1,29 @@
+"""Fixtures shared by the tests of the contact mechanics."""
+
+import numpy as np
+import pytest
+from hypothesis import settings
+
+from cylcontact import CylinderPair, Material
+
+# The same examples on every run and machine; mpmath and first imports make times uneven.
+settings.register_profile("reproducible", derandomize=True, deadline=None)
+settings.load_profile("reproducible")
+
+
+@pytest.fixture(scope="session")
+def steel() -> Material:
+    return Material("steel", E=207e3, nu=0.3, yield_stress=250.0)
+
+
+@pytest.fixture(scope="session")
+def pair(steel: Material) -> CylinderPair:
+    """A pin in a hole that knows everything a law may ask for."""
+    return CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel, length=12.0)
+
+
+@pytest.fixture(scope="session")
+def pairs(steel: Material) -> CylinderPair:
+    """Three such pairs at once, as a column."""
+    R_j = np.array([[9.99], [9.9], [9.0]])
+    return CylinderPair.internal(R_i=10.0, R_j=R_j, material=steel, length=12.0)

@@ -1,0 +1,158 @@
+"""Whole campaigns: the optimum that is known, the same result for any number of workers."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cylcontact import laws
+from cylcontact.fitting import calibrate, compare, read_campaign, verdicts
+from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.verify import compare_results
+
+ROOT = Path(__file__).resolve().parents[1]
+COMMITTED = sorted((ROOT / "fitting/results").glob("*.json"))
+
+# RMS of ln(δ_law/δ_Johnson) on the grids with E up to 1000 GPa: the best values known.
+BEST = {"internal-E1000": 0.0587, "external-E1000": 0.0547}
+PUBLISHED = {"internal-E1000": 0.1314, "external-E1000": 0.0618}
+
+
+@pytest.fixture(scope="module")
+def results():
+    names = ("internal-E1000", "external-E1000")
+    return {n: calibrate(read_campaign(ROOT / f"fitting/{n}.toml"), jobs=2) for n in names}
+
+
+@pytest.mark.parametrize("name", BEST)
+def test_best_known_objective_is_reached(results, name):
+    result = results[name]
+    assert result.objective.value <= BEST[name] * 1.001
+    assert result.published.objective == pytest.approx(PUBLISHED[name], abs=5e-5)
+    assert result.bound < result.objective.value
+
+
+def test_external_a_and_n_are_the_published_ones(results):
+    coefficients = results["external-E1000"].coefficients
+    assert coefficients["a"] == pytest.approx(0.39, rel=0.01)
+    assert coefficients["n"] == pytest.approx(1.094, rel=0.002)
+
+
+def test_external_optimum_is_the_one_known(results):
+    coefficients = results["external-E1000"].coefficients
+    assert coefficients == pytest.approx({"a": 0.391, "b": 1.049, "n": 1.0933}, abs=5e-4)
+
+
+def test_holding_b_at_its_published_value_costs_about_five_percent(results):
+    result = results["external-E1000"]
+    assert result.profiles["b"].objective_at_published == pytest.approx(0.0577, abs=5e-5)
+    rise = result.profiles["b"].objective_at_published / result.objective.value
+    assert rise == pytest.approx(1.05, abs=0.01)
+
+
+@pytest.mark.parametrize(("b", "objective"), [(0.4, 0.084), (2.0, 0.089)])
+def test_profile_of_b_has_the_known_values(results, b, objective):
+    profile = results["external-E1000"].profiles["b"]
+    assert np.interp(b, profile.values, profile.objective) == pytest.approx(objective, abs=5e-4)
+
+
+@pytest.mark.parametrize("name", BEST)
+def test_no_profile_dips_below_the_optimum(results, name):
+    result = results[name]
+    for profile in result.profiles.values():
+        assert min(profile.objective) >= result.objective.value * (1 - 1e-3)
+
+
+@pytest.mark.parametrize("name", BEST)
+def test_profiles_rise_one_percent_at_the_ends_of_their_intervals(results, name):
+    result = results[name]
+    for key, profile in result.profiles.items():
+        for end, is_bound in (
+            (profile.low, profile.low_is_bound),
+            (profile.high, profile.high_is_bound),
+        ):
+            near = np.interp(end, profile.values, profile.objective)
+            assert is_bound or near == pytest.approx(1.01 * result.objective.value, rel=0.02), key
+
+
+def test_report_says_that_the_internal_coefficients_are_not_the_optimum(results):
+    report = str(results["internal-E1000"])
+    assert "the published coefficients are not the optimum on this grid" in report
+    assert "2.24 times the fitted one" in report
+    assert "runs reached the best objective within 0.1 %" in report
+
+
+def test_report_names_what_is_poorly_identified(results):
+    sentence = next(v for v in verdicts(results["internal-E1000"]) if "poorly" in v)
+    assert "n_exponent" in sentence
+    assert "Y_offset," not in sentence
+    assert " b," in sentence
+
+
+def test_comparison_puts_coefficients_beside_the_published_ones(results):
+    text = compare(list(results.values()))
+    assert "0.965" in text
+    assert "1.094" in text
+    for result in results.values():
+        assert f"{result.coefficients['a']:.5g}" in text
+
+
+def test_fitted_coefficients_go_straight_into_the_law(results):
+    for result in results.values():
+        law = laws.Enhanced(coefficients=result.coefficients)
+        assert law.coefficients.contact == result.contact
+
+
+def small(name, **genetic):
+    """A campaign with a short search."""
+    campaign = read_campaign(ROOT / f"fitting/{name}.toml")
+    settings = campaign.spec.genetic.model_copy(update=genetic)
+    return replace(campaign, spec=campaign.spec.model_copy(update={"genetic": settings}))
+
+
+def test_one_worker_and_two_give_the_same_result():
+    campaign = small("internal-E1000", runs=4, populations=(12, 16), generations=8)
+    assert calibrate(campaign, jobs=1).repeatable() == calibrate(campaign, jobs=2).repeatable()
+
+
+def test_progress_counts_to_the_end():
+    seen = {}
+    campaign = small("external-E1000", runs=2, populations=(8,), generations=3)
+
+    def note(stage, done, total):
+        seen.setdefault(stage, []).append((done, total))
+
+    calibrate(campaign, progress=note)
+    assert list(seen) == ["sampling", "searching", "profiling"]
+    for calls in seen.values():
+        assert calls[-1][0] == calls[-1][1]
+        assert calls == sorted(calls)
+
+
+@pytest.mark.parametrize("path", COMMITTED, ids=lambda path: path.stem)
+def test_committed_results_belong_to_the_committed_campaigns(path):
+    campaign = read_campaign(ROOT / f"fitting/{path.stem}.toml")
+    assert FitResult.load(path).settings == campaign.settings
+
+
+def test_a_fresh_fit_verifies_the_committed_one(results):
+    for name, fresh in results.items():
+        committed = FitResult.load(ROOT / f"fitting/results/{name}.json")
+        assert all(check.holds for check in compare_results(committed, fresh))
+
+
+@pytest.mark.parametrize("name", BEST)
+def test_a_tampered_result_is_found_out(results, name):
+    fresh = results[name]
+    value = fresh.objective.model_copy(update={"value": fresh.objective.value * 0.99})
+    tampered = fresh.model_copy(update={"objective": value})
+    assert [c.what for c in compare_results(tampered, fresh) if not c.holds] == ["objective"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("name", BEST)
+def test_any_seed_reaches_the_best_known_objective(name, seed):
+    result = calibrate(read_campaign(ROOT / f"fitting/{name}.toml", seed=seed), jobs=2)
+    assert result.objective.value <= BEST[name] * 1.001

@@ -1,0 +1,267 @@
+import math
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp
+from scipy.optimize import brentq
+
+from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact.laws import PUBLISHED, Enhanced, ExternalCoefficients, InternalCoefficients
+from cylcontact.laws.enhanced import internal_exponent, internal_Y, stiffness_factor
+from tests.strategies import NOT_TOUCHING, loads, moduli, ratios
+
+LAW = Enhanced()
+PUBLISHED_Y = (1.51, -0.151, 0.0151, 1.151)
+
+# ΔR in mm over the whole range that Eq 6 states, on both sides of the switch of Y.
+INTERNAL = [0.005, 0.0075, 0.05, 0.1, 0.3, 0.349, 0.35, 0.5, 1.0, 3.0, np.nextafter(10.0, 0)]
+EXTERNAL = [1.0, 5.0, 140.0, 500.0]
+ALL = [("internal", dR) for dR in INTERNAL] + [("external", dR) for dR in EXTERNAL]
+in_range = st.tuples(st.just("internal"), st.floats(0.005, 9.999)) | st.tuples(
+    st.just("external"), st.floats(1.0, 1000.0)
+)
+
+
+def steel_pair(contact, dR):
+    return CylinderPair.from_dR(contact, dR, Material("steel", E=207e3, nu=0.3))
+
+
+def first_branch(dR):
+    return 1.51 * math.log(1000 * dR) ** -0.151
+
+
+def second_branch(dR):
+    return 0.0151 * dR + 1.151
+
+
+def eqs_5_and_6(contact, dR, E, nu):
+    """K and n as the paper prints them, with Y's switch at 0.34954 mm."""
+    E_star = E / (2 * (1 - nu**2))
+    if contact == "external":
+        return (0.39 * dR + 0.85) * E_star / dR, 1.094
+    Y = first_branch(dR) if dR < 0.34954 else second_branch(dR)
+    return (0.965 * dR + 0.0965) * E_star / dR, Y * dR**-0.005
+
+
+# --- Eqs 5 and 6 ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("contact", "dR"), ALL)
+def test_the_published_law_is_eqs_5_and_6(contact, dR):
+    pair = steel_pair(contact, dR)
+    K, n = eqs_5_and_6(contact, dR, E=207e3, nu=0.3)
+    for load in (1.0, 10.0, 1000.0):
+        delta = (load / K) ** (1 / n)
+        assert LAW.penetration(load, pair) == pytest.approx(delta, rel=4e-15, abs=0)
+        assert LAW.load(delta, pair) == pytest.approx(load, rel=4e-15)
+
+
+@given(
+    in_range.filter(lambda at: at[0] == "external" or abs(at[1] - 0.34954) > 1e-6), moduli, ratios
+)
+def test_factor_and_exponent_are_eqs_5_and_6_for_any_material(at, E, nu):
+    pair = CylinderPair.from_dR(*at, Material("any", E=E, nu=nu))
+    K, n = eqs_5_and_6(*at, E=E, nu=nu)
+    assert LAW.factor(pair) == pytest.approx(K, rel=2e-15, abs=0)
+    assert LAW.exponent(pair) == pytest.approx(n, rel=2e-15, abs=0)
+
+
+def test_the_published_coefficients_are_those_of_eq_6():
+    assert list(PUBLISHED) == ["internal", "external"]
+    assert list(asdict(PUBLISHED["internal"]).values()) == [
+        *(0.965, 0.0965),
+        *PUBLISHED_Y,
+        -0.005,
+    ]
+    assert list(asdict(PUBLISHED["external"]).values()) == [0.39, 0.85, 1.094]
+
+
+@pytest.mark.parametrize(("contact", "dR"), ALL)
+def test_stiffness_is_the_derivative_of_the_load(contact, dR):
+    pair = steel_pair(contact, dR)
+    for delta in (1e-6, 1e-3, 0.1):
+        with mp.workdps(40):
+            K, n = (mp.mpf(float(x)) for x in (LAW.factor(pair), LAW.exponent(pair)))
+            step = mp.mpf(delta) * mp.mpf(10) ** -15
+            slope = (K * (delta + step) ** n - K * (delta - step) ** n) / (2 * step)
+        assert LAW.stiffness(delta, pair) == pytest.approx(float(slope), rel=1e-15)
+
+
+@given(in_range, loads)
+def test_load_comes_back_from_its_penetration(at, load):
+    pair = steel_pair(*at)
+    back = LAW.load(LAW.penetration(load, pair), pair)
+    assert back == pytest.approx(load, rel=4e-15, abs=0)
+
+
+# --- Y and its two branches -------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def crossing():
+    return brentq(lambda dR: first_branch(dR) - second_branch(dR), 0.1, 1.0, xtol=1e-12)
+
+
+def test_the_branches_of_Y_cross_at_the_papers_switch_point(crossing):
+    assert crossing == pytest.approx(0.3495395, abs=5e-8)
+    assert round(crossing, 5) == 0.34954
+
+
+def test_Y_is_the_papers_branch_on_either_side_of_the_crossing(crossing):
+    below = np.geomspace(0.005, crossing, 400)[:-1]
+    above = np.geomspace(crossing, 10.0, 400)[1:]
+    expected_below = [first_branch(dR) for dR in below]
+    expected_above = [second_branch(dR) for dR in above]
+    np.testing.assert_allclose(internal_Y(below, *PUBLISHED_Y), expected_below, rtol=1e-15)
+    np.testing.assert_allclose(internal_Y(above, *PUBLISHED_Y), expected_above, rtol=1e-15)
+
+
+def test_at_the_papers_switch_the_maximum_is_off_its_piecewise_form_by_less_than_a_millionth():
+    switch = 0.34954
+    gap = second_branch(switch) / first_branch(switch) - 1
+    assert 0 < gap < 1e-6
+
+
+def test_the_switch_follows_other_coefficients():
+    lifted = internal_Y([0.05, 0.3], 1.51, -0.151, 0.0151, 1.18)
+    np.testing.assert_allclose(lifted, [first_branch(0.05), 0.0151 * 0.3 + 1.18], rtol=1e-15)
+
+
+def test_the_exponent_is_Y_times_a_power_of_dR():
+    Y = internal_Y([0.05, 2.0], *PUBLISHED_Y)
+    n = internal_exponent([0.05, 2.0], *PUBLISHED_Y, -0.1)
+    np.testing.assert_allclose(n, Y * np.array([0.05, 2.0]) ** -0.1, rtol=1e-15)
+
+
+def test_the_geometry_factor_is_a_straight_line_in_dR():
+    np.testing.assert_array_equal(stiffness_factor([0.0, 1.0, 4.0], 0.5, 0.25), [0.25, 0.75, 2.25])
+
+
+# --- where the law is defined -----------------------------------------------------------------
+
+METHODS = ("load", "penetration", "stiffness")
+OUTSIDE = [1e-9, 0.001, 0.002, np.nextafter(0.005, 0.0), 10.0, 20.0]
+
+
+@pytest.mark.parametrize("dR", OUTSIDE)
+def test_outside_its_range_of_dR_the_internal_law_is_nan(dR):
+    pair = steel_pair("internal", dR)
+    answers = [getattr(LAW, method)(1e-3, pair) for method in METHODS]
+    answers += [LAW.max_load(pair), LAW.max_penetration(pair), LAW.factor(pair), LAW.exponent(pair)]
+    assert np.all(np.isnan(answers))
+
+
+@pytest.mark.parametrize(("contact", "dR"), [*ALL, ("external", 0.001), ("external", 1e4)])
+def test_inside_it_the_law_has_no_limit(contact, dR):
+    pair = steel_pair(contact, dR)
+    assert LAW.max_load(pair) == LAW.max_penetration(pair) == np.inf
+    assert np.all(np.isfinite([getattr(LAW, method)(1e-3, pair) for method in METHODS]))
+
+
+def test_nan_takes_only_the_pairs_outside_the_range():
+    pair = steel_pair("internal", [0.001, 0.05, 1.0, 10.0])
+    load = LAW.load(1e-3, pair)
+    np.testing.assert_array_equal(np.isnan(load), [True, False, False, True])
+    assert load[1] == LAW.load(1e-3, steel_pair("internal", 0.05))
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("value", NOT_TOUCHING)
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_bodies_that_do_not_touch_give_nan(method, value, contact):
+    assert np.isnan(getattr(LAW, method)(value, steel_pair(contact, 1.0)))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_bodies_that_just_touch_give_zero(method):
+    assert getattr(LAW, method)(0.0, steel_pair("internal", 1.0)) == 0.0
+
+
+@pytest.mark.parametrize("changed", [{"b": -0.2}, {"a": 0.0, "b": 0.0}, {"Y_log_scale": -1.0}])
+def test_coefficients_that_give_no_stiffness_give_nan(changed):
+    """A negative or zero factor or exponent would give a load of the wrong sign, or none."""
+    no_Y = {"Y_slope": 0.0, "Y_offset": 0.0} if "Y_log_scale" in changed else {}
+    law = Enhanced(asdict(InternalCoefficients()) | changed | no_Y)
+    pair = steel_pair("internal", 0.05)
+    assert np.all(np.isnan([getattr(law, method)(1.0, pair) for method in METHODS]))
+    assert np.isnan(law.max_load(pair))
+
+
+# --- coefficients of one's own ----------------------------------------------------------------
+
+
+def test_coefficients_may_come_as_a_mapping_of_names():
+    by_name = Enhanced({"n": 1.1, "a": 0.4, "b": 0.8})
+    assert by_name == Enhanced(ExternalCoefficients(a=0.4, b=0.8, n=1.1))
+    pair = steel_pair("external", 100.0)
+    expected = 40.8 * 207e3 / (2 * 0.91) / 100.0 * 0.01**1.1
+    assert by_name.load(0.01, pair) == pytest.approx(expected, rel=2e-15)
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_the_published_coefficients_by_name_are_the_default(contact):
+    by_name = Enhanced(asdict(PUBLISHED[contact]))
+    pair = steel_pair(contact, 1.0)
+    assert by_name.load(1e-3, pair) == LAW.load(1e-3, pair)
+
+
+@pytest.mark.parametrize(("fitted", "asked"), [("internal", "external"), ("external", "internal")])
+@pytest.mark.parametrize("method", [*METHODS, "max_load", "max_penetration"])
+def test_coefficients_of_the_other_contact_are_refused(fitted, asked, method):
+    law, pair = Enhanced(PUBLISHED[fitted]), steel_pair(asked, 1.0)
+    arguments = (pair,) if method.startswith("max") else (1e-3, pair)
+    with pytest.raises(InputError, match=f"are for {fitted} contact and the pair is {asked}"):
+        getattr(law, method)(*arguments)
+
+
+# --- shapes -----------------------------------------------------------------------------------
+
+
+def test_values_broadcast_against_pairs(pairs):
+    deltas = np.array([1e-4, 2e-4, 3e-4, 4e-4])
+    for method in METHODS:
+        assert getattr(LAW, method)(deltas, pairs).shape == (3, 4)
+    assert LAW.max_load(pairs).shape == LAW.max_penetration(pairs).shape == (3, 1)
+
+
+def test_the_limits_take_the_shape_of_the_pair_with_its_materials():
+    family = Material("family", E=[1e5, 2e5], nu=0.3)
+    pair = CylinderPair.from_dR("external", [[5.0], [50.0], [500.0]], family)
+    assert LAW.max_load(pair).shape == (3, 2)
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_single_numbers_give_numpy_scalars(contact):
+    pair = steel_pair(contact, 1.0)
+    values = [getattr(LAW, method)(np.array(1e-3), pair) for method in METHODS]
+    values += [LAW.max_load(pair), LAW.factor(pair), LAW.exponent(pair)]
+    assert {type(value) for value in values} == {np.float64}
+
+
+# --- Eq 9 -------------------------------------------------------------------------------------
+
+
+def test_the_difference_is_that_of_penetrations_at_equal_load_in_percent():
+    pair = steel_pair("internal", 0.05)
+    judged, truth = LAW.penetration(40.0, pair), laws.Johnson().penetration(40.0, pair)
+    difference = laws.difference_percent(LAW, laws.Johnson(), 40.0, pair)
+    assert difference == pytest.approx(100 * (judged / truth - 1), rel=0, abs=1e-13)
+
+
+def test_a_stiffer_law_differs_by_a_negative_percentage(pair):
+    soft, stiff = laws.PowerLaw(n=1.0, K=1.0), laws.PowerLaw(n=1.0, K=4.0)
+    assert laws.difference_percent(stiff, soft, 7.0, pair) == -75.0
+    assert laws.difference_percent(soft, stiff, 7.0, pair) == 300.0
+    assert laws.difference_percent(soft, soft, 7.0, pair) == 0.0
+
+
+def test_the_difference_is_nan_where_either_law_is_undefined_and_at_zero_load():
+    pair = steel_pair("internal", [[0.001], [0.05]])
+    beyond = 1.01 * laws.Johnson().max_load(steel_pair("internal", 0.05))
+    difference = laws.difference_percent(LAW, laws.Johnson(), [0.0, -1.0, 10.0, beyond], pair)
+    np.testing.assert_array_equal(
+        np.isfinite(difference), [[False] * 4, [False, False, True, False]]
+    )

@@ -1,0 +1,133 @@
+"""The genetic search and the polish, on problems whose answer is known."""
+
+import numpy as np
+import pytest
+
+from cylcontact import laws
+from cylcontact.datasets import Moments, concatenate
+from cylcontact.fitting.genetic import CROSSOVERS, search
+from cylcontact.fitting.objectives import OBJECTIVES, Rows, make_objective, needs_rows
+from cylcontact.fitting.parameters import FAMILIES, Parameter
+from cylcontact.fitting.polish import polish
+from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.run import plan_runs
+
+BOUNDS = {
+    "internal": {
+        "a": (0.1, 1.5),
+        "b": (0.01, 0.5),
+        "Y_log_scale": (1.0, 3.0),
+        "Y_log_exponent": (-0.6, 0.0),
+        "Y_slope": (-0.1, 0.1),
+        "Y_offset": (0.8, 1.6),
+        "n_exponent": (-0.1, 0.1),
+    },
+    "external": {"a": (0.1, 1.5), "b": (0.1, 3.0), "n": (1.0, 1.5)},
+}
+DR = {"internal": np.geomspace(0.05, 9.9, 31), "external": np.geomspace(5, 500, 15)}
+
+
+def exact_problem(contact, objective="rms-log-penetration"):
+    """A problem whose data are the published law itself: its coefficients are the answer."""
+    family = FAMILIES["enhanced", contact]
+    published = np.array([list(family.published.values())])
+    form = family.power_form(published, DR[contact])
+    s = np.tile(np.linspace(-10, -4, 9), (DR[contact].size, 1))
+    j = (s + form.c[0][:, None]) / form.n[0][:, None]
+    if needs_rows(objective):
+        index = np.repeat(np.arange(DR[contact].size), s.shape[1])
+        data = Rows(DR[contact], index, s.ravel(), j.ravel())
+    else:
+        data = concatenate(
+            Moments.of_samples(dR, *row)
+            for dR, row in zip(DR[contact], np.stack([s, j], axis=1), strict=True)
+        )
+    parameters = tuple(Parameter(name, *BOUNDS[contact][name]) for name in family.names)
+    return Problem(family, parameters, make_objective(objective, data))
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_polish_recovers_the_coefficients_that_made_the_data(contact):
+    problem = exact_problem(contact)
+    truth = problem.point(problem.family.published)
+    start = truth + 0.02 * (problem.high - problem.low) * np.cos(np.arange(truth.size))
+    point, value = polish(problem, start)
+    assert value < 1e-7
+    assert point == pytest.approx(truth, rel=1e-5, abs=1e-6)
+
+
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_polish_improves_every_objective_to_nothing_on_exact_data(objective):
+    problem = exact_problem("external", objective)
+    start = problem.low + 0.4 * (problem.high - problem.low)
+    point, value = polish(problem, start)
+    assert value < 1e-4 * problem.value(start)
+    assert point == pytest.approx(problem.point(problem.family.published), rel=1e-3)
+
+
+@pytest.mark.parametrize("crossover", CROSSOVERS)
+def test_search_approaches_the_optimum_with_every_crossover(crossover):
+    problem = exact_problem("external")
+    found = search(problem, population=40, generations=60, crossover=crossover, seed=3)
+    middle = problem.value((problem.low + problem.high) / 2)
+    assert found.value < 0.05 * middle
+    assert found.value == problem.value(found.point)
+    assert (found.point >= problem.low).all()
+    assert (found.point <= problem.high).all()
+
+
+def test_search_counts_its_evaluations():
+    problem = exact_problem("external")
+    calls = []
+    counting = Problem(problem.family, problem.parameters, Counting(problem.objective, calls))
+    found = search(counting, population=10, generations=5, crossover="uniform", seed=1)
+    assert found.evaluations == sum(calls)
+
+
+class Counting:
+    """An objective that notes how many candidates each call has."""
+
+    def __init__(self, objective, calls):
+        self.objective, self.calls, self.dR = objective, calls, objective.dR
+
+    def values(self, form):
+        self.calls.append(len(form.n))
+        return self.objective.values(form)
+
+
+def test_same_seed_same_search_and_other_seed_another():
+    problem = exact_problem("internal")
+    one, two, other = (search(problem, 20, 10, "blend", seed) for seed in (7, 7, 8))
+    assert np.array_equal(one.point, two.point)
+    assert not np.array_equal(one.point, other.point)
+
+
+def test_search_leaves_the_global_random_state_alone():
+    np.random.seed(1)  # noqa: NPY002
+    before = np.random.get_state()[1].copy()  # noqa: NPY002
+    search(exact_problem("external"), 10, 3, "blend", seed=2)
+    assert np.array_equal(before, np.random.get_state()[1])  # noqa: NPY002
+
+
+def test_a_fixed_parameter_stays_where_it_is_held():
+    problem = exact_problem("external").holding("b", 0.5)
+    point, _ = polish(problem, search(problem, 20, 10, "uniform", 1).point)
+    assert point.size == 2
+    assert problem.coefficients(point)["b"] == 0.5
+
+
+def test_every_run_has_a_seed_of_its_own_and_all_combinations_come_up():
+    plans = plan_runs(6, (60, 120), ("uniform", "blend", "single_point"), 10, seed=5)
+    assert len({plan.seed for plan in plans}) == 6
+    assert len({(plan.population, plan.crossover) for plan in plans}) == 6
+
+
+def test_more_runs_leave_the_first_ones_as_they_were():
+    few, many = (plan_runs(n, (60,), ("blend",), 10, seed=5) for n in (2, 9))
+    assert many[:2] == few
+
+
+def test_published_coefficients_are_those_of_the_law():
+    for contact in ("internal", "external"):
+        family = FAMILIES["enhanced", contact]
+        assert dict(family.published) == vars(laws.PUBLISHED[contact])

@@ -1,0 +1,140 @@
+"""Objectives and their lower bounds, each against a calculation that shares no code with it."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from cylcontact import CylinderPair, Material, laws
+from cylcontact.datasets import Grid, reduce_grid
+from cylcontact.fitting.calibrate import collect_rows, max_abs_difference_percent
+from cylcontact.fitting.objectives import OBJECTIVES, make_objective, needs_rows
+from cylcontact.fitting.parameters import FAMILIES
+
+GRIDS = {
+    "internal": Grid(
+        "internal",
+        "johnson",
+        np.geomspace(20.7, 1000, 3),
+        np.array([0.1, 0.5]),
+        np.geomspace(0.05, 9.0, 5),
+        np.geomspace(10, 1000, 6),
+    ),
+    "external": Grid(
+        "external",
+        "johnson",
+        np.geomspace(20.7, 1000, 3),
+        np.array([0.2, 0.4]),
+        np.geomspace(5, 500, 4),
+        np.geomspace(10, 1000, 5),
+    ),
+}
+CANDIDATES = {
+    "internal": [
+        (0.965, 0.0965, 1.51, -0.151, 0.0151, 1.151, -0.005),
+        (0.64, 0.18, 1.7, -0.22, 0.005, 1.127, -0.013),
+    ],
+    "external": [(0.39, 0.85, 1.094), (0.5, 0.7, 1.12)],
+}
+
+
+def differences(grid, family, candidate):
+    """Penetration and force ratios minus one, sample by sample, through the laws themselves."""
+    law = laws.Enhanced(coefficients=dict(zip(family.names, candidate, strict=True)))
+    johnson = laws.Johnson()
+    penetration, force = [], []
+    for E, nu, dR, load in product(grid.E, grid.nu, grid.dR, grid.load):
+        pair = CylinderPair.from_dR(grid.contact, dR, Material("", E * 1e3, nu))
+        delta = johnson.penetration(load, pair)
+        if np.isfinite(delta):
+            penetration.append(law.penetration(load, pair) / delta - 1)
+            force.append(law.load(delta, pair) / load - 1)
+    return np.array(penetration), np.array(force)
+
+
+BY_HAND = {
+    "rms-log-penetration": lambda d, _: np.sqrt(np.mean(np.log1p(d) ** 2)),
+    "rms-difference-percent": lambda d, _: 100 * np.sqrt(np.mean(d**2)),
+    "max-difference-percent": lambda d, _: 100 * np.abs(d).max(),
+    "rms-relative-force": lambda _, f: np.sqrt(np.mean(f**2)),
+}
+
+
+def make(name, contact):
+    grid = GRIDS[contact]
+    data, _ = collect_rows(grid) if needs_rows(name) else reduce_grid(grid)
+    return make_objective(name, data)
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+@pytest.mark.parametrize("name", OBJECTIVES)
+def test_value_is_what_the_laws_give_sample_by_sample(name, contact):
+    family, objective = FAMILIES["enhanced", contact], make(name, contact)
+    candidates = np.array(CANDIDATES[contact])
+    values = objective.values(family.power_form(candidates, objective.dR))
+    for candidate, value in zip(candidates, values, strict=True):
+        by_hand = BY_HAND[name](*differences(GRIDS[contact], family, candidate))
+        assert value == pytest.approx(by_hand, rel=1e-10)
+
+
+@pytest.mark.parametrize("name", ["rms-difference-percent", "rms-relative-force"])
+def test_squared_residuals_add_up_to_the_objective(name):
+    family, objective = FAMILIES["enhanced", "internal"], make(name, "internal")
+    form = family.power_form(np.array(CANDIDATES["internal"][:1]), objective.dR)
+    total = np.sqrt((objective.residuals(form) ** 2).sum())
+    assert total == pytest.approx(objective.values(form)[0], rel=1e-12)
+
+
+def test_residuals_of_moments_leave_exactly_the_bound_out():
+    family, objective = FAMILIES["enhanced", "internal"], make("rms-log-penetration", "internal")
+    form = family.power_form(np.array(CANDIDATES["internal"][:1]), objective.dR)
+    squares = (objective.residuals(form) ** 2).sum() + objective.bound**2
+    assert np.sqrt(squares) == pytest.approx(objective.values(form)[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("name", OBJECTIVES)
+def test_bound_is_reached_by_a_direct_search_at_each_clearance(name):
+    """Nelder-Mead on ln K* and n, one clearance at a time, arrives at the same bound."""
+    family, objective = FAMILIES["power", "external"], make(name, "external")
+    grid = GRIDS["external"]
+    per_clearance = []
+    for dR in grid.dR:
+        single = Grid("external", "johnson", grid.E, grid.nu, np.array([dR]), grid.load)
+        data, _ = collect_rows(single) if needs_rows(name) else reduce_grid(single)
+        alone = make_objective(name, data)
+
+        def value(x, alone=alone):
+            candidate = np.array([[np.exp(x[0]), x[1]]])
+            return alone.values(family.power_form(candidate, alone.dR))[0]
+
+        options = {"xatol": 1e-11, "fatol": 1e-13, "maxfev": 20000, "maxiter": 20000}
+        start = np.array([1.0, 1.09])
+        for _ in range(4):  # a simplex may collapse; restart it
+            found = minimize(value, start, method="Nelder-Mead", options=options)
+            start = found.x
+        per_clearance.append(found.fun)
+    combined = (
+        max(per_clearance) if name.startswith("max") else np.sqrt(np.mean(np.square(per_clearance)))
+    )
+    assert objective.bound == pytest.approx(combined, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", OBJECTIVES)
+def test_undefined_candidates_are_infinitely_bad(name):
+    family, objective = FAMILIES["enhanced", "external"], make(name, "external")
+    undefined = np.array([[-1.0, 0.0, 1.1], [0.4, 0.8, -1.0], [0.39, 0.85, 1.094]])
+    values = objective.values(family.power_form(undefined, objective.dR))
+    assert np.isinf(values[:2]).all()
+    assert np.isfinite(values[2])
+
+
+def test_largest_difference_over_a_grid_is_the_one_found_sample_by_sample():
+    family, grid = FAMILIES["enhanced", "internal"], GRIDS["internal"]
+    names = family.names
+    candidates = [dict(zip(names, c, strict=True)) for c in CANDIDATES["internal"]]
+    worst = max_abs_difference_percent(grid, family, candidates)
+    for candidate, value in zip(CANDIDATES["internal"], worst, strict=True):
+        assert value == pytest.approx(
+            100 * np.abs(differences(grid, family, candidate)[0]).max(), rel=1e-10
+        )

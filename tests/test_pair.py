@@ -1,0 +1,126 @@
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from mpmath import mp
+
+from cylcontact import CylinderPair, Material
+from tests.strategies import ROUNDING, gaps, materials, moduli, ratios
+
+
+@given(moduli, ratios)
+def test_E_star_of_equal_materials_is_E_over_two_one_minus_nu_squared(E, nu):
+    pair = CylinderPair.from_dR("internal", 1.0, Material("any", E, nu))
+    with mp.workdps(40):
+        error = abs(mp.mpf(float(pair.E_star)) * 2 * (1 - mp.mpf(nu) ** 2) / mp.mpf(E) - 1)
+    assert error < 6 * ROUNDING
+
+
+@given(materials, materials)
+def test_compliances_of_different_materials_add(one, other):
+    pair = CylinderPair.from_dR("internal", 1.0, one, material_j=other)
+    with mp.workdps(40):
+        compliance = sum((1 - mp.mpf(m.nu) ** 2) / mp.mpf(m.E) for m in (one, other))
+        error = abs(mp.mpf(float(pair.E_star)) * compliance - 1)
+    assert error < 6 * ROUNDING
+
+
+@given(materials, materials)
+def test_E_star_does_not_depend_on_the_order_of_the_bodies(one, other):
+    forward = CylinderPair.external(1.0, 2.0, one, material_j=other)
+    backward = CylinderPair.external(2.0, 1.0, other, material_j=one)
+    assert forward.E_star == backward.E_star
+
+
+def test_dR_is_the_difference_of_the_radii_inside_and_their_sum_outside(steel):
+    assert CylinderPair.internal(10.0, 9.5, steel).dR == 0.5
+    assert CylinderPair.external(10.0, 9.5, steel).dR == 19.5
+
+
+def test_R_is_the_product_of_the_radii_over_dR(steel):
+    assert CylinderPair.internal(10.0, 9.5, steel).R == 190.0
+    assert CylinderPair.external(10.0, 9.5, steel).R == 95.0 / 19.5
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+@given(gaps, gaps)
+def test_from_dR_finds_the_radius_that_gives_its_dR(contact, one, other):
+    assume(one != other)
+    R_i, R_j = max(one, other), min(one, other)
+    dR = R_i - R_j if contact == "internal" else R_i + R_j
+    pair = CylinderPair.from_dR(contact, dR, Material("any", 1e5, 0.3), R_i=R_i)
+    assert (pair.contact, pair.dR, pair.R_i) == (contact, dR, R_i)
+    # ΔR has been rounded, and R_j may be the small one of two large numbers.
+    assert pair.R_j == pytest.approx(R_j, rel=0, abs=2 * ROUNDING * dR)
+
+
+def test_from_dR_alone_knows_no_radii(steel):
+    pair = CylinderPair.from_dR("external", 20.0, steel, length=3.0)
+    assert (pair.R_i, pair.R_j, pair.length) == (None, None, 3.0)
+
+
+def test_one_material_serves_both_bodies_unless_the_second_is_given(steel):
+    brass = Material("brass", 100e3, 0.34)
+    for build in (CylinderPair.internal, CylinderPair.external):
+        alone, mixed = build(10.0, 9.0, steel), build(10.0, 9.0, steel, material_j=brass)
+        assert (alone.material_i, alone.material_j) == (steel, steel)
+        assert (mixed.material_i, mixed.material_j) == (steel, brass)
+
+
+def test_arrays_of_radii_and_materials_broadcast(steel):
+    family = Material("family", E=[1e5, 2e5, 3e5], nu=0.3)
+    pair = CylinderPair.internal([[10.0], [20.0]], 9.0, steel, material_j=family)
+    assert pair.dR.shape == pair.R.shape == (2, 1)
+    assert pair.E_star.shape == (3,)
+    np.testing.assert_array_equal(pair.R, [[90.0], [180.0 / 11.0]])
+
+
+def test_single_numbers_give_numpy_scalars(pair):
+    assert type(pair.E_star) is type(pair.R) is type(pair.dR) is np.float64
+
+
+def test_radii_and_length_come_back_as_given(pair):
+    assert pair.radii("this test") == (10.0, 9.5)
+    assert pair.contact_length("this test") == 12.0
+
+
+@pytest.mark.parametrize(
+    ("change", "equal"),
+    [
+        ({}, True),
+        ({"R_i": np.array([10, 20]), "R_j": np.array([9, 18])}, True),
+        ({"R_j": [9.0, 18.5]}, False),
+        ({"R_i": 30.0}, False),
+        ({"length": 5.0}, False),
+        ({"material_j": Material("steel", 207e3, 0.31)}, False),
+    ],
+)
+def test_pairs_are_equal_when_all_their_values_are(change, equal):
+    values = {"R_i": [10.0, 20.0], "R_j": [9.0, 18.0], "material": Material("steel", 207e3, 0.3)}
+    assert (CylinderPair.internal(**values) == CylinderPair.internal(**values | change)) is equal
+
+
+def test_a_pair_with_radii_differs_from_one_without(steel):
+    with_radii = CylinderPair.internal([10.0, 20.0], [9.0, 18.0], steel)
+    assert with_radii != CylinderPair.from_dR("internal", [1.0, 2.0], steel)
+    assert CylinderPair.from_dR("internal", [1.0, 2.0], steel) != with_radii
+
+
+def test_the_contact_is_part_of_what_makes_pairs_equal(steel):
+    inside, outside = (CylinderPair.from_dR(c, 1.0, steel) for c in ("internal", "external"))
+    assert inside != outside
+
+
+def test_a_pair_survives_pickling(pairs):
+    assert pickle.loads(pickle.dumps(pairs)) == pairs
+
+
+def test_a_pair_has_no_hash_because_it_may_hold_arrays(pair):
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(pair)
+
+
+def test_a_pair_cannot_be_changed(pair):
+    with pytest.raises(AttributeError, match="cannot assign to field 'dR'"):
+        pair.dR = 1.0

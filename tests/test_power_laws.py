@@ -1,0 +1,154 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp
+
+from cylcontact import CylinderPair, InputError, Material
+from cylcontact.laws import LankaraniNikravesh, PowerLaw
+from tests.strategies import NOT_TOUCHING, loads, materials, powers_of_ten
+
+METHODS = ("load", "penetration", "stiffness")
+LAWS = {
+    "K": PowerLaw(n=1.237, K=312148.0),
+    "K_star": PowerLaw(n=1.094, K_star=0.9),
+    "Lankarani-Nikravesh": LankaraniNikravesh(),
+    "Lankarani-Nikravesh, n = 1.2": LankaraniNikravesh(n=1.2),
+}
+exponents = st.floats(1.0, 2.0)
+
+
+@pytest.fixture(params=LAWS.values(), ids=LAWS)
+def law(request):
+    return request.param
+
+
+# --- f = K·δⁿ ---------------------------------------------------------------------------------
+
+
+def test_the_load_is_K_times_a_power_of_the_penetration(pair):
+    law = PowerLaw(n=2.0, K=3.0)
+    assert law.load(0.5, pair) == 0.75
+    assert law.penetration(0.75, pair) == 0.5
+    assert law.stiffness(0.5, pair) == 3.0
+
+
+@given(st.floats(0.5, 2.0), powers_of_ten(0, 8), powers_of_ten(-9, 0))
+def test_load_and_stiffness_hold_at_forty_digits(n, K, delta):
+    law, anywhere = PowerLaw(n=n, K=K), CylinderPair.from_dR("internal", 1.0, Material("", 1, 0))
+    with mp.workdps(40):
+        load = mp.mpf(K) * mp.mpf(delta) ** mp.mpf(n)
+        slope = mp.diff(lambda d: mp.mpf(K) * d ** mp.mpf(n), mp.mpf(delta), h=delta * 1e-12)
+    assert law.load(delta, anywhere) == pytest.approx(float(load), rel=1e-15, abs=0)
+    # n − 1 is rounded for n < 1, which a power of 1e-9 amplifies by its logarithm.
+    assert law.stiffness(delta, anywhere) == pytest.approx(float(slope), rel=3e-15, abs=0)
+
+
+@given(exponents, powers_of_ten(0, 8), loads)
+def test_load_comes_back_from_its_penetration(n, K, load):
+    law, anywhere = PowerLaw(n=n, K=K), CylinderPair.from_dR("internal", 1.0, Material("", 1, 0))
+    back = law.load(law.penetration(load, anywhere), anywhere)
+    assert back == pytest.approx(load, rel=1e-14, abs=0)
+
+
+@given(materials, st.floats(0.01, 500.0), exponents)
+def test_K_star_is_K_times_dR_over_E_star(material, dR, n):
+    pair = CylinderPair.from_dR("external", dR, material)
+    scaled, fixed = PowerLaw(n=n, K_star=0.7), PowerLaw(n=n, K=float(0.7 * (pair.E_star / pair.dR)))
+    assert scaled.load(1e-3, pair) == fixed.load(1e-3, pair)
+
+
+def test_K_belongs_to_one_pair_and_K_star_carries_over(pair):
+    softer = CylinderPair.from_dR("internal", 2 * pair.dR, Material("soft", E=207e3 / 4, nu=0.3))
+    fixed, scaled = PowerLaw(n=1.1, K=5.0), PowerLaw(n=1.1, K_star=5.0)
+    assert fixed.load(1e-3, softer) == fixed.load(1e-3, pair)
+    assert scaled.load(1e-3, softer) == pytest.approx(scaled.load(1e-3, pair) / 8, rel=1e-15)
+
+
+@pytest.mark.parametrize(("n", "stiffness"), [(0.8, np.inf), (1.0, 7.0), (1.2, 0.0)])
+def test_the_stiffness_at_first_touch_depends_on_the_exponent(n, stiffness, pair):
+    assert PowerLaw(n=n, K=7.0).stiffness(0.0, pair) == stiffness
+
+
+@pytest.mark.parametrize("value", NOT_TOUCHING)
+def test_an_exponent_below_one_also_gives_nan_without_contact(value, pair):
+    assert np.isnan(PowerLaw(n=0.8, K=7.0).stiffness(value, pair))
+
+
+# --- Lankarani and Nikravesh ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("n", [1.5, 1.2])
+def test_lankarani_and_nikravesh_is_eq_2_over_the_length(n, pair):
+    E_star, R, length = 207e3 / (2 * 0.91), 10.0 * 9.5 / 0.5, 12.0
+    total = 4 / 3 * E_star * R**0.5 * 0.002**n
+    law = LankaraniNikravesh(n=n)
+    assert law.load(0.002, pair) == pytest.approx(total / length, rel=2e-15)
+    assert law.stiffness(0.002, pair) == pytest.approx(n * total / length / 0.002, rel=2e-15)
+
+
+def test_the_total_force_does_not_depend_on_the_length(steel):
+    short, long = (CylinderPair.internal(10.0, 9.5, steel, length=L) for L in (2.0, 16.0))
+    law = LankaraniNikravesh()
+    assert 2.0 * law.load(1e-3, short) == 16.0 * law.load(1e-3, long)
+
+
+def test_it_is_the_law_of_hertz_for_spheres_of_the_effective_radius(steel):
+    """Contact radius a = √(R·δ) and a³ = 3·F·R/(4·E*), Hertz's two relations for spheres."""
+    pair = CylinderPair.external(30.0, 20.0, steel, length=1.0)
+    force = LankaraniNikravesh().load(1e-3, pair)
+    a = (3 * force * pair.R / (4 * pair.E_star)) ** (1 / 3)
+    assert a**2 / pair.R == pytest.approx(1e-3, rel=2e-15)
+
+
+@pytest.mark.parametrize("method", [*METHODS, "max_load", "max_penetration"])
+@pytest.mark.parametrize(
+    ("known", "missing"),
+    [({"length": 5.0}, "needs both radii"), ({"R_i": 10.0}, "needs the axial length")],
+)
+def test_without_radii_or_length_there_is_no_such_law(method, known, missing, steel):
+    pair = CylinderPair.from_dR("internal", 0.5, steel, **known)
+    arguments = (pair,) if method.startswith("max") else (1e-3, pair)
+    with pytest.raises(InputError, match=missing):
+        getattr(LankaraniNikravesh(), method)(*arguments)
+
+
+# --- what all of them share -------------------------------------------------------------------
+
+
+@given(loads)
+def test_every_law_inverts_itself(load):
+    pair = CylinderPair.internal(10.0, 9.5, Material("steel", 207e3, 0.3), length=12.0)
+    for law in LAWS.values():
+        back = law.load(law.penetration(load, pair), pair)
+        assert back == pytest.approx(load, rel=1e-14, abs=0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("value", NOT_TOUCHING)
+def test_bodies_that_do_not_touch_give_nan(law, method, value, pair):
+    assert np.isnan(getattr(law, method)(value, pair))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_bodies_that_just_touch_give_zero(law, method, pair):
+    assert getattr(law, method)(0.0, pair) == 0.0
+
+
+def test_there_is_no_largest_load_or_penetration(law, pairs):
+    np.testing.assert_array_equal(law.max_load(pairs), np.inf)
+    np.testing.assert_array_equal(law.max_penetration(pairs), np.inf)
+
+
+def test_values_broadcast_against_pairs(law, pairs):
+    values = np.array([-1.0, 1e-4, 2e-4, np.nan])
+    for method in METHODS:
+        result = getattr(law, method)(values, pairs)
+        assert result.shape == (3, 4)
+        np.testing.assert_array_equal(np.isnan(result), [[True, False, False, True]] * 3)
+
+
+def test_single_numbers_give_numpy_scalars(law, pair):
+    values = [getattr(law, method)(np.array(1e-3), pair) for method in METHODS]
+    values += [law.max_load(pair), law.max_penetration(pair), law.factor(pair)]
+    assert {type(value) for value in values} == {np.float64}
