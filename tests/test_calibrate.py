@@ -77,7 +77,7 @@ def test_profiles_rise_one_percent_at_the_ends_of_their_intervals(results, name)
 
 
 def test_report_says_that_the_internal_coefficients_are_not_the_optimum(results):
-    report = str(results["internal-E1000"])
+    report = " ".join(str(results["internal-E1000"]).split())
     assert "the published coefficients are not the optimum on this grid" in report
     assert "2.24 times the fitted one" in report
     assert "runs reached the best objective within 0.1 %" in report

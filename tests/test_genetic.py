@@ -6,10 +6,11 @@ import pytest
 from cylcontact import laws
 from cylcontact.datasets import Moments, concatenate
 from cylcontact.fitting.genetic import CROSSOVERS, search
-from cylcontact.fitting.objectives import OBJECTIVES, Rows, make_objective, needs_rows
+from cylcontact.fitting.objectives import OBJECTIVES, make_objective
 from cylcontact.fitting.parameters import FAMILIES, Parameter
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.rows import Rows
 from cylcontact.fitting.run import plan_runs
 
 BOUNDS = {
@@ -31,12 +32,12 @@ def exact_problem(contact, objective="rms-log-penetration"):
     """A problem whose data are the published law itself: its coefficients are the answer."""
     family = FAMILIES["enhanced", contact]
     published = np.array([list(family.published.values())])
-    form = family.power_form(published, DR[contact])
+    form = family.form(published, DR[contact])
     s = np.tile(np.linspace(-10, -4, 9), (DR[contact].size, 1))
     j = (s + form.c[0][:, None]) / form.n[0][:, None]
-    if needs_rows(objective):
+    if objective != "rms-log-penetration":
         index = np.repeat(np.arange(DR[contact].size), s.shape[1])
-        data = Rows(DR[contact], index, s.ravel(), j.ravel())
+        data = Rows(contact, DR[contact], index, s.ravel(), j.ravel())
     else:
         data = concatenate(
             Moments.of_samples(dR, *row)

@@ -15,7 +15,7 @@ from cylcontact.datasets.sampling import Counts, blocks, reduce_grid
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.checkpoint import Checkpoint
-from cylcontact.fitting.objectives import Rows, make_objective, needs_rows
+from cylcontact.fitting.objectives import ON_ROWS, make_objective
 from cylcontact.fitting.parameters import Family
 from cylcontact.fitting.problem import Problem, require_defined_somewhere
 from cylcontact.fitting.profile import Profile, profile
@@ -27,6 +27,7 @@ from cylcontact.fitting.result import (
     Published,
     SampleCounts,
 )
+from cylcontact.fitting.rows import Rows, collect_rows, rows_of
 from cylcontact.fitting.run import RunPlan, RunRecord, execute, plan_runs
 
 # The stage, what is done of it, and how much there is.
@@ -88,7 +89,7 @@ def calibrate(
         reference=campaign.grid.reference,
         coefficients=best.coefficients,
         objective=ObjectiveValue(name=campaign.spec.objective, value=best.objective),
-        bound=objective.bound,
+        bound=objective.bound if campaign.family.is_power_law else None,
         published=None
         if published is None
         else Published(coefficients=dict(published), objective=problem.value_of(published)),
@@ -104,7 +105,7 @@ def calibrate(
 def _data(campaign: Campaign, jobs: int, progress: Progress) -> tuple[Moments | Rows, Counts]:
     """Sample the campaign's grid to what its objective needs."""
     grid = campaign.grid
-    if not needs_rows(campaign.spec.objective):
+    if campaign.family.is_power_law and campaign.spec.objective not in ON_ROWS:
         return reduce_grid(grid, jobs, lambda done: progress("sampling", done, grid.dR.size))
     if grid.size > MAX_ROWS:
         raise InputError(
@@ -115,33 +116,6 @@ def _data(campaign: Campaign, jobs: int, progress: Progress) -> tuple[Moments | 
             "thin the grid, or use rms-log-penetration, which needs only moments",
         )
     return collect_rows(grid)
-
-
-def collect_rows(grid: Grid) -> tuple[Rows, Counts]:
-    """Sample a grid into memory, sorted by clearance; wholly masked clearances are left out.
-
-    Raises
-    ------
-    InputError
-        If every sample is masked.
-    """
-    kept: list[tuple[float, FloatArray, FloatArray]] = []
-    masked = 0
-    for dR in grid.dR:
-        sampled = list(blocks(grid, float(dR)))
-        masked += sum(block.masked for block in sampled)
-        s = np.concatenate([block.s for block in sampled])
-        if s.size:
-            kept.append((float(dR), s, np.concatenate([block.j for block in sampled])))
-    if not kept:
-        reduce_grid(grid)  # raises the error that names the reason
-    rows = Rows(
-        dR=np.array([dR for dR, _, _ in kept]),
-        index=np.repeat(np.arange(len(kept)), [s.size for _, s, _ in kept]),
-        s=np.concatenate([s for _, s, _ in kept]),
-        j=np.concatenate([j for _, _, j in kept]),
-    )
-    return rows, Counts(rows.s.size, masked)
 
 
 def _run_all(
@@ -229,9 +203,10 @@ def max_abs_difference_percent(
     points = np.array([[c[name] for name in family.names] for c in candidates])
     worst = np.zeros(len(candidates))
     for dR in grid.dR:
-        form = family.power_form(points, np.array([dR]))
+        form = family.form(points, np.array([dR]))
         for block in blocks(grid, float(dR)):
-            if block.load.size:
-                difference = np.expm1((block.s + form.c) / form.n - block.j)
-                worst = np.maximum(worst, np.abs(difference).max(axis=1))
+            rows = rows_of(grid.contact, block)
+            for k in range(len(candidates)):
+                differences = np.abs(np.expm1(form.log_penetration_ratio(k, rows)))
+                worst[k] = max(worst[k], differences.max(initial=0.0))
     return 100 * worst

@@ -1,19 +1,21 @@
-"""What is fitted: the parameters of a law that is a power law at each clearance.
+"""What is fitted: families of laws, the names of their parameters, and candidates of them.
 
-Every such law is f = K*(ΔR)·E*/ΔR·δ^n(ΔR), and a `Family` says how its parameters make K*
-and n. Candidates come as rows of a matrix, so that a whole population is evaluated at once.
+Most laws are a power law at each clearance, f = K*(ΔR)·E*/ΔR·δ^n(ΔR): a whole population of them
+is a `PowerForm` and is evaluated at once. A `LawForm` holds candidates of any other kind.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from typing import Protocol
 
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
-from cylcontact.laws import PUBLISHED
+from cylcontact.fitting.rows import Rows
+from cylcontact.laws import PUBLISHED, ContactLaw
 from cylcontact.laws.enhanced import (
     INTERNAL_DR_MAX,
     INTERNAL_DR_MIN,
@@ -46,9 +48,25 @@ class Parameter:
     fixed: bool = False
 
 
+class Form(Protocol):
+    """P candidates, ready to be held against samples."""
+
+    def __len__(self) -> int:
+        """Return P."""
+        ...
+
+    def log_penetration_ratio(self, candidate: int, rows: Rows) -> FloatArray:
+        """Return ln(δ_law/δ_reference) of each sample at equal load, shape (N,)."""
+        ...
+
+    def log_load_ratio(self, candidate: int, rows: Rows) -> FloatArray:
+        """Return ln(f_law/f_reference) of each sample at equal penetration, shape (N,)."""
+        ...
+
+
 @dataclass(frozen=True)
 class PowerForm:
-    """P candidates at m clearances.
+    """P power laws at m clearances.
 
     Attributes
     ----------
@@ -60,6 +78,43 @@ class PowerForm:
 
     c: FloatArray
     n: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.n)
+
+    def log_penetration_ratio(self, candidate: int, rows: Rows) -> FloatArray:
+        """Return r = (s + c)/n − j of each sample."""
+        c, n = self.c[candidate][rows.index], self.n[candidate][rows.index]
+        return as_floats((rows.s + c) / n - rows.j)
+
+    def log_load_ratio(self, candidate: int, rows: Rows) -> FloatArray:
+        """Return n·j − c − s = −n·r of each sample."""
+        c, n = self.c[candidate][rows.index], self.n[candidate][rows.index]
+        return as_floats(n * rows.j - c - rows.s)
+
+
+@dataclass(frozen=True)
+class LawForm:
+    """P laws of any kind; None stands for one that its parameters leave undefined."""
+
+    laws: tuple[ContactLaw | None, ...]
+
+    def __len__(self) -> int:
+        return len(self.laws)
+
+    def log_penetration_ratio(self, candidate: int, rows: Rows) -> FloatArray:
+        """Return ln(δ_law/δ_reference) of each sample at equal load."""
+        law = self.laws[candidate]
+        if law is None:
+            return np.full_like(rows.s, np.nan)
+        return as_floats(np.log(law.penetration(rows.load, rows.pair)) - rows.j)
+
+    def log_load_ratio(self, candidate: int, rows: Rows) -> FloatArray:
+        """Return ln(f_law/f_reference) of each sample at equal penetration."""
+        law = self.laws[candidate]
+        if law is None:
+            return np.full_like(rows.s, np.nan)
+        return as_floats(np.log(law.load(rows.penetration, rows.pair)) - rows.s)
 
 
 @dataclass(frozen=True)
@@ -73,77 +128,72 @@ class Family:
     contact : {"internal", "external"}
         The contact the parameters are for.
     names : tuple of str
-        The parameters, in the order of the columns that `evaluate` takes.
+        The parameters, in the order of the columns of candidates.
+    form : callable
+        From candidates, shape (P, k), and clearances ΔR in mm, shape (m,), to a `Form`.
+    is_power_law : bool
+        Whether that is a `PowerForm`, which moments can judge and which has a lower bound.
     published : mapping or None
         The values in the paper, where it gives any.
     dR_min, dR_max : float
         The range of ΔR in mm that the law is stated for, both ends included: calibration may
         use the limit at the open end of [0.005, 10[ that the law itself excludes.
-    evaluate : callable
-        From candidates, shape (P, k), and ΔR in mm, shape (m,), to K* and n, each (P, m).
     """
 
     law: str
     contact: Contact
     names: tuple[str, ...]
-    published: Mapping[str, float] | None
-    dR_min: float
-    dR_max: float
-    evaluate: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
-
-    def power_form(self, candidates: FloatArray, dR: FloatArray) -> PowerForm:
-        """Return c and n of the candidates, shape (P, k), at ΔR in mm, shape (m,)."""
-        K_star, n = self.evaluate(candidates, dR)
-        K_star = np.where(K_star > 0, K_star, np.nan)
-        return PowerForm(
-            c=as_floats(np.log(dR) - np.log(K_star)),
-            n=as_floats(np.where(n > 0, n, np.nan)),
-        )
+    form: Callable[[FloatArray, FloatArray], Form]
+    is_power_law: bool = True
+    published: Mapping[str, float] | None = None
+    dR_min: float = 0.0
+    dR_max: float = np.inf
 
 
-def _enhanced_internal(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """K* and n of Eqs 5–6 for internal contact."""
-    a, b, *rest = candidates.T[:, :, None]
-    return stiffness_factor(dR, a, b), internal_exponent(dR, *rest)
-
-
-def _enhanced_external(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """K* and n of Eqs 5–6 for external contact."""
-    a, b, n = candidates.T[:, :, None]
-    return stiffness_factor(dR, a, b), as_floats(np.broadcast_to(n, (n.shape[0], dR.size)))
-
-
-def _power(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """K* and n of Eqs 3–4, the same at every ΔR."""
-    K_star, n = (
-        np.broadcast_to(column[:, None], (len(column), dR.size)) for column in candidates.T
+def _power_form(K_star: FloatArray, n: FloatArray, dR: FloatArray) -> PowerForm:
+    """Return the candidates with these K* and n, (P, m) each, at ΔR in mm, (m,)."""
+    K_star = np.where(K_star > 0, K_star, np.nan)
+    return PowerForm(
+        c=as_floats(np.log(dR) - np.log(K_star)), n=as_floats(np.where(n > 0, n, np.nan))
     )
-    return as_floats(K_star), as_floats(n)
+
+
+def _enhanced_internal(candidates: FloatArray, dR: FloatArray) -> PowerForm:
+    """Eqs 5–6 for internal contact."""
+    a, b, *rest = candidates.T[:, :, None]
+    return _power_form(stiffness_factor(dR, a, b), internal_exponent(dR, *rest), dR)
+
+
+def _enhanced_external(candidates: FloatArray, dR: FloatArray) -> PowerForm:
+    """Eqs 5–6 for external contact."""
+    a, b, n = candidates.T[:, :, None]
+    return _power_form(stiffness_factor(dR, a, b), n + np.zeros_like(dR), dR)
+
+
+def _power(candidates: FloatArray, dR: FloatArray) -> PowerForm:
+    """Eqs 3–4: the same K* and n at every ΔR."""
+    K_star, n = candidates.T[:, :, None] + np.zeros_like(dR)
+    return _power_form(K_star, n, dR)
 
 
 def _families() -> dict[tuple[str, Contact], Family]:
     """Return the families that campaigns can name."""
     internal, external = asdict(PUBLISHED["internal"]), asdict(PUBLISHED["external"])
-    names = ("K_star", "n")
-    return {
-        (family.law, family.contact): family
-        for family in (
-            Family(
-                "enhanced",
-                "internal",
-                tuple(internal),
-                internal,
-                INTERNAL_DR_MIN,
-                INTERNAL_DR_MAX,
-                _enhanced_internal,
-            ),
-            Family(
-                "enhanced", "external", tuple(external), external, 0.0, np.inf, _enhanced_external
-            ),
-            Family("power", "internal", names, None, 0.0, np.inf, _power),
-            Family("power", "external", names, None, 0.0, np.inf, _power),
-        )
-    }
+    families = (
+        Family(
+            law="enhanced",
+            contact="internal",
+            names=tuple(internal),
+            form=_enhanced_internal,
+            published=internal,
+            dR_min=INTERNAL_DR_MIN,
+            dR_max=INTERNAL_DR_MAX,
+        ),
+        Family("enhanced", "external", tuple(external), _enhanced_external, published=external),
+        Family("power", "internal", ("K_star", "n"), _power),
+        Family("power", "external", ("K_star", "n"), _power),
+    )
+    return {(family.law, family.contact): family for family in families}
 
 
 FAMILIES = _families()

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import Bounds, NonlinearConstraint, least_squares, minimize
+from scipy.optimize import least_squares, linprog
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.fitting.objectives import MaxDifference
+from cylcontact.fitting.objectives import Largest
 from cylcontact.fitting.problem import Problem
 
 # A restart that gains less than this, relatively, ends the polish.
@@ -14,6 +14,9 @@ WORTHWHILE = 1e-10
 MAX_RESTARTS = 20
 # Step of the central differences, relative to the interval between the bounds.
 DIFFERENCE = 1e-6
+# Trust region of the minimax descent, relative to the same interval, and its longest run.
+FIRST_RADIUS, LAST_RADIUS = 0.05, 1e-9
+MAX_PROGRAMMES = 200
 
 
 def polish(
@@ -43,7 +46,7 @@ def polish(
     Y is the larger of two branches, so the objective has kinks at which a least-squares
     iteration can stop early; it is restarted until that gains nothing.
     """
-    descend = _descend_largest if isinstance(problem.objective, MaxDifference) else _descend_squares
+    descend = _descend_largest if isinstance(problem.objective, Largest) else _descend_squares
     point, value = start, problem.value(start)
     if point.size == 0 or not np.isfinite(value):
         return point, value
@@ -82,42 +85,49 @@ def _descend_squares(problem: Problem, start: FloatArray, precision: float) -> F
 
 
 def _descend_largest(problem: Problem, start: FloatArray, precision: float) -> FloatArray:
-    """Minimise a largest magnitude t, as a smooth problem with |residual| ≤ t as constraints.
+    """Minimise the largest magnitude of the residuals by successive linear programmes.
 
-    It works in u, the free parameters scaled to [0, 1] between their bounds, and t.
+    Each minimises the largest magnitude of the linearised residuals within a step that is
+    widened where the linearisation predicts well and narrowed where it does not (Osborne and
+    Watson 1969, with a trust region).
     """
     span = problem.high - problem.low
+    point, radius = start, FIRST_RADIUS
+    residuals = _residuals(problem, point[None, :])[0]
+    for _ in range(MAX_PROGRAMMES):
+        slopes = _jacobian(problem, point) * span
+        unit = (point - problem.low) / span
+        step, promised = _linear_programme(residuals, slopes, unit, radius)
+        largest = np.abs(residuals).max()
+        if not promised < largest * (1 - precision) or radius < LAST_RADIUS:
+            break
+        candidate = problem.low + np.clip(unit + step, 0, 1) * span
+        reached = _residuals(problem, candidate[None, :])[0]
+        share = (largest - np.abs(reached).max()) / (largest - promised)
+        if share > 0:
+            point, residuals = candidate, reached
+        radius *= 2.0 if share > 0.75 else 0.25 if share < 0.25 else 1.0
+    return point
 
-    def point(unit: FloatArray) -> FloatArray:
-        return as_floats(problem.low + unit[:-1] * span)
 
-    def slack(unit: FloatArray) -> FloatArray:
-        return as_floats(unit[-1] - np.abs(_residuals(problem, point(unit)[None, :])[0]))
+def _linear_programme(
+    residuals: FloatArray, slopes: FloatArray, unit: FloatArray, radius: float
+) -> tuple[FloatArray, float]:
+    """Minimise max|residuals + slopes·step| over |step| ≤ radius, 0 ≤ unit + step ≤ 1.
 
-    def slack_gradient(unit: FloatArray) -> FloatArray:
-        signs = np.sign(_residuals(problem, point(unit)[None, :])[0])
-        jacobian = -signs[:, None] * _jacobian(problem, point(unit)) * span
-        return np.column_stack([jacobian, np.ones(len(jacobian))])
-
-    first = np.append((start - problem.low) / span, problem.value(start) / 100)
-    direction = np.append(np.zeros(start.size), 1.0)
-
-    def largest(unit: FloatArray) -> float:
-        return float(unit[-1])
-
-    def largest_gradient(_: FloatArray) -> FloatArray:
-        return direction
-
-    found = minimize(
-        largest,
-        first,
-        jac=largest_gradient,
-        method="SLSQP",
-        bounds=Bounds(np.zeros(first.size), np.append(np.ones(start.size), np.inf)),
-        constraints=NonlinearConstraint(slack, 0, np.inf, jac=slack_gradient),
-        options={"maxiter": 500, "ftol": max(precision, 1e-12)},
+    Returns the step and the largest magnitude that it promises.
+    """
+    minus_t = -np.ones((residuals.size, 1))
+    bounds = np.column_stack([np.maximum(-radius, -unit), np.minimum(radius, 1 - unit)])
+    found = linprog(
+        np.append(np.zeros(unit.size), 1.0),
+        A_ub=np.block([[slopes, minus_t], [-slopes, minus_t]]),
+        b_ub=np.concatenate([-residuals, residuals]),
+        bounds=[*bounds, (0.0, None)],
     )
-    return as_floats(problem.low + np.clip(found.x[:-1], 0, 1) * span)
+    if found.x is None:  # numerically infeasible: no step is better than none
+        return np.zeros(unit.size), float(np.abs(residuals).max())
+    return as_floats(found.x[:-1]), float(found.x[-1])
 
 
 def _residuals(problem: Problem, points: FloatArray) -> FloatArray:

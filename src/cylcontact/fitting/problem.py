@@ -48,7 +48,7 @@ class Problem:
 
     def values(self, points: FloatArray) -> FloatArray:
         """Return the objective of P points of the free parameters, shape (P, k) to (P,)."""
-        form = self.family.power_form(self._complete(points), self.objective.dR)
+        form = self.family.form(self._complete(points), self.objective.dR)
         return self.objective.values(form)
 
     def value(self, point: FloatArray) -> float:
@@ -57,7 +57,7 @@ class Problem:
 
     def residuals(self, points: FloatArray) -> FloatArray:
         """Return the objective's residuals of P points, shape (P, k) to (P, q)."""
-        form = self.family.power_form(self._complete(points), self.objective.dR)
+        form = self.family.form(self._complete(points), self.objective.dR)
         return self.objective.residuals(form)
 
     def coefficients(self, point: FloatArray) -> dict[str, float]:
@@ -72,7 +72,7 @@ class Problem:
     def value_of(self, coefficients: Mapping[str, float]) -> float:
         """Return the objective of coefficients given by name, whatever the bounds."""
         candidate = np.array([[coefficients[name] for name in self.family.names]])
-        return float(self.objective.values(self.family.power_form(candidate, self.objective.dR))[0])
+        return float(self.objective.values(self.family.form(candidate, self.objective.dR))[0])
 
     def holding(self, name: str, value: float) -> Problem:
         """Return the problem with one parameter held at a value."""

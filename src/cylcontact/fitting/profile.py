@@ -41,6 +41,12 @@ class Profile(Spec):
         description="the objective with the coefficient at its published value"
     )
 
+    @property
+    def interval(self) -> str:
+        """The 1 % interval, and whether a bound cuts it off."""
+        cut = ", bound" if self.low_is_bound or self.high_is_bound else ""
+        return f"{self.low:.4g} … {self.high:.4g}{cut}"
+
     def verdict(self, value: float) -> str:
         """Say in a word how well the coefficient is identified."""
         half_width = (self.high - self.low) / 2

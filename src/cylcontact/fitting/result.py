@@ -62,7 +62,9 @@ class FitResult(Spec):
     reference: str = Field(description="the law it was fitted to")
     coefficients: dict[str, float] = Field(description="the fitted coefficients")
     objective: ObjectiveValue = Field(description="the objective reached")
-    bound: float = Field(description="the per-clearance lower bound of the objective")
+    bound: float | None = Field(
+        description="the per-clearance lower bound of the objective, for power laws"
+    )
     published: Published | None = Field(description="the published coefficients' objective")
     max_abs_diff_percent: MaxDifference = Field(description="largest |Eq 9| over the grid")
     profiles: dict[str, Profile] = Field(description="a profile for each free coefficient")

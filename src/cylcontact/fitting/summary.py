@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from html import escape
+from textwrap import fill
 
 from rich.console import Console
 from rich.table import Table
@@ -13,6 +14,7 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.verdicts import identification, verdicts
 
 WIDTH = 100
+COLUMNS = ("", "fitted", "published", "within 1 %", "identified")
 Rows = list[tuple[str, ...]]
 
 
@@ -20,18 +22,17 @@ def as_text(result: FitResult) -> str:
     """Return the report on one result."""
     return "\n".join(
         [
-            _headline(result),
+            fill(_headline(result), WIDTH),
             "",
-            _text_table(("", "fitted", "published", "within 1 %", "identified"), _lines(result)),
-            *(f"- {sentence}" for sentence in verdicts(result)),
+            _text_table(COLUMNS, _lines(result)),
+            *(_item(sentence) for sentence in verdicts(result)),
         ]
     )
 
 
 def as_html(result: FitResult) -> str:
     """Return the same report as an HTML fragment, all of its texts escaped."""
-    columns = ("", "fitted", "published", "within 1 %", "identified")
-    head = "".join(f"<th>{column}</th>" for column in columns)
+    head = "".join(f"<th>{column}</th>" for column in COLUMNS)
     body = "".join(
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in line) + "</tr>"
         for line in _lines(result)
@@ -62,8 +63,13 @@ def compare(results: Sequence[FitResult]) -> str:
         groups.setdefault((result.law, result.contact), []).append(result)
     parts = [_compare_group(group) for group in groups.values()]
     for result in results:
-        parts.append("\n".join([f"{result.name}:", *(f"- {v}" for v in verdicts(result))]))
+        parts.append("\n".join([f"{result.name}:", *map(_item, verdicts(result))]))
     return "\n\n".join(parts)
+
+
+def _item(sentence: str) -> str:
+    """Return a sentence as an item of a list, wrapped."""
+    return fill(sentence, WIDTH, initial_indent="- ", subsequent_indent="  ")
 
 
 def _headline(result: FitResult) -> str:
@@ -82,12 +88,11 @@ def _lines(result: FitResult) -> Rows:
     for name, value in result.coefficients.items():
         interval = ""
         if name in result.profiles:
-            profile = result.profiles[name]
-            interval = f"{profile.low:.4g} … {profile.high:.4g}"
+            interval = result.profiles[name].interval
         paper = f"{published.coefficients[name]:g}" if published else "-"
         lines.append((name, f"{value:.5g}", paper, interval, identification(result, name)))
     paper = f"{published.objective:.5g}" if published else "-"
-    bound = f"bound {result.bound:.5g}"
+    bound = f"bound {result.bound:.5g}" if result.bound is not None else ""
     lines.append((result.objective.name, f"{result.objective.value:.5g}", paper, bound, ""))
     worst = result.max_abs_diff_percent
     lines.append(("max |Eq 9|, %", f"{worst.fitted:.4g}", _or_dash(worst.published), "", ""))
@@ -110,7 +115,7 @@ def _compare_group(results: list[FitResult]) -> str:
             "",
             *(_or_dash(r.published.objective if r.published else None) for r in results),
         ),
-        ("  lower bound", "", *(f"{r.bound:.5g}" for r in results)),
+        ("  lower bound", "", *(_or_dash(r.bound) for r in results)),
         ("max |Eq 9|, %", "", *(f"{r.max_abs_diff_percent.fitted:.4g}" for r in results)),
         ("  published", "", *(_or_dash(r.max_abs_diff_percent.published) for r in results)),
         ("samples", "", *(f"{r.counts.samples:,}" for r in results)),
@@ -121,7 +126,7 @@ def _compare_group(results: list[FitResult]) -> str:
 
 def _or_dash(value: float | None) -> str:
     """Return a number, or a dash where there is none."""
-    return "-" if value is None else f"{value:.4g}"
+    return "-" if value is None else f"{value:.5g}"
 
 
 def _text_table(columns: Sequence[str], lines: Rows) -> str:

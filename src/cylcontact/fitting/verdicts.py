@@ -63,7 +63,9 @@ def _on_published(result: FitResult) -> str:
 
 def _on_bound_of_objective(result: FitResult) -> str:
     """Say how far the objective is from what any law of this form could reach."""
-    excess = result.objective.value / result.bound - 1 if result.bound > 0 else float("inf")
+    if not result.bound:
+        return ""
+    excess = result.objective.value / result.bound - 1
     return (
         f"the fit is {100 * excess:.1f} % above the lower bound {result.bound:.4g}, "
         "which the best K* and n at every single clearance would reach"

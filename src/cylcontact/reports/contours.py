@@ -137,7 +137,7 @@ def label_contours(axes: Axes, lines: QuadContourSet, keep_clear: FloatArray) ->
     >>> figure.draw_without_rendering()
     >>> label_contours(axes, lines, np.empty((0, 2)))
     >>> [text.get_text() for text in lines.labelTexts]
-    ['−8', '−4', '0', '+4', '+8']
+    ['−4', '0', '+4']
     """
     taken = list(axes.transData.transform(keep_clear))
     free = len(taken)

@@ -103,10 +103,10 @@ def clearance_panels(
     ...     rows, limits.yield_load, "load_N_per_mm", (100.0, 10.0), "load at yield (N/mm)"
     ... )
     >>> table.groupby("R_i_mm")["load_N_per_mm"].min().round().to_dict()
-    {10.0: 1105.0, 100.0: 135349.0}
+    {10.0: 1105.0, 100.0: 135346.0}
     """
     figure = new_figure("full", 72.0)
-    panels = list(figure.subplots(1, len(radii), sharey=True))
+    panels = list(figure.subplots(1, len(radii), sharey=True, squeeze=False).flat)
     tables = []
     for number, (axes, R_i) in enumerate(zip(panels, radii, strict=True)):
         table = clearance_table(rows, quantity, column, R_i)

@@ -64,10 +64,11 @@ def exponent_table(
 
     Examples
     --------
+    >>> import numpy as np
     >>> study = ExponentStudy("external", np.array([140.0]), (140.0,))
     >>> table = exponent_table(study, [207.0], [0.3], np.geomspace(10.0, 1000.0, 41))
     >>> print(table["n"].round(4).item())
-    1.0885
+    1.0805
     """
     rows = []
     for E, nu, dR in product(moduli, ratios, study.dR):
@@ -106,7 +107,7 @@ def exponent_panels(
     """
     figure = new_figure("full", 80.0)
     tables = [exponent_table(study, moduli, ratios, loads) for study in studies]
-    panels = list(figure.subplots(1, len(studies)))
+    panels = list(figure.subplots(1, len(studies), squeeze=False).flat)
     for number, (axes, study, table) in enumerate(zip(panels, studies, tables, strict=True)):
         _draw_moduli(axes, table)
         _draw_ratios(axes, table)

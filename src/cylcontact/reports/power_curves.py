@@ -62,10 +62,10 @@ def power_fit_panels(cases: Sequence[PowerCase]) -> tuple[Figure, pd.DataFrame]:
     >>> case = PowerCase(pair, np.array([10.0, 100.0, 1000.0]), ("", "", ""))
     >>> figure, table = power_fit_panels([case])
     >>> print(table["difference_percent"].round(1).tolist())
-    [-3.1, 6.5, -3.1]
+    [-3.6, 8.0, -4.0]
     """
     figure = new_figure("full", 82.0)
-    grid = figure.subplots(2, len(cases), sharex="col", height_ratios=(3, 1))
+    grid = figure.subplots(2, len(cases), sharex="col", height_ratios=(3, 1), squeeze=False)
     tables = [_fit_table(case) for case in cases]
     for number, (case, table) in enumerate(zip(cases, tables, strict=True)):
         _draw_fit(grid[0, number], case, table)

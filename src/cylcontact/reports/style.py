@@ -68,6 +68,7 @@ def figure_style() -> Iterator[None]:
 
     Examples
     --------
+    >>> import matplotlib as mpl
     >>> before = mpl.rcParams["pdf.fonttype"]
     >>> with figure_style():
     ...     mpl.rcParams["pdf.fonttype"]

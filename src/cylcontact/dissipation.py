@@ -1,0 +1,338 @@
+"""Dissipation in an impact: the hysteresis factors, and the restitution they really give.
+
+The models of Eqs 2, 3 and 5 all dissipate in the same way: they multiply an elastic law by a
+term in the penetration rate δ̇, made dimensionless by the rate δ̇⁽⁻⁾ at first touch,
+
+    F = F_el(δ)·(1 + χ·δ̇/δ̇⁽⁻⁾),
+
+and differ in the hysteresis factor χ that they take for a wanted coefficient of restitution e.
+
+**What e a factor gives** (derived). Let two bodies of effective mass m meet with no other force
+and write u = δ̇/δ̇⁽⁻⁾. Newton's law m·dδ̇/dt = −F becomes, with d/dt = δ̇·d/dδ,
+
+    m·(δ̇⁽⁻⁾)²·u/(1 + χu)·du = −F_el(δ)·dδ.
+
+From first touch (δ = 0, u = 1) to separation (δ = 0, u = −e) the right-hand side adds up to
+nothing, whatever F_el is: the elastic law stores work and returns all of it. So the integral of
+u/(1 + χu) from −e to 1 vanishes, and
+
+    χ(1 + e) = ln[(1 + χ)/(1 − χe)],    e = [1 + W₀(−(1 + χ)·exp(−(1 + χ)))]/χ
+
+for every elastic law and exponent, mass and speed. As 1 − χe = −W₀ > 0, the load of such an
+impact never turns negative before the bodies part.
+
+**How it is evaluated.** In p = χ(1 + e)/2 the relation splits into two explicit halves,
+
+    (1 − e)/(1 + e) = L(p),    χ = p·(1 + L(p)),    L(p) = coth p − 1/p,
+
+with Langevin's function L, which can be computed to full precision everywhere. The form with
+W₀ cannot: its argument rounds to the branch point −1/e as χ → 0, and half the digits are lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.errors import InputError
+
+HysteresisFactor = Callable[[ArrayLike], FloatArray]
+
+# Assumed: the slowest impact, in mm/s, that dissipates as its factor says. The impacts of a
+# mechanism are two to four orders faster.
+IMPACT_RATE_FLOOR = 1.0
+
+# Newton's method meets machine precision after four steps in the worst case.
+NEWTON_STEPS = 5
+
+
+def dissipative_load(
+    elastic_load: ArrayLike,
+    penetration_rate: ArrayLike,
+    impact_rate: ArrayLike,
+    chi: ArrayLike,
+    floor: float = IMPACT_RATE_FLOOR,
+) -> FloatArray:
+    """Return F = F_el·(1 + χ·δ̇/δ̇⁽⁻⁾), never negative (Eqs 2, 3 and 5).
+
+    Parameters
+    ----------
+    elastic_load : array_like
+        F_el ≥ 0 from a contact law, in N or N/mm.
+    penetration_rate : array_like
+        δ̇ in mm/s, positive while the bodies approach.
+    impact_rate : array_like
+        δ̇⁽⁻⁾, the penetration rate at first touch, in mm/s.
+    chi : array_like
+        Hysteresis factor χ ≥ 0.
+    floor : float, optional
+        The least δ̇⁽⁻⁾ in mm/s that is divided by.
+
+    Returns
+    -------
+    array of float
+        In the unit of `elastic_load`, of the broadcast shape; NaN where an input is.
+
+    Raises
+    ------
+    InputError
+        If χ is negative or not finite, or the floor is not positive and finite.
+
+    Notes
+    -----
+    Bodies that touch at rest and are then pressed together would meet any damping, for
+    δ̇/δ̇⁽⁻⁾ grows without bound as δ̇⁽⁻⁾ → 0. With δ̇⁽⁻⁾ replaced by max(δ̇⁽⁻⁾, floor) an
+    impact slower than the floor sees the factor χ·δ̇⁽⁻⁾/floor instead of χ: it dissipates less,
+    and e → 1 as the impact gets slower, as it does with real bodies.
+
+    The load is clipped at zero, because contact does not pull. That never happens in an
+    isolated impact, but can when other forces draw the bodies apart.
+
+    Examples
+    --------
+    >>> print(dissipative_load(100.0, [50.0, 0.0, -50.0, -500.0], 50.0, chi=0.25))
+    [125. 100.  75.   0.]
+    """
+    factor = _hysteresis(chi)
+    require(
+        floor > 0 and np.isfinite(floor),
+        "dissipative_load",
+        "floor",
+        floor,
+        "must be positive and finite",
+        "give the slowest impact rate that counts, in mm/s",
+    )
+    ratio = as_floats(penetration_rate) / np.maximum(as_floats(impact_rate), floor)
+    return as_floats(np.maximum(as_floats(elastic_load) * (1 + factor * ratio), 0.0))
+
+
+def achieved_restitution(chi: ArrayLike) -> FloatArray:
+    """Return the coefficient of restitution that a hysteresis factor gives.
+
+    e = [1 + W₀(−(1 + χ)·exp(−(1 + χ)))]/χ, derived in the module's docstring.
+
+    Parameters
+    ----------
+    chi : array_like
+        Hysteresis factor χ ≥ 0.
+
+    Returns
+    -------
+    array of float
+        e, from 1 at χ = 0 towards 1/χ as χ → ∞; the relative error is a few units in the
+        last place.
+
+    Raises
+    ------
+    InputError
+        If χ is negative or not finite.
+
+    Notes
+    -----
+    p(1 + L(p)) = χ is solved by Newton's method. The left-hand side is convex and grows, and
+    p = min(χ, (1 + χ)/2) lies above the root, so every step comes closer to it from above.
+
+    Examples
+    --------
+    >>> chi = lankarani_nikravesh(0.9)
+    >>> print(f"wanted 0.9, achieved {achieved_restitution(chi):.4f}")
+    wanted 0.9, achieved 0.9132
+    """
+    factor = _hysteresis(chi)
+    p = np.minimum(factor, (1 + factor) / 2)
+    for _ in range(NEWTON_STEPS):
+        L, complement, _ = _langevin(p)
+        reached = p * (1 + L)
+        p = p - (reached - factor) / (complement * (1 + reached))
+    L, complement, _ = _langevin(p)
+    return as_floats(complement / (1 + L))
+
+
+def exact_factor(restitution: ArrayLike) -> FloatArray:
+    """Return the hysteresis factor that gives exactly the wanted restitution.
+
+    The root χ of χ(1 + e) = ln[(1 + χ)/(1 − χe)].
+
+    Parameters
+    ----------
+    restitution : array_like
+        Coefficient of restitution e, 0 < e ≤ 1.
+
+    Returns
+    -------
+    array of float
+        χ; the relative error is a few units in the last place.
+
+    Raises
+    ------
+    InputError
+        If e lies outside (0, 1].
+
+    Notes
+    -----
+    χ = 2p/(1 + e) with p = L⁻¹((1 − e)/(1 + e)). The inverse of Langevin's function has no
+    closed form in elementary functions or Lambert's W. Kröger (J. Non-Newtonian Fluid Mech.
+    223 (2015) 77–87) approximates it to 0.3 %, and Newton's method on L/(1 − L), which is
+    nearly straight, does the rest.
+
+    Close to e = 1 the factor is χ = (3/2)(1 − e) + (3/2)(1 − e)² + …; for small e, χ → 1/e.
+
+    Examples
+    --------
+    >>> chi = exact_factor(0.9)
+    >>> print(f"{chi:.4f} gives {achieved_restitution(chi):.15f}")
+    0.1665 gives 0.900000000000000
+    """
+    e = _restitution(restitution)
+    r, target = (1 - e) / (1 + e), (1 - e) / (2 * e)
+    p = r * (3 - (6 * r**2 + r**4 - 2 * r**6) / 5) * (1 + e) / (2 * e * (1 + r))
+    for _ in range(NEWTON_STEPS):
+        L, complement, slope = _langevin(p)
+        p = p - (L / complement - target) / slope
+    return as_floats(2 * p / (1 + e))
+
+
+def hunt_crossley(restitution: ArrayLike) -> FloatArray:
+    """Return 3(1 − e)/2 (Hunt and Crossley, J. Appl. Mech. 42 (1975) 440–445)."""
+    e = _restitution(restitution)
+    return as_floats(3 * (1 - e) / 2)
+
+
+def herbert_mcwhannell(restitution: ArrayLike) -> FloatArray:
+    """Return 6(1 − e)/((2e − 1)² + 3) (Herbert and McWhannell, J. Eng. Ind. 99 (1977) 513–518)."""
+    e = _restitution(restitution)
+    return as_floats(6 * (1 - e) / ((2 * e - 1) ** 2 + 3))
+
+
+def lee_wang(restitution: ArrayLike) -> FloatArray:
+    """Return 3(1 − e)/4 (Lee and Wang, J. Mech. Transm. Autom. Des. 105 (1983) 534–540)."""
+    e = _restitution(restitution)
+    return as_floats(3 * (1 - e) / 4)
+
+
+def lankarani_nikravesh(restitution: ArrayLike) -> FloatArray:
+    """Return 3(1 − e²)/4, the paper's (Lankarani and Nikravesh, J. Mech. Des. 112 (1990) 369)."""
+    e = _restitution(restitution)
+    return as_floats(3 * (1 - e) * (1 + e) / 4)
+
+
+def gonthier(restitution: ArrayLike) -> FloatArray:
+    """Return (1 − e²)/e (Gonthier et al., Multibody Syst. Dyn. 11 (2004) 209–233)."""
+    e = _restitution(restitution)
+    return as_floats((1 - e) * (1 + e) / e)
+
+
+def zhiying_qishao(restitution: ArrayLike) -> FloatArray:
+    """Return ¾(1 − e²)exp(2(1 − e)) (Zhiying and Qishao, J. Dyn. Control 4 (2006) 294–298)."""
+    e = _restitution(restitution)
+    return as_floats(3 * (1 - e) * (1 + e) / 4 * np.exp(2 * (1 - e)))
+
+
+def flores(restitution: ArrayLike) -> FloatArray:
+    """Return 8(1 − e)/(5e) (Flores et al., Multibody Syst. Dyn. 25 (2011) 357–375)."""
+    e = _restitution(restitution)
+    return as_floats(8 * (1 - e) / (5 * e))
+
+
+def hu_guo(restitution: ArrayLike) -> FloatArray:
+    """Return 3(1 − e)/(2e) (Hu and Guo, Multibody Syst. Dyn. 35 (2015) 131–151)."""
+    e = _restitution(restitution)
+    return as_floats(3 * (1 - e) / (2 * e))
+
+
+# By the names that specs and reports use, in the order of publication, the exact one last.
+FACTORS: dict[str, HysteresisFactor] = {
+    "hunt-crossley": hunt_crossley,
+    "herbert-mcwhannell": herbert_mcwhannell,
+    "lee-wang": lee_wang,
+    "lankarani-nikravesh": lankarani_nikravesh,
+    "gonthier": gonthier,
+    "zhiying-qishao": zhiying_qishao,
+    "flores": flores,
+    "hu-guo": hu_guo,
+    "exact": exact_factor,
+}
+
+
+def hysteresis_factor(name: str) -> HysteresisFactor:
+    """Return the factor χ(e) that specs call `name`.
+
+    Parameters
+    ----------
+    name : str
+        One of `FACTORS`.
+
+    Returns
+    -------
+    callable
+        From the restitution e, 0 < e ≤ 1, to χ.
+
+    Raises
+    ------
+    InputError
+        If there is no such factor.
+
+    Examples
+    --------
+    >>> print(hysteresis_factor("lankarani-nikravesh")([0.5, 0.9]).round(4))
+    [0.5625 0.1425]
+    """
+    if name not in FACTORS:
+        raise InputError(
+            "hysteresis factor", "name", name, "is not known", f"choose {', '.join(FACTORS)}"
+        )
+    return FACTORS[name]
+
+
+def _restitution(value: ArrayLike) -> FloatArray:
+    """Return e as float64, refused outside (0, 1]."""
+    e = as_floats(value)
+    require(
+        (e > 0) & (e <= 1),
+        "hysteresis factor",
+        "restitution",
+        value,
+        "must lie in (0, 1]",
+        "give 1 for an elastic impact, less for one that dissipates",
+    )
+    return e
+
+
+def _hysteresis(value: ArrayLike) -> FloatArray:
+    """Return χ as float64, refused where negative or not finite."""
+    chi = as_floats(value)
+    require(
+        (chi >= 0) & np.isfinite(chi),
+        "hysteresis factor",
+        "chi",
+        value,
+        "must be finite and not negative",
+        "take it from a wanted restitution, e.g. exact_factor(0.9)",
+    )
+    return chi
+
+
+def _langevin(p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return L = coth p − 1/p for p ≥ 0, 1 − L, and the slope of L/(1 − L).
+
+    Up to p = 2 Lambert's continued fraction L = p/(3 + p²/(5 + p²/(7 + …))), in which nothing
+    cancels; ten levels are exact to rounding. Beyond, coth p = 1 + E with E = 2/(exp 2p − 1).
+    """
+    small = p < 2
+    q = np.where(small, p, 0.0)
+    fraction = np.zeros_like(q)
+    for odd in range(21, 3, -2):
+        fraction = q**2 / (odd + fraction)
+    ratio = 1 / (3 + fraction)
+    L = q * ratio
+    slope = (1 - L**2 - 2 * ratio) / (1 - L) ** 2
+
+    q = np.where(small, 2.0, p)
+    E = -2 * np.exp(-2 * q) / np.expm1(-2 * q)
+    complement = np.where(small, 1 - L, 1 / q - E)
+    # L' = 1/p² − E(2 + E), times p² above and below so that no power of p is ever formed.
+    slope = np.where(small, slope, (1 - q * E * (2 * q + q * E)) / (1 - q * E) ** 2)
+    return np.where(small, L, 1 - complement), complement, slope

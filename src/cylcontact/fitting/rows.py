@@ -1,0 +1,113 @@
+"""Samples held in memory, for objectives and laws that moments do not carry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cylcontact.arrays import FloatArray
+from cylcontact.datasets.grid import Grid
+from cylcontact.datasets.sampling import Block, Counts, blocks, reduce_grid
+from cylcontact.materials import Material
+from cylcontact.pair import Contact, CylinderPair
+
+# With E = 2 MPa and ν = 0 the composite modulus is 1 MPa.
+_UNIT = Material("of unit composite modulus", E=2.0, nu=0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Samples sorted by clearance and, within one, by s.
+
+    Attributes
+    ----------
+    contact : {"internal", "external"}
+        The contact they are for.
+    dR : array of float, shape (m,)
+        The clearances in mm.
+    index : array of int, shape (N,)
+        The clearance of each sample.
+    s, j : array of float, shape (N,)
+        ln(f/E*) and ln δ.
+    """
+
+    contact: Contact
+    dR: FloatArray
+    index: NDArray[np.intp]
+    s: FloatArray
+    j: FloatArray
+
+    @cached_property
+    def pair(self) -> CylinderPair:
+        """The samples' pairs with E* = 1: a load is then f/E*, in mm."""
+        return CylinderPair.from_dR(self.contact, self.dR[self.index], _UNIT)
+
+    @cached_property
+    def load(self) -> FloatArray:
+        """Loads over the composite modulus, in mm."""
+        return np.asarray(np.exp(self.s))
+
+    @cached_property
+    def penetration(self) -> FloatArray:
+        """Penetrations in mm."""
+        return np.asarray(np.exp(self.j))
+
+    @cached_property
+    def starts(self) -> NDArray[np.intp]:
+        """Where each clearance's samples begin, shape (m,)."""
+        return np.searchsorted(self.index, np.arange(self.dR.size))
+
+    def clearances(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Return s and j of each clearance."""
+        edges = self.starts[1:]
+        return list(zip(np.split(self.s, edges), np.split(self.j, edges), strict=True))
+
+
+def rows_of(contact: Contact, block: Block) -> Rows:
+    """Return one block of samples as rows."""
+    index = np.zeros(block.load.size, dtype=np.intp)
+    return Rows(contact, np.array([block.dR]), index, block.s, block.j)
+
+
+def collect_rows(grid: Grid) -> tuple[Rows, Counts]:
+    """Sample a grid into memory; wholly masked clearances are left out.
+
+    Parameters
+    ----------
+    grid : Grid
+        The grid.
+
+    Returns
+    -------
+    rows : Rows
+    counts : Counts
+        Samples used and masked.
+
+    Raises
+    ------
+    InputError
+        If every sample is masked.
+    """
+    kept: list[tuple[float, FloatArray, FloatArray]] = []
+    masked = 0
+    for dR in grid.dR:
+        sampled = list(blocks(grid, float(dR)))
+        masked += sum(block.masked for block in sampled)
+        s = np.concatenate([block.s for block in sampled])
+        j = np.concatenate([block.j for block in sampled])
+        order = np.argsort(s, kind="stable")
+        if s.size:
+            kept.append((float(dR), s[order], j[order]))
+    if not kept:
+        reduce_grid(grid)  # raises the error that names the reason
+    rows = Rows(
+        contact=grid.contact,
+        dR=np.array([dR for dR, _, _ in kept]),
+        index=np.repeat(np.arange(len(kept)), [s.size for _, s, _ in kept]),
+        s=np.concatenate([s for _, s, _ in kept]),
+        j=np.concatenate([j for _, _, j in kept]),
+    )
+    return rows, Counts(rows.s.size, masked)

@@ -1,0 +1,102 @@
+"""The law of Liu, Zhang and co-workers (2007) for a pin in a hole."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
+from cylcontact.errors import InputError
+from cylcontact.pair import CylinderPair
+
+
+@dataclass(frozen=True)
+class Liu:
+    """f = ½·π·E*·δ·√(δ/(2(ΔR + δ))), from an elastic foundation of the pin's size.
+
+    Liu, Zhang, Yang and Chen, *An approximate contact model for a cylindrical joint with
+    clearances* (2007). Explicit, dimensionless in δ/ΔR and f/(E*·ΔR), and without a largest
+    load. For internal contact only.
+
+    Examples
+    --------
+    >>> from cylcontact import Material
+    >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
+    >>> law = Liu()
+    >>> delta = law.penetration(100.0, pair)
+    >>> print(f"{delta * 1e3:.4f} µm, {law.load(delta, pair):.10f} N/mm")
+    3.2187 µm, 100.0000000000 N/mm
+    """
+
+    name: ClassVar[str] = "liu"
+
+    def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the penetration in mm under `load` in N/mm.
+
+        In d = δ/ΔR and φ = f/(E*·ΔR) the law is the cubic d³ = γ(1 + d), γ = 8φ²/π², which
+        has one positive root.
+        """
+        dR = _clearance(pair)
+        f = as_floats(load)
+        touching = f >= 0
+        phi = np.where(touching, f, 0.0) / (pair.E_star * dR)
+        return inside_or_nan(_positive_root(8 * (phi / np.pi) ** 2) * dR, touching)
+
+    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the load in N/mm at `penetration` in mm."""
+        dR = _clearance(pair)
+        delta = as_floats(penetration)
+        touching = delta >= 0
+        depth = np.where(touching, delta, 0.0)
+        f = np.pi / 2 * pair.E_star * depth * np.sqrt(depth / (2 * (dR + depth)))
+        return inside_or_nan(f, touching)
+
+    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return d(load)/d(penetration) in N/mm²."""
+        dR = _clearance(pair)
+        delta = as_floats(penetration)
+        touching = delta >= 0
+        depth = np.where(touching, delta, 0.0)
+        root = np.sqrt(depth / (2 * (dR + depth)))
+        slope = np.pi / 4 * pair.E_star * root * (3 * dR + 2 * depth) / (dR + depth)
+        return inside_or_nan(slope, touching)
+
+    def max_load(self, pair: CylinderPair) -> FloatArray:
+        """Return inf: the law has no largest load."""
+        return as_floats(np.full_like(pair.E_star * _clearance(pair), np.inf))
+
+    def max_penetration(self, pair: CylinderPair) -> FloatArray:
+        """Return inf: the law has no largest penetration."""
+        return self.max_load(pair)
+
+
+def _clearance(pair: CylinderPair) -> FloatArray:
+    """Return ΔR in mm, or say that there is no clearance."""
+    if pair.contact != "internal":
+        raise InputError(
+            "Liu",
+            "pair.contact",
+            pair.contact,
+            "the law is for a pin in a hole",
+            "use an internal pair, or Johnson's law for rollers",
+        )
+    return as_floats(pair.dR)
+
+
+def _positive_root(gamma: FloatArray) -> FloatArray:
+    """Return the positive root of d³ = γ(1 + d) by Cardano's formulas.
+
+    Below γ = 27/4 there is one real root, a sum of two cube roots of which the second is
+    γ/3 over the first (no cancellation); above it three, the largest of them a cosine.
+    """
+    few = gamma < 27 / 4
+    low = np.where(few, gamma, 0.0)
+    first = np.cbrt(low / 2 + np.sqrt(low**2 / 4 - low**3 / 27))
+    sum_of_roots = first + np.divide(low, 3 * first, out=np.zeros_like(first), where=first > 0)
+    high = np.where(few, 27 / 4, gamma)
+    angle = np.arccos(np.minimum(1.0, np.sqrt(27 / (4 * high))))
+    cosine = 2 * np.sqrt(high / 3) * np.cos(angle / 3)
+    return as_floats(np.where(few, sum_of_roots, cosine))

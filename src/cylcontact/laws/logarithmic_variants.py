@@ -1,0 +1,141 @@
+"""The other logarithmic laws: what they put in place of Johnson's κ, Λ and c.
+
+| law | κ | Λ | c |
+|---|---|---|---|
+| Johnson (1985) | 1 | 4π·ΔR | −1 |
+| Roark and Young | 1 | 4π·ΔR | 2/3 − 2·ln 2 |
+| Radzimovsky (1953), half-width | 1 | 4π·ΔR | 2/3 |
+| Radzimovsky, 1.60 with radii | 1 | 4π·ΔR | 2/3 + ln(6.25/4π) |
+| ESDU 78035 | 1 | 4π·ΔR | 1 |
+| Dubowsky and Freudenstein (1971) | 1 | π·L²·ΔR/(R_i·R_j) | 1 |
+| Goldsmith (1960) | 1 | π·R_i·R_j/ΔR | 1 |
+| Hertz cylinder | 2 | π·ΔR | −1 |
+
+The literature disagrees on several of them, so each class says which reading it is. All are for
+bodies of equal elastic constants; for others they are used with the pair's E*.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.laws.logarithmic import LogarithmicLaw
+from cylcontact.pair import CylinderPair
+
+
+def _clearance_reach(pair: CylinderPair) -> FloatArray:
+    """Return 4π·ΔR in mm, the reach that most of the laws share with Johnson's."""
+    return as_floats(4 * np.pi * as_floats(pair.dR))
+
+
+class RoarkYoung(LogarithmicLaw):
+    """Radzimovsky's formula with b the full contact width, as in Roark and Young's tables.
+
+    δ = f/(π·E*)·[2/3 + ln(4R_i/b) + ln(4R_j/b)] with b = 4·√(f·R/(π·E*)). (The tables' factor
+    1.60 belongs with diameters: 1.60·√2 = 2.26 = 4/√π with radii.)
+    """
+
+    name = "roark-young"
+    kappa = 1.0
+    shift = 2 / 3 - 2 * np.log(2)
+
+    def reach(self, pair: CylinderPair) -> FloatArray:
+        """Return 4π·ΔR in mm."""
+        return _clearance_reach(pair)
+
+
+class Radzimovsky(LogarithmicLaw):
+    """Radzimovsky's formula (1953) with b Hertz's half-width.
+
+    δ = f/(π·E*)·[2/3 + ln(4R_i/b) + ln(4R_j/b)] with b = 2·√(f·R/(π·E*)).
+    """
+
+    name = "radzimovsky"
+    kappa = 1.0
+    shift = 2 / 3
+
+    def reach(self, pair: CylinderPair) -> FloatArray:
+        """Return 4π·ΔR in mm."""
+        return _clearance_reach(pair)
+
+
+class RadzimovskyRadii(LogarithmicLaw):
+    """Radzimovsky's formula with b = 1.60·√(f·R/E*), as multibody papers print it.
+
+    The 1.60 of the tables is for diameters; used with radii, b is neither Hertz's half-width
+    nor his full width. Kept because comparisons in the literature were made with it.
+    """
+
+    name = "radzimovsky-radii"
+    kappa = 1.0
+    shift = 2 / 3 + float(np.log(16 / 1.6**2 / (4 * np.pi)))
+
+    def reach(self, pair: CylinderPair) -> FloatArray:
+        """Return 4π·ΔR in mm."""
+        return _clearance_reach(pair)
+
+
+class Esdu78035(LogarithmicLaw):
+    """ESDU item 78035, δ = f/(π·E*)·[ln(4π·ΔR·E*/f) + 1].
+
+    Read with the compliance of each body as (1 − ν²)/(π·E) and no further factor π. The
+    original was not at hand: the convention is unverified.
+    """
+
+    name = "esdu-78035"
+    kappa = 1.0
+    shift = 1.0
+
+    def reach(self, pair: CylinderPair) -> FloatArray:
+        """Return 4π·ΔR in mm."""
+        return _clearance_reach(pair)
+
+
+class DubowskyFreudenstein(LogarithmicLaw):
+    """Dubowsky and Freudenstein (1971), δ = f/(π·E*)·[ln(π·E*·L²·ΔR/(f·R_i·R_j)) + 1].
+
+    Their L^m with m = 3 (total force F = f·L). It needs the radii and the axial length.
+    """
+
+    name = "dubowsky-freudenstein"
+    kappa = 1.0
+    shift = 1.0
+
+    def reach(self, pair: CylinderPair) -> FloatArray:
+        """Return π·L²/R in mm, with R = R_i·R_j/ΔR."""
+        length = pair.contact_length("the law of Dubowsky and Freudenstein")
+        return as_floats(np.pi * length**2 / pair.R)
+
+
+class Goldsmith(LogarithmicLaw):
+    """Goldsmith (1960) as printed in multibody papers, δ = f/(π·E*)·[ln(π·E*·R/f) + 1].
+
+    The L^m of the previous law with m = 1 is dimensionally inconsistent unless the length
+    drops out, which leaves the effective radius R = R_i·R_j/ΔR as reach; with m = 3 the law
+    is Dubowsky and Freudenstein's. It needs the radii.
+    """
+
+    name = "goldsmith"
+    kappa = 1.0
+    shift = 1.0
+
+    def reach(self, pair: CylinderPair) -> FloatArray:
+        """Return π·R_i·R_j/ΔR in mm."""
+        return as_floats(np.pi * pair.R)
+
+
+class HertzCylinder(LogarithmicLaw):
+    """The law called Hertz's for cylinders in multibody papers, δ = 2f/(π·E*)·[ln(π·ΔR·E*/f) − 1].
+
+    Hertz's theory of line contact gives no approach; this is a logarithmic law of its own,
+    about twice as compliant as Johnson's.
+    """
+
+    name = "hertz-cylinder"
+    kappa = 2.0
+    shift = -1.0
+
+    def reach(self, pair: CylinderPair) -> FloatArray:
+        """Return π·ΔR in mm."""
+        return as_floats(np.pi * as_floats(pair.dR))

@@ -1,0 +1,428 @@
+"""Every recipe: the numbers behind it, recomputed here from the paper's equations, and its files.
+
+Nothing below calls a law of the package: Eqs 1, 5, 6, 7, 8 and 9 are written out once more.
+"""
+
+import math
+import re
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.text import Text
+
+from cylcontact import InputError
+from cylcontact.fitting.result import FitResult
+from cylcontact.laws import PUBLISHED
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import Written, build, draw
+from cylcontact.reports.exponents import ExponentStudy, exponent_table
+from cylcontact.reports.profiles import profile_drawing
+from cylcontact.reports.style import WIDTHS_MM
+from tests.figure_files import page_mm, read_columns, significant_digits
+
+BENCH = Bench(Path(__file__).parents[1])
+NAMES = (
+    *("fig01", "fig02", "fig03", "fig07", "fig08", "fig09"),
+    *("fig10", "fig10r", "fig11", "fig11r", "fig12", "fig12r", "fig13", "fig13r"),
+    *("fig14", "fig14r", "fig_profile_b"),
+)
+# E in MPa, ν, yield stress in MPa.
+MATERIALS = {
+    "ceramics": (600e3, 0.24, 350.0),
+    "high-strength steel": (207e3, 0.30, 1000.0),
+    "low-carbon steel": (200e3, 0.30, 250.0),
+    "titanium alloy": (120e3, 0.34, 830.0),
+    "aluminium alloy": (69e3, 0.33, 276.0),
+}
+MAPS = dict(zip(("fig10", "fig11", "fig12", "fig13", "fig14"), MATERIALS, strict=True))
+UNITLESS = {"nu", "n", "R2", "points", "objective", "b"}
+UNITS = ("_mm", "_N_per_mm", "_MPa", "_GPa", "_percent", "_N_per_mm_n")
+Figures = dict[str, Written]
+
+
+@pytest.fixture(scope="session")
+def figures(tmp_path_factory: pytest.TempPathFactory) -> Figures:
+    """All figures, drawn once from the committed fits."""
+    written = build(BENCH, folder=tmp_path_factory.mktemp("figures"))
+    return {figure.name: figure for figure in written}
+
+
+def e_star(E: float, nu: float) -> float:
+    return E / (2 * (1 - nu**2))
+
+
+def johnson(load: float, E_star: float, dR: float) -> float:
+    """Eq 1, solved for the penetration in mm."""
+    return load / (math.pi * E_star) * (math.log(4 * math.pi * E_star * dR / load) - 1)
+
+
+def enhanced(load: float, E_star: float, dR: float) -> float:
+    """Eqs 5 and 6 for internal contact, solved for the penetration in mm."""
+    Y = 1.51 * math.log(1000 * dR) ** -0.151 if dR < 0.34954 else 0.0151 * dR + 1.151
+    n = Y * dR**-0.005
+    return (load * dR / ((0.965 * dR + 0.0965) * E_star)) ** (1 / n)
+
+
+def difference(load: float, E_star: float, dR: float) -> float:
+    """Eq 9."""
+    return 100 * (enhanced(load, E_star, dR) / johnson(load, E_star, dR) - 1)
+
+
+def pin(R_i: float, dR: float) -> float:
+    """The effective radius R_i·R_j/ΔR in mm."""
+    return R_i * (R_i - dR) / dR
+
+
+class TestFiles:
+    def test_all_recipes_are_tested(self, figures: Figures) -> None:
+        assert tuple(figures) == NAMES
+
+    @pytest.mark.parametrize("name", NAMES)
+    def test_page_has_a_journals_width_and_fits_on_it(self, figures: Figures, name: str) -> None:
+        width, height = page_mm(figures[name].paths[1])
+        assert min(abs(width - journal) for journal in WIDTHS_MM.values()) < 0.01
+        assert height < 120
+
+    @pytest.mark.parametrize("name", NAMES)
+    def test_fonts_are_embedded_as_type_42(self, figures: Figures, name: str) -> None:
+        pdf = figures[name].paths[1].read_bytes()
+        embedded = set(re.findall(rb"/BaseFont /[A-Z]{6}\+([\w-]+)", pdf))
+        assert embedded
+        assert all(font.startswith(b"DejaVuSans") for font in embedded)
+        assert pdf.count(b"/FontFile2") > 0
+        assert b"/Type3" not in pdf
+        assert set(re.findall(rb"/Subtype /(\w*Type\w+)", pdf)) <= {b"Type0", b"CIDFontType2"}
+
+    @pytest.mark.parametrize("name", NAMES)
+    def test_text_is_legible_and_inside_the_page(self, figures: Figures, name: str) -> None:
+        figure = figures[name].drawing.figure
+        sizes = {text.get_fontsize() for text in figure.findobj(Text) if text.get_text()}
+        assert sizes <= {7.0, 8.0}
+        figure.draw_without_rendering()
+        drawn, page = figure.get_tightbbox(), figure.bbox_inches
+        assert drawn.x0 >= 0
+        assert drawn.y0 >= 0
+        assert drawn.x1 <= page.x1
+        assert drawn.y1 <= page.y1
+
+    @pytest.mark.parametrize("name", NAMES)
+    def test_table_has_units_and_digits(self, figures: Figures, name: str) -> None:
+        for column, cells in read_columns(figures[name].paths[2]).items():
+            assert all(cells) or column == "n", f"{column} has empty cells"
+            try:
+                [float(cell) for cell in cells]
+            except ValueError:
+                assert column in {"panel", "symbol", "contact", "material"}
+                continue
+            assert column in UNITLESS or column.endswith(UNITS)
+            assert max(map(significant_digits, cells)) <= 8
+
+    @pytest.mark.parametrize("name", NAMES)
+    def test_caption_tells_units_and_nothing_of_this_machine(
+        self, figures: Figures, name: str
+    ) -> None:
+        caption = figures[name].drawing.caption
+        assert "mm" in caption
+        assert caption.endswith(".")
+        assert "/home" not in caption
+        assert str(BENCH.root) not in caption
+
+    @pytest.mark.parametrize("name", ["fig03", "fig09", "fig13r", "fig_profile_b"])
+    def test_same_input_gives_the_same_bytes(
+        self, figures: Figures, name: str, tmp_path: Path
+    ) -> None:
+        (again,) = build(BENCH, [name], tmp_path)
+        for one, other in zip(figures[name].paths, again.paths, strict=True):
+            assert one.read_bytes() == other.read_bytes()
+
+
+class TestGeometry:
+    def test_drawn_lengths(self, figures: Figures) -> None:
+        table = figures["fig01"].drawing.table.pivot_table("value_mm", "symbol", "panel")
+        internal, external = table["internal"], table["external"]
+        assert internal["dR"] == internal["R_i"] - internal["R_j"] == 3.0
+        assert external["dR"] == external["R_i"] + external["R_j"] == 10.5
+        assert internal["centre distance"] == internal["dR"] + internal["delta"]
+        assert external["centre distance"] == external["dR"] - external["delta"]
+
+    @pytest.mark.parametrize("contact", ["internal", "external"])
+    def test_ends_of_the_chord_lie_on_both_outlines(self, figures: Figures, contact: str) -> None:
+        table = figures["fig01"].drawing.table.pivot_table("value_mm", "symbol", "panel")[contact]
+        half, e = table["2b"] / 2, table["centre distance"]
+        y = math.sqrt(table["R_i"] ** 2 - half**2)
+        assert math.hypot(half, y - e) == pytest.approx(table["R_j"], rel=1e-12)
+
+
+class TestPowerLaws:
+    def test_fig02_constants(self, figures: Figures) -> None:
+        headline = figures["fig02"].drawing.headline
+        assert round(headline["internal K"]) == 312148
+        assert round(headline["internal n"], 4) == 1.2370
+        assert headline["internal R2"] == pytest.approx(0.998123, abs=5e-7)
+        assert headline["external K"] == pytest.approx(44974.9, abs=0.05)
+        assert headline["external n"] == pytest.approx(1.09392, abs=5e-6)
+
+    def test_fig02_prints_ours_beside_the_papers(self, figures: Figures) -> None:
+        for axes in figures["fig02"].drawing.figure.axes[:2]:
+            texts = {text.get_text() for text in axes.texts}
+            assert {"here", "paper", "> 0.998"} <= texts
+        assert (
+            sum(
+                "312148" in text.get_text()
+                for text in figures["fig02"].drawing.figure.axes[0].texts
+            )
+            == 2
+        )
+
+    def test_fig02_table_is_eq_1_and_the_line(self, figures: Figures) -> None:
+        drawing = figures["fig02"].drawing
+        for contact, rows in drawing.table.groupby("contact"):
+            K, n = drawing.headline[f"{contact} K"], drawing.headline[f"{contact} n"]
+            for row in rows.itertuples():
+                delta = johnson(row.load_N_per_mm, e_star(207e3, 0.3), row.dR_mm)
+                assert row.penetration_mm == pytest.approx(delta, rel=1e-12)
+                assert row.fitted_load_N_per_mm == pytest.approx(K * delta**n, rel=1e-10)
+
+    def test_fig03_spreads(self, figures: Figures) -> None:
+        spreads = figures["fig03"].drawing.headline
+        assert list(spreads.values()) == pytest.approx(
+            [10.8105, 10.4486, 0.48462, 3.41707, 4.12277, 0.196204], rel=1e-5
+        )
+
+    def test_fig03_exponents_are_slopes(self, figures: Figures) -> None:
+        table = figures["fig03"].drawing.table
+        load = np.geomspace(10, 1000, 41)
+        for row in table.iloc[[0, 300, 700, 1000, 1400]].itertuples():
+            E_star = e_star(1e3 * row.E_GPa, row.nu)
+            inside = load[load <= 4 * math.pi * E_star * row.dR_mm / math.e**2]
+            delta = [johnson(f, E_star, row.dR_mm) for f in inside]
+            slope = np.polyfit(np.log(delta), np.log(inside), 1)[0]
+            assert row.points == inside.size
+            assert row.n == pytest.approx(slope, rel=1e-10)
+
+    def test_fig03_leaves_out_loads_beyond_johnson(self, figures: Figures) -> None:
+        table = figures["fig03"].drawing.table
+        short = table[table["points"] < 41]
+        assert set(short["E_GPa"]) == {20.7}
+        assert short["dR_mm"].max() < 0.06
+
+    def test_exponent_knows_the_product_of_modulus_and_dR_only(self) -> None:
+        loads = np.geomspace(10, 1000, 41)
+        one = exponent_table(ExponentStudy("internal", np.array([0.5]), ()), [207.0], [0.3], loads)
+        other = exponent_table(ExponentStudy("internal", np.array([5.0]), ()), [20.7], [0.3], loads)
+        assert one["n"].item() == pytest.approx(other["n"].item(), rel=1e-12)
+
+
+class TestLimits:
+    def test_fig07_loads(self, figures: Figures) -> None:
+        headline = figures["fig07"].drawing.headline
+        assert len(headline) == 15
+        for R_i in (100, 10, 5):
+            for name, (E, nu, stress) in MATERIALS.items():
+                load = math.pi * stress**2 * pin(R_i, 0.1) / e_star(E, nu)
+                assert headline[f"{name}, R_i = {R_i} mm, dR = 0.1 mm"] == pytest.approx(load)
+        assert headline["low-carbon steel, R_i = 10 mm, dR = 0.1 mm"] == pytest.approx(
+            1768.91, abs=0.005
+        )
+
+    def test_fig08_limits(self, figures: Figures) -> None:
+        limits = figures["fig08"].drawing.headline
+        assert {name: round(limit) for name, limit in limits.items()} == {
+            "aluminium alloy, dR = 0.0075 mm": 494,
+            "aluminium alloy, dR = 0.01 mm": 658,
+            "titanium alloy, dR = 0.0075 mm": 865,
+        }
+
+    def test_fig08_lines_are_eq_8(self, figures: Figures) -> None:
+        for row in figures["fig08"].drawing.table.iloc[::37].itertuples():
+            E, nu, _ = MATERIALS[row.material]
+            limit = 4 * math.pi * e_star(E, nu) * row.dR_mm / math.e**2
+            assert row.load_N_per_mm == pytest.approx(limit, rel=1e-12)
+
+    def test_fig09_stars_stand_at_the_yield_stress(self, figures: Figures) -> None:
+        for key, dR in figures["fig09"].drawing.headline.items():
+            name, R_i = re.fullmatch(r"(.+), R_i = (\d+) mm: .*", key).groups()
+            E, nu, stress = MATERIALS[name]
+            at_star = 2 / math.e * e_star(E, nu) * dR / math.sqrt(float(R_i) * (float(R_i) - dR))
+            assert at_star == pytest.approx(stress, rel=1e-12)
+
+    def test_fig09_lines_are_eq_7_at_eq_8(self, figures: Figures) -> None:
+        for row in figures["fig09"].drawing.table.iloc[::101].itertuples():
+            E_star = e_star(*MATERIALS[row.material][:2])
+            limit = 4 * math.pi * E_star * row.dR_mm / math.e**2
+            stress = math.sqrt(limit * E_star / (math.pi * pin(row.R_i_mm, row.dR_mm)))
+            assert row.stress_MPa == pytest.approx(stress, rel=1e-12)
+
+
+class TestMaps:
+    @pytest.mark.parametrize(("name", "material"), MAPS.items())
+    def test_table_is_eq_9(self, figures: Figures, name: str, material: str) -> None:
+        E, nu, stress = MATERIALS[material]
+        E_star = e_star(E, nu)
+        table = figures[name].drawing.table
+        for row in table.iloc[:: table.shape[0] // 97].itertuples():
+            dR, load = row.dR_mm, row.load_N_per_mm
+            assert row.penetration_mm == pytest.approx(enhanced(load, E_star, dR), rel=1e-10)
+            assert row.johnson_penetration_mm == pytest.approx(johnson(load, E_star, dR), rel=1e-10)
+            assert row.difference_percent == pytest.approx(difference(load, E_star, dR), abs=1e-8)
+            assert row.yield_load_N_per_mm == pytest.approx(
+                math.pi * stress**2 * pin(10.0, dR) / E_star, rel=1e-10
+            )
+
+    @pytest.mark.parametrize(("name", "material"), MAPS.items())
+    def test_window_is_sect_34s_up_to_johnsons_limit(
+        self, figures: Figures, name: str, material: str
+    ) -> None:
+        table = figures[name].drawing.table
+        assert table["dR_mm"].min() == 0.0075
+        assert table["dR_mm"].max() == 2.0
+        tops = table.groupby("dR_mm")["load_N_per_mm"].agg(["min", "max"])
+        E_star = e_star(*MATERIALS[material][:2])
+        limit = 4 * math.pi * E_star * tops.index.to_numpy() / math.e**2
+        assert tops["max"].to_numpy() == pytest.approx(np.minimum(1000, limit))
+        assert tops["min"].to_numpy() == pytest.approx(10.0)
+        assert table["difference_percent"].notna().all()
+
+    @pytest.mark.parametrize(
+        ("name", "highest", "largest_practical", "share"),
+        [
+            ("fig10", 25.9793, 25.9793, 0.75044),
+            ("fig11", 31.5985, 31.5985, 0.90936),
+            ("fig12", 33.6813, 33.6813, 0.90975),
+            ("fig13", 62.7626, 62.7626, 0.87332),
+            ("fig14", 71.6675, 71.6675, 0.80662),
+        ],
+    )
+    def test_headlines(
+        self, figures: Figures, name: str, highest: float, largest_practical: float, share: float
+    ) -> None:
+        headline = figures[name].drawing.headline
+        assert headline["highest difference, %"] == pytest.approx(highest, abs=5e-5)
+        assert headline["lowest difference, %"] == pytest.approx(-10.266, abs=2e-3)
+        largest = headline["largest |difference| in the practical domain, %"]
+        assert largest == pytest.approx(largest_practical, abs=5e-5)
+        assert headline["share of the practical domain below 8 %"] == pytest.approx(share, abs=5e-6)
+
+    def test_highest_of_fig10_by_hand(self, figures: Figures) -> None:
+        """Ceramics are furthest off at the lowest clearance and load."""
+        by_hand = difference(10.0, e_star(600e3, 0.24), 0.0075)
+        assert figures["fig10"].drawing.headline["highest difference, %"] == pytest.approx(by_hand)
+
+    def test_practical_domain_excludes_what_yields(self, figures: Figures) -> None:
+        table = figures["fig14"].drawing.table
+        E_star = e_star(69e3, 0.33)
+        inside = [
+            abs(difference(row.load_N_per_mm, E_star, row.dR_mm)) < 8
+            for row in table.itertuples()
+            if row.load_N_per_mm <= math.pi * 276.0**2 * pin(10.0, row.dR_mm) / E_star
+        ]
+        share = figures["fig14"].drawing.headline["share of the practical domain below 8 %"]
+        assert share == pytest.approx(sum(inside) / len(inside), rel=1e-12)
+
+    @pytest.mark.parametrize(
+        ("name", "note"),
+        [
+            ("fig10", "yield line for"),
+            ("fig11", "no yield in this window for"),
+            ("fig12", "yield line for"),
+            ("fig13", "no yield in this window for"),
+            ("fig14", "yield line for"),
+        ],
+    )
+    def test_notes(self, figures: Figures, name: str, note: str) -> None:
+        texts = [text.get_text() for text in figures[name].drawing.figure.axes[0].texts]
+        assert f"{note} $R_i$ = 10 mm" in texts
+        assert ("beyond Johnson's law" in texts) == (name in {"fig13", "fig14"})
+        assert ("yields" in texts) == (note == "yield line for")
+        assert "fitted from 0.05 mm on" in texts
+
+    @pytest.mark.parametrize("name", MAPS)
+    def test_caption_says_what_is_assumed(self, figures: Figures, name: str) -> None:
+        caption = figures[name].drawing.caption
+        assert re.search(rf"assumed: .*yield stress of {MAPS[name]}", caption)
+        assert "the radius is our choice" in caption
+
+    def test_all_maps_share_levels_and_scale(self, figures: Figures) -> None:
+        scales = {
+            tuple(
+                tick.get_text() for tick in figures[name].drawing.figure.axes[1].get_yticklabels()
+            )
+            for name in NAMES
+            if re.match(r"fig1[0-4]", name)
+        }
+        assert len(scales) == 1
+
+    @pytest.mark.parametrize(
+        ("name", "lowest", "highest", "share"),
+        [
+            ("fig10r", -16.834, 39.417, 0.69812),
+            ("fig11r", -16.835, 29.424, 0.72310),
+            ("fig12r", -16.835, 31.378, 0.68378),
+            ("fig13r", -16.835, 58.670, 0.68523),
+            ("fig14r", -16.835, 58.670, 0.61162),
+        ],
+    )
+    def test_headlines_of_the_committed_refit(
+        self, figures: Figures, name: str, lowest: float, highest: float, share: float
+    ) -> None:
+        headline = figures[name].drawing.headline
+        assert headline["lowest difference, %"] == pytest.approx(lowest, abs=5e-3)
+        assert headline["highest difference, %"] == pytest.approx(highest, abs=5e-3)
+        assert headline["share of the practical domain below 8 %"] == pytest.approx(share, abs=1e-3)
+
+    def test_refit_with_the_published_coefficients_is_the_published_map(
+        self, figures: Figures, tmp_path: Path
+    ) -> None:
+        result = BENCH.result("internal")
+        coefficients = {name: float(v) for name, v in vars(PUBLISHED["internal"]).items()}
+        result.model_copy(update={"coefficients": coefficients}).save(tmp_path / "internal.json")
+        drawing = draw("fig12r", Bench(BENCH.root, tmp_path))
+        pd.testing.assert_frame_equal(drawing.table, figures["fig12"].drawing.table)
+        assert "a = 0.965, b = 0.0965" in drawing.caption
+
+    def test_refit_for_the_other_contact_is_refused(self, tmp_path: Path) -> None:
+        BENCH.result("external").save(tmp_path / "internal.json")
+        with pytest.raises(InputError, match="they are for external contact"):
+            draw("fig12r", Bench(BENCH.root, tmp_path))
+
+
+class TestProfile:
+    @pytest.fixture
+    def result(self) -> FitResult:
+        return BENCH.result("external")
+
+    def test_headline(self, figures: Figures, result: FitResult) -> None:
+        headline = figures["fig_profile_b"].drawing.headline
+        assert headline["fitted b"] == result.coefficients["b"] == pytest.approx(0.92596, abs=1e-4)
+        assert headline["objective"] == pytest.approx(0.0519545, abs=1e-6)
+        rise = headline["rise of the objective at the published value, %"]
+        assert rise == pytest.approx(0.918, abs=2e-3)
+
+    def test_optimum_is_the_lowest_point(self, figures: Figures) -> None:
+        drawing = figures["fig_profile_b"].drawing
+        best = drawing.table.loc[drawing.table["objective"].idxmin()]
+        assert best["b"] == drawing.headline["fitted b"]
+        assert best["objective"] == pytest.approx(drawing.headline["objective"], rel=1e-9)
+
+    def test_without_published_values(self, result: FitResult) -> None:
+        profile = result.profiles["b"].model_copy(update={"objective_at_published": None})
+        bare = result.model_copy(update={"published": None, "profiles": {"b": profile}})
+        drawing = profile_drawing(bare, "b", "b")
+        assert not any("published" in key for key in drawing.headline)
+
+    def test_coefficient_that_was_not_varied(self, result: FitResult) -> None:
+        with pytest.raises(InputError) as caught:
+            profile_drawing(result, "c", "c")
+        assert str(caught.value) == (
+            "fit result 'external': profiles = 'c': the fit has no profile of this coefficient; "
+            "choose among a, b, n"
+        )
+
+
+def test_drawing_leaves_the_readers_settings_alone() -> None:
+    before = dict(mpl.rcParams)
+    draw("fig08", BENCH)
+    assert dict(mpl.rcParams) == before

@@ -1,0 +1,58 @@
+"""The README: its code runs, its table holds the committed results, its commands exist."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from cylcontact.fitting import FitResult
+
+ROOT = Path(__file__).resolve().parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+CODE = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+
+
+def test_code_blocks_run_in_order(monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    names = {}
+    for block in CODE:
+        exec(block, names)
+    assert "nan" not in capsys.readouterr().out
+    assert len(CODE) == 2
+
+
+def test_the_law_is_shown_in_ten_lines():
+    assert len(CODE[0].splitlines()) <= 10
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_table_holds_the_committed_results(contact):
+    result = FitResult.load(ROOT / f"fitting/results/{contact}.json")
+    paper = result.published
+    expected = {
+        n: (f"{paper.coefficients[n]:g}", f"{v:.5g}") for n, v in result.coefficients.items()
+    }
+    expected["RMS of ln(δ/δ_Johnson)"] = (
+        f"{paper.objective:.5g}",
+        f"{result.objective.value:.5g}",
+    )
+    expected["lower bound for this form of law"] = ("", f"{result.bound:.5g}")
+    table = README.split(f"| {contact} contact |")[1].split("\n\n")[0]
+    rows = [[c.strip() for c in line.split("|")[1:-1]] for line in table.splitlines()[2:]]
+    assert {name: (published, refit) for name, published, refit in rows} == expected
+
+
+def test_number_of_figures_is_the_number_of_recipes():
+    recipes = len(list((ROOT / "reports").glob("*.py")))
+    assert f"leaves {recipes} figures" in README
+
+
+def test_make_targets_named_exist():
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for target in re.findall(r"`make ([a-z]+)`", README):
+        assert re.search(rf"^{target}:", makefile, flags=re.MULTILINE)
+
+
+@pytest.mark.parametrize("link", re.findall(r"\]\(([^)]+)\)", README))
+def test_links_lead_somewhere(link):
+    assert (ROOT / link).exists()

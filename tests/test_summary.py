@@ -1,0 +1,126 @@
+"""Reports and verdicts on results made by hand, so that every sentence can be provoked."""
+
+import pytest
+
+from cylcontact.fitting import FitResult, compare, verdicts
+from cylcontact.fitting.summary import as_html
+
+REPORT = """\
+made by hand: enhanced law, external contact, fitted to johnson by rms-log-penetration on 1,200
+samples (34 masked by the reference's domain)
+
+                     fitted  published      within 1 %  identified
+a                       0.4       0.39    0.399 … 0.41        well
+b                         3       0.85  2.9 … 3, bound      poorly
+n                       1.1      1.094                       fixed
+rms-log-penetration    0.05       0.06      bound 0.04
+max |Eq 9|, %          12.5         15
+- the published coefficients are not the optimum on this grid: their objective is 0.06, 1.20 times
+  the fitted one
+- the fit is 25.0 % above the lower bound 0.04, which the best K* and n at every single clearance
+  would reach
+- poorly identified: b (each can move by more than 10% of its value, or to a bound, while the best
+  objective rises by less than 1%; well means less than 2%)
+- b is at its high bound 3: widen it
+- 2 of 3 runs reached the best objective within 0.1 %
+- the others ended in other basins, at (runs): 0.07 (1)"""
+
+
+def run(index, objective):
+    return {
+        "index": index,
+        "seed": index,
+        "population": 60,
+        "crossover": "blend",
+        "objective_before_polish": objective,
+        "objective": objective,
+        "coefficients": {"a": 0.4, "b": 3.0, "n": 1.1},
+        "evaluations": 100,
+        "seconds": 0.1,
+    }
+
+
+def profile(low, high, low_is_bound=False, high_is_bound=False):
+    return {
+        "values": [low, high],
+        "objective": [0.0505, 0.0505],
+        "low": low,
+        "high": high,
+        "low_is_bound": low_is_bound,
+        "high_is_bound": high_is_bound,
+        "objective_at_published": 0.055,
+    }
+
+
+def made_by_hand(**changes):
+    bounds = {"a": {"low": 0.1, "high": 1.5}, "b": {"low": 0.1, "high": 3.0}}
+    data = {
+        "name": "made by hand",
+        "law": "enhanced",
+        "contact": "external",
+        "reference": "johnson",
+        "coefficients": {"a": 0.4, "b": 3.0, "n": 1.1},
+        "objective": {"name": "rms-log-penetration", "value": 0.05},
+        "bound": 0.04,
+        "published": {"coefficients": {"a": 0.39, "b": 0.85, "n": 1.094}, "objective": 0.06},
+        "max_abs_diff_percent": {"fitted": 12.5, "published": 15.0},
+        "profiles": {"a": profile(0.399, 0.41), "b": profile(2.9, 3.0, high_is_bound=True)},
+        "runs": [run(0, 0.05), run(1, 0.07), run(2, 0.05001)],
+        "counts": {"samples": 1200, "masked": 34},
+        "settings": {
+            "campaign": {"parameters": bounds | {"n": {"value": 1.1, "fixed": True}}},
+            "dataset": {},
+        },
+        "provenance": {},
+    }
+    return FitResult.model_validate(data | changes)
+
+
+def test_report_reads_as_it_should():
+    assert str(made_by_hand()) == REPORT
+
+
+def test_published_optimum_is_told():
+    paper = {"coefficients": {"a": 0.4, "b": 3.0, "n": 1.1}, "objective": 0.05}
+    told = verdicts(made_by_hand(published=paper))
+    assert told[0] == "the published coefficients are the optimum on this grid, within 0.1 %"
+
+
+def test_without_published_coefficients_nothing_is_said_of_them():
+    result = made_by_hand(published=None, max_abs_diff_percent={"fitted": 1.0, "published": None})
+    assert not any("published" in sentence for sentence in verdicts(result))
+    assert "published" in str(result)  # the column stays, with dashes
+
+
+def test_agreeing_runs_leave_no_sentence_about_other_basins():
+    told = verdicts(made_by_hand(runs=[run(0, 0.05), run(1, 0.05)]))
+    assert told[-1] == "2 of 2 runs reached the best objective within 0.1 %"
+
+
+def test_well_identified_coefficients_are_said_to_be():
+    told = verdicts(made_by_hand(profiles={"a": profile(0.399, 0.41), "b": profile(2.9, 3.1)}))
+    assert "every coefficient is well or fairly identified" in told
+
+
+def test_comparison_separates_contacts_and_names_every_result():
+    one = made_by_hand()
+    other = made_by_hand(name="another", objective={"name": "rms-log-penetration", "value": 0.045})
+    table, *rest = compare([one, other]).split("\n\n")
+    assert table.splitlines()[0].split() == [
+        *("enhanced,", "external", "published", "made", "by", "hand", "another"),
+    ]
+    assert "0.045" in table
+    assert [part.splitlines()[0] for part in rest] == ["made by hand:", "another:"]
+
+
+@pytest.mark.parametrize("name", ["<script>alert(1)</script>", "a & b"])
+def test_html_escapes_names(name):
+    html = as_html(made_by_hand(name=name))
+    assert name not in html
+    assert name.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;") in html
+    assert html.count("<tr>") == html.count("</tr>") == 6
+
+
+def test_repr_is_short():
+    assert repr(made_by_hand()).startswith("FitResult('made by hand', rms-log-penetration = 0.05")
+    assert "\n" not in repr(made_by_hand())
