@@ -6,8 +6,11 @@ from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.restitution import restitution_panels, restitution_table
 
 GROUPS = (
-    ("1975 to 1990", ("hunt-crossley", "herbert-mcwhannell", "lee-wang", "lankarani-nikravesh")),
-    ("2004 to 2015", ("gonthier", "zhiying-qishao", "flores", "hu-guo")),
+    (
+        "published 1975 to 1990",
+        ("hunt-crossley", "herbert-mcwhannell", "lee-wang", "lankarani-nikravesh"),
+    ),
+    ("published 2004 to 2015", ("gonthier", "zhiying-qishao", "flores", "hu-guo")),
 )
 CAPTION = (
     "Coefficient of restitution (-) that an isolated impact achieves with F = F_el(δ)(1 + χ δ̇/δ̇⁽⁻⁾)"

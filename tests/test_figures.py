@@ -17,7 +17,7 @@ from cylcontact import InputError
 from cylcontact.fitting.result import FitResult
 from cylcontact.laws import PUBLISHED
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import Written, build, draw
+from cylcontact.reports.build import Written, build, draw, find_recipes
 from cylcontact.reports.exponents import ExponentStudy, exponent_table
 from cylcontact.reports.profiles import profile_drawing
 from cylcontact.reports.style import WIDTHS_MM
@@ -46,7 +46,7 @@ Figures = dict[str, Written]
 @pytest.fixture(scope="session")
 def figures(tmp_path_factory: pytest.TempPathFactory) -> Figures:
     """All figures, drawn once from the committed fits."""
-    written = build(BENCH, folder=tmp_path_factory.mktemp("figures"))
+    written = build(BENCH, NAMES, tmp_path_factory.mktemp("figures"))
     return {figure.name: figure for figure in written}
 
 
@@ -77,8 +77,9 @@ def pin(R_i: float, dR: float) -> float:
 
 
 class TestFiles:
-    def test_all_recipes_are_tested(self, figures: Figures) -> None:
-        assert tuple(figures) == NAMES
+    def test_every_figure_of_the_paper_is_among_them(self) -> None:
+        papers = {name for name in find_recipes(BENCH) if re.fullmatch(r"fig\d\dr?", name)}
+        assert papers == set(NAMES) - {"fig_profile_b"}
 
     @pytest.mark.parametrize("name", NAMES)
     def test_page_has_a_journals_width_and_fits_on_it(self, figures: Figures, name: str) -> None:

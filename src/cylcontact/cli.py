@@ -1,14 +1,16 @@
 """The command line: `cylcontact sample | fit | compare | verify | report | claims`.
 
 Exit codes: 0 done, 1 a check does not hold, 2 bad input (one line on standard error),
-130 interrupted. Heavy imports wait until a command needs them.
+130 interrupted, 141 nobody reads the output any more. Heavy imports wait until a command needs
+them.
 """
 
 from __future__ import annotations
 
+import io
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -26,11 +28,47 @@ app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     help="Calibrate contact laws for parallel cylinders and see where each can be trusted.",
 )
 
+
+def _integer_from(least: int) -> Callable[[str], int]:
+    """Return a parser of integers of at least `least`."""
+
+    def parse(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            number = least - 1
+        if number < least:
+            raise typer.BadParameter(f"{text!r} must be an integer of at least {least}")
+        return number
+
+    return parse
+
+
 Jobs = Annotated[
-    int | None, typer.Option("--jobs", "-j", min=1, help="Worker processes; all cores by default.")
+    int | None,
+    typer.Option(
+        "--jobs",
+        "-j",
+        parser=_integer_from(1),
+        metavar="INTEGER",
+        help="Worker processes; all cores by default.",
+    ),
+]
+Runs = Annotated[
+    int | None,
+    typer.Option(
+        parser=_integer_from(1), metavar="INTEGER", help="Runs, instead of the campaign's."
+    ),
+]
+Seed = Annotated[
+    int | None,
+    typer.Option(
+        parser=_integer_from(0), metavar="INTEGER", help="Seed, instead of the campaign's."
+    ),
 ]
 
 
@@ -56,24 +94,23 @@ def fit(
         typer.Option("-o", "--out", help="The result; results/NAME.json beside the campaign."),
     ] = None,
     jobs: Jobs = None,
-    runs: Annotated[int | None, typer.Option(help="Runs, instead of the campaign's.")] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed, instead of the campaign's.")] = None,
+    runs: Runs = None,
+    seed: Seed = None,
     resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted fit.")] = False,
 ) -> None:
     """Calibrate a law to a reference by genetic search and local polish."""
     from cylcontact.files import require_writable
     from cylcontact.fitting import calibrate, read_campaign
 
-    target = out or campaign.parent / "results" / f"{campaign.stem}.json"
-    kept = target.with_name(target.name + ".partial")
     planned = read_campaign(campaign, runs, seed)
+    target = out or campaign.parent / "results" / f"{campaign.stem}.json"
     require_writable(target)
+    kept = target.with_name(target.name + ".partial")
     try:
         with _progress() as progress:
             result = calibrate(planned, jobs or _cores(), progress, kept, resume)
     except KeyboardInterrupt:
-        typer.echo(_interrupted(kept), err=True)
-        raise typer.Exit(130) from None
+        raise KeyboardInterrupt(_interrupted(kept)) from None
     result.save(target)
     kept.unlink(missing_ok=True)
     typer.echo(f"{result}\n\nwritten to {target}")
@@ -178,14 +215,11 @@ def _cores() -> int:
 
 def _interrupted(kept: Path) -> str:
     """Say what an interrupted fit leaves behind."""
-    runs = 0
-    if kept.exists():
-        runs = max(0, len(kept.read_text(encoding="utf-8").splitlines()) - 1)
-    if not runs:
-        kept.unlink(missing_ok=True)
-        return "cylcontact: interrupted before a run was complete; nothing is kept"
+    runs = kept.read_bytes().count(b"\n") - 1 if kept.is_file() else 0
+    if runs < 1:
+        return "interrupted before a run was complete; nothing is kept"
     return (
-        f"cylcontact: interrupted; {runs} complete runs are kept in {kept}; "
+        f"interrupted; {runs} complete {'run is' if runs == 1 else 'runs are'} kept in {kept}; "
         "the same command with --resume goes on from there"
     )
 
@@ -196,6 +230,7 @@ def _progress() -> Iterator[Progress]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
+    terminal = sys.stderr is not None and sys.stderr.isatty()
     console = Console(stderr=True)
     columns = (
         TextColumn("{task.description:>10}"),
@@ -203,7 +238,7 @@ def _progress() -> Iterator[Progress]:
         MofNCompleteColumn(),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=console, disable=not console.is_terminal) as bars:
+    with Progress(*columns, console=console, disable=not terminal) as bars:
         tasks = {}
 
         def show(stage: str, done: int, total: int) -> None:
@@ -216,28 +251,61 @@ def _progress() -> Iterator[Progress]:
 
 def main() -> None:
     """Run the command line, and turn every expected failure into one line and an exit code."""
+    _prepare_streams()
     try:
-        status = app(standalone_mode=False)
+        status = _run(sys.argv[1:])
     except InputError as error:
         status = _fail(str(error))
-    except KeyboardInterrupt:
-        typer.echo("cylcontact: interrupted; nothing is left half-written", err=True)
-        status = 130
-    except BrokenPipeError:
-        # The reader of a pipe has gone; give Python somewhere to flush what is left.
+    except KeyboardInterrupt as stop:
+        status = _fail(str(stop) or "interrupted; nothing is left half-written", 130)
+    except MemoryError:
+        status = _fail("memory is short; thin the grid, or use smaller populations or fewer --jobs")
+    except OSError as error:
+        # Every file has an InputError of its own, so this is about standard output; give Python
+        # somewhere to flush what is left.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        status = 0
+        status = 141
+        if not isinstance(error, BrokenPipeError):
+            status = _fail(f"standard output: cannot be written ({error.strerror}); make room")
     except Exception as error:
         if not hasattr(error, "format_message"):
             raise
-        status = _fail(f"{error.format_message()} See cylcontact --help.")
-    sys.exit(status or 0)
+        status = _fail(_usage(error, error.format_message()))
+    sys.exit(status)
 
 
-def _fail(message: str) -> int:
-    """Print one line on standard error and return the exit code of bad input."""
+def _prepare_streams() -> None:
+    """Make standard output and error take everything: in other encodings, and when closed."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
+def _run(arguments: Sequence[str]) -> int:
+    """Run one command and return its exit code; errors of all kinds come out as they are."""
+    command = typer.main.get_command(app)
+    try:
+        with command.make_context("cylcontact", list(arguments)) as context:
+            command.invoke(context)
+    except typer.Exit as stop:
+        return stop.exit_code
+    return 0
+
+
+def _usage(error: Exception, message: str) -> str:
+    """Put a mistake on the command line, told by typer, and the remedy on one line."""
+    rule = " ".join(message.split()).rstrip(".") or "a command is missing"
+    context = getattr(error, "ctx", None)
+    return f"{rule}; see {context.command_path if context else 'cylcontact'} --help"
+
+
+def _fail(message: str, status: int = 2) -> int:
+    """Print one line on standard error and return the exit code, that of bad input by default."""
     typer.echo(f"cylcontact: {message}", err=True)
-    return 2
+    return status
 
 
 if __name__ == "__main__":

@@ -178,7 +178,8 @@ def exact_factor(restitution: ArrayLike) -> FloatArray:
     223 (2015) 77–87) approximates it to 0.3 %, and Newton's method on L/(1 − L), which is
     nearly straight, does the rest.
 
-    Close to e = 1 the factor is χ = (3/2)(1 − e) + (3/2)(1 − e)² + …; for small e, χ → 1/e.
+    Close to e = 1 the factor is χ = (3/2)(1 − e) + (3/2)(1 − e)² + …, of which Hu and Guo's
+    has both terms; for small e it is 1/e, as Gonthier's.
 
     Examples
     --------

@@ -35,7 +35,8 @@ class InputError(ValueError):
         self.remedy = remedy
         shown = " = ".join(part for part in (key, short(value)) if part)
         where = ": ".join(part for part in (source, shown) if part)
-        super().__init__(f"{where}: {rule}; {remedy}")
+        # A path or another program's message may bring line breaks along.
+        super().__init__(" ".join(f"{where}: {rule}; {remedy}".splitlines()))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str, object, str, str]]:
         """Rebuild from the five parts, so that worker processes can send it back."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from itertools import takewhile
 from pathlib import Path
 
 from cylcontact.errors import InputError
@@ -16,7 +17,7 @@ def replacing(path: Path | str) -> Iterator[Path]:
     """Give a temporary path beside `path` and rename it to `path` when the block succeeds.
 
     Missing folders are made. If the block fails or is interrupted, `path` is as it was before
-    and nothing else is left.
+    and nothing else is left, no folder either.
 
     Parameters
     ----------
@@ -42,11 +43,12 @@ def replacing(path: Path | str) -> Iterator[Path]:
     '1 2 3'
     """
     target = Path(path)
+    require_writable(target)
+    parents = (target.parent, *target.parent.parents)
+    made = list(takewhile(lambda folder: not folder.exists(), parents))
     temporary = None
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        if target.is_dir():
-            raise IsADirectoryError("it is a folder")
         handle, name = tempfile.mkstemp(
             prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent
         )
@@ -55,7 +57,7 @@ def replacing(path: Path | str) -> Iterator[Path]:
         yield temporary
         temporary.chmod(0o666 & ~_umask())
         temporary.replace(target)
-        temporary = None
+        temporary, made = None, []
     except OSError as error:
         raise InputError(
             str(target),
@@ -67,6 +69,9 @@ def replacing(path: Path | str) -> Iterator[Path]:
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
+        for folder in made:
+            with suppress(OSError):  # someone else may have put a file there meanwhile
+                folder.rmdir()
 
 
 def require_writable(path: Path | str) -> None:
@@ -75,16 +80,10 @@ def require_writable(path: Path | str) -> None:
     Long work calls this first, so that it does not fail at its end.
     """
     target = Path(path)
-    existing = target.parent
-    while not existing.exists() and existing != existing.parent:
-        existing = existing.parent
-    problem = ""
-    if target.is_dir():
-        problem = "it is a folder"
-    elif not existing.is_dir():
-        problem = f"{existing} is not a folder"
-    elif not os.access(existing, os.W_OK | os.X_OK):
-        problem = f"no permission to write in {existing}"
+    try:
+        problem = _obstacle(target)
+    except OSError as error:
+        problem = error.strerror or str(error)
     if problem:
         raise InputError(
             str(target),
@@ -93,6 +92,20 @@ def require_writable(path: Path | str) -> None:
             f"cannot be written ({problem})",
             "choose a file in a folder you may write to",
         )
+
+
+def _obstacle(target: Path) -> str:
+    """Say what stands in the way of writing a file, in a few words; nothing where nothing does."""
+    if any("\ud800" <= character <= "\udfff" for character in str(target)):
+        return "its name is not text"
+    if target.is_dir():
+        return "it is a folder"
+    existing = next((folder for folder in target.parents if folder.exists()), Path())
+    if not existing.is_dir():
+        return f"{existing} is not a folder"
+    if not os.access(existing, os.W_OK | os.X_OK):
+        return f"no permission to write in {existing}"
+    return ""
 
 
 def _umask() -> int:

@@ -103,7 +103,7 @@ def dynamic_correction(speed: ArrayLike, v0: float, v1: float) -> FloatArray:
         "friction",
         "v0, v1",
         (v0, v1),
-        "must satisfy 0 ≤ v0 < v1",
+        "must be finite, with 0 ≤ v0 < v1",
         "give two speeds in mm/s, the smaller one first",
     )
     # Clipped first, so that no speed, however large, overflows in the quotient.

@@ -23,6 +23,19 @@ class Spec(BaseModel):
 
 SpecType = TypeVar("SpecType", bound=Spec)
 
+# Pydantic's rules about types in the words of TOML and JSON.
+_PLAIN_RULES = {
+    "model_type": "must be a table",
+    "dict_type": "must be a table",
+    "tuple_type": "must be a list",
+    "list_type": "must be a list",
+    "int_type": "must be an integer",
+    "float_type": "must be a number",
+    "finite_number": "must be a finite number",
+    "bool_type": "must be true or false",
+    "string_type": "must be a string",
+}
+
 
 def broken(key: str, value: object, rule: str, remedy: str) -> PydanticCustomError:
     """Return the error a validator raises, with the four parts that an InputError shows."""
@@ -42,12 +55,16 @@ def read_toml(path: Path | str) -> dict[str, Any]:
         If the file cannot be read or is not TOML.
     """
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        return tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise InputError(
             str(path), "", None, f"cannot be read ({error.strerror})", "check the path"
         ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise InputError(
+            str(path), "", None, "is not a text file", "give a TOML file in UTF-8"
+        ) from error
+    except (ValueError, RecursionError) as error:
         raise InputError(
             str(path), "", None, f"is not valid TOML ({error})", "correct the line it names"
         ) from error
@@ -72,7 +89,8 @@ def parse_spec(model: type[SpecType], data: dict[str, Any], source: str) -> Spec
     Raises
     ------
     InputError
-        With the first mistake, and the number of further ones.
+        With the first mistake, unknown keys before all others as they are often why something
+        is missing, and the number of further ones.
     """
     try:
         return model.model_validate(data)
@@ -83,52 +101,41 @@ def parse_spec(model: type[SpecType], data: dict[str, Any], source: str) -> Spec
 def _as_input_error(error: ValidationError, model: type[Spec], source: str) -> InputError:
     """Turn pydantic's list of mistakes into one line about the first."""
     mistakes = error.errors(include_url=False)
-    first = mistakes[0]
+    first = min(mistakes, key=lambda mistake: mistake["type"] != "extra_forbidden")
     location = [str(part) for part in first["loc"]]
-    field_table = _table_at(model, location[:-1])
-    more = f" ({len(mistakes) - 1} more mistakes follow)" if len(mistakes) > 1 else ""
+    further = len(mistakes) - 1
+    more = f" ({further} more {'mistakes' if further > 1 else 'mistake'})" if further else ""
     context = first.get("ctx", {})
     if first["type"] == "broken_rule":
         key = ".".join(part for part in (*location, context["key"]) if part)
         value, rule, remedy = context["value"], context["rule"], context["remedy"]
     else:
         key, value = ".".join(location), first["input"]
-        rule, remedy = _explain(first["type"], first["msg"], field_table, location)
+        rule, remedy = _explain(first["type"], first["msg"], model, location)
         value = None if first["type"] == "missing" else value
     return InputError(source, key, value, rule, remedy + more)
 
 
-def _explain(
-    kind: str, message: str, table: type[Spec] | None, location: list[str]
-) -> tuple[str, str]:
+def _explain(kind: str, message: str, model: type[Spec], location: list[str]) -> tuple[str, str]:
     """Return the rule and the remedy for one of pydantic's own mistakes."""
-    fields = table.model_fields if table else {}
-    description = _description(table, location)
+    table, description = _innermost(model, location)
     if kind == "missing":
         return "is required", f"add {description}"
     if kind == "extra_forbidden":
-        return "is not a known key", f"known keys here: {', '.join(fields)}"
-    rule = message[0].lower() + message[1:]
-    for python, plain in (("input should", "must"), ("a valid ", "a ")):
-        rule = rule.replace(python, plain)
-    return rule, f"give {description}"
+        return "is not a known key", f"known keys here: {', '.join(table.model_fields)}"
+    spoken = message[0].lower() + message[1:].replace("greater than or equal to", "at least")
+    return _PLAIN_RULES.get(kind, spoken.replace("input should", "must")), f"give {description}"
 
 
-def _description(table: type[Spec] | None, location: list[str]) -> str:
-    """Return what a spec says of the innermost of its own fields in `location`."""
-    if table is not None and location and location[-1] in table.model_fields:
-        return table.model_fields[location[-1]].description or "a value that fits"
-    return "a value that fits"
-
-
-def _table_at(model: type[Spec], location: list[str]) -> type[Spec] | None:
-    """Return the table of the spec that `location` leads to, if it is one."""
-    current: type[Spec] | None = model
+def _innermost(model: type[Spec], location: list[str]) -> tuple[type[Spec], str]:
+    """Return the innermost table that `location` leads into, and what its key there should be."""
+    table, description = model, "a value that fits"
     for part in location:
-        if current is None or part not in current.model_fields:
-            continue  # a key of a mapping, or an index of a list, of tables
-        current = _inner_spec(current.model_fields[part].annotation)
-    return current
+        if part in table.model_fields:  # else a key of a mapping, or an index of a list
+            field = table.model_fields[part]
+            description = field.description or description
+            table = _inner_spec(field.annotation) or table
+    return table, description
 
 
 def _inner_spec(annotation: Any) -> type[Spec] | None:

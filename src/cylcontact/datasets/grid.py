@@ -19,6 +19,10 @@ from cylcontact.specs import Spec, broken, parse_spec, read_toml
 
 _POSITIVE_AXES = ("E", "dR", "load")
 _UNITS = {"E": "GPa", "nu": "dimensionless", "dR": "mm", "load": "N/mm"}
+# In these units no contact lies beyond; within them no law overflows.
+_SMALLEST, _LARGEST = 1e-12, 1e12
+# An axis, unlike the grid, is held in memory.
+_MAX_POINTS = 10_000_000
 
 
 class AxisSpec(Spec):
@@ -55,6 +59,8 @@ class AxisSpec(Spec):
             raise broken("min", low, f"must be below max = {high}", "exchange or correct them")
         if points < 2:
             raise broken("points", points, "must be at least 2", "for one value use values = [...]")
+        if points > _MAX_POINTS:
+            raise broken("points", points, f"must be at most {_MAX_POINTS}", "thin the axis")
         if self.spacing == "log" and low <= 0:
             raise broken(
                 "min", low, "log spacing needs a positive min", 'raise it, or use "linear"'
@@ -89,11 +95,13 @@ class AxesSpec(Spec):
     @model_validator(mode="after")
     def _check(self) -> AxesSpec:
         for name in _POSITIVE_AXES:
-            first = float(getattr(self, name).numbers()[0])
-            if first <= 0:
-                raise broken(
-                    name, first, "every value must be positive", f"give it in {_UNITS[name]}"
-                )
+            numbers = getattr(self, name).numbers()
+            for end in (float(numbers[0]), float(numbers[-1])):
+                if not _SMALLEST <= end <= _LARGEST:
+                    rule = f"must lie between {_SMALLEST:g} and {_LARGEST:g}"
+                    if end <= 0:
+                        rule = "every value must be positive"
+                    raise broken(name, end, rule, f"give it in {_UNITS[name]}")
         ratio = self.nu.numbers()
         if ratio[0] < 0 or ratio[-1] > 0.5:
             raise broken(

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import pandas as pd
 
 from cylcontact.errors import InputError
 from cylcontact.materials import Material
@@ -47,56 +45,84 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     Raises
     ------
     InputError
-        If the file cannot be read, a column is missing or unknown, a number is not one, a
-        provenance is not among the three, or a name stands twice.
+        If the file cannot be read, a column is missing or unknown, a row is too short or too
+        long, a number is not one, a provenance is not among the three, or a name stands twice.
     """
     source = str(path)
-    table = _read_csv(source)
-    missing = [column for column in COLUMNS if column not in table.columns]
-    if missing:
-        raise InputError(
-            source, ", ".join(missing), None, "missing columns", f"give {', '.join(COLUMNS)}"
-        )
     rows: dict[str, MaterialRow] = {}
-    for number, (_, row) in enumerate(table.iterrows(), start=2):
-        parsed = _parse_row(f"{source}, line {number}", row.to_dict())
+    for line, row in _read_csv(source):
+        parsed = _parse_row(f"{source}, line {line}", row)
         if parsed.material.name in rows:
             raise InputError(
-                f"{source}, line {number}",
+                f"{source}, line {line}",
                 "name",
                 parsed.material.name,
                 "stands twice",
                 "give each material a name of its own",
             )
         rows[parsed.material.name] = parsed
+    if not rows:
+        raise InputError(source, "", None, "holds no material", "give it at least one row")
     return rows
 
 
-def _read_csv(source: str) -> pd.DataFrame:
-    """Read the file as text cells, blank cells as empty strings."""
+def _read_csv(source: str) -> list[tuple[int, dict[str, str]]]:
+    """Read the rows as text cells by column, each with the number of its line."""
     try:
-        return pd.read_csv(source, dtype=str, keep_default_na=False)
-    except (OSError, UnicodeDecodeError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
-        reason = str(error).splitlines()[0]
+        with Path(source).open(encoding="utf-8-sig", newline="") as file:
+            reader = csv.reader(file, strict=True)
+            table = [(reader.line_num, cells) for cells in reader if any(cells)]
+    except (OSError, ValueError, csv.Error) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
         raise InputError(
             source, "", None, f"cannot be read ({reason})", "give a CSV table of materials"
         ) from error
-
-
-def _parse_row(source: str, row: dict[Any, Any]) -> MaterialRow:
-    """Turn the text cells of one row into a material with its provenance."""
-    numbers = {column: _number(source, column, row[column]) for column in NUMBER_COLUMNS}
-    yield_text = row["yield_stress_MPa"].strip()
-    yield_stress = _number(source, "yield_stress_MPa", yield_text) if yield_text else None
-    provenance = {}
-    for column, origin in (NUMBER_COLUMNS | YIELD_COLUMNS).items():
-        if row[column].strip():
-            provenance[column] = _provenance(source, origin, row[origin])
-    try:
-        material = Material(row["name"], numbers["E_GPa"] * 1e3, numbers["nu"], yield_stress)
-    except InputError as error:
+    columns = table[0][1] if table else []
+    if sorted(columns) != sorted(COLUMNS):
         raise InputError(
-            source, error.key, error.value, error.rule, "mind the unit in the column's name"
+            source,
+            "columns",
+            columns,
+            f"must be {', '.join(COLUMNS)}",
+            "correct the first line",
+        )
+    return [(line, _cells(f"{source}, line {line}", columns, cells)) for line, cells in table[1:]]
+
+
+def _cells(source: str, columns: list[str], cells: list[str]) -> dict[str, str]:
+    """Return the cells of a row by column."""
+    if len(cells) != len(columns):
+        raise InputError(
+            source,
+            "",
+            None,
+            f"has {len(cells)} cells for {len(columns)} columns",
+            'add commas for empty cells; put a text with commas in "quotes"',
+        )
+    return {column: cell.strip() for column, cell in zip(columns, cells, strict=True)}
+
+
+def _parse_row(source: str, row: dict[str, str]) -> MaterialRow:
+    """Turn the text cells of one row into a material with its provenance."""
+    if not row["name"]:
+        raise InputError(source, "name", None, "is required", "name the material")
+    numbers = {
+        column: _number(source, column, row[column])
+        for column in (*NUMBER_COLUMNS, *YIELD_COLUMNS)
+        if column in NUMBER_COLUMNS or row[column]
+    }
+    provenance = {
+        column: _provenance(source, (NUMBER_COLUMNS | YIELD_COLUMNS)[column], row)
+        for column in numbers
+    }
+    try:
+        material = Material(
+            row["name"], numbers["E_GPa"] * 1e3, numbers["nu"], numbers.get("yield_stress_MPa")
+        )
+    except InputError as error:
+        column = {"E": "E_GPa", "yield_stress": "yield_stress_MPa"}.get(error.key, error.key)
+        raise InputError(
+            source, column, row[column], error.rule, "mind the unit in the column's name"
         ) from error
     return MaterialRow(material, provenance, row["note"])
 
@@ -111,10 +137,10 @@ def _number(source: str, column: str, text: str) -> float:
         ) from None
 
 
-def _provenance(source: str, column: str, text: str) -> str:
+def _provenance(source: str, column: str, row: dict[str, str]) -> str:
     """Return the cell as one of the three provenances."""
-    if text not in PROVENANCES:
+    if row[column] not in PROVENANCES:
         raise InputError(
-            source, column, text, f"must be one of {', '.join(PROVENANCES)}", "say which"
+            source, column, row[column], f"must be one of {', '.join(PROVENANCES)}", "say which"
         )
-    return text
+    return row[column]

@@ -165,7 +165,8 @@ def reduce_grid(
     Counts(samples=3, masked=1)
     """
     work = (joblib.delayed(_reduce_clearance)(grid, float(dR)) for dR in grid.dR)
-    parallel = joblib.Parallel(n_jobs=jobs, prefer="threads", return_as="generator")
+    threads = min(jobs, grid.dR.size)
+    parallel = joblib.Parallel(n_jobs=threads, prefer="threads", return_as="generator")
     parts: list[Moments] = []
     masked = 0
     for done, (moments, left_out) in enumerate(parallel(work), start=1):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import closing
 from pathlib import Path
 
 import joblib
@@ -29,6 +30,7 @@ from cylcontact.fitting.result import (
 )
 from cylcontact.fitting.rows import Rows, collect_rows, rows_of
 from cylcontact.fitting.run import RunPlan, RunRecord, execute, plan_runs
+from cylcontact.fitting.workers import in_processes
 
 # The stage, what is done of it, and how much there is.
 Progress = Callable[[str, int, int], None]
@@ -74,10 +76,7 @@ def calibrate(
         If every sample is masked, the bounds exclude the law's domain, or the checkpoint
         belongs to another campaign.
     """
-    data, counts = _data(campaign, jobs, progress)
-    objective = make_objective(campaign.spec.objective, data)
-    problem = Problem(campaign.family, campaign.parameters, objective)
-    require_defined_somewhere(problem, campaign.source)
+    problem, counts = problem_of(campaign, jobs, progress)
     keeper = Checkpoint(checkpoint, campaign.key) if checkpoint is not None else None
     records = _run_all(problem, campaign, jobs, progress, keeper, resume)
     best = min(records, key=lambda record: (record.objective, record.index))
@@ -89,7 +88,7 @@ def calibrate(
         reference=campaign.grid.reference,
         coefficients=best.coefficients,
         objective=ObjectiveValue(name=campaign.spec.objective, value=best.objective),
-        bound=objective.bound if campaign.family.is_power_law else None,
+        bound=problem.objective.bound if campaign.family.is_power_law else None,
         published=None
         if published is None
         else Published(coefficients=dict(published), objective=problem.value_of(published)),
@@ -100,6 +99,32 @@ def calibrate(
         settings=campaign.settings,
         provenance=provenance(campaign),
     )
+
+
+def problem_of(campaign: Campaign, jobs: int, progress: Progress) -> tuple[Problem, Counts]:
+    """Return what a campaign minimises, and how many samples its grid gave.
+
+    Parameters
+    ----------
+    campaign, jobs, progress
+        As for `calibrate`.
+
+    Returns
+    -------
+    problem : Problem
+    counts : Counts
+        Samples used and masked.
+
+    Raises
+    ------
+    InputError
+        If every sample is masked, or the bounds exclude the law's domain.
+    """
+    data, counts = _data(campaign, jobs, progress)
+    objective = make_objective(campaign.spec.objective, data)
+    problem = Problem(campaign.family, campaign.parameters, objective)
+    require_defined_somewhere(problem, campaign.source)
+    return problem, counts
 
 
 def _data(campaign: Campaign, jobs: int, progress: Progress) -> tuple[Moments | Rows, Counts]:
@@ -141,12 +166,13 @@ def _run_all(
     finished = {record.index for record in records}
     waiting: list[RunPlan] = [plan for plan in plans if plan.index not in finished]
     progress("searching", len(records), len(plans))
-    parallel = joblib.Parallel(n_jobs=jobs, return_as="generator_unordered")
-    for record in parallel(joblib.delayed(execute)(problem, plan) for plan in waiting):
-        if keeper:
-            keeper.add(record)
-        records.append(record)
-        progress("searching", len(records), len(plans))
+    searches = [joblib.delayed(execute)(problem, plan, campaign.source) for plan in waiting]
+    with closing(in_processes(searches, jobs, ordered=False)) as found:
+        for record in found:
+            if keeper:
+                keeper.add(record)
+            records.append(record)
+            progress("searching", len(records), len(plans))
     return sorted(records, key=lambda record: record.index)
 
 
@@ -159,16 +185,16 @@ def _profiles(
 ) -> dict[str, Profile]:
     """Profile every free parameter."""
     names = [p.name for p in problem.free]
-    parallel = joblib.Parallel(n_jobs=jobs, return_as="generator")
-    work = (
+    work = [
         joblib.delayed(profile)(problem, name, best, published[name] if published else None)
         for name in names
-    )
+    ]
     profiles = {}
     progress("profiling", 0, len(names))
-    for name, found in zip(names, parallel(work), strict=True):
-        profiles[name] = found
-        progress("profiling", len(profiles), len(names))
+    with closing(in_processes(work, jobs)) as found:
+        for name, curve in zip(names, found, strict=True):
+            profiles[name] = curve
+            progress("profiling", len(profiles), len(names))
     return profiles
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,8 @@ from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.parameters import Family, Parameter, family_of
 from cylcontact.specs import Spec, broken, parse_spec, read_toml
 
+# Runs of a campaign, and candidates of a population: more do not fit in memory.
+_MOST = 100_000
 _PARAMETER_REMEDY = "give low and high, or value with fixed = true"
 
 
@@ -39,16 +43,23 @@ class ParameterSpec(Spec):
             if getattr(self, key) is None:
                 raise broken(key, None, "is required", _PARAMETER_REMEDY)
         if (self.low or 0.0) >= (self.high or 0.0):
-            raise broken("low", self.low, f"must be below high = {self.high}", "exchange them")
+            raise broken(
+                "low",
+                self.low,
+                f"must be below high = {self.high}",
+                "exchange them, or give value with fixed = true",
+            )
         return self
 
 
 class GeneticSpec(Spec):
     """The table [genetic]."""
 
-    runs: int = Field(16, ge=1, description="the number of runs, an integer of at least 1")
+    runs: int = Field(
+        16, ge=1, le=_MOST, description=f"the number of runs, an integer from 1 to {_MOST}"
+    )
     populations: tuple[int, ...] = Field(
-        (60, 120), strict=False, description="a list of population sizes of at least 4"
+        (60, 120), strict=False, description="a list of population sizes, integers of at least 4"
     )
     generations: int = Field(300, ge=1, description="the generations, an integer of at least 1")
     crossovers: tuple[str, ...] = Field(
@@ -59,9 +70,12 @@ class GeneticSpec(Spec):
 
     @model_validator(mode="after")
     def _check(self) -> GeneticSpec:
-        if not self.populations or min(self.populations) < 4:
+        if not self.populations or not 4 <= min(self.populations) <= max(self.populations) <= _MOST:
             raise broken(
-                "populations", list(self.populations), "sizes must be at least 4", "e.g. [60, 120]"
+                "populations",
+                list(self.populations),
+                f"must be a list of sizes from 4 to {_MOST}",
+                "e.g. [60, 120]",
             )
         unknown = [name for name in self.crossovers if name not in CROSSOVERS]
         if unknown or not self.crossovers:
@@ -194,10 +208,12 @@ def make_campaign(
 
 def _find_dataset(campaign: Path, dataset: str) -> Path:
     """Return the grid spec that a campaign names."""
-    places = [campaign.parent / dataset, campaign.parent.parent / dataset]
-    for place in places:
-        if place.is_file():
-            return place
+    above = Path(os.path.normpath(campaign.parent / ".."))
+    places = [campaign.parent / dataset, above / dataset]
+    with suppress(OSError):  # a name too long, or a folder closed to us, is no file either
+        for place in places:
+            if place.is_file():
+                return place
     raise InputError(
         str(campaign),
         "dataset",

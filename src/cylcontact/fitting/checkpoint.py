@@ -24,13 +24,12 @@ class Checkpoint:
 
     def __init__(self, path: Path, key: str) -> None:
         self.path = path
-        self._key = key
+        self._header = json.dumps({"campaign": key})
 
     def start(self) -> None:
-        """Begin anew, with no runs."""
+        """Begin anew, with no runs; the file comes with the first."""
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            self.path.write_text(json.dumps({"campaign": self._key}) + "\n", encoding="utf-8")
+            self.path.unlink(missing_ok=True)
         except OSError as error:
             raise _unwritable(self.path, error) from error
 
@@ -44,13 +43,20 @@ class Checkpoint:
         InputError
             If the file belongs to another campaign or is not a checkpoint.
         """
-        if not self.path.exists():
+        try:
+            text = self.path.read_text(encoding="utf-8", errors="replace")
+        except FileNotFoundError:
+            return []
+        except OSError as error:
+            raise InputError(
+                str(self.path), "", None, f"cannot be read ({error.strerror})", "move it away"
+            ) from error
+        if self._header.startswith(text):  # cut short before its first run
             self.start()
             return []
-        text = self.path.read_text(encoding="utf-8", errors="replace")
         complete = text[: text.rfind("\n") + 1]
         header, *lines = complete.splitlines() or [""]
-        if header != json.dumps({"campaign": self._key}):
+        if header != self._header:
             raise InputError(
                 str(self.path),
                 "",
@@ -66,7 +72,10 @@ class Checkpoint:
     def add(self, record: RunRecord) -> None:
         """Append a finished run and force it to the disk."""
         try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
             with self.path.open("a", encoding="utf-8") as file:
+                if not file.tell():
+                    file.write(self._header + "\n")
                 file.write(record.model_dump_json() + "\n")
                 file.flush()
                 os.fsync(file.fileno())
@@ -80,7 +89,7 @@ class Checkpoint:
     def _parse(self, line: str) -> RunRecord:
         try:
             data = json.loads(line)
-        except json.JSONDecodeError as error:
+        except (ValueError, RecursionError) as error:
             raise InputError(
                 str(self.path), "", None, "has a damaged line", "run without --resume"
             ) from error

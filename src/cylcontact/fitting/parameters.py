@@ -7,7 +7,7 @@ is a `PowerForm` and is evaluated at once. A `LawForm` holds candidates of any o
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from typing import Protocol
 
 import numpy as np
@@ -22,7 +22,10 @@ from cylcontact.laws.enhanced import (
     internal_exponent,
     stiffness_factor,
 )
+from cylcontact.laws.explicit import Explicit, ExplicitCoefficients
 from cylcontact.pair import Contact
+
+EXPLICIT_NAMES = tuple(field.name for field in fields(ExplicitCoefficients))
 
 
 @dataclass(frozen=True)
@@ -176,6 +179,17 @@ def _power(candidates: FloatArray, dR: FloatArray) -> PowerForm:
     return _power_form(K_star, n, dR)
 
 
+def _explicit(candidates: FloatArray, _: FloatArray) -> LawForm:
+    """Return explicit laws with these c, A and B; None where one is not positive."""
+    names = EXPLICIT_NAMES
+    return LawForm(
+        tuple(
+            Explicit(dict(zip(names, map(float, row), strict=True))) if (row > 0).all() else None
+            for row in candidates
+        )
+    )
+
+
 def _families() -> dict[tuple[str, Contact], Family]:
     """Return the families that campaigns can name."""
     internal, external = asdict(PUBLISHED["internal"]), asdict(PUBLISHED["external"])
@@ -192,6 +206,8 @@ def _families() -> dict[tuple[str, Contact], Family]:
         Family("enhanced", "external", tuple(external), _enhanced_external, published=external),
         Family("power", "internal", ("K_star", "n"), _power),
         Family("power", "external", ("K_star", "n"), _power),
+        Family("explicit", "internal", EXPLICIT_NAMES, _explicit, is_power_law=False),
+        Family("explicit", "external", EXPLICIT_NAMES, _explicit, is_power_law=False),
     )
     return {(family.law, family.contact): family for family in families}
 

@@ -75,23 +75,24 @@ def profile(
     -------
     Profile
         `CURVE_POINTS` equidistant values between the bounds, and the optimum and the
-        published value.
+        published value, those at which the law is undefined left out.
     """
     parameter = next(p for p in problem.free if p.name == name)
     extra = [best[name]] + ([published] if published is not None else [])
     grid = np.union1d(np.linspace(parameter.low, parameter.high, CURVE_POINTS), extra)
     objective = _walk(problem, name, grid, best)
+    defined = np.isfinite(objective)
     low, low_is_bound = _edge(problem, name, best, parameter.low)
     high, high_is_bound = _edge(problem, name, best, parameter.high)
     return Profile(
-        values=[float(v) for v in grid],
-        objective=[float(v) for v in objective],
+        values=[float(v) for v in grid[defined]],
+        objective=[float(v) for v in objective[defined]],
         low=low,
         high=high,
         low_is_bound=low_is_bound,
         high_is_bound=high_is_bound,
         objective_at_published=None
-        if published is None
+        if published is None or not defined[np.searchsorted(grid, published)]
         else float(objective[np.searchsorted(grid, published)]),
     )
 

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
+from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.profile import Profile
 from cylcontact.fitting.run import RunRecord
 from cylcontact.pair import Contact
@@ -80,21 +81,28 @@ class FitResult(Spec):
         Raises
         ------
         InputError
-            If the file cannot be read or is not a result.
+            If the file cannot be read, is not a result, or contradicts itself.
         """
+        source = str(path)
         try:
             data = json.loads(Path(path).read_text(encoding="utf-8"))
         except OSError as error:
             raise InputError(
-                str(path), "", None, f"cannot be read ({error.strerror})", "check the path"
+                source, "", None, f"cannot be read ({error.strerror})", "check the path"
             ) from error
-        except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        except UnicodeDecodeError as error:
             raise InputError(
-                str(path), "", None, f"is not a result file ({error})", "redo the fit"
+                source, "", None, "is not a text file", "name a result, a JSON file"
+            ) from error
+        except (ValueError, RecursionError) as error:
+            raise InputError(
+                source, "", None, f"is not JSON ({error})", "name a result, or redo the fit"
             ) from error
         if not isinstance(data, dict):
-            raise InputError(str(path), "", None, "is not a result file", "redo the fit")
-        return parse_spec(cls, data, str(path))
+            raise InputError(source, "", None, "is not a result", "name one that a fit has written")
+        result = parse_spec(cls, data, source)
+        _require_consistent(result, source)
+        return result
 
     def save(self, path: Path | str) -> None:
         """Write the result as JSON, complete or not at all."""
@@ -124,3 +132,22 @@ class FitResult(Spec):
         from cylcontact.fitting.summary import as_html
 
         return as_html(self)
+
+
+def _require_consistent(result: FitResult, source: str) -> None:
+    """Refuse a result whose settings are not those of a campaign, or whose parts do not match."""
+    family = campaign_from_settings(result.name, result.settings, source).family
+    named = {"coefficients": result.coefficients}
+    if result.published is not None:
+        named["published.coefficients"] = result.published.coefficients
+    named |= {f"runs.{run.index}.coefficients": run.coefficients for run in result.runs}
+    for key, coefficients in named.items():
+        if set(coefficients) != set(family.names):
+            rule = f"must be the coefficients of its campaign: {', '.join(family.names)}"
+            raise InputError(source, key, sorted(coefficients), rule, "redo the fit")
+    for name, curve in result.profiles.items():
+        if name not in family.names or len(curve.values) != len(curve.objective):
+            rule = "must be a coefficient's, its values and objective equally many"
+            raise InputError(source, f"profiles.{name}", None, rule, "redo the fit")
+    if not result.runs:
+        raise InputError(source, "runs", [], "must hold at least one run", "redo the fit")

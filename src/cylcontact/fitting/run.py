@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field
 from threadpoolctl import threadpool_limits
 
+from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import search
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
@@ -72,12 +73,39 @@ def plan_runs(
     ]
 
 
-def execute(problem: Problem, plan: RunPlan) -> RunRecord:
-    """Search and polish, on one thread so that the result depends on nothing but the plan."""
+def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRecord:
+    """Search and polish, on one thread so that the result depends on nothing but the plan.
+
+    Parameters
+    ----------
+    problem : Problem
+        What to minimise.
+    plan : RunPlan
+        How.
+    source : str
+        What errors call the campaign.
+
+    Returns
+    -------
+    RunRecord
+
+    Raises
+    ------
+    InputError
+        If the search found no coefficients for which the law is defined.
+    """
     started = time.perf_counter()
     with threadpool_limits(limits=1):
         found = search(problem, plan.population, plan.generations, plan.crossover, plan.seed)
         point, value = polish(problem, found.point)
+    if not np.isfinite(value):
+        raise InputError(
+            source,
+            "genetic.populations",
+            plan.population,
+            f"run {plan.index} found no coefficients for which the law is defined",
+            "narrow the parameters' bounds, or raise populations and generations",
+        )
     return RunRecord(
         index=plan.index,
         seed=plan.seed,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from cylcontact.fitting.calibrate import Progress, calibrate
+from cylcontact.fitting.calibrate import Progress, calibrate, problem_of
 from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.result import FitResult
 
@@ -27,7 +27,8 @@ class Check:
     @property
     def deviation(self) -> float:
         """Relative deviation of the fresh value."""
-        return abs(self.fresh - self.committed) / abs(self.committed)
+        difference = abs(self.fresh - self.committed)
+        return difference / abs(self.committed) if self.committed else difference
 
     @property
     def holds(self) -> bool:
@@ -57,8 +58,9 @@ def verify(path: Path, jobs: int, progress: Progress) -> list[Check]:
     Returns
     -------
     list of Check
-        The objective, the lower bound, the published coefficients' objective, and the number
-        of samples.
+        Of the committed coefficients against the objective stated for them, and of the fresh
+        objective, lower bound, published coefficients' objective and number of samples against
+        the committed ones.
 
     Raises
     ------
@@ -67,8 +69,15 @@ def verify(path: Path, jobs: int, progress: Progress) -> list[Check]:
     """
     committed = FitResult.load(path)
     campaign = campaign_from_settings(committed.name, committed.settings, str(path))
+    problem, _ = problem_of(campaign, jobs, progress)
+    of_coefficients = Check(
+        "objective of the coefficients",
+        committed.objective.value,
+        problem.value_of(committed.coefficients),
+        EXACT_TOLERANCE,
+    )
     fresh = calibrate(campaign, jobs, progress)
-    return compare_results(committed, fresh)
+    return [of_coefficients, *compare_results(committed, fresh)]
 
 
 def compare_results(committed: FitResult, fresh: FitResult) -> list[Check]:

@@ -1,6 +1,9 @@
 """Contact laws: load per unit length against penetration, all with the same five answers."""
 
+from collections.abc import Callable
+
 from cylcontact.errors import InputError
+from cylcontact.laws.conformal import Persson
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.difference import difference_percent
 from cylcontact.laws.enhanced import (
@@ -9,27 +12,75 @@ from cylcontact.laws.enhanced import (
     ExternalCoefficients,
     InternalCoefficients,
 )
+from cylcontact.laws.explicit import Explicit, ExplicitCoefficients, explicit_penetration
+from cylcontact.laws.liu import Liu
 from cylcontact.laws.logarithmic import Johnson, LogarithmicLaw
+from cylcontact.laws.logarithmic_variants import (
+    DubowskyFreudenstein,
+    Esdu78035,
+    Goldsmith,
+    HertzCylinder,
+    Radzimovsky,
+    RadzimovskyRadii,
+    RoarkYoung,
+)
 from cylcontact.laws.power import PowerLaw
 from cylcontact.laws.sphere import LankaraniNikravesh
+from cylcontact.laws.winkler import Winkler
 
 __all__ = [
+    "LAWS",
     "PUBLISHED",
     "REFERENCES",
     "ContactLaw",
+    "DubowskyFreudenstein",
     "Enhanced",
+    "Esdu78035",
+    "Explicit",
+    "ExplicitCoefficients",
     "ExternalCoefficients",
+    "Goldsmith",
+    "HertzCylinder",
     "InternalCoefficients",
     "Johnson",
     "LankaraniNikravesh",
+    "Liu",
     "LogarithmicLaw",
+    "Persson",
     "PowerLaw",
+    "Radzimovsky",
+    "RadzimovskyRadii",
+    "RoarkYoung",
+    "Winkler",
     "difference_percent",
+    "explicit_penetration",
     "reference_law",
 ]
 
-# The laws that a grid spec may sample by name.
-REFERENCES: dict[str, type[Johnson]] = {Johnson.name: Johnson}
+# Every law that needs no numbers of its own, by the name that specs and commands use.
+LAWS: dict[str, Callable[[], ContactLaw]] = {
+    "johnson": Johnson,
+    "roark-young": RoarkYoung,
+    "radzimovsky": Radzimovsky,
+    "radzimovsky-radii": RadzimovskyRadii,
+    "esdu-78035": Esdu78035,
+    "dubowsky-freudenstein": DubowskyFreudenstein,
+    "goldsmith": Goldsmith,
+    "hertz-cylinder": HertzCylinder,
+    "liu": Liu,
+    "winkler": Winkler,
+    "persson": Persson,
+    "enhanced": Enhanced,
+    "explicit": Explicit,
+    "lankarani-nikravesh": LankaraniNikravesh,
+}
+
+# Those that ΔR alone determines, without radii or a length: what a grid can sample.
+REFERENCES = tuple(
+    name
+    for name in LAWS
+    if name not in ("dubowsky-freudenstein", "goldsmith", "lankarani-nikravesh", "winkler")
+)
 
 
 def reference_law(name: str) -> ContactLaw:
@@ -47,7 +98,7 @@ def reference_law(name: str) -> ContactLaw:
     Raises
     ------
     InputError
-        If there is no such law.
+        If there is no such law, or it needs more than ΔR.
 
     Examples
     --------
@@ -56,6 +107,10 @@ def reference_law(name: str) -> ContactLaw:
     """
     if name not in REFERENCES:
         raise InputError(
-            "reference law", "name", name, "is not known", f"choose {' or '.join(REFERENCES)}"
+            "reference law",
+            "name",
+            name,
+            "is not a law that a grid can sample",
+            f"choose {' or '.join(REFERENCES)}",
         )
-    return REFERENCES[name]()
+    return LAWS[name]()

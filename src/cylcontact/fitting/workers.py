@@ -1,0 +1,76 @@
+"""Spread work over processes that leave Ctrl-C to the one that started them."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import warnings
+from collections.abc import Generator, Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from typing import Any
+
+import joblib
+
+from cylcontact.errors import InputError
+
+
+def in_processes(calls: Sequence[Any], jobs: int, ordered: bool = True) -> Generator[Any]:
+    """Run calls in worker processes and yield what they return.
+
+    Parameters
+    ----------
+    calls : sequence
+        Made with `joblib.delayed`.
+    jobs : int
+        Processes; no more are started than there are calls.
+    ordered : bool
+        Whether to yield in the order of the calls, or each as it ends.
+
+    Yields
+    ------
+    object
+
+    Raises
+    ------
+    InputError
+        If the system ended a worker, which it does where memory is short.
+    """
+    parallel = joblib.Parallel(
+        n_jobs=max(1, min(jobs, len(calls))),
+        return_as="generator" if ordered else "generator_unordered",
+    )
+    with _interrupts_ignored():
+        results = parallel(calls)
+    try:
+        for result in results:  # noqa: UP028 - `yield from` would close it before `finally` does
+            yield result
+    except BrokenProcessPool as error:
+        raise InputError(
+            "workers",
+            "jobs",
+            jobs,
+            "the system ended a worker process, probably for want of memory",
+            "use fewer, or a smaller grid; fit --resume goes on from the runs that are kept",
+        ) from error
+    finally:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # calls cut short are told of as a mistake
+            results.close()
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Ignore Ctrl-C, which processes started meanwhile then do for good.
+
+    A terminal sends it to all processes at once, and a worker that is still importing would
+    print its traceback.
+    """
+    if threading.current_thread() is not threading.main_thread():  # only there can it be set
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before or signal.SIG_DFL)

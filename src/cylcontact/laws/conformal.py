@@ -1,0 +1,299 @@
+"""Conformal contact: the law of Persson for a pin in a hole, and what it says of the contact.
+
+The solution itself, with its derivation, is in `cylcontact.laws.persson`; here it meets pairs,
+loads in N/mm and lengths in mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, require
+from cylcontact.laws import persson
+from cylcontact.pair import CylinderPair
+
+
+@dataclass(frozen=True)
+class Persson:
+    """The reference law for a pin in a hole, exact where the contact arc is no longer small.
+
+    δ = f·Z(u)/(π·E*) with u = tan²(ε/2) from f/(E*·ΔR) = 2π·u(1 + u)/(2 − 2u² − ln(1 + u)) and
+
+        Z = ln(4(1 + u)/u) − 2/(1 + u) + 1/(2(1 + u)²) + ln(1 + u)/(2u(1 + u)).
+
+    δ/ΔR depends on f/(E*·ΔR) alone. The law has no largest load: it goes from Johnson's law, at
+    small loads, to the straight line f = π·E*·δ/1.43048.
+
+    Raises
+    ------
+    InputError
+        When the law is evaluated, if the contact is external or the materials differ.
+
+    Notes
+    -----
+    Persson (1964) gives the load and the pressure for two bodies of the same E and ν, without
+    friction, the plate infinite; Z follows in `cylcontact.laws.persson`. A 2-D body has no
+    absolute approach: δ is known up to C·f/(π·E*), and C is **chosen** so that δ goes to
+    Johnson's law as the load goes to zero. Differences between this law and Johnson's are thus
+    those of conformity alone.
+
+    Load and penetration are inverted by a fixed number of Newton steps, to a few units in the
+    last place for every positive number.
+
+    Examples
+    --------
+    Johnson's penetration is low by 10 % at f/(E*·ΔR) = 0.37:
+
+    >>> from cylcontact import CylinderPair, Material, laws
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.from_dR("internal", dR=0.01, material=steel)
+    >>> f = 0.37 * pair.E_star * pair.dR
+    >>> ratio = laws.Johnson().penetration(f, pair) / Persson().penetration(f, pair)
+    >>> print(f"{f:.1f} N/mm: {100 * (ratio - 1):.2f} %")
+    420.8 N/mm: -10.00 %
+    """
+
+    name: ClassVar[str] = "persson"
+
+    def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the penetration in mm under `load` in N/mm."""
+        f = as_floats(load)
+        arc, touching = _arc_under(f, pair)
+        return inside_or_nan(f / (np.pi * pair.E_star) * persson.approach(arc), touching)
+
+    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the load in N/mm at `penetration` in mm."""
+        delta = as_floats(penetration)
+        arc, touching = _arc_at(delta, pair)
+        return inside_or_nan(np.pi * pair.E_star * (delta / persson.approach(arc)), touching)
+
+    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return d(load)/d(penetration) in N/mm² at `penetration` in mm; 0 at first touch."""
+        delta = as_floats(penetration)
+        arc, touching = _arc_at(delta, pair)
+        stiffness = np.pi * pair.E_star / persson.compliance(arc)
+        return inside_or_nan(np.where(delta == 0, 0.0, stiffness), touching)
+
+    def max_load(self, pair: CylinderPair) -> FloatArray:
+        """Return inf: the law has no largest load."""
+        _require_persson(pair)
+        return as_floats(np.full_like(pair.E_star * as_floats(pair.dR), np.inf))
+
+    def max_penetration(self, pair: CylinderPair) -> FloatArray:
+        """Return inf: the law has no largest penetration."""
+        return self.max_load(pair)
+
+
+def contact_angle(load: ArrayLike, pair: CylinderPair) -> FloatArray:
+    """Return the semi-angle ε of the contact arc in radians, from 0 to 1.4805 (84.83°).
+
+    Parameters
+    ----------
+    load : array_like
+        Load per unit length in N/mm.
+    pair : CylinderPair
+        A pin in a hole, both of the same material.
+
+    Returns
+    -------
+    array of float
+        NaN where the load is negative.
+
+    Raises
+    ------
+    InputError
+        If the contact is external or the materials differ.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.from_dR("internal", dR=0.01, material=steel)
+    >>> print(np.degrees(contact_angle([1.0, 100.0, 1e4, 1e9], pair)).round(3))
+    [ 1.916 18.619 76.728 84.828]
+    """
+    arc, touching = _arc_under(as_floats(load), pair)
+    return inside_or_nan(persson.contact_angle(arc), touching)
+
+
+def load_at_angle(angle: ArrayLike, pair: CylinderPair) -> FloatArray:
+    """Return the load in N/mm under which the contact reaches from −`angle` to `angle`.
+
+    The inverse of `contact_angle`. As the angle nears its limit the load becomes as sensitive
+    to it as 1/(limit − angle); an angle in double precision then holds fewer digits of the load.
+
+    Parameters
+    ----------
+    angle : array_like
+        Contact semi-angle ε in radians.
+    pair : CylinderPair
+        A pin in a hole, both of the same material.
+
+    Returns
+    -------
+    array of float
+        NaN where the angle is negative or not below 1.4805 (84.83°), which no load reaches.
+
+    Raises
+    ------
+    InputError
+        If the contact is external or the materials differ.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.from_dR("internal", dR=0.01, material=steel)
+    >>> print(load_at_angle(np.radians([30.0, 60.0, 85.0]), pair).round(2))
+    [ 286.36 2131.48     nan]
+    """
+    _require_persson(pair)
+    epsilon = as_floats(angle)
+    inside = np.asarray((epsilon >= 0) & (epsilon < persson.LIMIT_ANGLE))
+    phi = persson.load_number(persson.arc_of_angle(np.where(inside, epsilon, 0.0)))
+    return inside_or_nan(pair.E_star * as_floats(pair.dR) * phi, inside)
+
+
+def pressure(angle: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatArray:
+    """Return the contact pressure in MPa at `angle` from the line of the load.
+
+    p = f/R·[2s/(πB(1 + y²)) + ln((B + s)/(B − s))/(2π·u(1 + u))] with y = tan(θ/2),
+    B = √(1 + u), s = √(u − y²) and u = tan²(ε/2) (Persson 1964); 0 outside the contact.
+
+    Parameters
+    ----------
+    angle : array_like
+        θ in radians, broadcast against the load.
+    load : array_like
+        Load per unit length in N/mm.
+    pair : CylinderPair
+        A pin in a hole, both of the same material, that knows its radii.
+
+    Returns
+    -------
+    array of float
+        NaN where the load is negative.
+
+    Raises
+    ------
+    InputError
+        If the contact is external, the materials differ or the radii are not known.
+
+    Notes
+    -----
+    The theory does not tell R_i from R_j. R here is √(R_i·R_j), with which small loads give
+    Hertz's peak pressure √(f·E*·ΔR/(π·R_i·R_j)) (Eq 7) exactly.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.99, material=steel)
+    >>> print(pressure(np.radians([-20.0, 0.0, 20.0, 80.0]), 1000.0, pair).round(2))
+    [75.32 83.25 75.32  0.  ]
+    """
+    f = as_floats(load)
+    arc, touching = _arc_under(f, pair)
+    # An infinite angle, or an infinite load outside the contact, has no pressure: NaN.
+    with np.errstate(invalid="ignore"):
+        y = np.tan(as_floats(angle) / 2)
+        p = f / _radius(pair) * persson.pressure_number(y, arc)
+    return inside_or_nan(p, touching)
+
+
+def peak_pressure(load: ArrayLike, pair: CylinderPair) -> FloatArray:
+    """Return the largest contact pressure in MPa, on the line of the load.
+
+    With b = tan(ε/2) it is f/(πR)·[2b/√(1 + b²) + arsinh(b)/(b²(1 + b²))]; see `pressure`.
+
+    Parameters
+    ----------
+    load : array_like
+        Load per unit length in N/mm.
+    pair : CylinderPair
+        A pin in a hole, both of the same material, that knows its radii.
+
+    Returns
+    -------
+    array of float
+        NaN where the load is negative.
+
+    Raises
+    ------
+    InputError
+        If the contact is external, the materials differ or the radii are not known.
+
+    Examples
+    --------
+    Hertz's formula is right for small loads and falls behind as the contact conforms:
+
+    >>> from cylcontact import CylinderPair, Material
+    >>> from cylcontact.limits import hertz_stress
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.99, material=steel)
+    >>> loads = [1.0, 1000.0]
+    >>> print(peak_pressure(loads, pair).round(2), hertz_stress(loads, pair).round(2))
+    [ 1.9  83.25] [ 1.9 60.2]
+    """
+    return pressure(0.0, load, pair)
+
+
+def in_units_of(unit: FloatArray, values: FloatArray) -> tuple[BoolArray, FloatArray]:
+    """Return where loads or penetrations are not negative, and them in units of `unit` there.
+
+    Elsewhere they count as 0, so that nothing is computed from them that could warn.
+
+    Examples
+    --------
+    >>> touching, numbers = in_units_of(np.array(2.0), np.array([-1.0, 3.0]))
+    >>> print(touching, numbers)
+    [False  True] [0.  1.5]
+    """
+    touching = np.asarray(values >= 0)
+    with np.errstate(over="ignore"):
+        return touching, as_floats(np.where(touching, values, 0.0) / unit)
+
+
+def _arc_under(load: FloatArray, pair: CylinderPair) -> tuple[persson.Arc, BoolArray]:
+    """Return the arc under `load` in N/mm, and where the load presses at all."""
+    _require_persson(pair)
+    touching, phi = in_units_of(pair.E_star * as_floats(pair.dR), load)
+    return persson.arc_of_load(phi), touching
+
+
+def _arc_at(penetration: FloatArray, pair: CylinderPair) -> tuple[persson.Arc, BoolArray]:
+    """Return the arc at `penetration` in mm, and where the bodies touch at all."""
+    _require_persson(pair)
+    touching, d = in_units_of(as_floats(pair.dR), penetration)
+    return persson.arc_of_penetration(d), touching
+
+
+def _radius(pair: CylinderPair) -> FloatArray:
+    """Return R = √(R_i·R_j) in mm."""
+    R_i, R_j = pair.radii("the contact pressure")
+    return as_floats(np.sqrt(R_i * R_j))
+
+
+def _require_persson(pair: CylinderPair) -> None:
+    """Refuse pairs for which Persson's solution does not hold."""
+    require(
+        pair.contact == "internal",
+        "Persson's law",
+        "pair.contact",
+        pair.contact,
+        "must be internal: the solution is that of a pin in a hole",
+        "use laws.Johnson() for external contact",
+    )
+    one, other = pair.material_i, pair.material_j
+    require(
+        np.asarray((one.E == other.E) & (one.nu == other.nu)),
+        "Persson's law",
+        "pair.material_j",
+        other.name,
+        "must have the same E and ν as material_i, or the solution does not hold",
+        "give a pair of one material, or use laws.Johnson()",
+    )

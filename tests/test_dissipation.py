@@ -1,0 +1,375 @@
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mpmath import mp
+from scipy.integrate import solve_ivp
+
+from cylcontact import CylinderPair, InputError, Material, dissipation
+from cylcontact.dissipation import (
+    FACTORS,
+    achieved_restitution,
+    dissipative_load,
+    exact_factor,
+    hysteresis_factor,
+)
+from cylcontact.laws import Enhanced, Johnson, PowerLaw
+from tests.strategies import ROUNDING, powers_of_ten
+
+PUBLISHED = [name for name in FACTORS if name != "exact"]
+
+# Restitutions and factors that occur, and others right up to the ends of their ranges.
+restitutions = st.one_of(
+    st.floats(1e-3, 1.0),
+    powers_of_ten(-300, 0),
+    powers_of_ten(-15, -1).map(lambda short: 1.0 - short),
+)
+factors = powers_of_ten(-300, 300)
+
+# --- an isolated impact, simulated ------------------------------------------------------------
+
+SHAFT = CylinderPair.internal(10.0, 9.5, Material("steel", E=207e3, nu=0.3), length=10.0)
+ROLLERS = CylinderPair.external(80.0, 60.0, Material("steel", E=207e3, nu=0.3), length=10.0)
+IMPACTS = {
+    "power, n = 1": (PowerLaw(n=1.0, K=3e5), SHAFT),
+    "power, n = 1.1": (PowerLaw(n=1.1, K=3e5), SHAFT),
+    "power, n = 1.5": (PowerLaw(n=1.5, K=3e5), SHAFT),
+    "johnson, internal": (Johnson(), SHAFT),
+    "johnson, external": (Johnson(), ROLLERS),
+    "enhanced, internal": (Enhanced(), SHAFT),
+    "enhanced, external": (Enhanced(), ROLLERS),
+}
+
+
+def simulated_restitution(law, pair, chi, speed, mass=1e-4):
+    """Let 0.1 kg (mass in tonnes) meet the other body at `speed` in mm/s, and bounce off."""
+
+    def rates(_time, state):
+        depth, rate = state
+        # A trial step may end just outside, where a law has no answer.
+        elastic = pair.length * law.load(max(depth, 0.0), pair)
+        return rate, -dissipative_load(elastic, rate, speed, chi) / mass
+
+    def separation(_time, state):
+        return state[0]
+
+    separation.terminal, separation.direction = True, -1
+    flight = solve_ivp(
+        rates,
+        (0.0, 1.0),
+        (0.0, speed),
+        "DOP853",
+        events=separation,
+        rtol=1e-11,
+        atol=(1e-16, 1e-11 * speed),
+    )
+    assert flight.status == 1, "the bodies did not part"
+    return -flight.y_events[0][0, 1] / speed
+
+
+@pytest.mark.parametrize("chi", [0.1425, 1.5, 9.0])
+@pytest.mark.parametrize("impact", IMPACTS)
+def test_a_simulated_impact_achieves_what_the_closed_form_says_whatever_the_law(impact, chi):
+    achieved = simulated_restitution(*IMPACTS[impact], chi, speed=500.0)
+    assert achieved == pytest.approx(achieved_restitution(chi), abs=1e-9)
+
+
+@pytest.mark.parametrize(("speed", "mass"), [(10.0, 1e-4), (5000.0, 1e-4), (500.0, 1e-6)])
+def test_neither_speed_nor_mass_matters(speed, mass):
+    achieved = simulated_restitution(Johnson(), SHAFT, 0.5, speed, mass)
+    assert achieved == pytest.approx(achieved_restitution(0.5), abs=1e-9)
+
+
+@pytest.mark.parametrize("wanted", [0.2, 0.9])
+@pytest.mark.parametrize("impact", ["johnson, internal", "enhanced, external"])
+def test_the_exact_factor_makes_an_impact_rebound_as_wanted(impact, wanted):
+    chi = exact_factor(wanted)
+    achieved = simulated_restitution(*IMPACTS[impact], chi, speed=500.0)
+    assert achieved == pytest.approx(wanted, abs=1e-9)
+
+
+def test_an_impact_slower_than_the_floor_dissipates_less():
+    """The floor is 1 mm/s; a quarter of that speed leaves a quarter of the factor."""
+    achieved = simulated_restitution(*IMPACTS["power, n = 1.1"], 2.0, speed=0.25)
+    assert achieved == pytest.approx(achieved_restitution(2.0 / 4), abs=1e-9)
+
+
+# --- achieved restitution and exact factor, against high precision ----------------------------
+
+
+def exact_restitution(chi):
+    """[1 + W₀(−(1 + χ)·exp(−(1 + χ)))]/χ with 120 digits, of which the branch point takes 80."""
+    with mp.workdps(120):
+        chi = mp.mpf(float(chi))
+        return (1 + mp.lambertw(-(1 + chi) * mp.exp(-(1 + chi))).real) / chi
+
+
+def exact_chi(restitution):
+    """The root of χ(1 + e) = ln[(1 + χ)/(1 − χe)], sought in ln(1 − χe), with 80 digits."""
+    with mp.workdps(80):
+        e = mp.mpf(float(restitution))
+
+        def chi(log):
+            return -mp.expm1(log) / e
+
+        def residual(log):
+            # Over log² it has no double root at χ = 0 and changes sign once.
+            return (mp.log1p(chi(log)) - log - chi(log) * (1 + e)) / log**2
+
+        ends = (-(1 + e) / e - 1, -(1 - e) / 2)
+        return chi(mp.findroot(residual, ends, solver="ridder"))
+
+
+@pytest.mark.parametrize("chi", [*np.geomspace(1e-12, 1e3, 61), *np.linspace(1.0, 6.0, 41)])
+def test_the_achieved_restitution_is_exact_to_a_few_roundings(chi):
+    error = abs(float(achieved_restitution(chi) / exact_restitution(chi) - 1))
+    assert error < 8 * ROUNDING
+
+
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        *np.linspace(0.01, 0.99, 50),
+        *(1 - np.geomspace(1e-15, 0.1, 31)),
+        *np.geomspace(3e-4, 0.9, 20),
+    ],
+)
+def test_the_exact_factor_is_exact_to_a_few_roundings(wanted):
+    error = abs(float(exact_factor(wanted) / exact_chi(wanted) - 1))
+    assert error < 8 * ROUNDING
+
+
+@pytest.mark.parametrize("chi", [1e-300, 1e-100, 1e-16])
+def test_without_a_factor_nothing_is_lost(chi):
+    assert achieved_restitution(chi) == pytest.approx(1.0, abs=2 * ROUNDING)
+
+
+@pytest.mark.parametrize("chi", [1e-3, 1e-5, 1e-7])
+def test_a_small_factor_takes_two_thirds_of_itself(chi):
+    """e = 1 − (2/3)χ + (4/9)χ² − …, so the next term bounds the error of the first two."""
+    assert achieved_restitution(chi) == pytest.approx(1 - 2 * chi / 3, abs=chi**2)
+
+
+@pytest.mark.parametrize("chi", [50.0, 1e4, 1e16, 1e100, 1e307])
+def test_a_large_factor_leaves_its_inverse(chi):
+    """1 − χe = −W₀(…) → (1 + χ)·exp(−(1 + χ)), below rounding from χ = 42 on."""
+    assert achieved_restitution(chi) == pytest.approx(1 / chi, rel=4 * ROUNDING, abs=0)
+    assert exact_factor(1 / chi) == pytest.approx(chi, rel=8 * ROUNDING, abs=0)
+
+
+@pytest.mark.parametrize("short", [1e-3, 1e-5, 1e-7])
+def test_close_to_one_the_exact_factor_is_its_series(short):
+    """χ = (3/2)s + (3/2)s² + (27/20)s³ + … with s = 1 − e."""
+    short = 1 - (1 - short)
+    series = 1.5 * short * (1 + short)
+    assert exact_factor(1 - short) == pytest.approx(series, rel=short**2 + 8 * ROUNDING, abs=0)
+
+
+def test_the_ends_are_exact():
+    assert achieved_restitution(0.0) == 1.0
+    assert exact_factor(1.0) == 0.0
+
+
+@given(restitutions)
+def test_the_exact_factor_achieves_what_is_wanted(wanted):
+    assert achieved_restitution(exact_factor(wanted)) == pytest.approx(
+        wanted, rel=16 * ROUNDING, abs=0
+    )
+
+
+@given(powers_of_ten(-6, 300))
+def test_the_exact_factor_of_an_achieved_restitution_is_the_factor(chi):
+    """1 − e is all that e says about a small χ: so much of the digits is gone."""
+    left = float(achieved_restitution(chi))
+    assert exact_factor(left) == pytest.approx(chi, rel=16 * ROUNDING * (1 + 1 / chi), abs=0)
+
+
+@given(factors, st.floats(1e-9, 1.0))
+def test_the_more_damping_the_less_rebound(chi, growth):
+    less, more = chi, chi * (1 + growth)
+    assert achieved_restitution(more) <= achieved_restitution(less) * (1 + 8 * ROUNDING)
+
+
+@given(restitutions, st.floats(1e-9, 0.9))
+def test_the_less_rebound_is_wanted_the_larger_the_exact_factor(wanted, part):
+    assert exact_factor(wanted * (1 - part)) > exact_factor(wanted) * (1 - 8 * ROUNDING)
+
+
+def test_over_the_whole_range_both_fall_strictly():
+    assert np.all(np.diff(achieved_restitution(np.geomspace(1e-9, 1e9, 2001))) < 0)
+    assert np.all(np.diff(exact_factor(np.linspace(1e-3, 1.0, 2001))) < 0)
+
+
+@given(powers_of_ten(-300, 1))
+def test_an_isolated_impact_is_never_clipped(chi):
+    """The load at separation is F_el·(1 − χe)."""
+    assert chi * achieved_restitution(chi) < 1
+
+
+# --- the published factors --------------------------------------------------------------------
+
+AT_HALF = {
+    "hunt-crossley": Fraction(3, 4),
+    "herbert-mcwhannell": Fraction(1),
+    "lee-wang": Fraction(3, 8),
+    "lankarani-nikravesh": Fraction(9, 16),
+    "gonthier": Fraction(3, 2),
+    "zhiying-qishao": float(Fraction(9, 16)) * math.e,
+    "flores": Fraction(8, 5),
+    "hu-guo": Fraction(3, 2),
+}
+AT_NINE_TENTHS = {
+    "hunt-crossley": Fraction(3, 20),
+    "herbert-mcwhannell": Fraction(15, 91),
+    "lee-wang": Fraction(3, 40),
+    "lankarani-nikravesh": Fraction(57, 400),
+    "gonthier": Fraction(19, 90),
+    "zhiying-qishao": float(Fraction(57, 400)) * math.exp(0.2),
+    "flores": Fraction(8, 45),
+    "hu-guo": Fraction(1, 6),
+}
+# The factor close to e = 1, over 1 − e; 3/2 is exact.
+SLOPE = {
+    "hunt-crossley": 3 / 2,
+    "herbert-mcwhannell": 3 / 2,
+    "lee-wang": 3 / 4,
+    "lankarani-nikravesh": 3 / 2,
+    "gonthier": 2.0,
+    "zhiying-qishao": 3 / 2,
+    "flores": 8 / 5,
+    "hu-guo": 3 / 2,
+}
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_a_published_factor_has_the_value_worked_out_by_hand(name):
+    chi = hysteresis_factor(name)([0.5, 0.9])
+    expected = [float(AT_HALF[name]), float(AT_NINE_TENTHS[name])]
+    np.testing.assert_allclose(chi, expected, rtol=1e-15)
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_close_to_an_elastic_impact_a_factor_loses_its_share_of_what_it_should(name):
+    lost = (1 - achieved_restitution(hysteresis_factor(name)(1 - 1e-6))) / 1e-6
+    assert lost == pytest.approx(SLOPE[name] / 1.5, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", FACTORS)
+def test_no_factor_dissipates_when_the_impact_is_to_be_elastic(name):
+    assert hysteresis_factor(name)(1.0) == 0.0
+
+
+@pytest.mark.parametrize("name", FACTORS)
+def test_every_factor_grows_as_the_wanted_restitution_falls(name):
+    chi = hysteresis_factor(name)(np.linspace(0.01, 1.0, 100))
+    assert np.all(np.diff(chi) < 0)
+
+
+def test_the_factor_of_the_paper_loses_too_little():
+    achieved = achieved_restitution(dissipation.lankarani_nikravesh(0.9))
+    assert achieved == pytest.approx(0.9132, abs=5e-5)
+    assert exact_factor(0.9) == pytest.approx(0.1665, abs=5e-5)
+
+
+def test_four_factors_cannot_stop_a_body_whatever_is_wanted():
+    least = {name: achieved_restitution(FACTORS[name](1e-12)) for name in PUBLISHED}
+    assert {name for name, e in least.items() if e > 0.45} == set(PUBLISHED[:4])
+
+
+# --- the load ---------------------------------------------------------------------------------
+
+
+def test_the_load_is_eq_3():
+    """K = 2, n = 1.5, δ = 4 mm: 16 N; χ·δ̇/δ̇⁽⁻⁾ = 0.5·3/4."""
+    elastic = 2.0 * 4.0**1.5
+    assert dissipative_load(elastic, 3.0, 4.0, 0.5) == 16.0 * 1.375
+
+
+def test_bodies_that_part_fast_do_not_pull_each_other():
+    rates = np.array([-8.0, -7.999, -9.0, -1e6])
+    load = dissipative_load(100.0, rates, 4.0, 0.5)
+    np.testing.assert_allclose(load, [0.0, 0.0125, 0.0, 0.0], rtol=1e-10)
+
+
+@pytest.mark.parametrize("impact_rate", [2.0, 1e-300, 0.0, -5.0])
+def test_below_the_floor_the_floor_counts(impact_rate):
+    assert dissipative_load(100.0, 3.0, impact_rate, 0.5, floor=2.0) == 175.0
+    assert dissipative_load(100.0, 3.0, 6.0, 0.5, floor=2.0) == 125.0
+
+
+@given(st.floats(0, 1e9), st.floats(-1e6, 1e6), st.floats(0, 1e6), st.floats(0, 1e6))
+def test_the_load_lies_between_nothing_and_the_elastic_load_while_the_bodies_part(
+    elastic, rate, impact_rate, chi
+):
+    load = dissipative_load(elastic, rate, impact_rate, chi)
+    assert load >= 0
+    assert (load - elastic) * rate >= 0  # the damping takes energy out, whichever way they move
+
+
+@pytest.mark.parametrize("place", range(3))
+def test_what_is_not_known_stays_unknown(place):
+    values = [1.0, 1.0, 1.0]
+    values[place] = np.nan
+    assert np.isnan(dissipative_load(*values, chi=0.5))
+
+
+def test_arrays_broadcast_and_single_numbers_give_numpy_scalars():
+    elastic, rate = np.ones((4, 1)), np.ones(3)
+    assert dissipative_load(elastic, rate, 1.0, 0.5).shape == (4, 3)
+    assert dissipative_load(1.0, 1.0, 1.0, np.full((2, 1), 0.5)).shape == (2, 1)
+    single = [dissipative_load(1.0, 1.0, 1.0, 0.5), achieved_restitution(0.5)]
+    single += [factor(0.5) for factor in FACTORS.values()]
+    assert {type(value) for value in single} == {np.float64}
+    shapes = [achieved_restitution(np.ones((2, 3))).shape]
+    shapes += [factor(np.full((2, 3), 0.5)).shape for factor in FACTORS.values()]
+    assert set(shapes) == {(2, 3)}
+
+
+# --- bad input --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("restitution", [0.0, -0.5, 1.0000001, np.nan, np.inf, [0.5, 1.5]])
+@pytest.mark.parametrize("name", FACTORS)
+def test_a_restitution_outside_its_range_is_refused(name, restitution):
+    with pytest.raises(InputError) as caught:
+        FACTORS[name](restitution)
+    assert str(caught.value) == (
+        f"hysteresis factor: restitution = {restitution!r}: must lie in (0, 1]; "
+        "give 1 for an elastic impact, less for one that dissipates"
+    )
+
+
+@pytest.mark.parametrize("chi", [-1e-9, -1.0, np.nan, np.inf, [0.5, -0.5]])
+@pytest.mark.parametrize(
+    "act", [achieved_restitution, lambda chi: dissipative_load(1.0, 1.0, 1.0, chi)]
+)
+def test_a_factor_that_is_negative_or_not_finite_is_refused(act, chi):
+    with pytest.raises(InputError) as caught:
+        act(chi)
+    assert str(caught.value) == (
+        f"hysteresis factor: chi = {chi!r}: must be finite and not negative; "
+        "take it from a wanted restitution, e.g. exact_factor(0.9)"
+    )
+
+
+@pytest.mark.parametrize("floor", [0.0, -1.0, np.nan, np.inf])
+def test_a_floor_that_is_not_positive_is_refused(floor):
+    with pytest.raises(InputError) as caught:
+        dissipative_load(1.0, 1.0, 1.0, 0.5, floor=floor)
+    assert str(caught.value) == (
+        f"dissipative_load: floor = {floor!r}: must be positive and finite; "
+        "give the slowest impact rate that counts, in mm/s"
+    )
+
+
+def test_an_unknown_factor_is_told_with_those_there_are():
+    with pytest.raises(InputError) as caught:
+        hysteresis_factor("anagnostopoulos")
+    assert str(caught.value) == (
+        "hysteresis factor: name = 'anagnostopoulos': is not known; choose hunt-crossley, "
+        "herbert-mcwhannell, lee-wang, lankarani-nikravesh, gonthier, zhiying-qishao, flores, "
+        "hu-guo, exact"
+    )
