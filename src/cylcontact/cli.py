@@ -83,7 +83,10 @@ def sample(
     grid = read_grid(spec)
     with _progress() as progress:
         counts = write_samples(grid, out, lambda n: progress("sampling", n, grid.dR.size))
-    typer.echo(f"{out}: {counts.samples:,} samples, {counts.masked:,} masked by the domain (Eq 8)")
+    typer.echo(
+        f"{out}: {counts.samples:,} samples, {counts.masked:,} masked by the domain of "
+        f"{grid.reference}"
+    )
 
 
 @app.command()

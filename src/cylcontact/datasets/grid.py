@@ -13,8 +13,10 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cylcontact.arrays import FloatArray
-from cylcontact.laws import REFERENCES
-from cylcontact.pair import Contact
+from cylcontact.errors import InputError
+from cylcontact.laws import REFERENCES, reference_law
+from cylcontact.materials import Material
+from cylcontact.pair import Contact, CylinderPair
 from cylcontact.specs import Spec, broken, parse_spec, read_toml
 
 _POSITIVE_AXES = ("E", "dR", "load")
@@ -126,9 +128,14 @@ class GridSpec(Spec):
             raise broken(
                 "reference",
                 self.reference,
-                "is not a known law",
+                "is not a law that a grid can sample",
                 f"choose {' or '.join(REFERENCES)}",
             )
+        try:
+            pair = CylinderPair.from_dR(self.contact, 1.0, Material("any", E=1.0, nu=0.0))
+            reference_law(self.reference).max_load(pair)
+        except InputError as error:
+            raise broken("reference", self.reference, error.rule, error.remedy) from None
         return self
 
 

@@ -180,7 +180,7 @@ def reduce_grid(
             grid.source,
             "axes",
             None,
-            f"all {grid.size} samples lie outside the domain of {grid.reference} (Eq 8)",
+            f"all {grid.size} samples lie outside the domain of {grid.reference}",
             "lower the loads, or raise E or dR",
         )
     moments = concatenate(parts)

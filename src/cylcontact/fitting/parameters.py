@@ -22,7 +22,7 @@ from cylcontact.laws.enhanced import (
     internal_exponent,
     stiffness_factor,
 )
-from cylcontact.laws.explicit import Explicit, ExplicitCoefficients
+from cylcontact.laws.explicit import Explicit, ExplicitCoefficients, is_defined
 from cylcontact.pair import Contact
 
 EXPLICIT_NAMES = tuple(field.name for field in fields(ExplicitCoefficients))
@@ -180,11 +180,11 @@ def _power(candidates: FloatArray, dR: FloatArray) -> PowerForm:
 
 
 def _explicit(candidates: FloatArray, _: FloatArray) -> LawForm:
-    """Return explicit laws with these c, A and B; None where one is not positive."""
+    """Return explicit laws with these c, A and B; None where they define no law."""
     names = EXPLICIT_NAMES
     return LawForm(
         tuple(
-            Explicit(dict(zip(names, map(float, row), strict=True))) if (row > 0).all() else None
+            Explicit(dict(zip(names, map(float, row), strict=True))) if is_defined(*row) else None
             for row in candidates
         )
     )

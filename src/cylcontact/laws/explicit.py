@@ -36,7 +36,7 @@ class ExplicitCoefficients:
     Raises
     ------
     InputError
-        If one is not positive and finite.
+        If one is not positive and finite, or the law is not defined for every penetration.
     """
 
     c: float
@@ -47,13 +47,31 @@ class ExplicitCoefficients:
         for key in ("c", "A", "B"):
             value = getattr(self, key)
             require(
-                value > 0 and np.isfinite(value),
+                bool(value > 0 and np.isfinite(value)),
                 "Explicit",
                 key,
                 value,
                 "must be positive and finite",
                 "leave the coefficients out to use the calibrated ones",
             )
+        require(
+            is_defined(self.c, self.A, self.B),
+            "Explicit",
+            "c, A, B",
+            (self.c, self.A, self.B),
+            "c + ln(1 − A/(e·B)) must be positive, or a logarithm fails at some penetration",
+            "raise c or B, or lower A",
+        )
+
+
+def is_defined(c: float, A: float, B: float) -> bool:
+    """Tell whether the law with these constants is defined for every penetration.
+
+    The innermost 1 + (A/d)·ln(B/d) is least at d = e·B, where it is 1 − A/(e·B). With
+    c + ln of that positive, so are all that follow.
+    """
+    least = 1 - A / (np.e * B) if B > 0 else 0.0
+    return bool(min(c, A, B, least) > 0 and c + np.log(least) > 0)
 
 
 CALIBRATED: Mapping[Contact, ExplicitCoefficients] = {
