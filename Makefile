@@ -10,6 +10,8 @@ BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.csv)
 CAMPAIGNS := $(wildcard fitting/*.toml)
 RESULTS := $(CAMPAIGNS:fitting/%.toml=fitting/results/%.json)
 RECIPES := $(wildcard reports/*.py)
+# The paper's figures and their refit, which need the two main fits only; `make report` draws all.
+MAIN_FIGURES := $(filter-out %c %p fig_%,$(RECIPES:reports/%.py=%)) fig_profile_b
 
 # Another user's Python packages must not leak into the environment.
 unexport PYTHONHOME PYTHONPATH
@@ -32,7 +34,7 @@ build/comparison.txt: build/internal.json build/external.json
 	@$(CYLCONTACT) compare $^ > $@
 
 build/.figures: build/internal.json build/external.json $(RECIPES) $(BENCH)
-	$(CYLCONTACT) report --results build
+	$(CYLCONTACT) report $(MAIN_FIGURES) --results build
 	@touch $@
 
 ##@ Results and figures
@@ -45,7 +47,7 @@ fitting/results/%.json: fitting/%.toml FORCE | $(VENV)/.editable
 
 figures: build/.figures ## Draw the figures from this machine's fits, in build
 
-report: $(VENV)/.editable ## Draw the figures from the committed fits, in fitting/results
+report: $(VENV)/.editable ## Draw every figure from the committed fits, in fitting/results
 	@rm -f build/.figures
 	$(CYLCONTACT) report
 

@@ -176,7 +176,13 @@ BAD_INPUT = [
     ],
     (
         lambda: laws.reference_law("hertz"),
-        *("reference law", "name", "hertz", "is not known", "choose johnson"),
+        *(
+            "reference law",
+            "name",
+            "hertz",
+            "is not a law that a grid can sample",
+            f"choose among {', '.join(laws.REFERENCES)}",
+        ),
     ),
     *[
         (

@@ -119,7 +119,7 @@ class GridSpec(Spec):
     """A grid spec file."""
 
     contact: Contact = Field(description='"internal" or "external"')
-    reference: str = Field(description=f"the law to sample: {' or '.join(REFERENCES)}")
+    reference: str = Field(description=f"the law to sample, one of {', '.join(REFERENCES)}")
     axes: AxesSpec = Field(description="the tables [axes.E], [axes.nu], [axes.dR], [axes.load]")
 
     @model_validator(mode="after")
@@ -129,7 +129,7 @@ class GridSpec(Spec):
                 "reference",
                 self.reference,
                 "is not a law that a grid can sample",
-                f"choose {' or '.join(REFERENCES)}",
+                f"choose among {', '.join(REFERENCES)}",
             )
         try:
             pair = CylinderPair.from_dR(self.contact, 1.0, Material("any", E=1.0, nu=0.0))

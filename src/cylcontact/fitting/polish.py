@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import least_squares, linprog
+from scipy.optimize import least_squares
 
 from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.fitting.minimax import central_differences, minimise_largest
 from cylcontact.fitting.objectives import Largest
 from cylcontact.fitting.problem import Problem
 
 # A restart that gains less than this, relatively, ends the polish.
 WORTHWHILE = 1e-10
 MAX_RESTARTS = 20
-# Step of the central differences, relative to the interval between the bounds.
-DIFFERENCE = 1e-6
-# Trust region of the minimax descent, relative to the same interval, and its longest run.
-FIRST_RADIUS, LAST_RADIUS = 0.05, 1e-9
-MAX_PROGRAMMES = 200
 
 
 def polish(
@@ -68,7 +64,9 @@ def _descend_squares(problem: Problem, start: FloatArray, precision: float) -> F
         return as_floats(_residuals(problem, point[None, :])[0])
 
     def jacobian(point: FloatArray) -> FloatArray:
-        return _jacobian(problem, point)
+        return central_differences(
+            lambda points: _residuals(problem, points), problem.low, problem.high, point
+        )
 
     found = least_squares(
         residuals,
@@ -85,61 +83,14 @@ def _descend_squares(problem: Problem, start: FloatArray, precision: float) -> F
 
 
 def _descend_largest(problem: Problem, start: FloatArray, precision: float) -> FloatArray:
-    """Minimise the largest magnitude of the residuals by successive linear programmes.
+    """Minimise the largest magnitude of the residuals within the bounds."""
 
-    Each minimises the largest magnitude of the linearised residuals within a step that is
-    widened where the linearisation predicts well and narrowed where it does not (Osborne and
-    Watson 1969, with a trust region).
-    """
-    span = problem.high - problem.low
-    point, radius = start, FIRST_RADIUS
-    residuals = _residuals(problem, point[None, :])[0]
-    for _ in range(MAX_PROGRAMMES):
-        slopes = _jacobian(problem, point) * span
-        unit = (point - problem.low) / span
-        step, promised = _linear_programme(residuals, slopes, unit, radius)
-        largest = np.abs(residuals).max()
-        if not promised < largest * (1 - precision) or radius < LAST_RADIUS:
-            break
-        candidate = problem.low + np.clip(unit + step, 0, 1) * span
-        reached = _residuals(problem, candidate[None, :])[0]
-        share = (largest - np.abs(reached).max()) / (largest - promised)
-        if share > 0:
-            point, residuals = candidate, reached
-        radius *= 2.0 if share > 0.75 else 0.25 if share < 0.25 else 1.0
-    return point
+    def residuals(points: FloatArray) -> FloatArray:
+        return _residuals(problem, points)
 
-
-def _linear_programme(
-    residuals: FloatArray, slopes: FloatArray, unit: FloatArray, radius: float
-) -> tuple[FloatArray, float]:
-    """Minimise max|residuals + slopes·step| over |step| ≤ radius, 0 ≤ unit + step ≤ 1.
-
-    Returns the step and the largest magnitude that it promises.
-    """
-    minus_t = -np.ones((residuals.size, 1))
-    bounds = np.column_stack([np.maximum(-radius, -unit), np.minimum(radius, 1 - unit)])
-    found = linprog(
-        np.append(np.zeros(unit.size), 1.0),
-        A_ub=np.block([[slopes, minus_t], [-slopes, minus_t]]),
-        b_ub=np.concatenate([-residuals, residuals]),
-        bounds=[*bounds, (0.0, None)],
-    )
-    if found.x is None:  # numerically infeasible: no step is better than none
-        return np.zeros(unit.size), float(np.abs(residuals).max())
-    return as_floats(found.x[:-1]), float(found.x[-1])
+    return minimise_largest(residuals, problem.low, problem.high, start, precision)
 
 
 def _residuals(problem: Problem, points: FloatArray) -> FloatArray:
     """Return the residuals of points, shape (P, k) to (P, q), undefined ones made very bad."""
     return np.nan_to_num(problem.residuals(points), nan=1e3, posinf=1e3, neginf=-1e3)
-
-
-def _jacobian(problem: Problem, point: FloatArray) -> FloatArray:
-    """Return the derivatives of the residuals at one point, shape (q, k).
-
-    Central differences, all of them in one call of the problem.
-    """
-    steps = np.diag(DIFFERENCE * (problem.high - problem.low))
-    ahead, behind = np.split(_residuals(problem, np.vstack([point + steps, point - steps])), 2)
-    return as_floats(((ahead - behind) / (2 * steps.diagonal())[:, None]).T)

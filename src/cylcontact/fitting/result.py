@@ -49,12 +49,7 @@ class FitResult(Spec):
     """The result of a campaign.
 
     `print(result)` gives the report; a notebook shows it as a table. `coefficients` goes
-    straight into `laws.Enhanced(coefficients=...)`.
-
-    Examples
-    --------
-    >>> result = FitResult.load("fitting/results/internal.json")  # doctest: +SKIP
-    >>> law = laws.Enhanced(coefficients=result.coefficients)  # doctest: +SKIP
+    straight into `laws.Enhanced(coefficients=...)`. `calibrate` shows an example.
     """
 
     name: str = Field(description="the campaign's name")

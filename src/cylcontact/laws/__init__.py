@@ -111,6 +111,6 @@ def reference_law(name: str) -> ContactLaw:
             "name",
             name,
             "is not a law that a grid can sample",
-            f"choose {' or '.join(REFERENCES)}",
+            f"choose among {', '.join(REFERENCES)}",
         )
     return LAWS[name]()

@@ -1,0 +1,83 @@
+"""What an exported file says about itself: law, units, domain and provenance, in plain ASCII."""
+
+from __future__ import annotations
+
+import re
+from importlib.metadata import version
+from textwrap import wrap
+
+from cylcontact.export.formula import MEANINGS, RESULTS, Formula
+
+WIDTH = 90
+
+
+def comment_lines(formula: Formula, mark: str) -> str:
+    """Return the comment at the top of a file, each line behind the language's `mark`.
+
+    Examples
+    --------
+    >>> from cylcontact.export.formulas import formula_of
+    >>> from cylcontact.laws.liu import Liu
+    >>> print(comment_lines(formula_of(Liu(), "internal"), "!").splitlines()[0])
+    ! cylcontact_liu: the contact law 'liu' for parallel cylinders, internal contact
+    """
+    return "\n".join(f"{mark} {line}".rstrip() for line in _description(formula))
+
+
+def provenance(formula: Formula) -> str:
+    """Return the package's version and where the coefficients come from."""
+    origin = formula.origin or "given by the caller"
+    return f"exported by cylcontact {version('cylcontact')}; coefficients: {plain(origin)}"
+
+
+def domain(formula: Formula) -> str:
+    """Return where the law is defined."""
+    return "; ".join(filter(None, (", ".join(formula.requirements), formula.domain)))
+
+
+def plain(text: str) -> str:
+    """Return text that is safe in a comment of any language: ASCII on one line, no specials.
+
+    Examples
+    --------
+    >>> plain("fit result 'ΔR */ #1'")
+    "fit result '_R __ _1'"
+    """
+    return re.sub(r"[^\\w '.,:;=()+-]|_(?=$)", "_", text, flags=re.ASCII)
+
+
+def _description(formula: Formula) -> list[str]:
+    """Return the lines of the comment."""
+    contact = f"{formula.contact} contact" if formula.contact else "internal or external contact"
+    arguments = {name: MEANINGS[name] for name in formula.arguments}
+    return [
+        f"{formula.name}: the contact law '{formula.law}' for parallel cylinders, {contact}",
+        "",
+        *_paragraph("Formula", formula.equation),
+        *_paragraph("Remark", formula.remark),
+        *_paragraph("Provenance", provenance(formula)),
+        *(f"  {name} = {value!r}" for name, value in formula.coefficients.items()),
+        "",
+        "Arguments, in this order:",
+        *_table(arguments),
+        "Results:",
+        *_table(RESULTS),
+        "",
+        *_paragraph("Domain", domain(formula)),
+        *_paragraph(
+            "Outside the domain",
+            "load and stiffness are NaN, also for a negative penetration: bodies that do not touch "
+            "are for the caller to find first",
+        ),
+    ]
+
+
+def _paragraph(title: str, text: str) -> list[str]:
+    """Return `title: text`, wrapped."""
+    return wrap(f"{title}: {text}.".replace("..", "."), WIDTH, subsequent_indent="  ")
+
+
+def _table(rows: dict[str, tuple[str, str]] | object) -> list[str]:
+    """Return a line for each name, with unit and meaning."""
+    assert isinstance(rows, dict)
+    return [f"  {name:<12} {unit:<7} {meaning}" for name, (unit, meaning) in rows.items()]

@@ -1,0 +1,135 @@
+"""A law written once, in a small neutral notation that every target is rendered from."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from cylcontact.pair import Contact
+
+# What every exported function takes first, and what some laws need besides, with units.
+ALWAYS = ("penetration", "E_star", "dR")
+MEANINGS: Mapping[str, tuple[str, str]] = {
+    "penetration": ("mm", "penetration of the surfaces, not negative"),
+    "E_star": ("MPa", "composite modulus, 1/E_star = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j"),
+    "dR": ("mm", "R_i - R_j for a pin j in a hole i (internal), R_i + R_j for rollers (external)"),
+    "R_i": ("mm", "radius of body i"),
+    "R_j": ("mm", "radius of body j"),
+    "length": ("mm", "axial length of the contact"),
+}
+RESULTS: Mapping[str, tuple[str, str]] = {
+    "load": ("N/mm", "load per unit of axial length, f below"),
+    "stiffness": ("N/mm^2", "d(load)/d(penetration) per unit of axial length, k below"),
+}
+
+
+@dataclass(frozen=True)
+class Step:
+    """One assignment, `name = value`.
+
+    Attributes
+    ----------
+    name : str
+        What is assigned; no name is assigned twice.
+    value : ast.expr
+        An expression, or a conditional one: `a if condition else b`.
+    text : str
+        The assignment as it was written.
+    """
+
+    name: str
+    value: ast.expr
+    text: str
+
+
+@dataclass(frozen=True)
+class Formula:
+    """Load and stiffness per unit length as a sequence of assignments.
+
+    Attributes
+    ----------
+    name : str
+        The name of the exported function.
+    law : str
+        The law's name.
+    contact : {"internal", "external"} or None
+        The contact that the coefficients are for; None where it makes no difference.
+    equation : str
+        The law on one line, for readers.
+    text : str
+        Assignments in Python's syntax, one a line; the last two are f and k. Names are the
+        arguments, `constants`, pi and nan; functions are log, log1p, exp, sqrt and max. No two
+        names differ in case alone, as Fortran takes those for one.
+    coefficients : mapping
+        What makes the law this one, for readers.
+    constants : mapping
+        The numbers that `text` names.
+    extra : tuple of str
+        Arguments besides penetration, E_star and dR.
+    conditions : tuple of str
+        What the arguments must fulfil besides being positive.
+    domain : str
+        Where the law is defined beyond that, in words.
+    remark : str
+        What users of the law should know.
+    origin : str
+        Where the coefficients come from.
+    """
+
+    name: str
+    law: str
+    contact: Contact | None
+    equation: str
+    text: str
+    coefficients: Mapping[str, float]
+    constants: Mapping[str, float]
+    extra: tuple[str, ...] = ()
+    conditions: tuple[str, ...] = ()
+    domain: str = ""
+    remark: str = ""
+    origin: str = field(default="", kw_only=True)
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """The function's arguments, in order."""
+        return ALWAYS + self.extra
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """The assignments of `text`."""
+        return tuple(_step(line) for line in self.text.strip().splitlines())
+
+    @property
+    def requirements(self) -> tuple[str, ...]:
+        """Conditions on the arguments, all of which hold inside the domain."""
+        positive = (f"{name} > 0" for name in self.arguments[1:])
+        return ("penetration >= 0", *positive, *self.conditions)
+
+
+def expression(text: str) -> ast.expr:
+    """Parse one expression of the neutral notation.
+
+    Examples
+    --------
+    >>> ast.unparse(expression("a*dR + b"))
+    'a * dR + b'
+    """
+    return ast.parse(text, mode="eval").body
+
+
+def names_in(node: ast.expr) -> set[str]:
+    """Return the names that an expression uses, its functions among them.
+
+    Examples
+    --------
+    >>> sorted(names_in(expression("a * log(dR)")))
+    ['a', 'dR', 'log']
+    """
+    return {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
+
+
+def _step(line: str) -> Step:
+    """Parse `name = value`."""
+    name, value = line.split(" = ", 1)
+    return Step(name.strip(), expression(value), line.strip())

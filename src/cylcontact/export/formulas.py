@@ -1,0 +1,338 @@
+"""The laws of the package as formulas: what each computes, in the order it computes it.
+
+The steps follow the package's own operation for operation, so that an exported function agrees
+with it to the last digits and leaves its domain at the same number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from cylcontact.errors import InputError
+from cylcontact.export.formula import Formula
+from cylcontact.laws import logarithmic_variants as variants
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.enhanced import (
+    INTERNAL_DR_MAX,
+    INTERNAL_DR_MIN,
+    PUBLISHED,
+    Coefficients,
+    Enhanced,
+    ExternalCoefficients,
+    coefficients_from,
+)
+from cylcontact.laws.explicit import CALIBRATED, Explicit, ExplicitCoefficients
+from cylcontact.laws.liu import Liu
+from cylcontact.laws.logarithmic import Johnson, LogarithmicLaw
+from cylcontact.laws.power import PowerLaw
+from cylcontact.laws.sphere import LankaraniNikravesh
+from cylcontact.pair import Contact
+
+MM_N_MPA = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
+
+POWER = """
+f = factor * penetration ** n
+k = n * (factor * penetration ** (n - 1))
+"""
+
+ENHANCED_INTERNAL = """
+Y_log = Y_log_scale * log(1000 * dR) ** Y_log_exponent
+Y = max(Y_log, Y_slope * dR + Y_offset)
+n = Y * dR ** n_exponent
+K_geometry = a * dR + b
+factor = K_geometry * E_star / dR if K_geometry > 0 and n > 0 else nan
+"""
+
+ENHANCED_EXTERNAL = """
+K_geometry = a * dR + b
+factor = K_geometry * E_star / dR if K_geometry > 0 and n > 0 else nan
+"""
+
+# Lambert's W in the variables of laws/lambert.py. Every condition sends NaN to the regular case,
+# and the regular case is kept away from p = 0 and p = 1.
+LOGARITHMIC = """
+f_max = ({reach}) * E_star * peak
+compliance = kappa / (pi * E_star)
+share = penetration / (compliance * f_max)
+p = share if share <= 1 else nan
+inner = 0.5 if p <= 0 or p >= 1 else p
+g = -log(inner)
+root = sqrt(g)
+top = 0.3361 * sqrt(0.5) * root
+bottom = 1 + -0.0042 * g * exp(-0.0201 * root)
+start = g + 2 / 0.3361 * top / (bottom + top)
+u = 1 + start
+h = start - log1p(start) - g
+h1 = start / u
+h2 = 1 / (u * u)
+h3 = -2 / (u * u * u)
+above = 6 * (h1 * h1) - 3 * h * h2
+below = 6 * (h1 * h1 * h1) - 6 * h * h1 * h2 + h * h * h3
+w = 0 if p >= 1 else start - h * above / below
+f = f_max * (p / (1 + w))
+k = 0 if p <= 0 else 1 / (compliance * w)
+"""
+
+EXPLICIT = """
+d = penetration / dR if penetration > 0 else 1
+ratio = A / d
+first = log(B / d)
+second = c + log1p(ratio * first)
+third = c + log1p(ratio * second)
+second_slope = -(ratio * (first + 1)) / (1 + ratio * first)
+third_slope = ratio * (second_slope - second) / (1 + ratio * second)
+f = pi * E_star * penetration / third
+k = pi * E_star * (1 - third_slope / third) / third if penetration > 0 else 0
+"""
+
+LIU = """
+root = sqrt(penetration / (2 * (dR + penetration)))
+f = pi / 2 * E_star * penetration * root
+k = pi / 4 * E_star * root * (3 * dR + 2 * penetration) / (dR + penetration)
+"""
+
+LANKARANI_NIKRAVESH = """
+factor = 4 / 3 * E_star * sqrt(R_i * R_j / dR) / length
+"""
+
+# Of each logarithmic law, its reach Lambda in mm and the arguments this needs.
+RADII = ("R_i", "R_j")
+REACHES: Mapping[type[LogarithmicLaw], tuple[str, tuple[str, ...]]] = {
+    Johnson: ("4 * pi * dR", ()),
+    variants.RoarkYoung: ("4 * pi * dR", ()),
+    variants.Radzimovsky: ("4 * pi * dR", ()),
+    variants.RadzimovskyRadii: ("4 * pi * dR", ()),
+    variants.Esdu78035: ("4 * pi * dR", ()),
+    variants.DubowskyFreudenstein: (
+        "pi * (length * length) / (R_i * R_j / dR)",
+        (*RADII, "length"),
+    ),
+    variants.Goldsmith: ("pi * (R_i * R_j / dR)", RADII),
+    variants.HertzCylinder: ("pi * dR", ()),
+}
+
+
+def formula_of(law: ContactLaw, contact: Contact | None) -> Formula:
+    """Return the formula of a law.
+
+    Parameters
+    ----------
+    law : ContactLaw
+        One of the package's laws that has a closed form for the load.
+    contact : {"internal", "external"} or None
+        The contact; None will do for laws that are the same for both.
+
+    Returns
+    -------
+    Formula
+
+    Raises
+    ------
+    InputError
+        If the law has no closed form, or needs another contact.
+
+    Examples
+    --------
+    >>> formula_of(Liu(), "internal").equation
+    'f = pi/2*E_star*d*sqrt(d/(2*(dR + d))) with the penetration d'
+    """
+    for kind, build in BUILDERS.items():
+        if isinstance(law, kind):
+            return build(law, contact)
+    raise InputError(
+        "export",
+        "law",
+        getattr(law, "name", law),
+        "has no closed form to write in another language",
+        "export explicit, which follows conformal contact",
+    )
+
+
+def _named(law: str, contact: Contact | None) -> str:
+    """Return the name of the exported function."""
+    return "_".join(["cylcontact", law.replace("-", "_"), *([contact] if contact else [])])
+
+
+def _required(contact: Contact | None, law: str) -> Contact:
+    """Return the contact, or say that the law's coefficients depend on it."""
+    if contact is None:
+        raise InputError(
+            "export",
+            "--contact",
+            None,
+            f"is missing, and the {law} law has other coefficients for each",
+            "give --contact internal or --contact external",
+        )
+    return contact
+
+
+def _enhanced(law: Enhanced, contact: Contact | None) -> Formula:
+    """Eqs 5-6 with the law's own coefficients, or the published ones of the contact."""
+    chosen = _enhanced_coefficients(law, contact)
+    numbers = {name: float(value) for name, value in asdict(chosen).items()}
+    if isinstance(chosen, ExternalCoefficients):
+        equation, steps = "f = (a*dR + b)*E_star/dR*penetration^n", ENHANCED_EXTERNAL
+        conditions: tuple[str, ...] = ()
+    else:
+        equation = (
+            "f = (a*dR + b)*E_star/dR*penetration^n with n = Y*dR^n_exponent and "
+            "Y = max(Y_log_scale*ln(1000*dR)^Y_log_exponent, Y_slope*dR + Y_offset)"
+        )
+        steps = ENHANCED_INTERNAL
+        conditions = (f"dR >= {INTERNAL_DR_MIN}", f"dR < {INTERNAL_DR_MAX}")
+    return Formula(
+        name=_named(law.name, chosen.contact),
+        law=law.name,
+        contact=chosen.contact,
+        equation=equation,
+        text=steps + POWER.lstrip(),
+        coefficients=numbers,
+        constants=numbers,
+        conditions=conditions,
+        domain="a*dR + b > 0, n > 0",
+        remark=MM_N_MPA,
+        origin="published, Pereira, Ramalho and Ambrosio 2015" if law.coefficients is None else "",
+    )
+
+
+def _enhanced_coefficients(law: Enhanced, contact: Contact | None) -> Coefficients:
+    """Return the coefficients of a law, or refuse a contact that they are not for."""
+    own = law.coefficients
+    if own is None:
+        return PUBLISHED[_required(contact, law.name)]
+    chosen = coefficients_from(own) if isinstance(own, Mapping) else own
+    if contact not in (None, chosen.contact):
+        raise InputError(
+            "export",
+            "--contact",
+            contact,
+            f"the coefficients are for {chosen.contact} contact",
+            "leave it out",
+        )
+    return chosen
+
+
+def _power(law: PowerLaw, contact: Contact | None) -> Formula:
+    """Eqs 3-4: f = K*penetration^n."""
+    scales = law.K_star is not None
+    factor = {"K_star": law.K_star} if law.K_star is not None else {"K_factor": law.K}
+    numbers = {name: float(value) for name, value in factor.items() if value is not None}
+    numbers["n"] = float(law.n)
+    line = "factor = K_star * (E_star / dR)\n" if scales else "factor = K_factor\n"
+    return Formula(
+        name=_named(law.name, contact),
+        law=law.name,
+        contact=contact,
+        equation=f"f = {'K_star*E_star/dR' if scales else 'K_factor'}*penetration^n",
+        text=line + POWER.lstrip(),
+        coefficients=numbers,
+        constants=numbers,
+        remark=MM_N_MPA + ("" if scales else " For the one pair that it was fitted to."),
+    )
+
+
+def _logarithmic(law: LogarithmicLaw, contact: Contact | None) -> Formula:
+    """Return the inverse of d = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c)."""
+    reach, extra = REACHES[type(law)]
+    return Formula(
+        name=_named(law.name, None),
+        law=law.name,
+        contact=contact,
+        equation=(
+            "penetration = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c) solved for f, with "
+            f"Lambda = {reach.replace(' * ', '*').replace(' / ', '/')}"
+        ),
+        text=LOGARITHMIC.format(reach=reach),
+        coefficients={"kappa": float(law.kappa), "c": float(law.shift)},
+        constants={"kappa": float(law.kappa), "peak": float(np.exp(law.shift - 1))},
+        extra=extra,
+        domain=(
+            "penetration <= kappa/pi*Lambda*peak, with peak = exp(c - 1), where the load is "
+            "Lambda*E_star*peak and the stiffness infinite"
+        ),
+        remark=(
+            "For bodies of equal elastic constants. f = f_max*p/(1 + w) with p = penetration/max and "
+            "w = -1 - W(-p/e), W the lower branch of Lambert's function: closed-form start of "
+            "Barry et al. 2000 and one Householder step, no iteration."
+        ),
+        origin="the law's own",
+    )
+
+
+def _explicit(law: Explicit, contact: Contact | None) -> Formula:
+    """Return the explicit law with its own constants, or those calibrated for the contact."""
+    own = law.coefficients
+    where = _required(contact, law.name)
+    chosen = own if isinstance(own, ExplicitCoefficients) else CALIBRATED[where]
+    numbers = {name: float(value) for name, value in asdict(chosen).items()}
+    return Formula(
+        name=_named(law.name, where),
+        law=law.name,
+        contact=where,
+        equation=(
+            "f = pi*E_star*penetration/L with d = penetration/dR and "
+            "L = c + ln(1 + A/d*(c + ln(1 + A/d*ln(B/d))))"
+        ),
+        text=EXPLICIT,
+        coefficients=numbers,
+        constants=numbers,
+        remark="Dimensionless in penetration/dR and f/(E_star*dR); no largest penetration.",
+        origin="calibrated for the contact" if own is None else "",
+    )
+
+
+def _liu(law: Liu, contact: Contact | None) -> Formula:
+    """Return the law of Liu and co-workers, for a pin in a hole."""
+    if contact == "external":
+        raise InputError(
+            "export",
+            "--contact",
+            contact,
+            f"the law '{law.name}' is for a pin in a hole",
+            "give --contact internal, or export johnson",
+        )
+    return Formula(
+        name=_named(law.name, None),
+        law=law.name,
+        contact="internal",
+        equation="f = pi/2*E_star*d*sqrt(d/(2*(dR + d))) with the penetration d",
+        text=LIU,
+        coefficients={},
+        constants={},
+        remark="No largest penetration.",
+        origin="the law has none",
+    )
+
+
+def _lankarani_nikravesh(law: LankaraniNikravesh, contact: Contact | None) -> Formula:
+    """Return Eq 2 per unit length."""
+    numbers = {"n": float(law.n)}
+    return Formula(
+        name=_named(law.name, None),
+        law=law.name,
+        contact=contact,
+        equation="f = 4/3*E_star*sqrt(R_i*R_j/dR)/length*penetration^n",
+        text=LANKARANI_NIKRAVESH + POWER.lstrip(),
+        coefficients=numbers,
+        constants=numbers,
+        extra=(*RADII, "length"),
+        remark=(
+            "The law gives the total force f*length of a point contact, whatever the length; "
+            "f is that force per unit length."
+        ),
+        origin="the law's own",
+    )
+
+
+BUILDERS: Mapping[type, Callable[[Any, Contact | None], Formula]] = {
+    Enhanced: _enhanced,
+    PowerLaw: _power,
+    LogarithmicLaw: _logarithmic,
+    Explicit: _explicit,
+    Liu: _liu,
+    LankaraniNikravesh: _lankarani_nikravesh,
+}

@@ -1,0 +1,102 @@
+"""Expressions of the neutral notation in the syntax of a language."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from cylcontact.export.formula import expression
+
+# How tightly operators bind, the same in all targets.
+OR, AND, COMPARISON, SUM, PRODUCT, POWER, ATOM = range(7)
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """What a language writes differently.
+
+    Attributes
+    ----------
+    number : callable
+        From a number to a literal of double precision.
+    power : str
+        x to the power of y, as a format of `x` and `y`.
+    names : mapping
+        Names and functions that are called otherwise, such as pi and nan.
+    symbols : mapping
+        Operators that are written otherwise, by Python's node type.
+    """
+
+    number: Callable[[float], str]
+    power: str
+    names: Mapping[str, str]
+    symbols: Mapping[type[ast.AST], str] = field(default_factory=dict)
+
+    def render(self, node: ast.expr) -> str:
+        """Return an expression in this language."""
+        return _Renderer(self).text(node)[0]
+
+    def conditions(self, texts: tuple[str, ...]) -> list[str]:
+        """Return conditions in this language, to be joined by its `and`."""
+        return [self.render(expression(text)) for text in texts]
+
+
+PLAIN: Mapping[type[ast.AST], str] = {
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.Gt: ">",
+    ast.GtE: ">=",
+    ast.Lt: "<",
+    ast.LtE: "<=",
+}
+
+
+class _Renderer:
+    """Renders a node to its text and how tightly that binds."""
+
+    def __init__(self, dialect: Dialect) -> None:
+        self.dialect = dialect
+
+    def text(self, node: ast.expr) -> tuple[str, int]:
+        """Return the text of any node of the notation."""
+        match node:
+            case ast.Constant(value=int() | float() as value):
+                return self.dialect.number(float(value)), ATOM
+            case ast.Name(id=name):
+                return self.dialect.names.get(name, name), ATOM
+            case ast.Call(func=ast.Name(id=name), args=args):
+                inside = ", ".join(self.text(arg)[0] for arg in args)
+                return f"{self.dialect.names.get(name, name)}({inside})", ATOM
+            case ast.UnaryOp(op=ast.USub(), operand=operand):
+                # In parentheses: Fortran allows no two operators in a row.
+                return f"(-{self.above(operand, PRODUCT)})", ATOM
+            case ast.BinOp(op=ast.Pow(), left=left, right=right):
+                return self.power(left, right)
+            case ast.BinOp(op=op, left=left, right=right):
+                level = SUM if isinstance(op, ast.Add | ast.Sub) else PRODUCT
+                text = f"{self.above(left, level - 1)} {self.symbol(op)} {self.above(right, level)}"
+                return text, level
+            case ast.Compare(left=left, ops=[op], comparators=[right]):
+                return f"{self.text(left)[0]} {self.symbol(op)} {self.text(right)[0]}", COMPARISON
+            case ast.BoolOp(op=op, values=values):
+                level = AND if isinstance(op, ast.And) else OR
+                return f" {self.symbol(op)} ".join(self.above(v, level) for v in values), level
+        raise NotImplementedError(ast.unparse(node))
+
+    def above(self, node: ast.expr, level: int) -> str:
+        """Return a node's text, in parentheses unless it binds more tightly than `level`."""
+        text, binding = self.text(node)
+        return text if binding > level else f"({text})"
+
+    def power(self, left: ast.expr, right: ast.expr) -> tuple[str, int]:
+        """Return x to the power of y, both in parentheses unless they are plain."""
+        x, y = self.above(left, POWER), self.above(right, POWER)
+        return self.dialect.power.format(x=x, y=y), POWER
+
+    def symbol(self, operator: ast.AST) -> str:
+        """Return an operator in this language."""
+        kind = type(operator)
+        return self.dialect.symbols.get(kind) or PLAIN[kind]

@@ -1,0 +1,277 @@
+"""All laws over the whole domain of conformal contact, in the variables that make them one curve.
+
+With φ = f/(E*·ΔR) and d = δ/ΔR a dimensionless law is a single curve for every pair. The enhanced
+law is not dimensionless: it is a curve of its own for every clearance, drawn for a stated pair.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import brentq
+
+from cylcontact.arrays import BoolArray, FloatArray, as_floats
+from cylcontact.fitting.result import FitResult
+from cylcontact.laws import (
+    ContactLaw,
+    Enhanced,
+    Explicit,
+    Johnson,
+    Liu,
+    Persson,
+    Winkler,
+    explicit_penetration,
+)
+from cylcontact.limits import johnson_limit_load
+from cylcontact.materials import Material
+from cylcontact.pair import CylinderPair
+
+# E* = 1 MPa and ΔR = 1 mm, so that a load is φ and a penetration is d.
+_UNIT = Material("unit", E=2.0, nu=0.0)
+UNIT_PAIR = CylinderPair.from_dR("internal", 1.0, _UNIT)
+UNIT_ROLLERS = CylinderPair.from_dR("external", 1.0, _UNIT)
+PHI_MIN, PHI_MAX = 1e-6, 60.0
+EXTERNAL_PHI = (1e-9, 0.02)
+PER_DECADE = 200
+INVERSION_POINTS = 100_001
+
+# The pairs that the laws which are not dimensionless are drawn for.
+EXAMPLE = Material("steel", E=207e3, nu=0.3)
+EXAMPLE_CLEARANCES = (0.01, 0.05, 0.5)  # mm
+EXAMPLE_LOADS = (1.0, 1e4)  # N/mm
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A law in the universal variables, beside its reference.
+
+    Attributes
+    ----------
+    law : str
+        Its name.
+    pair : str
+        The pair that it holds for; "any" for a dimensionless law.
+    phi : array of float
+        Loads, logarithmically spaced.
+    d : array of float
+        The law's penetration; NaN where it has none.
+    reference_d : array of float
+        The reference's penetration.
+    load_error, penetration_error : array of float
+        In percent of the reference: of the load at the reference's penetration, and of the
+        penetration at the load.
+    """
+
+    law: str
+    pair: str
+    phi: FloatArray
+    d: FloatArray
+    reference_d: FloatArray
+    load_error: FloatArray
+    penetration_error: FloatArray
+
+
+def law_curve(
+    law: ContactLaw,
+    label: str,
+    reference: ContactLaw,
+    pair: CylinderPair = UNIT_PAIR,
+    ends: tuple[float, float] = (PHI_MIN, PHI_MAX),
+    pair_label: str = "any",
+) -> Curve:
+    """Evaluate a law and its reference at `PER_DECADE` loads to the decade.
+
+    Parameters
+    ----------
+    law, reference : ContactLaw
+        The law judged and the one it is judged by.
+    label : str
+        What the table calls the law.
+    pair : CylinderPair, optional
+        The pair; left out, the internal one whose E* and ΔR are 1.
+    ends : tuple of float, optional
+        Lowest and highest φ.
+    pair_label : str, optional
+        What the table calls the pair.
+
+    Returns
+    -------
+    Curve
+
+    Examples
+    --------
+    >>> curve = law_curve(Johnson(), "johnson", Persson(), ends=(1e-6, 0.052804))
+    >>> print(curve.penetration_error[[0, -1]].round(3))
+    [-0. -1.]
+    """
+    phi = _loads(ends)
+    unit = pair.E_star * pair.dR
+    load, depth = phi * unit, reference.penetration(phi * unit, pair)
+    delta = law.penetration(load, pair)
+    return Curve(
+        label,
+        pair_label,
+        phi,
+        as_floats(delta / pair.dR),
+        as_floats(depth / pair.dR),
+        as_floats(100 * (law.load(depth, pair) / load - 1)),
+        as_floats(100 * (delta / depth - 1)),
+    )
+
+
+def formula_curve() -> Curve:
+    """Evaluate the formula for the penetration; its load is the formula inverted numerically."""
+    phi = _loads((PHI_MIN, PHI_MAX))
+    truth, d = Persson().penetration(phi, UNIT_PAIR), explicit_penetration(phi, UNIT_PAIR)
+    line = np.geomspace(PHI_MIN / 2, 2 * PHI_MAX, INVERSION_POINTS)
+    depths = np.log(explicit_penetration(line, UNIT_PAIR))
+    load = np.exp(np.interp(np.log(truth), depths, np.log(line)))
+    errors = (as_floats(100 * (ratio - 1)) for ratio in (load / phi, d / truth))
+    return Curve("explicit formula for the penetration", "any", phi, d, truth, *errors)
+
+
+def dimensionless_curves() -> list[Curve]:
+    """Return the laws that are one curve for every pair, judged by Persson's."""
+    laws: tuple[tuple[str, ContactLaw], ...] = (
+        ("explicit", Explicit()),
+        ("johnson", Johnson()),
+        ("liu", Liu()),
+        ("winkler", Winkler()),
+    )
+    curves = [law_curve(law, name, Persson()) for name, law in laws]
+    return [curves[0], formula_curve(), *curves[1:]]
+
+
+def enhanced_curves(refits: dict[str, FitResult]) -> list[Curve]:
+    """Return the enhanced law for the pairs of `EXAMPLE`, published and refitted.
+
+    Parameters
+    ----------
+    refits : mapping of str to FitResult
+        What the table calls a refit, and the refit.
+
+    Returns
+    -------
+    list of Curve
+        Law by law, clearance by clearance.
+    """
+    laws = {"enhanced": Enhanced()}
+    laws |= {name: Enhanced(result.coefficients) for name, result in refits.items()}
+    return [
+        _example_curve(law, name, dR) for name, law in laws.items() for dR in EXAMPLE_CLEARANCES
+    ]
+
+
+def external_curve() -> Curve:
+    """Return the explicit law for rollers, judged by Johnson's."""
+    return law_curve(Explicit(), "explicit", Johnson(), UNIT_ROLLERS, EXTERNAL_PHI)
+
+
+def error_table(curves: list[Curve], contact: str, reference: str) -> pd.DataFrame:
+    """List each curve's errors, decade by decade and over the whole of its range.
+
+    Parameters
+    ----------
+    curves : list of Curve
+        The laws.
+    contact, reference : str
+        What they are for and judged by.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns law, contact, reference, pair, error_of, range, phi_from, phi_to,
+        largest_error_percent and rms_error_percent. The last two are over loads spaced
+        logarithmically from phi_from to phi_to, which is as much of the range as the law covers.
+
+    Examples
+    --------
+    >>> curve = law_curve(Johnson(), "johnson", Persson(), ends=(0.01, 0.1))
+    >>> table = error_table([curve], "internal", "persson")
+    >>> print(table[["error_of", "range", "largest_error_percent"]].round(3).to_string(index=False))
+       error_of range  largest_error_percent
+           load   all                  2.573
+           load 1e-02                  2.573
+    penetration   all                  2.159
+    penetration 1e-02                  2.159
+    """
+    rows = []
+    for curve in curves:
+        errors = {"load": curve.load_error, "penetration": curve.penetration_error}
+        for quantity, error in errors.items():
+            known = np.isfinite(error)
+            phi, size = curve.phi[known], np.abs(error[known])
+            for label, part in _decades(phi):
+                rows.append(
+                    {
+                        "law": curve.law,
+                        "contact": contact,
+                        "reference": reference,
+                        "pair": curve.pair,
+                        "error_of": quantity,
+                        "range": label,
+                        "phi_from": phi[part].min(),
+                        "phi_to": phi[part].max(),
+                        "largest_error_percent": size[part].max(),
+                        "rms_error_percent": np.sqrt(np.mean(size[part] ** 2)),
+                    }
+                )
+    return pd.DataFrame(rows)
+
+
+def departure_load(percent: float) -> float:
+    """Return the φ at which Johnson's penetration is `percent` below Persson's.
+
+    Parameters
+    ----------
+    percent : float
+        Above 0 and at most 40.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> print([round(departure_load(percent), 6) for percent in (1, 3, 5, 10)])
+    [0.052804, 0.132676, 0.204034, 0.370145]
+    """
+
+    def excess(phi: float) -> float:
+        depths = (law.penetration(phi, UNIT_PAIR) for law in (Johnson(), Persson()))
+        johnson, persson = map(float, depths)
+        return 100 * (1 - johnson / persson) - percent
+
+    return float(brentq(excess, PHI_MIN, float(johnson_limit_load(UNIT_PAIR)), xtol=1e-12))
+
+
+def _example_curve(law: ContactLaw, label: str, dR: float) -> Curve:
+    """Return a law for one example pair, between the example's loads."""
+    pair = CylinderPair.from_dR("internal", dR, EXAMPLE)
+    unit = float(pair.E_star) * dR
+    low, high = (load / unit for load in EXAMPLE_LOADS)
+    name = f"E = {EXAMPLE.E / 1e3:g} GPa; nu = {EXAMPLE.nu:g}; dR = {dR:g} mm"
+    return law_curve(law, label, Persson(), pair, (low, high), name)
+
+
+def _loads(ends: tuple[float, float]) -> FloatArray:
+    """Return φ between two ends, both and every power of ten between them included."""
+    low, high = np.log10(ends)
+    marks = np.unique([low, *np.arange(np.ceil(low), high), high])
+    steps = [max(2, round(PER_DECADE * width)) for width in np.diff(marks)]
+    parts: Iterator[FloatArray] = (
+        np.logspace(left, right, count, endpoint=False)
+        for left, right, count in zip(marks[:-1], marks[1:], steps, strict=True)
+    )
+    return as_floats(np.append(np.concatenate(list(parts)), ends[1]))
+
+
+def _decades(phi: FloatArray) -> Iterator[tuple[str, BoolArray]]:
+    """Yield the whole range and then each decade, by name, as a mask of the loads in it."""
+    yield "all", np.ones(phi.shape, dtype=bool)
+    powers = np.floor(np.log10(phi) + 1e-9)
+    for power in np.unique(powers):
+        yield f"1e{power:+03.0f}", np.asarray(powers == power)

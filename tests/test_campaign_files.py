@@ -1,0 +1,345 @@
+"""Campaign files: what the shipped ones say, where datasets are found, every way to go wrong."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from cylcontact import InputError
+from cylcontact.fitting import read_campaign
+from cylcontact.fitting.campaign import campaign_from_settings
+from cylcontact.fitting.genetic import CROSSOVERS
+from cylcontact.fitting.objectives import OBJECTIVES
+from tests.spec_files import (
+    CAMPAIGN,
+    DROP,
+    GRID,
+    assert_told,
+    changed,
+    write_bench,
+    write_toml,
+)
+
+ROOT = Path(__file__).resolve().parents[1]
+SHIPPED = sorted((ROOT / "fitting").glob("*.toml"))
+INTERNAL = ("a", "b", "Y_log_scale", "Y_log_exponent", "Y_slope", "Y_offset", "n_exponent")
+
+
+# --- the shipped campaigns --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_every_shipped_campaign_parses(path):
+    campaign = read_campaign(path)
+    assert campaign.name == path.stem
+    assert {p.name for p in campaign.parameters} == set(campaign.family.names)
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_published_coefficients_lie_within_the_bounds_of_every_search(path):
+    campaign = read_campaign(path)
+    for parameter in campaign.parameters:
+        if campaign.family.published is not None:
+            assert parameter.low < campaign.family.published[parameter.name] < parameter.high
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_the_main_campaigns_search_with_different_populations_and_crossovers(contact):
+    campaign = read_campaign(ROOT / f"fitting/{contact}.toml")
+    genetic = campaign.spec.genetic
+    assert campaign.grid.contact == contact
+    assert campaign.spec.law == "enhanced"
+    assert campaign.spec.objective == "rms-log-penetration"
+    assert genetic.runs >= len(genetic.populations) * len(genetic.crossovers) > 1
+
+
+# --- what is read -----------------------------------------------------------------------------
+
+
+def test_settings_come_out_as_written(tmp_path):
+    campaign = read_campaign(write_bench(tmp_path))
+    assert (campaign.name, campaign.spec.seed, campaign.spec.law) == ("small", 7, "power")
+    assert campaign.family.contact == "internal"
+    assert campaign.grid.shape == (3, 2, 4, 4)
+    K_star, n = campaign.parameters
+    assert (K_star.name, K_star.low, K_star.high, K_star.fixed) == ("K_star", 0.5, 10.0, False)
+    assert (n.name, n.low, n.high, n.fixed) == ("n", 1.0, 1.5, False)
+    assert campaign.spec.genetic.crossovers == ("blend", "uniform")
+
+
+def test_what_may_be_left_out_has_a_default(tmp_path):
+    left_out = {key: DROP for key in ("objective", "seed", "genetic")}
+    spec = read_campaign(write_bench(tmp_path, left_out)).spec
+    assert (spec.objective, spec.seed) == (OBJECTIVES[0], 20150101)
+    assert (spec.genetic.runs, spec.genetic.populations, spec.genetic.generations) == (
+        *(16, (60, 120)),
+        300,
+    )
+
+
+def test_a_fixed_parameter_keeps_its_value_whatever_its_bounds(tmp_path):
+    held = {"value": 1.1, "fixed": True}
+    for table in (held, {**held, "low": 2.0, "high": 1.0}):
+        campaign = read_campaign(write_bench(tmp_path, {"parameters.n": table}))
+        assert (campaign.parameters[1].value, campaign.parameters[1].fixed) == (1.1, True)
+
+
+def test_parameters_come_in_the_order_of_the_law(tmp_path):
+    swapped = dict(reversed(CAMPAIGN["parameters"].items()))
+    campaign = read_campaign(write_bench(tmp_path, {"parameters": swapped}))
+    assert [p.name for p in campaign.parameters] == ["K_star", "n"]
+
+
+def test_runs_and_seed_may_be_given_instead_of_the_files(tmp_path):
+    path = write_bench(tmp_path)
+    campaign = read_campaign(path, runs=5, seed=0)
+    assert (campaign.spec.genetic.runs, campaign.spec.seed) == (5, 0)
+    assert campaign.settings["campaign"]["genetic"]["runs"] == 5
+    assert campaign.settings["campaign"]["seed"] == 0
+    without = write_bench(tmp_path, {"genetic": DROP})
+    assert read_campaign(without, runs=5).spec.genetic.runs == 5
+
+
+@pytest.mark.parametrize("dataset", ["small.toml", "grids/small.toml", "../elsewhere/small.toml"])
+def test_a_dataset_is_found_beside_the_campaign(tmp_path, dataset):
+    write_toml(tmp_path / "fitting" / dataset, GRID)
+    path = write_toml(tmp_path / "fitting/c.toml", changed(CAMPAIGN, {"dataset": dataset}))
+    assert read_campaign(path).grid.size == 96
+
+
+def test_a_dataset_is_found_above_the_campaign_from_wherever_it_is_read(tmp_path, monkeypatch):
+    path = write_bench(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    assert read_campaign(path.relative_to(tmp_path)).grid.source == "datasets/small.toml"
+    monkeypatch.chdir(path.parent)
+    assert read_campaign(path.name).grid.source == "../datasets/small.toml"
+    monkeypatch.chdir("/")
+    assert read_campaign(path).grid.size == 96
+
+
+def test_a_dataset_may_be_given_by_its_whole_path(tmp_path):
+    dataset = write_toml(tmp_path / "far/away.toml", GRID)
+    path = write_bench(tmp_path / "bench", {"dataset": str(dataset)})
+    assert read_campaign(path).grid.source == str(dataset)
+
+
+def test_the_key_changes_with_whatever_the_result_depends_on(tmp_path):
+    path = write_bench(tmp_path)
+    key = read_campaign(path).key
+    assert read_campaign(path).key == key
+    for changes in (
+        {"seed": 8},
+        {"parameters.n.high": 1.6},
+        {"genetic.generations": 6},
+        {"objective": OBJECTIVES[1]},
+    ):
+        assert read_campaign(write_bench(tmp_path, changes)).key != key
+    path = write_bench(tmp_path)
+    write_toml(tmp_path / "datasets/small.toml", changed(GRID, {"axes.E.points": 2}))
+    assert read_campaign(path).key != key
+
+
+def test_a_campaign_is_redone_from_its_settings(tmp_path):
+    campaign = read_campaign(write_bench(tmp_path))
+    settings = json.loads(json.dumps(campaign.settings))
+    again = campaign_from_settings("small", settings, "r.json")
+    assert again.key == campaign.key
+    assert again.parameters == campaign.parameters
+    assert again.grid.shape == campaign.grid.shape
+
+
+# --- bad input --------------------------------------------------------------------------------
+
+TABLE, NUMBER, INTEGER = "must be a table", "must be a number", "must be an integer"
+TABLES = "a table [parameters.NAME] for each parameter of the law"
+LOW, HIGH = "the lower bound, a number", "the upper bound, a number"
+EITHER = "give low and high, or value with fixed = true"
+SIZES = "a list of population sizes"
+HELD = {"value": 1.1, "fixed": True}
+
+# Changes to a good campaign; the key, value, rule and remedy of the error.
+BAD_INPUT = [
+    # missing and unknown keys
+    ({"dataset": DROP}, "dataset", None, "is required", "the path of a grid spec"),
+    ({"law": DROP}, "law", None, "is required", "the law to fit"),
+    ({"parameters": DROP}, "parameters", None, "is required", TABLES),
+    ({"parameters.n": DROP}, "parameters.n", None, "is required", "the law has K_star, n"),
+    ({"parameters": {}}, "parameters.K_star", None, "is required", "the law has K_star, n"),
+    ({"parameters.n.low": DROP}, "parameters.n.low", None, "is required", EITHER),
+    ({"parameters.n.high": DROP}, "parameters.n.high", None, "is required", EITHER),
+    ({"sed": 1}, "sed", 1, "is not a known key", "dataset, law, objective, seed, parameters"),
+    ({"genetic.run": 1}, "genetic.run", 1, "is not a known key", "runs, populations, generations"),
+    ({"parameters.n.hgh": 2}, "parameters.n.hgh", 2, "is not a known key", "low, high, value"),
+    (
+        {"parameters.n.high": DROP, "parameters.n.hgh": 2},
+        *("parameters.n.hgh", 2, "is not a known key", "low, high, value"),
+    ),
+    # wrong types
+    ({"dataset": 3}, "dataset", 3, "must be a string", "the path of a grid spec"),
+    ({"law": ["power"]}, "law", ["power"], "must be a string", "the law to fit"),
+    ({"objective": 3}, "objective", 3, "must be a string", OBJECTIVES[1]),
+    *(
+        ({"seed": seed}, "seed", seed, INTEGER, "the seed, an integer of at least 0")
+        for seed in (1.0, 1.5, "1", True, [1])
+    ),
+    ({"parameters": 3}, "parameters", 3, TABLE, TABLES),
+    ({"parameters.n": 1.1}, "parameters.n", 1.1, TABLE, TABLES),
+    ({"parameters.n": [1, 2]}, "parameters.n", [1, 2], TABLE, TABLES),
+    ({"parameters.n.low": "1"}, "parameters.n.low", "1", NUMBER, LOW),
+    ({"parameters.n.low": True}, "parameters.n.low", True, NUMBER, LOW),
+    ({"parameters.n.high": math.inf}, "parameters.n.high", math.inf, "a finite number", HIGH),
+    ({"parameters.n.high": math.nan}, "parameters.n.high", math.nan, "a finite number", HIGH),
+    (
+        {"parameters.n.fixed": 1},
+        *("parameters.n.fixed", 1, "must be true or false", "true or false"),
+    ),
+    ({"genetic": 16}, "genetic", 16, TABLE, "a table [genetic]"),
+    *(
+        ({"genetic.runs": runs}, "genetic.runs", runs, INTEGER, "the number of runs, an integer")
+        for runs in (1.0, "3", True)
+    ),
+    (
+        {"genetic.generations": 9.5},
+        *("genetic.generations", 9.5, INTEGER, "the generations, an integer of at least 1"),
+    ),
+    ({"genetic.populations": 8}, "genetic.populations", 8, "must be a list", SIZES),
+    ({"genetic.populations": "8"}, "genetic.populations", "8", "must be a list", SIZES),
+    ({"genetic.populations": [8.0]}, "genetic.populations.0", 8.0, INTEGER, SIZES),
+    ({"genetic.populations": [8, True]}, "genetic.populations.1", True, INTEGER, SIZES),
+    (
+        {"genetic.crossovers": "blend"},
+        *("genetic.crossovers", "blend", "must be a list", "a list from single_point"),
+    ),
+    (
+        {"genetic.crossovers": [1]},
+        *("genetic.crossovers.0", 1, "must be a string", "a list from single_point"),
+    ),
+    # values
+    ({"law": "hertz"}, "law", "hertz", "is not a law that can be fitted", "enhanced or"),
+    ({"objective": "rms"}, "objective", "rms", "is not a known objective", OBJECTIVES[0]),
+    ({"seed": -1}, "seed", -1, "must be at least 0", "the seed, an integer of at least 0"),
+    ({"genetic.runs": 0}, "genetic.runs", 0, "must be at least 1", "an integer from 1 to 100000"),
+    ({"genetic.runs": 100_001}, "genetic.runs", 100_001, "100000", "an integer from 1 to"),
+    ({"genetic.generations": 0}, "genetic.generations", 0, "must be at least 1", "of at least 1"),
+    *(
+        (
+            {"genetic.populations": sizes},
+            *("genetic.populations", sizes, "sizes from 4 to 100000", "e.g. [60, 120]"),
+        )
+        for sizes in ([], [3], [8, -8], [100_001])
+    ),
+    *(
+        (
+            {"genetic.crossovers": names},
+            *("genetic.crossovers", names, "known crossovers", ", ".join(CROSSOVERS)),
+        )
+        for names in ([], ["blend", "two-points"])
+    ),
+    ({"parameters.n.high": 1}, "parameters.n.low", 1.0, "below high = 1.0", "fixed = true"),
+    ({"parameters.n.high": 0.5}, "parameters.n.low", 1.0, "below high = 0.5", "exchange them"),
+    ({"parameters.n.value": 1.1}, "parameters.n.value", 1.1, "only with fixed = true", EITHER),
+    ({"parameters.n.fixed": True}, "parameters.n.value", None, "is required when", EITHER),
+    (
+        {"parameters": {"K_star": HELD, "n": HELD}},
+        *("parameters", None, "all are fixed", "free at least one"),
+    ),
+    (
+        {"parameters.m": {"low": 1, "high": 2}},
+        *("parameters.m", None, "not a parameter of power for internal", "K_star, n"),
+    ),
+    (
+        {"law": "enhanced"},
+        *("parameters.K_star", None, "not a parameter of enhanced", ", ".join(INTERNAL)),
+    ),
+    *(
+        ({"dataset": name}, "dataset", name, "no such file beside the campaign or above", "e.g.")
+        for name in ("datasets/none.toml", "datasets", "", "x" * 300, "a\0b")
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "value", "rule", "remedy"),
+    BAD_INPUT,
+    ids=[
+        ", ".join(f"{k}={v if v is not DROP else ''}" for k, v in c[0].items()) for c in BAD_INPUT
+    ],
+)
+def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
+    tmp_path, changes, key, value, rule, remedy
+):
+    path = write_bench(tmp_path, changes)
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    assert_told(caught, path, key, value, rule, remedy)
+
+
+def test_the_places_where_a_dataset_was_looked_for_are_named(tmp_path, monkeypatch):
+    write_bench(tmp_path, {"dataset": "none.toml"})
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=r"\(fitting/none\.toml, none\.toml\)"):
+        read_campaign("fitting/small.toml")
+
+
+@pytest.mark.parametrize(
+    ("values", "limits"), [([0.001, 1.0], [0.001, 1.0]), ([1.0, 10.1], [1.0, 10.1])]
+)
+def test_clearances_that_the_law_is_not_stated_for_are_refused(tmp_path, values, limits):
+    bounds = {"low": 0.1, "high": 1.0}
+    law = {"law": "enhanced", "parameters": dict.fromkeys(INTERNAL, bounds)}
+    path = write_bench(tmp_path, law)
+    read_campaign(path)
+    write_toml(tmp_path / "datasets/small.toml", changed(GRID, {"axes.dR": {"values": values}}))
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    rule = "ΔR (mm) leave the range of the enhanced law for internal contact, 0.005 to 10 mm"
+    assert_told(caught, path, "dataset", limits, rule, "narrow the dR axis of the grid")
+
+
+def test_a_mistake_in_the_grid_names_the_grids_file(tmp_path):
+    path = write_bench(tmp_path)
+    dataset = write_toml(tmp_path / "datasets/small.toml", changed(GRID, {"axes.E.points": 1}))
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    assert_told(caught, dataset, "axes.E.points", 1, "must be at least 2", "values = [...]")
+
+
+def test_a_grid_is_no_campaign_and_a_campaign_no_grid(tmp_path):
+    write_bench(tmp_path)
+    path = tmp_path / "datasets/small.toml"
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    assert_told(caught, path, "contact", "internal", "is not a known key", "dataset, law")
+
+
+@pytest.mark.parametrize(("runs", "seed", "key"), [(0, None, "genetic.runs"), (None, -1, "seed")])
+def test_replacements_are_checked_like_the_files_own(tmp_path, runs, seed, key):
+    path = write_bench(tmp_path)
+    with pytest.raises(InputError) as caught:
+        read_campaign(path, runs=runs, seed=seed)
+    assert_told(caught, path, key, runs if seed is None else seed, "must be at least", "integer")
+
+
+def test_replacing_the_runs_of_a_wrong_table_tells_of_the_table(tmp_path):
+    path = write_bench(tmp_path, {"genetic": 16})
+    with pytest.raises(InputError) as caught:
+        read_campaign(path, runs=3)
+    assert_told(caught, path, "genetic", 16, TABLE, "a table [genetic]")
+
+
+@pytest.mark.parametrize(
+    ("changes", "source", "key", "rule"),
+    [
+        ({"campaign": DROP}, "r.json", "settings", "lacks the campaign or the dataset"),
+        ({"dataset": []}, "r.json", "settings", "lacks the campaign or the dataset"),
+        ({"campaign.seed": "1"}, "r.json, settings.campaign", "seed", INTEGER),
+        ({"dataset.axes.E": DROP}, "r.json, settings.dataset", "axes.E", "is required"),
+        ({"campaign.parameters.n": DROP}, "r.json", "parameters.n", "is required"),
+    ],
+)
+def test_settings_that_are_no_campaign_are_refused(tmp_path, changes, source, key, rule):
+    settings = json.loads(json.dumps(read_campaign(write_bench(tmp_path)).settings))
+    with pytest.raises(InputError) as caught:
+        campaign_from_settings("small", changed(settings, changes), "r.json")
+    assert_told(caught, source, key, DROP, rule, caught.value.remedy)

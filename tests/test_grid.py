@@ -1,0 +1,287 @@
+"""Grid specs: what the shipped ones cover, and every way to get one wrong."""
+
+import datetime
+import math
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cylcontact import InputError
+from cylcontact.datasets import Grid, read_grid
+from cylcontact.datasets.grid import spec_hash
+from cylcontact.laws import REFERENCES
+from tests.spec_files import DROP, GRID, assert_told, changed, write_toml
+
+ROOT = Path(__file__).resolve().parents[1]
+SHIPPED = sorted((ROOT / "datasets").glob("*.toml"))
+
+FULL, REAL = (20.7, 10000.0), (20.7, 1000.0)
+INTERNAL, EXTERNAL = (0.05, 10.0), (5.0, 500.0)
+# Contact, E in GPa, ν and ΔR in mm; loads from 10 to 1000 N/mm throughout (Sects. 3.1 and 3.4).
+RANGES = {
+    "internal": ("internal", FULL, (0.1, 0.5), INTERNAL),
+    "external": ("external", FULL, (0.1, 0.5), EXTERNAL),
+    "internal-linear": ("internal", FULL, (0.1, 0.5), INTERNAL),
+    "external-linear": ("external", FULL, (0.1, 0.5), EXTERNAL),
+    "internal-E1000": ("internal", REAL, (0.1, 0.5), INTERNAL),
+    "internal-E1000-thin": ("internal", REAL, (0.1, 0.5), INTERNAL),
+    "external-E1000": ("external", REAL, (0.1, 0.5), EXTERNAL),
+    "practical": ("internal", (69.0, 600.0), (0.24, 0.34), (0.0075, 2.0)),
+    "large": ("internal", FULL, (0.1, 0.5), INTERNAL),
+}
+
+
+# --- the shipped grids ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_every_shipped_grid_parses(path):
+    grid = read_grid(path)
+    assert grid.size == grid.E.size * grid.nu.size * grid.dR.size * grid.load.size
+    assert grid.source == str(path)
+
+
+@pytest.mark.parametrize("name", RANGES)
+def test_shipped_grids_have_the_ranges_of_the_paper(name):
+    contact, *ranges = RANGES[name]
+    grid = read_grid(ROOT / f"datasets/{name}.toml")
+    assert (grid.contact, grid.reference) == (contact, "johnson")
+    axes = (grid.E, grid.nu, grid.dR, grid.load)
+    assert [(axis[0], axis[-1]) for axis in axes] == [*ranges, (10.0, 1000.0)]
+
+
+@pytest.mark.parametrize("name", RANGES)
+def test_all_axes_but_nu_are_log_spaced_unless_the_name_says_linear(name):
+    grid = read_grid(ROOT / f"datasets/{name}.toml")
+    for axis in (grid.E, grid.dR, grid.load):
+        steps = np.diff(axis if name.endswith("linear") else np.log(axis))
+        assert np.allclose(steps, steps[0], rtol=1e-9)
+    assert np.allclose(np.diff(grid.nu), np.diff(grid.nu)[0], rtol=1e-9)
+
+
+def test_the_large_grid_has_twenty_million_samples():
+    assert read_grid(ROOT / "datasets/large.toml").size == 20_000_000
+
+
+@pytest.mark.parametrize(
+    ("name", "shape"),
+    [
+        ("internal-E1000", (9, 5, 61, 15)),
+        ("external-E1000", (9, 5, 25, 15)),
+    ],
+)
+def test_grids_of_the_known_optima_have_their_shapes(name, shape):
+    assert read_grid(ROOT / f"datasets/{name}.toml").shape == shape
+
+
+# --- what is read -----------------------------------------------------------------------------
+
+
+def test_axes_come_out_as_written(tmp_path):
+    grid = read_grid(write_toml(tmp_path / "g.toml", GRID))
+    assert grid.shape == (3, 2, 4, 4)
+    assert grid.E.tolist() == pytest.approx([69, math.sqrt(69 * 600), 600])
+    assert grid.nu.tolist() == [0.25, 0.3]
+    assert (grid.dR[0], grid.dR[-1]) == (0.05, 5.0)
+    assert grid.load.tolist() == [10, 340, 670, 1000]
+    assert {axis.dtype for axis in (grid.E, grid.nu, grid.dR, grid.load)} == {np.dtype(float)}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"axes.nu": {"values": [0]}},
+        {"axes.nu": {"values": [0.5]}},
+        {"axes.nu": {"min": 0, "max": 0.5, "points": 2, "spacing": "linear"}},
+        {"axes.load": {"values": [1, 2.5, 1000]}},
+        {"contact": "external"},
+        *({"reference": name} for name in REFERENCES),
+    ],
+)
+def test_good_variants_are_accepted(tmp_path, changes):
+    assert read_grid(write_toml(tmp_path / "g.toml", changed(GRID, changes))).size > 0
+
+
+def test_a_byte_order_mark_is_not_part_of_the_file(tmp_path):
+    path = write_toml(tmp_path / "g.toml", GRID)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes().replace(b"\n", b"\r\n"))
+    assert read_grid(path).shape == (3, 2, 4, 4)
+
+
+def test_hash_depends_on_contents_not_on_layout(tmp_path):
+    one = write_toml(tmp_path / "one.toml", GRID)
+    two = tmp_path / "two.toml"
+    two.write_text(f"# The same.\n\n{one.read_text()}".replace(" = ", "   =  "))
+    first, second = (tomllib.loads(path.read_text()) for path in (one, two))
+    assert spec_hash(first) == spec_hash(second)
+    assert spec_hash(first) != spec_hash(changed(first, {"axes.E.points": 4}))
+
+
+def test_a_grid_of_arrays_counts_its_samples():
+    axis = np.array([1.0, 2.0])
+    grid = Grid("internal", "johnson", axis, axis / 10, axis, np.arange(1.0, 6.0))
+    assert grid.shape == (2, 2, 2, 5)
+    assert grid.size == 40
+
+
+# --- bad input --------------------------------------------------------------------------------
+
+RANGED = {"min": 1.0, "max": 2.0, "points": 3, "spacing": "linear"}
+FIRST, LAST = "the axis's first value, a number", "the axis's last value, a number"
+POINTS = "the number of points, an integer of at least 2"
+LIST = "a list of increasing numbers"
+EITHER = "an axis takes min, max, points and spacing, or values = [...]"
+NUMBER, INTEGER, TABLE = "must be a number", "must be an integer", "must be a table"
+
+# Changes to a good grid; the key, value, rule and remedy of the error.
+BAD_INPUT = [
+    # missing keys
+    ({"contact": DROP}, "contact", None, "is required", '"internal" or "external"'),
+    ({"reference": DROP}, "reference", None, "is required", "the law to sample: johnson"),
+    ({"axes": DROP}, "axes", None, "is required", "[axes.E], [axes.nu], [axes.dR], [axes.load]"),
+    ({"axes.E": DROP}, "axes.E", None, "is required", "a table [axes.E] for Young's modulus"),
+    ({"axes.nu": DROP}, "axes.nu", None, "is required", "a table [axes.nu] for Poisson's ratio"),
+    ({"axes.dR": DROP}, "axes.dR", None, "is required", "a table [axes.dR] for ΔR in mm"),
+    ({"axes.load": DROP}, "axes.load", None, "is required", "[axes.load] for the load in N/mm"),
+    *(
+        ({f"axes.E.{key}": DROP}, f"axes.E.{key}", None, "is required", EITHER)
+        for key in ("min", "max", "points", "spacing")
+    ),
+    ({"axes.nu": {}}, "axes.nu.min", None, "is required", EITHER),
+    ({"axes.nu": {"min": 0.1}}, "axes.nu.max", None, "is required", EITHER),
+    # unknown keys, told before what is missing because of them
+    ({"title": "x"}, "title", "x", "is not a known key", "contact, reference, axes"),
+    ({"axes.R": RANGED}, "axes.R", RANGED, "is not a known key", "E, nu, dR, load"),
+    ({"axes.E.step": 1}, "axes.E.step", 1, "is not a known key", "min, max, points, spacing"),
+    (
+        {"contact": DROP, "contct": "internal"},
+        *("contct", "internal", "is not a known key", "contact, reference, axes (1 more mistake)"),
+    ),
+    (
+        {"axes.E.points": DROP, "axes.E.point": 3, "contact": DROP, "reference": DROP},
+        *("axes.E.point", 3, "is not a known key", "values (2 more mistakes)"),
+    ),
+    # wrong types
+    ({"contact": 3}, "contact", 3, "must be 'internal' or 'external'", '"internal"'),
+    ({"contact": ["internal"]}, "contact", ["internal"], "must be 'internal'", '"internal"'),
+    ({"contact": "inside"}, "contact", "inside", "must be 'internal'", '"internal"'),
+    ({"reference": 1}, "reference", 1, "must be a string", "the law to sample"),
+    ({"axes": 3}, "axes", 3, TABLE, "the tables [axes.E]"),
+    ({"axes": []}, "axes", [], TABLE, "the tables [axes.E]"),
+    ({"axes.E": 207.0}, "axes.E", 207.0, TABLE, "a table [axes.E]"),
+    ({"axes.E": [69.0, 207.0]}, "axes.E", [69.0, 207.0], TABLE, "a table [axes.E]"),
+    ({"axes.E.min": "69"}, "axes.E.min", "69", NUMBER, FIRST),
+    ({"axes.E.min": True}, "axes.E.min", True, NUMBER, FIRST),
+    ({"axes.E.min": [69]}, "axes.E.min", [69], NUMBER, FIRST),
+    ({"axes.E.max": {"GPa": 600}}, "axes.E.max", {"GPa": 600}, NUMBER, LAST),
+    (
+        {"axes.E.max": datetime.date(2015, 1, 1)},
+        *("axes.E.max", datetime.date(2015, 1, 1), NUMBER, LAST),
+    ),
+    ({"axes.E.min": math.nan}, "axes.E.min", math.nan, "must be a finite number", FIRST),
+    ({"axes.E.max": math.inf}, "axes.E.max", math.inf, "must be a finite number", LAST),
+    ({"axes.E.points": 3.0}, "axes.E.points", 3.0, INTEGER, POINTS),
+    ({"axes.E.points": "3"}, "axes.E.points", "3", INTEGER, POINTS),
+    ({"axes.E.points": True}, "axes.E.points", True, INTEGER, POINTS),
+    ({"axes.E.spacing": "cubic"}, "axes.E.spacing", "cubic", "'log' or 'linear'", '"linear"'),
+    ({"axes.E.spacing": 1}, "axes.E.spacing", 1, "'log' or 'linear'", '"linear"'),
+    ({"axes.nu.values": 0.3}, "axes.nu.values", 0.3, "must be a list", LIST),
+    ({"axes.nu.values": "0.3"}, "axes.nu.values", "0.3", "must be a list", LIST),
+    ({"axes.nu.values": {}}, "axes.nu.values", {}, "must be a list", LIST),
+    ({"axes.nu.values": [0.1, "0.3"]}, "axes.nu.values.1", "0.3", NUMBER, LIST),
+    ({"axes.nu.values": [True]}, "axes.nu.values.0", True, NUMBER, LIST),
+    ({"axes.nu.values": [[0.3]]}, "axes.nu.values.0", [0.3], NUMBER, LIST),
+    ({"axes.nu.values": [math.nan]}, "axes.nu.values.0", math.nan, "a finite number", LIST),
+    # ranges and lists
+    ({"axes.E.max": 69}, "axes.E.min", 69.0, "must be below max = 69.0", "correct them"),
+    ({"axes.E.max": 1}, "axes.E.min", 69.0, "must be below max = 1.0", "exchange"),
+    *(
+        ({"axes.E.points": n}, "axes.E.points", n, "must be at least 2", "use values = [...]")
+        for n in (1, 0, -3)
+    ),
+    *(
+        ({"axes.E.points": n}, "axes.E.points", n, "must be at most 10000000", "thin the axis")
+        for n in (10_000_001, 10**12, 10**30)
+    ),
+    *(
+        ({"axes.E.min": low}, "axes.E.min", low, "log spacing needs a positive min", '"linear"')
+        for low in (0.0, -1.0)
+    ),
+    *(
+        ({"axes.nu.values": values}, "axes.nu.values", values, "increasing", "drop repeats")
+        for values in ([], [0.3, 0.2], [0.3, 0.3])
+    ),
+    ({"axes.nu.min": 0.1}, "axes.nu.min", None, "stands beside values", "keep either"),
+    ({"axes.nu.spacing": "log"}, "axes.nu.spacing", None, "stands beside values", "keep either"),
+    # physics
+    *(
+        ({f"axes.{axis}": {"values": [value, 9.0]}}, f"axes.{axis}", value, rule, f"in {unit}")
+        for axis, unit in (("E", "GPa"), ("dR", "mm"), ("load", "N/mm"))
+        for value, rule in (
+            (-1.0, "every value must be positive"),
+            (0.0, "every value must be positive"),
+            (1e-13, "must lie between 1e-12 and 1e+12"),
+        )
+    ),
+    (
+        {"axes.E": {"values": [1.0, 1e308]}},
+        *("axes.E", 1e308, "must lie between 1e-12 and 1e+12", "give it in GPa"),
+    ),
+    (
+        {"axes.dR": {**RANGED, "min": -1.0}},
+        *("axes.dR", -1.0, "every value must be positive", "give it in mm"),
+    ),
+    *(
+        (
+            {"axes.nu.values": values},
+            *("axes.nu", [values[0], values[-1]], "must lie in [0, 0.5]", "narrow the axis"),
+        )
+        for values in ([-0.1, 0.3], [0.3, 0.51], [0.6])
+    ),
+    ({"reference": "hertz"}, "reference", "hertz", "is not a", "johnson"),
+]
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "value", "rule", "remedy"),
+    BAD_INPUT,
+    ids=[
+        ", ".join(f"{k}={v if v is not DROP else ''}" for k, v in c[0].items()) for c in BAD_INPUT
+    ],
+)
+def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
+    tmp_path, changes, key, value, rule, remedy
+):
+    path = write_toml(tmp_path / "g.toml", changed(GRID, changes))
+    with pytest.raises(InputError) as caught:
+        read_grid(path)
+    assert_told(caught, path, key, value, rule, remedy)
+
+
+@pytest.mark.parametrize(
+    ("contents", "rule", "remedy"),
+    [
+        (b"", "is required", 'add "internal" or "external"'),
+        (b"contact = internal", "is not valid TOML (Invalid value (at line 1", "the line it names"),
+        (b'contact = "internal"\ncontact = "internal"', "is not valid TOML", "the line it names"),
+        (b"a = " + b"[" * 5000, "is not valid TOML", "the line it names"),
+        (b"a = " + b"9" * 5000, "is not valid TOML", "the line it names"),
+        (b"\x89PNG\r\n\x1a\n\0\0", "is not a text file", "TOML file in UTF-8"),
+        ('contact = "ä"'.encode("latin-1"), "is not a text file", "TOML file in UTF-8"),
+    ],
+)
+def test_a_file_that_is_no_spec_is_refused(tmp_path, contents, rule, remedy):
+    path = tmp_path / "g.toml"
+    path.write_bytes(contents)
+    with pytest.raises(InputError) as caught:
+        read_grid(path)
+    assert_told(caught, path, caught.value.key, DROP, rule, remedy)
+
+
+def test_a_missing_file_and_a_folder_are_told_apart(tmp_path):
+    for path, reason in ((tmp_path / "no.toml", "No such file"), (tmp_path, "Is a directory")):
+        with pytest.raises(InputError) as caught:
+            read_grid(path)
+        assert_told(caught, path, "", None, f"cannot be read ({reason}", "check the path")
