@@ -1,10 +1,12 @@
-"""Fixtures shared by the tests of the contact mechanics."""
+"""Fixtures shared by the tests: a material, pairs of cylinders, a small campaign."""
 
 import numpy as np
 import pytest
 from hypothesis import settings
 
 from cylcontact import CylinderPair, Material
+from cylcontact.fitting import Campaign, FitResult, calibrate, read_campaign
+from tests.spec_files import write_bench
 
 # The same examples on every run and machine; mpmath and first imports make times uneven.
 settings.register_profile("reproducible", derandomize=True, deadline=None)
@@ -27,3 +29,14 @@ def pairs(steel: Material) -> CylinderPair:
     """Three such pairs at once, as a column."""
     R_j = np.array([[9.99], [9.9], [9.0]])
     return CylinderPair.internal(R_i=10.0, R_j=R_j, material=steel, length=12.0)
+
+
+@pytest.fixture(scope="session")
+def small_campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
+    """Three short runs on 96 samples."""
+    return read_campaign(write_bench(tmp_path_factory.mktemp("bench")))
+
+
+@pytest.fixture(scope="session")
+def small_result(small_campaign: Campaign) -> FitResult:
+    return calibrate(small_campaign)

@@ -48,7 +48,7 @@ def changed(spec: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
         if value is DROP:
             del table[last]
         else:
-            table[last] = value
+            table[last] = copy.deepcopy(value)
     return result
 
 

@@ -69,7 +69,7 @@ def test_settings_come_out_as_written(tmp_path):
 
 
 def test_what_may_be_left_out_has_a_default(tmp_path):
-    left_out = {key: DROP for key in ("objective", "seed", "genetic")}
+    left_out = dict.fromkeys(("objective", "seed", "genetic"), DROP)
     spec = read_campaign(write_bench(tmp_path, left_out)).spec
     assert (spec.objective, spec.seed) == (OBJECTIVES[0], 20150101)
     assert (spec.genetic.runs, spec.genetic.populations, spec.genetic.generations) == (

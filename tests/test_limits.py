@@ -188,3 +188,27 @@ def test_single_numbers_give_numpy_scalars(pair):
         limits.elastic_limit_clearance(10.0, pair),
     ]
     assert {type(value) for value in values} == {np.float64}
+
+
+def test_hertz_pressure_carries_the_load_and_ends_at_the_half_width(pair):
+    load = np.array([1.0, 100.0, 1e4])
+    half_width = limits.hertz_half_width(load, pair)
+    x = np.linspace(-1, 1, 20001)[:, None] * half_width
+    carried = np.trapezoid(limits.hertz_pressure(x, load, pair), x, axis=0)
+    assert carried == pytest.approx(load, rel=1e-6)
+    assert limits.hertz_pressure(1.0001 * half_width, load, pair) == pytest.approx(0.0)
+    assert limits.hertz_pressure(0.0, load, pair) == pytest.approx(
+        limits.hertz_stress(load, pair), rel=1e-15
+    )
+
+
+def test_hertz_half_width_is_that_of_the_gap_it_closes(pair):
+    """Elliptic pressure makes the curvature p₀·2/(b·E*) of the two surfaces: it must be 1/R."""
+    peak, half_width = limits.hertz_stress(70.0, pair), limits.hertz_half_width(70.0, pair)
+    assert 2 * peak / (half_width * pair.E_star) == pytest.approx(1 / pair.R, rel=1e-14)
+
+
+def test_hertz_contact_without_load_has_no_width_and_no_pressure(pair):
+    assert limits.hertz_half_width(0.0, pair) == 0.0
+    assert limits.hertz_pressure([0.0, 0.1], 0.0, pair) == pytest.approx([0.0, 0.0])
+    assert np.isnan(limits.hertz_pressure(0.0, -1.0, pair))

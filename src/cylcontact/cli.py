@@ -1,4 +1,4 @@
-"""The command line: `cylcontact sample | fit | compare | verify | report | claims`.
+"""The command line: `cylcontact sample | fit | compare | verify | report | claims | laws | export`.
 
 Exit codes: 0 done, 1 a check does not hold, 2 bad input (one line on standard error),
 130 interrupted, 141 nobody reads the output any more. Heavy imports wait until a command needs
@@ -209,6 +209,50 @@ def claims(
     with replacing(out) as temporary:
         temporary.write_text(writers[out.suffix](found), encoding="utf-8")
     typer.echo(f"{len(found)} claims written to {out}")
+
+
+@app.command("laws")
+def compare_laws(
+    E: Annotated[float, typer.Option("--E", help="Young's modulus, MPa.")] = 207e3,
+    nu: Annotated[float, typer.Option("--nu", help="Poisson's ratio.")] = 0.3,
+    dR: Annotated[
+        float | None, typer.Option("--dR", help="ΔR, mm; 0.05 internal, 20 external by default.")
+    ] = None,
+    R_i: Annotated[float, typer.Option("--Ri", help="Radius of the hole or roller, mm.")] = 10.0,
+    length: Annotated[float, typer.Option(help="Axial length, mm.")] = 10.0,
+    load: Annotated[float, typer.Option(help="Load per unit length, N/mm.")] = 100.0,
+    contact: Annotated[str, typer.Option(help="internal or external.")] = "internal",
+) -> None:
+    """Show all contact laws side by side for one pair, and how accurate the explicit law is."""
+    from cylcontact.reports.laws_table import case, to_text
+
+    typer.echo(to_text(case(contact, E, nu, dR, R_i, length), load), nl=False)
+
+
+@app.command()
+def export(
+    what: Annotated[
+        str, typer.Argument(metavar="RESULT|LAW", help="A fit result, or a law, e.g. johnson.")
+    ],
+    target: Annotated[str, typer.Option("--to", help="c, fortran, matlab or json.")],
+    contact: Annotated[
+        str | None, typer.Option(help="internal or external, for laws that depend on it.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="The file; standard output by default.")
+    ] = None,
+) -> None:
+    """Write a law as a function in another language, for a multibody code."""
+    from cylcontact.export import export_named
+    from cylcontact.files import replacing
+
+    source = export_named(what, contact, target)
+    if out is None:
+        typer.echo(source, nl=False)
+        return
+    with replacing(out) as temporary:
+        temporary.write_text(source, encoding="ascii")
+    typer.echo(f"{what} written to {out}")
 
 
 def _cores() -> int:

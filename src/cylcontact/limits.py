@@ -38,6 +38,66 @@ def hertz_stress(load: ArrayLike, pair: CylinderPair) -> FloatArray:
     return as_floats(np.sqrt(f * pair.E_star / (np.pi * pair.R)))
 
 
+def hertz_half_width(load: ArrayLike, pair: CylinderPair) -> FloatArray:
+    """Return the half-width of Hertz's line contact, b = 2·√(f·R/(π·E*)).
+
+    Parameters
+    ----------
+    load : array_like
+        Load per unit length in N/mm.
+    pair : CylinderPair
+        A pair that knows its radii.
+
+    Returns
+    -------
+    array of float
+        Half-width in mm; NaN where the load is negative.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel)
+    >>> b, peak = hertz_half_width(100.0, pair), hertz_stress(100.0, pair)
+    >>> print(f"{b:.4f} mm carry {np.pi / 2 * b * peak:.6f} N/mm")
+    0.4612 mm carry 100.000000 N/mm
+    """
+    f = as_floats(load)
+    f = np.where(f >= 0, f, np.nan)
+    return as_floats(2 * np.sqrt(f * pair.R / (np.pi * pair.E_star)))
+
+
+def hertz_pressure(x: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatArray:
+    """Return the pressure of Hertz's line contact, p = p₀·√(1 − x²/b²), elliptic across it.
+
+    Parameters
+    ----------
+    x : array_like
+        Distance from the middle of the contact in mm.
+    load : array_like
+        Load per unit length in N/mm.
+    pair : CylinderPair
+        A pair that knows its radii.
+
+    Returns
+    -------
+    array of float
+        Pressure in MPa; zero outside the contact, NaN where the load is negative.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel)
+    >>> print(hertz_pressure([0.0, 0.3, 0.5], 100.0, pair).round(2))
+    [138.04 104.84   0.  ]
+    """
+    half_width = hertz_half_width(load, pair)
+    inside = np.abs(as_floats(x)) < half_width
+    share = np.where(inside, as_floats(x) / np.where(half_width > 0, half_width, 1.0), 1.0)
+    return as_floats(hertz_stress(load, pair) * np.sqrt(1 - share**2))
+
+
 def yield_load(pair: CylinderPair, yield_stress: float | None = None) -> FloatArray:
     """Return the load at which Hertz's peak pressure reaches the yield stress (Fig 7).
 

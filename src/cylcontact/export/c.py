@@ -14,7 +14,7 @@ from cylcontact.export.render import Dialect
 DIALECT = Dialect(
     number=repr,
     power="pow({x}, {y})",
-    names={"pi": repr(np.pi), "nan": "NAN", "max": "fmax"},
+    names={"pi": repr(np.pi), "nan": "(double)NAN", "max": "fmax"},
     symbols={ast.And: "&&", ast.Or: "||"},
 )
 
@@ -26,11 +26,17 @@ $comment
 #include <math.h>
 
 // The declarations, for a header of your own.
-void $name($arguments, double *load, double *stiffness);
-double ${name}_load($arguments);
-double ${name}_stiffness($arguments);
+void $name(
+    $arguments,
+    double *load, double *stiffness);
+double ${name}_load(
+    $arguments);
+double ${name}_stiffness(
+    $arguments);
 
-void $name($arguments, double *load, double *stiffness)
+void $name(
+    $arguments,
+    double *load, double *stiffness)
 {
     if (!($domain)) {
         *load = NAN;
@@ -42,14 +48,16 @@ $body
     *stiffness = k;
 }
 
-double ${name}_load($arguments)
+double ${name}_load(
+    $arguments)
 {
     double load, stiffness;
     $name($names, &load, &stiffness);
     return load;
 }
 
-double ${name}_stiffness($arguments)
+double ${name}_stiffness(
+    $arguments)
 {
     double load, stiffness;
     $name($names, &load, &stiffness);

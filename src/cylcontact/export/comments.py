@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from importlib.metadata import version
 from textwrap import wrap
 
@@ -19,7 +20,7 @@ def comment_lines(formula: Formula, mark: str) -> str:
     >>> from cylcontact.export.formulas import formula_of
     >>> from cylcontact.laws.liu import Liu
     >>> print(comment_lines(formula_of(Liu(), "internal"), "!").splitlines()[0])
-    ! cylcontact_liu: the contact law 'liu' for parallel cylinders, internal contact
+    ! cylcontact_liu
     """
     return "\n".join(f"{mark} {line}".rstrip() for line in _description(formula))
 
@@ -43,7 +44,7 @@ def plain(text: str) -> str:
     >>> plain("fit result 'ΔR */ #1'")
     "fit result '_R __ _1'"
     """
-    return re.sub(r"[^\\w '.,:;=()+-]|_(?=$)", "_", text, flags=re.ASCII)
+    return re.sub(r"[^\w '.,:;=()+-]", "_", text, flags=re.ASCII)
 
 
 def _description(formula: Formula) -> list[str]:
@@ -51,7 +52,9 @@ def _description(formula: Formula) -> list[str]:
     contact = f"{formula.contact} contact" if formula.contact else "internal or external contact"
     arguments = {name: MEANINGS[name] for name in formula.arguments}
     return [
-        f"{formula.name}: the contact law '{formula.law}' for parallel cylinders, {contact}",
+        formula.name,
+        "",
+        f"The contact law '{formula.law}' for parallel cylinders, {contact}.",
         "",
         *_paragraph("Formula", formula.equation),
         *_paragraph("Remark", formula.remark),
@@ -77,7 +80,6 @@ def _paragraph(title: str, text: str) -> list[str]:
     return wrap(f"{title}: {text}.".replace("..", "."), WIDTH, subsequent_indent="  ")
 
 
-def _table(rows: dict[str, tuple[str, str]] | object) -> list[str]:
+def _table(rows: Mapping[str, tuple[str, str]]) -> list[str]:
     """Return a line for each name, with unit and meaning."""
-    assert isinstance(rows, dict)
     return [f"  {name:<12} {unit:<7} {meaning}" for name, (unit, meaning) in rows.items()]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from cylcontact.pair import Contact
 
@@ -13,7 +13,7 @@ ALWAYS = ("penetration", "E_star", "dR")
 MEANINGS: Mapping[str, tuple[str, str]] = {
     "penetration": ("mm", "penetration of the surfaces, not negative"),
     "E_star": ("MPa", "composite modulus, 1/E_star = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j"),
-    "dR": ("mm", "R_i - R_j for a pin j in a hole i (internal), R_i + R_j for rollers (external)"),
+    "dR": ("mm", "R_i - R_j, internal (pin j in hole i); R_i + R_j, external (rollers)"),
     "R_i": ("mm", "radius of body i"),
     "R_j": ("mm", "radius of body j"),
     "length": ("mm", "axial length of the contact"),
@@ -59,8 +59,8 @@ class Formula:
         The law on one line, for readers.
     text : str
         Assignments in Python's syntax, one a line; the last two are f and k. Names are the
-        arguments, `constants`, pi and nan; functions are log, log1p, exp, sqrt and max. No two
-        names differ in case alone, as Fortran takes those for one.
+        arguments, `constants`, pi and nan; functions are log, log1p, exp, sqrt, sin,
+        atan and max. No two names differ in case alone, as Fortran takes those for one.
     coefficients : mapping
         What makes the law this one, for readers.
     constants : mapping
@@ -88,7 +88,7 @@ class Formula:
     conditions: tuple[str, ...] = ()
     domain: str = ""
     remark: str = ""
-    origin: str = field(default="", kw_only=True)
+    origin: str = ""
 
     @property
     def arguments(self) -> tuple[str, ...]:

@@ -1,8 +1,4 @@
-"""The laws of the package as formulas: what each computes, in the order it computes it.
-
-The steps follow the package's own operation for operation, so that an exported function agrees
-with it to the last digits and leaves its domain at the same number.
-"""
+"""The laws of the package as formulas, with their coefficients and domains."""
 
 from __future__ import annotations
 
@@ -13,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cylcontact.errors import InputError
+from cylcontact.export import steps
 from cylcontact.export.formula import Formula
 from cylcontact.laws import logarithmic_variants as variants
 from cylcontact.laws.contact_law import ContactLaw
@@ -30,74 +27,10 @@ from cylcontact.laws.liu import Liu
 from cylcontact.laws.logarithmic import Johnson, LogarithmicLaw
 from cylcontact.laws.power import PowerLaw
 from cylcontact.laws.sphere import LankaraniNikravesh
+from cylcontact.laws.winkler import DEPTH, Winkler
 from cylcontact.pair import Contact
 
 MM_N_MPA = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
-
-POWER = """
-f = factor * penetration ** n
-k = n * (factor * penetration ** (n - 1))
-"""
-
-ENHANCED_INTERNAL = """
-Y_log = Y_log_scale * log(1000 * dR) ** Y_log_exponent
-Y = max(Y_log, Y_slope * dR + Y_offset)
-n = Y * dR ** n_exponent
-K_geometry = a * dR + b
-factor = K_geometry * E_star / dR if K_geometry > 0 and n > 0 else nan
-"""
-
-ENHANCED_EXTERNAL = """
-K_geometry = a * dR + b
-factor = K_geometry * E_star / dR if K_geometry > 0 and n > 0 else nan
-"""
-
-# Lambert's W in the variables of laws/lambert.py. Every condition sends NaN to the regular case,
-# and the regular case is kept away from p = 0 and p = 1.
-LOGARITHMIC = """
-f_max = ({reach}) * E_star * peak
-compliance = kappa / (pi * E_star)
-share = penetration / (compliance * f_max)
-p = share if share <= 1 else nan
-inner = 0.5 if p <= 0 or p >= 1 else p
-g = -log(inner)
-root = sqrt(g)
-top = 0.3361 * sqrt(0.5) * root
-bottom = 1 + -0.0042 * g * exp(-0.0201 * root)
-start = g + 2 / 0.3361 * top / (bottom + top)
-u = 1 + start
-h = start - log1p(start) - g
-h1 = start / u
-h2 = 1 / (u * u)
-h3 = -2 / (u * u * u)
-above = 6 * (h1 * h1) - 3 * h * h2
-below = 6 * (h1 * h1 * h1) - 6 * h * h1 * h2 + h * h * h3
-w = 0 if p >= 1 else start - h * above / below
-f = f_max * (p / (1 + w))
-k = 0 if p <= 0 else 1 / (compliance * w)
-"""
-
-EXPLICIT = """
-d = penetration / dR if penetration > 0 else 1
-ratio = A / d
-first = log(B / d)
-second = c + log1p(ratio * first)
-third = c + log1p(ratio * second)
-second_slope = -(ratio * (first + 1)) / (1 + ratio * first)
-third_slope = ratio * (second_slope - second) / (1 + ratio * second)
-f = pi * E_star * penetration / third
-k = pi * E_star * (1 - third_slope / third) / third if penetration > 0 else 0
-"""
-
-LIU = """
-root = sqrt(penetration / (2 * (dR + penetration)))
-f = pi / 2 * E_star * penetration * root
-k = pi / 4 * E_star * root * (3 * dR + 2 * penetration) / (dR + penetration)
-"""
-
-LANKARANI_NIKRAVESH = """
-factor = 4 / 3 * E_star * sqrt(R_i * R_j / dR) / length
-"""
 
 # Of each logarithmic law, its reach Lambda in mm and the arguments this needs.
 RADII = ("R_i", "R_j")
@@ -175,21 +108,21 @@ def _enhanced(law: Enhanced, contact: Contact | None) -> Formula:
     chosen = _enhanced_coefficients(law, contact)
     numbers = {name: float(value) for name, value in asdict(chosen).items()}
     if isinstance(chosen, ExternalCoefficients):
-        equation, steps = "f = (a*dR + b)*E_star/dR*penetration^n", ENHANCED_EXTERNAL
+        equation, text = "f = (a*dR + b)*E_star/dR*penetration^n", steps.ENHANCED_EXTERNAL
         conditions: tuple[str, ...] = ()
     else:
         equation = (
             "f = (a*dR + b)*E_star/dR*penetration^n with n = Y*dR^n_exponent and "
             "Y = max(Y_log_scale*ln(1000*dR)^Y_log_exponent, Y_slope*dR + Y_offset)"
         )
-        steps = ENHANCED_INTERNAL
+        text = steps.ENHANCED_INTERNAL
         conditions = (f"dR >= {INTERNAL_DR_MIN}", f"dR < {INTERNAL_DR_MAX}")
     return Formula(
         name=_named(law.name, chosen.contact),
         law=law.name,
         contact=chosen.contact,
         equation=equation,
-        text=steps + POWER.lstrip(),
+        text=text + steps.POWER.lstrip(),
         coefficients=numbers,
         constants=numbers,
         conditions=conditions,
@@ -228,7 +161,7 @@ def _power(law: PowerLaw, contact: Contact | None) -> Formula:
         law=law.name,
         contact=contact,
         equation=f"f = {'K_star*E_star/dR' if scales else 'K_factor'}*penetration^n",
-        text=line + POWER.lstrip(),
+        text=line + steps.POWER.lstrip(),
         coefficients=numbers,
         constants=numbers,
         remark=MM_N_MPA + ("" if scales else " For the one pair that it was fitted to."),
@@ -246,7 +179,7 @@ def _logarithmic(law: LogarithmicLaw, contact: Contact | None) -> Formula:
             "penetration = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c) solved for f, with "
             f"Lambda = {reach.replace(' * ', '*').replace(' / ', '/')}"
         ),
-        text=LOGARITHMIC.format(reach=reach),
+        text=steps.LOGARITHMIC.format(reach=reach),
         coefficients={"kappa": float(law.kappa), "c": float(law.shift)},
         constants={"kappa": float(law.kappa), "peak": float(np.exp(law.shift - 1))},
         extra=extra,
@@ -255,9 +188,9 @@ def _logarithmic(law: LogarithmicLaw, contact: Contact | None) -> Formula:
             "Lambda*E_star*peak and the stiffness infinite"
         ),
         remark=(
-            "For bodies of equal elastic constants. f = f_max*p/(1 + w) with p = penetration/max and "
-            "w = -1 - W(-p/e), W the lower branch of Lambert's function: closed-form start of "
-            "Barry et al. 2000 and one Householder step, no iteration."
+            "For bodies of equal elastic constants. f = f_max*p/(1 + w) with p the penetration in "
+            "units of the largest and w = -1 - W(-p/e), W the lower branch of Lambert's function: "
+            "closed-form start of Barry et al. 2000 and one Householder step, no iteration."
         ),
         origin="the law's own",
     )
@@ -266,8 +199,10 @@ def _logarithmic(law: LogarithmicLaw, contact: Contact | None) -> Formula:
 def _explicit(law: Explicit, contact: Contact | None) -> Formula:
     """Return the explicit law with its own constants, or those calibrated for the contact."""
     own = law.coefficients
-    where = _required(contact, law.name)
-    chosen = own if isinstance(own, ExplicitCoefficients) else CALIBRATED[where]
+    where = contact if own is not None else _required(contact, law.name)
+    chosen = (
+        own if isinstance(own, ExplicitCoefficients) else CALIBRATED[_required(where, law.name)]
+    )
     numbers = {name: float(value) for name, value in asdict(chosen).items()}
     return Formula(
         name=_named(law.name, where),
@@ -277,7 +212,7 @@ def _explicit(law: Explicit, contact: Contact | None) -> Formula:
             "f = pi*E_star*penetration/L with d = penetration/dR and "
             "L = c + ln(1 + A/d*(c + ln(1 + A/d*ln(B/d))))"
         ),
-        text=EXPLICIT,
+        text=steps.EXPLICIT,
         coefficients=numbers,
         constants=numbers,
         remark="Dimensionless in penetration/dR and f/(E_star*dR); no largest penetration.",
@@ -285,26 +220,55 @@ def _explicit(law: Explicit, contact: Contact | None) -> Formula:
     )
 
 
-def _liu(law: Liu, contact: Contact | None) -> Formula:
-    """Return the law of Liu and co-workers, for a pin in a hole."""
+def _require_internal(contact: Contact | None, law: str) -> None:
+    """Refuse rollers."""
     if contact == "external":
         raise InputError(
             "export",
             "--contact",
             contact,
-            f"the law '{law.name}' is for a pin in a hole",
+            f"the law '{law}' is for a pin in a hole",
             "give --contact internal, or export johnson",
         )
+
+
+def _liu(law: Liu, contact: Contact | None) -> Formula:
+    """Return the law of Liu and co-workers, for a pin in a hole."""
+    _require_internal(contact, law.name)
     return Formula(
         name=_named(law.name, None),
         law=law.name,
         contact="internal",
         equation="f = pi/2*E_star*d*sqrt(d/(2*(dR + d))) with the penetration d",
-        text=LIU,
+        text=steps.LIU,
         coefficients={},
         constants={},
         remark="No largest penetration.",
         origin="the law has none",
+    )
+
+
+def _winkler(law: Winkler, contact: Contact | None) -> Formula:
+    """Return the elastic foundation, for a pin in a hole."""
+    _require_internal(contact, law.name)
+    numbers = {"depth": float(law.depth)}
+    return Formula(
+        name=_named(law.name, None),
+        law=law.name,
+        contact="internal",
+        equation=(
+            "f = E_star/depth*((dR + penetration)*angle - dR*sin(angle)) with "
+            "cos(angle) = dR/(dR + penetration)"
+        ),
+        text=steps.WINKLER,
+        coefficients=numbers,
+        constants=numbers,
+        remark="depth is that of the foundation in units of the radius, an assumption.",
+        origin=(
+            "assumed, for the slope of conformal contact at large loads"
+            if law.depth == DEPTH
+            else ""
+        ),
     )
 
 
@@ -316,7 +280,7 @@ def _lankarani_nikravesh(law: LankaraniNikravesh, contact: Contact | None) -> Fo
         law=law.name,
         contact=contact,
         equation="f = 4/3*E_star*sqrt(R_i*R_j/dR)/length*penetration^n",
-        text=LANKARANI_NIKRAVESH + POWER.lstrip(),
+        text=steps.LANKARANI_NIKRAVESH + steps.POWER.lstrip(),
         coefficients=numbers,
         constants=numbers,
         extra=(*RADII, "length"),
@@ -335,4 +299,5 @@ BUILDERS: Mapping[type, Callable[[Any, Contact | None], Formula]] = {
     Explicit: _explicit,
     Liu: _liu,
     LankaraniNikravesh: _lankarani_nikravesh,
+    Winkler: _winkler,
 }

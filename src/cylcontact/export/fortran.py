@@ -34,11 +34,14 @@ module ${name}_law
     use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
     implicit none
     private
-    public :: $name, ${name}_load, ${name}_stiffness
+    public :: $name
+    public :: ${name}_load
+    public :: ${name}_stiffness
 
 contains
 
-    elemental subroutine $name($arguments, load, stiffness)
+    elemental subroutine $name( &
+        $arguments, load, stiffness)
         real(wp), intent(in) :: $arguments
         real(wp), intent(out) :: load, stiffness
 $declarations
@@ -53,14 +56,16 @@ $body
         stiffness = k
     end subroutine $name
 
-    elemental function ${name}_load($arguments) result(load)
+    elemental function ${name}_load($arguments) &
+        result(load)
         real(wp), intent(in) :: $arguments
         real(wp) :: load, stiffness
 
         call $name($arguments, load, stiffness)
     end function ${name}_load
 
-    elemental function ${name}_stiffness($arguments) result(stiffness)
+    elemental function ${name}_stiffness($arguments) &
+        result(stiffness)
         real(wp), intent(in) :: $arguments
         real(wp) :: load, stiffness
 
@@ -102,9 +107,8 @@ def to_fortran(formula: Formula) -> str:
         f"real(wp), parameter :: {name} = {_literal(value)}"
         for name, value in formula.constants.items()
     ]
-    variables = ", ".join(step.name for step in formula.steps)
-    names = wrap(variables, WIDTH - 20)
-    declarations = [*constants, "real(wp) :: " + " &\n    ".join(names)]
+    variables = wrap(", ".join(step.name for step in formula.steps), WIDTH - 24)
+    declarations = [*constants, "real(wp) :: " + " &\n    ".join(variables)]
     return FILE.substitute(
         comment=comment_lines(formula, "!"),
         name=formula.name,
@@ -121,7 +125,4 @@ def _assignment(step: Step) -> str:
     if not isinstance(step.value, ast.IfExp):
         return f"{step.name} = {DIALECT.render(step.value)}"
     condition, yes, no = map(DIALECT.render, (step.value.test, step.value.body, step.value.orelse))
-    return (
-        f"if ({condition}) then\n    {step.name} = {yes}\n"
-        f"else\n    {step.name} = {no}\nend if"
-    )
+    return f"if ({condition}) then\n    {step.name} = {yes}\nelse\n    {step.name} = {no}\nend if"

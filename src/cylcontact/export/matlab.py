@@ -21,8 +21,8 @@ FILE = Template("""\
 function [f, k] = $name($arguments)
 $comment
 %
-% MATLAB R2016b or newer, or Octave; save as $name.m. The arguments may be arrays, which
-% expand against each other; f is the load, k the stiffness.
+% MATLAB R2016b or newer, or Octave; save as $name.m.
+% The arguments may be arrays, which expand against each other; f is the load, k the stiffness.
 inside = $domain;
 f = NaN(size(inside));
 k = f;

@@ -70,6 +70,11 @@ class _Renderer:
             case ast.Call(func=ast.Name(id=name), args=args):
                 inside = ", ".join(self.text(arg)[0] for arg in args)
                 return f"{self.dialect.names.get(name, name)}({inside})", ATOM
+        return self.operation(node)
+
+    def operation(self, node: ast.expr) -> tuple[str, int]:
+        """Return the text of a node that is an operation."""
+        match node:
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 # In parentheses: Fortran allows no two operators in a row.
                 return f"(-{self.above(operand, PRODUCT)})", ATOM

@@ -136,7 +136,7 @@ def problem_of(campaign: Campaign, jobs: int, progress: Progress) -> tuple[Probl
     >>> campaign = {
     ...     "dataset": "inline",
     ...     "law": "enhanced",
-    ...     "parameters": {name: {"low": low, "high": high} for name, (low, high) in bounds.items()},
+    ...     "parameters": {k: {"low": low, "high": high} for k, (low, high) in bounds.items()},
     ...     "genetic": {"runs": 2, "populations": [20], "generations": 20},
     ... }
     >>> grid = {"contact": "external", "reference": "enhanced", "axes": axes}

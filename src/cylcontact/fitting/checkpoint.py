@@ -82,10 +82,6 @@ class Checkpoint:
         except OSError as error:
             raise _unwritable(self.path, error) from error
 
-    def remove(self) -> None:
-        """Delete the file: the result that it stood for is complete."""
-        self.path.unlink(missing_ok=True)
-
     def _parse(self, line: str) -> RunRecord:
         try:
             data = json.loads(line)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import threading
 import warnings
 from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
@@ -11,6 +10,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import joblib
+from joblib.externals.loky.backend.resource_tracker import ensure_running
 
 from cylcontact.errors import InputError
 
@@ -40,7 +40,7 @@ def in_processes(calls: Sequence[Any], jobs: int, ordered: bool = True) -> Gener
         n_jobs=max(1, min(jobs, len(calls))),
         return_as="generator" if ordered else "generator_unordered",
     )
-    with _interrupts_ignored():
+    with _interrupts_held():
         results = parallel(calls)
     try:
         for result in results:  # noqa: UP028 - `yield from` would close it before `finally` does
@@ -60,17 +60,18 @@ def in_processes(calls: Sequence[Any], jobs: int, ordered: bool = True) -> Gener
 
 
 @contextmanager
-def _interrupts_ignored() -> Iterator[None]:
-    """Ignore Ctrl-C, which processes started meanwhile then do for good.
+def _interrupts_held() -> Iterator[None]:
+    """Hold Ctrl-C back; processes and threads started meanwhile never see it.
 
     A terminal sends it to all processes at once, and a worker that is still importing would
-    print its traceback.
+    print its traceback. One that comes meanwhile takes effect at the end.
     """
-    if threading.current_thread() is not threading.main_thread():  # only there can it be set
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    ensure_running()  # the tracker of the workers' resources, which lifts the mask as it starts
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before or signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -19,9 +19,10 @@ class Liu:
 
     Liu, Zhang, Yang and Chen, *An approximate contact model for a cylindrical joint with
     clearances* (2007). Explicit, dimensionless in δ/ΔR and f/(E*·ΔR), and without a largest
-    load. For internal contact only. As printed and with the E* of this package it is about half
-    as stiff as conformal contact (`Persson`) at every load, which a factor two in the source's
-    E* would explain; its convention is unverified.
+    load. For internal contact only. As printed and with the E* of this package it carries
+    about half the load of conformal contact (`Persson`) from f/(E*·ΔR) = 0.1 on, which a factor
+    two in the source's E* would explain (its convention is unverified), and ever less of it
+    below, where it goes as δ^1.5.
 
     Examples
     --------

@@ -14,6 +14,7 @@ from cylcontact.arrays import FloatArray
 from cylcontact.datasets.materials_table import MaterialRow
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.claims.domain import clearance_pair
+from cylcontact.reports.contours import RIM
 from cylcontact.reports.style import COLOURS, LINE_STYLES, new_figure, panel_title, plain_log
 
 # The clearances of Figs 7 to 9, in mm.
@@ -148,6 +149,7 @@ def mark_point(
         xytext=offset,
         textcoords="offset points",
         arrowprops={"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 1, "shrinkB": 3},
+        path_effects=[RIM],
     )
 
 

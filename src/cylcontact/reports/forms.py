@@ -6,9 +6,10 @@ from d, and the load is explicit, or from φ, and the penetration is.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -17,10 +18,8 @@ from matplotlib.axes import Axes
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.fitting.minimax import minimise_largest
 from cylcontact.laws import Persson
-from cylcontact.reports.style import ACCENT, COLOURS
-from cylcontact.reports.universal import UNIT_PAIR
+from cylcontact.reports.universal import PHI_MAX, PHI_MIN, UNIT_PAIR
 
-PHI_MIN, PHI_MAX = 1e-6, 60.0
 FIT_POINTS, CHECK_POINTS = 400, 4001
 # Where the constants are sought; D alone may be negative.
 LOW, HIGH = 0.02, 12.0
@@ -28,6 +27,14 @@ D_LOW, D_HIGH = -2.0, 2.0
 UNDEFINED = 1e3  # percent, of a form that has no value
 
 Given = Literal["penetration", "load"]
+TITLES: dict[Given, str] = {
+    "penetration": "load explicit: $L(d)$ =",
+    "load": r"penetration explicit: $L(\varphi)$ =",
+}
+BARS: dict[Given, dict[str, Any]] = {
+    "penetration": {"facecolor": "#f6bb84", "height": 0.66},
+    "load": {"facecolor": "#a8cee7", "height": 0.66, "hatch": "////"},
+}
 
 
 @dataclass(frozen=True)
@@ -37,7 +44,7 @@ class Form:
     Attributes
     ----------
     text : str
-        The form in mathtext, without dollar signs.
+        The form in plain text, an argument after "ln" without a sign between them.
     given : {"penetration", "load"}
         What L is a function of: d, or φ.
     function : callable
@@ -59,68 +66,67 @@ def _ln1(x: FloatArray) -> FloatArray:
     return as_floats(np.log1p(x))
 
 
-CHOSEN = r"c+\ln(1+\frac{A}{d}[c+\ln(1+\frac{A}{d}\ln\frac{B}{d})])"
-SIMPLEST = r"c+\ln(1+\frac{A}{\varphi})"
+CHOSEN = "c + ln(1 + A/d [c + ln(1 + A/d ln(B/d))])"
+SIMPLEST = "c + ln(1 + A/φ)"
 FORMS = (
     Form(
-        r"c+k\ln(1+B/d^m)",
+        "c + k ln(1 + B/d^m)",
         "penetration",
         lambda d, c, k, B, m: c + k * _ln1(B / d**m),
         {"c": 1.47, "k": 0.66, "B": 1.0, "m": 1.75},
         1,
     ),
     Form(
-        r"c+\ln(1+\frac{A}{d}[c+\ln(1+\frac{B}{d})])",
+        "c + ln(1 + A/d [c + ln(1 + B/d)])",
         "penetration",
         lambda d, c, A, B: c + _ln1(A / d * (c + _ln1(B / d))),
         {"c": 1.4, "A": 0.4, "B": 0.76},
         2,
     ),
     Form(
-        r"c+\ln(1+\frac{A}{d}\ln\frac{B}{d})",
+        "c + ln(1 + A/d ln(B/d))",
         "penetration",
         lambda d, c, A, B: c + _ln1(A / d * np.log(B / d)),
         {"c": 1.5, "A": 0.32, "B": 6.0},
         2,
     ),
     Form(
-        r"c+\ln(1+\frac{B}{d}\ln(1+\frac{A}{d}))",
+        "c + ln(1 + B/d ln(1 + A/d))",
         "penetration",
         lambda d, c, A, B: c + _ln1(B / d * _ln1(A / d)),
         {"c": 1.46, "A": 4.7, "B": 0.35},
         2,
     ),
     Form(
-        r"c+\ln(1+\frac{B}{d}\ln(e+\frac{A}{d}))",
+        "c + ln(1 + B/d ln(e + A/d))",
         "penetration",
         lambda d, c, A, B: c + _ln1(B / d * np.log(np.e + A / d)),
         {"c": 1.41, "A": 1.9, "B": 0.46},
         2,
     ),
     Form(
-        r"c+\ln(1+\frac{A}{d}[c+\ln(1+\frac{A}{d}[c+\ln(1+\frac{A}{d}"
-        r"[c+\ln(1+\frac{A}{d})])])])",
+        "c + ln(1 + A/d [c + ln(1 + A/d [c + ln(1 + A/d [c + ln(1 + A/d)])])])",
         "penetration",
         lambda d, c, A: c + _ln1(A / d * (c + _ln1(A / d * (c + _ln1(A / d * (c + _ln1(A / d))))))),
         {"c": 1.42, "A": 0.35},
         4,
     ),
     Form(
-        r"c+\ln(1+\frac{B}{d}[\ln(1+\frac{A}{d})+D])",
+        "c + ln(1 + B/d [ln(1 + A/d) + D])",
         "penetration",
         lambda d, c, A, B, D: c + _ln1(B / d * (_ln1(A / d) + D)),
         {"c": 1.44, "A": 1.2, "B": 0.44, "D": 0.7},
         2,
     ),
     Form(
-        r"c+\ln(1+\frac{B}{d}\ln(1+\frac{A}{d}))+\frac{D}{1+d}",
+        "c + ln(1 + B/d ln(1 + A/d)) + D/(1 + d)",
         "penetration",
         lambda d, c, A, B, D: c + _ln1(B / d * _ln1(A / d)) + D / (1 + d),
         {"c": 1.44, "A": 2.6, "B": 0.32, "D": 0.3},
         2,
     ),
     Form(
-        r"c+\ln(1+\frac{A}{d}[c+\ln(1+\frac{A}{d}\ln(1+\frac{B}{d}))])",
+        "c + ln(1 + A/d [c + ln(1 + A/d ln(1 + B/d))])",
         "penetration",
         lambda d, c, A, B: c + _ln1(A / d * (c + _ln1(A / d * _ln1(B / d)))),
         {"c": 1.42, "A": 0.36, "B": 3.4},
@@ -134,7 +140,7 @@ FORMS = (
         3,
     ),
     Form(
-        r"c+\ln(1+\frac{A}{d}[c+\ln(1+\frac{D}{d}\ln\frac{B}{d})])",
+        "c + ln(1 + A/d [c + ln(1 + D/d ln(B/d))])",
         "penetration",
         lambda d, c, A, B, D: c + _ln1(A / d * (c + _ln1(D / d * np.log(B / d)))),
         {"c": 1.43, "A": 0.36, "B": 3.8, "D": 0.36},
@@ -142,14 +148,14 @@ FORMS = (
     ),
     Form(SIMPLEST, "load", lambda phi, c, A: c + _ln1(A / phi), {"c": 1.42, "A": 1.1}, 1),
     Form(
-        r"c+k\ln(1+\frac{A}{\varphi})",
+        "c + k ln(1 + A/φ)",
         "load",
         lambda phi, c, A, k: c + k * _ln1(A / phi),
         {"c": 1.42, "A": 1.1, "k": 1.0},
         1,
     ),
     Form(
-        r"c+\ln(1+\frac{A}{\varphi})+\frac{D\varphi}{(1+k\varphi)^2}",
+        "c + ln(1 + A/φ) + Dφ/(1 + kφ)^2",
         "load",
         lambda phi, c, A, D, k: c + _ln1(A / phi) + D * phi / (1 + k * phi) ** 2,
         {"c": 1.43, "A": 1.1, "D": -0.03, "k": 0.46},
@@ -199,7 +205,7 @@ def forms_table() -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Columns form (mathtext), given, constants, logarithms, largest_error_percent and fitted
+        Columns form, given, constants, logarithms, largest_error_percent and fitted
         (the constants and their values).
     """
     rows = []
@@ -222,27 +228,42 @@ def forms_table() -> pd.DataFrame:
 
 def draw_forms(axes: Axes, table: pd.DataFrame) -> None:
     """Draw a bar per form, its formula to the left and its error and cost to the right."""
-    looks = {"penetration": ("0.75", ""), "load": ("#9ecae1", "////")}
-    gap = (table["given"] == "load").to_numpy() * 1.0
-    places = np.arange(len(table)) + gap
-    for at, row in zip(places, table.itertuples(), strict=True):
-        face, hatch = looks[str(row.given)]
-        chosen = row.form in {CHOSEN, SIMPLEST}
-        error = float(row.largest_error_percent)
-        axes.barh(
-            at,
-            error,
-            height=0.66,
-            facecolor=ACCENT if chosen and row.form == CHOSEN else face,
-            edgecolor=COLOURS[0],
-            linewidth=1.4 if chosen else 0.5,
-            hatch=hatch,
-        )
-        cost = f"{error:.2g} %   {row.constants} constants, {row.logarithms} ln"
-        axes.text(error * 1.08, at, cost, va="center", weight="bold" if chosen else "normal")
+    places = np.arange(1, len(table) + 1) + np.where(table["given"] == "load", 1, 0)
+    errors = table["largest_error_percent"].to_numpy()
+    shipped = table["form"].isin([CHOSEN, SIMPLEST])
+    for at, error, bold, given, constants, logarithms in zip(
+        places,
+        errors,
+        shipped,
+        table["given"],
+        table["constants"],
+        table["logarithms"],
+        strict=True,
+    ):
+        axes.barh(at, error, **BARS[given], edgecolor="black", linewidth=1.6 if bold else 0.5)
+        note = f"{error:.3g} %,  {constants} constants,  {logarithms} ln"
+        weight = "bold" if bold else "normal"
+        axes.text(error * 1.1, at, note, va="center", fontsize=7, weight=weight)
     axes.set(xscale="log", ylim=(places[-1] + 0.6, -0.6))
-    axes.set_yticks(places, [f"${form}$" for form in table["form"]])
+    axes.set_yticks(places, [f"${mathtext(form)}$" for form in table["form"]])
     axes.tick_params(axis="y", length=0)
+    for given, title in TITLES.items():
+        above = places[table["given"] == given][0] - 1
+        axes.text(
+            -0.015, above, title, transform=axes.get_yaxis_transform(), ha="right", va="center"
+        )
+
+
+def mathtext(form: str) -> str:
+    r"""Write a form for matplotlib, without dollar signs.
+
+    Examples
+    --------
+    >>> print(mathtext("c + ln(1 + A/d ln(B/φ))"))
+    c + \ln(1 + A/d\,\ln(B/\varphi ))
+    """
+    spaced = form.replace("φ", r"\varphi ").replace(" [", r"\,[")
+    return re.sub(r"\bln", r"\\ln", re.sub(r"(?<=[dk]) ln", r"\\,ln", spaced))
 
 
 def _samples(count: int) -> tuple[FloatArray, FloatArray]:

@@ -1,44 +1,38 @@
-"""All laws side by side: one case, the whole domain, and the bounds that are told of them."""
+"""All laws side by side: one case, and the whole domain."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import cache
+from typing import cast
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq, minimize_scalar
 
 from cylcontact.arrays import FloatArray, require
 from cylcontact.errors import InputError
-from cylcontact.laws import LAWS, ContactLaw, Explicit, Johnson, Persson, explicit_penetration
+from cylcontact.laws import LAWS
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
+from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_error
+
+__all__ = ["case", "comparison", "departures", "deviations", "explicit_error", "to_text"]
 
 # The case that the laws are compared for: the steel and the clearance of Fig 2, the radius and
 # the length of the paper's bearing.
-STEEL = Material("steel", E=207e3, nu=0.3)
 R_I = LENGTH = 10.0  # mm
 DR: dict[Contact, float] = {"internal": 0.05, "external": 2 * R_I}  # mm
 LOAD = 100.0  # N/mm
 
-# Where deviations are tabulated and the explicit law's error is sought, in φ = f/(E*·ΔR).
+# Where deviations are tabulated, in φ = f/(E*·ΔR).
 LOAD_NUMBERS: dict[Contact, tuple[float, ...]] = {
     "internal": (1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0),
     "external": (1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3),
 }
-BOUNDED: dict[Contact, tuple[float, float]] = {"internal": (1e-6, 60.0), "external": (1e-9, 0.02)}
-TRUTH: dict[Contact, ContactLaw] = {"internal": Persson(), "external": Johnson()}
-
-DEPARTURES = (1.0, 3.0, 5.0, 10.0)  # percent
-CLEARANCES = (0.0075, 0.02, 0.05, 0.2, 0.5)  # mm
-SCAN = 2001
-
-Error = Callable[[FloatArray], FloatArray]
+NOTHING = "-"
+HUGE = 1e12
 
 
 def case(
-    contact: Contact = "internal",
+    contact: str = "internal",
     E: float = 207e3,
     nu: float = 0.3,
     dR: float | None = None,
@@ -75,9 +69,11 @@ def case(
     >>> print(f"{pair.R_j:.2f} mm, {pair.E_star:.0f} MPa")
     9.98 mm, 113736 MPa
     """
-    gap = DR.get(contact) if dR is None else dR
+    # Anything else than these two is refused when the pair is built.
+    kind = cast(Contact, contact)
+    gap = DR.get(kind, 1.0) if dR is None else dR
     material = Material("the material of both bodies", E, nu)
-    return CylinderPair.from_dR(contact, gap if gap is not None else 1.0, material, length, R_i)
+    return CylinderPair.from_dR(kind, gap, material, length, R_i)
 
 
 def comparison(pair: CylinderPair, load: float) -> pd.DataFrame:
@@ -123,13 +119,16 @@ def _answers(name: str, pair: CylinderPair, load: float) -> dict[str, object]:
     law, note = LAWS[name](), ""
     penetration = stiffness = highest = np.nan
     try:
-        penetration = float(law.penetration(load, pair))
-        stiffness = float(law.stiffness(penetration, pair))
+        # Loads of no meaning may overflow; what comes out is then no answer.
+        with np.errstate(over="ignore", invalid="ignore"):
+            penetration = _finite(law.penetration(load, pair))
+            stiffness = _finite(law.stiffness(penetration, pair))
         highest = float(law.max_load(pair))
     except InputError as error:
         note = error.rule
     if not note and np.isnan(penetration):
-        note = "undefined at this ΔR" if np.isnan(highest) else "beyond its largest load"
+        beyond = "beyond its largest load" if load > highest else "too large for a number"
+        note = "undefined at this ΔR" if np.isnan(highest) else beyond
     return {
         "law": name,
         "penetration_um": 1e3 * penetration,
@@ -137,6 +136,11 @@ def _answers(name: str, pair: CylinderPair, load: float) -> dict[str, object]:
         "max_load_N_per_mm": highest,
         "note": note,
     }
+
+
+def _finite(value: FloatArray) -> float:
+    """Return a number, NaN in place of inf."""
+    return float(value) if np.isfinite(value) else np.nan
 
 
 def deviations(pair: CylinderPair) -> pd.DataFrame:
@@ -157,7 +161,7 @@ def deviations(pair: CylinderPair) -> pd.DataFrame:
     Examples
     --------
     >>> print(deviations(case()).loc["johnson"].round(2).tolist())
-    [-0.0, -0.01, -0.18, -2.13, -28.91, nan]
+    [-0.0, -0.01, -0.14, -2.14, -29.14, nan]
     """
     numbers = np.array(LOAD_NUMBERS[pair.contact])
     loads = numbers * pair.E_star * pair.dR
@@ -171,166 +175,124 @@ def deviations(pair: CylinderPair) -> pd.DataFrame:
     return pd.DataFrame.from_dict(rows, orient="index", columns=list(numbers)).rename_axis("law")
 
 
-@cache
-def departure_number(percent: float) -> float:
-    """Return the φ at which Johnson's penetration is low against Persson's by that much.
-
-    Parameters
-    ----------
-    percent : float
-        From 0 to the 47.8 % at Johnson's largest load, both excluded.
-
-    Returns
-    -------
-    float
-
-    Examples
-    --------
-    >>> print(f"{departure_number(10.0):.6f}")
-    0.370145
-    """
-    root = brentq(
-        lambda x: johnson_shortfall(np.exp(x)) - percent,
-        np.log(1e-6),
-        np.log(johnson_end()),
-        xtol=1e-13,
-    )
-    return float(np.exp(root))
-
-
-def johnson_end() -> float:
-    """Return the largest φ of Johnson's law, 4π/e² (Eq 8)."""
-    return float(4 * np.pi / np.e**2)
-
-
-def johnson_shortfall(number: float) -> float:
-    """Return by how many percent Johnson's penetration is below Persson's at φ."""
-    pair = CylinderPair.from_dR("internal", 1.0, STEEL)
-    # Not a rounding error beyond the end of Johnson's law.
-    load = np.minimum(number * pair.E_star, Johnson().max_load(pair))
-    ratio = Johnson().penetration(load, pair) / Persson().penetration(load, pair)
-    return float(100 * (1 - ratio))
-
-
-def departures(
-    material: Material = STEEL, clearances: Sequence[float] = CLEARANCES
-) -> pd.DataFrame:
-    """Tabulate the loads at which Johnson's law departs from conformal contact.
-
-    Parameters
-    ----------
-    material : Material, optional
-        Of both bodies.
-    clearances : sequence of float, optional
-        ΔR in mm.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns johnson_low_by_percent, load_number (φ) and, for each ΔR in mm, the load φ·E*·ΔR
-        in N/mm; the last row is the end of Johnson's law (Eq 8).
-
-    Examples
-    --------
-    >>> print(departures(clearances=[0.05]).round(3).to_string(index=False))
-     johnson_low_by_percent  load_number     0.05
-                      1.000        0.053  300.289
-                      3.000        0.133  754.505
-                      5.000        0.204 1160.305
-                     10.000        0.370 2104.951
-                     47.765        1.701 9671.411
-    """
-    end = johnson_end()
-    percents = [*DEPARTURES, johnson_shortfall(end)]
-    numbers = np.array([*(departure_number(percent) for percent in DEPARTURES), end])
-    E_star = CylinderPair.from_dR("internal", 1.0, material).E_star
-    return pd.DataFrame(
-        {"johnson_low_by_percent": percents, "load_number": numbers}
-        | {gap: numbers * E_star * gap for gap in clearances}
-    )
-
-
-@cache
-def explicit_error() -> dict[str, float]:
-    """Return the largest errors of the explicit law, by a dense scan and local refinement.
-
-    Returns
-    -------
-    dict
-        "internal load" and "internal penetration" (against Persson's law), "external load" and
-        "external penetration" (against Johnson's), "one-line penetration" (of
-        `explicit_penetration` against Persson's): each in percent, and, under the same name with
-        ", at φ" after it, where.
-
-    Examples
-    --------
-    >>> found = explicit_error()
-    >>> found["internal load"] < 0.12, found["external load"] < 0.07
-    (True, True)
-    """
-    found = {}
-    for contact, ends in BOUNDED.items():
-        pair, law, truth = case(contact), Explicit(), TRUTH[contact]
-        unit = float(pair.E_star * pair.dR)
-        sought: dict[str, Error] = {
-            f"{contact} load": lambda f, p=pair, t=truth: (  # type: ignore[misc]
-                law.load(t.penetration(f, p), p) / f
-            ),
-            f"{contact} penetration": lambda f, p=pair, t=truth: (  # type: ignore[misc]
-                law.penetration(f, p) / t.penetration(f, p)
-            ),
-        }
-        if contact == "internal":
-            sought["one-line penetration"] = lambda f, p=pair, t=truth: (  # type: ignore[misc]
-                explicit_penetration(f, p) / t.penetration(f, p)
-            )
-        for name, ratio in sought.items():
-            found[name], found[f"{name}, at φ"] = _largest(ratio, unit, *ends)
-    return found
-
-
-def _largest(ratio: Error, unit: float, low: float, high: float) -> tuple[float, float]:
-    """Return the largest |ratio − 1| in percent for low ≤ φ ≤ high, and its φ."""
-
-    def size(x: FloatArray) -> FloatArray:
-        return 100 * np.abs(ratio(np.exp(x) * unit) - 1)
-
-    x = np.linspace(np.log(low), np.log(high), SCAN)
-    values = size(x)
-    best, place = float(values.max()), float(x[values.argmax()])
-    inner = values[1:-1]
-    peaks = np.flatnonzero((inner >= values[:-2]) & (inner >= values[2:])) + 1
-    for i in peaks:
-        top = minimize_scalar(
-            lambda at: -float(size(np.asarray(at))),
-            bounds=(x[i - 1], x[i + 1]),
-            method="bounded",
-            options={"xatol": 1e-8},
-        )
-        if -top.fun > best:
-            best, place = float(-top.fun), float(top.x)
-    return best, float(np.exp(place))
-
-
 def to_text(pair: CylinderPair, load: float) -> str:
-    """Return everything this module knows about a pair and a load, to be read.
+    """Tell, to be read, everything that this module can compute about a pair and a load.
 
     Parameters
     ----------
     pair : CylinderPair
-        One pair.
+        One pair, its numbers no arrays.
     load : float
-        Load per unit length in N/mm.
+        Load per unit length in N/mm, positive.
 
     Returns
     -------
     str
+        The comparison, the deviations, Johnson's departures from conformal contact (internal
+        contact only) and the explicit law's error.
 
     Raises
     ------
     InputError
         If the load is not positive and finite.
     """
-    from cylcontact.reports.laws_text import text
+    contact = pair.contact
+    truth = TRUTH[contact].name
+    parts = [
+        f"{contact} contact, ΔR = {float(pair.dR):g} mm, E* = {float(pair.E_star):.2f} MPa, "
+        f"f = {load:g} N/mm, φ = f/(E*·ΔR) = {load / float(pair.E_star * pair.dR):.6g}",
+        _comparison(comparison(pair, load)),
+        f"penetration against {truth}'s at equal load, percent, at φ =",
+        _deviations(deviations(pair)),
+    ]
+    if contact == "internal":
+        parts += [
+            "where johnson's penetration is too low against persson's: φ, and the load in N/mm "
+            "at ΔR in mm; the last line is the end of johnson's law (Eq 8)",
+            _departures(departures(pair.material_i)),
+        ]
+    return "\n\n".join([*parts, _explicit()]) + "\n"
 
-    return text(pair, load)
+
+def number(value: float, form: str) -> str:
+    """Return a number by `form`, or with six digits if huge; a dash for NaN, "none" for inf."""
+    if np.isnan(value):
+        return NOTHING
+    return "none" if np.isinf(value) else format(value, form if abs(value) < HUGE else ".6g")
+
+
+def deviation(value: float) -> str:
+    """Return a deviation in percent with two decimals, none from 1000 on; no sign on zero."""
+    shown = number(value, "+.2f" if abs(value) < 1000 else "+.0f")
+    return shown.removeprefix("-") if shown == "-0.00" else shown.replace("+0.00", "0.00")
+
+
+def load_text(value: float) -> str:
+    """Return a load in N/mm with one decimal."""
+    return number(value, ".1f")
+
+
+def _comparison(table: pd.DataFrame) -> str:
+    """Return the comparison with its columns named for reading."""
+    shown = pd.DataFrame(
+        {
+            "law": table["law"],
+            "penetration, µm": [number(value, ".5f") for value in table["penetration_um"]],
+            "stiffness, N/mm²": [number(value, ".1f") for value in table["stiffness_N_per_mm2"]],
+            "largest load, N/mm": [number(value, ".1f") for value in table["max_load_N_per_mm"]],
+            "": table["note"],
+        }
+    )
+    return _lines(shown)
+
+
+def _deviations(table: pd.DataFrame) -> str:
+    """Return the deviations, one line per law."""
+    shown = table.map(deviation).rename(columns="{:g}".format)
+    return _lines(shown.reset_index())
+
+
+def _departures(table: pd.DataFrame) -> str:
+    """Return the departures, one line per percentage."""
+    low_by, numbers, *gaps = table.columns
+    shown = pd.DataFrame(
+        {
+            "too low by, %": [f"{value:.1f}" for value in table[low_by]],
+            "φ": [f"{value:.6f}" for value in table[numbers]],
+        }
+        | {f"{gap:g}": [load_text(value) for value in table[gap]] for gap in gaps}
+    )
+    return _lines(shown)
+
+
+def _explicit() -> str:
+    """Return the explicit law's error bounds."""
+    error = explicit_error()
+    lines = ["largest error of the explicit law:"]
+    for contact, (low, high) in BOUNDED.items():
+        for what in ("load", "penetration"):
+            name = f"{contact} {what}"
+            lines.append(
+                f"  {name}: {error[name]:.4f} % of {TRUTH[contact].name}'s for "
+                f"{low:g} ≤ φ ≤ {high:g} (at φ = {error[f'{name}, at φ']:.4g})"
+            )
+    name = "one-line penetration"
+    lines.append(
+        f"  {name} (explicit_penetration, internal): {error[name]:.4f} % "
+        f"(at φ = {error[f'{name}, at φ']:.4g})"
+    )
+    return "\n".join(lines)
+
+
+def _lines(table: pd.DataFrame) -> str:
+    """Return a table of texts: the first column to the left, numbers to the right."""
+    columns = [[str(name), *table[name].tolist()] for name in table.columns]
+    widths = [max(map(len, column)) for column in columns]
+    lines = []
+    for cells in zip(*columns, strict=True):
+        first, *others = (
+            cell.ljust(width) if name in ("law", "") else cell.rjust(width)
+            for cell, width, name in zip(cells, widths, table.columns, strict=True)
+        )
+        lines.append("  ".join([first, *others]).rstrip())
+    return "\n".join(lines)

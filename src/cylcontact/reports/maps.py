@@ -1,4 +1,4 @@
-"""Maps of the difference between the enhanced law and Johnson's: Figs 10 to 14 and 10r to 14r."""
+"""Maps of the difference between the enhanced law and a reference: Figs 10 to 14, r, p and c."""
 
 from __future__ import annotations
 
@@ -6,15 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.patheffects import TickedStroke, withStroke
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import as_floats
 from cylcontact.datasets.grid import grid_from
 from cylcontact.datasets.materials_table import MaterialRow
 from cylcontact.fitting.result import FitResult
-from cylcontact.laws import ContactLaw, Enhanced, Johnson, difference_percent
-from cylcontact.limits import johnson_limit_load, yield_load
+from cylcontact.laws import ContactLaw, Enhanced, Johnson, difference_percent, reference_law
+from cylcontact.limits import yield_load
 from cylcontact.reports.claims.domain import (
     ELASTIC,
     JOHNSON_ONLY,
@@ -24,21 +22,33 @@ from cylcontact.reports.claims.domain import (
     origins,
 )
 from cylcontact.reports.claims.power_fits import TRAINING_DR
-from cylcontact.reports.contours import RIM, Frame, draw_contours, label_contours, new_map
+from cylcontact.reports.contours import draw_contours, label_contours, new_map
 from cylcontact.reports.drawing import Drawing
+from cylcontact.reports.map_marks import (
+    FRAME,
+    draw_yield_line,
+    keep_clear,
+    label_yield_line,
+    mark_fitted_range,
+    shade_beyond_johnson,
+)
 from cylcontact.reports.style import plain_number
 
 POINTS = (161, 81)  # along ΔR and along the load
-FRAME = Frame(
-    x=PRACTICAL.clearances,
-    y=PRACTICAL.loads,
-    x_ticks=(0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2),
-    y_ticks=(10, 20, 50, 100, 200, 500, 1000),
-    x_label=r"radial clearance $\Delta R$ (mm)",
-    y_label="load (N/mm)",
-)
-NOTE_HEIGHT = 1.025  # of the notes above the frame, in heights of it
-BEYOND_GREY = "0.72"
+# What the references are called beside the colour scale and in the caption, and where they end.
+JUDGES = {
+    "johnson": (
+        "difference of penetration, Eq 9 (%)",
+        "Johnson's (Eq 1)",
+        "Grey: beyond the largest load of Johnson's law (Eq 8).",
+    ),
+    "persson": (
+        "difference from Persson's penetration (%)",
+        "Persson's conformal solution, its datum matched to Johnson's law at small loads,",
+        "No part is grey: Persson's solution, unlike Johnson's law, has no largest load; the "
+        "yield line stays Hertz's.",
+    ),
+}
 
 
 def published_map(row: MaterialRow) -> Drawing:
@@ -62,18 +72,20 @@ def published_map(row: MaterialRow) -> Drawing:
     33.68 %
     """
     fitted_from = TRAINING_DR["internal"][0]
-    return _difference_map(row, Enhanced(), "published coefficients", fitted_from)
+    return _difference_map(row, Enhanced(), Johnson(), "published coefficients", fitted_from)
 
 
-def refit_map(row: MaterialRow, result: FitResult) -> Drawing:
-    """Map the difference from Johnson's law with refitted coefficients.
+def refit_map(row: MaterialRow, result: FitResult, label: str = "refit coefficients") -> Drawing:
+    """Map the difference with refitted coefficients, from the law that they were fitted to.
 
     Parameters
     ----------
     row : MaterialRow
         The material of both bodies.
     result : FitResult
-        For internal contact.
+        For internal contact, fitted to Johnson's law or to Persson's.
+    label : str, optional
+        What the title calls the coefficients.
 
     Returns
     -------
@@ -81,17 +93,20 @@ def refit_map(row: MaterialRow, result: FitResult) -> Drawing:
     """
     values = ", ".join(f"{name} = {value:.6g}" for name, value in result.coefficients.items())
     fitted_from = float(grid_from(result.settings["dataset"], result.name).dR.min())
-    drawing = _difference_map(row, Enhanced(result.coefficients), "refit coefficients", fitted_from)
+    reference = reference_law(result.reference)
+    drawing = _difference_map(row, Enhanced(result.coefficients), reference, label, fitted_from)
     return replace(
         drawing, caption=f"{drawing.caption} Coefficients of the fit {result.name!r}: {values}."
     )
 
 
-def map_table(row: MaterialRow, law: ContactLaw) -> pd.DataFrame:
-    """Evaluate a law and Johnson's over the window of the maps.
+def map_table(
+    row: MaterialRow, law: ContactLaw, reference: ContactLaw | None = None
+) -> pd.DataFrame:
+    """Evaluate a law and its reference over the window of the maps.
 
-    Where Johnson's law ends inside the window, the loads end there too, so that the map is
-    filled exactly to that line and the table holds no empty cells.
+    Where Johnson's law is the reference and ends inside the window, the loads end there too, so
+    that the map is filled exactly to that line and the table holds no empty cells.
 
     Parameters
     ----------
@@ -99,12 +114,14 @@ def map_table(row: MaterialRow, law: ContactLaw) -> pd.DataFrame:
         The material of both bodies.
     law : ContactLaw
         The law that is judged, for internal contact.
+    reference : ContactLaw, optional
+        The law that it is judged by; left out, Johnson's.
 
     Returns
     -------
     pandas.DataFrame
-        Columns dR_mm, load_N_per_mm, penetration_mm, johnson_penetration_mm,
-        difference_percent and yield_load_N_per_mm, clearance by clearance.
+        Columns dR_mm, load_N_per_mm, penetration_mm, johnson_penetration_mm (or whatever the
+        reference is), difference_percent and yield_load_N_per_mm, clearance by clearance.
 
     Examples
     --------
@@ -113,27 +130,30 @@ def map_table(row: MaterialRow, law: ContactLaw) -> pd.DataFrame:
     >>> print(map_table(row, Enhanced())["difference_percent"].abs().max().round(1))
     31.6
     """
+    judge = reference or Johnson()
     along_dR, along_load = (np.linspace(0.0, 1.0, count) for count in POINTS)
-    dR, load = np.broadcast_arrays(
-        *JOHNSON_ONLY.point(along_dR[:, np.newaxis], along_load, row.material)
-    )
+    dR, load = JOHNSON_ONLY.point(along_dR[:, np.newaxis], along_load, row.material)
+    pair = clearance_pair(dR, row.material, PRACTICAL.R_i)
+    if np.isinf(judge.max_load(pair)).all():
+        load = as_floats(np.geomspace(*FRAME.y, POINTS[1]))
+    dR, load = np.broadcast_arrays(dR, load)
     pair = clearance_pair(dR, row.material, PRACTICAL.R_i)
     columns = {
         "dR_mm": dR,
         "load_N_per_mm": load,
         "penetration_mm": law.penetration(load, pair),
-        "johnson_penetration_mm": Johnson().penetration(load, pair),
-        "difference_percent": difference_percent(law, Johnson(), load, pair),
+        f"{judge.name}_penetration_mm": judge.penetration(load, pair),
+        "difference_percent": difference_percent(law, judge, load, pair),
         "yield_load_N_per_mm": yield_load(pair),
     }
     return pd.DataFrame({name: values.ravel() for name, values in columns.items()})
 
 
 def _difference_map(
-    row: MaterialRow, law: ContactLaw, coefficients: str, fitted_from: float
+    row: MaterialRow, law: ContactLaw, reference: ContactLaw, coefficients: str, fitted_from: float
 ) -> Drawing:
-    """Map the difference of a law's penetration from Johnson's over clearance and load."""
-    table = map_table(row, law)
+    """Map the difference of a law's penetration from a reference over clearance and load."""
+    table = map_table(row, law, reference)
     dR, load, difference = (
         table[name].to_numpy().reshape(POINTS)
         for name in ("dR_mm", "load_N_per_mm", "difference_percent")
@@ -141,99 +161,19 @@ def _difference_map(
     clearances = dR[:, 0]
     pair = clearance_pair(clearances, row.material, PRACTICAL.R_i)
     figure, axes = new_map(
-        FRAME, f"{_title(row)}: {coefficients}", "difference of penetration, Eq 9 (%)"
+        FRAME,
+        f"{_title(row)}: {coefficients}",
+        JUDGES[reference.name][0],
     )
     lines = draw_contours(axes, dR, load, difference)
-    _shade_beyond_johnson(axes, clearances, johnson_limit_load(pair))
-    _mark_fitted_range(axes, fitted_from)
-    _draw_yield_line(axes, clearances, yield_load(pair))
+    shade_beyond_johnson(axes, clearances, reference.max_load(pair))
+    mark_fitted_range(axes, fitted_from)
+    draw_yield_line(axes, clearances, yield_load(pair))
     figure.draw_without_rendering()
-    label_contours(axes, lines, _keep_clear(fitted_from))
-    _label_yield_line(axes, clearances, yield_load(pair))
-    return Drawing(
-        figure, table, _headline(table, fitted_from), _caption(row, coefficients, fitted_from)
-    )
-
-
-def _shade_beyond_johnson(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
-    """Shade and label the region in which Johnson's law gives no penetration (Eq 8)."""
-    ceiling = FRAME.y[1]
-    if limit[0] >= ceiling:
-        return
-    axes.fill_between(
-        dR,
-        np.minimum(limit, ceiling),
-        ceiling,
-        facecolor=BEYOND_GREY,
-        edgecolor="0.4",
-        hatch="xxxxx",
-        linewidth=0,
-    )
-    axes.plot(dR, limit, "-", color="black", linewidth=0.8, marker="")
-    axes.annotate(
-        "beyond Johnson's law",
-        xy=(FRAME.x[0] * 1.04, ceiling * 0.96),
-        xytext=(0.05, NOTE_HEIGHT),
-        textcoords="axes fraction",
-        arrowprops={
-            "arrowstyle": "-|>",
-            "facecolor": "black",
-            "linewidth": 0.6,
-            "mutation_scale": 5,
-            "relpos": (0.0, 0.4),
-            "shrinkB": 0,
-        },
-    )
-
-
-def _mark_fitted_range(axes: Axes, fitted_from: float) -> None:
-    """Mark the clearance from which on the coefficients were fitted, unless all were."""
-    if fitted_from <= FRAME.x[0]:
-        return
-    axes.axvline(fitted_from, color="0.25", linewidth=0.8, linestyle=":", marker="")
-    axes.text(
-        fitted_from * 1.03,
-        FRAME.y[0] * 1.06,
-        f"fitted from {plain_number(fitted_from)} mm on",
-        rotation=90,
-        path_effects=[RIM],
-    )
-
-
-def _keep_clear(fitted_from: float) -> FloatArray:
-    """Return points along the note on the fitted range, for contour labels to avoid."""
-    loads = np.geomspace(FRAME.y[0], 3.5 * FRAME.y[0], 6)
-    return np.column_stack([np.full_like(loads, 1.06 * fitted_from), loads])
-
-
-def _draw_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
-    """Draw the load at which the contact yields, ticks on the side where it does."""
-    comb = TickedStroke(spacing=6, angle=90, length=0.6, linewidth=0.8, foreground="black")
-    rim = withStroke(linewidth=3.2, foreground="white")
-    axes.plot(dR, limit, "-", color="black", linewidth=1.6, marker="", path_effects=[rim, comb])
-
-
-def _label_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
-    """Write along the yield line, on the side that yields, what it is; or that there is none."""
-    shown = np.flatnonzero(limit < FRAME.y[1])
-    words = "yield line" if shown.size else "no yield in this window"
-    note = f"{words} for $R_i$ = {PRACTICAL.R_i:g} mm"
-    axes.text(1.0, NOTE_HEIGHT, note, transform=axes.transAxes, ha="right")
-    if shown.size == 0:
-        return
-    ends, middle = shown[[0, -1]], shown[shown.size // 2]
-    (x0, y0), (x1, y1) = axes.transData.transform(np.column_stack([dR[ends], limit[ends]]))
-    axes.annotate(
-        "yields",
-        xy=(dR[middle], limit[middle]),
-        xytext=(4, 4),
-        textcoords="offset points",
-        rotation=np.degrees(np.arctan2(y1 - y0, x1 - x0)),
-        rotation_mode="anchor",
-        ha="center",
-        va="bottom",
-        path_effects=[RIM],
-    )
+    label_contours(axes, lines, keep_clear(fitted_from))
+    label_yield_line(axes, clearances, yield_load(pair))
+    caption = _caption(row, reference, coefficients, fitted_from)
+    return Drawing(figure, table, _headline(table, fitted_from), caption)
 
 
 def _headline(table: pd.DataFrame, fitted_from: float) -> dict[str, float]:
@@ -263,17 +203,19 @@ def _title(row: MaterialRow) -> str:
     return f"{row.material.name}, $E$ = {E} GPa, $\\nu$ = {row.material.nu:g}"
 
 
-def _caption(row: MaterialRow, coefficients: str, fitted_from: float) -> str:
+def _caption(row: MaterialRow, reference: ContactLaw, coefficients: str, fitted_from: float) -> str:
     """Say what a map shows, what was chosen and what is assumed."""
     material = row.material
     told = origins({material.name: row}, (material.name,), ELASTIC, YIELD)
+    _, judge, end = JUDGES[reference.name]
+    extrapolated = "; below, the law is extrapolated" if fitted_from > FRAME.x[0] else ""
     return (
-        "Penetration of the enhanced law (Eqs 5-6) less Johnson's (Eq 1) at equal load, in percent "
-        "of Johnson's (Eq 9), against radial clearance (mm) and load per unit length (N/mm); "
+        f"Penetration of the enhanced law (Eqs 5-6) less {judge} at equal load, in percent "
+        "of the latter (Eq 9), against radial clearance (mm) and load per unit length (N/mm); "
         f"internal contact, both bodies of {material.name}, {coefficients}. They were fitted at "
-        f"clearances from {plain_number(fitted_from)} mm on; below, the law is extrapolated. "
+        f"clearances from {plain_number(fitted_from)} mm on{extrapolated}. "
         "Contours are solid above zero and dashed below; levels and colours are those of all "
-        "these maps. Grey: beyond the largest load of Johnson's law (Eq 8). Ticked line: the peak "
+        f"these maps. {end} Ticked line: the peak "
         f"pressure (Eq 7) in a hole of {PRACTICAL.R_i:g} mm radius reaches the yield stress of "
         f"{material.yield_stress:g} MPa, ticks where it exceeds it; the radius is our choice. "
         f"Material values that are not the paper's: {told}."

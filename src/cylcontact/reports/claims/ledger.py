@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from cylcontact.reports.claims import section2, section5, section31, section33, section34
+from cylcontact.reports.claims import (
+    section1,
+    section2,
+    section2_models,
+    section5,
+    section31,
+    section33,
+    section34,
+)
 from cylcontact.reports.claims.claim import VERDICTS, Claim, Verdict
 from cylcontact.reports.claims.domain import Table, five_materials
 
@@ -33,7 +41,9 @@ def ledger(materials: Table, more: Iterable[Claim] = ()) -> list[Claim]:
     """
     five_materials(materials)
     own = [
+        *section1.claims(materials),
         *section2.claims(materials),
+        *section2_models.claims(materials),
         *section31.claims(materials),
         *section33.claims(materials),
         *section34.claims(materials),

@@ -1,0 +1,9 @@
+"""Fig 10 again, for ceramics, refitted to Persson's solution and judged by it."""
+
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.drawing import Drawing
+from cylcontact.reports.maps import refit_map
+
+
+def draw(bench: Bench) -> Drawing:
+    return refit_map(bench.material("ceramics"), bench.result("conformal"), "refit to Persson")

@@ -1,0 +1,11 @@
+"""Fig 11 again, for high-strength steel, refitted to Persson's solution and judged by it."""
+
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.drawing import Drawing
+from cylcontact.reports.maps import refit_map
+
+
+def draw(bench: Bench) -> Drawing:
+    return refit_map(
+        bench.material("high-strength steel"), bench.result("conformal"), "refit to Persson"
+    )

@@ -1,0 +1,122 @@
+"""Laws as source text for other programs: C, Fortran, MATLAB and JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from cylcontact.errors import InputError
+from cylcontact.export.as_json import to_json
+from cylcontact.export.c import to_c
+from cylcontact.export.formula import Formula
+from cylcontact.export.formulas import formula_of
+from cylcontact.export.fortran import to_fortran
+from cylcontact.export.matlab import to_matlab
+from cylcontact.export.named import EXPORTABLE, find_law
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.pair import CONTACTS, Contact
+
+__all__ = ["EXPORTABLE", "TARGETS", "export", "export_named"]
+
+SOURCES: Mapping[str, Callable[[Formula], str]] = {
+    "c": to_c,
+    "fortran": to_fortran,
+    "matlab": to_matlab,
+}
+TARGETS = (*SOURCES, "json")
+
+
+def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str:
+    """Return a law with its coefficients as source text, self-contained.
+
+    The text has a function of penetration (mm), E* (MPa) and ΔR (mm), for some laws also of
+    R_i, R_j and the length (mm), that gives load (N/mm) and stiffness (N/mm²). Outside the law's
+    domain, and where the bodies do not touch, both are NaN.
+
+    Parameters
+    ----------
+    law : ContactLaw
+        The law: enhanced, power, explicit, Liu's, that of Lankarani and Nikravesh, or one of the
+        logarithmic laws.
+    contact : {"internal", "external"} or None
+        The contact; None will do where the law or its coefficients settle it, or where it
+        makes no difference.
+    target : {"c", "fortran", "matlab", "json"}
+        The language.
+    origin : str, optional
+        Where coefficients of one's own come from, for the comments.
+
+    Returns
+    -------
+    str
+        The text of one file. MATLAB wants it named after the function.
+
+    Raises
+    ------
+    InputError
+        If the target or contact is unknown, the law has no closed form, or the law is not for
+        the contact.
+
+    Examples
+    --------
+    >>> from cylcontact import laws
+    >>> source = export(laws.Enhanced(), "internal", "c")
+    >>> print(*[line.strip() for line in source.splitlines() if "double a =" in line])
+    const double a = 0.965;
+    """
+    _require_target(target)
+    formula = formula_of(law, _contact(contact))
+    formula = replace(formula, origin=origin or formula.origin)
+    return to_json(formula, law) if target == "json" else SOURCES[target](formula)
+
+
+def export_named(what: str, contact: str | None, target: str) -> str:
+    """Return the source text of a law by name, or of a fit result by path.
+
+    Parameters
+    ----------
+    what : str
+        A law's name, e.g. "johnson", or the path of a fit result.
+    contact : {"internal", "external"} or None
+        The contact; a result knows its own.
+    target : {"c", "fortran", "matlab", "json"}
+        The language.
+
+    Returns
+    -------
+    str
+        The text of one file.
+
+    Raises
+    ------
+    InputError
+        If there is no such law, result, contact or target, or they do not go together.
+
+    Examples
+    --------
+    >>> source = export_named("johnson", None, "fortran")
+    >>> print(*[line for line in source.splitlines() if line.startswith("module")])
+    module cylcontact_johnson_law
+    """
+    _require_target(target)
+    found = find_law(what, _contact(contact))
+    return export(found.law, found.contact, target, found.origin)
+
+
+def _require_target(target: str) -> None:
+    """Refuse a language that is not there."""
+    if target not in TARGETS:
+        known = f"{', '.join(TARGETS[:-1])} or {TARGETS[-1]}"
+        raise InputError("export", "--to", target, "is not a known target", f"choose {known}")
+
+
+def _contact(contact: str | None) -> Contact | None:
+    """Return the contact, or refuse one that is neither internal nor external."""
+    for known in CONTACTS:
+        if contact == known:
+            return known
+    if contact is None:
+        return None
+    raise InputError(
+        "export", "--contact", contact, "is not a contact", f"choose {' or '.join(CONTACTS)}"
+    )

@@ -1,0 +1,179 @@
+"""Where Johnson's law departs from conformal contact, and how far the explicit law is off.
+
+Both are told in φ = f/(E*·ΔR), the only variable that they depend on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import brentq, minimize_scalar
+
+from cylcontact.arrays import FloatArray
+from cylcontact.laws import ContactLaw, Explicit, Johnson, Persson, explicit_penetration
+from cylcontact.materials import Material
+from cylcontact.pair import Contact, CylinderPair
+
+STEEL = Material("steel", E=207e3, nu=0.3)  # of Fig 2
+# What the other laws are judged by.
+TRUTH: dict[Contact, ContactLaw] = {"internal": Persson(), "external": Johnson()}
+# Where the explicit law's error is sought, in φ.
+BOUNDED: dict[Contact, tuple[float, float]] = {"internal": (1e-6, 60.0), "external": (1e-9, 0.02)}
+SCAN = 2001
+
+DEPARTURES = (1.0, 3.0, 5.0, 10.0)  # percent
+CLEARANCES = (0.0075, 0.02, 0.05, 0.2, 0.5)  # mm
+
+# A ratio of loads or penetrations under a load in N/mm; 1 where nothing is wrong.
+Ratio = Callable[[FloatArray], FloatArray]
+
+
+@cache
+def departure_number(percent: float) -> float:
+    """Return the φ at which Johnson's penetration is low against Persson's by that much.
+
+    Parameters
+    ----------
+    percent : float
+        From 0 to the 47.8 % at Johnson's largest load, both excluded.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> print(f"{departure_number(10.0):.6f}")
+    0.370145
+    """
+    root = brentq(
+        lambda x: johnson_shortfall(np.exp(x)) - percent,
+        np.log(1e-6),
+        np.log(johnson_end()),
+        xtol=1e-13,
+    )
+    return float(np.exp(root))
+
+
+def johnson_end() -> float:
+    """Return the largest φ of Johnson's law, 4π/e² (Eq 8)."""
+    return float(4 * np.pi / np.e**2)
+
+
+def johnson_shortfall(number: float) -> float:
+    """Return by how many percent Johnson's penetration is below Persson's at φ."""
+    pair = CylinderPair.from_dR("internal", 1.0, STEEL)
+    # Not a rounding error beyond the end of Johnson's law.
+    load = np.minimum(number * pair.E_star, Johnson().max_load(pair))
+    ratio = Johnson().penetration(load, pair) / Persson().penetration(load, pair)
+    return float(100 * (1 - ratio))
+
+
+def departures(
+    material: Material = STEEL, clearances: Sequence[float] = CLEARANCES
+) -> pd.DataFrame:
+    """Tabulate the loads at which Johnson's law departs from conformal contact.
+
+    Parameters
+    ----------
+    material : Material, optional
+        Of both bodies.
+    clearances : sequence of float, optional
+        ΔR in mm.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns johnson_low_by_percent, load_number (φ) and, for each ΔR in mm, the load φ·E*·ΔR
+        in N/mm; the last row is the end of Johnson's law (Eq 8).
+
+    Examples
+    --------
+    >>> print(departures(clearances=[0.05]).round(3).to_string(index=False))
+     johnson_low_by_percent  load_number     0.05
+                      1.000        0.053  300.286
+                      3.000        0.133  754.502
+                      5.000        0.204 1160.304
+                     10.000        0.370 2104.948
+                     47.775        1.701 9671.411
+    """
+    end = johnson_end()
+    percents = [*DEPARTURES, johnson_shortfall(end)]
+    numbers = np.array([*(departure_number(percent) for percent in DEPARTURES), end])
+    E_star = CylinderPair.from_dR("internal", 1.0, material).E_star
+    return pd.DataFrame(
+        {"johnson_low_by_percent": percents, "load_number": numbers}
+        | {gap: numbers * E_star * gap for gap in clearances}
+    )
+
+
+@cache
+def explicit_error() -> dict[str, float]:
+    """Return the largest errors of the explicit law, by a dense scan and local refinement.
+
+    Returns
+    -------
+    dict
+        "internal load" and "internal penetration" (against Persson's law), "external load" and
+        "external penetration" (against Johnson's), "one-line penetration" (of
+        `explicit_penetration` against Persson's): each in percent, and, under the same name with
+        ", at φ" after it, where.
+
+    Examples
+    --------
+    >>> found = explicit_error()
+    >>> found["internal load"] < 0.12, found["external load"] < 0.07
+    (True, True)
+    """
+    found = {}
+    for contact, ends in BOUNDED.items():
+        pair = CylinderPair.from_dR(contact, 1.0, STEEL)
+        for name, ratio in _ratios(pair).items():
+            found[name], found[f"{name}, at φ"] = _largest(ratio, float(pair.E_star), *ends)
+    return found
+
+
+def _ratios(pair: CylinderPair) -> dict[str, Ratio]:
+    """Return what the explicit law's errors are the errors of, by their names."""
+    law, truth = Explicit(), TRUTH[pair.contact]
+
+    def load(f: FloatArray) -> FloatArray:
+        return law.load(truth.penetration(f, pair), pair) / f
+
+    def penetration(f: FloatArray) -> FloatArray:
+        return law.penetration(f, pair) / truth.penetration(f, pair)
+
+    def one_line(f: FloatArray) -> FloatArray:
+        return explicit_penetration(f, pair) / truth.penetration(f, pair)
+
+    ratios: dict[str, Ratio] = {
+        f"{pair.contact} load": load,
+        f"{pair.contact} penetration": penetration,
+    }
+    return ratios | ({"one-line penetration": one_line} if pair.contact == "internal" else {})
+
+
+def _largest(ratio: Ratio, unit: float, low: float, high: float) -> tuple[float, float]:
+    """Return the largest |ratio − 1| in percent for low ≤ φ ≤ high, and its φ."""
+
+    def size(x: FloatArray) -> FloatArray:
+        return 100 * np.abs(ratio(np.exp(x) * unit) - 1)
+
+    x = np.linspace(np.log(low), np.log(high), SCAN)
+    values = size(x)
+    best, place = float(values.max()), float(x[values.argmax()])
+    inner = values[1:-1]
+    peaks = np.flatnonzero((inner >= values[:-2]) & (inner >= values[2:])) + 1
+    for i in peaks:
+        top = minimize_scalar(
+            lambda at: -float(size(np.asarray(at))),
+            bounds=(x[i - 1], x[i + 1]),
+            method="bounded",
+            options={"xatol": 1e-8},
+        )
+        if -top.fun > best:
+            best, place = float(-top.fun), float(top.x)
+    return best, float(np.exp(place))

@@ -1,0 +1,514 @@
+"""The command line as a user meets it: what it writes, what it says, its exit codes."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from cylcontact import cli
+from cylcontact.fitting import FitResult, calibrate, read_campaign
+from tests.spec_files import CAMPAIGN, GRID, changed, tree, write_bench, write_toml
+
+ROOT = Path(__file__).resolve().parents[1]
+COMMAND = [sys.executable, "-m", "cylcontact.cli"]
+in_bench = pytest.mark.usefixtures("bench")
+posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals and pipes")
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch, small_result):
+    """A folder to work in: a grid, a campaign, a result, and all kinds of other files."""
+    write_bench(tmp_path)
+    small_result.save(tmp_path / "good.json")
+    variants = {
+        "nodata": {"dataset": "datasets/none.toml"},
+        "unknown": {"parameters.m": {"low": 1, "high": 2}},
+        "excluded": {"parameters.K_star": {"low": -2, "high": -1}},
+        "masked": {"dataset": "datasets/masked.toml"},
+        "badgrid": {"dataset": "datasets/badgrid.toml"},
+    }
+    for name, changes in variants.items():
+        write_toml(tmp_path / f"fitting/{name}.toml", changed(CAMPAIGN, changes))
+    for name, changes in {
+        "masked": {"axes.load": {"values": [1e9]}},
+        "badgrid": {"axes.nu": {"values": [0.6]}},
+    }.items():
+        write_toml(tmp_path / f"datasets/{name}.toml", changed(GRID, changes))
+    data = json.loads((tmp_path / "good.json").read_text())
+    nan = changed(data, {"objective.value": float("nan")})
+    (tmp_path / "nan.json").write_text(json.dumps(nan))
+    (tmp_path / "half.json").write_bytes((tmp_path / "good.json").read_bytes()[:1000])
+    (tmp_path / "empty.json").touch()
+    (tmp_path / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n\0\0")
+    (tmp_path / "foreign.partial").write_text('{"campaign": "0"}\n')
+    (tmp_path / "folder").mkdir()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run the command line in this process; return its exit code, output and errors."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["cylcontact", *map(str, arguments)])
+        with pytest.raises(SystemExit) as caught:
+            cli.main()
+        written = capsys.readouterr()
+        return caught.value.code, written.out, written.err
+
+    return run
+
+
+def start(*arguments, **options):
+    """Start the command line as a process of its own, in a group of its own."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    return subprocess.Popen(
+        [*COMMAND, *map(str, arguments)], start_new_session=True, **(pipes | options)
+    )
+
+
+# --- what works -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("out", ["samples.parquet", "new/folder/samples.csv"])
+def test_sample_writes_a_table_and_says_how_many(bench, run, out):
+    code, said, errors = run("sample", "datasets/small.toml", "-o", out)
+    assert (code, errors) == (0, "")
+    assert said == f"{out}: 96 samples, 0 masked by the domain of johnson\n"
+    assert (bench / out).stat().st_size > 0
+
+
+def test_fit_writes_the_result_beside_the_campaign(bench, run, small_result):
+    code, said, errors = run("fit", "fitting/small.toml", "--jobs", "1")
+    assert (code, errors) == (0, "")
+    path = bench / "fitting/results/small.json"
+    assert FitResult.load(path).repeatable() == small_result.repeatable()
+    assert said == f"{FitResult.load(path)}\n\nwritten to fitting/results/small.json\n"
+    assert [file.name for file in path.parent.iterdir()] == ["small.json"]
+
+
+def test_fit_from_the_campaigns_own_folder(bench, run, monkeypatch):
+    monkeypatch.chdir(bench / "fitting")
+    code, said, _ = run("fit", "small.toml", "-j", "1")
+    assert code == 0
+    assert said.endswith("written to results/small.json\n")
+
+
+def test_runs_and_seed_are_recorded_in_the_settings(bench, run):
+    arguments = ("--runs", "2", "--seed", "11", "--jobs", "1", "-o", "new/r.json")
+    assert run("fit", "fitting/small.toml", *arguments)[0] == 0
+    result = FitResult.load(bench / "new/r.json")
+    settings = result.settings["campaign"]
+    assert (settings["genetic"]["runs"], settings["seed"], len(result.runs)) == (2, 11, 2)
+    assert result.settings["dataset"] == GRID
+    assert run("verify", "new/r.json", "--jobs", "1")[0] == 0
+
+
+def test_the_same_seed_gives_the_same_file_but_for_times_and_provenance(bench, run):
+    for jobs in (1, 2):
+        assert run("fit", "fitting/small.toml", "--jobs", jobs, "-o", f"{jobs}.json")[0] == 0
+    one, two = ((bench / f"{jobs}.json").read_text() for jobs in (1, 2))
+    seconds = re.compile(r'"seconds": [0-9.e-]+')
+    assert seconds.sub("", one) == seconds.sub("", two)
+
+
+@in_bench
+def test_compare_shows_results_side_by_side(run):
+    external = ROOT / "fitting/results/external.json"
+    code, said, errors = run("compare", "good.json", external, "good.json")
+    assert (code, errors) == (0, "")
+    assert said.count("small") >= 3
+    assert "external" in said
+
+
+@pytest.mark.parametrize("help_option", ["--help", "-h"])
+@pytest.mark.parametrize("command", [[], ["sample"], ["fit"], ["compare"], ["verify"]])
+def test_help_is_at_hand(run, command, help_option):
+    code, said, errors = run(*command, help_option)
+    assert (code, errors) == (0, "")
+    assert "Usage: cylcontact" in said
+
+
+# --- verify -----------------------------------------------------------------------------------
+
+
+def test_verify_redoes_a_fit_and_says_that_it_holds(bench, run):
+    before = tree(bench)
+    code, said, errors = run("verify", "good.json", "--jobs", "1")
+    assert (code, errors) == (0, "")
+    assert said.count(": holds\n") == said.count("good: ") == 4
+    assert said.endswith("1 results verified, 0 checks do not hold\n")
+    assert tree(bench) == before
+
+
+def test_verify_takes_the_committed_results_by_default(bench, run, small_result):
+    small_result.save(bench / "fitting/results/small.json")
+    code, said, _ = run("verify", "--jobs", "1")
+    assert code == 0
+    assert said.startswith("small: objective")
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"coefficients.n": 1.4}, "objective of the coefficients"),
+        ({"objective.value": 0.9}, "objective of the coefficients"),
+        ({"objective.value": 0.0}, "objective of the coefficients"),
+        ({"bound": 0.05}, "lower bound"),
+        ({"bound": 0.0}, "lower bound"),
+        ({"counts.samples": 95}, "samples"),
+        ({"settings.dataset.axes.E.max": 601.0}, "objective of the coefficients"),
+    ],
+)
+def test_verify_finds_out_a_tampered_result(bench, run, changes, what):
+    data = json.loads((bench / "good.json").read_text())
+    (bench / "good.json").write_text(json.dumps(changed(data, changes)))
+    code, said, errors = run("verify", "good.json", "--jobs", "1")
+    assert (code, errors) == (1, "")
+    failed = [line for line in said.splitlines() if line.endswith("DOES NOT HOLD")]
+    assert any(line.startswith(f"good: {what}: committed ") for line in failed)
+    assert said.endswith(f"1 results verified, {len(failed)} checks do not hold\n")
+
+
+# --- bad input --------------------------------------------------------------------------------
+
+FOLDER = "cannot be written (it is a folder); choose a file in a folder you may write to"
+FIT, SAMPLE = ("fit", "fitting/small.toml"), ("sample", "datasets/small.toml")
+OUT = ("-o", "out.csv")
+NO_FILE, IS_FOLDER = "No such file or directory", "Is a directory"
+
+BAD_INPUT = [
+    # the command line itself
+    ((), "a command is missing; see cylcontact --help"),
+    (("simulat",), "No such command 'simulat'; see cylcontact --help"),
+    (("--nope",), "No such option: --nope; see cylcontact --help"),
+    (("fit",), "Missing argument 'campaign'; see cylcontact fit --help"),
+    (("sample", *OUT), "Missing argument 'spec'; see cylcontact sample --help"),
+    (SAMPLE, "Missing option '-o' / '--out'; see cylcontact sample --help"),
+    (("compare",), "Missing argument 'results'; see cylcontact compare --help"),
+    ((*FIT, "--nope"), "No such option: --nope; see cylcontact fit --help"),
+    ((*FIT, "fitting/masked.toml"), "Got unexpected extra argument"),
+    ((*FIT, "--runs"), "Option '--runs' requires an argument; see cylcontact"),
+    *(
+        ((*FIT, "--runs", text), f"'--runs': '{text}' must be an integer of at least 1; see")
+        for text in ("0", "-3", "x", "1.5", "")
+    ),
+    *(
+        ((*FIT, "--seed", text), f"'--seed': '{text}' must be an integer of at least 0; see")
+        for text in ("-1", "x", "1e3")
+    ),
+    *(
+        ((*command, "--jobs", text), f"'{text}' must be an integer of at least 1; see cylcontact")
+        for command in (FIT, ("verify", "good.json"))
+        for text in ("0", "-2", "all")
+    ),
+    # what is read
+    (("fit", "no.toml"), f"no.toml: cannot be read ({NO_FILE}); check the path"),
+    (("fit", "folder"), f"folder: cannot be read ({IS_FOLDER}); check the path"),
+    (("fit", ""), f".: cannot be read ({IS_FOLDER}); check the path"),
+    (("fit", "no\nsuch.toml"), f"no such.toml: cannot be read ({NO_FILE}); check the path"),
+    (("fit", "picture.png"), "picture.png: is not a text file; give a TOML file in UTF-8"),
+    (("fit", "datasets/small.toml"), "small.toml: contact = 'internal': is not a known key"),
+    (("fit", "good.json"), "good.json: is not valid TOML ("),
+    (("fit", "fitting/nodata.toml"), "dataset = 'datasets/none.toml': no such file beside the"),
+    (("fit", "fitting/unknown.toml"), "parameters.m: is not a parameter of power for internal"),
+    (("fit", "fitting/badgrid.toml"), "datasets/badgrid.toml: axes.nu = [0.6, 0.6]: Poisson's"),
+    (("fit", "fitting/masked.toml"), "datasets/masked.toml: axes: all 24 samples lie outside"),
+    (("fit", "fitting/excluded.toml"), "excluded.toml: parameters = {'K_star': [-2.0, -1.0], 'n'"),
+    (("sample", "no.toml", *OUT), f"no.toml: cannot be read ({NO_FILE}); check the path"),
+    (("sample", "fitting/small.toml", *OUT), "small.toml: dataset = 'datasets/small.toml': is not"),
+    (("sample", "datasets/badgrid.toml", *OUT), "axes.nu = [0.6, 0.6]: Poisson's ratio must lie"),
+    (("sample", "datasets/masked.toml", *OUT), "axes: all 24 samples lie outside the domain of"),
+    *(
+        ((command, name), f"{name}: {message}")
+        for command in ("compare", "verify")
+        for name, message in (
+            ("no.json", f"cannot be read ({NO_FILE}); check the path"),
+            ("folder", f"cannot be read ({IS_FOLDER}); check the path"),
+            ("datasets/small.toml", "is not JSON ("),
+            ("picture.png", "is not a text file; name a result, a JSON file"),
+            ("empty.json", "is not JSON ("),
+            ("half.json", "is not JSON ("),
+            ("nan.json", "objective.value = nan: must be a finite number; give its value"),
+        )
+    ),
+    (("compare", "good.json", "half.json"), "half.json: is not JSON ("),
+    (("verify",), "fitting/results: holds no results; run make fits, or name some"),
+    # what is written
+    ((*SAMPLE, "-o", "out.txt"), "out.txt: is neither .parquet nor .csv; name the output so that"),
+    ((*SAMPLE, "-o", "new/out"), "new/out: is neither .parquet nor .csv; name the output so that"),
+    *(
+        ((*command, "-o", out), f"{Path(out)}: {FOLDER}")
+        for command in (FIT, SAMPLE)
+        for out in ("folder", "folder/", ".", "", "/")
+    ),
+    *(
+        ((*command, "-o", out), f"{out}: cannot be written (good.json is not a folder); choose")
+        for command in (FIT, SAMPLE)
+        for out in ("good.json/out.csv", "good.json/new/out.csv")
+    ),
+    *(
+        ((*command, "-o", f"{'x' * 300}.csv"), "cannot be written (File name too long); choose")
+        for command in (FIT, SAMPLE)
+    ),
+    (
+        (*FIT, "--resume", "-o", "foreign"),
+        "foreign.partial: keeps the runs of another campaign or of other settings; run without",
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"), BAD_INPUT, ids=[" ".join(arguments) for arguments, _ in BAD_INPUT]
+)
+def test_bad_input_gets_one_line_and_exit_code_2_and_writes_nothing(bench, run, arguments, message):
+    before = tree(bench)
+    code, said, errors = run(*arguments)
+    assert code == 2
+    assert errors.startswith("cylcontact: ")
+    assert message in errors
+    assert len(errors.splitlines()) == 1
+    assert said == "" or not arguments  # without a command, help is shown as well
+    assert tree(bench) == before
+
+
+@pytest.mark.parametrize(
+    "arguments", [(), ("fit", "fitting/masked.toml"), ("fit", "fitting/small.toml", "--runs", "0")]
+)
+def test_a_process_of_its_own_ends_with_the_same_code_and_line(bench, arguments):
+    before = tree(bench)
+    finished = subprocess.run([*COMMAND, *arguments], capture_output=True, text=True, check=False)
+    assert finished.returncode == 2
+    assert len(finished.stderr.splitlines()) == 1
+    assert tree(bench) == before
+
+
+def test_a_fit_that_is_refused_leaves_the_old_result(bench, run):
+    before = tree(bench)
+    assert run("fit", "fitting/excluded.toml", "-o", "good.json")[0] == 2
+    assert tree(bench) == before
+
+
+def test_a_run_that_finds_no_defined_law_is_told_of(bench, run):
+    few = {"genetic.populations": [4], "genetic.generations": 1, "genetic.runs": 20}
+    bounds = {"parameters.K_star": {"low": -1000, "high": 1}, "parameters.n.low": -50}
+    write_toml(bench / "fitting/few.toml", changed(CAMPAIGN, few | bounds))
+    code, _, errors = run("fit", "fitting/few.toml", "--jobs", "1")
+    assert code == 2
+    assert re.fullmatch(
+        r"cylcontact: fitting/few\.toml: genetic\.populations = 4: run \d+ found no coefficients "
+        r"for which the law is defined; narrow the parameters' bounds, or raise populations and "
+        r"generations\n",
+        errors,
+    )
+
+
+def test_bounds_that_exclude_a_part_of_the_laws_domain_are_no_mistake(bench, run):
+    changes = {"parameters.K_star.low": -5, "genetic.generations": 20}
+    write_toml(bench / "fitting/partly.toml", changed(CAMPAIGN, changes))
+    assert run("fit", "fitting/partly.toml", "--jobs", "1", "-o", "partly.json")[0] == 0
+    profile = FitResult.load(bench / "partly.json").profiles["K_star"]
+    assert profile.values[0] > 0
+    assert profile.low > 0
+
+
+@in_bench
+def test_memory_that_is_short_is_told_in_one_line(run, monkeypatch):
+    def short(*_):
+        raise MemoryError
+
+    monkeypatch.setattr("cylcontact.datasets.write_samples", short)
+    code, said, errors = run(*SAMPLE, *OUT)
+    assert (code, said) == (2, "")
+    assert errors.startswith("cylcontact: memory is short; thin the grid")
+    assert len(errors.splitlines()) == 1
+
+
+def test_a_mistake_of_ours_is_not_hidden(bench, monkeypatch):
+    def broken(*_):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("cylcontact.datasets.write_samples", broken)
+    monkeypatch.setattr(sys, "argv", ["cylcontact", *SAMPLE, *OUT])
+    with pytest.raises(ZeroDivisionError):
+        cli.main()
+    assert not (bench / "out.csv").exists()
+
+
+# --- interruption -----------------------------------------------------------------------------
+
+
+def wait_for(condition, process, seconds=60.0):
+    """Wait until something has happened while a process runs."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def interrupt(process):
+    """Press Ctrl-C, which a terminal sends to the whole group; return code, output and errors."""
+    os.killpg(process.pid, signal.SIGINT)
+    said, errors = process.communicate(timeout=30)
+    return process.returncode, said, errors
+
+
+@posix
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_an_interrupted_fit_says_what_it_kept_and_resumes(bench, run, jobs):
+    longer = {"genetic.runs": 30, "genetic.generations": 300, "genetic.populations": [16]}
+    path = write_toml(bench / "fitting/longer.toml", changed(CAMPAIGN, longer))
+    kept = bench / "new/r.json.partial"
+    process = start("fit", path, "-o", "new/r.json", "--jobs", jobs)
+    wait_for(lambda: kept.exists() and kept.read_bytes().count(b"\n") > 3, process)
+    code, said, errors = interrupt(process)
+    complete = kept.read_bytes().count(b"\n") - 1
+    assert 3 <= complete < 30
+    assert (code, said) == (130, "")
+    assert errors == (
+        f"cylcontact: interrupted; {complete} complete runs are kept in new/r.json.partial; "
+        "the same command with --resume goes on from there\n"
+    )
+    assert [file.name for file in kept.parent.iterdir()] == [kept.name]
+    assert run("fit", path, "-o", "new/r.json", "--jobs", "2", "--resume")[0] == 0
+    assert [file.name for file in kept.parent.iterdir()] == ["r.json"]
+    uninterrupted = calibrate(read_campaign(path), jobs=2)
+    assert FitResult.load(bench / "new/r.json").repeatable() == uninterrupted.repeatable()
+
+
+@posix
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="children are found in /proc")
+def test_a_fit_interrupted_while_its_workers_start_keeps_nothing_and_says_so(bench):
+    before = tree(bench)
+    process = start("fit", "fitting/small.toml", "-o", "new/r.json", "--runs", "50", "--jobs", "2")
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    wait_for(lambda: len(children.read_text().split()) >= 2, process)
+    code, said, errors = interrupt(process)
+    assert (code, said) == (130, "")
+    assert errors == "cylcontact: interrupted before a run was complete; nothing is kept\n"
+    assert tree(bench) == before
+
+
+@posix
+def test_an_interrupted_table_leaves_nothing(bench):
+    large = {"axes.E.points": 300, "axes.dR.points": 1000, "axes.load.points": 300}
+    write_toml(bench / "datasets/large.toml", changed(GRID, large))
+    before = tree(bench)
+    process = start("sample", "datasets/large.toml", "-o", "new/large.parquet")
+    wait_for(lambda: list(bench.glob("new/.large-*.parquet")), process)
+    code, said, errors = interrupt(process)
+    assert (code, said) == (130, "")
+    assert errors == "cylcontact: interrupted; nothing is left half-written\n"
+    assert tree(bench) == before
+
+
+@pytest.mark.parametrize("runs", [0, 1, 2])
+def test_what_is_kept_is_counted(bench, run, monkeypatch, runs):
+    def interrupted(campaign, _, __, kept, resume):
+        def stop(stage, done, _):
+            if (stage, done) == ("searching", runs):
+                raise KeyboardInterrupt
+
+        return calibrate(campaign, 1, stop, kept, resume)
+
+    monkeypatch.setattr("cylcontact.fitting.calibrate", interrupted)
+    code, said, errors = run("fit", "fitting/small.toml", "-o", "new/r.json")
+    expected = {
+        0: "interrupted before a run was complete; nothing is kept",
+        1: "interrupted; 1 complete run is kept in new/r.json.partial; the same",
+        2: "interrupted; 2 complete runs are kept in new/r.json.partial; the same",
+    }
+    assert (code, said) == (130, "")
+    assert errors.startswith(f"cylcontact: {expected[runs]}")
+    assert len(errors.splitlines()) == 1
+    assert (bench / "new").exists() == (runs > 0)
+
+
+# --- pipes and terminals ----------------------------------------------------------------------
+
+
+@posix
+@in_bench
+def test_a_reader_that_has_gone_is_no_mistake():
+    process = start("compare", *["good.json"] * 50)
+    process.stdout.close()
+    assert process.wait(timeout=60) == 141
+    assert process.stderr.read() == ""
+    process.stderr.close()
+
+
+@posix
+def test_a_result_is_written_even_if_nobody_reads_the_report(bench):
+    process = start("fit", "fitting/small.toml", "-o", "r.json", "--jobs", "1")
+    process.stdout.close()
+    assert process.wait(timeout=60) == 141
+    assert process.stderr.read() == ""
+    process.stderr.close()
+    assert FitResult.load(bench / "r.json").name == "small"
+    assert not (bench / "r.json.partial").exists()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device here")
+@in_bench
+def test_output_without_room_is_told_in_one_line():
+    with Path("/dev/full").open("w") as full:
+        process = start("compare", "good.json", stdout=full)
+        _, errors = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert errors.startswith("cylcontact: standard output: cannot be written (No space left")
+    assert len(errors.splitlines()) == 1
+
+
+@in_bench
+def test_there_is_no_progress_where_errors_are_no_terminal():
+    colourful = os.environ | {"FORCE_COLOR": "1", "TTY_COMPATIBLE": "1"}
+    process = start("fit", "fitting/small.toml", "-o", "r.json", "--jobs", "1", env=colourful)
+    said, errors = process.communicate(timeout=60)
+    assert (process.returncode, errors) == (0, "")
+    assert "\x1b" not in said
+
+
+@posix
+@in_bench
+def test_there_is_progress_on_a_terminal():
+    master, terminal = os.openpty()
+    process = start("fit", "fitting/small.toml", "-o", "r.json", "--jobs", "1", stderr=terminal)
+    os.close(terminal)
+    shown = b""
+    while True:
+        try:
+            shown += os.read(master, 4096)
+        except OSError:  # the other end is closed
+            break
+    os.close(master)
+    said, _ = process.communicate(timeout=60)
+    assert process.returncode == 0
+    for stage in (b"sampling", b"searching", b"profiling"):
+        assert stage in shown
+    assert "\x1b" not in said
+
+
+@in_bench
+def test_characters_that_the_output_has_no_room_for_are_replaced():
+    narrow = os.environ | {"PYTHONIOENCODING": "latin-1"}
+    process = start("fit", "fitting/small.toml", "-o", "r.json", "--jobs", "1", env=narrow)
+    said, errors = process.communicate(timeout=60)
+    assert (process.returncode, errors) == (0, "")
+    assert " ? " in said
+
+
+@posix
+def test_output_that_is_closed_is_no_mistake(bench):
+    closing = ["sh", "-c", 'exec "$@" >&-', "sh", *COMMAND]
+    command = [*closing, "fit", "fitting/small.toml", "-o", "r.json", "--jobs", "2"]
+    finished = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (finished.returncode, finished.stderr) == (0, "")
+    assert FitResult.load(bench / "r.json").name == "small"

@@ -1,0 +1,165 @@
+"""Files appear complete or not at all."""
+
+import os
+import stat
+from pathlib import Path
+
+import pytest
+
+from cylcontact import InputError
+from cylcontact.files import replacing, require_writable
+from tests.spec_files import assert_told, tree
+
+AS_ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
+REMEDY = "choose a file in a folder you may write to"
+
+
+def write(path, text="new"):
+    with replacing(path) as temporary:
+        temporary.write_text(text)
+
+
+@pytest.mark.parametrize("name", ["out.json", "one/two/out.json"])
+def test_a_file_is_written_with_its_folders(tmp_path, name):
+    write(tmp_path / name)
+    assert (tmp_path / name).read_text() == "new"
+    assert [path.name for path in (tmp_path / name).parent.iterdir()] == ["out.json"]
+
+
+def test_an_old_file_is_replaced_only_at_the_end(tmp_path):
+    path = tmp_path / "out.json"
+    path.write_text("old")
+    with replacing(path) as temporary:
+        temporary.write_text("new")
+        assert path.read_text() == "old"
+    assert tree(tmp_path) == {"out.json": b"new"}
+
+
+def test_a_plain_string_will_do(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write("out.json")
+    assert tree(tmp_path) == {"out.json": b"new"}
+
+
+def test_the_temporary_file_stands_beside_and_keeps_the_suffix(tmp_path):
+    with replacing(tmp_path / "out.parquet") as temporary:
+        assert (temporary.parent, temporary.suffix) == (tmp_path, ".parquet")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no umask")
+@pytest.mark.parametrize("mask", [0o022, 0o077])
+def test_permissions_are_those_of_any_new_file(tmp_path, mask):
+    before = os.umask(mask)
+    try:
+        write(tmp_path / "out.json")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "out.json").stat().st_mode) == 0o666 & ~mask
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, SystemExit, MemoryError])
+@pytest.mark.parametrize("name", ["out.json", "one/two/out.json"])
+def test_a_failure_leaves_nothing_not_even_a_folder(tmp_path, error, name):
+    def fail():
+        with replacing(tmp_path / name) as temporary:
+            temporary.write_text("half")
+            raise error
+
+    with pytest.raises(error):
+        fail()
+    assert tree(tmp_path) == {}
+
+
+def test_a_failure_leaves_the_old_file(tmp_path):
+    path = tmp_path / "out.json"
+    path.write_text("old")
+
+    def fail():
+        with replacing(path) as temporary:
+            temporary.write_text("half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fail()
+    assert tree(tmp_path) == {"out.json": b"old"}
+
+
+def test_a_failure_leaves_folders_that_others_use_meanwhile(tmp_path):
+    def fail():
+        with replacing(tmp_path / "one/two/out.json"):
+            (tmp_path / "one/theirs").write_text("x")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fail()
+    assert tree(tmp_path) == {"one": None, "one/theirs": b"x"}
+
+
+def test_running_out_of_room_is_told_in_one_line(tmp_path):
+    path = tmp_path / "out.json"
+
+    def fill():
+        with replacing(path):
+            raise OSError(28, "No space left on device")
+
+    with pytest.raises(InputError) as caught:
+        fill()
+    rule = "cannot be written (No space left on device)"
+    assert_told(caught, path, "", None, rule, f"{REMEDY}, with room left")
+    assert tree(tmp_path) == {}
+
+
+# --- what cannot be written -------------------------------------------------------------------
+
+
+def obstacles(root):
+    """Return paths that cannot be written, and why."""
+    (root / "folder").mkdir()
+    (root / "file").write_text("x")
+    return [
+        (root / "folder", "it is a folder"),
+        (Path("/"), "it is a folder"),
+        (Path(), "it is a folder"),
+        (root / "file/out.json", f"{root / 'file'} is not a folder"),
+        (root / "file/one/two/out.json", f"{root / 'file'} is not a folder"),
+        (root / f"{'x' * 300}.json", "File name too long"),
+        (root / "x\udcff.json", "its name is not text"),
+    ]
+
+
+@pytest.mark.parametrize("index", range(7))
+@pytest.mark.parametrize("attempt", [write, require_writable])
+def test_what_cannot_be_written_is_said_before_anything_is(tmp_path, attempt, index):
+    path, reason = obstacles(tmp_path)[index]
+    before = tree(tmp_path)
+    with pytest.raises(InputError) as caught:
+        attempt(path)
+    assert_told(caught, path, "", None, f"cannot be written ({reason})", REMEDY)
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize("attempt", [write, require_writable])
+@pytest.mark.parametrize("name", ["out.json", "one/two/out.json"])
+def test_permission_is_asked_for_before_anything_is_written(tmp_path, attempt, name, monkeypatch):
+    """Also as root, whom no folder's mode stops."""
+    monkeypatch.setattr(os, "access", lambda path, _: Path(path) != tmp_path)
+    with pytest.raises(InputError) as caught:
+        attempt(tmp_path / name)
+    rule = f"cannot be written (no permission to write in {tmp_path})"
+    assert_told(caught, tmp_path / name, "", None, rule, REMEDY)
+    assert tree(tmp_path) == {}
+
+
+@pytest.mark.skipif(AS_ROOT, reason="root may write into any folder")
+@pytest.mark.parametrize("attempt", [write, require_writable])
+def test_a_folder_closed_to_writing_is_told(tmp_path, attempt):
+    closed = tmp_path / "closed"
+    closed.mkdir(mode=0o500)
+    with pytest.raises(InputError, match=r"no permission to write in "):
+        attempt(closed / "out.json")
+
+
+@pytest.mark.parametrize("name", ["out.json", "one/two/out.json"])
+def test_asking_whether_a_file_can_be_written_leaves_no_trace(tmp_path, name):
+    require_writable(tmp_path / name)
+    assert tree(tmp_path) == {}

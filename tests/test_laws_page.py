@@ -1,0 +1,325 @@
+"""The laws page: every number in it is computed, its code runs, the pinned case is independent."""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact.dissipation import FACTORS, achieved_restitution
+from cylcontact.laws.explicit import CALIBRATED
+from cylcontact.reports import laws_bounds, laws_table
+from cylcontact.reports.laws_table import case, comparison, deviations, to_text
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = (ROOT / "docs" / "laws.md").read_text(encoding="utf-8")
+CODE = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+PROSE = re.sub(r"```.*?```|^\|.*?$", "", PAGE, flags=re.DOTALL | re.MULTILINE)
+
+# The pinned case.
+E_STAR, DR, R_I, LENGTH, F = 207e3 / (2 * (1 - 0.3**2)), 0.05, 10.0, 10.0, 100.0
+RADIUS = R_I * (R_I - DR) / DR
+
+
+def table(heading: str, after: str = "\n") -> list[list[str]]:
+    """Return the cells of the first table of a section, below its two header lines."""
+    part = PAGE.split(f"## {heading}\n")[1].split("\n## ")[0].split(after, 1)[-1]
+    lines = re.search(r"(?:^\|.*\n)+", part, flags=re.MULTILINE)[0].splitlines()
+    return [[cell.strip().strip("`") for cell in line.split("|")[1:-1]] for line in lines[2:]]
+
+
+# --- the pinned case, in plain Python ---
+
+
+def logarithmic(reach: float, c: float, kappa: float = 1.0) -> float:
+    return 1e3 * kappa * F / (math.pi * E_STAR) * (math.log(reach * E_STAR / F) + c)
+
+
+def radzimovsky(b: float) -> float:
+    logarithms = math.log(4 * R_I / b) + math.log(4 * (R_I - DR) / b)
+    return 1e3 * F / (math.pi * E_STAR) * (2 / 3 + logarithms)
+
+
+def liu() -> float:
+    low, high = 0.0, 1.0
+    for _ in range(200):
+        d = (low + high) / 2
+        f = math.pi / 2 * E_STAR * d * math.sqrt(d / (2 * (DR + d)))
+        low, high = (d, high) if f < F else (low, d)
+    return 1e3 * low
+
+
+def enhanced() -> float:
+    n = 1.51 * math.log(1000 * DR) ** -0.151 * DR**-0.005
+    return 1e3 * (F * DR / ((0.965 * DR + 0.0965) * E_STAR)) ** (1 / n)
+
+
+HALF_WIDTH = 2 * math.sqrt(F * RADIUS / (math.pi * E_STAR))
+PINNED = {
+    "johnson": (1.55935, logarithmic(4 * math.pi * DR, -1)),
+    "roark-young": (1.63782, radzimovsky(2 * HALF_WIDTH)),
+    "radzimovsky": (2.02579, radzimovsky(HALF_WIDTH)),
+    "radzimovsky-radii": (1.83032, radzimovsky(1.6 * math.sqrt(F * RADIUS / E_STAR))),
+    "esdu-78035": (2.11908, logarithmic(4 * math.pi * DR, 1)),
+    "dubowsky-freudenstein": (1.73251, logarithmic(math.pi * LENGTH**2 / RADIUS, 1)),
+    "goldsmith": (4.69535, logarithmic(math.pi * RADIUS, 1)),
+    "hertz-cylinder": (2.34274, logarithmic(math.pi * DR, -1, kappa=2)),
+    "liu": (3.21874, liu()),
+    "lankarani-nikravesh": (
+        2.79570,
+        1e3 * (F * LENGTH / (4 / 3 * E_STAR * math.sqrt(RADIUS))) ** (2 / 3),
+    ),
+    "enhanced": (1.51444, enhanced()),
+}
+
+
+@pytest.fixture(scope="module")
+def found():
+    return comparison(case(), F).set_index("law")
+
+
+@pytest.mark.parametrize("name", PINNED)
+def test_pinned_penetrations(found, name):
+    pinned, plain = PINNED[name]
+    assert round(plain, 5) == pinned
+    assert found.loc[name, "penetration_um"] == pytest.approx(plain, rel=1e-10)
+
+
+def test_the_rest_of_the_pinned_case(found):
+    assert list(found.index) == list(laws.LAWS)
+    assert set(found.index) - set(PINNED) == {"winkler", "persson", "explicit"}
+    truth = found.loc["persson", "penetration_um"]
+    assert found.loc["explicit", "penetration_um"] == pytest.approx(truth, rel=1e-3)
+    assert found["note"].eq("").all()
+
+
+@pytest.mark.parametrize("name", laws.LAWS)
+def test_stiffness_is_the_slope(found, name):
+    law, pair = laws.LAWS[name](), case()
+    delta = found.loc[name, "penetration_um"] / 1e3
+    step = 1e-4 * delta
+    slope = (law.load(delta + step, pair) - law.load(delta - step, pair)) / (2 * step)
+    assert found.loc[name, "stiffness_N_per_mm2"] == pytest.approx(float(slope), rel=1e-6)
+
+
+# --- the numbers in the page ---
+
+
+def test_comparison_table():
+    expected = [
+        [
+            row.law,
+            f"{row.penetration_um:.5f}",
+            f"{row.stiffness_N_per_mm2:.1f}",
+            "none" if math.isinf(row.max_load_N_per_mm) else f"{row.max_load_N_per_mm:.1f}",
+        ]
+        for row in comparison(case(), F).itertuples()
+    ]
+    assert table("One case") == expected
+
+
+def test_deviation_table():
+    known = deviations(case())
+    rows = table("The whole domain")
+    assert [row[0] for row in rows] == list(known.index)
+    for name, *cells in rows:
+        for cell, value in zip(cells, known.loc[name], strict=True):
+            assert (cell == "-") == math.isnan(value)
+            assert cell == "-" or (float(cell) == round(value, 2) and cell[-3] == ".")
+    headings = re.search(r"\| law \| φ = (.*) \|", PAGE)[1].split(" | ")
+    assert tuple(map(float, headings)) == laws_table.LOAD_NUMBERS["internal"]
+
+
+def test_departure_table():
+    known = laws_bounds.departures()
+    forms = [".1f", ".6f", *[".1f"] * len(laws_bounds.CLEARANCES)]
+    assert table("Where Johnson's law leaves conformal contact") == [
+        [format(value, form) for value, form in zip(row, forms, strict=True)]
+        for row in known.to_numpy()
+    ]
+    gaps = " | ".join(f"{gap:g}" for gap in laws_bounds.CLEARANCES)
+    assert f"| too small by, % | φ | {gaps} |" in PAGE
+
+
+def test_departures_are_where_they_are_said_to_be():
+    steel = Material("steel", E=207e3, nu=0.3)
+    for percent, number in zip(
+        laws_bounds.DEPARTURES, (0.052804, 0.132676, 0.204034, 0.370145), strict=True
+    ):
+        assert round(laws_bounds.departure_number(percent), 6) == number
+        pair = CylinderPair.from_dR("internal", 0.3, steel)
+        load = laws_bounds.departure_number(percent) * E_STAR * 0.3
+        ratio = laws.Johnson().penetration(load, pair) / laws.Persson().penetration(load, pair)
+        assert 100 * (1 - ratio) == pytest.approx(percent, rel=1e-9)
+
+
+def test_explicit_table():
+    error = laws_bounds.explicit_error()
+    assert table("The explicit law") == [
+        [
+            contact,
+            *(f"{value:g}" for value in (constants.c, constants.A, constants.B)),
+            laws_bounds.TRUTH[contact].name,
+            f"fitting/explicit-{contact}.toml",
+            "{:g} to {:g}".format(*laws_bounds.BOUNDED[contact]),
+            f"{error[f'{contact} load']:.4f}",
+            f"{error[f'{contact} penetration']:.4f}",
+        ]
+        for contact, constants in CALIBRATED.items()
+    ]
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_explicit_error_on_another_grid_and_by_the_formula(contact):
+    low, high = laws_bounds.BOUNDED[contact]
+    pair = CylinderPair.from_dR(contact, 2.0, Material("any", E=3e3, nu=0.1))
+    numbers = np.geomspace(low, high, 30011)
+    d = laws_bounds.TRUTH[contact].penetration(numbers * pair.E_star * 2, pair) / 2
+    k = CALIBRATED[contact]
+    middle = k.c + np.log(1 + k.A / d * np.log(k.B / d))
+    worst = np.max(np.abs(np.pi * d / (k.c + np.log(1 + k.A / d * middle)) / numbers - 1))
+    bound = laws_bounds.explicit_error()[f"{contact} load"]
+    assert 100 * worst <= bound * (1 + 1e-9)
+    assert 100 * worst == pytest.approx(bound, rel=1e-4)
+
+
+def test_convention_table():
+    rows = table("Conventions and sources")
+    found = {name: (float(kappa), float(c)) for name, kappa, _, c, _ in rows}
+    logarithmic_laws = {
+        name: law()
+        for name, law in laws.LAWS.items()
+        if issubclass(type(law()), laws.LogarithmicLaw)
+    }
+    assert found == {n: (law.kappa, round(law.shift, 4)) for n, law in logarithmic_laws.items()}
+    pair = case()
+    reaches = {
+        "4π·ΔR": 4 * math.pi * DR,
+        "π·L²·ΔR/(R_i·R_j)": math.pi * LENGTH**2 / RADIUS,
+        "π·R_i·R_j/ΔR": math.pi * RADIUS,
+        "π·ΔR": math.pi * DR,
+    }
+    for name, _, reach, _, _ in rows:
+        known = float(logarithmic_laws[name].reach(pair))
+        assert known == pytest.approx(reaches[reach], rel=1e-12)
+    others = table("Conventions and sources", after="The others:")
+    assert {row[0] for row in rows} | {row[0] for row in others} == set(laws.LAWS)
+
+
+def test_restitution_table():
+    wanted = (0.1, 0.3, 0.5, 0.7, 0.9)
+    rows = table("Dissipation: what a restitution becomes")
+    assert [row[0] for row in rows] == list(FACTORS)
+    for name, formula, *cells in rows:
+        assert cells == [f"{achieved_restitution(FACTORS[name](e)):.3f}" for e in wanted]
+        if name != "exact":
+            plain = re.sub(r"(\d)(?=[(e])", r"\1*", formula).replace("²", "**2").replace("−", "-")
+            plain = plain.replace("¾", "0.75*").replace("·", "*")
+            for e in wanted:
+                value = eval(plain, {"e": e, "exp": math.exp})
+                assert value == pytest.approx(float(FACTORS[name](e)), rel=1e-12), plain
+
+
+def test_chooser():
+    error = laws_bounds.explicit_error()
+    text = " ".join(" ".join(row) for row in table("Which law when"))
+    low, one = laws_bounds.departure_number, "1 % low at φ = {:.3f}, 10 % at {:.3f}"
+    assert one.format(low(1.0), low(10.0)) in text
+    for contact, said in (("internal", "0.12 % of conformal"), ("external", "0.07 % of Johnson")):
+        assert said in text
+        assert error[f"{contact} load"] <= float(said.split()[0])
+        assert "{:g} ≤ φ ≤ {:g}".format(*laws_bounds.BOUNDED[contact]) in text
+    assert low(1.0) > 0.05  # "a pin with φ < 0.05"
+
+
+def test_numbers_between_the_tables():
+    error = laws_bounds.explicit_error()
+    assert error["one-line penetration"] <= 0.37
+    known = {
+        f"{laws_bounds.johnson_shortfall(laws_bounds.johnson_end()):.1f}": "is 47.8 % low",
+        f"{float(achieved_restitution(0.75)):.3f}": "less than 0.663",
+        "0.37": "within 0.37 % of Persson's",
+        "1.4232": "d = (φ/π)·(1.4232",
+        "1.0942": "ln(1 + 1.0942/φ)",
+        "0.005": "0.005 ≤ ΔR < 10 mm",
+        "0.05": "ΔR = 0.05 mm",
+        "0.3": "ν = 0.3",
+    }
+    for number, where in known.items():
+        assert number in where
+        assert where in PROSE
+    # Nothing else with a decimal point stands there.
+    assert set(re.findall(r"\d+\.\d+", PROSE)) == set(known)
+
+
+def test_the_case_is_the_one_that_the_page_states():
+    said = "E = 207 GPa, ν = 0.3, ΔR = 0.05 mm, R_i = L = 10 mm, f = 100 N/mm"
+    assert said in PAGE
+    pair = case()
+    assert (pair.dR, pair.R_i, pair.length, laws_table.LOAD) == (DR, R_I, LENGTH, F)
+    assert float(pair.E_star) == pytest.approx(E_STAR, rel=1e-15)
+
+
+def test_code_blocks_run_in_order(capsys):
+    names = {}
+    for block in CODE:
+        exec(block, names)
+    assert len(CODE) == 3
+    assert capsys.readouterr().out
+
+
+@pytest.mark.parametrize("path", re.findall(r"`(fitting/[^`]+)`", PAGE))
+def test_files_named_exist(path):
+    assert (ROOT / path).is_file()
+
+
+# --- the command's text, and what it is asked ---
+
+
+def test_text_holds_what_the_page_shows():
+    text = to_text(case(), F)
+    for heading, column in (("One case", 1), ("The whole domain", 3)):
+        for row in table(heading):
+            assert re.search(rf"^{row[0]} .*{re.escape(row[column])}", text, flags=re.MULTILINE)
+    for row in table("Where Johnson's law leaves conformal contact"):
+        assert re.search(r"^ *" + " +".join(map(re.escape, row)) + "$", text, flags=re.MULTILINE)
+    for row in table("The explicit law"):
+        assert f"{row[0]} load: {row[-2]} %" in text
+        assert f"{row[0]} penetration: {row[-1]} %" in text
+
+
+def test_external_contact_leaves_out_what_needs_a_hole():
+    found = comparison(case("external"), F).set_index("law")
+    silent = found.index[found["penetration_um"].isna()]
+    assert set(silent) == {"liu", "winkler", "persson"}
+    assert found.loc[silent, "note"].str.contains("hole").all()
+    assert deviations(case("external")).loc["johnson"].abs().max() == 0
+    assert "too low by" not in to_text(case("external"), F)
+
+
+def test_notes_say_why_there_is_no_number():
+    found = comparison(case(dR=0.001), 3000.0).set_index("law")["note"]
+    assert found["johnson"] == "beyond its largest load"
+    assert found["enhanced"] == "undefined at this ΔR"
+    assert "too large for a number" in to_text(case(), 1e300)
+    short = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
+    found = comparison(short, F).set_index("law")["note"]
+    assert "needs the axial length" in found["dubowsky-freudenstein"]
+    assert "needs both radii" in found["goldsmith"]
+
+
+@pytest.mark.parametrize("load", [0.0, -1.0, math.nan, math.inf])
+def test_a_load_that_is_none_is_refused(load):
+    with pytest.raises(InputError, match=r"comparison of laws: load = .*: must be positive"):
+        comparison(case(), load)
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [({"contact": "sideways"}, "contact"), ({"dR": 12.0}, "dR"), ({"nu": 0.6}, "nu")],
+)
+def test_a_case_that_is_none_is_refused(changes, key):
+    with pytest.raises(InputError, match=key):
+        case(**changes)

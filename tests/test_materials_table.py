@@ -1,0 +1,186 @@
+"""The table of materials: the shipped values with their provenance, and every way to go wrong."""
+
+from pathlib import Path
+
+import pytest
+
+from cylcontact import InputError, Material
+from cylcontact.datasets import read_materials
+from cylcontact.datasets.materials_table import COLUMNS
+from tests.spec_files import assert_told
+
+SHIPPED = Path(__file__).resolve().parents[1] / "datasets/materials.csv"
+
+# E in GPa and ν with their provenance, yield stress in MPa; all yield stresses are assumed.
+VALUES = {
+    "ceramics": (600, "derived", 0.24, "derived", 350),
+    "high-strength steel": (207, "assumed", 0.30, "assumed", 1000),
+    "low-carbon steel": (200, "paper", 0.30, "paper", 250),
+    "titanium alloy": (120, "derived", 0.34, "derived", 830),
+    "aluminium alloy": (69, "derived", 0.33, "derived", 276),
+}
+
+HEADER = ",".join(COLUMNS)
+STEEL = "steel,207,paper,0.3,derived,250,assumed,a note"
+
+
+def write(tmp_path, *lines, header=HEADER):
+    path = tmp_path / "materials.csv"
+    path.write_text("\n".join([header, *lines]) + "\n", encoding="utf-8")
+    return path
+
+
+# --- the shipped table ------------------------------------------------------------------------
+
+
+def test_the_shipped_table_holds_the_five_materials_in_order():
+    assert list(read_materials(SHIPPED)) == list(VALUES)
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_shipped_values_and_where_they_come_from(name):
+    E, E_from, nu, nu_from, yield_stress = VALUES[name]
+    row = read_materials(SHIPPED)[name]
+    assert row.material == Material(name, E * 1e3, nu, yield_stress)
+    assert row.provenance == {"E_GPa": E_from, "nu": nu_from, "yield_stress_MPa": "assumed"}
+
+
+def test_every_shipped_material_says_in_its_note_what_its_values_rest_on():
+    for row in read_materials(SHIPPED).values():
+        assert len(row.note) > 20
+
+
+# --- what is read -----------------------------------------------------------------------------
+
+
+def test_a_row_comes_out_as_written(tmp_path):
+    (row,) = read_materials(write(tmp_path, STEEL)).values()
+    assert row.material == Material("steel", 207e3, 0.3, 250.0)
+    assert row.provenance == {"E_GPa": "paper", "nu": "derived", "yield_stress_MPa": "assumed"}
+    assert row.note == "a note"
+
+
+@pytest.mark.parametrize("cells", [",", ",assumed", "  ,"])
+def test_the_yield_stress_may_be_left_out(tmp_path, cells):
+    (row,) = read_materials(write(tmp_path, f"steel,207,paper,0.3,paper,{cells},")).values()
+    assert row.material.yield_stress is None
+    assert row.provenance == {"E_GPa": "paper", "nu": "paper"}
+
+
+def test_columns_may_stand_in_any_order(tmp_path):
+    header, line = (",".join(reversed(text.split(","))) for text in (HEADER, STEEL))
+    assert read_materials(write(tmp_path, line, header=header)) == read_materials(
+        write(tmp_path, STEEL)
+    )
+
+
+def test_what_a_spreadsheet_adds_does_no_harm(tmp_path):
+    """A byte order mark, carriage returns, blank rows, spaces, and quotes around commas."""
+    path = tmp_path / "materials.csv"
+    line = STEEL.replace("a note", '"a, note"').replace("paper", " paper ")
+    text = "\r\n".join([HEADER, "", line, "," * (len(COLUMNS) - 1), ""])
+    path.write_bytes(b"\xef\xbb\xbf" + text.encode())
+    (row,) = read_materials(path).values()
+    assert row.note == "a, note"
+    assert row.provenance["E_GPa"] == "paper"
+
+
+# --- bad input --------------------------------------------------------------------------------
+
+
+def replaced(column, cell):
+    cells = dict(zip(COLUMNS, STEEL.split(","), strict=True)) | {column: cell}
+    return ",".join(cells.values())
+
+
+NUMBER = ("must be a number", "write it with a decimal point")
+ORIGIN = ("must be one of paper, derived, assumed", "say which")
+UNIT = "mind the unit in the column's name"
+CELLS = 'put a text with commas in "quotes"'
+
+# The second row of a table whose first is good; the key, value, rule and remedy of the error.
+BAD_ROWS = [
+    *((replaced("E_GPa", cell), "E_GPa", cell, *NUMBER) for cell in ("", "steel", "2 07", "2;07")),
+    *((replaced("nu", cell), "nu", cell, *NUMBER) for cell in ("", "x")),
+    (replaced("yield_stress_MPa", "high"), "yield_stress_MPa", "high", *NUMBER),
+    *(
+        (replaced("E_GPa", cell), "E_GPa", cell, "must be positive and finite", UNIT)
+        for cell in ("0", "-207", "inf", "nan")
+    ),
+    *(
+        (replaced("nu", cell), "nu", cell, "must lie in [0, 0.5]", UNIT)
+        for cell in ("-0.1", "0.6", "nan", "30")
+    ),
+    *(
+        (replaced("yield_stress_MPa", cell), "yield_stress_MPa", cell, "must be positive", UNIT)
+        for cell in ("0", "-250", "nan")
+    ),
+    *(
+        (replaced(column, cell), column, cell, *ORIGIN)
+        for column in ("E_provenance", "nu_provenance", "yield_provenance")
+        for cell in ("", "guess", "Paper")
+    ),
+    *((replaced("name", cell), "name", None, "is required", "name the") for cell in ("", " ")),
+    (replaced("note", "a, b"), "", None, "has 9 cells for 8 columns", CELLS),
+    (STEEL.removesuffix(",a note"), "", None, "has 7 cells for 8 columns", "commas for empty"),
+    (STEEL, "name", "steel", "stands twice", "a name of its own"),
+]
+
+
+@pytest.mark.parametrize(
+    ("line", "key", "value", "rule", "remedy"), BAD_ROWS, ids=[row[0] for row in BAD_ROWS]
+)
+def test_a_bad_row_is_told_by_its_line(tmp_path, line, key, value, rule, remedy):
+    path = write(tmp_path, STEEL, "", line)
+    with pytest.raises(InputError) as caught:
+        read_materials(path)
+    assert_told(caught, f"{path}, line 4", key, value, rule, remedy)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        HEADER.removesuffix(",note"),
+        HEADER.replace("E_GPa", "E_MPa"),
+        HEADER + ",colour",
+        HEADER.replace("note", "name"),
+        "",
+    ],
+)
+def test_missing_unknown_and_repeated_columns_are_refused(tmp_path, header):
+    path = write(tmp_path, STEEL, header=header)
+    with pytest.raises(InputError) as caught:
+        read_materials(path)
+    columns = header.split(",") if header else STEEL.split(",")
+    rule = f"must be {', '.join(COLUMNS)}"
+    assert_told(caught, path, "columns", columns, rule, "correct the first line")
+
+
+def test_a_table_without_materials_is_refused(tmp_path):
+    path = write(tmp_path)
+    with pytest.raises(InputError) as caught:
+        read_materials(path)
+    assert_told(caught, path, "", None, "holds no material", "at least one row")
+
+
+@pytest.mark.parametrize(
+    ("contents", "reason"),
+    [
+        (b"\x89PNG\r\n\x1a\n", "can't decode byte 0x89"),
+        (HEADER.encode() + b'\nsteel,207,paper,"0.3', "unexpected end of data"),
+        (HEADER.encode() + b"\n" + b"x" * 200_000, "field larger than field limit"),
+    ],
+)
+def test_a_file_that_is_no_table_is_refused(tmp_path, contents, reason):
+    path = tmp_path / "materials.csv"
+    path.write_bytes(contents)
+    with pytest.raises(InputError) as caught:
+        read_materials(path)
+    assert_told(caught, path, "", None, reason, "give a CSV table of materials")
+
+
+def test_a_missing_file_and_a_folder_are_told_apart(tmp_path):
+    for path, reason in ((tmp_path / "no.csv", "No such file"), (tmp_path, "Is a directory")):
+        with pytest.raises(InputError) as caught:
+            read_materials(path)
+        assert_told(caught, path, "", None, f"cannot be read ({reason}", "give a CSV table")

@@ -1,0 +1,245 @@
+"""Result files: written and read back whole, and refused when they are anything else."""
+
+import json
+import math
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from cylcontact import InputError
+from cylcontact.fitting import FitResult, compare, read_campaign, verdicts
+from cylcontact.fitting.provenance import provenance
+from tests.spec_files import DROP, assert_told, changed, tree, write_bench
+
+COMMITTED = sorted((Path(__file__).resolve().parents[1] / "fitting/results").glob("*.json"))
+EXTERNAL = next(path for path in COMMITTED if path.stem == "external")
+
+
+# --- there and back ---------------------------------------------------------------------------
+
+
+def test_a_result_comes_back_as_it_was_saved(small_result, tmp_path):
+    path = tmp_path / "results/small.json"
+    small_result.save(path)
+    assert FitResult.load(path) == small_result
+    assert [file for file in tree(tmp_path) if file != "results"] == ["results/small.json"]
+
+
+def test_saving_what_was_loaded_gives_the_same_bytes(small_result, tmp_path):
+    small_result.save(tmp_path / "one.json")
+    FitResult.load(tmp_path / "one.json").save(tmp_path / "two.json")
+    assert (tmp_path / "one.json").read_bytes() == (tmp_path / "two.json").read_bytes()
+
+
+@pytest.mark.parametrize("path", COMMITTED, ids=lambda path: path.stem)
+def test_every_committed_result_loads_and_saves_as_it_is(path, tmp_path):
+    result = FitResult.load(path)
+    assert result.name == path.stem
+    result.save(tmp_path / path.name)
+    assert (tmp_path / path.name).read_bytes() == path.read_bytes()
+
+
+def test_the_file_is_plain_json_that_ends_in_a_line_break(small_result, tmp_path):
+    small_result.save(tmp_path / "r.json")
+    text = (tmp_path / "r.json").read_text(encoding="utf-8")
+    assert json.loads(text)["coefficients"] == small_result.coefficients
+    assert text.endswith("}\n")
+
+
+def test_repeatable_leaves_out_times_and_provenance_only(small_result):
+    data, left = small_result.model_dump(), small_result.repeatable()
+    assert set(data) - set(left) == {"provenance"}
+    assert set(data["runs"][0]) - set(left["runs"][0]) == {"seconds"}
+    other = small_result.model_copy(
+        update={
+            "provenance": {},
+            "runs": [run.model_copy(update={"seconds": 99.0}) for run in small_result.runs],
+        }
+    )
+    assert other.repeatable() == left
+    assert other != small_result
+
+
+def test_a_result_says_what_it_was_made_with(small_result, small_campaign):
+    made_with = small_result.provenance
+    assert {"cylcontact", "git_commit", "spec_hashes", "python", "libraries"} == set(made_with)
+    assert set(made_with["spec_hashes"]) == {"campaign", "dataset"}
+    assert {"numpy", "scipy", "pygad"} <= set(made_with["libraries"])
+    assert small_result.settings == small_campaign.settings
+
+
+def git(folder, *arguments):
+    identity = ["-c", "user.name=n", "-c", "user.email=e", "-c", "commit.gpgsign=false"]
+    command = ["git", *identity, *arguments]
+    return subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
+
+
+@pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
+def test_the_commit_is_that_of_the_campaign_and_marked_when_changed(tmp_path):
+    campaign = read_campaign(write_bench(tmp_path))
+    git(tmp_path, "init", "--quiet")
+    git(tmp_path, "add", ".")
+    git(tmp_path, "commit", "--quiet", "--message", "all")
+    commit = git(tmp_path, "rev-parse", "HEAD").strip()
+    assert provenance(campaign)["git_commit"] == commit
+    write_bench(tmp_path, {"seed": 8})
+    assert provenance(campaign)["git_commit"] == f"{commit}-dirty"
+
+
+def test_outside_git_there_is_no_commit(small_campaign, monkeypatch):
+    monkeypatch.setenv("GIT_DIR", "there/is/none")
+    assert provenance(small_campaign)["git_commit"] is None
+
+
+def test_a_result_introduces_itself(small_result):
+    assert repr(small_result).startswith("FitResult('small', rms-log-penetration = ")
+    assert str(small_result).startswith("small: power law, internal contact, fitted to johnson")
+    assert small_result._repr_html_().startswith("<p>small: power law")
+
+
+# --- bad input --------------------------------------------------------------------------------
+
+REDO = "redo the fit"
+NUMBER, INTEGER = "must be a number", "must be an integer"
+NAMES = "must be the coefficients of its campaign: a, b, n"
+
+# Changes to a committed result; what stands after the file's name in the source of the error,
+# its key, value, rule and remedy.
+BAD_INPUT = [
+    # missing and unknown keys
+    *(({key: DROP}, "", key, None, "is required", "add ") for key in FitResult.model_fields),
+    ({"objective.value": DROP}, "", "objective.value", None, "is required", "add its value"),
+    ({"profiles.a.low": DROP}, "", "profiles.a.low", None, "is required", "add lower end"),
+    ({"colour": "red"}, "", "colour", "red", "is not a known key", "name, law, contact"),
+    ({"counts.used": 1}, "", "counts.used", 1, "is not a known key", "samples, masked"),
+    # wrong types
+    ({"name": 3}, "", "name", 3, "must be a string", "the campaign's name"),
+    ({"contact": "inside"}, "", "contact", "inside", "must be 'internal' or", "the contact"),
+    ({"coefficients": [0.4]}, "", "coefficients", [0.4], "must be a table", "the fitted"),
+    ({"coefficients.a": "0.4"}, "", "coefficients.a", "0.4", NUMBER, "the fitted coefficients"),
+    ({"coefficients.a": None}, "", "coefficients.a", None, NUMBER, "the fitted coefficients"),
+    ({"coefficients.a": True}, "", "coefficients.a", True, NUMBER, "the fitted coefficients"),
+    ({"objective": 0.05}, "", "objective", 0.05, "must be a table", "the objective reached"),
+    ({"counts.samples": 3.5}, "", "counts.samples", 3.5, INTEGER, "samples used"),
+    ({"runs": {}}, "", "runs", {}, "must be a list", "every run"),
+    ({"runs": [3]}, "", "runs.0", 3, "must be a table", "every run"),
+    ({"profiles.a": []}, "", "profiles.a", [], "must be a table", "a profile for each"),
+    ({"profiles.a.values": "x"}, "", "profiles.a.values", "x", "must be a list", "values of the"),
+    ({"settings": "x"}, "", "settings", "x", "must be a table", "the campaign and the grid"),
+    # NaN in data
+    *(
+        ({"objective.value": value}, "", "objective.value", value, "a finite number", "its value")
+        for value in (math.nan, math.inf)
+    ),
+    ({"bound": math.nan}, "", "bound", math.nan, "must be a finite number", "the per-clearance"),
+    ({"coefficients.n": math.nan}, "", "coefficients.n", math.nan, "a finite number", "fitted"),
+    (
+        {"profiles.a.objective": [0.1, math.nan]},
+        *("", "profiles.a.objective.1", math.nan, "a finite number", "the objective with all"),
+    ),
+    (
+        {"settings.campaign.parameters.a.low": math.nan},
+        *(", settings.campaign", "parameters.a.low", math.nan, "a finite number", "lower bound"),
+    ),
+    # contradictions
+    ({"runs": []}, "", "runs", [], "must hold at least one run", REDO),
+    ({"coefficients": {"a": 0.4, "b": 0.9}}, "", "coefficients", ["a", "b"], NAMES, REDO),
+    ({"coefficients.m": 1.0}, "", "coefficients", ["a", "b", "m", "n"], NAMES, REDO),
+    ({"published.coefficients": {}}, "", "published.coefficients", [], NAMES, REDO),
+    ({"profiles.a.values": [0.4]}, "", "profiles.a", None, "equally many", REDO),
+    ({"settings": {}}, "", "settings", None, "lacks the campaign or the dataset", REDO),
+    (
+        {"settings.campaign.seed": "1"},
+        *(", settings.campaign", "seed", "1", INTEGER, "the seed"),
+    ),
+    (
+        {"settings.dataset.axes.E.points": 0},
+        *(", settings.dataset", "axes.E.points", 0, "must be at least 2", "values = [...]"),
+    ),
+    (
+        {"settings.campaign.parameters.n": DROP},
+        *("", "parameters.n", None, "is required", "the law has a, b, n"),
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("changes", "where", "key", "value", "rule", "remedy"),
+    BAD_INPUT,
+    ids=[
+        ", ".join(f"{k}={v if v is not DROP else ''}" for k, v in c[0].items()) for c in BAD_INPUT
+    ],
+)
+def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
+    tmp_path, changes, where, key, value, rule, remedy
+):
+    path = tmp_path / "r.json"
+    path.write_text(json.dumps(changed(json.loads(EXTERNAL.read_text("utf-8")), changes)))
+    with pytest.raises(InputError) as caught:
+        FitResult.load(path)
+    assert_told(caught, f"{path}{where}", key, value, rule, remedy)
+
+
+def test_a_profile_of_no_coefficient_is_refused(tmp_path):
+    data = json.loads(EXTERNAL.read_text("utf-8"))
+    data["profiles"]["m"] = data["profiles"]["a"]
+    (tmp_path / "r.json").write_text(json.dumps(data))
+    with pytest.raises(InputError, match=r"profiles\.m: must be a coefficient's"):
+        FitResult.load(tmp_path / "r.json")
+
+
+def test_coefficients_of_a_run_are_checked_too(tmp_path):
+    data = json.loads(EXTERNAL.read_text("utf-8"))
+    del data["runs"][3]["coefficients"]["n"]
+    (tmp_path / "r.json").write_text(json.dumps(data))
+    with pytest.raises(InputError, match=r"runs\.3\.coefficients = \['a', 'b'\]: must be the"):
+        FitResult.load(tmp_path / "r.json")
+
+
+@pytest.mark.parametrize(
+    ("contents", "rule", "remedy"),
+    [
+        (b"", "is not JSON (Expecting value", "name a result, or redo the fit"),
+        (b'contact = "internal"\n[axes.E]\nmin = 69\n', "is not JSON", "name a result"),
+        (b'{"name": "small", "law"', "is not JSON", "redo the fit"),
+        (b"[" * 100_000, "is not JSON", "redo the fit"),
+        (b"9" * 5000, "is not JSON", "redo the fit"),
+        (b"\x89PNG\r\n\x1a\n\0\0", "is not a text file", "name a result, a JSON file"),
+        (b"PAR1\x80\0", "is not a text file", "name a result, a JSON file"),
+        (b"[]", "is not a result", "name one that a fit has written"),
+        (b"3", "is not a result", "name one that a fit has written"),
+        (b"null", "is not a result", "name one that a fit has written"),
+    ],
+    ids=range(10),
+)
+def test_a_file_that_is_no_result_is_refused(tmp_path, contents, rule, remedy):
+    path = tmp_path / "r.json"
+    path.write_bytes(contents)
+    with pytest.raises(InputError) as caught:
+        FitResult.load(path)
+    assert_told(caught, path, "", None, rule, remedy)
+
+
+def test_a_foreign_table_is_refused_by_its_first_unknown_key(tmp_path):
+    path = tmp_path / "package.json"
+    path.write_text('{"name": "x", "dependencies": {}}')
+    with pytest.raises(InputError) as caught:
+        FitResult.load(path)
+    assert_told(caught, path, "dependencies", {}, "is not a known key", "name, law, contact")
+
+
+def test_a_missing_file_and_a_folder_are_told_apart(tmp_path):
+    for path, reason in ((tmp_path / "no.json", "No such file"), (tmp_path, "Is a directory")):
+        with pytest.raises(InputError) as caught:
+            FitResult.load(path)
+        assert_told(caught, path, "", None, f"cannot be read ({reason}", "check the path")
+
+
+def test_a_result_that_loads_can_be_reported(tmp_path, small_result):
+    """Whatever passes the checks has a report, verdicts and a place in a comparison."""
+    small_result.save(tmp_path / "r.json")
+    result = FitResult.load(tmp_path / "r.json")
+    assert verdicts(result) == verdicts(small_result)
+    assert "small" in compare([result, FitResult.load(EXTERNAL)])

@@ -1,0 +1,106 @@
+"""Workers: as many as there is work for, deaf to Ctrl-C, and told of when the system ends one."""
+
+import os
+import signal
+import threading
+import time
+from contextlib import closing
+from functools import partial
+
+import joblib
+import pytest
+
+from cylcontact import InputError
+from cylcontact.fitting.workers import in_processes
+from tests.spec_files import assert_told
+
+posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
+
+
+def calls(function, *arguments):
+    return [joblib.delayed(function)(argument) for argument in arguments]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_results_come_in_the_order_of_the_calls(jobs):
+    assert list(in_processes(calls(abs, -1, -2, -3), jobs)) == [1, 2, 3]
+
+
+def test_results_may_come_as_they_are_ready():
+    assert sorted(in_processes(calls(abs, -1, -2, -3), 2, ordered=False)) == [1, 2, 3]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_no_calls_need_no_workers(jobs):
+    assert list(in_processes([], jobs)) == []
+
+
+def test_no_more_workers_are_started_than_there_are_calls(monkeypatch):
+    asked = []
+
+    class Recorded(joblib.Parallel):
+        def __init__(self, n_jobs, **kwargs):
+            asked.append(n_jobs)
+            super().__init__(n_jobs=1, **kwargs)
+
+    monkeypatch.setattr(joblib, "Parallel", Recorded)
+    for jobs, count in ((5000, 3), (2, 3), (2, 0)):
+        list(in_processes(calls(abs, *range(count)), jobs))
+    assert asked == [3, 2, 1]
+
+
+@posix
+def test_workers_never_see_ctrl_c_and_this_process_does():
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [])
+    masks = list(in_processes(calls(partial(signal.pthread_sigmask, signal.SIG_BLOCK), [], []), 2))
+    assert all(signal.SIGINT in mask for mask in masks)
+    assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == before
+
+
+@posix
+def test_ctrl_c_while_workers_start_takes_effect_at_once_after(monkeypatch):
+    class Interrupted(joblib.Parallel):
+        def __call__(self, iterable):
+            os.kill(os.getpid(), signal.SIGINT)
+            return super().__call__(iterable)
+
+    monkeypatch.setattr(joblib, "Parallel", Interrupted)
+    results = in_processes(calls(time.sleep, 60, 60), 2)
+    with pytest.raises(KeyboardInterrupt):
+        next(results)
+
+
+def test_another_thread_may_start_workers():
+    found = []
+    thread = threading.Thread(target=lambda: found.extend(in_processes(calls(abs, -1, -2), 2)))
+    thread.start()
+    thread.join()
+    assert found == [1, 2]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_bad_input_found_by_a_worker_comes_back_whole(jobs):
+    def refuse(value):
+        raise InputError("file", "key", value, "rule", "remedy")
+
+    with pytest.raises(InputError) as caught:
+        list(in_processes(calls(refuse, 1), jobs))
+    assert_told(caught, "file", "key", 1, "rule", "remedy")
+
+
+@posix
+def test_a_worker_ended_by_the_system_is_told_in_one_line():
+    def end(_):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    with pytest.raises(InputError) as caught:
+        list(in_processes(calls(end, 1, 2), 2))
+    assert_told(caught, "workers", "jobs", 2, "probably for want of memory", "--resume goes on")
+    assert list(in_processes(calls(abs, -1, -2), 2)) == [1, 2]
+
+
+def test_closing_early_ends_calls_under_way_without_a_warning():
+    started = time.monotonic()
+    with closing(in_processes(calls(time.sleep, 0, 60, 60), 2, ordered=False)) as results:
+        next(results)
+    assert time.monotonic() - started < 30
