@@ -1,4 +1,4 @@
-"""Fig 8: the largest load of Johnson's law against clearance, with the limits the text quotes."""
+"""Fig 8: the largest load of Johnson's law against clearance, and where it departs from truth."""
 
 from collections.abc import Mapping
 

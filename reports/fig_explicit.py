@@ -1,7 +1,10 @@
 """All laws against conformal contact over the whole domain, in the universal variables."""
 
+from dataclasses import asdict
+
 import pandas as pd
 
+from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.universal import (
@@ -20,7 +23,7 @@ CAPTION = (
     "Contact laws against Persson's conformal solution, internal contact, in φ = f/(E* ΔR) and "
     "δ/ΔR (-). (a) Penetration. (b) Error (%) of the load at given penetration; the axis is linear "
     "between -0.1 and 0.1 % and logarithmic beyond. Persson's datum is matched to Johnson's law at "
-    "small loads, our choice. Explicit: c = 1.427, A = 0.3602, B = 3.84, calibrated here; its "
+    "small loads, our choice. Explicit: {constants}, calibrated here; its "
     "one-line formula gives the penetration from the load and is inverted numerically for (b). "
     "Johnson's law ends at φ = 4π/e² (Eq 8), where its penetration is about half of Persson's. "
     "Winkler: the depth of the foundation is chosen so that it is right for large loads. The "
@@ -64,4 +67,8 @@ def draw(bench: Bench) -> Drawing:
     }
     for name in ("johnson", "liu", "winkler"):
         headline[f"{name}: largest error of the load, %"] = sizes[name, "internal", "load"]
-    return Drawing(universal_panels(laws, drawn), table, headline, CAPTION)
+    constants = asdict(CALIBRATED["internal"]).items()
+    caption = CAPTION.format(
+        constants=", ".join(f"{name} = {value:g}" for name, value in constants)
+    )
+    return Drawing(universal_panels(laws, drawn), table, headline, caption)

@@ -14,7 +14,7 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.verdicts import identification, verdicts
 
 WIDTH = 100
-COLUMNS = ("", "fitted", "published", "within 1 %", "identified")
+COLUMNS = ("", "fitted", "published", "held there", "within 1 %", "identified")
 Rows = list[tuple[str, ...]]
 
 
@@ -82,20 +82,27 @@ def _headline(result: FitResult) -> str:
 
 
 def _lines(result: FitResult) -> Rows:
-    """Return the lines of the report's table."""
-    published = result.published
+    """Return the lines of the report's table.
+
+    "Held there" is by how much the best attainable objective rises when the coefficient is held
+    at its published value.
+    """
+    published, optimum = result.published, result.objective.value
     lines: Rows = []
     for name, value in result.coefficients.items():
-        interval = ""
-        if name in result.profiles:
-            interval = result.profiles[name].interval
         paper = f"{published.coefficients[name]:g}" if published else "-"
-        lines.append((name, f"{value:.5g}", paper, interval, identification(result, name)))
+        interval = rise = ""
+        if name in result.profiles:
+            profile = result.profiles[name]
+            interval = profile.interval
+            if profile.objective_at_published is not None:
+                rise = f"{profile.objective_at_published / optimum - 1:+.1%}"
+        lines.append((name, f"{value:.5g}", paper, rise, interval, identification(result, name)))
     paper = f"{published.objective:.5g}" if published else "-"
     bound = f"bound {result.bound:.5g}" if result.bound is not None else ""
-    lines.append((result.objective.name, f"{result.objective.value:.5g}", paper, bound, ""))
+    lines.append((result.objective.name, f"{optimum:.5g}", paper, "", bound, ""))
     worst = result.max_abs_diff_percent
-    lines.append(("max |Eq 9|, %", f"{worst.fitted:.4g}", _or_dash(worst.published), "", ""))
+    lines.append(("max |Eq 9|, %", f"{worst.fitted:.4g}", _or_dash(worst.published), "", "", ""))
     return lines
 
 

@@ -6,11 +6,12 @@ import signal
 import warnings
 from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from multiprocessing import resource_tracker
 from typing import Any
 
 import joblib
-from joblib.externals.loky.backend.resource_tracker import ensure_running
+from joblib.externals.loky.backend import resource_tracker as loky_resource_tracker
 
 from cylcontact.errors import InputError
 
@@ -36,11 +37,10 @@ def in_processes(calls: Sequence[Any], jobs: int, ordered: bool = True) -> Gener
     InputError
         If the system ended a worker, which it does where memory is short.
     """
-    parallel = joblib.Parallel(
-        n_jobs=max(1, min(jobs, len(calls))),
-        return_as="generator" if ordered else "generator_unordered",
-    )
-    with _interrupts_held():
+    workers = max(1, min(jobs, len(calls)))
+    return_as = "generator" if ordered else "generator_unordered"
+    parallel = joblib.Parallel(n_jobs=workers, return_as=return_as)
+    with _interrupts_held() if workers > 1 else nullcontext():
         results = parallel(calls)
     try:
         for result in results:  # noqa: UP028 - `yield from` would close it before `finally` does
@@ -69,7 +69,8 @@ def _interrupts_held() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
-    ensure_running()  # the tracker of the workers' resources, which lifts the mask as it starts
+    for tracker in (resource_tracker, loky_resource_tracker):
+        tracker.ensure_running()  # needed by the workers; it lifts the mask as it starts
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -27,18 +27,19 @@ from cylcontact.laws import (
 )
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
+from cylcontact.reports.laws_bounds import BOUNDED, STEEL
 
 # E* = 1 MPa and ΔR = 1 mm, so that a load is φ and a penetration is d.
 _UNIT = Material("unit", E=2.0, nu=0.0)
 UNIT_PAIR = CylinderPair.from_dR("internal", 1.0, _UNIT)
 UNIT_ROLLERS = CylinderPair.from_dR("external", 1.0, _UNIT)
-PHI_MIN, PHI_MAX = 1e-6, 60.0
-EXTERNAL_PHI = (1e-9, 0.02)
+PHI_MIN, PHI_MAX = BOUNDED["internal"]
+EXTERNAL_PHI = BOUNDED["external"]
 PER_DECADE = 200
 INVERSION_POINTS = 100_001
 
 # The pairs that the laws which are not dimensionless are drawn for.
-EXAMPLE = Material("steel", E=207e3, nu=0.3)
+EXAMPLE = STEEL
 EXAMPLE_CLEARANCES = (0.01, 0.05, 0.5)  # mm
 EXAMPLE_LOADS = (1.0, 1e4)  # N/mm
 

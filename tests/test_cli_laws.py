@@ -1,0 +1,82 @@
+"""The commands that print laws: `cylcontact laws` and `cylcontact export`."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from cylcontact import cli, laws
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run a command line and return its exit code, standard output and standard error."""
+
+    def command(*arguments):
+        monkeypatch.setattr("sys.argv", ["cylcontact", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stop:
+            cli.main()
+        return stop.value.code, *capsys.readouterr()
+
+    return command
+
+
+def test_laws_lists_every_law_and_the_explicit_laws_error(run):
+    code, out, err = run("laws")
+    assert (code, err) == (0, "")
+    assert all(f"\n{name} " in out for name in laws.LAWS)
+    assert "internal load: 0.1156 % of persson's" in out
+
+
+def test_laws_leaves_out_what_is_not_for_rollers(run):
+    code, out, _ = run("laws", "--contact", "external")
+    assert code == 0
+    assert "johnson" in out
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "told"),
+    [
+        ("--nu", "0.7", "nu = 0.7: Poisson's ratio must lie in [0, 0.5]"),
+        ("--dR", "-1", "dR = -1.0: must be positive"),
+        ("--contact", "sideways", "must be 'internal' or 'external'"),
+        ("--load", "many", "Invalid value for '--load'"),
+    ],
+)
+def test_laws_refuses_a_bad_pair_in_one_line(run, option, value, told):
+    code, out, err = run("laws", option, value)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert told in err
+
+
+def test_export_prints_a_function(run):
+    code, out, err = run("export", "explicit", "--contact", "internal", "--to", "c")
+    assert (code, err) == (0, "")
+    assert "double cylcontact_explicit_internal_load(" in out
+
+
+def test_export_writes_a_refit_to_a_file(run, tmp_path):
+    result, out = ROOT / "fitting/results/external.json", tmp_path / "new" / "law.json"
+    code, told, err = run("export", result, "--to", "json", "-o", out)
+    assert (code, err) == (0, "")
+    assert told == f"{result} written to {out}\n"
+    assert json.loads(out.read_text(encoding="ascii"))["law"] == "enhanced"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("explicit", "--to", "c"), "give --contact internal or --contact external"),
+        (("explicit", "--to", "ada", "--contact", "internal"), "choose c, fortran, matlab or json"),
+        (("nosuch", "--to", "c"), "neither a law that can be exported nor a fit result"),
+        (("johnson",), "--to"),
+    ],
+)
+def test_export_refuses_in_one_line_and_writes_nothing(run, tmp_path, arguments, told):
+    out = tmp_path / "law.c"
+    code, printed, err = run("export", *arguments, "-o", out)
+    assert (code, printed, err.count("\n")) == (2, "", 1)
+    assert told in err
+    assert not out.exists()
