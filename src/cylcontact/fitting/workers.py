@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import threading
 import warnings
 from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
@@ -40,9 +41,10 @@ def in_processes(calls: Sequence[Any], jobs: int, ordered: bool = True) -> Gener
     workers = max(1, min(jobs, len(calls)))
     return_as = "generator" if ordered else "generator_unordered"
     parallel = joblib.Parallel(n_jobs=workers, return_as=return_as)
-    with _interrupts_held() if workers > 1 else nullcontext():
-        results = parallel(calls)
+    results = None
     try:
+        with _interrupts_held() if workers > 1 else nullcontext():
+            results = parallel(calls)
         for result in results:  # noqa: UP028 - `yield from` would close it before `finally` does
             yield result
     except BrokenProcessPool as error:
@@ -54,25 +56,34 @@ def in_processes(calls: Sequence[Any], jobs: int, ordered: bool = True) -> Gener
             "use fewer, or a smaller grid; fit --resume goes on from the runs that are kept",
         ) from error
     finally:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # calls cut short are told of as a mistake
-            results.close()
+        if results is not None:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # calls cut short are told of as a mistake
+                results.close()
 
 
 @contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Hold Ctrl-C back; processes and threads started meanwhile never see it.
+    """Hold Ctrl-C back until the end; processes started meanwhile never see it.
 
     A terminal sends it to all processes at once, and a worker that is still importing would
-    print its traceback. One that comes meanwhile takes effect at the end.
+    print its traceback. A blocked signal stays blocked in new processes; here, where other
+    threads may still receive it, it is noted and raised again.
     """
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
     for tracker in (resource_tracker, loky_resource_tracker):
         tracker.ensure_running()  # needed by the workers; it lifts the mask as it starts
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    noted: list[int] = []
+    in_main = threading.current_thread() is threading.main_thread()
+    handler = signal.signal(signal.SIGINT, lambda number, _: noted.append(number)) if in_main else 0
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        if in_main:
+            signal.signal(signal.SIGINT, handler)
+        for number in noted[:1]:
+            signal.raise_signal(number)
