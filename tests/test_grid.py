@@ -139,7 +139,7 @@ NUMBER, INTEGER, TABLE = "must be a number", "must be an integer", "must be a ta
 BAD_INPUT = [
     # missing keys
     ({"contact": DROP}, "contact", None, "is required", '"internal" or "external"'),
-    ({"reference": DROP}, "reference", None, "is required", "the law to sample: "),
+    ({"reference": DROP}, "reference", None, "is required", "the law to sample, one of johnson"),
     ({"axes": DROP}, "axes", None, "is required", "[axes.E], [axes.nu], [axes.dR], [axes.load]"),
     ({"axes.E": DROP}, "axes.E", None, "is required", "a table [axes.E] for Young's modulus"),
     ({"axes.nu": DROP}, "axes.nu", None, "is required", "a table [axes.nu] for Poisson's ratio"),
@@ -167,7 +167,7 @@ BAD_INPUT = [
     ({"contact": 3}, "contact", 3, "must be 'internal' or 'external'", '"internal"'),
     ({"contact": ["internal"]}, "contact", ["internal"], "must be 'internal'", '"internal"'),
     ({"contact": "inside"}, "contact", "inside", "must be 'internal'", '"internal"'),
-    ({"reference": 1}, "reference", 1, "must be a string", "the law to sample: "),
+    ({"reference": 1}, "reference", 1, "must be a string", "the law to sample, one of johnson"),
     ({"axes": 3}, "axes", 3, TABLE, "the tables [axes.E]"),
     ({"axes": []}, "axes", [], TABLE, "the tables [axes.E]"),
     ({"axes.E": 207.0}, "axes.E", 207.0, TABLE, "a table [axes.E]"),

@@ -11,7 +11,7 @@ import joblib
 import pytest
 
 from cylcontact import InputError
-from cylcontact.fitting.workers import in_processes
+from cylcontact.fitting.workers import SETTLING, in_processes
 from tests.spec_files import assert_told
 
 posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
@@ -103,4 +103,5 @@ def test_closing_early_ends_calls_under_way_without_a_warning():
     started = time.monotonic()
     with closing(in_processes(calls(time.sleep, 0, 60, 60), 2, ordered=False)) as results:
         next(results)
+        time.sleep(SETTLING)
     assert time.monotonic() - started < 30

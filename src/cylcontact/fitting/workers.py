@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 import warnings
 from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
@@ -15,6 +16,9 @@ import joblib
 from joblib.externals.loky.backend import resource_tracker as loky_resource_tracker
 
 from cylcontact.errors import InputError
+
+# Seconds after which the thread that feeds new workers has done so; it breaks if stopped before.
+SETTLING = 0.2
 
 
 def in_processes(calls: Sequence[Any], jobs: int, ordered: bool = True) -> Generator[Any]:
@@ -75,7 +79,7 @@ def _interrupts_held() -> Iterator[None]:
         return
     for tracker in (resource_tracker, loky_resource_tracker):
         tracker.ensure_running()  # needed by the workers; it lifts the mask as it starts
-    noted: list[int] = []
+    noted = []
     in_main = threading.current_thread() is threading.main_thread()
     handler = signal.signal(signal.SIGINT, lambda number, _: noted.append(number)) if in_main else 0
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -85,5 +89,6 @@ def _interrupts_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         if in_main:
             signal.signal(signal.SIGINT, handler)
-        for number in noted[:1]:
-            signal.raise_signal(number)
+        if noted:
+            time.sleep(SETTLING)
+            signal.raise_signal(signal.SIGINT)
