@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, require
 from cylcontact.errors import InputError
-from cylcontact.laws.power import power_load, power_penetration, power_stiffness
+from cylcontact.laws.power import PowerShaped
 from cylcontact.pair import Contact, CylinderPair
 
 # Eq 6d defines Y for internal contact on [0.005, 10[ mm.
@@ -140,7 +140,7 @@ def coefficients_from(values: Mapping[str, float]) -> Coefficients:
 
 
 @dataclass(frozen=True)
-class Enhanced:
+class Enhanced(PowerShaped):
     """The enhanced law, Eqs 5–6, without its dissipation factor.
 
     Parameters
@@ -172,37 +172,11 @@ class Enhanced:
         if isinstance(self.coefficients, Mapping):
             object.__setattr__(self, "coefficients", coefficients_from(self.coefficients))
 
-    def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the penetration in mm under `load` in N/mm."""
-        return power_penetration(load, *self._factor_and_exponent(pair))
+    def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
+        """Return K = (aΔR + b)·E*/ΔR in N/mm per mmⁿ and n (Eq 6c).
 
-    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the load in N/mm at `penetration` in mm."""
-        return power_load(penetration, *self._factor_and_exponent(pair))
-
-    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return d(load)/d(penetration) in N/mm²."""
-        return power_stiffness(penetration, *self._factor_and_exponent(pair))
-
-    def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return inf where the law is defined, NaN elsewhere."""
-        factor = self.factor(pair)
-        return inside_or_nan(np.full_like(factor, np.inf), np.isfinite(factor))
-
-    def max_penetration(self, pair: CylinderPair) -> FloatArray:
-        """Return inf where the law is defined, NaN elsewhere."""
-        return self.max_load(pair)
-
-    def factor(self, pair: CylinderPair) -> FloatArray:
-        """Return K = (aΔR + b)·E*/ΔR in N/mm per mmⁿ, NaN where the law is undefined."""
-        return self._factor_and_exponent(pair)[0]
-
-    def exponent(self, pair: CylinderPair) -> FloatArray:
-        """Return n (Eq 6c), NaN where the law is undefined."""
-        return self._factor_and_exponent(pair)[1]
-
-    def _factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
-        """Return K and n, NaN in the same places: 1ⁿ is 1 even where n is NaN."""
+        Both are NaN where the law is undefined, for 1ⁿ is 1 even where n is NaN.
+        """
         chosen, dR = self._coefficients_for(pair), as_floats(pair.dR)
         inside = in_range(dR, pair.contact)
         K_star = stiffness_factor(dR, chosen.a, chosen.b)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -13,28 +14,58 @@ from cylcontact.errors import InputError
 from cylcontact.pair import CylinderPair
 
 
-def power_load(penetration: ArrayLike, factor: FloatArray, n: FloatArray) -> FloatArray:
-    """Return f = K·δⁿ, NaN where δ is negative."""
+class PowerShaped(ABC):
+    """The common form f = K·δⁿ at each pair; a law supplies K and n."""
+
+    @abstractmethod
+    def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
+        """Return K in N/mm per mmⁿ and n, both NaN where the law is undefined."""
+
+    def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the penetration in mm under `load` in N/mm, δ = (f/K)^(1/n)."""
+        factor, n = self.factor_and_exponent(pair)
+        f = as_floats(load)
+        touching = f >= 0
+        return inside_or_nan((np.where(touching, f, 0.0) / factor) ** (1 / n), touching)
+
+    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the load in N/mm at `penetration` in mm, f = K·δⁿ."""
+        factor, n = self.factor_and_exponent(pair)
+        return _power(penetration, factor, n)
+
+    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return df/dδ = n·K·δⁿ⁻¹ in N/mm²; infinite at δ = 0 if n < 1."""
+        factor, n = self.factor_and_exponent(pair)
+        with np.errstate(divide="ignore"):
+            return as_floats(n * _power(penetration, factor, n - 1))
+
+    def max_load(self, pair: CylinderPair) -> FloatArray:
+        """Return inf, a power law having no largest load, and NaN where it is undefined."""
+        factor, _ = self.factor_and_exponent(pair)
+        return inside_or_nan(np.full_like(factor, np.inf), np.isfinite(factor))
+
+    def max_penetration(self, pair: CylinderPair) -> FloatArray:
+        """Return inf where the law is defined, NaN elsewhere."""
+        return self.max_load(pair)
+
+    def factor(self, pair: CylinderPair) -> FloatArray:
+        """Return K in N/mm per mmⁿ for `pair`."""
+        return self.factor_and_exponent(pair)[0]
+
+    def exponent(self, pair: CylinderPair) -> FloatArray:
+        """Return n for `pair`."""
+        return self.factor_and_exponent(pair)[1]
+
+
+def _power(penetration: ArrayLike, factor: FloatArray, n: FloatArray) -> FloatArray:
+    """Return K·δⁿ, NaN where δ is negative."""
     delta = as_floats(penetration)
     touching = delta >= 0
     return inside_or_nan(factor * np.where(touching, delta, 0.0) ** n, touching)
 
 
-def power_penetration(load: ArrayLike, factor: FloatArray, n: FloatArray) -> FloatArray:
-    """Return δ = (f/K)^(1/n), NaN where f is negative."""
-    f = as_floats(load)
-    touching = f >= 0
-    return inside_or_nan((np.where(touching, f, 0.0) / factor) ** (1 / n), touching)
-
-
-def power_stiffness(penetration: ArrayLike, factor: FloatArray, n: FloatArray) -> FloatArray:
-    """Return df/dδ = n·K·δⁿ⁻¹, NaN where δ is negative; infinite at δ = 0 if n < 1."""
-    with np.errstate(divide="ignore"):
-        return as_floats(n * power_load(penetration, factor, n - 1))
-
-
 @dataclass(frozen=True)
-class PowerLaw:
+class PowerLaw(PowerShaped):
     """The power law f = K·δⁿ (Eq 3), its factor given as K or as K* = K·ΔR/E* (Eq 4).
 
     Parameters
@@ -79,29 +110,9 @@ class PowerLaw:
                 "PowerLaw", "n", self.n, "must be positive and finite", "contact has n ≥ 1"
             )
 
-    def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the penetration in mm under `load` in N/mm."""
-        return power_penetration(load, self.factor(pair), as_floats(self.n))
-
-    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the load in N/mm at `penetration` in mm."""
-        return power_load(penetration, self.factor(pair), as_floats(self.n))
-
-    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return d(load)/d(penetration) in N/mm²."""
-        return power_stiffness(penetration, self.factor(pair), as_floats(self.n))
-
-    def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: a power law has no largest load."""
-        return as_floats(np.full_like(self.factor(pair), np.inf))
-
-    def max_penetration(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: a power law has no largest penetration."""
-        return self.max_load(pair)
-
-    def factor(self, pair: CylinderPair) -> FloatArray:
-        """Return K in N/mm per mmⁿ for `pair`."""
+    def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
+        """Return K in N/mm per mmⁿ and n."""
         scale = pair.E_star / as_floats(pair.dR)
         if self.K_star is not None:
-            return as_floats(self.K_star * scale)
-        return as_floats(np.full_like(scale, self.K))
+            return as_floats(self.K_star * scale), as_floats(self.n)
+        return as_floats(np.full_like(scale, self.K)), as_floats(self.n)

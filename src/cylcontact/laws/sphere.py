@@ -6,15 +6,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, require
-from cylcontact.laws.power import power_load, power_penetration, power_stiffness
+from cylcontact.laws.power import PowerShaped
 from cylcontact.pair import CylinderPair
 
 
 @dataclass(frozen=True)
-class LankaraniNikravesh:
+class LankaraniNikravesh(PowerShaped):
     """The elastic part of Eq 2: F = (4/3)·E*·√R·δⁿ, with R = R_i·R_j/ΔR.
 
     Parameters
@@ -56,27 +55,7 @@ class LankaraniNikravesh:
             "metals have n = 1.5",
         )
 
-    def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the penetration in mm under `load` in N/mm."""
-        return power_penetration(load, self.factor(pair), as_floats(self.n))
-
-    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the load in N/mm at `penetration` in mm."""
-        return power_load(penetration, self.factor(pair), as_floats(self.n))
-
-    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return d(load)/d(penetration) in N/mm²."""
-        return power_stiffness(penetration, self.factor(pair), as_floats(self.n))
-
-    def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest load."""
-        return as_floats(np.full_like(self.factor(pair), np.inf))
-
-    def max_penetration(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest penetration."""
-        return self.max_load(pair)
-
-    def factor(self, pair: CylinderPair) -> FloatArray:
-        """Return (4/3)·E*·√R/L in N/mm per mmⁿ."""
+    def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
+        """Return (4/3)·E*·√R/L in N/mm per mmⁿ, and n."""
         length = pair.contact_length("the law of Lankarani and Nikravesh per unit length")
-        return as_floats(4 / 3 * pair.E_star * np.sqrt(pair.R) / length)
+        return as_floats(4 / 3 * pair.E_star * np.sqrt(pair.R) / length), as_floats(self.n)
