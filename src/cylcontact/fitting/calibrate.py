@@ -75,6 +75,31 @@ def calibrate(
     InputError
         If every sample is masked, the bounds exclude the law's domain, or the checkpoint
         belongs to another campaign.
+
+    Examples
+    --------
+    Samples of the published external law give its coefficients back:
+
+    >>> from cylcontact.fitting.campaign import campaign_from_settings
+    >>> span = {"points": 4, "spacing": "log"}
+    >>> axes = {
+    ...     "E": {"values": [207.0]},
+    ...     "nu": {"values": [0.3]},
+    ...     "dR": {"min": 5.0, "max": 500.0, **span},
+    ...     "load": {"min": 10.0, "max": 1000.0, **span},
+    ... }
+    >>> bounds = {"a": (0.1, 1.5), "b": (0.1, 3.0), "n": (1.0, 1.5)}
+    >>> campaign = {
+    ...     "dataset": "inline",
+    ...     "law": "enhanced",
+    ...     "parameters": {k: {"low": low, "high": high} for k, (low, high) in bounds.items()},
+    ...     "genetic": {"runs": 2, "populations": [20], "generations": 20},
+    ... }
+    >>> grid = {"contact": "external", "reference": "enhanced", "axes": axes}
+    >>> settings = {"campaign": campaign, "dataset": grid}
+    >>> result = calibrate(campaign_from_settings("recovery", settings, "example"))
+    >>> print({name: round(value, 6) for name, value in result.coefficients.items()})
+    {'a': 0.39, 'b': 0.85, 'n': 1.094}
     """
     problem, counts = problem_of(campaign, jobs, progress)
     keeper = Checkpoint(checkpoint, campaign.key) if checkpoint is not None else None
@@ -119,31 +144,6 @@ def problem_of(campaign: Campaign, jobs: int, progress: Progress) -> tuple[Probl
     ------
     InputError
         If every sample is masked, or the bounds exclude the law's domain.
-
-    Examples
-    --------
-    Samples of the published external law give its coefficients back:
-
-    >>> from cylcontact.fitting.campaign import campaign_from_settings
-    >>> span = {"points": 4, "spacing": "log"}
-    >>> axes = {
-    ...     "E": {"values": [207.0]},
-    ...     "nu": {"values": [0.3]},
-    ...     "dR": {"min": 5.0, "max": 500.0, **span},
-    ...     "load": {"min": 10.0, "max": 1000.0, **span},
-    ... }
-    >>> bounds = {"a": (0.1, 1.5), "b": (0.1, 3.0), "n": (1.0, 1.5)}
-    >>> campaign = {
-    ...     "dataset": "inline",
-    ...     "law": "enhanced",
-    ...     "parameters": {k: {"low": low, "high": high} for k, (low, high) in bounds.items()},
-    ...     "genetic": {"runs": 2, "populations": [20], "generations": 20},
-    ... }
-    >>> grid = {"contact": "external", "reference": "enhanced", "axes": axes}
-    >>> settings = {"campaign": campaign, "dataset": grid}
-    >>> result = calibrate(campaign_from_settings("recovery", settings, "example"))
-    >>> print({name: round(value, 6) for name, value in result.coefficients.items()})
-    {'a': 0.39, 'b': 0.85, 'n': 1.094}
     """
     data, counts = _data(campaign, jobs, progress)
     objective = make_objective(campaign.spec.objective, data)
