@@ -24,7 +24,9 @@ def draw(_bench: Bench) -> Drawing:
     figure = new_figure("full", 112.0)
     axes = figure.subplots()
     draw_forms(axes, table)
-    axes.set(xlim=(1e-3, 150), xlabel="largest error (%)")
+    axes.set(xlim=(1e-3, 60))
+    span = rf"{PHI_MIN:g} $\leq \varphi \leq$ {PHI_MAX:g}"
+    axes.set_xlabel(f"largest error for {span}, constants unrounded (%)")
     errors = table.set_index("form")["largest_error_percent"]
     of_penetration = errors[(table["given"] == "load").to_numpy()]
     headline = {

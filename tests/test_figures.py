@@ -341,7 +341,7 @@ class TestMaps:
     )
     def test_notes(self, figures: Figures, name: str, note: str) -> None:
         texts = [text.get_text() for text in figures[name].drawing.figure.axes[0].texts]
-        assert f"{note} $R_i$ = 10 mm" in texts
+        assert rf"{note} $R_i$ = 10 mm, $\sigma_Y$ assumed" in texts
         assert ("beyond Johnson's law" in texts) == (name in {"fig13", "fig14"})
         assert ("yields" in texts) == (note == "yield line for")
         assert "fitted from 0.05 mm on" in texts

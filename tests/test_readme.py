@@ -36,7 +36,7 @@ def test_table_holds_the_committed_results(contact):
         f"{paper.objective:.5g}",
         f"{result.objective.value:.5g}",
     )
-    expected["lower bound for this form of law"] = ("", f"{result.bound:.5g}")
+    expected["bound with K* and n free at every ΔR"] = ("", f"{result.bound:.5g}")
     table = README.split(f"| {contact} contact |")[1].split("\n\n")[0]
     rows = [[c.strip() for c in line.split("|")[1:-1]] for line in table.splitlines()[2:]]
     assert {name: (published, refit) for name, published, refit in rows} == expected

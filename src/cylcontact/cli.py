@@ -109,6 +109,8 @@ def fit(
     target = out or campaign.parent / "results" / f"{campaign.stem}.json"
     require_writable(target)
     kept = target.with_name(target.name + ".partial")
+    if resume and not kept.exists():
+        typer.echo(f"cylcontact: no runs are kept in {kept}; all are run", err=True)
     try:
         with _progress() as progress:
             result = calibrate(planned, jobs or _cores(), progress, kept, resume)
@@ -216,7 +218,8 @@ def compare_laws(
     E: Annotated[float, typer.Option("--E", help="Young's modulus, MPa.")] = 207e3,
     nu: Annotated[float, typer.Option("--nu", help="Poisson's ratio.")] = 0.3,
     dR: Annotated[
-        float | None, typer.Option("--dR", help="ΔR, mm; 0.05 internal, 20 external by default.")
+        float | None,
+        typer.Option("--dR", help="ΔR, mm; by default 0.05 internal, twice Ri external."),
     ] = None,
     R_i: Annotated[float, typer.Option("--Ri", help="Radius of the hole or roller, mm.")] = 10.0,
     length: Annotated[float, typer.Option(help="Axial length, mm.")] = 10.0,

@@ -101,7 +101,10 @@ def hertz_pressure(x: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatAr
 def yield_load(pair: CylinderPair, yield_stress: float | None = None) -> FloatArray:
     """Return the load at which Hertz's peak pressure reaches the yield stress (Fig 7).
 
-    Eq 7 solved for the load: f = π·σ_Y²·R/E*.
+    Eq 7 solved for the load: f = π·σ_Y²·R/E*. Peak pressure equal to the yield stress is the
+    paper's criterion, not the onset of plastic flow, which in line contact needs a higher
+    pressure (about 1.8·σ_Y by von Mises). Like Eq 7 it rests on Hertz's theory and means nothing
+    where `hertz_half_width` at that load is no longer small against the radii.
 
     Parameters
     ----------

@@ -50,6 +50,11 @@ class Profile(Spec):
     def verdict(self, value: float) -> str:
         """Say in a word how well the coefficient is identified."""
         half_width = (self.high - self.low) / 2
+        margin = 1e-6 * half_width
+        if (self.low_is_bound and value - self.low <= margin) or (
+            self.high_is_bound and self.high - value <= margin
+        ):
+            return "at a bound"
         if self.low_is_bound or self.high_is_bound or half_width > FAIRLY * abs(value):
             return "poorly"
         return "well" if half_width <= WELL * abs(value) else "fairly"

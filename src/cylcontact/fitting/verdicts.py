@@ -26,7 +26,7 @@ def verdicts(result: FitResult) -> list[str]:
 
 
 def identification(result: FitResult, name: str) -> str:
-    """Return "well", "fairly", "poorly" or "fixed" for a coefficient."""
+    """Return "well", "fairly", "poorly", "at a bound" or "fixed" for a coefficient."""
     if name not in result.profiles:
         return "fixed"
     return result.profiles[name].verdict(result.coefficients[name])
@@ -76,7 +76,7 @@ def _on_identification(result: FitResult) -> str:
     """Name the coefficients that are poorly identified."""
     poor = [name for name in result.profiles if identification(result, name) == "poorly"]
     if not poor:
-        return "every coefficient is well or fairly identified"
+        return "no coefficient inside its bounds is poorly identified"
     return (
         f"poorly identified: {', '.join(poor)} (each can move by more than {FAIRLY:.0%} of its "
         f"value, or to a bound, while the best objective rises by less than {TOLERANCE:.0%}; "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from numbers import Real
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -188,11 +188,7 @@ class Enhanced(PowerShaped):
         """Return the coefficients for the pair's contact, or say that they are the other's."""
         if self.coefficients is None:
             return PUBLISHED[pair.contact]
-        chosen = (
-            self.coefficients
-            if not isinstance(self.coefficients, Mapping)
-            else coefficients_from(self.coefficients)
-        )
+        chosen = cast(Coefficients, self.coefficients)  # __post_init__ leaves no mapping
         if chosen.contact != pair.contact:
             raise InputError(
                 "Enhanced",

@@ -116,7 +116,13 @@ def clearance_panels(
         tables.append(table.assign(R_i_mm=R_i))
     panels[0].set_ylabel(label)
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    figure.legend(
+        handles,
+        labels,
+        loc="outside lower center",
+        ncols=len(labels),
+        title="material; all yield stresses are assumed",
+    )
     return figure, panels, pd.concat(tables, ignore_index=True)
 
 

@@ -19,7 +19,6 @@ __all__ = ["case", "comparison", "departures", "deviations", "explicit_error", "
 # The case that the laws are compared for: the steel and the clearance of Fig 2, the radius and
 # the length of the paper's bearing.
 R_I = LENGTH = 10.0  # mm
-DR: dict[Contact, float] = {"internal": 0.05, "external": 2 * R_I}  # mm
 LOAD = 100.0  # N/mm
 
 # Where deviations are tabulated, in φ = f/(E*·ΔR).
@@ -50,7 +49,7 @@ def case(
     nu : float
         Poisson's ratio of both bodies.
     dR : float, optional
-        ΔR in mm; left out, 0.05 for internal and 20 for external contact.
+        ΔR in mm; left out, 0.05 for internal and 2·R_i for external contact.
     R_i, length : float
         Radius of body *i* and axial length in mm.
 
@@ -71,7 +70,7 @@ def case(
     """
     # Anything else than these two is refused when the pair is built.
     kind = cast(Contact, contact)
-    gap = DR.get(kind, 1.0) if dR is None else dR
+    gap = {"internal": 0.05, "external": 2 * R_i}.get(kind, 1.0) if dR is None else dR
     material = Material("the material of both bodies", E, nu)
     return CylinderPair.from_dR(kind, gap, material, length, R_i)
 

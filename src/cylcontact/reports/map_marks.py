@@ -85,7 +85,7 @@ def label_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
     """Write along the yield line, on the side that yields, what it is; or that there is none."""
     shown = np.flatnonzero(limit < FRAME.y[1])
     words = "yield line" if shown.size else "no yield in this window"
-    note = f"{words} for $R_i$ = {PRACTICAL.R_i:g} mm"
+    note = rf"{words} for $R_i$ = {PRACTICAL.R_i:g} mm, $\sigma_Y$ assumed"
     axes.text(1.0, NOTE_HEIGHT, note, transform=axes.transAxes, ha="right")
     if shown.size == 0:
         return

@@ -48,8 +48,9 @@ def profile_drawing(result: FitResult, name: str, label: str) -> Drawing:
     if result.published is not None and profile.objective_at_published is not None:
         published = result.published.coefficients[name]
         reached = profile.objective_at_published
-        axes.plot(published, reached, "o", color=COLOURS[1], label="published")
+        axes.plot(published, reached, "o", color=COLOURS[1], label="held at the published value")
     axes.set(xlabel=label, ylabel=f"best attainable objective (-)\n{result.objective.name}", ylim=0)
+    axes.set_title(f"{result.contact} contact")
     axes.legend(loc="lower right")
     table = pd.DataFrame({name: profile.values, "objective": profile.objective})
     return Drawing(figure, table, _headline(result, name), _caption(result, name))
