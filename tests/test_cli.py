@@ -355,10 +355,15 @@ def wait_for(condition, process, seconds=60.0):
 
 
 def interrupt(process):
-    """Press Ctrl-C, which a terminal sends to the whole group; return code, output and errors."""
+    """Press Ctrl-C, which a terminal sends to the whole group; return code, output and errors.
+
+    The code is the one that a shell reports. Python itself ends by the signal, whatever code it
+    was given, when Ctrl-C falls into the `exec` of a string, as a dataclass is made.
+    """
     os.killpg(process.pid, signal.SIGINT)
     said, errors = process.communicate(timeout=30)
-    return process.returncode, said, errors
+    code = process.returncode
+    return 128 - code if code < 0 else code, said, errors
 
 
 @posix
