@@ -193,6 +193,21 @@ def test_an_interrupted_table_leaves_the_old_one(grid, suffix, tmp_path):
     assert tree(tmp_path) == {path.name: b"old"}
 
 
+def test_sampling_does_not_import_pandas(tmp_path):
+    """An interrupt during that import, which pyarrow would start, is lost."""
+    path = write_toml(tmp_path / "g.toml", GRID)
+    program = (
+        "import sys; from cylcontact.datasets import read_grid, write_samples\n"
+        "for out in sys.argv[2:]: write_samples(read_grid(sys.argv[1]), out)\n"
+        "print('pandas' in sys.modules)"
+    )
+    outputs = [tmp_path / "samples.csv", tmp_path / "samples.parquet"]
+    run = subprocess.run(
+        [sys.executable, "-c", program, path, *outputs], capture_output=True, text=True, check=True
+    )
+    assert run.stdout == "False\n"
+
+
 # --- memory -----------------------------------------------------------------------------------
 
 # Prints how far the peak of memory rises, in MiB, over that of a small grid.

@@ -248,7 +248,14 @@ def _table_writer(
 
 
 def _record_batch(block: Block, schema: pa.Schema) -> pa.RecordBatch:
-    """Return a block as a batch of the table."""
+    """Return a block as a batch of the table, sharing its memory.
+
+    `pa.array` would import pandas, slowly and in a place where Ctrl-C is lost.
+    """
     dR = np.full(block.load.size, block.dR)
     columns = (block.E, block.nu, dR, block.load, block.penetration)
-    return pa.record_batch([pa.array(column) for column in columns], schema=schema)
+    arrays = [
+        pa.Array.from_buffers(pa.float64(), column.size, [None, pa.py_buffer(column)])
+        for column in columns
+    ]
+    return pa.record_batch(arrays, schema=schema)
