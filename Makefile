@@ -17,7 +17,7 @@ MAIN_FIGURES := $(filter-out %c %p fig_%,$(RECIPES:reports/%.py=%)) fig_profile_
 unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: all env fits figures claims report verify test test-slow lint format lock clean distclean \
+.PHONY: all env extras fits figures claims report verify test test-slow lint format lock clean distclean \
 	help FORCE
 
 ##@ The main job
@@ -101,21 +101,33 @@ $(VENV)/.dependencies: requirements.lock
 		"the reason is above; once it is mended, the same make command resumes." >&2; exit 1; }
 	@echo "$(PYTHON)" > $@
 
+extras: $(VENV)/.extras ## Add what notebooks, the site, a cluster and comparisons with peers need
+
+$(VENV)/.extras: requirements-extras.lock $(VENV)/.dependencies | $(VENV)/.editable
+	@echo "Installing the extras in $(VENV) (a minute or two) ..."
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--require-hashes -r requirements-extras.lock
+	@touch $@
+
 # The build backend is in the lock, so this step needs no network.
 $(VENV)/.editable: pyproject.toml $(VENV)/.dependencies
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
 		--no-build-isolation --no-deps -e .
 	@touch $@
 
-lock: ## Pin the dependencies anew in requirements.lock; make lock UPGRADE=--upgrade for the latest
+# The extras' lock holds the same versions as the other one, and more packages.
+UV_COMPILE = build/lock-tools/bin/uv pip compile pyproject.toml --universal --generate-hashes \
+	--python-version 3.11 --custom-compile-command "make lock" --no-config --quiet $(UPGRADE)
+
+lock: ## Pin the dependencies anew in both locks; make lock UPGRADE=--upgrade for the latest
 	@mkdir -p build
 	@"$(PYTHON)" -m venv --clear build/lock-tools
 	@build/lock-tools/bin/python -m pip install --quiet --disable-pip-version-check uv
 	@cp requirements.lock build/requirements.lock
-	build/lock-tools/bin/uv pip compile pyproject.toml --extra test --universal \
-		--generate-hashes --python-version 3.11 --custom-compile-command "make lock" \
-		--no-config --quiet $(UPGRADE) -o build/requirements.lock
-	@mv build/requirements.lock requirements.lock
+	@cp requirements-extras.lock build/requirements-extras.lock
+	$(UV_COMPILE) --extra test -o build/requirements.lock
+	$(UV_COMPILE) --all-extras -c build/requirements.lock -o build/requirements-extras.lock
+	@mv build/requirements.lock build/requirements-extras.lock .
 
 clean: ## Remove what the commands above made: fits, figures, tables, caches
 	rm -rf build dist datasets/generated reports/figures

@@ -1,0 +1,77 @@
+"""The command line: `cylcontact sample | fit | compare | verify | report | claims | laws | export`.
+
+Exit codes: 0 done, 1 a check does not hold, 2 bad input (one line on standard error),
+130 interrupted, 141 nobody reads the output any more.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import typer
+
+from cylcontact.cli.app import app
+from cylcontact.errors import InputError
+
+
+def main() -> None:
+    """Run the command line, and turn every expected failure into one line and an exit code."""
+    _prepare_streams()
+    try:
+        status = _run(sys.argv[1:])
+    except InputError as error:
+        status = _fail(str(error))
+    except KeyboardInterrupt as stop:
+        status = _fail(str(stop) or "interrupted; nothing is left half-written", 130)
+    except MemoryError:
+        status = _fail("memory is short; thin the grid, or use smaller populations or fewer --jobs")
+    except OSError as error:
+        # Every file has an InputError of its own, so this is about standard output; give Python
+        # somewhere to flush what is left.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = 141
+        if not isinstance(error, BrokenPipeError):
+            status = _fail(f"standard output: cannot be written ({error.strerror}); make room")
+    except Exception as error:
+        if not hasattr(error, "format_message"):
+            raise
+        status = _fail(_usage(error, error.format_message()))
+    sys.exit(status)
+
+
+def _prepare_streams() -> None:
+    """Make standard output and error take everything: in other encodings, and when closed."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
+def _run(arguments: Sequence[str]) -> int:
+    """Run one command and return its exit code; errors of all kinds come out as they are."""
+    command = typer.main.get_command(app)
+    try:
+        with command.make_context("cylcontact", list(arguments)) as context:
+            command.invoke(context)
+    except typer.Exit as stop:
+        return stop.exit_code
+    return 0
+
+
+def _usage(error: Exception, message: str) -> str:
+    """Put a mistake on the command line, told by typer, and the remedy on one line."""
+    rule = " ".join(message.split()).rstrip(".") or "a command is missing"
+    context = getattr(error, "ctx", None)
+    return f"{rule}; see {context.command_path if context else 'cylcontact'} --help"
+
+
+def _fail(message: str, status: int = 2) -> int:
+    """Print one line on standard error and return the exit code, that of bad input by default."""
+    typer.echo(f"cylcontact: {message}", err=True)
+    return status

@@ -1,0 +1,83 @@
+"""What the commands share: options, the number of cores, progress bars."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+RESULTS = Path("fitting/results")
+
+
+def integer_from(least: int) -> Callable[[str], int]:
+    """Return a parser of integers of at least `least`."""
+
+    def parse(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            number = least - 1
+        if number < least:
+            raise typer.BadParameter(f"{text!r} must be an integer of at least {least}")
+        return number
+
+    return parse
+
+
+Jobs = Annotated[
+    int | None,
+    typer.Option(
+        "--jobs",
+        "-j",
+        parser=integer_from(1),
+        metavar="INTEGER",
+        help="Worker processes; all cores by default.",
+    ),
+]
+Runs = Annotated[
+    int | None,
+    typer.Option(
+        parser=integer_from(1), metavar="INTEGER", help="Runs, instead of the campaign's."
+    ),
+]
+Seed = Annotated[
+    int | None,
+    typer.Option(
+        parser=integer_from(0), metavar="INTEGER", help="Seed, instead of the campaign's."
+    ),
+]
+
+
+def cores() -> int:
+    """Return the number of cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextmanager
+def progress_bars() -> Iterator[Callable[[str, int, int], None]]:
+    """Show a progress bar on a terminal, and nothing when standard error is not one."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    terminal = sys.stderr is not None and sys.stderr.isatty()
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description:>10}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=console, disable=not terminal) as bars:
+        tasks = {}
+
+        def show(stage: str, done: int, total: int) -> None:
+            if stage not in tasks:
+                tasks[stage] = bars.add_task(stage, total=total)
+            bars.update(tasks[stage], completed=done)
+
+        yield show
