@@ -1,11 +1,12 @@
 """The genetic search and the polish, on problems whose answer is known."""
 
 import numpy as np
+import pygad
 import pytest
 
 from cylcontact import laws
 from cylcontact.datasets import Moments, concatenate
-from cylcontact.fitting.genetic import CROSSOVERS, search
+from cylcontact.fitting.genetic import CROSSOVERS, OPERATORS, WholePopulations, search
 from cylcontact.fitting.objectives import OBJECTIVES, make_objective
 from cylcontact.fitting.parameters import FAMILIES, Parameter
 from cylcontact.fitting.polish import polish
@@ -94,6 +95,51 @@ class Counting:
     def values(self, form):
         self.calls.append(len(form.n))
         return self.objective.values(form)
+
+
+def engine_of(kind, fitness, genes=5, elite=2):
+    """PyGAD or ours, on a problem of individual fitness, for 30 generations."""
+    return kind(
+        num_generations=30,
+        num_parents_mating=6,
+        sol_per_pop=12,
+        num_genes=genes,
+        gene_space={"low": 0.0, "high": 1.0},
+        fitness_func=fitness,
+        fitness_batch_size=12,
+        crossover_type="single_point",
+        mutation_type=lambda offspring, engine: (
+            offspring + 0.1 * engine.numpy_random_generator.normal(size=offspring.shape)
+        ),
+        keep_elitism=elite,
+        random_seed=11,
+        suppress_warnings=True,
+    )
+
+
+@pytest.mark.parametrize("name", [name for name in CROSSOVERS if name != "blend"])
+@pytest.mark.parametrize("genes", [1, 2, 7])
+def test_crossovers_make_the_offspring_that_pygad_makes_one_by_one(name, genes):
+    theirs, ours = (engine_of(pygad.GA, lambda _, x, __: x.sum(axis=1), genes) for _ in range(2))
+    parents = np.random.default_rng(genes).uniform(size=(6, genes))
+    expected = getattr(theirs, f"{name}_crossover")(parents, (40, genes))
+    assert np.array_equal(OPERATORS[name](parents, (40, genes), ours), expected)
+
+
+@pytest.mark.parametrize("elite", [1, 2, 5])
+def test_whole_populations_evolve_as_in_pygad(elite):
+    """Rounded fitness has ties, which must be ranked as PyGAD ranks them."""
+
+    def fitness(_, genes, __):
+        return np.round(-((genes - 0.3) ** 2).sum(axis=1), 2)
+
+    theirs, ours = (engine_of(kind, fitness, 5, elite) for kind in (pygad.GA, WholePopulations))
+    for engine in (theirs, ours):
+        engine.run()
+    assert np.array_equal(ours.population, theirs.population)
+    assert np.array_equal(ours.last_generation_fitness, theirs.last_generation_fitness)
+    assert ours.best_solutions_fitness == theirs.best_solutions_fitness
+    assert ours.num_fitness_evaluations == theirs.num_fitness_evaluations
 
 
 def test_same_seed_same_search_and_other_seed_another():

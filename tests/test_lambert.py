@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from mpmath import mp
 
-from cylcontact.laws.lambert import branch_distance
+from cylcontact.laws.lambert import CHUNK, branch_distance, to_load_fraction
 from tests.strategies import ROUNDING, fractions
 
 DENSE = np.concatenate(
@@ -69,3 +69,31 @@ def test_outside_zero_to_one_there_is_no_w(p):
 def test_the_shape_is_kept_and_a_single_number_gives_a_numpy_scalar():
     assert branch_distance(np.full((2, 3), 0.5)).shape == (2, 3)
     assert type(branch_distance(np.float64(0.5))) is np.float64
+
+
+@pytest.mark.parametrize(
+    "view",
+    [
+        lambda p: p.reshape(3, -1).T,
+        lambda p: p.reshape(3, -1)[:, ::2],
+        lambda p: p[::-3],
+        lambda p: p[:0],
+        lambda p: p.astype(np.float32),
+    ],
+    ids=["transposed", "columns", "backwards", "empty", "single"],
+)
+def test_any_layout_of_the_array_gives_each_element_its_own_number(view):
+    p = view(np.linspace(0, 1, 9 * (CHUNK // 7)))
+    one_by_one = np.array([branch_distance(value) for value in p.ravel()]).reshape(p.shape)
+    assert np.array_equal(branch_distance(p), one_by_one)
+    q = to_load_fraction(p.copy(order="K"))
+    assert np.array_equal(q, np.float64(p) / (1 + one_by_one))
+    assert np.array_equal(p, view(np.linspace(0, 1, 9 * (CHUNK // 7))))
+
+
+@given(fractions)
+def test_load_fraction_is_the_inverse_of_the_curve(p):
+    q = to_load_fraction(np.float64(p))
+    with mp.workdps(40):
+        exact_q = mp.mpf(float(p)) / (1 + exact(p)) if p < 1 else mp.mpf(1)
+        assert abs(mp.mpf(float(q)) - exact_q) <= 6 * ROUNDING * exact_q

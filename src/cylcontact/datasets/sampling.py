@@ -8,30 +8,37 @@ depend on the grid alone: the result is the same for any number of workers.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
-import joblib
 import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
+from numpy.typing import NDArray
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.grid import Grid
+from cylcontact.datasets.logarithmic_moments import row_moments
 from cylcontact.datasets.moments import Moments, concatenate, merge
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
-from cylcontact.laws import reference_law
+from cylcontact.laws import LogarithmicLaw
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
+from cylcontact.parallel import Workers, call, run_calls
 
 # Samples per block: a block's dozen temporaries stay within a core's cache (some 0.5 MiB each).
 BLOCK = 1 << 16
+# Samples per call of a worker, at least, where a clearance has that many.
+PIECE = 1 << 21
 
 COLUMNS = ("E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm")
 
 Progress = Callable[[int], None]
+IndexArray = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -90,18 +97,31 @@ def blocks(grid: Grid, dR: float) -> Iterator[Block]:
     Block
         At most `BLOCK` samples, E slowest and load fastest.
     """
-    law = reference_law(grid.reference)
-    E, nu = (axis.ravel() for axis in np.meshgrid(grid.E, grid.nu, indexing="ij"))
+    return _blocks_of_rows(grid, dR, np.arange(grid.rows))
+
+
+def _blocks_of_rows(grid: Grid, dR: float, rows: IndexArray) -> Iterator[Block]:
+    """Sample some of the grid's rows, its combinations of E and ν, at one ΔR."""
+    law = grid.law
     loads_per_block = min(grid.load.size, BLOCK)
     rows_per_block = max(1, BLOCK // loads_per_block)
-    for row in range(0, E.size, rows_per_block):
-        rows = slice(row, row + rows_per_block)
-        material = Material("grid", E[rows, None] * 1e3, nu[rows, None])
-        pair = CylinderPair.from_dR(grid.contact, dR, material)
+    for row in range(0, rows.size, rows_per_block):
+        E, nu = _moduli(grid, rows[row : row + rows_per_block, None])
+        pair = _pair(grid, dR, E, nu)
         for first in range(0, grid.load.size, loads_per_block):
             load = grid.load[first : first + loads_per_block]
             penetration = law.penetration(load, pair)
-            yield _masked_block(dR, E[rows], nu[rows], load, penetration, pair.E_star)
+            yield _masked_block(dR, E, nu, load, penetration, pair.E_star)
+
+
+def _moduli(grid: Grid, rows: IndexArray) -> tuple[FloatArray, FloatArray]:
+    """Return E in GPa and ν of the grid's rows, E slowest."""
+    return grid.E[rows // grid.nu.size], grid.nu[rows % grid.nu.size]
+
+
+def _pair(grid: Grid, dR: float, E: FloatArray, nu: FloatArray) -> CylinderPair:
+    """Return the pairs at one ΔR in mm with E in GPa and ν."""
+    return CylinderPair.from_dR(grid.contact, dR, Material("grid", E * 1e3, nu))
 
 
 def _masked_block(
@@ -114,14 +134,16 @@ def _masked_block(
 ) -> Block:
     """Flatten a block and leave out what lies outside the reference's domain."""
     inside = np.isfinite(penetration)
+    whole = bool(inside.all())
 
     def kept(column: FloatArray) -> FloatArray:
-        return np.broadcast_to(column, penetration.shape)[inside]
+        all_of_it = np.broadcast_to(column, penetration.shape)
+        return all_of_it.ravel() if whole else all_of_it[inside]
 
     return Block(
         dR=dR,
-        E=kept(E[:, None]),
-        nu=kept(nu[:, None]),
+        E=kept(E),
+        nu=kept(nu),
         load=kept(load),
         penetration=kept(penetration),
         E_star=kept(E_star),
@@ -130,7 +152,7 @@ def _masked_block(
 
 
 def reduce_grid(
-    grid: Grid, jobs: int = 1, progress: Progress | None = None
+    grid: Grid, jobs: Workers = 1, progress: Progress | None = None
 ) -> tuple[Moments, Counts]:
     """Reduce a grid of any size to moments, holding only a block of it per worker.
 
@@ -138,8 +160,8 @@ def reduce_grid(
     ----------
     grid : Grid
         The grid.
-    jobs : int
-        Threads; the result does not depend on it.
+    jobs : int or Cluster
+        Threads, or a Dask cluster; the result does not depend on it.
     progress : callable, optional
         Called with the number of clearances done, as each is.
 
@@ -164,17 +186,21 @@ def reduce_grid(
     >>> counts
     Counts(samples=3, masked=1)
     """
-    work = (joblib.delayed(_reduce_clearance)(grid, float(dR)) for dR in grid.dR)
-    threads = min(jobs, grid.dR.size)
-    parallel = joblib.Parallel(n_jobs=threads, prefer="threads", return_as="generator")
+    height = max(1, PIECE // grid.load.size)
+    starts = range(0, grid.rows, height)
+    work = [
+        call(_reduce_rows, grid, float(dR), first, min(first + height, grid.rows))
+        for dR in grid.dR
+        for first in starts
+    ]
     parts: list[Moments] = []
-    masked = 0
-    for done, (moments, left_out) in enumerate(parallel(work), start=1):
-        masked += left_out
-        if moments.total:
-            parts.append(moments)
-        if progress is not None:
-            progress(done)
+    with closing(run_calls(work, jobs, threads=True)) as reduced:
+        for done in range(1, grid.dR.size + 1):
+            moments = merge(islice(reduced, len(starts)))
+            if moments.total:
+                parts.append(moments)
+            if progress is not None:
+                progress(done)
     if not parts:
         raise InputError(
             grid.source,
@@ -184,16 +210,23 @@ def reduce_grid(
             "lower the loads, or raise E or dR",
         )
     moments = concatenate(parts)
-    return moments, Counts(int(moments.total), masked)
+    return moments, Counts(int(moments.total), grid.size - int(moments.total))
 
 
-def _reduce_clearance(grid: Grid, dR: float) -> tuple[Moments, int]:
-    """Return the moments at one ΔR and the number of masked samples."""
-    parts, masked = [], 0
-    for block in blocks(grid, dR):
-        parts.append(Moments.of_samples(dR, block.s, block.j))
-        masked += block.masked
-    return merge(parts), masked
+def _reduce_rows(grid: Grid, dR: float, first: int, last: int) -> Moments:
+    """Return the moments of some rows, combinations of E and ν, at one ΔR."""
+    law, rows, parts = grid.law, np.arange(first, last), []
+    if isinstance(law, LogarithmicLaw):
+        # Its domain ends at a largest load: where the grid's largest is inside, all are.
+        pair = _pair(grid, dR, *_moduli(grid, rows))
+        whole = np.isfinite(law.penetration(grid.load.max(), pair))
+        if not whole.all():
+            pair = _pair(grid, dR, *_moduli(grid, rows[whole]))
+        if whole.any():
+            parts.append(row_moments(law, pair, grid.load))
+        rows = rows[~whole]
+    parts += [Moments.of_samples(dR, b.s, b.j) for b in _blocks_of_rows(grid, dR, rows)]
+    return merge(parts)
 
 
 def write_samples(grid: Grid, path: Path | str, progress: Progress | None = None) -> Counts:

@@ -5,20 +5,29 @@ evaluated in one call. Crossover is one of PyGAD's own or blend (BLX-½, Eshelma
 1993); mutation moves genes by Gaussian steps whose size is itself drawn between 0.1 % and
 30 % of the range, so that one setting serves both exploring and refining. All random numbers
 come from the generator that PyGAD seeds for each run.
+
+PyGAD treats one individual after the other, which with moments for an objective takes most of
+the time. Its operators are therefore given to it again in terms of whole populations: from the
+same random numbers they make the same offspring, to the bit.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pygad
+from numpy.random import RandomState
+from numpy.typing import NDArray
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.fitting.problem import Problem
 
-CROSSOVERS = ("single_point", "two_points", "uniform", "scattered", "blend")
+# What PyGAD asks of a crossover: offspring from parents, of a given shape.
+Operator = Callable[[FloatArray, tuple[int, int], pygad.GA], FloatArray]
+
 MUTATION_PROBABILITY = 0.2
 STEP_DECADES = (-3.0, -0.5)
 ELITE = 2
@@ -65,16 +74,16 @@ def search(
     -------
     Search
     """
-    span = problem.high - problem.low
+    low, span = problem.low, problem.high - problem.low
 
     def points(genes: FloatArray) -> FloatArray:
-        return problem.low + np.atleast_2d(genes) * span
+        return low + genes * span
 
     def fitness(_: pygad.GA, genes: FloatArray, __: Any) -> FloatArray:
         values = problem.values(points(genes))
         return np.where(np.isfinite(values), -values, WORST_FITNESS)
 
-    engine = pygad.GA(
+    engine = WholePopulations(
         num_generations=generations,
         num_parents_mating=max(2, population // 2),
         sol_per_pop=population,
@@ -82,16 +91,81 @@ def search(
         gene_space={"low": 0.0, "high": 1.0},
         fitness_func=fitness,
         fitness_batch_size=population,
-        crossover_type=_blend if crossover == "blend" else crossover,
-        mutation_type=_mutate,
+        crossover_type=OPERATORS[crossover],
+        mutation_type=mutate,
         keep_elitism=min(ELITE, population - 1),
         random_seed=seed,
         suppress_warnings=True,
     )
     engine.run()
-    genes, best, _ = engine.best_solution(pop_fitness=engine.last_generation_fitness)
-    point = points(genes)[0]
-    return Search(point, float(-best), int(engine.num_fitness_evaluations))
+    genes, best, _ = engine.best_solution(engine.last_generation_fitness)
+    return Search(points(genes), float(-best), int(engine.num_fitness_evaluations))
+
+
+class WholePopulations(pygad.GA):  # type: ignore[misc]
+    """PyGAD's search with ranking and evaluation in terms of arrays."""
+
+    def cal_pop_fitness(self) -> FloatArray:
+        """Return the fitness of the population; that of unchanged parents is known."""
+        known: dict[bytes, float] = {}
+        if self.last_generation_parents is not None:
+            fitness_then = self.previous_generation_fitness[self.last_generation_parents_indices]
+            known = dict(zip(_keys(self.last_generation_parents), fitness_then, strict=True))
+        fitness = np.array([known.get(key, np.nan) for key in _keys(self.population)])
+        new = np.isnan(fitness)
+        if new.any():
+            fitness[new] = self.fitness_func(self, self.population[new], None)
+        self.num_fitness_evaluations += int(np.count_nonzero(new))
+        return fitness
+
+    def steady_state_selection(
+        self, fitness: FloatArray, num_parents: int
+    ) -> tuple[FloatArray, NDArray[np.intp]]:
+        """Return the best, of equal ones the later first, and where they stand."""
+        best = np.argsort(fitness, kind="stable")[::-1][:num_parents]
+        return self.population[best], best
+
+    def best_solution(self, pop_fitness: FloatArray) -> tuple[FloatArray, np.float64, int]:
+        """Return the best, the first of equal ones, its fitness and where it stands."""
+        best = int(np.argmax(pop_fitness))
+        return self.population[best].copy(), pop_fitness[best], best
+
+
+def _keys(genes: FloatArray) -> list[bytes]:
+    """Return each individual's genes as what a dictionary can look up."""
+    data, width = genes.tobytes(), genes.shape[1] * genes.itemsize
+    return [data[first : first + width] for first in range(0, len(data), width)]
+
+
+def _crossover(second: Callable[[tuple[int, int], RandomState], BoolArray]) -> Operator:
+    """Return the operator that takes from the second of two neighbouring parents where told."""
+
+    def offspring(parents: FloatArray, size: tuple[int, int], engine: pygad.GA) -> FloatArray:
+        k = np.arange(size[0])
+        one, two = parents[k % len(parents)], parents[(k + 1) % len(parents)]
+        return np.where(second(size, engine.numpy_random_generator), two, one)
+
+    return offspring
+
+
+def _beyond_one_point(size: tuple[int, int], rng: RandomState) -> BoolArray:
+    """Tell which genes lie from a random point on."""
+    point = rng.randint(0, size[1], size=size[0])
+    return np.asarray(np.arange(size[1]) >= point[:, None])
+
+
+def _between_two_points(size: tuple[int, int], rng: RandomState) -> BoolArray:
+    """Tell which genes lie between two different random points."""
+    one, two = rng.randint(0, size[1] + 1, size=size[0]), rng.randint(0, size[1], size=size[0])
+    two += two >= one
+    first, last = np.minimum(one, two)[:, None], np.maximum(one, two)[:, None]
+    genes = np.arange(size[1])
+    return np.asarray((genes >= first) & (genes < last))
+
+
+def _any_genes(size: tuple[int, int], rng: RandomState) -> BoolArray:
+    """Draw for each gene."""
+    return np.asarray(rng.randint(0, 2, size=size) == 1)
 
 
 def _blend(parents: FloatArray, size: tuple[int, int], engine: pygad.GA) -> FloatArray:
@@ -102,9 +176,19 @@ def _blend(parents: FloatArray, size: tuple[int, int], engine: pygad.GA) -> Floa
     return as_floats(np.clip(weight * one + (1 - weight) * two, 0, 1))
 
 
-def _mutate(offspring: FloatArray, engine: pygad.GA) -> FloatArray:
+def mutate(offspring: FloatArray, engine: pygad.GA) -> FloatArray:
     """Return offspring with some genes moved by Gaussian steps of random size."""
     rng = engine.numpy_random_generator
     hit = rng.uniform(size=offspring.shape) < MUTATION_PROBABILITY
     step = rng.normal(size=offspring.shape) * 10 ** rng.uniform(*STEP_DECADES, offspring.shape)
     return as_floats(np.clip(np.where(hit, offspring + step, offspring), 0, 1))
+
+
+OPERATORS: dict[str, Operator] = {
+    "single_point": _crossover(_beyond_one_point),
+    "two_points": _crossover(_between_two_points),
+    "uniform": _crossover(_any_genes),
+    "scattered": _crossover(_any_genes),
+    "blend": _blend,
+}
+CROSSOVERS = tuple(OPERATORS)

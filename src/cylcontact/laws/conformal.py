@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, require
+from cylcontact.card import law_card
 from cylcontact.laws import persson
 from cylcontact.pair import CylinderPair
 
@@ -58,6 +59,7 @@ class Persson:
     """
 
     name: ClassVar[str] = "persson"
+    _repr_html_ = law_card
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm."""

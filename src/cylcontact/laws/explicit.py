@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
+from cylcontact.card import completed_law_card
 from cylcontact.pair import Contact, CylinderPair
 
 # From the start below, whose error is under half a percent, to full precision.
@@ -113,6 +114,9 @@ class Explicit:
         if isinstance(self.coefficients, Mapping):
             object.__setattr__(self, "coefficients", ExplicitCoefficients(**self.coefficients))
 
+    def _repr_html_(self) -> str:
+        return completed_law_card(self, CALIBRATED)
+
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm.
 
@@ -149,6 +153,11 @@ class Explicit:
         """Return inf: the law has no largest penetration."""
         return self.max_load(pair)
 
+    def coefficients_for(self, contact: Contact) -> ExplicitCoefficients:
+        """Return the coefficients given, or else those calibrated for `contact`."""
+        given = self.coefficients
+        return given if isinstance(given, ExplicitCoefficients) else CALIBRATED[contact]
+
     def _depth(self, penetration: ArrayLike, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
         """Return δ and δ/ΔR, the latter with a harmless 1 where there is no penetration."""
         delta = as_floats(penetration)
@@ -156,9 +165,7 @@ class Explicit:
 
     def _logarithms(self, d: FloatArray, contact: Contact) -> tuple[FloatArray, FloatArray]:
         """Return L and dL/d(ln d)."""
-        chosen = self.coefficients
-        if not isinstance(chosen, ExplicitCoefficients):
-            chosen = CALIBRATED[contact]
+        chosen = self.coefficients_for(contact)
         c, ratio = chosen.c, chosen.A / d
         inner = np.log(chosen.B / d)
         middle = c + np.log1p(ratio * inner)

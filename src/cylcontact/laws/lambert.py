@@ -11,9 +11,19 @@ its digits within 1e-9 of the branch point, and it is there that Johnson's law e
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
+from cylcontact.arrays import FloatArray
+
+# The start of the one correction: w = r(a + r(b + cr))/(1 + dr) with r = √(−ln p), of which w is
+# a smooth function. Fitted for every positive double; the relative error is 5e-4, below
+# 1.5e-4 for w < 5.
+START = (1.41441, 1.0246, 0.25518, 0.25524)
+
+# Elements treated at a time, so that what is computed between stays within a core's cache.
+CHUNK = 1 << 14
 
 
 def branch_distance(p: FloatArray) -> FloatArray:
@@ -32,9 +42,9 @@ def branch_distance(p: FloatArray) -> FloatArray:
 
     Notes
     -----
-    Barry et al., Math. Comput. Simul. 53 (2000) 95–103, give w to a relative 2.6e-4 in
-    closed form; a single third-order Householder correction (quartic convergence) takes it
-    to machine precision. There is no loop and no convergence test.
+    From a start in closed form, one fourth-order step of the inverse series (Householder's
+    method) on w − ln(1 + w) + ln p leaves less than half a unit in the last place. There is no
+    loop and no convergence test.
 
     Examples
     --------
@@ -43,29 +53,91 @@ def branch_distance(p: FloatArray) -> FloatArray:
     0.693147180559945
     """
     p = np.asarray(p, dtype=np.float64)
-    regular = (p > 0) & (p < 1)
-    safe = np.where(regular, p, 0.5)
-    g = -np.log(safe)
-    w = _householder(_barry(g), g)
-    w = np.where(p == 1, 0.0, np.where(p == 0, np.inf, w))
-    return inside_or_nan(w, (p >= 0) & (p <= 1))
+    w = np.empty(p.shape)
+    flat, distances = p.ravel(), w.reshape(-1)
+    for chunk, work in _chunks(p.size):
+        _distance(flat[chunk], distances[chunk], work)
+    return w[()]
 
 
-def _barry(g: FloatArray) -> FloatArray:
-    """Return the closed-form approximation of w, with g = −ln p > 0."""
-    m1, m2, m3 = 0.3361, -0.0042, -0.0201
-    root = np.sqrt(g)
-    top = m1 * np.sqrt(0.5) * root
-    # Barry's 1 − 1/(1 + top/bottom) over one denominator: bottom has a zero near g = 346.
-    bottom = 1 + m2 * g * np.exp(m3 * root)
-    return as_floats(g + 2 / m1 * top / (bottom + top))
+def to_load_fraction(p: FloatArray) -> FloatArray:
+    """Return q = p/(1 + w), the inverse of p = q(1 − ln q), in the place of p.
+
+    Parameters
+    ----------
+    p : array of float
+        Between 0 and 1; elements outside give NaN. A contiguous array is overwritten.
+
+    Returns
+    -------
+    array of float
+        Between 0 and 1, to a few units in the last place.
+
+    Examples
+    --------
+    >>> q = to_load_fraction(np.array([0.0, 0.5, 1.0]))
+    >>> print((q * (1 - np.log(np.maximum(q, 1e-300)))).round(15))
+    [0.  0.5 1. ]
+    """
+    q = np.asarray(p, dtype=np.float64, order="C")
+    flat = q.reshape(-1)
+    for chunk, work in _chunks(flat.size):
+        u = work[-1]
+        _distance(flat[chunk], u, work)
+        u += 1
+        flat[chunk] /= u
+    return q[()]
 
 
-def _householder(w: FloatArray, g: FloatArray) -> FloatArray:
-    """Correct w towards the root of h(w) = w − ln(1 + w) − g."""
-    u = 1 + w
-    h = w - np.log1p(w) - g
-    h1, h2, h3 = w / u, 1 / u**2, -2 / u**3
-    step: FloatArray = h * (6 * h1**2 - 3 * h * h2) / (6 * h1**3 - 6 * h * h1 * h2 + h**2 * h3)
-    corrected: FloatArray = w - step
-    return corrected
+def _chunks(size: int) -> Iterator[tuple[slice, FloatArray]]:
+    """Yield the parts of an array of this size, and room for four arrays the size of each."""
+    work = np.empty((4, min(CHUNK, size)))
+    for first in range(0, size, CHUNK):
+        last = min(first + CHUNK, size)
+        yield slice(first, last), work[:, : last - first]
+
+
+def _distance(p: FloatArray, w: FloatArray, work: FloatArray) -> None:
+    """Write w into the array of that name, the ends and what lies outside included."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        _interior(p, w, work)
+    np.copyto(w, 0.0, where=p == 1)
+    np.copyto(w, np.inf, where=p == 0)
+
+
+def _interior(p: FloatArray, w: FloatArray, work: FloatArray) -> None:
+    """Write w for 0 < p < 1 into the array of that name; NaN elsewhere.
+
+    One operation after the other, in place: to allocate an array for each intermediate result
+    would cost more than to compute it. `cylcontact.laws.kernels` has the formula in one piece.
+    """
+    a, b, c, d = START
+    g, r, u, _ = work
+    np.negative(np.log(p, out=g), out=g)
+    np.sqrt(g, out=r)
+    # The start, in u: 1 + w.
+    np.multiply(r, c, out=u)
+    for coefficient in (b, a):
+        u += coefficient
+        u *= r
+    r *= d
+    r += 1
+    u /= r
+    u += 1
+    # w rounded so that u = 1 + w exactly, or ln u would lose the digits of a small w.
+    np.subtract(u, 1, out=w)
+    # The error t of it, (w − ln u − g)/w².
+    t = np.log(u, out=r)
+    np.subtract(w, t, out=t)
+    t -= g
+    t /= np.multiply(w, w, out=g)
+    # The correction, t·w·u·(1 + t(1/2 + t(1/2 + w/3))).
+    np.divide(w, 3, out=g)
+    for _ in range(2):
+        g += 0.5
+        g *= t
+    g += 1
+    g *= t
+    g *= u
+    g *= w
+    w -= g

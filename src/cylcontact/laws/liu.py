@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
+from cylcontact.card import law_card
 from cylcontact.errors import InputError
 from cylcontact.pair import CylinderPair
 
@@ -35,6 +36,7 @@ class Liu:
     """
 
     name: ClassVar[str] = "liu"
+    _repr_html_ = law_card
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm.

@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
-from cylcontact.laws.lambert import branch_distance
+from cylcontact.card import law_card
+from cylcontact.laws.lambert import branch_distance, to_load_fraction
 from cylcontact.pair import CylinderPair
 
 
@@ -31,6 +32,7 @@ class LogarithmicLaw(ABC):
     name: ClassVar[str]
     kappa: ClassVar[float]
     shift: ClassVar[float]
+    _repr_html_ = law_card
 
     @abstractmethod
     def reach(self, pair: CylinderPair) -> FloatArray:
@@ -45,8 +47,9 @@ class LogarithmicLaw(ABC):
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm; NaN outside [0, max_penetration]."""
-        p = _fraction(penetration, self.max_penetration(pair))
-        return as_floats(self.max_load(pair) * (p / (1 + branch_distance(p))))
+        f = to_load_fraction(_fraction(penetration, self.max_penetration(pair)))
+        f *= self.max_load(pair)
+        return f
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm²; infinite at max_penetration."""

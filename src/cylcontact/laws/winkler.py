@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
+from cylcontact.card import law_card
 from cylcontact.laws.conformal import in_units_of
 from cylcontact.pair import CylinderPair
 
@@ -67,6 +68,7 @@ class Winkler:
 
     depth: float = DEPTH
     name: ClassVar[str] = "winkler"
+    _repr_html_ = law_card
 
     def __post_init__(self) -> None:
         require(

@@ -1,0 +1,123 @@
+"""Functions compiled by numba, kept on disk for the sources as they are.
+
+numba keeps what it has compiled until the file of the function changes. A change in a function
+that it calls, or in a constant that it takes from another module, goes unnoticed, and numbers of
+yesterday's formula come out. So the folder of the cache is named after all the sources that
+compiled functions are made of.
+
+This module imports numba, which takes its time: import it where it is needed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+
+# Read and set by attribute; numba declares none of them to a type checker.
+SETTINGS: Any = numba.config
+
+PACKAGE = Path(__file__).parent
+# The packages with compiled functions, and with the constants in them.
+PARTS = ("laws", "mechanism")
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def compiled(function: _Function) -> _Function:
+    """Compile a function of numbers, with IEEE division, and keep it on disk.
+
+    It must stand in one of the `PARTS`, whose sources name the cache.
+    """
+    with _own_cache() as kept:
+        return cast(_Function, numba.njit(cache=kept, error_model="numpy")(function))
+
+
+def callback(signature: Any) -> Callable[[_Function], Any]:
+    """Return a decorator that compiles a function for calls from C, and keeps it on disk.
+
+    Parameters
+    ----------
+    signature : numba signature
+        Of the C function.
+
+    Returns
+    -------
+    callable
+        What it makes has the `address` of the C function.
+    """
+
+    def compile_function(function: _Function) -> Any:
+        with _own_cache() as kept:
+            return numba.cfunc(signature, cache=kept, error_model="numpy")(function)
+
+    return compile_function
+
+
+@contextmanager
+def _own_cache() -> Iterator[bool]:
+    """Point numba to the cache of these sources; yield whether there is room for one.
+
+    numba asks where its cache is when a function is declared, not when it is compiled.
+    """
+    folder = _folder()
+    before = SETTINGS.CACHE_DIR
+    SETTINGS.CACHE_DIR = str(folder or "")
+    try:
+        yield folder is not None
+    finally:
+        SETTINGS.CACHE_DIR = before
+
+
+@cache
+def _folder() -> Path | None:
+    """Return a folder to write to, named after the sources, or None if there is none.
+
+    What is kept there is loaded as code, so only places of this user's own are considered.
+    """
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser())
+    bases = [PACKAGE / "__pycache__", home / "cylcontact"]
+    if SETTINGS.CACHE_DIR:
+        bases.insert(0, Path(SETTINGS.CACHE_DIR))
+    for base in bases:
+        folder = base / f"compiled-{source_hash(PACKAGE)[:16]}"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(folder, os.W_OK):
+            return folder
+    return None
+
+
+def source_hash(package: Path) -> str:
+    """Return a hash of all the sources in the parts of a package that have compiled functions.
+
+    Parameters
+    ----------
+    package : path
+        Its folder.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+
+    Examples
+    --------
+    >>> len(source_hash(PACKAGE))
+    64
+    """
+    digest = hashlib.sha256()
+    for part in PARTS:
+        for path in sorted((package / part).rglob("*.py")):
+            content = path.read_bytes()
+            digest.update(f"{path.relative_to(package).as_posix()} {len(content)}\n".encode())
+            digest.update(content)
+    return digest.hexdigest()

@@ -1,0 +1,148 @@
+"""A law at one pair as a table of ln f over ln δ, for laws without a formula to compile."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.pair import CylinderPair
+
+_Number = TypeVar("_Number", float, FloatArray)
+
+# The relative error of a load from the table, checked within every interval as it is made.
+TABLE_ERROR = 1e-10
+# The table's ends in units of ΔR, unless the law ends before.
+SHALLOWEST, DEEPEST = 1e-30, 1e3
+
+FIRST_NODES = 257
+MOST_NODES = 200_000
+# No interval of ln δ is made shorter: next to a limit with a vertical tangent, or to a jump in
+# slope, the error of the table is that of one such step.
+SHORTEST = 1e-12
+# Where an interval is checked, as parts of its length.
+CHECKED = (0.25, 0.5, 0.75)
+
+
+def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
+    """Return a law at one pair as one flat array.
+
+    Parameters
+    ----------
+    law : ContactLaw
+        Any law that answers with a positive load throughout.
+    pair : CylinderPair
+        A single pair.
+
+    Returns
+    -------
+    array of float, shape (1 + 3·N,)
+        The penetration at which the table ends, in mm, then at N nodes ln δ, ln f and
+        dln f/dln δ. Read as a cubic between nodes, and by the first slope below them, it gives
+        the load to a relative `TABLE_ERROR` from 1e-30·ΔR on, except closer than `SHORTEST`
+        to a limit with a vertical tangent or a jump in slope.
+
+    Raises
+    ------
+    InputError
+        If the law is undefined or not smooth somewhere.
+
+    Examples
+    --------
+    >>> from cylcontact import Material, laws
+    >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
+    >>> table = tabulate(laws.Persson(), pair)
+    >>> float(table[0]), 500 < table.size < 20_000
+    (50.0, True)
+    """
+    dR = float(np.asarray(pair.dR))
+    end = min(float(law.max_penetration(pair)), DEEPEST * dR)
+    x = np.linspace(np.log(SHALLOWEST * dR), np.log(end), FIRST_NODES)
+    while True:
+        y, slope = _logarithms(law, pair, x, end)
+        coarse = _coarse(law, pair, x, y, slope, end)
+        if not coarse.size:
+            return np.concatenate([[end], x, y, slope])
+        x = np.insert(x, coarse + 1, (x[coarse] + x[coarse + 1]) / 2)
+        require(
+            x.size <= MOST_NODES,
+            "tabulate",
+            "law",
+            law.name,
+            f"its load is not smooth: {MOST_NODES} nodes do not give it to {TABLE_ERROR:g}",
+            "check its load and stiffness",
+        )
+
+
+def cubic(
+    part: _Number, width: _Number, rise: _Number, first: _Number, last: _Number
+) -> tuple[_Number, _Number]:
+    """Return the cubic of given slopes at both ends of an interval, and its slope.
+
+    Parameters
+    ----------
+    part : float or array
+        How far into the interval, from 0 to 1.
+    width : float or array
+        The interval's length.
+    rise : float or array
+        The slope of its chord.
+    first, last : float or array
+        The slopes at its ends.
+
+    Returns
+    -------
+    above, slope : float or array
+        How far the cubic is above its value at the interval's start, and its slope.
+
+    Notes
+    -----
+    Arithmetic only: `cylcontact.laws.kernels` compiles this function as it stands.
+    """
+    rest, left, right = 1 - part, first - rise, last - rise
+    above = width * part * (rise + rest * (rest * left - part * right))
+    slope = rise + rest * (1 - 3 * part) * left - part * (2 - 3 * part) * right
+    return above, slope
+
+
+def _logarithms(
+    law: ContactLaw, pair: CylinderPair, x: FloatArray, end: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return ln f and dln f/dln δ at x = ln δ."""
+    delta = np.minimum(np.exp(x), end)
+    f, k = law.load(delta, pair), law.stiffness(delta, pair)
+    defined = (f > 0) & np.isfinite(f) & (k >= 0)
+    require(
+        defined,
+        "tabulate",
+        "law",
+        law.name,
+        f"its load or its stiffness is not a positive number at {delta[~defined][:1]} mm",
+        "a law must be defined from zero to its max_penetration",
+    )
+    with np.errstate(invalid="ignore"):
+        slope = delta * k / f
+    # A vertical tangent stands for what the cubic can do best there: the chord.
+    chord = np.gradient(np.log(f), x)
+    return np.log(f), as_floats(np.where(np.isfinite(slope), slope, chord))
+
+
+def _coarse(
+    law: ContactLaw,
+    pair: CylinderPair,
+    x: FloatArray,
+    y: FloatArray,
+    slope: FloatArray,
+    end: float,
+) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    """Return the intervals in which the cubic misses the law by more than the error allowed."""
+    width = np.diff(x)
+    rise = np.diff(y) / width
+    bad = np.zeros(width.size, dtype=bool)
+    for part in CHECKED:
+        exact, _ = _logarithms(law, pair, x[:-1] + part * width, end)
+        above, _ = cubic(np.full_like(width, part), width, rise, slope[:-1], slope[1:])
+        bad |= np.abs(y[:-1] + above - exact) > TABLE_ERROR / 4
+    return np.flatnonzero(bad & (width > SHORTEST))

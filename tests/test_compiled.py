@@ -1,0 +1,65 @@
+"""What is compiled is kept for the sources that it is made of, and for no others."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import pytest
+
+import cylcontact
+from cylcontact.compiled import PARTS, compiled, source_hash
+
+PACKAGE = Path(cylcontact.__file__).parent
+PROGRAM = """
+import numpy as np, cylcontact as cc
+from cylcontact.laws.kernels import kernel, kernel_load
+pair = cc.CylinderPair.from_dR("internal", 0.5, cc.Material("steel", E=207e3, nu=0.3))
+found = kernel(cc.laws.Johnson(), pair)
+print(kernel_load(found.kind, found.parameters, 1e-3))
+"""
+
+
+def test_a_changed_callee_and_a_changed_constant_are_noticed(tmp_path):
+    """Of both numba takes no notice by itself."""
+    shutil.copytree(
+        PACKAGE, tmp_path / "cylcontact", ignore=shutil.ignore_patterns("__pycache__", "html")
+    )
+
+    def load():
+        run = [sys.executable, "-c", PROGRAM]
+        return float(subprocess.run(run, cwd=tmp_path, capture_output=True, check=True).stdout)
+
+    first, again = load(), load()
+    assert first == again > 0
+    lambert = tmp_path / "cylcontact/laws/lambert.py"
+    text = lambert.read_text(encoding="utf-8")
+    assert "START = (1.41441," in text
+    lambert.write_text(text.replace("START = (1.41441,", "START = (1.3,"), encoding="utf-8")
+    assert load() != first
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_every_part_counts(part, tmp_path):
+    for each in PARTS:
+        shutil.copytree(PACKAGE / each, tmp_path / each)
+    before = source_hash(tmp_path)
+    assert before == source_hash(PACKAGE)
+    (tmp_path / part / "__init__.py").write_text("# changed", encoding="utf-8")
+    assert source_hash(tmp_path) != before
+
+
+def test_all_compiled_functions_are_in_those_parts():
+    users = {
+        path.relative_to(PACKAGE).parts[0]
+        for path in PACKAGE.rglob("*.py")
+        if "cylcontact.compiled import" in path.read_text(encoding="utf-8")
+    }
+    assert users == set(PARTS)
+
+
+def test_numbas_own_setting_is_left_as_it_was():
+    before = numba.config.CACHE_DIR
+    compiled(lambda x: x)
+    assert before == numba.config.CACHE_DIR

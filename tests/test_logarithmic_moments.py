@@ -1,0 +1,86 @@
+"""Moments of whole rows of a logarithmic law: those of their samples, taken one by one."""
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from mpmath import mp
+
+from cylcontact import CylinderPair, Material, laws
+from cylcontact.datasets import Grid, Moments, merge, reduce_grid
+from cylcontact.datasets.logarithmic_moments import TILE, row_moments
+from cylcontact.datasets.sampling import PIECE, blocks
+
+LOGARITHMIC = [name for name in laws.REFERENCES if issubclass(laws.LAWS[name], laws.LogarithmicLaw)]
+
+
+def pairs(count, dR=0.4):
+    rng = np.random.default_rng(count)
+    material = Material("rows", E=10 ** rng.uniform(4, 6, count), nu=rng.uniform(0.1, 0.5, count))
+    return CylinderPair.from_dR("internal", dR, material)
+
+
+def by_samples(law, pair, load):
+    """Moments from the law's own penetrations."""
+    E_star = np.broadcast_to(pair.E_star[:, None], (pair.E_star.size, load.size))
+    material = Material("", 2 * E_star, 0.0)  # of the same E*
+    delta = law.penetration(load, CylinderPair.from_dR("internal", pair.dR, material))
+    return Moments.of_samples(pair.dR, np.log(load / E_star).ravel(), np.log(delta).ravel())
+
+
+def assert_same(one, two):
+    """Equal up to the rounding of sums of numbers of order ten."""
+    scale = 1e-14 * float(two.count[0])
+    for field in fields(Moments):
+        a, b = getattr(one, field.name), getattr(two, field.name)
+        assert a == pytest.approx(b, rel=1e-12, abs=0 if field.name == "count" else scale)
+
+
+@pytest.mark.parametrize("name", LOGARITHMIC)
+@pytest.mark.parametrize(("rows", "loads"), [(1, 1), (1, 40), (40, 1), (7, 90), (90, 7)])
+def test_rows_give_the_moments_of_their_samples(name, rows, loads):
+    law, pair, load = laws.LAWS[name](), pairs(rows), np.geomspace(0.1, 300.0, loads)
+    assert_same(row_moments(law, pair, load), by_samples(law, pair, load))
+
+
+@pytest.mark.parametrize(("rows", "loads"), [(3, TILE + 5), (TILE // 50 + 3, 50), (400, 400)])
+def test_rows_of_more_than_one_tile(rows, loads):
+    law, pair, load = laws.Johnson(), pairs(rows), np.geomspace(0.1, 300.0, loads)
+    assert_same(row_moments(law, pair, load), by_samples(law, pair, load))
+
+
+def test_one_sample_has_its_own_logarithms_and_no_spread():
+    law, pair, load = laws.Johnson(), pairs(1), np.array([37.0])
+    m = row_moments(law, pair, load)
+    E_star, dR = float(pair.E_star[0]), float(pair.dR)
+    with mp.workdps(30):
+        s = mp.log(mp.mpf(37) / E_star)
+        j = mp.log(37 / (mp.pi * E_star) * (mp.log(4 * mp.pi * dR * E_star / 37) - 1))
+    assert float(m.mean_s[0]) == pytest.approx(float(s), rel=4e-16)
+    assert float(m.mean_j[0]) == pytest.approx(float(j), rel=4e-16)
+    assert (m.count, m.ss, m.sj) == (1, 0, 0)
+    assert m.jj <= 1e-30
+
+
+def test_grids_that_are_partly_masked_are_the_sum_of_their_samples():
+    """Rows inside the domain go one way, rows that leave it the other."""
+    E, dR = np.geomspace(20.0, 400.0, 9), np.array([0.005, 0.02])
+    grid = Grid("internal", "johnson", E, np.array([0.2, 0.3]), dR, np.geomspace(1, 2000, 40))
+    moments, counts = reduce_grid(grid)
+    assert 0 < counts.masked < grid.size
+    for place, gap in enumerate(grid.dR):
+        sampled = [Moments.of_samples(gap, b.s, b.j) for b in blocks(grid, float(gap))]
+        here = Moments(*(getattr(moments, f.name)[place : place + 1] for f in fields(Moments)))
+        assert_same(here, merge(sampled))
+    assert counts.samples == moments.total
+    assert counts.samples + counts.masked == grid.size
+
+
+def test_a_clearance_of_several_pieces_is_the_same_for_any_number_of_threads():
+    nu = np.linspace(0.1, 0.4, 4)
+    load = np.geomspace(1.0, 1000.0, PIECE // 10)
+    grid = Grid("external", "johnson", np.geomspace(20, 900, 6), nu, np.array([30.0]), load)
+    one, two = (reduce_grid(grid, jobs)[0] for jobs in (1, 2))
+    for field in fields(Moments):
+        assert np.array_equal(getattr(one, field.name), getattr(two, field.name))
+    assert one.total == grid.size
