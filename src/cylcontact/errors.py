@@ -35,12 +35,21 @@ class InputError(ValueError):
         self.remedy = remedy
         shown = " = ".join(part for part in (key, short(value)) if part)
         where = ": ".join(part for part in (source, shown) if part)
-        # A path or another program's message may bring line breaks along.
-        super().__init__(" ".join(f"{where}: {rule}; {remedy}".splitlines()))
+        # A path or another program's message may bring line breaks and worse along.
+        super().__init__(_printable(" ".join(f"{where}: {rule}; {remedy}".splitlines())))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str, object, str, str]]:
         """Rebuild from the five parts, so that worker processes can send it back."""
         return (type(self), (self.source, self.key, self.value, self.rule, self.remedy))
+
+    def _render_traceback_(self) -> list[str]:
+        """Show the line alone in a notebook, where IPython asks for this."""
+        return [str(self)]
+
+
+def _printable(text: str) -> str:
+    """Escape what would not show on a terminal, or do more than show."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 def short(value: object, width: int = 80) -> str:

@@ -44,34 +44,65 @@ def replacing(path: Path | str) -> Iterator[Path]:
     """
     target = Path(path)
     require_writable(target)
+    temporary = None
+    with folder_of(target):
+        try:
+            handle, name = tempfile.mkstemp(
+                prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent
+            )
+            os.close(handle)
+            temporary = Path(name)
+            yield temporary
+            _to_disk(temporary)
+            temporary.chmod(0o666 & ~_umask())
+            temporary.replace(target)
+            temporary = None
+        except OSError as error:
+            raise unwritable(target, error) from error
+        finally:
+            if temporary is not None:
+                with suppress(OSError):  # the error that is told of is the first
+                    temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def folder_of(target: Path) -> Iterator[None]:
+    """Make the folder of a file, and remove what was made if nothing has come into it.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be made.
+    """
     parents = (target.parent, *target.parent.parents)
     made = list(takewhile(lambda folder: not folder.exists(), parents))
-    temporary = None
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(
-            prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent
-        )
-        os.close(handle)
-        temporary = Path(name)
-        yield temporary
-        temporary.chmod(0o666 & ~_umask())
-        temporary.replace(target)
-        temporary, made = None, []
-    except OSError as error:
-        raise InputError(
-            str(target),
-            "",
-            None,
-            f"cannot be written ({error.strerror or error})",
-            "choose a file in a folder you may write to, with room left",
-        ) from error
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise unwritable(target, error) from error
+        yield
     finally:
-        if temporary is not None:
-            temporary.unlink(missing_ok=True)
         for folder in made:
-            with suppress(OSError):  # someone else may have put a file there meanwhile
+            with suppress(OSError):  # it holds something
                 folder.rmdir()
+
+
+def unwritable(path: Path, error: OSError) -> InputError:
+    """Return the error that tells of a file that could not be written."""
+    return InputError(
+        str(path),
+        "",
+        None,
+        f"cannot be written ({error.strerror or error})",
+        "choose a file in a folder you may write to, with room left",
+    )
+
+
+def _to_disk(path: Path) -> None:
+    """Wait until a file is on the disk, so that no crash leaves an empty one under its name."""
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())
 
 
 def require_writable(path: Path | str) -> None:

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from cylcontact.cli.terminal import RESULTS, Jobs, Runs, Seed, cores, progress_bars
+from cylcontact.cli import measured
+from cylcontact.cli.terminal import (
+    RESULTS,
+    Jobs,
+    Runs,
+    Scheduler,
+    Seed,
+    progress_bars,
+    workers,
+)
 from cylcontact.errors import InputError
 
 
@@ -17,9 +27,10 @@ def sample(
 ) -> None:
     """Sample a reference law over a grid, in bounded memory."""
     from cylcontact.datasets import read_grid, write_samples
+    from cylcontact.locks import owning
 
     grid = read_grid(spec)
-    with progress_bars() as progress:
+    with owning(out), progress_bars() as progress:
         counts = write_samples(grid, out, lambda n: progress("sampling", n, grid.dR.size))
     typer.echo(
         f"{out}: {counts.samples:,} samples, {counts.masked:,} masked by the domain of "
@@ -28,7 +39,10 @@ def sample(
 
 
 def fit(
-    campaign: Annotated[Path, typer.Argument(help="A campaign, e.g. fitting/internal.toml.")],
+    campaign: Annotated[
+        Path,
+        typer.Argument(help="A campaign, e.g. fitting/internal.toml, or a .csv or .parquet table."),
+    ],
     out: Annotated[
         Path | None,
         typer.Option("-o", "--out", help="The result; results/NAME.json beside the campaign."),
@@ -36,26 +50,103 @@ def fit(
     jobs: Jobs = None,
     runs: Runs = None,
     seed: Seed = None,
+    optimizer: Annotated[
+        str | None,
+        typer.Option(help="genetic, differential-evolution, least-squares or cma."),
+    ] = None,
+    scheduler: Scheduler = None,
     resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted fit.")] = False,
+    law: measured.Law = None,
+    contact: measured.ContactKind = None,
+    material: measured.MaterialName = None,
+    material_i: measured.MaterialI = None,
+    material_j: measured.MaterialJ = None,
+    materials: measured.Materials = None,
+    E: measured.Modulus = None,
+    nu: measured.Poisson = None,
+    dR: measured.Clearance = None,
+    R_i: measured.RadiusI = None,
+    R_j: measured.RadiusJ = None,
+    length: measured.Length = None,
+    objective: measured.Objective = None,
+    loss: measured.LossName = None,
+    ignore: measured.Ignored = None,
+    bound: measured.Bounds = None,
+    fix: measured.Held = None,
 ) -> None:
-    """Calibrate a law to a reference by genetic search and local polish."""
-    from cylcontact.files import require_writable
-    from cylcontact.fitting import calibrate, read_campaign
+    """Calibrate a law to a reference, or to a table of measurements."""
+    from cylcontact.fitting import calibrate
+    from cylcontact.locks import owning
 
-    planned = read_campaign(campaign, runs, seed)
+    options = measured.TableOptions(
+        law=law,
+        contact=contact,
+        material=material,
+        material_i=material_i,
+        material_j=material_j,
+        materials=materials,
+        E_MPa=E,
+        nu=nu,
+        dR_mm=dR,
+        R_i_mm=R_i,
+        R_j_mm=R_j,
+        length_mm=length,
+        objective=objective,
+        loss=loss,
+        ignore=ignore,
+        bound=bound,
+        fix=fix,
+    )
+    planned = measured.plan(campaign, options, runs, seed, optimizer)
     target = out or campaign.parent / "results" / f"{campaign.stem}.json"
-    require_writable(target)
-    kept = target.with_name(target.name + ".partial")
-    if resume and not kept.exists():
-        typer.echo(f"cylcontact: no runs are kept in {kept}; all are run", err=True)
-    try:
-        with progress_bars() as progress:
-            result = calibrate(planned, jobs or cores(), progress, kept, resume)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(_interrupted(kept)) from None
-    result.save(target)
-    kept.unlink(missing_ok=True)
+    where = workers(jobs, scheduler)
+    with owning(target):
+        kept = target.with_name(target.name + ".partial")
+        if resume and not kept.exists():
+            typer.echo(f"cylcontact: no runs are kept in {kept}; all are run", err=True)
+        try:
+            with progress_bars() as progress:
+                result = calibrate(planned, where, progress, kept, resume)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(_interrupted(kept)) from None
+        result.save(target)
+        kept.unlink(missing_ok=True)
     typer.echo(f"{result}\n\nwritten to {target}")
+
+
+def optimizers(
+    campaign: Annotated[Path, typer.Argument(help="A campaign, e.g. fitting/internal.toml.")],
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[OPTIMIZER]...", help="Some; all by default.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Write every run to this .csv as well.")
+    ] = None,
+    jobs: Jobs = None,
+    runs: Runs = None,
+    seed: Seed = None,
+    scheduler: Scheduler = None,
+) -> None:
+    """Run a campaign with every optimiser on the same budget, and compare what they find."""
+    from cylcontact.files import replacing
+    from cylcontact.fitting import optimizer_comparison, read_campaign
+    from cylcontact.fitting.optimizers import OPTIMIZERS
+    from cylcontact.locks import owning
+
+    for name in names or ():
+        read_campaign(campaign, optimizer=name)  # refuses an unknown one
+    planned = read_campaign(campaign, runs, seed)
+    if out is not None and out.suffix != ".csv":
+        raise InputError(str(out), "", None, "is not a .csv", "name the output so that it is one")
+    where = workers(jobs, scheduler)
+    with owning(out) if out else nullcontext(), progress_bars() as progress:
+        compared = optimizer_comparison.compare_optimizers(
+            planned, names or OPTIMIZERS, where, progress
+        )
+        if out is not None:
+            with replacing(out) as temporary:
+                temporary.write_text(optimizer_comparison.as_csv(compared), encoding="utf-8")
+    typer.echo(optimizer_comparison.as_text(compared))
 
 
 def compare(
@@ -72,6 +163,7 @@ def verify(
         list[Path] | None, typer.Argument(help="Result files; all committed ones by default.")
     ] = None,
     jobs: Jobs = None,
+    scheduler: Scheduler = None,
 ) -> None:
     """Redo committed fits with their own settings and compare; exit code 1 where one differs."""
     from cylcontact.fitting.verify import verify as verify_one
@@ -82,7 +174,7 @@ def verify(
     failed = 0
     for path in paths:
         with progress_bars() as progress:
-            checks = verify_one(path, jobs or cores(), progress)
+            checks = verify_one(path, workers(jobs, scheduler), progress)
         for check in checks:
             typer.echo(f"{path.stem}: {check}")
         failed += sum(not check.holds for check in checks)

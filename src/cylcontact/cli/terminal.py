@@ -7,9 +7,12 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from cylcontact.parallel import Workers
 
 RESULTS = Path("fitting/results")
 
@@ -39,6 +42,10 @@ Jobs = Annotated[
         help="Worker processes; all cores by default.",
     ),
 ]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="A Dask cluster instead, e.g. tcp://host:8786."),
+]
 Runs = Annotated[
     int | None,
     typer.Option(
@@ -56,6 +63,17 @@ Seed = Annotated[
 def cores() -> int:
     """Return the number of cores this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def workers(jobs: int | None, scheduler: str | None) -> Workers:
+    """Return where work is done: on so many processes, all cores by default, or on a cluster."""
+    from cylcontact.parallel import Cluster
+
+    if scheduler is None:
+        return jobs or cores()
+    if jobs is not None:
+        raise typer.BadParameter("--jobs is for this machine; leave it out with --scheduler")
+    return Cluster(scheduler)
 
 
 @contextmanager

@@ -6,18 +6,17 @@ from collections.abc import Callable, Mapping
 from contextlib import closing
 from pathlib import Path
 
-import joblib
-import numpy as np
-
-from cylcontact.arrays import FloatArray
-from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.moments import Moments
-from cylcontact.datasets.sampling import Counts, blocks, reduce_grid
+from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.checkpoint import Checkpoint
+from cylcontact.fitting.max_difference import max_abs_difference_percent
+from cylcontact.fitting.measured_campaign import MeasuredCampaign
+from cylcontact.fitting.measured_fit import fit_measurements, robust_problem
 from cylcontact.fitting.objectives import ON_ROWS, make_objective
-from cylcontact.fitting.parameters import Family
+from cylcontact.fitting.optimizers import require_installed
+from cylcontact.fitting.planning import AnyCampaign
 from cylcontact.fitting.problem import Problem, require_defined_somewhere
 from cylcontact.fitting.profile import Profile, profile
 from cylcontact.fitting.provenance import provenance
@@ -28,9 +27,9 @@ from cylcontact.fitting.result import (
     Published,
     SampleCounts,
 )
-from cylcontact.fitting.rows import Rows, collect_rows, rows_of
+from cylcontact.fitting.rows import Rows, collect_rows
 from cylcontact.fitting.run import RunPlan, RunRecord, execute, plan_runs
-from cylcontact.fitting.workers import in_processes
+from cylcontact.parallel import Workers, call, run_calls
 
 # The stage, what is done of it, and how much there is.
 Progress = Callable[[str, int, int], None]
@@ -39,14 +38,14 @@ Progress = Callable[[str, int, int], None]
 MAX_ROWS = 20_000_000
 
 
-def _silent(stage: str, done: int, total: int) -> None:
+def silent(stage: str, done: int, total: int) -> None:
     """Show nothing."""
 
 
 def calibrate(
-    campaign: Campaign,
-    jobs: int = 1,
-    progress: Progress = _silent,
+    campaign: AnyCampaign,
+    jobs: Workers = 1,
+    progress: Progress = silent,
     checkpoint: Path | None = None,
     resume: bool = False,
 ) -> FitResult:
@@ -55,9 +54,10 @@ def calibrate(
     Parameters
     ----------
     campaign : Campaign
-        From `read_campaign`.
-    jobs : int
-        Worker processes; the result does not depend on it.
+        From `read_campaign`; one on measurements, from `read_plan`, takes seconds and is not
+        kept in a checkpoint.
+    jobs : int or Cluster
+        Worker processes, or a Dask cluster; the result does not depend on it.
     progress : callable, optional
         Called with the stage, the number of its parts done and their total.
     checkpoint : path, optional
@@ -73,8 +73,8 @@ def calibrate(
     Raises
     ------
     InputError
-        If every sample is masked, the bounds exclude the law's domain, or the checkpoint
-        belongs to another campaign.
+        If every sample is masked, the bounds exclude the law's domain, the optimiser's library
+        is missing, or the checkpoint belongs to another campaign.
 
     Examples
     --------
@@ -101,9 +101,12 @@ def calibrate(
     >>> print({name: round(value, 6) for name, value in result.coefficients.items()})
     {'a': 0.39, 'b': 0.85, 'n': 1.094}
     """
+    if isinstance(campaign, MeasuredCampaign):
+        return fit_measurements(campaign, jobs, progress)
+    require_installed(campaign.spec.optimizer, campaign.source)
     problem, counts = problem_of(campaign, jobs, progress)
     keeper = Checkpoint(checkpoint, campaign.key) if checkpoint is not None else None
-    records = _run_all(problem, campaign, jobs, progress, keeper, resume)
+    records = search_all(problem, campaign, jobs, progress, keeper, resume)
     best = min(records, key=lambda record: (record.objective, record.index))
     published = campaign.family.published
     return FitResult(
@@ -117,7 +120,7 @@ def calibrate(
         published=None
         if published is None
         else Published(coefficients=dict(published), objective=problem.value_of(published)),
-        max_abs_diff_percent=_max_difference(campaign, best.coefficients),
+        max_abs_diff_percent=_max_difference(campaign, best.coefficients, jobs, progress),
         profiles=_profiles(problem, best.coefficients, published, jobs, progress),
         runs=records,
         counts=SampleCounts(samples=counts.samples, masked=counts.masked),
@@ -126,7 +129,7 @@ def calibrate(
     )
 
 
-def problem_of(campaign: Campaign, jobs: int, progress: Progress) -> tuple[Problem, Counts]:
+def problem_of(campaign: AnyCampaign, jobs: Workers, progress: Progress) -> tuple[Problem, Counts]:
     """Return what a campaign minimises, and how many samples its grid gave.
 
     Parameters
@@ -145,6 +148,8 @@ def problem_of(campaign: Campaign, jobs: int, progress: Progress) -> tuple[Probl
     InputError
         If every sample is masked, or the bounds exclude the law's domain.
     """
+    if isinstance(campaign, MeasuredCampaign):
+        return robust_problem(campaign), Counts(len(campaign.measurements), 0)
     data, counts = _data(campaign, jobs, progress)
     objective = make_objective(campaign.spec.objective, data)
     problem = Problem(campaign.family, campaign.parameters, objective)
@@ -152,7 +157,7 @@ def problem_of(campaign: Campaign, jobs: int, progress: Progress) -> tuple[Probl
     return problem, counts
 
 
-def _data(campaign: Campaign, jobs: int, progress: Progress) -> tuple[Moments | Rows, Counts]:
+def _data(campaign: Campaign, jobs: Workers, progress: Progress) -> tuple[Moments | Rows, Counts]:
     """Sample the campaign's grid to what its objective needs."""
     grid = campaign.grid
     if campaign.family.is_power_law and campaign.spec.objective not in ON_ROWS:
@@ -168,15 +173,31 @@ def _data(campaign: Campaign, jobs: int, progress: Progress) -> tuple[Moments | 
     return collect_rows(grid)
 
 
-def _run_all(
+def search_all(
     problem: Problem,
     campaign: Campaign,
-    jobs: int,
+    jobs: Workers,
     progress: Progress,
-    keeper: Checkpoint | None,
-    resume: bool,
+    keeper: Checkpoint | None = None,
+    resume: bool = False,
 ) -> list[RunRecord]:
-    """Run what is not already kept, keep each run as it ends, return all in order."""
+    """Run what is not already kept, keep each run as it ends, return all in order.
+
+    Parameters
+    ----------
+    problem : Problem
+        From `problem_of`.
+    campaign, jobs, progress
+        As for `calibrate`.
+    keeper : Checkpoint, optional
+        Where finished runs are kept.
+    resume : bool
+        Whether to take up those in it.
+
+    Returns
+    -------
+    list of RunRecord
+    """
     genetic = campaign.spec.genetic
     plans = plan_runs(
         genetic.runs,
@@ -184,6 +205,7 @@ def _run_all(
         genetic.crossovers,
         genetic.generations,
         campaign.spec.seed,
+        campaign.spec.optimizer,
     )
     records = keeper.load() if keeper and resume else []
     if keeper and not resume:
@@ -191,8 +213,8 @@ def _run_all(
     finished = {record.index for record in records}
     waiting: list[RunPlan] = [plan for plan in plans if plan.index not in finished]
     progress("searching", len(records), len(plans))
-    searches = [joblib.delayed(execute)(problem, plan, campaign.source) for plan in waiting]
-    with closing(in_processes(searches, jobs, ordered=False)) as found:
+    searches = [call(execute, problem, plan, campaign.source) for plan in waiting]
+    with closing(run_calls(searches, jobs, ordered=False)) as found:
         for record in found:
             if keeper:
                 keeper.add(record)
@@ -205,59 +227,34 @@ def _profiles(
     problem: Problem,
     best: Mapping[str, float],
     published: Mapping[str, float] | None,
-    jobs: int,
+    jobs: Workers,
     progress: Progress,
 ) -> dict[str, Profile]:
     """Profile every free parameter."""
     names = [p.name for p in problem.free]
     work = [
-        joblib.delayed(profile)(problem, name, best, published[name] if published else None)
-        for name in names
+        call(profile, problem, name, best, published[name] if published else None) for name in names
     ]
     profiles = {}
     progress("profiling", 0, len(names))
-    with closing(in_processes(work, jobs)) as found:
+    with closing(run_calls(work, jobs)) as found:
         for name, curve in zip(names, found, strict=True):
             profiles[name] = curve
             progress("profiling", len(profiles), len(names))
     return profiles
 
 
-def _max_difference(campaign: Campaign, best: Mapping[str, float]) -> MaxDifference:
+def _max_difference(
+    campaign: Campaign, best: Mapping[str, float], jobs: Workers, progress: Progress
+) -> MaxDifference:
     """Return the largest |Eq 9| over the grid, fitted and published."""
     family, published = campaign.family, campaign.family.published
     candidates = [best] if published is None else [best, published]
-    worst = max_abs_difference_percent(campaign.grid, family, candidates)
+    grid = campaign.grid
+    progress("comparing", 0, grid.dR.size)
+    worst = max_abs_difference_percent(
+        grid, family, candidates, jobs, lambda done: progress("comparing", done, grid.dR.size)
+    )
     return MaxDifference(
         fitted=float(worst[0]), published=float(worst[1]) if published is not None else None
     )
-
-
-def max_abs_difference_percent(
-    grid: Grid, family: Family, candidates: list[Mapping[str, float]]
-) -> FloatArray:
-    """Return the largest |Eq 9| in percent over a grid for each of several coefficient sets.
-
-    Parameters
-    ----------
-    grid : Grid
-        Sampled block by block, whatever its size.
-    family : Family
-        The law.
-    candidates : list of mapping
-        Coefficients by name, P of them.
-
-    Returns
-    -------
-    array of float, shape (P,)
-    """
-    points = np.array([[c[name] for name in family.names] for c in candidates])
-    worst = np.zeros(len(candidates))
-    for dR in grid.dR:
-        form = family.form(points, np.array([dR]))
-        for block in blocks(grid, float(dR)):
-            rows = rows_of(grid.contact, block)
-            for k in range(len(candidates)):
-                differences = np.abs(np.expm1(form.log_penetration_ratio(k, rows)))
-                worst[k] = max(worst[k], differences.max(initial=0.0))
-    return 100 * worst

@@ -11,11 +11,13 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
-from cylcontact.datasets.grid import Grid, grid_from, spec_hash
+from cylcontact.datasets.grid import Grid, grid_from, read_grid_data
 from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.objectives import OBJECTIVES
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.parameters import Family, Parameter, family_of
+from cylcontact.origin import spec_hash
 from cylcontact.specs import Spec, broken, parse_spec, read_toml
 
 # Runs of a campaign, and candidates of a population: more do not fit in memory.
@@ -98,6 +100,7 @@ class CampaignSpec(Spec):
     parameters: dict[str, ParameterSpec] = Field(
         description="a table [parameters.NAME] for each parameter of the law"
     )
+    optimizer: str = Field(OPTIMIZERS[0], description=f"one of {', '.join(OPTIMIZERS)}")
     genetic: GeneticSpec = Field(GeneticSpec(), description="a table [genetic]")
 
     @model_validator(mode="after")
@@ -108,6 +111,13 @@ class CampaignSpec(Spec):
                 self.objective,
                 "is not a known objective",
                 f"choose {', '.join(OBJECTIVES)}",
+            )
+        if self.optimizer not in OPTIMIZERS:
+            raise broken(
+                "optimizer",
+                self.optimizer,
+                "is not a known optimiser",
+                f"choose {', '.join(OPTIMIZERS)}",
             )
         return self
 
@@ -156,7 +166,12 @@ class Campaign:
         return spec_hash(self.settings)
 
 
-def read_campaign(path: Path | str, runs: int | None = None, seed: int | None = None) -> Campaign:
+def read_campaign(
+    path: Path | str,
+    runs: int | None = None,
+    seed: int | None = None,
+    optimizer: str | None = None,
+) -> Campaign:
     """Read a campaign file and the grid spec that it names.
 
     Parameters
@@ -164,6 +179,8 @@ def read_campaign(path: Path | str, runs: int | None = None, seed: int | None = 
     path : path
         A TOML file; its dataset is looked for beside it and in the folder above.
     runs, seed : int, optional
+        Used instead of the file's.
+    optimizer : str, optional
         Used instead of the file's.
 
     Returns
@@ -180,9 +197,11 @@ def read_campaign(path: Path | str, runs: int | None = None, seed: int | None = 
         data["genetic"] = {**data.get("genetic", {}), "runs": runs}
     if seed is not None:
         data["seed"] = seed
+    if optimizer is not None:
+        data["optimizer"] = optimizer
     spec = parse_spec(CampaignSpec, data, str(path))
     dataset = _find_dataset(Path(path), spec.dataset)
-    return make_campaign(Path(path).stem, spec, read_toml(dataset), str(path), str(dataset))
+    return make_campaign(Path(path).stem, spec, read_grid_data(dataset), str(path), str(dataset))
 
 
 def campaign_from_settings(name: str, settings: dict[str, Any], source: str) -> Campaign:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from cylcontact.errors import InputError
@@ -25,6 +26,7 @@ class Checkpoint:
     def __init__(self, path: Path, key: str) -> None:
         self.path = path
         self._header = json.dumps({"campaign": key})
+        self._written: os.stat_result | None = None
 
     def start(self) -> None:
         """Begin anew, with no runs; the file comes with the first."""
@@ -44,18 +46,18 @@ class Checkpoint:
             If the file belongs to another campaign or is not a checkpoint.
         """
         try:
-            text = self.path.read_text(encoding="utf-8", errors="replace")
+            contents = self.path.read_bytes()
         except FileNotFoundError:
             return []
         except OSError as error:
             raise InputError(
                 str(self.path), "", None, f"cannot be read ({error.strerror})", "move it away"
             ) from error
-        if self._header.startswith(text):  # cut short before its first run
+        if self._header.encode().startswith(contents):  # cut short before its first run
             self.start()
             return []
-        complete = text[: text.rfind("\n") + 1]
-        header, *lines = complete.splitlines() or [""]
+        complete = contents[: contents.rfind(b"\n") + 1]
+        header, *lines = complete.decode(errors="replace").split("\n")[:-1] or [""]
         if header != self._header:
             raise InputError(
                 str(self.path),
@@ -65,20 +67,49 @@ class Checkpoint:
                 "run without --resume to start anew, or restore the settings",
             )
         records = [self._parse(line) for line in lines]
-        if complete != text:
-            self.path.write_text(complete, encoding="utf-8")
+        if complete != contents:
+            self._truncate(len(complete))
         return records
 
     def add(self, record: RunRecord) -> None:
-        """Append a finished run and force it to the disk."""
+        """Append a finished run and force it to the disk.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written, or the file written before is no longer there.
+        """
         try:
+            self._require_still_there()
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            with self.path.open("a", encoding="utf-8") as file:
-                if not file.tell():
-                    file.write(self._header + "\n")
-                file.write(record.model_dump_json() + "\n")
+            with self.path.open("ab") as file:
+                lines = ["" if file.tell() else self._header + "\n", record.model_dump_json(), "\n"]
+                file.write("".join(lines).encode())
                 file.flush()
                 os.fsync(file.fileno())
+                self._written = os.fstat(file.fileno())
+        except OSError as error:
+            raise _unwritable(self.path, error) from error
+
+    def _require_still_there(self) -> None:
+        """Refuse to go on in another file than before: the runs in that one would be missing."""
+        if self._written is None:
+            return
+        with suppress(FileNotFoundError):
+            if os.path.samestat(self._written, self.path.stat()):
+                return
+        raise InputError(
+            str(self.path),
+            "",
+            None,
+            "was removed or replaced while the fit was running",
+            "start the fit again, and leave its folder alone until it ends",
+        )
+
+    def _truncate(self, size: int) -> None:
+        """Cut the file off after its complete lines."""
+        try:
+            os.truncate(self.path, size)
         except OSError as error:
             raise _unwritable(self.path, error) from error
 

@@ -62,8 +62,9 @@ class RmsLogPenetration:
 
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,)."""
-        level, tilt = self._parts(form)
-        squares = (level**2 + tilt**2).sum(axis=-1)
+        with np.errstate(over="ignore"):
+            level, tilt = self._parts(form)
+            squares = (level**2 + tilt**2).sum(axis=-1)
         return _or_inf(np.sqrt(squares + self.bound**2))
 
     def residuals(self, form: Form) -> FloatArray:

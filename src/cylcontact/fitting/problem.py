@@ -10,7 +10,7 @@ import numpy as np
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
 from cylcontact.fitting.objectives import Objective
-from cylcontact.fitting.parameters import Family, Parameter
+from cylcontact.fitting.parameters import Family, Form, Parameter
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,7 @@ class Problem:
 
     def values(self, points: FloatArray) -> FloatArray:
         """Return the objective of P points of the free parameters, shape (P, k) to (P,)."""
-        form = self.family.form(self._complete(points), self.objective.dR)
-        return self.objective.values(form)
+        return self.objective.values(self.form(points))
 
     def value(self, point: FloatArray) -> float:
         """Return the objective of one point, shape (k,)."""
@@ -57,8 +56,11 @@ class Problem:
 
     def residuals(self, points: FloatArray) -> FloatArray:
         """Return the objective's residuals of P points, shape (P, k) to (P, q)."""
-        form = self.family.form(self._complete(points), self.objective.dR)
-        return self.objective.residuals(form)
+        return self.objective.residuals(self.form(points))
+
+    def form(self, points: FloatArray) -> Form:
+        """Return the laws at P points of the free parameters, shape (P, k)."""
+        return self.family.form(self._complete(points), self.objective.dR)
 
     def coefficients(self, point: FloatArray) -> dict[str, float]:
         """Return all parameters by name, the fixed ones included."""

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field
 
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
-from cylcontact.fitting.campaign import campaign_from_settings
+from cylcontact.fitting.campaign import Campaign
+from cylcontact.fitting.planning import AnyCampaign, plan_from_settings
 from cylcontact.fitting.profile import Profile
 from cylcontact.fitting.run import RunRecord
+from cylcontact.fitting.uncertainty.report import Uncertainty
 from cylcontact.pair import Contact
 from cylcontact.specs import Spec, parse_spec
 
@@ -66,8 +68,15 @@ class FitResult(Spec):
     profiles: dict[str, Profile] = Field(description="a profile for each free coefficient")
     runs: list[RunRecord] = Field(description="every run")
     counts: SampleCounts = Field(description="samples used and masked")
-    settings: dict[str, Any] = Field(description="the campaign and the grid as run")
+    settings: dict[str, Any] = Field(description="the campaign and the grid, or the data, as run")
     provenance: dict[str, Any] = Field(description="versions and hashes")
+    kind: Literal["discrepancy", "noise"] = Field(
+        "discrepancy",
+        description="whether what the fit leaves over is discrepancy of laws, or noise of data",
+    )
+    uncertainty: Uncertainty | None = Field(
+        None, description="how sure the coefficients are, for measured data"
+    )
 
     @classmethod
     def load(cls, path: Path | str) -> FitResult:
@@ -102,8 +111,13 @@ class FitResult(Spec):
     def save(self, path: Path | str) -> None:
         """Write the result as JSON, complete or not at all."""
         with replacing(path) as temporary:
-            text = json.dumps(self.model_dump(), indent=1, ensure_ascii=False, allow_nan=False)
+            text = json.dumps(self._plain(), indent=1, ensure_ascii=False, allow_nan=False)
             temporary.write_text(text + "\n", encoding="utf-8")
+
+    def _plain(self) -> dict[str, Any]:
+        """Return what a file holds; one on a reference law leaves out what belongs to data."""
+        own_to_data = {"kind", "uncertainty"}
+        return self.model_dump(exclude=own_to_data if self.kind == "discrepancy" else None)
 
     def repeatable(self) -> dict[str, Any]:
         """Return everything that the same seed must give again: all but times and provenance."""
@@ -131,7 +145,9 @@ class FitResult(Spec):
 
 def _require_consistent(result: FitResult, source: str) -> None:
     """Refuse a result whose settings are not those of a campaign, or whose parts do not match."""
-    family = campaign_from_settings(result.name, result.settings, source).family
+    plan = plan_from_settings(result.name, result.settings, source)
+    family = plan.family
+    _require_of_campaign(result, plan, source)
     named = {"coefficients": result.coefficients}
     if result.published is not None:
         named["published.coefficients"] = result.published.coefficients
@@ -140,9 +156,28 @@ def _require_consistent(result: FitResult, source: str) -> None:
         if set(coefficients) != set(family.names):
             rule = f"must be the coefficients of its campaign: {', '.join(family.names)}"
             raise InputError(source, key, sorted(coefficients), rule, "redo the fit")
+    if result.uncertainty is not None and not {*result.uncertainty.estimates} <= {*family.names}:
+        rule = f"must be those of coefficients of its campaign: {', '.join(family.names)}"
+        raise InputError(source, "uncertainty.estimates", None, rule, "redo the fit")
     for name, curve in result.profiles.items():
         if name not in family.names or len(curve.values) != len(curve.objective):
             rule = "must be a coefficient's, its values and objective equally many"
             raise InputError(source, f"profiles.{name}", None, rule, "redo the fit")
     if not result.runs:
         raise InputError(source, "runs", [], "must hold at least one run", "redo the fit")
+
+
+def _require_of_campaign(result: FitResult, plan: AnyCampaign, source: str) -> None:
+    """Refuse a result that says another law, contact, reference or kind than its campaign."""
+    is_measured = not isinstance(plan, Campaign)
+    said = {"law": plan.family.law, "contact": plan.family.contact}
+    said["kind"] = "noise" if is_measured else "discrepancy"
+    if isinstance(plan, Campaign):
+        said["reference"] = plan.grid.reference
+    for key, value in said.items():
+        if getattr(result, key) != value:
+            rule = f"must be that of its campaign, {value}"
+            raise InputError(source, key, getattr(result, key), rule, "redo the fit")
+    if is_measured != (result.uncertainty is not None):
+        rule = "must stand with measurements, and only with them"
+        raise InputError(source, "uncertainty", None, rule, "redo the fit")

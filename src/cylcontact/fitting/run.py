@@ -1,4 +1,4 @@
-"""One run of a campaign: a genetic search and the polish of what it found."""
+"""One run of a campaign: a search and the polish of what it found."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from pydantic import Field
 from threadpoolctl import threadpool_limits
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.genetic import search
-from cylcontact.fitting.polish import polish
+from cylcontact.fitting.optimizers import search
+from cylcontact.fitting.polish import polish_across_kinks
 from cylcontact.fitting.problem import Problem
 from cylcontact.specs import Spec
 
@@ -23,18 +23,19 @@ class RunPlan:
     index: int
     population: int
     generations: int
-    crossover: str
+    crossover: str | None
     seed: int
+    optimizer: str = "genetic"
 
 
 class RunRecord(Spec):
     """What one run found; the seconds are the only part that may differ between repeats."""
 
     index: int = Field(description="the run's place in the campaign")
-    seed: int = Field(description="the seed PyGAD was given")
-    population: int = Field(description="the size of the population")
-    crossover: str = Field(description="the crossover")
-    objective_before_polish: float = Field(description="the best of the genetic search")
+    seed: int = Field(description="the seed of the search")
+    population: int = Field(description="the population, which sets the budget of every search")
+    crossover: str | None = Field(description="the crossover of a genetic search")
+    objective_before_polish: float = Field(description="the best of the search")
     objective: float = Field(description="the objective after the polish")
     coefficients: dict[str, float] = Field(description="the coefficients after the polish")
     evaluations: int = Field(description="candidates that the search evaluated")
@@ -47,6 +48,7 @@ def plan_runs(
     crossovers: tuple[str, ...],
     generations: int,
     seed: int,
+    optimizer: str = "genetic",
 ) -> list[RunPlan]:
     """Give each run its population, crossover and a seed spawned from the campaign's.
 
@@ -66,8 +68,11 @@ def plan_runs(
             index=index,
             population=populations[index % len(populations)],
             generations=generations,
-            crossover=crossovers[index // len(populations) % len(crossovers)],
+            crossover=crossovers[index // len(populations) % len(crossovers)]
+            if optimizer == "genetic"
+            else None,
             seed=run_seed,
+            optimizer=optimizer,
         )
         for index, run_seed in enumerate(seeds)
     ]
@@ -96,8 +101,10 @@ def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRec
     """
     started = time.perf_counter()
     with threadpool_limits(limits=1):
-        found = search(problem, plan.population, plan.generations, plan.crossover, plan.seed)
-        point, value = polish(problem, found.point)
+        found = search(
+            problem, plan.optimizer, plan.population, plan.generations, plan.crossover, plan.seed
+        )
+        point, value = polish_across_kinks(problem, found.point)
     if not np.isfinite(value):
         raise InputError(
             source,

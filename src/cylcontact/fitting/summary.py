@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.uncertainty.report import Uncertainty
 from cylcontact.fitting.verdicts import identification, verdicts
 
 WIDTH = 100
@@ -24,15 +25,15 @@ def as_text(result: FitResult) -> str:
         [
             fill(_headline(result), WIDTH),
             "",
-            _text_table(COLUMNS, _lines(result)),
-            *(_item(sentence) for sentence in verdicts(result)),
+            text_table(_columns(result), _lines(result)),
+            *(item(sentence) for sentence in verdicts(result)),
         ]
     )
 
 
 def as_html(result: FitResult) -> str:
     """Return the same report as an HTML fragment, all of its texts escaped."""
-    head = "".join(f"<th>{column}</th>" for column in COLUMNS)
+    head = "".join(f"<th>{column}</th>" for column in _columns(result))
     body = "".join(
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in line) + "</tr>"
         for line in _lines(result)
@@ -63,17 +64,22 @@ def compare(results: Sequence[FitResult]) -> str:
         groups.setdefault((result.law, result.contact), []).append(result)
     parts = [_compare_group(group) for group in groups.values()]
     for result in results:
-        parts.append("\n".join([f"{result.name}:", *map(_item, verdicts(result))]))
+        parts.append("\n".join([f"{result.name}:", *map(item, verdicts(result))]))
     return "\n\n".join(parts)
 
 
-def _item(sentence: str) -> str:
+def item(sentence: str) -> str:
     """Return a sentence as an item of a list, wrapped."""
     return fill(sentence, WIDTH, initial_indent="- ", subsequent_indent="  ")
 
 
 def _headline(result: FitResult) -> str:
     """Return what was fitted to what."""
+    if result.uncertainty is not None:
+        return (
+            f"{result.name}: {result.law} law, {result.contact} contact, fitted to "
+            f"{result.counts.samples:,} measurements by {result.objective.name}"
+        )
     return (
         f"{result.name}: {result.law} law, {result.contact} contact, fitted to "
         f"{result.reference} by {result.objective.name} on {result.counts.samples:,} samples "
@@ -87,6 +93,8 @@ def _lines(result: FitResult) -> Rows:
     "Held there" is by how much the best attainable objective rises when the coefficient is held
     at its published value.
     """
+    if result.uncertainty is not None:
+        return _measured_lines(result, result.uncertainty)
     published, optimum = result.published, result.objective.value
     lines: Rows = []
     for name, value in result.coefficients.items():
@@ -103,6 +111,36 @@ def _lines(result: FitResult) -> Rows:
     lines.append((result.objective.name, f"{optimum:.5g}", paper, "", bound, ""))
     worst = result.max_abs_diff_percent
     lines.append(("max |Eq 9|, %", f"{worst.fitted:.4g}", _or_dash(worst.published), "", "", ""))
+    return lines
+
+
+def _columns(result: FitResult) -> tuple[str, ...]:
+    """Return the headings of the report's table."""
+    if result.uncertainty is None:
+        return COLUMNS
+    interval = f"{100 * result.uncertainty.level:g} % interval"
+    return ("", "fitted", "std. error", interval, "published", "determined")
+
+
+def _measured_lines(result: FitResult, found: Uncertainty) -> Rows:
+    """Return the lines of the table of a fit to measurements."""
+    published = result.published
+    lines: Rows = []
+    for name, value in result.coefficients.items():
+        paper = f"{published.coefficients[name]:.5g}" if published else "-"
+        estimate = found.estimates.get(name)
+        error = interval = ""
+        if estimate is not None and estimate.standard_error is not None:
+            error = f"{estimate.standard_error:.2g}"
+        if estimate is not None and estimate.profile is not None:
+            ends = estimate.profile
+            cut = ", bound" if ends.low_is_bound or ends.high_is_bound else ""
+            interval = f"{ends.low:.5g} … {ends.high:.5g}{cut}"
+        lines.append((name, f"{value:.5g}", error, interval, paper, identification(result, name)))
+    paper = f"{published.objective:.5g}" if published else "-"
+    lines.append((result.objective.name, f"{result.objective.value:.5g}", "", "", paper, ""))
+    worst = result.max_abs_diff_percent
+    lines.append(("max |Eq 9|, %", f"{worst.fitted:.4g}", "", "", _or_dash(worst.published), ""))
     return lines
 
 
@@ -128,7 +166,7 @@ def _compare_group(results: list[FitResult]) -> str:
         ("samples", "", *(f"{r.counts.samples:,}" for r in results)),
         ("  masked", "", *(f"{r.counts.masked:,}" for r in results)),
     ]
-    return _text_table(columns, lines)
+    return text_table(columns, lines)
 
 
 def _or_dash(value: float | None) -> str:
@@ -136,8 +174,20 @@ def _or_dash(value: float | None) -> str:
     return "-" if value is None else f"{value:.5g}"
 
 
-def _text_table(columns: Sequence[str], lines: Rows) -> str:
-    """Return an aligned table, numbers to the right."""
+def text_table(columns: Sequence[str], lines: Rows) -> str:
+    """Return an aligned table of text, numbers to the right.
+
+    Parameters
+    ----------
+    columns : sequence of str
+        The headings.
+    lines : sequence of tuple of str
+        The cells, line by line.
+
+    Returns
+    -------
+    str
+    """
     table = Table(box=None, pad_edge=False, header_style="")
     for index, column in enumerate(columns):
         table.add_column(column, justify="left" if index == 0 else "right", no_wrap=True)

@@ -5,20 +5,29 @@ from __future__ import annotations
 from cylcontact.fitting.profile import FAIRLY, TOLERANCE, WELL
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.run import RunRecord
+from cylcontact.fitting.uncertainty.wording import noise_verdicts
 
 # Runs whose objectives are this close, relatively, count as the same result.
 SAME_BASIN = 1e-3
 # A coefficient this close to a bound, relative to the search interval, is at the bound.
 AT_BOUND = 1e-6
+# Objectives below this are rounding: data that follow the law exactly.
+ROUNDING = 1e-12
 
 
 def verdicts(result: FitResult) -> list[str]:
     """Return the verdicts on a result, most important first.
 
-    They say whether the published coefficients are the optimum, how far the fit is from the
-    lower bound, which coefficients are well identified, whether one is at a bound, and how
-    many runs agree.
+    For measured data they speak of noise (`uncertainty.wording`). For a reference law they say
+    whether the published coefficients are the optimum, how far the fit is from the lower bound,
+    which coefficients are well identified, whether one is at a bound, and how many runs agree.
     """
+    if result.uncertainty is not None:
+        return [
+            *noise_verdicts(result.uncertainty),
+            *filter(None, [_on_published_law(result)]),
+            *_on_runs(result),
+        ]
     found = [_on_published(result), _on_bound_of_objective(result), _on_identification(result)]
     found += _on_bounds(result)
     found += _on_runs(result)
@@ -27,6 +36,9 @@ def verdicts(result: FitResult) -> list[str]:
 
 def identification(result: FitResult, name: str) -> str:
     """Return "well", "fairly", "poorly", "at a bound" or "fixed" for a coefficient."""
+    if result.uncertainty is not None:
+        found = result.uncertainty.estimates.get(name)
+        return "fixed" if found is None else found.verdict
     if name not in result.profiles:
         return "fixed"
     return result.profiles[name].verdict(result.coefficients[name])
@@ -44,8 +56,8 @@ def basins(result: FitResult) -> list[tuple[float, int]]:
 
 
 def same_basin(record: RunRecord, objective: float) -> bool:
-    """Tell whether a run ended, to within 0.1 %, at an objective."""
-    return record.objective <= objective * (1 + SAME_BASIN)
+    """Tell whether a run ended, to within 0.1 % and rounding, at an objective."""
+    return record.objective <= objective * (1 + SAME_BASIN) + ROUNDING
 
 
 def _on_published(result: FitResult) -> str:
@@ -58,6 +70,17 @@ def _on_published(result: FitResult) -> str:
     return (
         f"the published coefficients are not the optimum on this grid: their objective is "
         f"{result.published.objective:.4g}, {ratio:.2f} times the fitted one"
+    )
+
+
+def _on_published_law(result: FitResult) -> str:
+    """Say how well the law describes the data with its published constants."""
+    if result.published is None:
+        return ""
+    return (
+        "on these data the law has an objective of "
+        f"{result.published.objective:.4g} with its published constants, and "
+        f"{result.objective.value:.4g} fitted"
     )
 
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cylcontact.fitting.calibrate import Progress, calibrate, problem_of
-from cylcontact.fitting.campaign import campaign_from_settings
+from cylcontact.fitting.planning import plan_from_settings
 from cylcontact.fitting.result import FitResult
+from cylcontact.parallel import Workers
 
 # A fresh fit may end in a neighbouring kink of Y on another processor: 0.1 % covers those.
 OBJECTIVE_TOLERANCE = 1e-3
@@ -43,15 +44,15 @@ class Check:
         )
 
 
-def verify(path: Path, jobs: int, progress: Progress) -> list[Check]:
+def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
     """Fit afresh with the settings in a result file and compare.
 
     Parameters
     ----------
     path : Path
         The result file.
-    jobs : int
-        Worker processes.
+    jobs : int or Cluster
+        Worker processes, or a Dask cluster.
     progress : callable
         As for `calibrate`.
 
@@ -68,7 +69,7 @@ def verify(path: Path, jobs: int, progress: Progress) -> list[Check]:
         If the file is not a result.
     """
     committed = FitResult.load(path)
-    campaign = campaign_from_settings(committed.name, committed.settings, str(path))
+    campaign = plan_from_settings(committed.name, committed.settings, str(path))
     problem, _ = problem_of(campaign, jobs, progress)
     of_coefficients = Check(
         "objective of the coefficients",

@@ -11,28 +11,29 @@ import joblib
 import pytest
 
 from cylcontact import InputError
-from cylcontact.fitting.workers import SETTLING, in_processes
+from cylcontact.parallel import call, run_calls
+from cylcontact.parallel.local import SETTLING
 from tests.spec_files import assert_told
 
 posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
 
 
 def calls(function, *arguments):
-    return [joblib.delayed(function)(argument) for argument in arguments]
+    return [call(function, argument) for argument in arguments]
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_results_come_in_the_order_of_the_calls(jobs):
-    assert list(in_processes(calls(abs, -1, -2, -3), jobs)) == [1, 2, 3]
+    assert list(run_calls(calls(abs, -1, -2, -3), jobs)) == [1, 2, 3]
 
 
 def test_results_may_come_as_they_are_ready():
-    assert sorted(in_processes(calls(abs, -1, -2, -3), 2, ordered=False)) == [1, 2, 3]
+    assert sorted(run_calls(calls(abs, -1, -2, -3), 2, ordered=False)) == [1, 2, 3]
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_no_calls_need_no_workers(jobs):
-    assert list(in_processes([], jobs)) == []
+    assert list(run_calls([], jobs)) == []
 
 
 def test_no_more_workers_are_started_than_there_are_calls(monkeypatch):
@@ -45,14 +46,14 @@ def test_no_more_workers_are_started_than_there_are_calls(monkeypatch):
 
     monkeypatch.setattr(joblib, "Parallel", Recorded)
     for jobs, count in ((5000, 3), (2, 3), (2, 0)):
-        list(in_processes(calls(abs, *range(count)), jobs))
+        list(run_calls(calls(abs, *range(count)), jobs))
     assert asked == [3, 2, 1]
 
 
 @posix
 def test_workers_never_see_ctrl_c_and_this_process_does():
     before = signal.pthread_sigmask(signal.SIG_BLOCK, [])
-    masks = list(in_processes(calls(partial(signal.pthread_sigmask, signal.SIG_BLOCK), [], []), 2))
+    masks = list(run_calls(calls(partial(signal.pthread_sigmask, signal.SIG_BLOCK), [], []), 2))
     assert all(signal.SIGINT in mask for mask in masks)
     assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == before
 
@@ -65,14 +66,14 @@ def test_ctrl_c_while_workers_start_takes_effect_at_once_after(monkeypatch):
             return super().__call__(iterable)
 
     monkeypatch.setattr(joblib, "Parallel", Interrupted)
-    results = in_processes(calls(time.sleep, 60, 60), 2)
+    results = run_calls(calls(time.sleep, 60, 60), 2)
     with pytest.raises(KeyboardInterrupt):
         next(results)
 
 
 def test_another_thread_may_start_workers():
     found = []
-    thread = threading.Thread(target=lambda: found.extend(in_processes(calls(abs, -1, -2), 2)))
+    thread = threading.Thread(target=lambda: found.extend(run_calls(calls(abs, -1, -2), 2)))
     thread.start()
     thread.join()
     assert found == [1, 2]
@@ -84,7 +85,7 @@ def test_bad_input_found_by_a_worker_comes_back_whole(jobs):
         raise InputError("file", "key", value, "rule", "remedy")
 
     with pytest.raises(InputError) as caught:
-        list(in_processes(calls(refuse, 1), jobs))
+        list(run_calls(calls(refuse, 1), jobs))
     assert_told(caught, "file", "key", 1, "rule", "remedy")
 
 
@@ -94,14 +95,14 @@ def test_a_worker_ended_by_the_system_is_told_in_one_line():
         os.kill(os.getpid(), signal.SIGKILL)
 
     with pytest.raises(InputError) as caught:
-        list(in_processes(calls(end, 1, 2), 2))
+        list(run_calls(calls(end, 1, 2), 2))
     assert_told(caught, "workers", "jobs", 2, "probably for want of memory", "--resume goes on")
-    assert list(in_processes(calls(abs, -1, -2), 2)) == [1, 2]
+    assert list(run_calls(calls(abs, -1, -2), 2)) == [1, 2]
 
 
 def test_closing_early_ends_calls_under_way_without_a_warning():
     started = time.monotonic()
-    with closing(in_processes(calls(time.sleep, 0, 60, 60), 2, ordered=False)) as results:
+    with closing(run_calls(calls(time.sleep, 0, 60, 60), 2, ordered=False)) as results:
         next(results)
         time.sleep(SETTLING)
     assert time.monotonic() - started < 30

@@ -1,0 +1,252 @@
+"""Fits to a table of one's own from the command line, and how sure they are."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from cylcontact.cli.terminal import Jobs, Scheduler, Seed, integer_from, progress_bars, workers
+from cylcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.planning import AnyCampaign
+
+TABLES = (".csv", ".parquet")
+PANEL = "For a table of measurements"
+
+
+def _option(*names: str, help: str, metavar: str | None = None) -> Any:
+    """Return an option of the panel for tables."""
+    return typer.Option(*names, help=help, metavar=metavar, rich_help_panel=PANEL)
+
+
+Law = Annotated[str | None, _option("--law", help="The law, or module:function of your own.")]
+ContactKind = Annotated[str | None, _option("--contact", help="internal or external.")]
+MaterialName = Annotated[
+    str | None, _option("--material", help="Both bodies', by its name in the table of materials.")
+]
+MaterialI = Annotated[str | None, _option("--material-i", help="That of body i.")]
+MaterialJ = Annotated[str | None, _option("--material-j", help="That of body j.")]
+Materials = Annotated[
+    str | None, _option("--materials", help="A table of materials; datasets/materials.csv.")
+]
+Modulus = Annotated[float | None, _option("--E", help="Young's modulus of both bodies, MPa.")]
+Poisson = Annotated[float | None, _option("--nu", help="Poisson's ratio of both bodies.")]
+Clearance = Annotated[float | None, _option("--dR", help="ΔR, mm.")]
+RadiusI = Annotated[float | None, _option("--Ri", help="Radius of body i, mm.")]
+RadiusJ = Annotated[float | None, _option("--Rj", help="Radius of body j, mm.")]
+Length = Annotated[float | None, _option("--length", help="Axial length, mm.")]
+Objective = Annotated[str | None, _option("--objective", help="rms-log-penetration, rms-load, ...")]
+LossName = Annotated[str | None, _option("--loss", help="linear, soft_l1, huber or cauchy.")]
+Ignored = Annotated[
+    list[str] | None, _option("--ignore", help="A column to leave out.", metavar="COLUMN")
+]
+Bounds = Annotated[
+    list[str] | None,
+    _option("--bound", help="Search a parameter between two values.", metavar="NAME=LOW:HIGH"),
+]
+Held = Annotated[list[str] | None, _option("--fix", help="Hold a parameter.", metavar="NAME=VALUE")]
+
+
+@dataclass(frozen=True)
+class TableOptions:
+    """The options of `fit` that are for tables; None where they are not given."""
+
+    law: str | None
+    contact: str | None
+    material: str | None
+    material_i: str | None
+    material_j: str | None
+    materials: str | None
+    E_MPa: float | None
+    nu: float | None
+    dR_mm: float | None
+    R_i_mm: float | None
+    R_j_mm: float | None
+    length_mm: float | None
+    objective: str | None
+    loss: str | None
+    ignore: list[str] | None
+    bound: list[str] | None
+    fix: list[str] | None
+
+
+CONSTANTS = (
+    *("material", "material_i", "material_j"),
+    *("E_MPa", "nu", "dR_mm", "R_i_mm", "R_j_mm", "length_mm"),
+)
+
+
+def plan(
+    path: Path,
+    options: TableOptions,
+    runs: int | None,
+    seed: int | None,
+    optimizer: str | None,
+) -> AnyCampaign:
+    """Return the campaign of a file, or of a table and the options for tables."""
+    from cylcontact.fitting.planning import read_plan
+
+    given = {f.name: getattr(options, f.name) for f in fields(options)}
+    given = {name: value for name, value in given.items() if value not in (None, [])}
+    if path.suffix.lower() not in TABLES:
+        if given:
+            raise InputError(
+                str(path),
+                "--" + next(iter(given)).removesuffix("_mm").removesuffix("_MPa").replace("_", "-"),
+                None,
+                "is an option for tables of measurements, and this is a campaign",
+                "set it in the campaign file",
+            )
+        return read_plan(path, runs, seed, optimizer)
+    return _plan_of_table(path, given, runs, seed, optimizer)
+
+
+def _plan_of_table(
+    path: Path, given: dict[str, Any], runs: int | None, seed: int | None, optimizer: str | None
+) -> AnyCampaign:
+    """Return the campaign of a table."""
+    from cylcontact.fitting.measured_campaign import campaign_of_table
+
+    for name, example in (("law", "power"), ("contact", "internal")):
+        if name not in given:
+            raise InputError(
+                str(path), f"--{name}", None, "is required for a table", f"add --{name} {example}"
+            )
+    constants = {name: given.pop(name) for name in CONSTANTS if name in given}
+    parameters = _parameters(str(path), given.pop("bound", []), given.pop("fix", []))
+    settings = {**given, "seed": seed, "optimizer": optimizer, "parameters": parameters or None}
+    settings |= {"starts": runs} if optimizer is None else {"genetic": runs and {"runs": runs}}
+    law, contact = settings.pop("law"), settings.pop("contact")
+    return campaign_of_table(path, law, contact, constants, **settings)
+
+
+def _parameters(source: str, bounds: list[str], held: list[str]) -> dict[str, dict[str, Any]]:
+    """Return the tables of parameters that --bound and --fix stand for."""
+    found: dict[str, dict[str, Any]] = {}
+    for key, texts, parts in (("--bound", bounds, 2), ("--fix", held, 1)):
+        for text in texts:
+            name, _, numbers = text.partition("=")
+            values = _numbers(numbers.split(":"))
+            if not name or values is None or len(values) != parts:
+                example = "n=1:1.5" if parts == 2 else "n=1.1"
+                raise InputError(source, key, text, "is not understood", f"write {key} {example}")
+            if name in found:
+                raise InputError(source, key, text, f"{name} is given twice", "keep one of them")
+            found[name] = (
+                {"low": values[0], "high": values[1]}
+                if parts == 2
+                else {"value": values[0], "fixed": True}
+            )
+    return found
+
+
+def _numbers(texts: list[str]) -> list[float] | None:
+    """Return texts as numbers, None if one is not."""
+    try:
+        return [float(text) for text in texts]
+    except ValueError:
+        return None
+
+
+def uncertainty(
+    result: Annotated[Path, typer.Argument(help="A fit result.")],
+    bootstrap: Annotated[
+        int | None,
+        typer.Option(parser=integer_from(2), metavar="REFITS", help="Refit to resampled data."),
+    ] = None,
+    over: Annotated[
+        str | None,
+        typer.Option(help="What to resample: rows (default), material, dR, pair or group."),
+    ] = None,
+    leave_out: Annotated[
+        str | None,
+        typer.Option(help="Leave out one after the other: material, dR, pair, group; E, nu, load."),
+    ] = None,
+    pairs: Annotated[
+        bool, typer.Option("--pairs", help="Map each pair of parameters, into the output.")
+    ] = False,
+    level: Annotated[float, typer.Option(help="Level of the intervals.")] = 0.95,
+    law: Annotated[
+        str | None, typer.Option(help="module:function, to run a law of your own again.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Write everything as .json as well.")
+    ] = None,
+    seed: Seed = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+) -> None:
+    """Say how sure a fit's coefficients are: noise of measurements, or discrepancy of laws."""
+    from cylcontact.fitting import FitResult
+    from cylcontact.fitting.uncertainty.discrepancy import DiscrepancyStudy, study_discrepancy
+    from cylcontact.fitting.uncertainty.study import NoiseStudy, study_noise
+    from cylcontact.fitting.uncertainty.text import discrepancy_text, noise_text
+
+    _require_study(result, out, level, bootstrap, over)
+    found = FitResult.load(result)
+    where = workers(jobs, scheduler)
+    study: NoiseStudy | DiscrepancyStudy
+    with progress_bars() as progress:
+        if found.kind == "noise":
+            study = study_noise(
+                found,
+                level=level,
+                replicates=bootstrap or 0,
+                over=over or "rows",
+                leave_out=leave_out,
+                with_pairs=pairs,
+                law=law,
+                seed=seed,
+                jobs=where,
+                progress=progress,
+            )
+            text = noise_text(study)
+        else:
+            if bootstrap is not None:
+                raise InputError(
+                    str(result),
+                    "--bootstrap",
+                    bootstrap,
+                    "is for measurements: samples of a law carry no noise to resample",
+                    "use --leave-out dR or --leave-out material",
+                )
+            study = study_discrepancy(
+                found, leave_out=leave_out, with_pairs=pairs, jobs=where, progress=progress
+            )
+            text = discrepancy_text(study, found)
+    _write(study, out)
+    typer.echo(text + (f"\n\nwritten to {out}" if out else ""))
+
+
+def _require_study(
+    result: Path, out: Path | None, level: float, bootstrap: int | None, over: str | None
+) -> None:
+    """Refuse options that do not go together, before any work is done."""
+    from cylcontact.files import require_writable
+
+    if not 0.5 <= level < 1:
+        raise InputError(
+            str(result), "--level", level, "must be from 0.5 to below 1", "0.95 is common"
+        )
+    if over is not None and bootstrap is None:
+        raise InputError(str(result), "--over", over, "is for the bootstrap", "add --bootstrap 500")
+    if out is not None:
+        if out.suffix != ".json":
+            raise InputError(str(out), "", None, "is not a .json", "name the output so that it is")
+        require_writable(out)
+
+
+def _write(study: Any, out: Path | None) -> None:
+    """Write a study as JSON."""
+    from cylcontact.files import replacing
+
+    if out is None:
+        return
+    with replacing(out) as temporary:
+        text = json.dumps(study.model_dump(mode="json"), indent=1, ensure_ascii=False)
+        temporary.write_text(text + "\n", encoding="utf-8")

@@ -1,0 +1,85 @@
+"""Columns that carry their unit in their name, and what turns each into mm, N and MPa."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+# Of each kind of quantity, the suffixes of its columns and their size in mm, N and MPa.
+LENGTHS = {"nm": 1e-6, "um": 1e-3, "mm": 1.0, "m": 1e3}
+LINE_LOADS = {"N_per_mm": 1.0, "N_per_m": 1e-3, "kN_per_m": 1.0}
+FORCES = {"N": 1.0, "kN": 1e3}
+MODULI = {"Pa": 1e-6, "MPa": 1.0, "GPa": 1e3}
+PURE: dict[str, float] = {"": 1.0}
+
+QUANTITIES: dict[str, dict[str, float]] = {
+    "load": LINE_LOADS | FORCES,
+    "load_std": LINE_LOADS | FORCES,
+    "penetration": LENGTHS,
+    "penetration_std": LENGTHS,
+    "dR": LENGTHS,
+    "R_i": LENGTHS,
+    "R_j": LENGTHS,
+    "length": LENGTHS,
+    **{f"E{body}": MODULI for body in ("", "_i", "_j")},
+    **{f"nu{body}": PURE for body in ("", "_i", "_j")},
+    "weight": PURE,
+}
+# Columns of words.
+LABELS = ("material", "material_i", "material_j", "group")
+
+
+@dataclass(frozen=True)
+class Column:
+    """What a column's name says.
+
+    Attributes
+    ----------
+    name : str
+        As it stands in the table.
+    quantity : str
+        A key of `QUANTITIES`, or one of `LABELS`.
+    factor : float
+        From the column's unit to mm, N and MPa.
+    is_total : bool
+        Whether it is a total force, which becomes a load by division by the length.
+    """
+
+    name: str
+    quantity: str
+    factor: float = 1.0
+    is_total: bool = False
+
+
+def column_named(name: str) -> Column | None:
+    """Return what a column's name says, None if it says nothing known.
+
+    Examples
+    --------
+    >>> column_named("penetration_um")
+    Column(name='penetration_um', quantity='penetration', factor=0.001, is_total=False)
+    >>> column_named("load_N").is_total
+    True
+    >>> column_named("temperature") is None
+    True
+    """
+    plain = name.replace("\u00b5", "u").replace("\u03bc", "u")
+    if plain in LABELS:
+        return Column(name, plain)
+    for quantity, units in QUANTITIES.items():
+        for unit, factor in units.items():
+            if plain == (f"{quantity}_{unit}" if unit else quantity):
+                return Column(name, quantity, factor, units is not PURE and unit in FORCES)
+    return None
+
+
+def spellings(quantity: str) -> str:
+    """Return the column names of a quantity, for errors.
+
+    Examples
+    --------
+    >>> spellings("dR")
+    'dR_nm, dR_um, dR_mm, dR_m'
+    """
+    if quantity in LABELS:
+        return quantity
+    return ", ".join(f"{quantity}_{unit}" if unit else quantity for unit in QUANTITIES[quantity])

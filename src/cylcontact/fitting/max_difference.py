@@ -1,0 +1,68 @@
+"""The largest |Eq 9| over a grid of any size."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import closing
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.datasets.grid import Grid
+from cylcontact.datasets.sampling import blocks
+from cylcontact.fitting.parameters import Family
+from cylcontact.fitting.rows import rows_of
+from cylcontact.parallel import Workers, call, run_calls
+
+
+def max_abs_difference_percent(
+    grid: Grid,
+    family: Family,
+    candidates: list[Mapping[str, float]],
+    jobs: Workers = 1,
+    progress: Callable[[int], None] | None = None,
+) -> FloatArray:
+    """Return the largest |Eq 9| in percent over a grid for each of several coefficient sets.
+
+    Parameters
+    ----------
+    grid : Grid
+        Sampled block by block, whatever its size.
+    family : Family
+        The law.
+    candidates : list of mapping
+        Coefficients by name, P of them.
+    jobs : int or Cluster
+        Threads, or a Dask cluster; the result does not depend on it.
+    progress : callable, optional
+        Called with the number of clearances done, as each is.
+
+    Returns
+    -------
+    array of float, shape (P,)
+    """
+    points = np.array([[c[name] for name in family.names] for c in candidates])
+    work = [call(_at_clearance, grid, family, points, float(dR)) for dR in grid.dR]
+    worst = np.zeros(len(candidates))
+    with closing(run_calls(work, jobs, threads=True)) as found:
+        for done, at_clearance in enumerate(found, start=1):
+            worst = np.maximum(worst, at_clearance)
+            if progress is not None:
+                progress(done)
+    return 100 * worst
+
+
+def _at_clearance(grid: Grid, family: Family, points: FloatArray, dR: float) -> FloatArray:
+    """Return the largest |Eq 9| at one ΔR, as a fraction, shape (P,).
+
+    Eq 9 grows with the log ratio, so that only the ends of that need its exponential.
+    """
+    low, high = np.zeros(len(points)), np.zeros(len(points))
+    form = family.form(points, np.array([dR]))
+    for block in blocks(grid, dR):
+        rows = rows_of(grid.contact, block)
+        for k in range(len(points)):
+            ratio = form.log_penetration_ratio(k, rows)
+            low[k] = np.fmin.reduce(ratio, initial=low[k])
+            high[k] = np.fmax.reduce(ratio, initial=high[k])
+    return as_floats(np.maximum(np.expm1(high), -np.expm1(low)))

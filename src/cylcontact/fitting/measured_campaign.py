@@ -1,0 +1,275 @@
+"""Campaigns on measurements: a table, a law and how its parameters are to be found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray
+from cylcontact.datasets.measured_columns import Constants, MeasuredData, read_measured
+from cylcontact.datasets.measurements import Measurements, measurements_of
+from cylcontact.errors import InputError
+from cylcontact.fitting.campaign import ParameterSpec
+from cylcontact.fitting.law_models import RIG_NAMES, LawModel, LawParameter, model_of, with_rig
+from cylcontact.fitting.measured_objective import MeasuredObjective, objective_name
+from cylcontact.fitting.measured_spec import MeasuredSpec
+from cylcontact.fitting.parameters import Family, Parameter
+from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.user_law import UserFunction, is_user_law, named_user_model, user_model
+from cylcontact.origin import spec_hash
+from cylcontact.pair import Contact
+from cylcontact.specs import parse_spec
+
+MATERIALS = "datasets/materials.csv"
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredCampaign:
+    """A campaign on measurements, ready to run.
+
+    Attributes
+    ----------
+    name : str
+        The file's name without suffix.
+    spec : MeasuredSpec
+        Its settings, with a table for every parameter of the law.
+    measurements : Measurements
+        The data.
+    model : LawModel
+        The law.
+    parameters : tuple of Parameter
+        In the order of the law's names.
+    objective : str
+        What is minimised.
+    source : str
+        What errors call it.
+    """
+
+    name: str
+    spec: MeasuredSpec
+    measurements: Measurements
+    model: LawModel
+    parameters: tuple[Parameter, ...]
+    objective: str
+    source: str
+
+    @property
+    def family(self) -> Family:
+        """The law and contact."""
+        return self.model.family
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Everything that the result depends on, the data included, as plain data."""
+        return {
+            "campaign": self.spec.model_dump(mode="json", exclude_none=True),
+            "measurements": self.measurements.data.model_dump(mode="json"),
+        }
+
+    @property
+    def key(self) -> str:
+        """A hash of `settings`."""
+        return spec_hash(self.settings)
+
+    @property
+    def nominal(self) -> FloatArray | None:
+        """The law's nominal free parameters, shape (k,), where it has all of them."""
+        known = {p.name: p.nominal for p in self.model.parameters}
+        values = [known[p.name] for p in self.parameters if not p.fixed]
+        return None if None in values else np.array(values, dtype=np.float64)
+
+    def problem(self) -> Problem:
+        """Return what is minimised, with plain least squares."""
+        objective = MeasuredObjective(self.measurements, self.objective)
+        return Problem(self.family, self.parameters, objective)
+
+
+def read_measured_campaign(
+    path: Path,
+    data: Mapping[str, Any],
+    runs: int | None = None,
+    seed: int | None = None,
+    optimizer: str | None = None,
+) -> MeasuredCampaign:
+    """Return the campaign of a file's contents; `planning.read_plan` calls it.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    data : mapping
+        Its contents.
+    runs, seed, optimizer : optional
+        Used instead of the file's; runs are starts where no optimiser is named.
+
+    Returns
+    -------
+    MeasuredCampaign
+    """
+    changed = dict(data)
+    changed |= {"seed": seed} if seed is not None else {}
+    changed |= {"optimizer": optimizer} if optimizer is not None else {}
+    if runs is not None and "optimizer" not in changed:
+        changed["starts"] = runs
+    elif runs is not None and isinstance(changed.get("genetic", {}), dict):
+        changed["genetic"] = {**changed.get("genetic", {}), "runs": runs}
+    spec = parse_spec(MeasuredSpec, changed, str(path))
+    table = _beside_or_above(path, spec.data)
+    if table is None:
+        raise InputError(
+            str(path),
+            "data",
+            spec.data,
+            "no such file beside the campaign or above it",
+            "name a .csv or .parquet table",
+        )
+    return _planned(path.stem, spec, table, path.parent, str(path))
+
+
+def campaign_of_table(
+    table: Path,
+    law: str,
+    contact: Contact,
+    constants: Constants,
+    **settings: Any,
+) -> MeasuredCampaign:
+    """Return a campaign on a table, without a file of its own.
+
+    Parameters
+    ----------
+    table : path
+        The measurements.
+    law, contact, constants
+        As in a campaign file.
+    **settings
+        Any other key of a campaign file.
+
+    Returns
+    -------
+    MeasuredCampaign
+
+    Raises
+    ------
+    InputError
+        If the table or a setting is wrong.
+    """
+    given = {key: value for key, value in settings.items() if value is not None}
+    plain = {"data": table.name, "law": law, "contact": contact, "constants": dict(constants)}
+    spec = parse_spec(MeasuredSpec, plain | given, str(table))
+    return _planned(table.stem, spec, table, table.parent, str(table))
+
+
+def measured_from_settings(name: str, settings: dict[str, Any], source: str) -> MeasuredCampaign:
+    """Return the campaign that a result's settings describe; nothing of the user's is imported."""
+    spec = parse_spec(MeasuredSpec, settings["campaign"], f"{source}, settings.campaign")
+    where = f"{source}, settings.measurements"
+    measured = measurements_of(parse_spec(MeasuredData, settings["measurements"], where), where)
+    if is_user_law(spec.law):
+        own = [key for key in spec.parameters if key not in RIG_NAMES]
+        named = tuple(LawParameter(key, -math.inf, math.inf) for key in own)
+        model = named_user_model(UserFunction(spec.law, None), named, spec.contact)
+    else:
+        model = model_of(spec.law, spec.contact, source)
+    return _make(name, spec, measured, model, source)
+
+
+def _planned(
+    name: str, spec: MeasuredSpec, table: Path, folder: Path, source: str
+) -> MeasuredCampaign:
+    """Read the data and find the law."""
+    materials = _beside_or_above(folder / name, spec.materials or MATERIALS)
+    if spec.materials is not None and materials is None:
+        raise InputError(
+            source, "materials", spec.materials, "no such file", "name a table of materials"
+        )
+    if is_user_law(spec.law):
+        model = user_model(spec.law, folder.resolve(), spec.contact, source)
+    else:
+        model = model_of(spec.law, spec.contact, source)
+    data = read_measured(table, spec.contact, spec.constants, materials, spec.ignore)
+    return _make(name, spec, measurements_of(data, str(table)), model, source)
+
+
+def _make(
+    name: str, spec: MeasuredSpec, measured: Measurements, model: LawModel, source: str
+) -> MeasuredCampaign:
+    """Check a campaign against its data and its law, and fill in what it leaves out."""
+    model = with_rig(model, spec.parameters)
+    parameters = _parameters(spec, model, source)
+    free = sum(not p.fixed for p in parameters)
+    if len(measured) <= free:
+        raise InputError(
+            source,
+            "data",
+            f"{len(measured)} rows",
+            f"are not more than the {free} free parameters",
+            "measure more points, or hold parameters with fixed = true",
+        )
+    objective = objective_name(spec.objective, measured, is_user_law(spec.law), source)
+    tables = {p.name: _table_of(p) for p in parameters}
+    complete = spec.model_copy(update={"parameters": tables, "objective": objective})
+    return MeasuredCampaign(name, complete, measured, model, parameters, objective, source)
+
+
+def _parameters(spec: MeasuredSpec, model: LawModel, source: str) -> tuple[Parameter, ...]:
+    """Return the law's parameters, those that the campaign leaves out by default."""
+    for name in spec.parameters:
+        if name not in model.names:
+            raise InputError(
+                source,
+                f"parameters.{name}",
+                None,
+                f"is not a parameter of {model.law} for {model.contact} contact",
+                f"its parameters: {', '.join(model.names)}; the rig's: {', '.join(RIG_NAMES)}",
+            )
+    found = tuple(
+        _parameter(default, spec.parameters.get(default.name), source)
+        for default in model.parameters
+    )
+    if all(p.fixed for p in found):
+        raise InputError(
+            source, "parameters", None, "all are fixed", "free at least one: give it low and high"
+        )
+    return found
+
+
+def _parameter(default: LawParameter, table: ParameterSpec | None, source: str) -> Parameter:
+    """Return one parameter as the campaign wants it, or by default."""
+    if table is not None:
+        low = math.nan if table.low is None else table.low
+        high = math.nan if table.high is None else table.high
+        return Parameter(default.name, low, high, table.value, table.fixed)
+    if not default.free:
+        return Parameter(default.name, math.nan, math.nan, default.nominal, fixed=True)
+    if not math.isfinite(default.high - default.low):
+        raise InputError(
+            source,
+            f"parameters.{default.name}",
+            None,
+            "is required: a law of your own has no bounds by default",
+            "give low and high, or value with fixed = true",
+        )
+    return Parameter(default.name, default.low, default.high)
+
+
+def _table_of(parameter: Parameter) -> ParameterSpec:
+    """Return a parameter as a table of a campaign file."""
+    if parameter.fixed:
+        return ParameterSpec(value=parameter.value, fixed=True)
+    return ParameterSpec(low=parameter.low, high=parameter.high)
+
+
+def _beside_or_above(campaign: Path, name: str) -> Path | None:
+    """Return a file named in a campaign: beside it, above it, twice above it, or from here."""
+    folder = campaign.parent
+    with suppress(OSError):  # a name too long, or a folder closed to us, is no file either
+        for place in (folder, folder / "..", folder / ".." / "..", Path()):
+            if (place / name).is_file():
+                return Path(place / name)
+    return None

@@ -1,0 +1,183 @@
+"""How far a law is from measurements.
+
+| objective | residual | for |
+|---|---|---|
+| rms-log-penetration | ln(δ_law(f)/δ) | scatter of δ that is a share of δ |
+| rms-log-load | ln(f_law(δ)/f) | scatter of f that is a share of f |
+| rms-penetration | (δ_law(f) − δ)/σ, σ = 1 mm where none is given | one scatter, or σ |
+| rms-load | (f_law(δ) − f)/σ, σ = 1 N/mm where none is given | one scatter, or σ |
+
+Weights multiply the squares, scaled to a mean of 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.datasets.measurements import Measurements
+from cylcontact.errors import InputError
+from cylcontact.fitting.loss import Loss
+from cylcontact.fitting.parameters import Form, LawForm
+from cylcontact.laws.contact_law import ContactLaw
+
+LEAST_SQUARES = Loss()
+MEASURED_OBJECTIVES = ("rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load")
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredObjective:
+    """The root mean square of the residuals of measurements, or of a robust loss of them.
+
+    Attributes
+    ----------
+    data : Measurements
+        N rows.
+    name : str
+        One of `MEASURED_OBJECTIVES`.
+    loss : Loss
+        Plain least squares by default.
+    """
+
+    data: Measurements
+    name: str
+    loss: Loss = LEAST_SQUARES
+
+    @property
+    def dR(self) -> FloatArray:
+        """The clearances in mm, shape (N,)."""
+        return self.data.columns["dR"]
+
+    @property
+    def of_load(self) -> bool:
+        """Whether loads are compared at equal penetration."""
+        return self.name.endswith("load")
+
+    @property
+    def is_log(self) -> bool:
+        """Whether residuals are logarithms of a ratio."""
+        return "log" in self.name
+
+    @property
+    def has_sigma(self) -> bool:
+        """Whether the standard deviation of the noise is known."""
+        return not self.is_log and self._sigma_name in self.data.columns
+
+    @property
+    def sigma(self) -> FloatArray:
+        """The standard deviations in mm or N/mm, 1 where they are not known, shape (N,)."""
+        return self.data.columns.get(self._sigma_name, np.ones(len(self.data)))
+
+    @property
+    def bound(self) -> float:
+        """No objective is below 0."""
+        return 0.0
+
+    def values(self, form: Form) -> FloatArray:
+        """Return the objective of P candidates, shape (P,); inf where one is undefined."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = np.sqrt((self.residuals(form) ** 2).sum(axis=1))
+        return np.where(np.isfinite(found), found, np.inf)
+
+    def residuals(self, form: Form) -> FloatArray:
+        """Return residuals whose squares add up to the objective's, shape (P, N)."""
+        return as_floats(self.loss.residual(self.raw(form)) / np.sqrt(len(self.data)))
+
+    def raw(self, form: Form) -> FloatArray:
+        """Return the residuals before the loss, weights and σ applied, shape (P, N)."""
+        return np.array([self.of_law(law) for law in laws_of(form)])
+
+    def of_law(self, law: ContactLaw | None) -> FloatArray:
+        """Return the residuals of one law, shape (N,); NaN where it is undefined."""
+        data = self.data
+        if law is None:
+            return np.full(len(data), np.nan)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            if self.of_load:
+                predicted, seen = law.load(data.penetration, data.pair), data.load
+            else:
+                predicted, seen = law.penetration(data.load, data.pair), data.penetration
+            difference = np.log(predicted / seen) if self.is_log else (predicted - seen)
+            return as_floats(difference * self._scale)
+
+    @property
+    def _scale(self) -> FloatArray:
+        """What residuals are multiplied by."""
+        root = np.sqrt(self.data.weight)
+        return as_floats(root if self.is_log else root / self.sigma)
+
+    @property
+    def _sigma_name(self) -> str:
+        return "load_std" if self.of_load else "penetration_std"
+
+
+def laws_of(form: Form) -> tuple[ContactLaw | None, ...]:
+    """Return the laws of candidates, which those fitted to measurements have."""
+    if not isinstance(form, LawForm):
+        raise TypeError("measurements need laws")
+    return form.laws
+
+
+def objective_name(given: str | None, data: Measurements, prefers_load: bool, source: str) -> str:
+    """Return the objective that a campaign names, or the one that its data ask for.
+
+    Parameters
+    ----------
+    given : str or None
+        The campaign's.
+    data : Measurements
+        The data.
+    prefers_load : bool
+        Whether the law gives the load explicitly and its inverse is found numerically.
+    source : str
+        What errors call the campaign.
+
+    Returns
+    -------
+    str
+        One of `MEASURED_OBJECTIVES`.
+
+    Raises
+    ------
+    InputError
+        If it is unknown, or disagrees with the standard deviations in the data.
+    """
+    sigmas = [q for q in ("load", "penetration") if f"{q}_std" in data.columns]
+    if len(sigmas) > 1:
+        raise InputError(
+            source,
+            "load_std, penetration_std",
+            None,
+            "are both given, and only one of the two can carry the noise",
+            "keep that of the less certain quantity",
+        )
+    if sigmas and "weight" in data.columns:
+        raise InputError(
+            source,
+            "weight",
+            None,
+            f"stands beside {sigmas[0]}_std, which says the same and more",
+            "keep one of them",
+        )
+    if given is None:
+        quantity = "load" if prefers_load else "penetration"
+        return f"rms-{sigmas[0]}" if sigmas else f"rms-log-{quantity}"
+    if given not in MEASURED_OBJECTIVES:
+        raise InputError(
+            source,
+            "objective",
+            given,
+            "is not an objective for measurements",
+            f"choose {', '.join(MEASURED_OBJECTIVES)}",
+        )
+    if sigmas and given != f"rms-{sigmas[0]}":
+        raise InputError(
+            source,
+            "objective",
+            given,
+            f"leaves the column {sigmas[0]}_std unused",
+            f"choose rms-{sigmas[0]}, or list the column under ignore",
+        )
+    return given

@@ -1,0 +1,188 @@
+"""Bands around a fitted curve: where the law itself may be, and where a new measurement would be.
+
+By the delta method in ln δ and ln f, in which contact laws are nearly linear: the variance of the
+curve is gᵀCg with g the derivatives by the free parameters and C their covariance; a new
+measurement adds the noise. Noise of a penetration becomes noise of the load through the local
+exponent n = d ln f/d ln δ, and the other way round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.errors import InputError
+from cylcontact.fitting.least_squares import jacobian
+from cylcontact.fitting.measured_objective import MeasuredObjective, laws_of
+from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.uncertainty.noise import Noise, measured
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.pair import CylinderPair
+from cylcontact.specs import Spec
+
+# Points of the bands in a report, and pairs that it shows.
+POINTS = 25
+PAIRS = 8
+
+
+class Band(Spec):
+    """A predicted curve with its bands."""
+
+    name: str = Field(description="the pair it is for")
+    quantity: str = Field(description='"penetration_mm" or "load_N_per_mm"')
+    at: list[float] = Field(description="loads in N/mm, or penetrations in mm")
+    value: list[float] = Field(description="the prediction")
+    low: list[float] = Field(description="lower end for the curve")
+    high: list[float] = Field(description="upper end for the curve")
+    new_low: list[float] = Field(description="lower end for a new measurement")
+    new_high: list[float] = Field(description="upper end for a new measurement")
+
+
+def predict(
+    problem: Problem,
+    noise: Noise,
+    best: Mapping[str, float],
+    pair: CylinderPair,
+    level: float,
+    *,
+    load: ArrayLike | None = None,
+    penetration: ArrayLike | None = None,
+    name: str = "",
+) -> Band:
+    """Return what the fit predicts for a pair, with bands.
+
+    Parameters
+    ----------
+    problem : Problem
+        On measurements.
+    noise : Noise
+        At its optimum.
+    best : mapping
+        The coefficients there.
+    pair : CylinderPair
+        Any pair of the contact fitted.
+    level : float
+        E.g. 0.95.
+    load : array_like, optional
+        Loads in N/mm at which to predict the penetration.
+    penetration : array_like, optional
+        Penetrations in mm at which to predict the load; exactly one of the two is given.
+    name : str, optional
+        What to call the pair.
+
+    Returns
+    -------
+    Band
+
+    Raises
+    ------
+    InputError
+        If the data leave parameters open, or the law is undefined at one of the points.
+    """
+    if noise.covariance is None:
+        raise InputError(
+            "prediction",
+            "parameters",
+            noise.blind,
+            "are not determined one by one, so that there is no band",
+            "hold one of them with fixed = true, and fit again",
+        )
+    of_load = penetration is not None
+    at = np.atleast_1d(as_floats(penetration if of_load else load))
+
+    def logarithms(points: FloatArray) -> FloatArray:
+        laws = laws_of(problem.form(points))
+        return np.array([_log_prediction(law, at, pair, of_load) for law in laws])
+
+    point = problem.point(best)
+    centre = logarithms(point[None, :])[0]
+    slopes = jacobian(problem, point, logarithms)
+    (law,) = laws_of(problem.form(point[None, :]))
+    if law is None or not np.isfinite(centre).all():
+        raise InputError(
+            "prediction",
+            "penetration" if of_load else "load",
+            at,
+            "leaves the domain of the fitted law, or is not positive",
+            "ask within it",
+        )
+    variance = ((slopes @ noise.covariance) * slopes).sum(axis=1)
+    added = _noise_variance(measured(problem), noise, law, at, pair, of_load)
+    reach = noise.half_width(level)
+    spread, wider = reach * np.sqrt(variance), reach * np.sqrt(variance + added)
+    ends = (centre, centre - spread, centre + spread, centre - wider, centre + wider)
+    value, low, high, new_low, new_high = ([float(v) for v in np.exp(end)] for end in ends)
+    return Band(
+        name=name,
+        quantity="load_N_per_mm" if of_load else "penetration_mm",
+        at=[float(v) for v in at],
+        value=value,
+        low=low,
+        high=high,
+        new_low=new_low,
+        new_high=new_high,
+    )
+
+
+def bands_of_data(
+    problem: Problem, noise: Noise, best: Mapping[str, float], level: float
+) -> list[Band]:
+    """Return bands of both quantities for the pairs in the data, over the range of each.
+
+    At most `PAIRS` of them, in the order of the table; none where the data leave parameters open,
+    and none beyond the domain of the fitted law.
+    """
+    if noise.covariance is None:
+        return []
+    data = measured(problem).data
+    names, group = data.groups("pair")
+    found = []
+    for number, name in enumerate(names[:PAIRS]):
+        rows = np.flatnonzero(group == number)
+        part = data.take(rows)
+        pair = data.take(np.full(POINTS, rows[0])).pair
+        loads = np.geomspace(part.load.min(), part.load.max(), POINTS)
+        depths = np.geomspace(part.penetration.min(), part.penetration.max(), POINTS)
+        for given in ({"load": loads}, {"penetration": depths}):
+            with suppress(InputError):  # a fitted law may end before the data do
+                found.append(predict(problem, noise, best, pair, level, name=name, **given))
+    return found
+
+
+def _log_prediction(
+    law: ContactLaw | None, at: FloatArray, pair: CylinderPair, of_load: bool
+) -> FloatArray:
+    """Return ln f or ln δ of a law, NaN where it is undefined."""
+    if law is None:
+        return np.full_like(at, np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return as_floats(np.log(law.load(at, pair) if of_load else law.penetration(at, pair)))
+
+
+def _noise_variance(
+    objective: MeasuredObjective,
+    noise: Noise,
+    law: ContactLaw,
+    at: FloatArray,
+    pair: CylinderPair,
+    of_load: bool,
+) -> FloatArray:
+    """Return the variance of a new measurement in ln f or ln δ.
+
+    Where deviations were given, a new measurement is taken to have their median.
+    """
+    depth = at if of_load else law.penetration(at, pair)
+    force = law.load(at, pair) if of_load else at
+    sigma = 1.0 if noise.known else noise.sigma
+    size = np.full_like(at, sigma)
+    if not objective.is_log:
+        size = sigma * float(np.median(objective.sigma)) / (force if objective.of_load else depth)
+    if objective.of_load != of_load:
+        exponent = law.stiffness(depth, pair) * depth / force
+        size = size * exponent if of_load else size / exponent
+    return as_floats(size**2)

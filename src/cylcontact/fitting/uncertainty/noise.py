@@ -1,0 +1,164 @@
+"""The noise that measurements show around a fit, and the covariance that it gives the parameters.
+
+With residuals r and J their derivatives by the free parameters at the optimum, least squares has
+the covariance s²·(JᵀJ)⁻¹, where s² is 1 if the standard deviations are known and Σr²/(N − k) if
+not. With a robust loss it is the sandwich H⁻¹GH⁻¹ of H = Σψ'JJᵀ and G = N/(N − k)·Σψ²JJᵀ (Huber
+1981), ψ being half the loss's derivative.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import special
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.datasets.measurements import Indices
+from cylcontact.fitting.least_squares import jacobian
+from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.problem import Problem
+
+# Singular values below this share of the largest one: the data do not see that direction.
+BLIND = 1e-7
+# A direction's parameters are those with at least this share of its largest component.
+INVOLVED = 0.1
+# Residuals below this are rounding: data without noise.
+ROUNDING = 1e-11
+# From the median of |r| to a standard deviation of Gaussian residuals.
+MEDIAN_TO_SIGMA = 1.4826
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """What the residuals at the optimum say.
+
+    Attributes
+    ----------
+    rows, free : int
+        Measurements N and free parameters k.
+    known : bool
+        Whether the standard deviations were given with the data.
+    sum_of_squares : float
+        The minimum S of the sum of squares, or of the robust loss.
+    sigma : float
+        Standard deviation of the residuals, √(Σr²/(N − k)), from their median with a robust loss;
+        its unit is that of the residuals.
+    unit : float
+        τ: (S(θ) − S)/τ is distributed like a square of Gaussians.
+    covariance : array of float, shape (k, k), or None
+        Of the free parameters; None where the data do not determine all of them.
+    blind : tuple of str
+        Where that is so, the parameters that only act together.
+    """
+
+    rows: int
+    free: int
+    known: bool
+    sum_of_squares: float
+    sigma: float
+    unit: float
+    covariance: FloatArray | None
+    blind: tuple[str, ...]
+
+    @property
+    def degrees(self) -> int:
+        """Degrees of freedom, N − k."""
+        return self.rows - self.free
+
+    @property
+    def is_rounding(self) -> bool:
+        """Whether the data follow the law to rounding, so that there is no noise to speak of."""
+        return not self.known and self.sigma < ROUNDING
+
+    def half_width(self, level: float) -> float:
+        """Return how many standard errors an interval of this level reaches to either side."""
+        tail = (1 + level) / 2
+        if self.known:
+            return float(special.ndtri(tail))
+        return float(special.stdtrit(self.degrees, tail))
+
+    def threshold(self, level: float, parameters: int = 1) -> float:
+        """Return the largest (S(θ) − S)/τ within a region of this level for so many parameters."""
+        if self.known:
+            return float(special.chdtri(parameters, 1 - level))
+        return float(parameters * special.fdtri(parameters, self.degrees, level))
+
+    @property
+    def chi_square_p(self) -> float | None:
+        """The probability of residuals this large or larger, where their size is known."""
+        return float(special.chdtrc(self.degrees, self.sum_of_squares)) if self.known else None
+
+
+def measured(problem: Problem) -> MeasuredObjective:
+    """Return a problem's objective, which has to be one on measurements."""
+    if not isinstance(problem.objective, MeasuredObjective):
+        raise TypeError("noise is that of measurements")
+    return problem.objective
+
+
+def noise_at(problem: Problem, point: FloatArray) -> Noise:
+    """Return what the residuals at an optimum say.
+
+    Parameters
+    ----------
+    problem : Problem
+        On measurements.
+    point : array of float, shape (k,)
+        Its optimum.
+
+    Returns
+    -------
+    Noise
+    """
+    objective = measured(problem)
+
+    def raw(points: FloatArray) -> FloatArray:
+        return objective.raw(problem.form(points))
+
+    r = raw(point[None, :])[0]
+    slopes = jacobian(problem, point, raw)
+    degrees = r.size - point.size
+    sigma = float(np.sqrt((r**2).sum() / degrees))
+    if not objective.loss.is_linear:  # what is expected of a row that is no outlier
+        sigma = MEDIAN_TO_SIGMA * float(np.median(np.abs(r))) * float(np.sqrt(r.size / degrees))
+    psi, psi_slope = objective.loss.psi(r), objective.loss.psi_slope(r)
+    known = objective.has_sigma
+    if objective.loss.is_linear:
+        unit = 1.0 if known else sigma**2
+    else:
+        unit = float((psi**2).sum() / degrees / max(psi_slope.mean(), 1e-12))
+    inverse, blind = _inverse(slopes * np.sqrt(np.maximum(psi_slope, 0.0))[:, None])
+    covariance = None
+    if inverse is not None:
+        spread = (slopes * psi[:, None]).T @ (slopes * psi[:, None]) * (r.size / degrees)
+        covariance = inverse * unit if objective.loss.is_linear else inverse @ spread @ inverse
+    names = [p.name for p in problem.free]
+    return Noise(
+        rows=r.size,
+        free=point.size,
+        known=known,
+        sum_of_squares=float(r.size * problem.value(point) ** 2),
+        sigma=sigma,
+        unit=unit,
+        covariance=covariance,
+        blind=tuple(names[k] for k in blind),
+    )
+
+
+def with_rows(problem: Problem, rows: Indices) -> Problem:
+    """Return the problem with some of its measurements, possibly repeated."""
+    objective = measured(problem)
+    return replace(problem, objective=replace(objective, data=objective.data.take(rows)))
+
+
+def _inverse(slopes: FloatArray) -> tuple[FloatArray | None, list[int]]:
+    """Return (JᵀJ)⁻¹, or None and the columns that only act together."""
+    size = np.sqrt((slopes**2).sum(axis=0))
+    scaled = slopes / np.where(size > 0, size, 1.0)
+    _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
+    if singular[-1] <= BLIND * singular[0]:
+        share = np.abs(directions[-1])
+        return None, [int(k) for k in np.flatnonzero(share >= INVOLVED * share.max())]
+    half = directions.T / singular
+    return as_floats(half @ half.T / np.outer(size, size)), []

@@ -1,0 +1,221 @@
+"""What a fit to measurements is worth, as a result keeps it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+
+import numpy as np
+from pydantic import Field
+from scipy import special
+
+from cylcontact.arrays import FloatArray
+from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.uncertainty.likelihood import Interval, interval
+from cylcontact.fitting.uncertainty.noise import MEDIAN_TO_SIGMA, Noise, measured, noise_at
+from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.specs import Spec
+
+LEVEL = 0.95
+# Half-widths of an interval relative to the value: well, fairly, or poorly determined.
+WELL, FAIRLY = 0.02, 0.10
+# Residuals this many robust standard deviations away are reported as outliers; they stay in.
+OUTLYING = 3.5
+STRONG_CORRELATION = 0.95
+# The normal approximation of the runs test wants this many residuals of either sign.
+FEW_OF_A_SIGN = 8
+
+
+class Estimate(Spec):
+    """A free parameter with what the noise leaves open."""
+
+    value: float = Field(description="the fitted value")
+    standard_error: float | None = Field(description="from the covariance; null where undetermined")
+    low: float | None = Field(description="lower end of the interval from the covariance")
+    high: float | None = Field(description="upper end of the interval from the covariance")
+    profile: Interval | None = Field(description="the interval from the profile likelihood")
+    verdict: str = Field(description="well, fairly, poorly, not, or at a bound")
+
+
+class Outlier(Spec):
+    """A row far from the fitted law."""
+
+    line: int = Field(description="where it stands in the table")
+    deviations: float = Field(description="measured less fitted, in robust standard deviations")
+
+
+class Uncertainty(Spec):
+    """How sure the coefficients are, for measured data: noise, not model discrepancy."""
+
+    level: float = Field(description="the level of all intervals")
+    rows: int = Field(description="measurements")
+    degrees_of_freedom: int = Field(description="measurements less free parameters")
+    residual_sigma: float = Field(description="standard deviation of the residuals")
+    residual_unit: str = Field(description="the unit of the residuals")
+    sigma_known: bool = Field(description="whether standard deviations came with the data")
+    chi_square_p: float | None = Field(
+        description="the probability of residuals this large, where their size is known"
+    )
+    runs_test_p: float | None = Field(
+        description="the probability of so few changes of the residuals' sign along the load"
+    )
+    loss_scale: float | None = Field(description="the scale of a robust loss")
+    estimates: dict[str, Estimate] = Field(description="each free parameter")
+    correlation: dict[str, dict[str, float]] = Field(description="of the free parameters")
+    only_together: list[str] = Field(description="parameters that the data do not tell apart")
+    duplicates: list[list[int]] = Field(description="lines of the table that say the same")
+    outliers: list[Outlier] = Field(description="rows far from the fitted law; they stay in")
+    notes: list[str] = Field(description="where values of materials come from")
+
+
+def uncertainty_of(
+    problem: Problem, best: Mapping[str, float], level: float = LEVEL, jobs: Workers = 1
+) -> Uncertainty:
+    """Return what a fit to measurements is worth.
+
+    Parameters
+    ----------
+    problem : Problem
+        On measurements.
+    best : mapping
+        The coefficients at its optimum.
+    level : float
+        Of all intervals.
+    jobs : int or Cluster
+        Where the profiles are computed.
+
+    Returns
+    -------
+    Uncertainty
+    """
+    objective, point = measured(problem), problem.point(best)
+    noise = noise_at(problem, point)
+    data = objective.data
+    return Uncertainty(
+        level=level,
+        rows=noise.rows,
+        degrees_of_freedom=noise.degrees,
+        residual_sigma=noise.sigma,
+        residual_unit=_unit(noise, objective.is_log, objective.of_load),
+        sigma_known=noise.known,
+        chi_square_p=noise.chi_square_p,
+        runs_test_p=_runs_test(problem, point),
+        loss_scale=None if objective.loss.is_linear else objective.loss.scale,
+        estimates=_estimates(problem, noise, best, level, jobs),
+        correlation=_correlation(problem, noise),
+        only_together=list(noise.blind),
+        duplicates=data.duplicates(),
+        outliers=_outliers(problem, noise, point),
+        notes=data.data.notes,
+    )
+
+
+def _unit(noise: Noise, is_log: bool, of_load: bool) -> str:
+    """Return what the residuals are measured in."""
+    if noise.known:
+        return "given standard deviations"
+    quantity = "load" if of_load else "penetration"
+    return f"share of the {quantity}" if is_log else ("N/mm" if of_load else "mm")
+
+
+def _estimates(
+    problem: Problem, noise: Noise, best: Mapping[str, float], level: float, jobs: Workers
+) -> dict[str, Estimate]:
+    """Return each free parameter with its intervals."""
+    names = [p.name for p in problem.free]
+    profiles: Sequence[Interval | None] = [None] * len(names)
+    if noise.covariance is not None and not noise.is_rounding:
+        calls = [call(interval, problem, noise, name, best, level) for name in names]
+        with closing(run_calls(calls, jobs)) as found:
+            profiles = list(found)
+    return {
+        name: _estimate(best[name], noise, k, profile, level)
+        for k, (name, profile) in enumerate(zip(names, profiles, strict=True))
+    }
+
+
+def _estimate(
+    value: float, noise: Noise, place: int, profile: Interval | None, level: float
+) -> Estimate:
+    """Return one parameter with its intervals."""
+    if noise.covariance is None:
+        return Estimate(
+            value=value, standard_error=None, low=None, high=None, profile=None, verdict="not"
+        )
+    error = float(np.sqrt(max(noise.covariance[place, place], 0.0)))
+    reach = noise.half_width(level) * error
+    return Estimate(
+        value=value,
+        standard_error=error,
+        low=value - reach,
+        high=value + reach,
+        profile=profile,
+        verdict=_verdict(value, reach, profile),
+    )
+
+
+def _verdict(value: float, reach: float, profile: Interval | None) -> str:
+    """Say in a word how well a parameter is determined."""
+    half_width = reach
+    if profile is not None:
+        half_width = (profile.high - profile.low) / 2
+        margin = 1e-6 * half_width
+        if (profile.low_is_bound and value - profile.low <= margin) or (
+            profile.high_is_bound and profile.high - value <= margin
+        ):
+            return "at a bound"
+        if profile.low_is_bound and profile.high_is_bound:
+            return "not"
+        if profile.low_is_bound or profile.high_is_bound:
+            return "poorly"
+    if half_width > abs(value):
+        return "not"
+    if half_width > FAIRLY * abs(value):
+        return "poorly"
+    return "well" if half_width <= WELL * abs(value) else "fairly"
+
+
+def _correlation(problem: Problem, noise: Noise) -> dict[str, dict[str, float]]:
+    """Return the correlations of the free parameters; none where the data leave some open."""
+    if noise.covariance is None:
+        return {}
+    names = [p.name for p in problem.free]
+    errors = np.sqrt(np.maximum(np.diag(noise.covariance), 0.0))
+    scale = np.outer(errors, errors)
+    matrix = np.divide(noise.covariance, scale, out=np.eye(len(names)), where=scale > 0)
+    return {
+        one: {other: float(matrix[i, k]) for k, other in enumerate(names)}
+        for i, one in enumerate(names)
+    }
+
+
+def _runs_test(problem: Problem, point: FloatArray) -> float | None:
+    """Return the probability of so few runs of residuals of one sign (Wald and Wolfowitz 1940).
+
+    Rows are taken pair by pair and in each by load. Noise changes sign at random; a law of the
+    wrong shape does not. None for too few rows of either sign.
+    """
+    objective = measured(problem)
+    _, group = objective.data.groups("pair")
+    order = np.lexsort((objective.data.load, group))
+    positive = objective.raw(problem.form(point[None, :]))[0][order] > 0
+    n, m = int(positive.sum()), int((~positive).sum())
+    if min(n, m) < FEW_OF_A_SIGN:
+        return None
+    runs = 1 + int((positive[1:] != positive[:-1]).sum())
+    mean = 1 + 2 * n * m / (n + m)
+    variance = (mean - 1) * (mean - 2) / (n + m - 1)
+    return float(special.ndtr((runs - mean) / np.sqrt(variance)))
+
+
+def _outliers(problem: Problem, noise: Noise, point: FloatArray) -> list[Outlier]:
+    """Return the rows far from the law, in units of the residuals' robust spread."""
+    objective = measured(problem)
+    r = objective.raw(problem.form(point[None, :]))[0]
+    spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(r)))
+    if noise.is_rounding or spread == 0:
+        return []
+    far = np.flatnonzero(np.abs(r) > OUTLYING * spread)
+    return [
+        Outlier(line=objective.data.line(int(k)), deviations=float(-r[k] / spread)) for k in far
+    ]

@@ -1,0 +1,216 @@
+"""Refits to parts of the data: the bootstrap, and leaving out one group after the other.
+
+Rows of one specimen share its errors. Resampling whole groups (materials, clearances, pairs)
+keeps that together; leaving one out shows what the coefficients owe to it, and how well the
+others predict it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import closing
+
+import numpy as np
+from pydantic import Field
+
+from cylcontact.arrays import FloatArray
+from cylcontact.errors import InputError
+from cylcontact.fitting.least_squares import descend
+from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.uncertainty.likelihood import Interval
+from cylcontact.fitting.uncertainty.noise import measured, with_rows
+from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.specs import Spec
+
+Progress = Callable[[str, int, int], None]
+# Replicates per call, so that a worker is worth its while.
+BATCH = 25
+# With fewer groups than this their resampling says little.
+FEW_GROUPS = 8
+
+
+class Bootstrap(Spec):
+    """Percentile intervals from refits to resampled data."""
+
+    over: str = Field(description="what was resampled: rows, or a kind of group")
+    groups: int = Field(description="how many of them there are")
+    replicates: int = Field(description="how many refits")
+    seed: int = Field(description="the seed of the resampling")
+    intervals: dict[str, Interval] = Field(description="of each free parameter")
+    standard_errors: dict[str, float] = Field(description="standard deviations of the refits")
+
+
+class LeftOut(Spec):
+    """A fit without one group."""
+
+    group: str = Field(description="the group left out")
+    rows: int = Field(description="its rows")
+    coefficients: dict[str, float] = Field(description="fitted to the others")
+    own_rms: float | None = Field(
+        description="the objective of its rows with those coefficients; null if undefined"
+    )
+
+
+def bootstrap(
+    problem: Problem,
+    best: Mapping[str, float],
+    over: str,
+    replicates: int,
+    seed: int,
+    level: float,
+    jobs: Workers = 1,
+    progress: Progress = lambda *_: None,
+) -> Bootstrap:
+    """Refit to resampled rows or groups.
+
+    Parameters
+    ----------
+    problem : Problem
+        On measurements.
+    best : mapping
+        The coefficients at the optimum, from which refits start.
+    over : str
+        One of `datasets.measurements.GROUPINGS`.
+    replicates : int
+        Number of refits.
+    seed : int
+        Same seed, same intervals, whatever the workers.
+    level : float
+        E.g. 0.95.
+    jobs : int or Cluster
+        Worker processes, or a Dask cluster.
+    progress : callable, optional
+        Called with the stage, the number done and their total.
+
+    Returns
+    -------
+    Bootstrap
+
+    Raises
+    ------
+    InputError
+        If there is only one group.
+    """
+    names, _ = _groups(problem, over)
+    seeds = np.random.SeedSequence(seed).spawn(replicates)
+    batches = [seeds[k : k + BATCH] for k in range(0, replicates, BATCH)]
+    calls = [call(_replicates, problem, best, over, batch) for batch in batches]
+    points: list[FloatArray] = []
+    with closing(run_calls(calls, jobs)) as found:
+        for batch in found:
+            points.extend(batch)
+            progress("resampling", len(points), replicates)
+    spread = np.array(points)
+    tails = np.percentile(spread, [50 * (1 - level), 50 * (1 + level)], axis=0)
+    return Bootstrap(
+        over=over,
+        groups=len(names),
+        replicates=replicates,
+        seed=seed,
+        intervals={
+            p.name: Interval(
+                low=float(low),
+                high=float(high),
+                low_is_bound=bool(low <= p.low),
+                high_is_bound=bool(high >= p.high),
+            )
+            for p, low, high in zip(problem.free, *tails, strict=True)
+        },
+        standard_errors={
+            p.name: float(s) for p, s in zip(problem.free, spread.std(axis=0, ddof=1), strict=True)
+        },
+    )
+
+
+def leave_one_out(
+    problem: Problem,
+    best: Mapping[str, float],
+    over: str,
+    jobs: Workers = 1,
+    progress: Progress = lambda *_: None,
+) -> list[LeftOut]:
+    """Fit without each group in turn, and judge the group by that fit.
+
+    Parameters
+    ----------
+    problem, best, over, jobs, progress
+        As for `bootstrap`.
+
+    Returns
+    -------
+    list of LeftOut
+
+    Raises
+    ------
+    InputError
+        If there is only one group, or too few rows remain without one.
+    """
+    names, group = _groups(problem, over)
+    for number, name in enumerate(names):
+        remaining = int((group != number).sum())
+        if remaining <= len(problem.free):
+            raise InputError(
+                measured(problem).data.data.source,
+                "over",
+                over,
+                f"without {name} only {remaining} rows remain for {len(problem.free)} parameters",
+                "choose another grouping, or hold parameters",
+            )
+    calls = [call(_without, problem, best, over, number) for number in range(len(names))]
+    found: list[LeftOut] = []
+    with closing(run_calls(calls, jobs)) as results:
+        for result in results:
+            found.append(result)
+            progress("leaving out", len(found), len(names))
+    return found
+
+
+def _groups(problem: Problem, over: str) -> tuple[list[str], FloatArray]:
+    """Return the groups of a problem's data, at least two of them."""
+    data = measured(problem).data
+    names, group = data.groups(over)
+    if len(names) < 2:
+        raise InputError(
+            data.data.source,
+            "over",
+            over,
+            f"all rows are of one group, {names[0]}",
+            "choose rows, or measure another",
+        )
+    return names, np.asarray(group)
+
+
+def _replicates(
+    problem: Problem,
+    best: Mapping[str, float],
+    over: str,
+    seeds: list[np.random.SeedSequence],
+) -> list[FloatArray]:
+    """Refit once per seed; a replicate that leaves the law undefined keeps the optimum."""
+    data = measured(problem).data
+    start = problem.point(best)
+    names, group = data.groups(over)
+    members = [np.flatnonzero(group == number) for number in range(len(names))]
+    points = []
+    for seed in seeds:
+        drawn = np.random.default_rng(seed).integers(len(names), size=len(names))
+        rows = np.concatenate([members[k] for k in drawn])
+        point, _, _ = descend(with_rows(problem, rows), start)
+        points.append(point)
+    return points
+
+
+def _without(problem: Problem, best: Mapping[str, float], over: str, number: int) -> LeftOut:
+    """Fit without one group."""
+    names, group = measured(problem).data.groups(over)
+    others, own = np.flatnonzero(group != number), np.flatnonzero(group == number)
+    rest = with_rows(problem, others)
+    point, _, _ = descend(rest, rest.point(best))
+    coefficients = rest.coefficients(point)
+    judged = with_rows(problem, own).value_of(coefficients)
+    return LeftOut(
+        group=names[number],
+        rows=own.size,
+        coefficients=coefficients,
+        own_rms=judged if np.isfinite(judged) else None,
+    )

@@ -1,0 +1,183 @@
+"""Everything that can be asked of a fit to measurements, in one report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from cylcontact.errors import InputError
+from cylcontact.fitting.law_models import with_rig
+from cylcontact.fitting.loss import Loss
+from cylcontact.fitting.measured_campaign import MeasuredCampaign
+from cylcontact.fitting.planning import plan_from_settings
+from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.uncertainty.bands import Band, bands_of_data
+from cylcontact.fitting.uncertainty.likelihood import PairMap, pair_map, pairs_of
+from cylcontact.fitting.uncertainty.noise import measured, noise_at
+from cylcontact.fitting.uncertainty.report import LEVEL, Uncertainty, uncertainty_of
+from cylcontact.fitting.uncertainty.resampling import Bootstrap, LeftOut, bootstrap, leave_one_out
+from cylcontact.fitting.user_law import user_model
+from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.specs import Spec
+
+Progress = Callable[[str, int, int], None]
+# Levels of the contours of pairs.
+CONTOURS = (0.68, 0.95)
+
+
+class NoiseStudy(Spec):
+    """How sure the coefficients of a fit to measurements are."""
+
+    name: str = Field(description="the fit's name")
+    kind: Literal["noise"] = Field("noise", description="what the intervals are about")
+    uncertainty: Uncertainty = Field(description="covariance, profiles and verdicts")
+    pairs: list[PairMap] = Field(description="the likelihood over each pair of parameters")
+    bootstrap: Bootstrap | None = Field(description="refits to resampled data")
+    left_out: list[LeftOut] = Field(description="fits without one group")
+    bands: list[Band] = Field(description="predictions with their bands")
+
+
+def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
+    """Return what a fit to measurements minimised, from the result alone.
+
+    Parameters
+    ----------
+    result : FitResult
+        Of kind "noise".
+    law : str, optional
+        The user's function, which has to be named again to be run; it is looked for in the
+        current folder first.
+
+    Returns
+    -------
+    Problem
+
+    Raises
+    ------
+    InputError
+        If the result is not of measurements, `law` is not its law, or the coefficients leave that
+        undefined.
+    """
+    campaign = plan_from_settings(result.name, result.settings, f"fit result {result.name!r}")
+    if not isinstance(campaign, MeasuredCampaign) or result.uncertainty is None:
+        raise InputError(
+            f"fit result {result.name!r}",
+            "kind",
+            result.kind,
+            "was not fitted to measurements",
+            "name a fit to data, or ask for its discrepancy",
+        )
+    if law is not None:
+        if law != result.law:
+            raise InputError(
+                f"fit result {result.name!r}",
+                "law",
+                law,
+                f"is not its law, {result.law}",
+                "leave --law out, or name that one",
+            )
+        model = user_model(law, Path.cwd(), result.contact, f"fit result {result.name!r}")
+        campaign = replace(campaign, model=with_rig(model, campaign.spec.parameters))
+    problem = campaign.problem()
+    if result.uncertainty.loss_scale is not None:
+        loss = Loss(campaign.spec.loss, result.uncertainty.loss_scale)
+        problem = replace(problem, objective=replace(measured(problem), loss=loss))
+    if not np.isfinite(problem.value_of(result.coefficients)):
+        raise InputError(
+            f"fit result {result.name!r}",
+            "coefficients",
+            result.coefficients,
+            "leave the law undefined for some of its data",
+            "redo the fit",
+        )
+    return problem
+
+
+def study_noise(
+    result: FitResult,
+    *,
+    level: float = LEVEL,
+    replicates: int = 0,
+    over: str = "rows",
+    leave_out: str | None = None,
+    with_pairs: bool = False,
+    law: str | None = None,
+    seed: int | None = None,
+    jobs: Workers = 1,
+    progress: Progress = lambda *_: None,
+) -> NoiseStudy:
+    """Ask how sure the coefficients of a fit to measurements are.
+
+    Parameters
+    ----------
+    result : FitResult
+        Of kind "noise".
+    level : float
+        Of all intervals.
+    replicates : int
+        Refits of the bootstrap; none by default.
+    over : str
+        What the bootstrap resamples: rows, material, dR, pair or group.
+    leave_out : str, optional
+        The kind of group to leave out one after the other.
+    with_pairs : bool
+        Whether to map the likelihood over each pair of free parameters.
+    law : str, optional
+        As for `problem_of_result`.
+    seed : int, optional
+        Of the bootstrap; that of the campaign by default.
+    jobs : int or Cluster
+        Worker processes, or a Dask cluster; the report does not depend on it.
+    progress : callable, optional
+        Called with the stage, the number done and their total.
+
+    Returns
+    -------
+    NoiseStudy
+
+    Raises
+    ------
+    InputError
+        If the result is not of measurements, or a grouping has one group only.
+    """
+    problem, best = problem_of_result(result, law), result.coefficients
+    noise = noise_at(problem, problem.point(best))
+    found = uncertainty_of(problem, best, level, jobs)
+    chosen_seed = int(result.settings["campaign"]["seed"]) if seed is None else seed
+    return NoiseStudy(
+        name=result.name,
+        uncertainty=found,
+        pairs=_pairs(problem, best, found, jobs, progress) if with_pairs else [],
+        bootstrap=bootstrap(problem, best, over, replicates, chosen_seed, level, jobs, progress)
+        if replicates
+        else None,
+        left_out=leave_one_out(problem, best, leave_out, jobs, progress) if leave_out else [],
+        bands=bands_of_data(problem, noise, best, level),
+    )
+
+
+def _pairs(
+    problem: Problem,
+    best: dict[str, float],
+    found: Uncertainty,
+    jobs: Workers,
+    progress: Progress,
+) -> list[PairMap]:
+    """Map the likelihood over each pair that has intervals."""
+    noise = noise_at(problem, problem.point(best))
+    intervals = {n: e.profile for n, e in found.estimates.items() if e.profile is not None}
+    pairs = [pair for pair in pairs_of(problem) if {*pair} <= {*intervals}]
+    calls = [call(pair_map, problem, noise, pair, best, intervals, CONTOURS) for pair in pairs]
+    maps: list[PairMap] = []
+    with closing(run_calls(calls, jobs)) as results:
+        for result in results:
+            maps.append(result)
+            progress("mapping", len(maps), len(pairs))
+    return maps

@@ -1,0 +1,271 @@
+"""A law of the user's own: a Python function that a campaign names as module:function.
+
+The function is `load(penetration, pair, **parameters)`: penetration in mm, an array; the pair that
+belongs to each element; the load in N/mm, of the same shape. It has to increase with the
+penetration. The module is looked for in the campaign's folder, then where Python looks. Nothing is
+imported unless a campaign or a command line names it: reading a result imports nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import inspect
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
+from cylcontact.errors import InputError
+from cylcontact.fitting.law_models import LawModel, LawParameter
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.pair import Contact, CylinderPair
+
+# Steps by ten that bracket a penetration, and halvings that find it to the last digit.
+DECADES = 40
+HALVINGS = 200
+RELATIVE_STEP = 1e-6
+
+
+@dataclass(frozen=True)
+class UserFunction:
+    """A function named by the user, imported where it is needed.
+
+    Attributes
+    ----------
+    spec : str
+        "module:function".
+    folder : str or None
+        Where the module is looked for first; None where a result names the function, which is
+        not enough to run it.
+    """
+
+    spec: str
+    folder: str | None
+
+    def __call__(self, penetration: FloatArray, pair: CylinderPair, **parameters: float) -> Any:
+        """Call the function; worker processes import it themselves."""
+        if self.folder is None:
+            raise InputError(
+                self.spec,
+                "law",
+                None,
+                "is code of your own, which is not run because a result names it",
+                f"redo the fit from its campaign, or name it: uncertainty --law {self.spec}",
+            )
+        return _imported(self.spec, self.folder)(penetration, pair, **parameters)
+
+
+@dataclass(frozen=True)
+class UserLaw:
+    """A contact law from a user's function, its inverse found numerically."""
+
+    function: UserFunction
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The name by which the campaign calls it."""
+        return self.function.spec
+
+    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the load in N/mm at `penetration` in mm; NaN where that is negative."""
+        delta = as_floats(penetration)
+        touching = np.asarray(delta >= 0)
+        return inside_or_nan(self._called(np.where(touching, delta, 0.0), pair), touching)
+
+    def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the penetration in mm under `load` in N/mm; NaN where none is found."""
+        f = as_floats(load)
+        shape = np.broadcast_shapes(f.shape, np.shape(pair.E_star), np.shape(pair.dR))
+        wanted = np.broadcast_to(f, shape)
+        low, high = self._bracket(wanted, pair)
+        found = np.isfinite(low) & np.isfinite(high) & (wanted > 0)
+        # In logarithms, where contact laws are nearly straight lines.
+        a, b = np.log(np.where(found, low, 1.0)), np.log(np.where(found, high, 10.0))
+        for _ in range(HALVINGS):
+            middle = (a + b) / 2
+            if np.all((middle == a) | (middle == b)):
+                break
+            below = self._called(np.exp(middle), pair) < wanted
+            a, b = np.where(below, middle, a), np.where(below, b, middle)
+        return as_floats(np.where(found, np.exp((a + b) / 2), np.where(wanted == 0, 0.0, np.nan)))
+
+    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return d(load)/d(penetration) in N/mm², by a central difference."""
+        delta = as_floats(penetration)
+        step = RELATIVE_STEP * delta
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rise = self.load(delta + step, pair) - self.load(delta - step, pair)
+            return as_floats(rise / (2 * step))
+
+    def max_load(self, pair: CylinderPair) -> FloatArray:
+        """Return inf: nothing is known of a largest load."""
+        return as_floats(np.full_like(pair.E_star * as_floats(pair.dR), np.inf))
+
+    def max_penetration(self, pair: CylinderPair) -> FloatArray:
+        """Return inf: nothing is known of a largest penetration."""
+        return self.max_load(pair)
+
+    def _bracket(self, load: FloatArray, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
+        """Return penetrations below and above the one sought, a decade apart; NaN without any."""
+        low, high = np.full(load.shape, np.nan), np.full(load.shape, np.nan)
+        for decade in range(-DECADES // 2, DECADES // 2):
+            delta = np.full(load.shape, 10.0**decade)
+            reached = self._called(delta, pair)
+            low = np.where(reached < load, delta, low)
+            high = np.where((reached >= load) & np.isnan(high), delta, high)
+        return low, high
+
+    def _called(self, penetration: FloatArray, pair: CylinderPair) -> FloatArray:
+        """Call the function, and hold what it returns against what it should."""
+        try:
+            with np.errstate(all="ignore"):  # what is not finite counts as outside the law
+                value = self.function(penetration, pair, **self.parameters)
+            loads = as_floats(value)
+        except InputError:
+            raise
+        except Exception as error:
+            raise InputError(
+                self.name,
+                "load",
+                None,
+                f"stopped with {type(error).__name__}: {error}",
+                "correct the function; it gets arrays, of penetration in mm and in the pair",
+            ) from error
+        shape = np.broadcast_shapes(np.shape(penetration), np.shape(pair.E_star), np.shape(pair.dR))
+        if loads.shape != shape:
+            raise InputError(
+                self.name,
+                "load",
+                loads.shape,
+                f"returns another shape than that of the penetration, {shape}",
+                "return an array with one load for each penetration",
+            )
+        return loads
+
+
+def user_model(spec: str, folder: Path, contact: Contact, source: str) -> LawModel:
+    """Return the model of a user's function; its parameters are the arguments after the pair.
+
+    Parameters
+    ----------
+    spec : str
+        "module:function".
+    folder : Path
+        Where the module is looked for first.
+    contact : {"internal", "external"}
+        The contact of the data.
+    source : str
+        What errors call the campaign.
+
+    Returns
+    -------
+    LawModel
+        An argument with a default value is held there unless the campaign gives bounds.
+
+    Raises
+    ------
+    InputError
+        If the function cannot be imported, or does not take a penetration, a pair and named
+        numbers.
+    """
+    function = UserFunction(spec, str(folder))
+    _imported.cache_clear()  # the file may have changed since
+    try:
+        parameters = _parameters_of(_imported(spec, str(folder)), spec)
+    except InputError as error:
+        raise InputError(source, "law", spec, error.rule, error.remedy) from error
+    return named_user_model(function, parameters, contact)
+
+
+def named_user_model(
+    function: UserFunction, parameters: tuple[LawParameter, ...], contact: Contact
+) -> LawModel:
+    """Return the model of a function whose parameters are known, without importing it."""
+
+    def build(found: Mapping[str, float]) -> ContactLaw:
+        return UserLaw(function, dict(found))
+
+    return LawModel(function.spec, contact, parameters, build, nominal_is_published=False)
+
+
+def is_user_law(law: str) -> bool:
+    """Tell whether a law's name is that of a function, module:function."""
+    return ":" in law
+
+
+def _parameters_of(function: Callable[..., Any], spec: str) -> tuple[LawParameter, ...]:
+    """Return the arguments after penetration and pair."""
+    remedy = "write it as def load(penetration, pair, K, n): ... with at least one parameter"
+    try:
+        arguments = list(inspect.signature(function).parameters.values())
+    except (TypeError, ValueError) as error:
+        raise InputError(spec, "law", None, "has no signature to read", remedy) from error
+    plain = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+    if len(arguments) < 3 or any(argument.kind not in plain for argument in arguments[2:]):
+        names = ", ".join(map(str, arguments))
+        rule = f"must take a penetration, a pair and named parameters, and takes ({names})"
+        raise InputError(spec, "law", None, rule, remedy)
+    found = []
+    for argument in arguments[2:]:
+        given = argument.default is not inspect.Parameter.empty
+        if given and not isinstance(argument.default, int | float):
+            rule = f"has a default for {argument.name} that is not a number"
+            raise InputError(spec, "law", None, rule, remedy)
+        nominal = float(argument.default) if given else None
+        found.append(LawParameter(argument.name, -np.inf, np.inf, nominal, free=not given))
+    return tuple(found)
+
+
+@lru_cache(maxsize=64)
+def _imported(spec: str, folder: str) -> Callable[..., Any]:
+    """Import a function, from a file in the folder if there is one."""
+    module_name, _, name = spec.partition(":")
+    remedy = "name it as module:function; the module is looked for beside the campaign first"
+    try:
+        with _first_on_path(folder):
+            module = _module(module_name, Path(folder))
+        found = getattr(module, name, None)
+    except Exception as error:  # a module of the user's may raise anything
+        rule = f"cannot be imported ({type(error).__name__}: {error})"
+        raise InputError(spec, "law", None, rule, remedy) from error
+    if not callable(found):
+        rule = f"is not a function of {module_name}"
+        raise InputError(spec, "law", None, rule, remedy)
+    result: Callable[..., Any] = found
+    return result
+
+
+def _module(name: str, folder: Path) -> ModuleType:
+    """Return a module, by file from the folder or by name from where Python looks.
+
+    A file is loaded under a name of its own: another folder may have a module of the same name.
+    """
+    path = folder.joinpath(*name.split(".")).with_suffix(".py")
+    if not path.is_file():
+        return importlib.import_module(name)
+    spec = importlib.util.spec_from_file_location(f"cylcontact_user_{abs(hash(path))}", path)
+    if spec is None or spec.loader is None:
+        raise ImportError(f"{path} is not a module")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@contextmanager
+def _first_on_path(folder: str) -> Iterator[None]:
+    """Let imports find the folder first, for a while."""
+    sys.path.insert(0, folder)
+    try:
+        yield
+    finally:
+        sys.path.remove(folder)

@@ -1,0 +1,73 @@
+"""What a result was made with: versions, the commit, hashes of the specs."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+import subprocess
+from collections.abc import Iterable, Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+
+def made_with(
+    folder: Path, specs: Mapping[str, dict[str, Any]], libraries: Iterable[str]
+) -> dict[str, Any]:
+    """Return package version, git commit, hashes of the specs and library versions.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the specs are; the commit is that of the repository around it.
+    specs : mapping of str to dict
+        The specs' contents by name.
+    libraries : iterable of str
+        Distributions whose version matters.
+
+    Returns
+    -------
+    dict
+        Plain data, ready for JSON.
+
+    Examples
+    --------
+    >>> sorted(made_with(Path(), {"grid": {"points": 3}}, ["numpy"]))
+    ['cylcontact', 'git_commit', 'libraries', 'python', 'spec_hashes']
+    """
+    return {
+        "cylcontact": version("cylcontact"),
+        "git_commit": _git_commit(folder),
+        "spec_hashes": {name: spec_hash(spec) for name, spec in specs.items()},
+        "python": platform.python_version(),
+        "libraries": {name: version(name) for name in libraries},
+    }
+
+
+def spec_hash(data: dict[str, Any]) -> str:
+    """Return a short hash of a spec's contents, the same whatever its layout and comments.
+
+    Examples
+    --------
+    >>> spec_hash({"a": 1, "b": 2}) == spec_hash({"b": 2, "a": 1})
+    True
+    """
+    text = json.dumps(data, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def _git_commit(folder: Path) -> str | None:
+    """Return the commit that `folder` is at, marked if it has changes; None outside git."""
+    try:
+        found = subprocess.run(
+            ["git", "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"],
+            cwd=folder if folder.is_dir() else None,
+            capture_output=True,
+            text=True,
+            timeout=10,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return found.stdout.strip()

@@ -1,0 +1,121 @@
+"""Calls on this machine: in threads, or in processes that leave Ctrl-C to this one."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+import warnings
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, nullcontext
+from multiprocessing import resource_tracker
+from typing import Any
+
+from cylcontact.errors import InputError
+from cylcontact.parallel.calls import Call, call
+
+# Seconds after which the thread that feeds new workers has done so; it breaks if stopped before.
+SETTLING = 0.2
+_LOOKOUT = "cylcontact looks after its parent"
+
+
+def in_processes(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Generator[Any]:
+    """Run calls in at most `jobs` worker processes; see `run_calls`."""
+    import joblib
+
+    workers = max(1, min(jobs, len(calls)))
+    parallel = joblib.Parallel(n_jobs=workers, return_as=as_generator(ordered))
+    results = None
+    try:
+        with _interrupts_held() if workers > 1 else nullcontext():
+            results = parallel(_in_worker(calls) if workers > 1 else calls)
+        for result in results:  # noqa: UP028 - `yield from` would close it before `finally` does
+            yield result
+    except BrokenProcessPool as error:
+        raise InputError(
+            "workers",
+            "jobs",
+            jobs,
+            "the system ended a worker process, probably for want of memory",
+            "use fewer, or a smaller grid; fit --resume goes on from the runs that are kept",
+        ) from error
+    finally:
+        give_up(results)
+
+
+def in_threads(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Generator[Any]:
+    """Run calls in at most `jobs` threads of this process; see `run_calls`."""
+    import joblib
+
+    workers = max(1, min(jobs, len(calls)))
+    results = joblib.Parallel(workers, prefer="threads", return_as=as_generator(ordered))(calls)
+    try:
+        for result in results:  # noqa: UP028 - as above
+            yield result
+    finally:
+        give_up(results)
+
+
+def _in_worker(calls: Sequence[Call]) -> list[Call]:
+    """Return the same calls for workers that end with this process, however that ends."""
+    return [call(_with_parent, os.getpid(), *one) for one in calls]
+
+
+def _with_parent(parent: int, function: Callable[..., Any], arguments: Any, named: Any) -> Any:
+    """Make a call in a worker process that looks after its parent from then on."""
+    looks = any(thread.name == _LOOKOUT for thread in threading.enumerate())
+    if os.getppid() == parent and not looks:
+        threading.Thread(target=_end_with, args=(parent,), name=_LOOKOUT, daemon=True).start()
+    return function(*arguments, **named)
+
+
+def _end_with(parent: int) -> None:
+    """End this process soon after its parent, which would otherwise leave it waiting for work."""
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
+
+
+def as_generator(ordered: bool) -> str:
+    """Return joblib's name for results in the order of the calls, or as they come."""
+    return "generator" if ordered else "generator_unordered"
+
+
+def give_up(results: Generator[Any] | None) -> None:
+    """End what still runs; calls cut short are none of the user's mistakes."""
+    if results is not None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            results.close()
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Hold Ctrl-C back until the end; processes started meanwhile never see it.
+
+    A terminal sends it to all processes at once, and a worker that is still importing would
+    print its traceback. A blocked signal stays blocked in new processes; here, where other
+    threads may still receive it, it is noted and raised again.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    from joblib.externals.loky.backend import resource_tracker as loky_resource_tracker
+
+    for tracker in (resource_tracker, loky_resource_tracker):
+        tracker.ensure_running()  # needed by the workers; it lifts the mask as it starts
+    noted = []
+    in_main = threading.current_thread() is threading.main_thread()
+    handler = signal.signal(signal.SIGINT, lambda number, _: noted.append(number)) if in_main else 0
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        if in_main:
+            signal.signal(signal.SIGINT, handler)
+        if noted:
+            time.sleep(SETTLING)
+            signal.raise_signal(signal.SIGINT)

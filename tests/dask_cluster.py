@@ -1,0 +1,64 @@
+"""A real Dask cluster on the loopback interface: a scheduler and workers, each a process."""
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+
+class LoopbackCluster:
+    """A scheduler and workers that end with the block."""
+
+    def __init__(self, folder, workers=2, threads=1, environment=None):
+        self.folder = folder
+        self.workers = []
+        self._threads = threads
+        self._environment = {**os.environ, **(environment or {})}
+        self._file = folder / "scheduler.json"
+        quiet = ("--no-dashboard", "--scheduler-file", str(self._file))
+        self.scheduler = self._start("scheduler", "--host", "127.0.0.1", "--port", "0", *quiet)
+        self.address = self._wait_for_address()
+        for _ in range(workers):
+            self.add_worker()
+
+    def add_worker(self):
+        """Start one more worker."""
+        self.workers.append(
+            self._start(
+                "worker",
+                self.address,
+                *("--no-nanny", "--no-dashboard", "--nthreads", str(self._threads)),
+                *("--host", "127.0.0.1", "--local-directory", str(self.folder)),
+            )
+        )
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for process in (*self.workers, self.scheduler):
+            kill(process)
+
+    def _start(self, what, *arguments):
+        command = [sys.executable, "-m", f"distributed.cli.dask_{what}", *arguments]
+        log = (self.folder / f"{what}-{len(self.workers)}.log").open("w")
+        with log:
+            return subprocess.Popen(command, stdout=log, stderr=log, env=self._environment)
+
+    def _wait_for_address(self):
+        end = time.monotonic() + 60
+        while time.monotonic() < end and self.scheduler.poll() is None:
+            with contextlib.suppress(OSError, ValueError):
+                return json.loads(self._file.read_text())["address"]
+            time.sleep(0.05)
+        raise AssertionError((self.folder / "scheduler-0.log").read_text())
+
+
+def kill(process):
+    """End a process at once and wait until it is gone."""
+    with contextlib.suppress(ProcessLookupError):
+        process.send_signal(signal.SIGKILL)
+    process.wait()

@@ -1,0 +1,85 @@
+"""Tables of measurements made from known laws, and the campaigns on them, for tests."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cylcontact import CylinderPair, Material
+from cylcontact.fitting.law_models import MODELS
+from cylcontact.fitting.measured_campaign import MeasuredCampaign, campaign_of_table
+
+STEEL = Material("steel", E=207e3, nu=0.3)
+CONSTANTS = {"E_GPa": 207.0, "nu": 0.3, "R_i_mm": 10.0, "length_mm": 12.0}
+LOADS = np.geomspace(1.0, 300.0, 12)
+# Coefficients that data are made of, away from the nominal ones.
+TRUTHS: dict[tuple[str, str], dict[str, float]] = {
+    ("power", "internal"): {"K_star": 3.0, "n": 1.1},
+    ("power-one-pair", "internal"): {"K": 312148.0, "n": 1.237},
+    ("enhanced", "external"): {"a": 0.4, "b": 0.9, "n": 1.09},
+    ("explicit", "internal"): {"c": 1.5, "A": 0.4, "B": 3.0},
+    ("persson", "internal"): {"modulus_factor": 1.1, "clearance_factor": 1.0},
+    ("liu", "internal"): {"modulus_factor": 1.8, "clearance_factor": 1.0},
+    ("winkler", "internal"): {"depth": 0.9},
+    ("lankarani-nikravesh", "internal"): {"factor": 1.3, "n": 1.4},
+}
+LOGARITHMIC = [
+    law
+    for law, contact in MODELS
+    if contact == "internal" and "kappa" in MODELS[law, contact].names
+]
+for _law in LOGARITHMIC:
+    _nominal = {p.name: p.nominal for p in MODELS[_law, "internal"].parameters}
+    TRUTHS[_law, "internal"] = _nominal | {
+        "kappa": 1.1 * _nominal["kappa"],
+        "c": _nominal["c"] + 0.3,
+    }
+
+
+def clearances(law: str, contact: str) -> tuple[float, ...]:
+    """Return ΔR in mm that a law is tried at."""
+    if contact == "external":
+        return (12.0, 20.0, 40.0)
+    if law == "power-one-pair":
+        return (0.05,)
+    return (0.01, 0.1, 0.5) if law == "explicit" else (0.1, 0.3, 1.0)
+
+
+def write_measured(path: Path, law: str, contact: str, noise: float = 0.0, seed: int = 1) -> Path:
+    """Write points of a law with its truth's coefficients, with or without noise."""
+    built = MODELS[law, contact].build(TRUTHS[law, contact])
+    rng = np.random.default_rng(seed)
+    lines = ["dR_um,load_N_per_mm,penetration_um"]
+    for dR in clearances(law, contact):
+        pair = CylinderPair.from_dR(contact, dR, STEEL, length=12.0, R_i=10.0)
+        depth = built.penetration(LOADS, pair) * np.exp(noise * rng.normal(size=LOADS.size))
+        lines += [
+            f"{1e3 * dR!r},{f!r},{1e3 * d!r}"
+            for f, d in zip(LOADS.tolist(), depth.tolist(), strict=True)
+        ]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def measured_campaign(
+    folder: Path,
+    law: str = "johnson",
+    contact: str = "internal",
+    noise: float = 0.0,
+    seed: int = 1,
+    **settings: Any,
+) -> MeasuredCampaign:
+    """Return a campaign on points of a law."""
+    table = write_measured(folder / "measured.csv", law, contact, noise, seed)
+    return campaign_of_table(table, law, contact, CONSTANTS, **settings)
+
+
+def write_table(path: Path, columns: Mapping[str, list[Any]]) -> Path:
+    """Write columns as CSV."""
+    rows = [
+        ",".join(columns),
+        *(",".join(map(str, row)) for row in zip(*columns.values(), strict=True)),
+    ]
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return path

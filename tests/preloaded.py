@@ -1,0 +1,7 @@
+"""What the processes of tests/killable.py have imported before they start."""
+
+import cylcontact.cli
+import cylcontact.cli.app
+import cylcontact.fitting
+import cylcontact.fitting.profile
+import cylcontact.locks  # noqa: F401

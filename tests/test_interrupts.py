@@ -1,0 +1,404 @@
+"""Never lose work: kill -9 at any moment, full disks, lost folders, two processes on one file."""
+
+import json
+import os
+import pickle
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import pytest
+
+from cylcontact import InputError
+from cylcontact.files import replacing
+from cylcontact.fitting import calibrate, read_campaign
+from cylcontact.locks import owning
+from tests import killable
+from tests.spec_files import assert_told, tree, write_bench
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL")
+
+# Quick but for the runs: a fit spends most of its time between the first and the last of them.
+FEW = {"parameters.n": {"value": 1.2, "fixed": True}}
+RUNS = FEW | {"genetic.runs": 12, "genetic.generations": 60, "genetic.populations": [16]}
+FIT = ("fit", "fitting/small.toml", "--jobs", "1")
+RESULT = "fitting/results/small.json"
+ROOT_USER = hasattr(os, "geteuid") and os.geteuid() == 0
+NOBODY = 65534
+
+
+def bench(root, name="bench", campaign=RUNS):
+    folder = root / name
+    write_bench(folder, campaign)
+    return folder
+
+
+def repeatable(folder):
+    """The text of a result file without the times and the provenance."""
+    data = json.loads((folder / RESULT).read_text(encoding="utf-8"))
+    del data["provenance"]
+    for run in data["runs"]:
+        del run["seconds"]
+    return json.dumps(data)
+
+
+def assert_complete(folder, uninterrupted):
+    """The result is the uninterrupted one, and nothing else is left beside it."""
+    assert repeatable(folder) == repeatable(uninterrupted)
+    assert [path.name for path in (folder / RESULT).parent.iterdir()] == ["small.json"]
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(tmp_path_factory):
+    """A bench whose fit ran through, and how many seconds that took."""
+    folder = bench(tmp_path_factory.mktemp("uninterrupted"))
+    assert killable.run(folder, *FIT) == 0  # imports what is left to import
+    started = time.monotonic()
+    assert killable.run(folder, *FIT) == 0
+    folder.joinpath("seconds").write_text(str(time.monotonic() - started))
+    return folder
+
+
+# --- kill -9 ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("trials", [6, pytest.param(20, marks=pytest.mark.slow)])
+def test_resume_after_kill_9_at_random_moments(uninterrupted, tmp_path, trials):
+    seconds = float((uninterrupted / "seconds").read_text())
+    moments = random.Random(20150101)
+    killed = kept = 0
+    for trial in range(trials):
+        folder = bench(tmp_path, f"trial{trial}")
+        killed += killable.run_and_kill(folder, *FIT, seconds=moments.uniform(0, seconds))
+        kept += (folder / f"{RESULT}.partial").exists()
+        assert killable.run(folder, *FIT, "--resume") == 0, killable.said(folder)
+        assert_complete(folder, uninterrupted)
+    # Most are killed on the way, wherever this machine's load puts that.
+    assert killed >= trials / 2
+    assert kept >= trials / 6
+
+
+def test_killed_again_and_again_it_arrives_in_the_end(uninterrupted, tmp_path):
+    seconds = float((uninterrupted / "seconds").read_text())
+    folder = bench(tmp_path)
+    for _ in range(50):
+        if not killable.run_and_kill(folder, *FIT, "--resume", seconds=0.6 * seconds):
+            break
+        seconds *= 1.05
+    assert_complete(folder, uninterrupted)
+
+
+def test_killed_before_every_single_operation_on_a_file(tmp_path):
+    """Three runs: the lock, the checkpoint, the result, and what is removed in the end."""
+    whole = bench(tmp_path, "whole", FEW)
+    assert killable.run(whole, *FIT) == 0
+    operations = 0
+    while True:
+        folder = bench(tmp_path, f"before{operations}", FEW)
+        code = killable.run(folder, *FIT, kill_at=operations)
+        if code == 0:
+            break
+        assert code == -signal.SIGKILL
+        assert killable.run(folder, *FIT, "--resume") == 0, killable.said(folder)
+        assert_complete(folder, whole)
+        operations += 1
+    assert operations > 15
+
+
+def test_killed_with_worker_processes_under_way(tmp_path):
+    """As a user runs it: processes of its own, and all of them gone soon after."""
+    long = RUNS | {"genetic.generations": 1200}
+    folder = bench(tmp_path, campaign=long)
+    command = [sys.executable, "-m", "cylcontact.cli", "fit", "fitting/small.toml", "--jobs", "2"]
+    with subprocess.Popen(command, cwd=folder, start_new_session=True) as process:
+        wait_for(folder / f"{RESULT}.partial")
+        process.kill()
+    wait_until(lambda: not group_is_alive(process.pid))
+    kept = (folder / f"{RESULT}.partial").read_text().splitlines()
+    assert 2 <= len(kept) < 13
+    write_bench(folder, long)
+    assert killable.run(folder, *FIT, "--resume") == 0, killable.said(folder)
+    again = bench(tmp_path, "again", long)
+    assert killable.run(again, *FIT) == 0
+    assert_complete(folder, again)
+
+
+def wait_for(path):
+    wait_until(path.exists)
+
+
+def wait_until(holds):
+    end = time.monotonic() + 60
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def group_is_alive(group):
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+# --- two processes on one output --------------------------------------------------------------
+
+
+def test_the_second_of_two_fits_of_one_output_says_so_and_stops(tmp_path):
+    folder = bench(tmp_path, campaign=RUNS | {"genetic.generations": 30_000})
+    first = killable.start(folder, *FIT)
+    wait_for(folder / f"{RESULT}.lock")
+    before = tree(folder)
+    assert killable.run(folder, *FIT) == 2
+    said = killable.said(folder)
+    assert f"{RESULT}: is being written by process {first.pid} on " in said
+    assert said.endswith("; wait for it to end, or choose another output with -o\n")
+    assert len(said.splitlines()) == 1
+    assert set(tree(folder)) >= set(before)
+    first.kill()
+    first.join()
+    # The file stays behind, and locks nothing any more.
+    assert (folder / f"{RESULT}.lock").exists()
+    write_bench(folder, FEW)
+    assert killable.run(folder, *FIT) == 0, killable.said(folder)
+    assert [path.name for path in (folder / RESULT).parent.iterdir()] == ["small.json"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("sample", "datasets/small.toml", "-o", "held.csv"),
+        ("fit", "fitting/small.toml", "-o", "held.csv"),
+        ("optimizers", "fitting/small.toml", "-o", "held.csv"),
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_every_long_command_respects_the_lock(tmp_path, arguments):
+    folder = bench(tmp_path)
+    with owning(folder / "held.csv"):
+        before = tree(folder)
+        assert killable.run(folder, *arguments) == 2
+        assert tree(folder) == before
+    assert f"held.csv: is being written by process {os.getpid()} on " in killable.said(folder)
+
+
+def test_a_lock_ends_with_the_block_and_leaves_nothing(tmp_path):
+    for _ in range(2):
+        with owning(tmp_path / "new/folder/out.json"):
+            pass
+    with pytest.raises(KeyboardInterrupt), owning(tmp_path / "new/folder/out.json"):
+        raise KeyboardInterrupt
+    assert tree(tmp_path) == {}
+
+
+def test_a_lock_file_removed_by_hand_is_nobodys_loss(tmp_path):
+    path = tmp_path / "out.json"
+    with owning(path):
+        (tmp_path / "out.json.lock").unlink()
+        with owning(path):
+            pass
+    assert tree(tmp_path) == {}
+
+
+def test_what_a_killed_process_half_wrote_is_removed_and_nothing_else(tmp_path):
+    others = (".other-abcdefgh.json", ".out-abc.json", ".out-abcdefgh.csv", "out-abcdefgh.json")
+    for name in (*others, ".out-abcdefgh.json"):
+        (tmp_path / name).touch()
+    with owning(tmp_path / "out.json"):
+        pass
+    assert set(tree(tmp_path)) == set(others)
+
+
+# --- full disks, lost permissions, removed folders --------------------------------------------
+
+
+@contextmanager
+def small_disk(folder, size):
+    """Mount a file system of some bytes at a folder."""
+    folder.mkdir()
+    mount = shutil.which("mount")
+    command = [mount or "", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)]
+    if not (mount and ROOT_USER and subprocess.run(command, check=False).returncode == 0):
+        pytest.skip("only root, outside of most containers, may mount a small file system")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", str(folder)], check=True)
+
+
+def fill(folder):
+    """Write until the disk is full."""
+    with (folder / "filler").open("wb", buffering=0) as file, suppress(OSError):
+        while True:
+            file.write(bytes(1024))
+
+
+def stopping(action, after):
+    """A progress callback that acts once some runs are done."""
+
+    def progress(stage, done, _):
+        if (stage, done) == ("searching", after):
+            action()
+
+    return progress
+
+
+def test_a_disk_that_fills_up_keeps_the_complete_runs(tmp_path):
+    campaign = read_campaign(bench(tmp_path, campaign=RUNS) / "fitting/small.toml", runs=40)
+    with small_disk(tmp_path / "disk", "64k") as disk:
+        kept = disk / "small.json.partial"
+        with pytest.raises(InputError) as caught:
+            calibrate(campaign, 1, stopping(lambda: fill(disk), 3), kept)
+        rule = "cannot be written (No space left on device)"
+        assert_told(caught, kept, "", None, rule, "runs already in it are kept")
+        assert kept.read_bytes().count(b"\n") > 3
+        (disk / "filler").unlink()
+        resumed = calibrate(campaign, 1, checkpoint=kept, resume=True)
+    assert resumed.repeatable() == calibrate(campaign).repeatable()
+
+
+def test_a_full_disk_leaves_the_result_of_before(tmp_path, small_result):
+    with small_disk(tmp_path / "disk", "64k") as disk:
+        small_result.save(disk / "result.json")
+        before = (disk / "result.json").read_bytes()
+        fill(disk)
+        with pytest.raises(InputError) as caught:
+            small_result.save(disk / "result.json")
+        rule = "cannot be written (No space left on device)"
+        assert_told(caught, disk / "result.json", "", None, rule, "with room left")
+        with pytest.raises(InputError) as caught, owning(disk / "result.json"):
+            pass
+        assert_told(caught, disk / "result.json.lock", "", None, rule, "with room left")
+        assert sorted(path.name for path in disk.iterdir()) == ["filler", "result.json"]
+        assert (disk / "result.json").read_bytes() == before
+
+
+@pytest.mark.parametrize(("size", "file"), [(1500, ".partial"), (6000, "")])
+def test_a_file_that_may_not_grow_stops_the_fit_which_resumes(uninterrupted, tmp_path, size, file):
+    """The system's limit on the size of files stands for any disk: first in the checkpoint."""
+    folder = bench(tmp_path)
+    (folder / RESULT).parent.mkdir()
+    (folder / RESULT).write_text("the result of before")
+    assert killable.run(folder, *FIT, file_size=size) == 2
+    said = killable.said(folder)
+    assert said.startswith(f"cylcontact: {RESULT}{file}: cannot be written (File too large); ")
+    assert len(said.splitlines()) == 1
+    assert (folder / RESULT).read_text() == "the result of before"
+    left = {path.name for path in (folder / RESULT).parent.iterdir()}
+    assert left == {"small.json", "small.json.partial"}
+    assert killable.run(folder, *FIT, "--resume") == 0
+    assert_complete(folder, uninterrupted)
+
+
+@contextmanager
+def without_permission(folder):
+    """Take the right to write into a folder from this process, root or not."""
+    if ROOT_USER:
+        os.seteuid(NOBODY)
+    else:
+        folder.chmod(0o555)
+    try:
+        yield
+    finally:
+        if ROOT_USER:
+            os.seteuid(0)
+        else:
+            folder.chmod(0o755)
+
+
+def test_a_folder_that_is_closed_on_the_way(small_campaign, small_result, tmp_path):
+    tmp_path.chmod(0o755)
+    folder = tmp_path / "results"
+    folder.mkdir()
+    small_result.save(folder / "result.json")
+    before = tree(folder)
+    with without_permission(folder):
+        for write in (small_result.save, lambda path: owning(path).__enter__()):
+            with pytest.raises(InputError) as caught:
+                write(folder / "result.json")
+            assert_told(
+                caught, folder / "result.json", "", None, "cannot be written (", "may write to"
+            )
+        with pytest.raises(InputError) as caught:
+            calibrate(small_campaign, 1, checkpoint=folder / "kept.partial")
+    assert_told(caught, folder / "kept.partial", "", None, "cannot be written (", "kept")
+    assert tree(folder) == before
+
+
+def test_a_checkpoint_removed_on_the_way(small_campaign, tmp_path):
+    kept = tmp_path / "results/kept.partial"
+    for action in (lambda: shutil.rmtree(kept.parent), lambda: replace_file(kept)):
+        with pytest.raises(InputError) as caught:
+            calibrate(small_campaign, 1, stopping(action, 1), kept)
+        rule = "was removed or replaced while the fit was running"
+        assert_told(caught, kept, "", None, rule, "start the fit again, and leave its folder alone")
+
+
+def replace_file(path):
+    other = path.with_name("other")
+    other.write_text("someone else's")
+    other.replace(path)
+
+
+def test_a_folder_removed_while_a_file_is_written(tmp_path):
+    path = tmp_path / "folder/out.csv"
+    with pytest.raises(InputError) as caught, replacing(path):
+        shutil.rmtree(path.parent)
+    assert_told(caught, path, "", None, "cannot be written (No such file or directory)", "choose")
+    assert tree(tmp_path) == {}
+
+
+def test_a_folder_removed_during_a_fit_is_told_of(tmp_path):
+    folder = bench(tmp_path, campaign=RUNS | {"genetic.generations": 3000})
+    fit = killable.start(folder, *FIT)
+    wait_for(folder / f"{RESULT}.partial")
+    shutil.rmtree((folder / RESULT).parent)
+    fit.join()
+    assert fit.exitcode == 2
+    said = killable.said(folder)
+    assert f"{RESULT}.partial: was removed or replaced while the fit was running; start" in said
+    assert len(said.splitlines()) == 1
+    assert not (folder / RESULT).parent.exists()
+
+
+# --- files are read, never run ----------------------------------------------------------------
+
+
+class Payload:
+    """Unpickled, it makes a file."""
+
+    def __init__(self, target):
+        self.target = target
+
+    def __reduce__(self):
+        return (Path.touch, (Path(self.target),))
+
+
+@pytest.mark.parametrize("kind", ["pickle", "python"])
+def test_no_file_of_the_users_is_unpickled_or_run(tmp_path, kind):
+    folder = bench(tmp_path)
+    mark = tmp_path / "was-run"
+    evil = {
+        "pickle": pickle.dumps(Payload(mark)),
+        "python": f"import pathlib; pathlib.Path({str(mark)!r}).touch()\n".encode(),
+    }[kind]
+    names = (
+        *("evil.toml", "evil.json", "evil.csv", "evil.parquet", "evil.pkl", "r.json.partial"),
+        *("numpy.py", "sitecustomize.py", "conftest.py", "r.json.lock", "evil.npy"),
+    )
+    for name in names:
+        (folder / name).write_bytes(evil)
+    for command in ("fit", "sample", "compare", "verify", "optimizers"):
+        for name in ("evil.toml", "evil.json", "evil.csv", "evil.parquet", "evil.pkl"):
+            out = ("-o", "out.csv") if command == "sample" else ()
+            assert killable.run(folder, command, name, *out) == 2, killable.said(folder)
+            assert len(killable.said(folder).splitlines()) == 1
+    assert killable.run(folder, *FIT, "--resume", "-o", "r.json") == 2
+    assert killable.run(folder, *FIT, "-o", "r.json") == 0
+    assert not mark.exists()

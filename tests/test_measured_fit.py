@@ -1,0 +1,634 @@
+"""Fits to measurements: every law gives its own coefficients back, and every way to go wrong."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from cylcontact import CylinderPair, InputError, laws
+from cylcontact.cli.app import app
+from cylcontact.fitting import FitResult, compare, verdicts
+from cylcontact.fitting.calibrate import calibrate
+from cylcontact.fitting.law_models import MODELS, model_of
+from cylcontact.fitting.loss import LOSSES, Loss
+from cylcontact.fitting.measured_campaign import campaign_of_table
+from cylcontact.fitting.measured_fit import fit_measurements
+from cylcontact.fitting.planning import read_plan
+from cylcontact.fitting.verify import verify
+from cylcontact.laws.mounted import Mounted
+from cylcontact.laws.scaled import Scaled, adjusted_logarithmic
+from tests.measured_files import (
+    CONSTANTS,
+    LOADS,
+    STEEL,
+    TRUTHS,
+    measured_campaign,
+    write_measured,
+    write_table,
+)
+from tests.spec_files import assert_told, changed, tree, write_toml
+
+ROOT = Path(__file__).resolve().parents[1]
+EXAMPLE = ROOT / "fitting/examples/pin-in-hole.toml"
+SPEC = {"data": "measured.csv", "contact": "internal", "law": "johnson", "constants": CONSTANTS}
+USER_LAW = """\
+import numpy as np
+
+def load(penetration, pair, K_star, n, offset=0.0):
+    return K_star * pair.E_star / pair.dR * penetration**n + offset
+
+def flat(penetration, pair, K):
+    return 1.0
+
+def broken(penetration, pair, K):
+    raise RuntimeError("no such thing")
+
+def starred(penetration, pair, *numbers):
+    return penetration
+
+def worded(penetration, pair, K, kind="steel"):
+    return penetration
+
+def short(penetration, pair):
+    return penetration
+
+table = 3
+"""
+
+
+# --- recovery ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("law", "contact"), TRUTHS, ids=lambda word: word)
+def test_exact_points_of_a_law_give_its_coefficients_back(tmp_path, law, contact):
+    result = fit_measurements(measured_campaign(tmp_path, law, contact, starts=4))
+    assert result.coefficients == pytest.approx(TRUTHS[law, contact], rel=1e-6)
+    assert result.objective.value < 1e-9
+    assert "no noise to estimate" in verdicts(result)[0]
+
+
+def test_every_model_is_tried_or_is_one_of_the_same_shape():
+    tried = {law for law, _ in TRUTHS}
+    assert tried == {law for law, _ in MODELS}
+
+
+@pytest.mark.slow
+def test_the_enhanced_internal_law_comes_back_from_many_clearances(tmp_path):
+    # Seven coefficients of two branches need clearances on both sides of the switch.
+    truth = {p.name: p.nominal for p in MODELS["enhanced", "internal"].parameters}
+    law = MODELS["enhanced", "internal"].build(truth)
+    lines = ["dR_mm,load_N_per_mm,penetration_mm"]
+    for dR in np.geomspace(0.006, 5.0, 25).tolist():
+        pair = CylinderPair.from_dR("internal", dR, STEEL)
+        depth = law.penetration(LOADS, pair)
+        points = zip(LOADS.tolist(), depth.tolist(), strict=True)
+        lines += [f"{dR!r},{f!r},{d!r}" for f, d in points]
+    table = tmp_path / "measured.csv"
+    table.write_text("\n".join(lines))
+    constants = {"E_GPa": 207.0, "nu": 0.3}
+    campaign = campaign_of_table(table, "enhanced", "internal", constants, starts=40)
+    campaign = replace(
+        campaign,
+        model=replace(
+            campaign.model,
+            parameters=tuple(replace(p, nominal=None) for p in campaign.model.parameters),
+        ),
+    )
+    result = fit_measurements(campaign)
+    assert result.coefficients == pytest.approx(truth, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "objective", ["rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load"]
+)
+def test_every_objective_finds_the_same_exact_law(tmp_path, objective):
+    campaign = measured_campaign(tmp_path, objective=objective, starts=3)
+    result = fit_measurements(campaign)
+    assert result.objective.name == objective
+    assert result.coefficients == pytest.approx(TRUTHS["johnson", "internal"], rel=1e-6)
+
+
+def test_a_parameter_is_held_or_bounded_as_the_campaign_says(tmp_path):
+    held = {"kappa": {"value": 1.1, "fixed": True}, "c": {"low": -2.0, "high": -0.9}}
+    result = fit_measurements(measured_campaign(tmp_path, starts=3, parameters=held))
+    assert result.coefficients["kappa"] == 1.1
+    assert result.coefficients["c"] == pytest.approx(-0.9)
+    assert result.uncertainty.estimates.keys() == {"c"}
+
+
+def test_the_result_does_not_depend_on_workers_or_on_the_search(tmp_path):
+    campaign = measured_campaign(tmp_path, noise=0.02, starts=3)
+    one, two = fit_measurements(campaign, 1), fit_measurements(campaign, 2)
+    assert one.repeatable() == two.repeatable()
+    genetic = {"runs": 2, "populations": [20], "generations": 20}
+    other = fit_measurements(
+        measured_campaign(tmp_path, noise=0.02, optimizer="genetic", genetic=genetic)
+    )
+    assert other.coefficients == pytest.approx(one.coefficients, rel=1e-5)
+    assert other.runs[0].population == 20
+
+
+def test_a_robust_loss_lessens_the_pull_of_outliers(tmp_path):
+    table = write_measured(tmp_path / "measured.csv", "johnson", "internal", noise=0.01)
+    lines = table.read_text().splitlines()
+    for k in (1, 2, 3):
+        start, value = lines[k].rsplit(",", 1)
+        lines[k] = f"{start},{2 * float(value)!r}"
+    table.write_text("\n".join(lines))
+    truth = TRUTHS["johnson", "internal"]["kappa"]
+    errors = {}
+    for loss in LOSSES:
+        campaign = campaign_of_table(table, "johnson", "internal", CONSTANTS, loss=loss, starts=3)
+        result = fit_measurements(campaign)
+        errors[loss] = abs(result.coefficients["kappa"] - truth)
+        outliers = result.uncertainty.outliers
+        assert {row.line for row in outliers if row.deviations > 3.5} >= {2, 3, 4}
+        assert any("lines 2 (+" in sentence for sentence in verdicts(result))
+    assert all(errors[loss] < 0.5 * errors["linear"] for loss in LOSSES if loss != "linear")
+
+
+@pytest.mark.parametrize("name", LOSSES)
+def test_losses_are_scipys(name):
+    from scipy.optimize import least_squares
+
+    r = np.array([-7.0, -1.0, -0.2, 0.0, 0.3, 1.0, 2.0, 50.0])
+    found = least_squares(lambda _: r, [0.0], loss=name, f_scale=1.5, max_nfev=1)
+    assert 0.5 * (Loss(name, 1.5).residual(r) ** 2).sum() == pytest.approx(found.cost)
+    step = 1e-6
+    loss = Loss(name, 1.5)
+    slope = (loss.residual(r + step) ** 2 - loss.residual(r - step) ** 2) / (4 * step)
+    assert loss.psi(r) == pytest.approx(slope, abs=1e-6)
+
+
+def test_a_given_scale_of_the_loss_is_kept(tmp_path):
+    campaign = measured_campaign(tmp_path, noise=0.01, loss="huber", loss_scale=0.5, starts=2)
+    assert fit_measurements(campaign).uncertainty.loss_scale == 0.5
+
+
+def test_weights_count_like_repeated_rows(tmp_path):
+    table = write_measured(tmp_path / "measured.csv", "johnson", "internal", noise=0.02)
+    header, *rows = table.read_text().splitlines()
+    repeated = tmp_path / "repeated.csv"
+    repeated.write_text("\n".join([header, *rows, *rows[:5]]))
+    weighted = tmp_path / "weighted.csv"
+    text = [f"{header},weight", *(f"{row},{2 if k < 5 else 1}" for k, row in enumerate(rows))]
+    weighted.write_text("\n".join(text))
+    found = [
+        fit_measurements(campaign_of_table(path, "johnson", "internal", CONSTANTS, starts=2))
+        for path in (repeated, weighted)
+    ]
+    assert found[1].coefficients == pytest.approx(found[0].coefficients, rel=1e-6)
+    assert len(found[0].uncertainty.duplicates) == 5
+    assert any("say exactly the same" in sentence for sentence in verdicts(found[0]))
+
+
+# --- laws -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("law", "contact"), MODELS, ids=lambda word: word)
+def test_the_nominal_parameters_are_the_law_as_it_stands(law, contact, pair):
+    model = MODELS[law, contact]
+    nominal = {p.name: p.nominal for p in model.parameters}
+    if None in nominal.values():
+        return
+    if contact == "external":
+        pair = CylinderPair.external(10.0, 12.0, STEEL, length=12.0)
+    plain = laws.LAWS[law]()
+    assert model.build(nominal).load(1e-3, pair) == pytest.approx(plain.load(1e-3, pair), rel=1e-12)
+
+
+def test_a_scaled_law_answers_consistently(pair):
+    law = Scaled(laws.Johnson(), load_factor=2.0, penetration_factor=3.0)
+    delta = law.penetration(150.0, pair)
+    assert law.load(delta, pair) == pytest.approx(150.0)
+    step = 1e-7
+    slope = (law.load(delta + step, pair) - law.load(delta - step, pair)) / (2 * step)
+    assert law.stiffness(delta, pair) == pytest.approx(slope, rel=1e-6)
+    assert law.load(law.max_penetration(pair), pair) == pytest.approx(law.max_load(pair))
+    assert law.name == "johnson"
+    with pytest.raises(InputError, match="load_factor = 0"):
+        Scaled(laws.Johnson(), load_factor=0)
+
+
+def test_an_adjusted_logarithmic_law_is_the_formula(pair):
+    kappa, c, factor, f = 1.3, -0.4, 2.5, 80.0
+    law = adjusted_logarithmic(laws.Goldsmith(), kappa, c, factor)
+    reach = factor * np.pi * pair.R
+    expected = kappa * f / (np.pi * pair.E_star) * (np.log(reach * pair.E_star / f) + c)
+    assert law.penetration(f, pair) == pytest.approx(expected, rel=1e-13)
+
+
+def test_an_unknown_law_or_contact_is_refused():
+    with pytest.raises(InputError, match="is not a law that can be fitted; choose power"):
+        model_of("hooke", "internal", "c.toml")
+    with pytest.raises(InputError, match="is for internal contact only"):
+        model_of("liu", "external", "c.toml")
+
+
+# --- a law of the user's own ------------------------------------------------------------------
+
+
+def user_campaign(folder, law="mine:load", objective=None, parameters=None, contact="internal"):
+    (folder / "mine.py").write_text(USER_LAW)
+    table = write_measured(folder / "measured.csv", "power", "internal")
+    bounds = {"K_star": {"low": 0.5, "high": 10.0}, "n": {"low": 1.0, "high": 1.5}}
+    return campaign_of_table(
+        table,
+        law,
+        contact,
+        CONSTANTS,
+        objective=objective,
+        parameters=bounds if parameters is None else parameters,
+        starts=3,
+    )
+
+
+@pytest.mark.parametrize("objective", [None, "rms-log-penetration"])
+def test_a_function_of_ones_own_is_fitted_like_a_law(tmp_path, objective):
+    campaign = user_campaign(tmp_path, objective=objective)
+    assert campaign.objective == (objective or "rms-log-load")
+    result = fit_measurements(campaign, jobs=2)
+    truth = {**TRUTHS["power", "internal"], "offset": 0.0}
+    assert result.coefficients == pytest.approx(truth, rel=1e-6)
+    law = campaign.model.build(truth)
+    pair = CylinderPair.from_dR("internal", 0.3, STEEL)
+    power = MODELS["power", "internal"].build(TRUTHS["power", "internal"])
+    assert law.penetration(LOADS, pair) == pytest.approx(power.penetration(LOADS, pair), rel=1e-12)
+    assert law.stiffness(1e-3, pair) == pytest.approx(power.stiffness(1e-3, pair), rel=1e-8)
+    assert np.isnan(law.load(-1.0, pair))
+    assert law.penetration(0.0, pair) == 0
+    assert np.isinf(law.max_load(pair))
+    assert np.isinf(law.max_penetration(pair))
+
+
+@pytest.mark.parametrize(
+    ("law", "key", "rule"),
+    [
+        ("mine:nothing", "law", "is not a function of mine"),
+        ("mine:table", "law", "is not a function of mine"),
+        ("absent_module:load", "law", "cannot be imported (ModuleNotFoundError"),
+        (":load", "law", "cannot be imported"),
+        ("mine:starred", "law", "must take a penetration, a pair and named parameters"),
+        ("builtins:max", "law", "has no signature to read"),
+        ("mine:short", "law", "must take a penetration, a pair and named parameters"),
+        ("mine:worded", "law", "has a default for kind that is not a number"),
+        ("mine:flat", "load", "returns another shape"),
+        ("mine:broken", "load", "stopped with RuntimeError: no such thing"),
+    ],
+)
+def test_what_is_wrong_with_a_function_is_told(tmp_path, law, key, rule):
+    bounds = {"K": {"low": 0.5, "high": 10.0}}
+    with pytest.raises(InputError) as caught:
+        fit_measurements(user_campaign(tmp_path, law, parameters=bounds))
+    assert caught.value.key == key
+    assert rule in caught.value.rule
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_module_that_does_not_run_is_told(tmp_path):
+    (tmp_path / "bad.py").write_text("def load(:\n")
+    table = write_measured(tmp_path / "measured.csv", "power", "internal")
+    with pytest.raises(InputError, match="cannot be imported \\(SyntaxError"):
+        campaign_of_table(table, "bad:load", "internal", CONSTANTS)
+
+
+def test_a_parameter_of_ones_own_law_needs_bounds(tmp_path):
+    with pytest.raises(InputError, match=r"parameters\.n: is required: a law of your own"):
+        user_campaign(tmp_path, parameters={"K_star": {"low": 0.5, "high": 10.0}})
+
+
+def test_nothing_is_imported_because_a_result_names_it(tmp_path):
+    result = fit_measurements(user_campaign(tmp_path))
+    path = tmp_path / "r.json"
+    result.save(path)
+    marker = tmp_path / "ran"
+    (tmp_path / "mine.py").write_text(f"open({str(marker)!r}, 'w')\n{USER_LAW}")
+    again = FitResult.load(path)
+    assert "mine:load" in compare([again])
+    with pytest.raises(InputError, match="not run because a result names it"):
+        verify(path, 1, lambda *_: None)
+    assert not marker.exists()
+
+
+# --- what the result holds --------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def example():
+    return calibrate(read_plan(EXAMPLE))
+
+
+def test_the_shipped_example_is_what_its_script_writes():
+    import runpy
+
+    script = ROOT / "datasets/examples/make_pin_in_hole.py"
+    text = runpy.run_path(str(script))["table"]()
+    assert text == (ROOT / "datasets/examples/pin-in-hole.csv").read_text(encoding="utf-8")
+    assert text.startswith("# SYNTHETIC, derived")
+
+
+def test_the_shipped_example_finds_the_law_it_was_made_of(example):
+    assert example.kind == "noise"
+    found = example.uncertainty
+    for name, truth in (("kappa", 1.0), ("c", -1.0)):
+        assert found.estimates[name].profile.low < truth < found.estimates[name].profile.high
+    assert found.duplicates == [[16, 17]]
+    assert [row.line for row in found.outliers] == [38]
+    assert found.residual_sigma == pytest.approx(0.03, rel=0.3)
+    text = str(example)
+    for part in ("61 measurements", "95 % interval", "lines 16 = 17", "E derived", "robust loss"):
+        assert part in text
+    assert "<table>" in example._repr_html_()
+    assert "fitted to a reference" not in text
+
+
+def test_a_result_is_saved_loaded_compared_and_verified(tmp_path, example):
+    path = tmp_path / "r.json"
+    example.save(path)
+    again = FitResult.load(path)
+    assert again == example
+    assert "published" in compare([again])
+    assert all(check.holds for check in verify(path, 1, lambda *_: None))
+    kept = json.loads(path.read_text("utf-8"))
+    assert len(kept["settings"]["measurements"]["numbers"]["load"]) == 61
+    assert str(ROOT) not in path.read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "rule"),
+    [
+        ({"kind": "discrepancy"}, "kind", "must be that of its campaign, noise"),
+        ({"uncertainty": None}, "uncertainty", "must stand with measurements"),
+        ({"uncertainty.estimates": {}, "uncertainty.correlation": {}}, "", ""),
+        ({"settings.measurements.numbers.load": [1.0]}, "", ""),
+        ({"settings.measurements.numbers.load": [1.0, 2.0]}, "numbers.load", "1 or 61 rows"),
+        ({"settings.measurements.numbers.load": "x"}, "numbers.load", "must be a list"),
+        ({"settings.measurements.colour": 1}, "colour", "is not a known key"),
+        ({"settings.campaign.law": "hooke"}, "law", "is not a law that can be fitted"),
+        ({"uncertainty.level": "high"}, "uncertainty.level", "must be a number"),
+    ],
+)
+def test_a_damaged_result_is_told(tmp_path, example, changes, key, rule):
+    path = tmp_path / "r.json"
+    example.save(path)
+    path.write_text(json.dumps(changed(json.loads(path.read_text("utf-8")), changes)))
+    if not key:
+        FitResult.load(path)  # a column of one row is a constant, and nothing may be free
+        return
+    with pytest.raises(InputError) as caught:
+        FitResult.load(path)
+    assert caught.value.key == key
+    assert rule in caught.value.rule
+
+
+def test_estimates_of_other_parameters_are_refused(tmp_path, example):
+    path = tmp_path / "r.json"
+    example.save(path)
+    data = json.loads(path.read_text("utf-8"))
+    data["uncertainty"]["estimates"]["m"] = data["uncertainty"]["estimates"]["c"]
+    path.write_text(json.dumps(data))
+    with pytest.raises(InputError, match=r"uncertainty\.estimates: must be those of coefficients"):
+        FitResult.load(path)
+
+
+# --- campaign files ---------------------------------------------------------------------------
+
+
+def write_campaign(folder, **changes):
+    write_measured(folder / "measured.csv", "johnson", "internal", noise=0.01)
+    return write_toml(folder / "c.toml", changed(SPEC, changes))
+
+
+def test_a_campaign_file_reads_like_its_table(tmp_path):
+    campaign = read_plan(write_campaign(tmp_path), runs=3, seed=5)
+    assert (campaign.spec.starts, campaign.spec.seed, len(campaign.measurements)) == (3, 5, 36)
+    genetic = read_plan(write_campaign(tmp_path), runs=3, optimizer="genetic")
+    assert (genetic.spec.genetic.runs, genetic.spec.optimizer) == (3, "genetic")
+    assert campaign.key != genetic.key
+
+
+BAD_CAMPAIGNS = [
+    ({"dataset": "x.toml"}, "data", "stands beside dataset"),
+    ({"data": "absent.csv"}, "data", "no such file beside the campaign"),
+    ({"law": "hooke"}, "law", "is not a law that can be fitted"),
+    ({"contact": "inside"}, "contact", "must be 'internal' or 'external'"),
+    ({"loss": "l7"}, "loss", "is not a known loss"),
+    ({"loss_scale": 1.0}, "loss_scale", "is used only with a robust loss"),
+    ({"loss": "huber", "loss_scale": 0.0}, "loss_scale", "must be greater than 0"),
+    ({"optimizer": "luck"}, "optimizer", "is not a known optimiser"),
+    ({"starts": 0}, "starts", "must be at least 1"),
+    ({"objective": "rms-luck"}, "objective", "is not an objective for measurements"),
+    ({"materials": "absent.csv"}, "materials", "no such file"),
+    ({"parameters": {"K": {"low": 0.0, "high": 1.0}}}, "parameters.K", "is not a parameter of"),
+    (
+        {"parameters": {n: {"value": 1.0, "fixed": True} for n in ("kappa", "c")}},
+        "parameters",
+        "all are fixed",
+    ),
+    ({"colour": 1}, "colour", "is not a known key"),
+    ({"ignore": ["colour"]}, "ignore", "is not a column of the table"),
+]
+
+
+@pytest.mark.parametrize(("changes", "key", "rule"), BAD_CAMPAIGNS, ids=lambda c: str(c)[:40])
+def test_a_bad_campaign_is_told(tmp_path, changes, key, rule):
+    path = write_campaign(tmp_path, **changes)
+    with pytest.raises(InputError) as caught:
+        read_plan(path)
+    assert caught.value.key == key
+    assert rule in caught.value.rule
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_too_few_rows_are_refused(tmp_path):
+    table = write_table(tmp_path / "t.csv", {"load_N_per_mm": [1, 2], "penetration_um": [1, 2]})
+    with pytest.raises(InputError) as caught:
+        campaign_of_table(table, "johnson", "internal", {**CONSTANTS, "dR_um": 50})
+    assert_told(caught, table, "data", "2 rows", "are not more than the 2 free", "measure more")
+
+
+def test_rows_that_no_coefficients_reach_are_named(tmp_path):
+    columns = {"load_N_per_mm": [1, 2, 1e9], "penetration_um": [0.01, 0.02, 0.5]}
+    table = write_table(tmp_path / "t.csv", columns)
+    bounds = {"kappa": {"low": 0.9, "high": 1.1}, "c": {"low": -1.5, "high": -0.5}}
+    campaign = campaign_of_table(
+        table, "johnson", "internal", {**CONSTANTS, "dR_um": 50}, parameters=bounds
+    )
+    with pytest.raises(InputError) as caught:
+        fit_measurements(campaign)
+    assert caught.value.source == f"{table}, line 4"
+    assert "lies outside the domain of johnson" in caught.value.rule
+
+
+# --- the command line -------------------------------------------------------------------------
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def test_a_table_is_fitted_from_the_command_line(tmp_path):
+    table = write_measured(tmp_path / "measured.csv", "johnson", "internal", noise=0.01)
+    out = tmp_path / "out" / "mine.json"
+    found = run(
+        *("fit", table, "--law", "johnson", "--contact", "internal", "--E", 207e3, "--nu", 0.3),
+        *("--Ri", 10, "--length", 12, "--bound", "c=-2:0", "--fix", "Lambda_factor=1"),
+        *("--runs", 2, "--seed", 3, "-j", 1, "-o", out),
+    )
+    assert found.exit_code == 0, found.output
+    result = FitResult.load(out)
+    assert result.settings["campaign"]["seed"] == 3
+    assert result.settings["campaign"]["parameters"]["c"] == {
+        **{"low": -2.0, "high": 0.0, "fixed": False}
+    }
+    assert len(result.runs) == 2
+    assert "36 measurements" in found.output
+
+
+BAD_LINES = [
+    (("--contact", "internal"), "--law", "is required for a table"),
+    (("--law", "johnson"), "--contact", "is required for a table"),
+    (("--law", "johnson", "--contact", "internal", "--bound", "c=1"), "--bound", "not understood"),
+    (("--law", "johnson", "--contact", "internal", "--bound", "c=x:2"), "--bound", "understood"),
+    (("--law", "johnson", "--contact", "internal", "--fix", "=1"), "--fix", "not understood"),
+    (
+        ("--law", "johnson", "--contact", "internal", "--fix", "c=1", "--bound", "c=1:2"),
+        "--fix",
+        "c is given twice",
+    ),
+    (
+        ("--law", "johnson", "--contact", "internal", "--bound", "c=2:1", "--E", "1", "--nu", ".3"),
+        "parameters.c.low",
+        "must be below high",
+    ),
+]
+
+
+@pytest.mark.parametrize(("arguments", "key", "rule"), BAD_LINES)
+def test_a_bad_command_line_is_told_and_leaves_nothing(tmp_path, arguments, key, rule):
+    table = write_measured(tmp_path / "measured.csv", "johnson", "internal")
+    before = tree(tmp_path)
+    found = run("fit", table, *arguments, "-o", tmp_path / "r.json")
+    assert isinstance(found.exception, InputError)
+    assert found.exception.key == key
+    assert rule in found.exception.rule
+    assert tree(tmp_path) == before
+
+
+def test_options_for_tables_are_refused_beside_a_campaign():
+    for option, value in (("--law", "power"), ("--E", 1.0), ("--material-j", "x"), ("--Ri", 1)):
+        found = run("fit", EXAMPLE, option, value)
+        assert isinstance(found.exception, InputError)
+        assert "is an option for tables of measurements" in found.exception.rule
+
+
+def test_the_fitted_law_is_exported_with_its_constants(tmp_path, example):
+    example.save(tmp_path / "r.json")
+    found = run("export", tmp_path / "r.json", "--to", "json")
+    assert found.exit_code == 0
+    exported = json.loads(found.output)["coefficients"]
+    assert exported["kappa"] == pytest.approx(example.coefficients["kappa"], rel=1e-14)
+    assert exported["c"] == pytest.approx(example.coefficients["c"], rel=1e-14)
+
+
+def test_what_cannot_be_exported_says_so(tmp_path):
+    for law, rule in (("liu", "has factors of its own"), ("persson", "has factors of its own")):
+        fit_measurements(measured_campaign(tmp_path, law, starts=1)).save(tmp_path / "r.json")
+        found = run("export", tmp_path / "r.json", "--to", "c")
+        assert rule in found.exception.rule
+    fit_measurements(user_campaign(tmp_path)).save(tmp_path / "r.json")
+    found = run("export", tmp_path / "r.json", "--to", "c")
+    assert "is a Python function of your own" in found.exception.rule
+
+
+# --- the rig ----------------------------------------------------------------------------------
+
+RIG = {
+    "offset": {"low": -0.01, "high": 0.01},
+    "compliance": {"low": 0.0, "high": 1e-4},
+}
+
+
+def write_readings(folder, law, offset, compliance, noise=0.0):
+    """Write what a rig reads of a law: its points, moved and given way."""
+    header, *rows = write_measured(folder / "exact.csv", law, "internal").read_text().splitlines()
+    rng = np.random.default_rng(5)
+    lines = [header]
+    for row in rows:
+        dR, f, depth = map(float, row.split(","))
+        seen = depth + 1e3 * (offset + compliance * f) + noise * rng.normal()
+        lines.append(f"{dR!r},{f!r},{seen!r}")
+    table = folder / "readings.csv"
+    table.write_text("\n".join(lines))
+    return table
+
+
+@pytest.mark.parametrize("objective", ["rms-penetration", "rms-load"])
+def test_a_rig_that_is_off_and_gives_way_is_found_with_the_law(tmp_path, objective):
+    table = write_readings(tmp_path, "persson", 2e-3, 1.5e-6)
+    campaign = campaign_of_table(
+        table, "persson", "internal", CONSTANTS, parameters=RIG, objective=objective, starts=2
+    )
+    result = fit_measurements(campaign)
+    truth = {**TRUTHS["persson", "internal"], "offset": 2e-3, "compliance": 1.5e-6}
+    assert result.coefficients == pytest.approx(truth, rel=1e-6)
+    result.save(tmp_path / "r.json")
+    assert FitResult.load(tmp_path / "r.json") == result
+    assert all(check.holds for check in verify(tmp_path / "r.json", 1, lambda *_: None))
+
+
+def test_a_compliance_is_not_to_be_told_from_the_constant_of_a_logarithm(tmp_path):
+    table = write_readings(tmp_path, "johnson", 0.0, 1.5e-6, noise=1e-3)
+    campaign = campaign_of_table(
+        table,
+        "johnson",
+        "internal",
+        CONSTANTS,
+        parameters={"compliance": RIG["compliance"]},
+        objective="rms-penetration",
+        starts=3,
+    )
+    assert set(fit_measurements(campaign).uncertainty.only_together) == {"c", "compliance"}
+
+
+def test_the_rig_is_not_exported(tmp_path):
+    table = write_readings(tmp_path, "power", 2e-3, 0.0)
+    campaign = campaign_of_table(
+        *(table, "power", "internal", CONSTANTS),
+        parameters={"offset": RIG["offset"]},
+        objective="rms-penetration",
+    )
+    fit_measurements(campaign).save(tmp_path / "r.json")
+    found = run("export", tmp_path / "r.json", "--to", "json")
+    assert found.exit_code == 0, found.output
+    assert json.loads(found.output)["coefficients"] == pytest.approx(TRUTHS["power", "internal"])
+
+
+@pytest.mark.parametrize(("offset", "compliance"), [(0.0, 0.0), (1e-3, 0.0), (-1e-4, 3e-6)])
+def test_a_mounted_law_answers_consistently(pair, offset, compliance):
+    law = Mounted(laws.Johnson(), offset, compliance)
+    loads = np.array([1.0, 50.0, 400.0])
+    seen = law.penetration(loads, pair)
+    assert seen == pytest.approx(
+        laws.Johnson().penetration(loads, pair) + compliance * loads + offset, rel=1e-14
+    )
+    assert law.load(seen, pair) == pytest.approx(loads, rel=1e-9)
+    step = 1e-7
+    slope = (law.load(seen + step, pair) - law.load(seen - step, pair)) / (2 * step)
+    assert law.stiffness(seen, pair) == pytest.approx(slope, rel=1e-4)
+    assert np.isnan(law.load(offset - 1e-6, pair))
+    assert np.isnan(law.load(2 * law.max_penetration(pair) + 1, pair))
+    assert law.load(law.max_penetration(pair) * (1 - 1e-9), pair) == pytest.approx(
+        law.max_load(pair), rel=1e-3
+    )
+    assert np.isinf(Mounted(laws.Liu(), offset, compliance).max_penetration(pair))
+
+
+def test_a_mounting_that_cannot_be_is_refused():
+    with pytest.raises(InputError, match="compliance = -1"):
+        Mounted(laws.Johnson(), compliance=-1)
+    with pytest.raises(InputError, match="offset = inf"):
+        Mounted(laws.Johnson(), offset=float("inf"))

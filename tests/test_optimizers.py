@@ -1,0 +1,236 @@
+"""The optimisers: the same budget, the same answer for the same seed, the global optimum found."""
+
+import csv
+import io
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cylcontact import InputError
+from cylcontact.fitting import FitResult, calibrate, read_campaign
+from cylcontact.fitting.calibrate import problem_of
+from cylcontact.fitting.metered import BudgetSpentError, Metered
+from cylcontact.fitting.optimizer_comparison import (
+    CSV_COLUMNS,
+    as_csv,
+    as_text,
+    best_objective,
+    compare_optimizers,
+)
+from cylcontact.fitting.optimizers import OPTIMIZERS, budget_of, search
+from cylcontact.fitting.polish import polish
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import draw
+from tests.extras import require_extra
+from tests.spec_files import assert_told, tree, write_bench
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(params=OPTIMIZERS)
+def optimizer(request):
+    """Each optimiser whose library is there."""
+    if request.param == "cma":
+        require_extra("cma", "peers")
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def problem():
+    """The paper's external calibration, E up to 1000 GPa: three parameters, one basin."""
+    return problem_of(read_campaign(ROOT / "fitting/external-E1000.toml"), 1, lambda *_: None)[0]
+
+
+def test_every_optimiser_finds_the_optimum_that_is_known(problem, optimizer):
+    found = search(problem, optimizer, 40, 60, "blend", seed=3)
+    point, value = polish(problem, found.point)
+    assert value == pytest.approx(0.0547, abs=5e-5)
+    assert problem.coefficients(point) == pytest.approx(
+        {"a": 0.391, "b": 1.049, "n": 1.0933}, abs=5e-4
+    )
+
+
+def test_every_optimiser_keeps_to_the_budget(problem, optimizer):
+    spent = search(problem, optimizer, 20, 30, "blend", seed=3).evaluations
+    budget = budget_of(20, 30)
+    # The genetic search does not evaluate twins again; all others spend to the last.
+    assert (0.9 * budget <= spent <= budget) if optimizer == "genetic" else spent == budget
+
+
+def test_the_same_seed_gives_the_same_bits_whatever_the_global_generator(problem, optimizer):
+    found = []
+    for state in (1, 2):
+        np.random.seed(state)  # noqa: NPY002 - the one that must play no part
+        before = np.random.get_state()[1].copy()  # noqa: NPY002
+        found.append(search(problem, optimizer, 12, 20, "blend", seed=5))
+        assert (np.random.get_state()[1] == before).all()  # noqa: NPY002
+    assert found[0].value == found[1].value
+    assert found[0].point.tobytes() == found[1].point.tobytes()
+    assert search(problem, optimizer, 12, 20, "blend", seed=6).value != found[0].value
+
+
+def test_the_value_is_that_of_the_point_which_lies_within_the_bounds(problem, optimizer):
+    found = search(problem, optimizer, 12, 20, "blend", seed=5)
+    assert found.value == problem.value(found.point)
+    assert (found.point >= problem.low).all()
+    assert (found.point <= problem.high).all()
+
+
+def test_candidates_for_which_the_law_is_undefined_are_survived(problem, optimizer):
+    """With a and b also negative, K* is undefined over most of the box."""
+    wide = tuple(
+        replace(p, low=-3.0, high=1.5) if p.name in "ab" else p for p in problem.parameters
+    )
+    found = search(replace(problem, parameters=wide), optimizer, 30, 40, "blend", seed=1)
+    assert np.isfinite(found.value)
+
+
+def test_a_budget_is_spent_to_the_last_candidate_and_the_best_is_kept(problem):
+    metered = Metered(problem, 5)
+    units = np.linspace(0.1, 0.9, 21).reshape(7, 3)
+    with pytest.raises(BudgetSpentError):
+        metered.values(units)
+    points = problem.low + units[:5] * (problem.high - problem.low)
+    assert metered.spent == 5
+    assert metered.value == problem.values(points).min()
+    assert (metered.point == points[problem.values(points).argmin()]).all()
+
+
+# --- campaigns --------------------------------------------------------------------------------
+
+
+def test_a_campaign_says_which_optimiser_and_the_result_records_it(tmp_path, optimizer):
+    path = write_bench(tmp_path, {"optimizer": optimizer})
+    result = calibrate(read_campaign(path))
+    assert result.settings["campaign"]["optimizer"] == optimizer
+    assert [run.crossover is None for run in result.runs] == [optimizer != "genetic"] * 3
+    result.save(tmp_path / "result.json")
+    again = FitResult.load(tmp_path / "result.json")
+    assert again.repeatable() == result.repeatable()
+    assert str(again) == str(result)
+
+
+def test_the_command_line_goes_before_the_campaign(tmp_path):
+    path = write_bench(tmp_path, {"optimizer": "genetic"})
+    assert read_campaign(path, optimizer="least-squares").spec.optimizer == "least-squares"
+    assert read_campaign(path).key != read_campaign(path, optimizer="least-squares").key
+
+
+def test_an_unknown_optimiser_is_refused(tmp_path):
+    path = write_bench(tmp_path, {"optimizer": "simplex"})
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    assert_told(
+        caught, path, "optimizer", "simplex", "is not a known optimiser", ", ".join(OPTIMIZERS)
+    )
+
+
+def test_a_missing_extra_is_named(small_campaign, monkeypatch):
+    monkeypatch.setitem(sys.modules, "cma", None)  # what Python itself does for "not there"
+    spec = small_campaign.spec.model_copy(update={"optimizer": "cma"})
+    with pytest.raises(InputError) as caught:
+        calibrate(replace(small_campaign, spec=spec))
+    assert_told(
+        caught,
+        small_campaign.source,
+        "optimizer",
+        "cma",
+        "needs the extra 'peers'",
+        "make extras, or pip install 'cylcontact[peers]'",
+    )
+
+
+# --- the comparison ---------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def compared(small_campaign):
+    return compare_optimizers(small_campaign, OPTIMIZERS[:3], jobs=2)
+
+
+def test_all_optimisers_share_seeds_and_polish(compared, small_result):
+    assert [runs.optimizer for runs in compared] == list(OPTIMIZERS[:3])
+    seeds = [[record.seed for record in runs.records] for runs in compared]
+    assert seeds == [[record.seed for record in small_result.runs]] * 3
+    genetic = [record.model_dump(exclude={"seconds"}) for record in compared[0].records]
+    assert genetic == small_result.repeatable()["runs"]
+
+
+def test_the_table_counts_runs_in_the_best_basin(compared):
+    best = best_objective(compared)
+    lines = as_text(compared).splitlines()
+    assert len(lines) == 4
+    for line, runs in zip(lines[1:], compared, strict=True):
+        reached = sum(record.objective <= 1.001 * best for record in runs.records)
+        assert line.split()[0] == runs.optimizer
+        assert line.split()[-1] == f"{reached}/3"
+
+
+def test_the_file_has_a_line_for_every_run(compared):
+    header, *lines = csv.reader(io.StringIO(as_csv(compared)))
+    assert tuple(header) == CSV_COLUMNS
+    records = [(runs.optimizer, record) for runs in compared for record in runs.records]
+    assert [(line[0], float(line[4])) for line in lines] == [
+        (optimizer, record.objective) for optimizer, record in records
+    ]
+
+
+def test_the_command_writes_the_file_and_shows_the_table(tmp_path, monkeypatch, capsys):
+    from cylcontact import cli
+
+    write_bench(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    arguments = ["fitting/small.toml", "genetic", "least-squares", "-o", "o.csv", "-j", "1"]
+    monkeypatch.setattr(sys, "argv", ["cylcontact", "optimizers", *arguments])
+    with pytest.raises(SystemExit) as caught:
+        cli.main()
+    assert caught.value.code == 0
+    said = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in said] == ["optimizer", "genetic", "least-squares"]
+    assert len((tmp_path / "o.csv").read_text().splitlines()) == 7
+    assert not [name for name in tree(tmp_path) if name.endswith((".lock", ".partial"))]
+
+
+# --- the figure -------------------------------------------------------------------------------
+
+
+def test_the_figures_headline():
+    """On the paper's internal campaign; the optimum is the one least squares and CMA agree on."""
+    drawing = draw("fig_optimizers", Bench(ROOT))
+    headline = dict(drawing.headline)
+    assert headline.pop("best objective") == pytest.approx(0.0644842, abs=5e-8)
+    assert headline == {
+        "genetic: share of runs in the best basin": 13 / 16,
+        "differential-evolution: share of runs in the best basin": 8 / 16,
+        "least-squares: share of runs in the best basin": 1.0,
+        "cma: share of runs in the best basin": 11 / 16,
+    }
+    assert "seconds" not in drawing.table.columns
+    assert (drawing.table.groupby(["optimizer", "step"])["objective"].diff().dropna() >= 0).all()
+
+
+@pytest.mark.parametrize("contents", [None, "", "a,b\n1,2\n", "\0\0"])
+def test_a_comparison_that_is_not_there_is_asked_for(tmp_path, contents):
+    from cylcontact.reports.optimizers import optimizer_runs
+
+    path = tmp_path / "optimizers-internal.csv"
+    if contents is not None:
+        path.write_text(contents)
+    with pytest.raises(InputError) as caught:
+        optimizer_runs(Bench(ROOT, tmp_path), "internal")
+    rule = "does not exist" if contents is None else "is not a comparison"
+    assert_told(caught, path, "", None, rule, "make it with: cylcontact optimizers")
+
+
+@pytest.mark.slow
+def test_the_committed_comparison_is_what_the_command_gives():
+    require_extra("cma", "peers")
+    fresh = compare_optimizers(read_campaign(ROOT / "fitting/internal.toml"), jobs=2)
+    committed = (ROOT / "fitting/results/optimizers-internal.csv").read_text(encoding="utf-8")
+    lines = [line.split(",") for line in as_csv(fresh).splitlines()[1:]]
+    for line, kept in zip(lines, committed.splitlines()[1:], strict=True):
+        assert line[:3] == kept.split(",")[:3]
+        assert float(line[4]) == pytest.approx(float(kept.split(",")[4]), rel=1e-6)

@@ -1,0 +1,647 @@
+"""How sure: against NIST's certified values, iminuit, lmfit and 200 repeated experiments."""
+
+import json
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from scipy import stats
+from typer.testing import CliRunner
+
+from cylcontact import CylinderPair, InputError
+from cylcontact.cli.app import app
+from cylcontact.fitting.law_models import MODELS, LawModel, LawParameter
+from cylcontact.fitting.least_squares import descend
+from cylcontact.fitting.loss import Loss
+from cylcontact.fitting.measured_fit import fit_measurements
+from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.parameters import Parameter, PowerForm
+from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.uncertainty.bands import bands_of_data, predict
+from cylcontact.fitting.uncertainty.likelihood import (
+    Interval,
+    interval,
+    pair_map,
+    pairs_of,
+    ratio_held,
+)
+from cylcontact.fitting.uncertainty.noise import measured, noise_at
+from cylcontact.fitting.uncertainty.report import uncertainty_of
+from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
+from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
+from cylcontact.fitting.uncertainty.text import noise_text
+from cylcontact.fitting.uncertainty.wording import noise_verdicts
+from tests.extras import require_extra
+from tests.measured_files import STEEL, TRUTHS, measured_campaign
+from tests.test_measured_fit import user_campaign
+
+LEVEL = 0.95
+NOISE = 0.03
+REPLICATES = 200
+
+# --- certified values -------------------------------------------------------------------------
+
+# NIST Statistical Reference Datasets, nonlinear regression (National Institute of Standards and
+# Technology, public domain): data, certified parameters and standard deviations, residual sum of
+# squares, and the second of NIST's starts.
+MISRA1A = {
+    "model": lambda x, b1, b2: b1 * (1 - np.exp(-b2 * x)),
+    "x": [
+        77.6,
+        114.9,
+        141.1,
+        190.8,
+        239.9,
+        289.0,
+        332.8,
+        378.4,
+        434.8,
+        477.3,
+        536.8,
+        593.1,
+        689.1,
+        760.0,
+    ],
+    "y": [
+        10.07,
+        14.73,
+        17.94,
+        23.93,
+        29.61,
+        35.18,
+        40.02,
+        44.82,
+        50.76,
+        55.05,
+        61.01,
+        66.40,
+        75.47,
+        81.78,
+    ],
+    "start": [250, 0.0005],
+    "certified": [2.3894212918e02, 5.5015643181e-04],
+    "errors": [2.7070075241e00, 7.2668688436e-06],
+    "squares": 1.2455138894e-01,
+}
+THURBER = {
+    "model": lambda x, b1, b2, b3, b4, b5, b6, b7: (
+        (b1 + b2 * x + b3 * x**2 + b4 * x**3) / (1 + b5 * x + b6 * x**2 + b7 * x**3)
+    ),
+    "x": [
+        -3.067,
+        -2.981,
+        -2.921,
+        -2.912,
+        -2.840,
+        -2.797,
+        -2.702,
+        -2.699,
+        -2.633,
+        -2.481,
+        -2.363,
+        -2.322,
+        -1.501,
+        -1.460,
+        -1.274,
+        -1.212,
+        -1.100,
+        -1.046,
+        -0.915,
+        -0.714,
+        -0.566,
+        -0.545,
+        -0.400,
+        -0.309,
+        -0.109,
+        -0.103,
+        0.010,
+        0.119,
+        0.377,
+        0.790,
+        0.963,
+        1.006,
+        1.115,
+        1.572,
+        1.841,
+        2.047,
+        2.200,
+    ],
+    "y": [
+        80.574,
+        84.248,
+        87.264,
+        87.195,
+        89.076,
+        89.608,
+        89.868,
+        90.101,
+        92.405,
+        95.854,
+        100.696,
+        101.060,
+        401.672,
+        390.724,
+        567.534,
+        635.316,
+        733.054,
+        759.087,
+        894.206,
+        990.785,
+        1090.109,
+        1080.914,
+        1122.643,
+        1178.351,
+        1260.531,
+        1273.514,
+        1288.339,
+        1327.543,
+        1353.863,
+        1414.509,
+        1425.208,
+        1421.384,
+        1442.962,
+        1464.350,
+        1468.705,
+        1447.894,
+        1457.628,
+    ],
+    "start": [1300, 1500, 500, 75, 1, 0.4, 0.05],
+    "certified": [
+        1.2881396800e03,
+        1.4910792535e03,
+        5.8323836877e02,
+        7.5416644291e01,
+        9.6629502864e-01,
+        3.9797285797e-01,
+        4.9727297349e-02,
+    ],
+    "errors": [
+        4.6647963344e00,
+        3.9571156086e01,
+        2.8698696102e01,
+        5.5675370270e00,
+        3.1333340687e-02,
+        1.4984928198e-02,
+        6.5842344623e-03,
+    ],
+    "squares": 5.6427082397e03,
+}
+MGH09 = {
+    "model": lambda x, b1, b2, b3, b4: b1 * (x**2 + x * b2) / (x**2 + x * b3 + b4),
+    "x": [4.0, 2.0, 1.0, 0.5, 0.25, 0.167, 0.125, 0.1, 0.0833, 0.0714, 0.0625],
+    "y": [0.1957, 0.1947, 0.1735, 0.16, 0.0844, 0.0627, 0.0456, 0.0342, 0.0323, 0.0235, 0.0246],
+    "start": [0.25, 0.39, 0.415, 0.39],
+    "certified": [1.9280693458e-01, 1.9128232873e-01, 1.2305650693e-01, 1.3606233068e-01],
+    "errors": [1.1435312227e-02, 1.9633220911e-01, 8.0842031232e-02, 9.0025542308e-02],
+    "squares": 3.0750560385e-04,
+}
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A law that only knows the load, at penetrations of any sign."""
+
+    model: object
+    values: dict
+    name: str = "curve"
+
+    def load(self, penetration, _):
+        return self.model(penetration, **self.values)
+
+
+def curve_problem(campaign, model, x, y, low, high):
+    """A regression of y on x by the machinery that fits laws."""
+    names = [f"b{k + 1}" for k in range(len(low))]
+    parameters = tuple(
+        LawParameter(name, *ends) for name, *ends in zip(names, low, high, strict=True)
+    )
+    law = LawModel("curve", "internal", parameters, lambda found: Curve(model, dict(found)))
+    x, y = np.array(x, dtype=float), np.array(y, dtype=float)
+    data = campaign.measurements.take(np.zeros(x.size, dtype=int))
+    data = data.with_values(load=y, penetration=x)
+    searched = tuple(Parameter(p.name, p.low, p.high) for p in parameters)
+    return Problem(law.family, searched, MeasuredObjective(data, "rms-load"))
+
+
+@pytest.mark.parametrize("dataset", [MISRA1A, THURBER, MGH09], ids=["Misra1a", "Thurber", "MGH09"])
+def test_nist_certified_values_and_standard_deviations(tmp_path, dataset):
+    certified = np.array(dataset["certified"])
+    low, high = certified - 20 * abs(certified), certified + 20 * abs(certified)
+    problem = curve_problem(
+        measured_campaign(tmp_path), dataset["model"], dataset["x"], dataset["y"], low, high
+    )
+    point, _, _ = descend(problem, np.array(dataset["start"], dtype=float))
+    noise = noise_at(problem, point)
+    assert point == pytest.approx(certified, rel=1e-7)
+    assert np.sqrt(np.diag(noise.covariance)) == pytest.approx(dataset["errors"], rel=1e-5)
+    assert noise.sum_of_squares == pytest.approx(dataset["squares"], rel=1e-9)
+    degrees = len(dataset["x"]) - certified.size
+    assert noise.sigma == pytest.approx(np.sqrt(dataset["squares"] / degrees), rel=1e-9)
+
+
+# --- peers ------------------------------------------------------------------------------------
+
+
+def best_of(campaign):
+    """The problem of a campaign, its optimum and its noise."""
+    problem = campaign.problem()
+    truth = problem.point(TRUTHS[campaign.model.law, campaign.model.contact])
+    point, _, _ = descend(problem, truth)
+    return problem, problem.coefficients(point), noise_at(problem, point)
+
+
+@pytest.fixture
+def noisy(tmp_path):
+    return best_of(measured_campaign(tmp_path, noise=NOISE))
+
+
+def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
+    require_extra("iminuit", "peers")
+    import iminuit
+
+    problem, best, _ = noisy
+    data = measured(problem).data
+    sigma = NOISE * data.penetration
+    known = replace(
+        problem,
+        objective=MeasuredObjective(data.with_values(penetration_std=sigma), "rms-penetration"),
+    )
+    names = [p.name for p in known.free]
+
+    def chi_square(values):
+        return len(data) * known.value(np.array(values)) ** 2
+
+    chi_square.errordef = iminuit.Minuit.LEAST_SQUARES
+    minuit = iminuit.Minuit(chi_square, known.point(best), name=names)
+    minuit.tol = 1e-4
+    minuit.strategy = 2
+    minuit.migrad()
+    minuit.hesse()
+    minuit.minos(cl=LEVEL)
+    point, _, _ = descend(known, known.point(best))
+    noise = noise_at(known, point)
+    assert noise.known
+    assert point == pytest.approx(np.array(minuit.values), rel=1e-4)
+    # Minuit takes all second derivatives; without those of the law the errors are Gauss-Newton's.
+    assert np.diag(noise.covariance) ** 0.5 == pytest.approx(np.array(minuit.errors), rel=0.02)
+    for name in names:
+        found = interval(known, noise, name, known.coefficients(point), LEVEL)
+        merror = minuit.merrors[name]
+        assert found.low == pytest.approx(minuit.values[name] + merror.lower, rel=1e-3)
+        assert found.high == pytest.approx(minuit.values[name] + merror.upper, rel=1e-3)
+
+
+def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
+    require_extra("lmfit", "peers")
+    import lmfit
+
+    problem, best, _ = noisy
+    names = [p.name for p in problem.free]
+
+    def residuals(parameters):
+        point = np.array([parameters[name].value for name in names])
+        return measured(problem).raw(problem.form(point[None, :]))[0]
+
+    parameters = lmfit.Parameters()
+    for name in names:
+        parameters.add(name, value=best[name])
+    fitter = lmfit.Minimizer(residuals, parameters)
+    found = fitter.minimize()
+    ends = lmfit.conf_interval(fitter, found, sigmas=[LEVEL])
+    mine = uncertainty_of(problem, best, LEVEL)
+    for name in names:
+        estimate = mine.estimates[name]
+        assert estimate.value == pytest.approx(found.params[name].value, rel=1e-6)
+        assert estimate.standard_error == pytest.approx(found.params[name].stderr, rel=1e-3)
+        (_, low), _, (_, high) = ends[name]
+        assert estimate.profile.low == pytest.approx(low, rel=2e-4)
+        assert estimate.profile.high == pytest.approx(high, rel=2e-4)
+    assert mine.correlation["kappa"]["c"] == pytest.approx(
+        found.params["kappa"].correl["c"], abs=1e-4
+    )
+    assert mine.residual_sigma == pytest.approx(np.sqrt(found.redchi))
+
+
+def test_a_linear_problem_has_the_textbook_intervals(tmp_path):
+    # ln δ of a power law is linear in ln K_star and 1/n; K_star and n themselves are not, but
+    # with n held ln K_star is a mean, whose interval is Student's.
+    problem, best, _ = best_of(measured_campaign(tmp_path, "power", noise=NOISE))
+    held = problem.holding("n", 1.1)
+    point, _, _ = descend(held, held.point(best))
+    noise = noise_at(held, point)
+    r = measured(held).raw(held.form(point[None, :]))[0]
+    error = r.std(ddof=1) / np.sqrt(r.size) * 1.1  # of ln K_star
+    reach = stats.t.ppf(0.975, r.size - 1) * error
+    found = interval(held, noise, "K_star", held.coefficients(point), LEVEL)
+    assert found.low == pytest.approx(point[0] * np.exp(-reach), rel=1e-5)
+    assert found.high == pytest.approx(point[0] * np.exp(reach), rel=1e-5)
+
+
+# --- coverage ---------------------------------------------------------------------------------
+
+
+def coverage(campaign, replicates=REPLICATES, seed=7):
+    """Repeat an experiment; return the share of intervals that hold the truth, of each kind."""
+    truth = TRUTHS[campaign.model.law, campaign.model.contact]
+    problem = campaign.problem()
+    data = measured(problem).data
+    law = campaign.model.build(truth)
+    exact = law.penetration(data.load, data.pair)
+    names = [p.name for p in problem.free]
+    ahead = CylinderPair.from_dR("internal", 0.2, STEEL, length=12.0, R_i=10.0)
+    hits = {"covariance": [], "profile": [], "curve": [], "new": []}
+    rng = np.random.default_rng(seed)
+    for _ in range(replicates):
+        seen = data.with_values(penetration=exact * np.exp(NOISE * rng.normal(size=len(data))))
+        again = replace(problem, objective=MeasuredObjective(seen, campaign.objective))
+        point, _, _ = descend(again, again.point(truth))
+        noise, best = noise_at(again, point), again.coefficients(point)
+        errors = noise.half_width(LEVEL) * np.sqrt(np.diag(noise.covariance))
+        hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
+        for name in names:
+            ratio, _ = ratio_held(again, noise, {name: truth[name]}, best)
+            hits["profile"].append(ratio <= noise.threshold(LEVEL))
+        band = predict(again, noise, best, ahead, LEVEL, load=[20.0])
+        depth = law.penetration(20.0, ahead)
+        hits["curve"].append(band.low[0] <= depth <= band.high[0])
+        new = depth * np.exp(NOISE * rng.normal())
+        hits["new"].append(band.new_low[0] <= new <= band.new_high[0])
+    return {kind: float(np.mean(found)) for kind, found in hits.items()}
+
+
+def test_intervals_and_bands_hold_the_truth_as_often_as_they_say(tmp_path):
+    shares = coverage(measured_campaign(tmp_path))
+    assert all(0.90 <= share <= 0.98 for share in shares.values()), shares
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "law", sorted({law for law, contact in TRUTHS if contact == "internal"} - {"explicit"})
+)
+def test_coverage_of_every_law(tmp_path, law):
+    shares = coverage(measured_campaign(tmp_path, law))
+    assert all(0.90 <= share <= 0.98 for share in shares.values()), shares
+
+
+# --- profiles and maps of pairs ---------------------------------------------------------------
+
+
+def test_a_map_of_a_pair_is_the_sum_of_squares_refitted(noisy):
+    problem, best, noise = noisy
+    found = {n: interval(problem, noise, n, best, LEVEL) for n in ("kappa", "c")}
+    mapped = pair_map(problem, noise, ("kappa", "c"), best, found, (0.68, LEVEL), points=7)
+    assert pairs_of(problem) == [("kappa", "c")]
+    k, m = 2, 4
+    value = problem.value(np.array([mapped.x[m], mapped.y[k]]))
+    expected = (noise.rows * value**2 - noise.sum_of_squares) / noise.unit
+    assert mapped.ratio[k][m] == pytest.approx(expected, rel=1e-9)
+    quantile = 2 * stats.f.ppf(LEVEL, 2, noise.degrees)
+    assert mapped.thresholds["95"] == pytest.approx(quantile, rel=1e-9)
+    assert mapped.thresholds["68"] < mapped.thresholds["95"]
+
+
+def test_an_interval_that_the_data_leave_open_ends_at_the_bound(tmp_path):
+    bounds = {"clearance_factor": {"low": 0.5, "high": 2.0}}
+    campaign = measured_campaign(
+        tmp_path, "liu", noise=NOISE, parameters=bounds, starts=2, objective="rms-penetration"
+    )
+    found = fit_measurements(campaign).uncertainty
+    ends = found.estimates["clearance_factor"].profile
+    assert (ends.low, ends.low_is_bound, ends.high, ends.high_is_bound) == (0.5, True, 2.0, True)
+    assert found.estimates["clearance_factor"].verdict in ("not", "at a bound")
+    assert abs(found.correlation["modulus_factor"]["clearance_factor"]) > 0.99
+    assert any("correlation" in sentence for sentence in noise_verdicts(found))
+
+
+def test_parameters_that_act_only_together_are_named(tmp_path):
+    bounds = {"Lambda_factor": {"low": 0.1, "high": 10.0}}
+    campaign = measured_campaign(tmp_path, noise=NOISE, parameters=bounds, starts=2)
+    result = fit_measurements(campaign)
+    found = result.uncertainty
+    assert set(found.only_together) == {"c", "Lambda_factor"}
+    assert {e.verdict for e in found.estimates.values()} == {"not"}
+    assert found.correlation == {}
+    assert "c and Lambda_factor apart" in noise_verdicts(found)[1]
+    study = study_noise(result, with_pairs=True)
+    assert (study.bands, study.pairs) == ([], [])
+    assert "apart" in noise_text(study)
+    problem = problem_of_result(result)
+    noise = noise_at(problem, problem.point(result.coefficients))
+    pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
+    with pytest.raises(InputError, match="are not determined one by one"):
+        predict(problem, noise, result.coefficients, pair, LEVEL, load=[1.0])
+
+
+# --- resampling -------------------------------------------------------------------------------
+
+
+def test_the_bootstrap_agrees_with_the_covariance_and_not_with_the_workers(noisy):
+    problem, best, noise = noisy
+    one = bootstrap(problem, best, "rows", 120, 1, LEVEL)
+    assert one == bootstrap(problem, best, "rows", 120, 1, LEVEL, jobs=2)
+    assert one != bootstrap(problem, best, "rows", 25, 2, LEVEL)
+    errors = np.sqrt(np.diag(noise.covariance))
+    assert list(one.standard_errors.values()) == pytest.approx(errors, rel=0.25)
+    over = bootstrap(problem, best, "dR", 25, 1, LEVEL)
+    assert (over.groups, over.over) == (3, "dR")
+
+
+def test_leaving_a_clearance_out_is_fitting_the_others(noisy):
+    problem, best, _ = noisy
+    found = leave_one_out(problem, best, "dR")
+    assert [left.group for left in found] == ["ΔR = 0.1 mm", "ΔR = 0.3 mm", "ΔR = 1 mm"]
+    data = measured(problem).data
+    rest = np.flatnonzero(data.columns["dR"] != 0.3)
+    alone = replace(problem, objective=MeasuredObjective(data.take(rest), "rms-log-penetration"))
+    point, _, _ = descend(alone, alone.point(best))
+    assert found[1].coefficients == pytest.approx(alone.coefficients(point), rel=1e-9)
+    own = np.flatnonzero(data.columns["dR"] == 0.3)
+    judged = replace(problem, objective=MeasuredObjective(data.take(own), "rms-log-penetration"))
+    assert found[1].own_rms == pytest.approx(judged.value(point), rel=1e-9)
+
+
+def test_one_group_cannot_be_resampled(noisy):
+    problem, best, _ = noisy
+    with pytest.raises(InputError, match="all rows are of one group"):
+        bootstrap(problem, best, "material", 10, 1, LEVEL)
+    few = measured(problem).data.take(np.array([0, 1, 12]))
+    small = replace(problem, objective=MeasuredObjective(few, "rms-log-penetration"))
+    with pytest.raises(InputError, match=r"only 1 rows remain for 2 parameters"):
+        leave_one_out(small, best, "dR")
+
+
+# --- bands ------------------------------------------------------------------------------------
+
+
+def test_bands_of_load_and_penetration_are_each_others_inverse(noisy):
+    problem, best, noise = noisy
+    pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
+    depth = predict(problem, noise, best, pair, LEVEL, load=[50.0])
+    force = predict(problem, noise, best, pair, LEVEL, penetration=[depth.value[0]])
+    assert force.value[0] == pytest.approx(50.0)
+    law = MODELS["johnson", "internal"].build(best)
+    n = law.stiffness(depth.value[0], pair) * depth.value[0] / 50.0
+    for ends, others in (("high", "low"), ("new_high", "new_low")):
+        of_depth = np.log(getattr(depth, ends)[0] / getattr(depth, others)[0])
+        of_force = np.log(getattr(force, ends)[0] / getattr(force, others)[0])
+        assert of_force == pytest.approx(n * of_depth, rel=1e-4)
+    assert np.log(depth.new_high[0] / depth.value[0]) == pytest.approx(
+        stats.t.ppf(0.975, noise.degrees) * noise.sigma, rel=0.05
+    )
+
+
+def test_no_band_is_drawn_outside_the_domain(noisy):
+    problem, best, noise = noisy
+    pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
+    for given in ({"load": [1.0, 1e9]}, {"penetration": [-1.0]}):
+        with pytest.raises(InputError, match="leaves the domain of the fitted law"):
+            predict(problem, noise, best, pair, LEVEL, **given)
+
+
+@pytest.mark.parametrize("objective", ["rms-log-load", "rms-penetration", "rms-load"])
+def test_bands_follow_the_noise_wherever_it_sits(tmp_path, objective):
+    problem, best, noise = best_of(measured_campaign(tmp_path, noise=NOISE, objective=objective))
+    bands = bands_of_data(problem, noise, best, LEVEL)
+    assert [band.quantity for band in bands[:2]] == ["penetration_mm", "load_N_per_mm"]
+    for band in bands:
+        edges = np.array([band.new_low, band.low, band.value, band.high, band.new_high])
+        assert (np.diff(edges, axis=0) > 0).all()
+
+
+# --- what the noise says ----------------------------------------------------------------------
+
+
+def with_deviations(noisy, size):
+    problem, best, _ = noisy
+    data = measured(problem).data
+    given = data.with_values(penetration_std=size * NOISE * data.penetration)
+    known = replace(problem, objective=MeasuredObjective(given, "rms-penetration"))
+    point, _, _ = descend(known, known.point(best))
+    return uncertainty_of(known, known.coefficients(point))
+
+
+@pytest.mark.parametrize(
+    ("size", "words"),
+    [
+        (1.0, "as large as the given standard deviations allow"),
+        (0.3, "larger than the given standard deviations allow: the law is wrong"),
+        (5.0, "those look too large"),
+    ],
+)
+def test_given_deviations_are_held_against_the_residuals(noisy, size, words):
+    found = with_deviations(noisy, size)
+    assert found.sigma_known
+    assert words in noise_verdicts(found)[0]
+    assert found.chi_square_p == pytest.approx(
+        stats.chi2.sf(found.residual_sigma**2 * found.degrees_of_freedom, found.degrees_of_freedom),
+        rel=1e-6,
+    )
+
+
+def test_a_law_of_the_wrong_shape_is_told_by_its_residuals(tmp_path):
+    wrong = measured_campaign(tmp_path, "explicit", noise=0.002)
+    table = tmp_path / "measured.csv"
+    from cylcontact.fitting.measured_campaign import campaign_of_table
+    from tests.measured_files import CONSTANTS
+
+    result = fit_measurements(campaign_of_table(table, "power", "internal", CONSTANTS, starts=2))
+    assert result.uncertainty.runs_test_p < 1e-3
+    assert "wrong shape" in noise_verdicts(result.uncertainty)[1]
+    right = fit_measurements(wrong)
+    assert right.uncertainty.runs_test_p > 0.01
+
+
+def test_the_sandwich_of_a_robust_loss_is_the_spread_of_refits(noisy):
+    problem, best, plain = noisy
+    objective = measured(problem)
+    robust = replace(problem, objective=replace(objective, loss=Loss("huber", 1.345 * NOISE)))
+    point, _, _ = descend(robust, robust.point(best))
+    noise = noise_at(robust, point)
+    errors = np.sqrt(np.diag(noise.covariance))
+    assert errors == pytest.approx(np.sqrt(np.diag(plain.covariance)), rel=0.3)
+    refits = bootstrap(robust, robust.coefficients(point), "rows", 120, 3, LEVEL)
+    assert list(refits.standard_errors.values()) == pytest.approx(errors, rel=0.3)
+    wide = replace(problem, objective=replace(objective, loss=Loss("huber", 1e3)))
+    same = noise_at(wide, problem.point(best))
+    assert same.unit == pytest.approx(plain.unit, rel=1e-9)
+
+
+def test_a_form_without_laws_is_not_for_measurements(noisy):
+    problem, _, _ = noisy
+    with pytest.raises(TypeError, match="measurements need laws"):
+        problem.objective.raw(PowerForm(np.zeros((1, 1)), np.ones((1, 1))))
+    assert problem.objective.bound == 0
+    assert problem.objective.dR.shape == (36,)
+
+
+def test_only_measurements_have_noise(small_campaign, small_result):
+    from cylcontact.fitting.calibrate import problem_of
+
+    problem, _ = problem_of(small_campaign, 1, lambda *_: None)
+    with pytest.raises(TypeError, match="noise is that of measurements"):
+        measured(problem)
+    with pytest.raises(InputError, match="was not fitted to measurements"):
+        problem_of_result(small_result)
+
+
+# --- the command ------------------------------------------------------------------------------
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def saved(tmp_path):
+    result = fit_measurements(measured_campaign(tmp_path, noise=NOISE, loss="huber", starts=2))
+    result.save(tmp_path / "r.json")
+    return tmp_path / "r.json"
+
+
+def test_the_command_reports_noise(saved, tmp_path):
+    out = tmp_path / "study.json"
+    found = run(
+        *("uncertainty", saved, "--bootstrap", 30, "--over", "dR", "--leave-out", "dR"),
+        *("--pairs", "--level", 0.9, "--seed", 3, "-j", 1, "-o", out),
+    )
+    assert found.exit_code == 0, found.output
+    for part in ("given the noise", "90 %, bootstrap", "3 are few", "ΔR = 0.3 mm", "new ±%"):
+        assert part in found.output
+    study = json.loads(out.read_text("utf-8"))
+    assert study["kind"] == "noise"
+    assert study["pairs"][0]["names"] == ["kappa", "c"]
+    assert study["bootstrap"]["seed"] == 3
+    assert study["uncertainty"]["level"] == 0.9
+    assert len(study["bands"]) == 6
+
+
+def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatch):
+    result = fit_measurements(user_campaign(tmp_path))
+    result.save(tmp_path / "r.json")
+    monkeypatch.chdir(tmp_path)
+    found = run("uncertainty", "r.json")
+    assert "not run because a result names it" in found.exception.rule
+    assert run("uncertainty", "r.json", "--law", "mine:load").exit_code == 0
+    found = run("uncertainty", "r.json", "--law", "mine:flat")
+    assert "is not its law, mine:load" in found.exception.rule
+
+
+@pytest.mark.parametrize(
+    ("arguments", "rule"),
+    [
+        (("--level", 1.0), "must be from 0.5 to below 1"),
+        (("--over", "rows"), "is for the bootstrap"),
+        (("-o", "u.csv"), "is not a .json"),
+        (("--bootstrap", 5, "--over", "moon"), "is unknown"),
+        (("--leave-out", "moon"), "is unknown"),
+        (("--bootstrap", 5, "--over", "group"), "is not a column of the table"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused(saved, arguments, rule):
+    found = run("uncertainty", saved, *arguments)
+    assert isinstance(found.exception, InputError)
+    assert rule in found.exception.rule
+
+
+def test_an_interval_is_plain_data():
+    assert Interval(low=1, high=2, low_is_bound=False, high_is_bound=True).model_dump()["high"] == 2
