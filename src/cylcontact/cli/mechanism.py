@@ -1,0 +1,266 @@
+"""The commands around a mechanism: simulate, sweep."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from cylcontact.cli.terminal import Jobs, Scheduler, integer_from, progress_bars, workers
+from cylcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from cylcontact.mechanism import Mechanism, Settings, Trajectory
+
+# What Sect. 4.3 varies: laws, clearances in mm, restitutions, friction coefficients.
+PAPER = (
+    ("lankarani-nikravesh", "johnson", "enhanced"),
+    (0.5, 0.02),
+    (1.0, 0.9),
+    (0.0, 0.1),
+)
+
+
+def _listed(values: Iterable[object]) -> str:
+    """Return values as an option takes them."""
+    return ",".join(f"{value}" for value in values)
+
+
+SpecFile = Annotated[
+    Path, typer.Argument(help="A mechanism's spec, e.g. datasets/slider_crank.toml.")
+]
+Revolutions = Annotated[
+    int | None,
+    typer.Option(
+        parser=integer_from(1), metavar="INTEGER", help="Revolutions in all; the spec's by default."
+    ),
+]
+Tolerance = Annotated[float | None, typer.Option(help="Of the integrator; the spec's by default.")]
+Method = Annotated[
+    str | None,
+    typer.Option(help="minimal (the faster) or multiplier (any mechanism); minimal if it fits."),
+]
+Beyond = Annotated[
+    str, typer.Option(help="Where the contact law ends: stop, or go on along its tangent.")
+]
+
+
+def simulate(
+    spec: SpecFile,
+    law: Annotated[str | None, typer.Option(help="A contact law, e.g. johnson.")] = None,
+    clearance: Annotated[float | None, typer.Option(help="Radial clearance, mm.")] = None,
+    restitution: Annotated[float | None, typer.Option(help="Restitution, (0, 1].")] = None,
+    friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None,
+    revolutions: Revolutions = None,
+    method: Method = None,
+    tolerance: Tolerance = None,
+    beyond: Beyond = "stop",
+    allowed_penetration: Annotated[
+        float | None,
+        typer.Option(help="The paper's step control: how deep contact may begin, µm."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Write the trajectory to this .parquet.")
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on from what --out holds, with its settings.")
+    ] = False,
+) -> None:
+    """Simulate a mechanism with a clearance joint, and print what comes out."""
+    from cylcontact.locks import owning
+    from cylcontact.mechanism import read_mechanism
+    from cylcontact.mechanism.report import to_text
+    from cylcontact.mechanism.simulate import settings_for
+
+    changes = {
+        "law": law,
+        "clearance": clearance,
+        "restitution": restitution,
+        "friction": friction,
+    }
+    mechanism = read_mechanism(spec, **changes)
+    if out is not None and out.suffix != ".parquet":
+        raise InputError(str(out), "", None, "is not a .parquet", "name the output so that it is")
+    allowed = None if allowed_penetration is None else allowed_penetration * 1e-6
+    settings = settings_for(mechanism, method, tolerance, beyond, allowed)  # type: ignore[arg-type]
+    with owning(out) if out else nullcontext():
+        earlier = _earlier(mechanism, settings, out) if resume else None
+        run = _run(mechanism, settings, revolutions, earlier, out)
+        if out is not None:
+            run.save(out)
+    typer.echo(to_text(run), nl=False)
+    if out is not None:
+        typer.echo(f"\nwritten to {out}")
+
+
+def _earlier(mechanism: Mechanism, settings: Settings, out: Path | None) -> Trajectory | None:
+    """Return the run to go on from, refused if it is another one."""
+    from cylcontact.mechanism import Trajectory
+
+    if out is None:
+        raise InputError("simulate", "--resume", None, "needs a file to go on from", "name it: -o")
+    if not out.exists():
+        typer.echo(f"cylcontact: there is no {out} yet; the run starts anew", err=True)
+        return None
+    earlier = Trajectory.load(out)
+    if (earlier.mechanism.data, earlier.settings) != (mechanism.data, settings):
+        raise InputError(
+            str(out), "", None, "is of another mechanism or other options",
+            "restore them, or run without --resume to start anew",
+        )  # fmt: skip
+    return earlier
+
+
+def _run(
+    mechanism: Mechanism,
+    settings: Settings,
+    revolutions: int | None,
+    earlier: Trajectory | None,
+    out: Path | None,
+) -> Trajectory:
+    """Simulate, and keep the complete revolutions of an interrupted run."""
+    from cylcontact.mechanism import Interrupted
+    from cylcontact.mechanism import simulate as run
+
+    try:
+        with progress_bars() as progress:
+            return run(
+                mechanism,
+                settings.method,
+                revolutions,
+                settings.tolerance,
+                settings.beyond,
+                progress,
+                earlier,
+                settings.allowed_penetration,
+            )
+    except Interrupted as stop:
+        if out is None or stop.trajectory is None:
+            raise KeyboardInterrupt from None
+        stop.trajectory.save(out)
+        raise KeyboardInterrupt(
+            f"interrupted; {stop.trajectory.revolutions} complete revolutions are kept in {out}; "
+            "the same command with --resume goes on from there"
+        ) from None
+
+
+def sweep(
+    spec: SpecFile,
+    out: Annotated[Path, typer.Option("-o", "--out", help="The .csv or .parquet table to write.")],
+    laws: Annotated[str, typer.Option(help="Contact laws, separated by commas.")] = _listed(
+        PAPER[0]
+    ),
+    clearances: Annotated[str, typer.Option(help="Radial clearances, mm.")] = _listed(PAPER[1]),
+    restitutions: Annotated[str, typer.Option(help="Restitutions.")] = _listed(PAPER[2]),
+    frictions: Annotated[str, typer.Option(help="Friction coefficients.")] = _listed(PAPER[3]),
+    revolutions: Revolutions = None,
+    first: Annotated[
+        int,
+        typer.Option(
+            parser=integer_from(0), metavar="INTEGER", help="First revolution that counts, from 0."
+        ),
+    ] = 0,
+    method: Method = None,
+    tolerance: Tolerance = None,
+    beyond: Beyond = "stop",
+    against: Annotated[
+        float | None,
+        typer.Option(help="Run at this tolerance too; count only what lies beyond the horizon."),
+    ] = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted sweep.")] = False,
+) -> None:
+    """Simulate laws × clearances × restitutions × frictions into one table."""
+    from cylcontact.locks import owning
+    from cylcontact.mechanism import Plan, cases, read_mechanism
+    from cylcontact.mechanism import sweep as run
+    from cylcontact.mechanism.sweep import require_table_name, write_table
+
+    mechanism = read_mechanism(spec)
+    require_table_name(out)
+    wanted = cases(
+        [law.strip() for law in laws.split(",")],
+        _numbers("--clearances", clearances),
+        _numbers("--restitutions", restitutions),
+        _numbers("--frictions", frictions),
+    )
+    turns = revolutions or mechanism.integration.revolutions
+    plan = Plan(turns, first, method, tolerance, beyond, against)  # type: ignore[arg-type]
+    where = workers(jobs, scheduler)
+    with owning(out):
+        kept = out.with_name(out.name + ".partial")
+        try:
+            with progress_bars() as progress:
+                table = run(mechanism, wanted, plan, where, progress, kept, resume)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(_kept_cases(kept)) from None
+        write_table(table, out)
+        kept.unlink(missing_ok=True)
+    stopped = table[table["status"] != "complete"]
+    typer.echo(f"{out}: {len(table)} cases, {len(stopped)} of them stopped")
+    for message in stopped["message"]:
+        typer.echo(f"  {message}")
+
+
+def tolerances(
+    spec: SpecFile,
+    out: Annotated[Path, typer.Option("-o", "--out", help="The .csv or .parquet table to write.")],
+    values: Annotated[
+        str, typer.Option("--tolerances", help="Separated by commas.")
+    ] = "1e-5,1e-6,1e-7,1e-8,1e-9,1e-10,1e-11",
+    revolutions: Revolutions = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+) -> None:
+    """Tabulate energy balance and drift by tolerance, over the paper's 24 cases in both forms."""
+    from cylcontact.locks import owning
+    from cylcontact.mechanism import Plan, cases, read_mechanism
+    from cylcontact.mechanism import sweep as run
+    from cylcontact.mechanism.studies import tolerance_table
+    from cylcontact.mechanism.sweep import require_table_name, write_table
+    from cylcontact.mechanism.system import METHODS
+
+    mechanism = read_mechanism(spec)
+    require_table_name(out)
+    turns = revolutions or mechanism.integration.revolutions
+    wanted = cases(*PAPER)
+    where = workers(jobs, scheduler)
+    plans = [
+        Plan(turns, method=method, tolerance=value, beyond="tangent")  # type: ignore[arg-type]
+        for method in METHODS
+        for value in _numbers("--tolerances", values)
+    ]
+    with owning(out), progress_bars() as progress:
+        tables = []
+        for done, plan in enumerate(plans):
+            progress("sweeps", done, len(plans))
+            tables.append(run(mechanism, wanted, plan, where))
+        progress("sweeps", len(plans), len(plans))
+        table = tolerance_table(tables)
+        write_table(table, out)
+    typer.echo(table.to_string(index=False, float_format="%.3g"))
+
+
+def _numbers(option: str, text: str) -> list[float]:
+    """Return the numbers of a list separated by commas."""
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(
+            option, "", text, "must be numbers separated by commas", "e.g. 0.5,0.02"
+        ) from None
+
+
+def _kept_cases(kept: Path) -> str:
+    """Say what an interrupted sweep leaves behind."""
+    count = kept.read_bytes().count(b"\n") - 1 if kept.is_file() else 0
+    if count < 1:
+        return "interrupted before a case was complete; nothing is kept"
+    return (
+        f"interrupted; {count} complete {'case is' if count == 1 else 'cases are'} kept in {kept}; "
+        "the same command with --resume goes on from there"
+    )

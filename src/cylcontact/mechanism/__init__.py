@@ -1,0 +1,28 @@
+"""Planar mechanisms with a clearance joint: Section 4 of the paper, and mechanisms of one's own."""
+
+from cylcontact.mechanism.impact import Impact, isolated_impact
+from cylcontact.mechanism.loop import LawDomainError
+from cylcontact.mechanism.model import Mechanism, mechanism_from, read_mechanism
+from cylcontact.mechanism.rows import Settings
+from cylcontact.mechanism.simulate import Interrupted, simulate
+from cylcontact.mechanism.statistics import Statistics
+from cylcontact.mechanism.sweep import Case, Plan, cases, sweep
+from cylcontact.mechanism.trajectory import Trajectory
+
+__all__ = [
+    "Case",
+    "Impact",
+    "Interrupted",
+    "LawDomainError",
+    "Mechanism",
+    "Plan",
+    "Settings",
+    "Statistics",
+    "Trajectory",
+    "cases",
+    "isolated_impact",
+    "mechanism_from",
+    "read_mechanism",
+    "simulate",
+    "sweep",
+]

@@ -1,0 +1,151 @@
+"""Assembly: positions and velocities that satisfy every joint, the clearance closed.
+
+The start of a simulation. The journal is centred in its bearing and at rest relative to it, as if
+the joint were ideal. Newton's method on the constraints finds the positions: first near the spec's
+rough guess, with the driver where the guess has it, then along with the driver in small steps to
+where it starts, so that the mechanism stays in the configuration of the guess. The velocities
+follow from one linear system.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.errors import InputError
+from cylcontact.mechanism import constraints
+from cylcontact.mechanism.model import Joint, Mechanism
+
+ITERATIONS = 50
+# In m and rad: some units in the last place of a mechanism of a metre.
+CLOSED = 1e-15
+# What Newton's method must reach at least before rounding stops it.
+ASSEMBLED = 1e-13
+
+# Of the driver in rad, between one Newton iteration and the next.
+DRIVER_STEP = 0.1
+
+KINDS = {
+    "revolute": constraints.REVOLUTE,
+    "prismatic": constraints.PRISMATIC,
+    "driver": constraints.DRIVER,
+}
+
+
+def joint_table(joints: tuple[Joint, ...]) -> FloatArray:
+    """Return joints as the table that `constraints.evaluate` takes, shape (joints, 9)."""
+    rows = []
+    for joint in joints:
+        last = {
+            "revolute": (0.0, 0.0),
+            "prismatic": (joint.direction, joint.angle),
+            "driver": (joint.angle, joint.speed),
+        }[joint.kind]
+        rows.append((KINDS[joint.kind], joint.i, joint.j, *joint.point_i, *joint.point_j, *last))
+    return np.array(rows, dtype=np.float64)
+
+
+def evaluate(
+    table: FloatArray, t: float, q: FloatArray, v: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return Φ, dΦ/dt, Φ_q and γ of the joints in a table."""
+    rows = sum(constraints.CONSTRAINTS[kind] for kind in table[:, 0])
+    value, rate, gamma = np.zeros(rows), np.zeros(rows), np.zeros(rows)
+    jacobian = np.zeros((rows, q.size))
+    constraints.evaluate(t, q, v, table, value, rate, jacobian, gamma)
+    return value, rate, jacobian, gamma
+
+
+def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArray]:
+    """Return coordinates and velocities at time t with every joint closed.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism; its clearance is taken as closed.
+    t : float
+        Time in s.
+
+    Returns
+    -------
+    q, v : array of float, shape (3·bodies,)
+        x, y, θ of each body and their rates, in m, rad and s.
+
+    Raises
+    ------
+    InputError
+        If the bodies cannot be brought together, or the joints leave them free to move or hold
+        them twice.
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_mechanism
+    >>> q, v = assemble(read_mechanism("datasets/slider_crank.toml"))
+    >>> print(q.round(6)[-3:], v.round(3)[1])
+    [0.17 0.   0.  ] -13.09
+    """
+    table = joint_table(mechanism.joints)
+    q = np.concatenate([np.array(body.guess) for body in mechanism.bodies])
+    _require_square(mechanism, table, q.size)
+    driver = next(row for row in table if row[0] == constraints.DRIVER)
+    guessed = q[3 * int(driver[2]) + 2] - (q[3 * int(driver[1]) + 2] if driver[1] >= 0 else 0.0)
+    wanted, speed = driver[7] + driver[8] * t, driver[8]
+    driver[8] = 0.0
+    steps = max(2, math.ceil(abs(wanted - guessed) / DRIVER_STEP) + 1)
+    for angle in np.linspace(guessed, wanted, steps):
+        driver[7] = angle
+        q = _close(mechanism, table, q)
+    driver[8] = speed
+    driver[7] = wanted - speed * t
+    _, rate, jacobian, _ = evaluate(table, t, q, np.zeros_like(q))
+    return q, -_solve(mechanism, jacobian, rate)
+
+
+def _close(mechanism: Mechanism, table: FloatArray, q: FloatArray) -> FloatArray:
+    """Close all joints by Newton's method, the driver at rest where it is."""
+    still = np.zeros_like(q)
+    gap = np.inf
+    for _ in range(ITERATIONS):
+        value, _, jacobian, _ = evaluate(table, 0.0, q, still)
+        gap = float(np.abs(value).max())
+        if gap <= CLOSED:
+            break
+        q = q - _solve(mechanism, jacobian, value)
+    if not gap <= ASSEMBLED:
+        raise InputError(
+            mechanism.source,
+            "bodies",
+            None,
+            f"cannot be assembled: the joints stay {gap:.3g} m or rad apart",
+            "check the lengths (a rod must reach from the crank to the slide) and the guesses",
+        )
+    return q
+
+
+def _require_square(mechanism: Mechanism, table: FloatArray, coordinates: int) -> None:
+    """Refuse a mechanism whose joints are too few or too many."""
+    rows = sum(constraints.CONSTRAINTS[kind] for kind in table[:, 0])
+    if rows != coordinates:
+        raise InputError(
+            mechanism.source,
+            "joints",
+            len(mechanism.joints),
+            f"make {rows} constraints for {coordinates} coordinates",
+            "a mechanism of one driver needs as many of one as of the other",
+        )
+
+
+def _solve(mechanism: Mechanism, jacobian: FloatArray, right: FloatArray) -> FloatArray:
+    """Solve for a step or for velocities; singular at dead centres and with double joints."""
+    try:
+        return as_floats(np.linalg.solve(jacobian, right))
+    except np.linalg.LinAlgError as error:
+        raise InputError(
+            mechanism.source,
+            "joints",
+            None,
+            "leave a body free, or hold one twice, where the mechanism starts",
+            "check the joints, or start the driver at another angle",
+        ) from error

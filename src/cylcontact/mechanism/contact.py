@@ -1,0 +1,122 @@
+"""The contact of journal and bearing, compiled: Eqs 11–15 with any law of the package.
+
+Body *i* carries the bearing, body *j* the journal. With the eccentricity e = r_i − r_j
+(Eq 11), n = e/|e| points from the journal's centre to the bearing's and the bodies touch on the
+side of −n. Both contact forces act at one point, C = r_i − R_i·n on the bearing's surface, so
+that the pair exchanges no net angular momentum. Seen from the journal's centre C is at
+−(R_j − δ)·n: the journal's radius less the penetration.
+
+The velocities of the two bodies at C give the tangential velocity, with t = [n_y, −n_x],
+
+    v_t = (v_i − v_j)·t = ė·t + ω_i·R_i − ω_j·(R_j − δ),
+
+and the normal one is the penetration rate, (v_i − v_j)·n = ė·n = δ̇, since a rotation about either
+centre moves C along t only.
+
+**Units.** Mechanics is in SI. The laws are in mm and N/mm, and `contact_force` is the one place
+where a penetration in m goes in and a force in N comes out.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cylcontact.compiled import compiled
+from cylcontact.laws.kernels import kernel_load
+
+# What the parameter block of a compiled right-hand side holds, by position. It is one array of
+# floats because that is what CVODE can hand on to a compiled callback.
+SIZE, LAYOUT, STATES, MODE, IMPACT_RATE = 0, 1, 2, 3, 4
+CHI, FRICTION, V0, V1 = 5, 6, 7, 8
+CLEARANCE, R_BEARING, R_JOURNAL, LENGTH = 9, 10, 11, 12
+LAST_PENETRATION, LAST_LOAD, LAST_SLOPE, STOP_PENETRATION = 13, 14, 15, 16
+KERNEL, KERNEL_START, KERNEL_SIZE, MODEL_START = 17, 18, 19, 20
+ALLOWED_PENETRATION, RATE_FLOOR = 21, 22
+HEADER = 23
+
+FREE, CONTACT = 0.0, 1.0
+
+
+@compiled
+def elastic_force(penetration: float, p: NDArray[np.float64]) -> float:
+    """Return the elastic force in N at a penetration in m.
+
+    Beyond the last penetration that the law is asked for (`LAST_PENETRATION`, in mm) the load goes
+    on along a straight line.
+    """
+    delta = penetration * 1e3
+    if delta <= 0.0:
+        return 0.0
+    if delta > p[LAST_PENETRATION]:
+        load = p[LAST_LOAD] + p[LAST_SLOPE] * (delta - p[LAST_PENETRATION])
+    else:
+        start = int(p[KERNEL_START])
+        parameters = p[start : start + int(p[KERNEL_SIZE])]
+        load = kernel_load(int(p[KERNEL]), parameters, delta)
+    return float(load * p[LENGTH])
+
+
+@compiled
+def friction_force(normal: float, v_t: float, p: NDArray[np.float64]) -> float:
+    """Return f_t = −c_f·c_d·f_n·sgn(v_t) in N (Eqs 14–15), v_t in m/s."""
+    c_d = min(max((abs(v_t) - p[V0]) / (p[V1] - p[V0]), 0.0), 1.0)
+    return float(-p[FRICTION] * c_d * normal * np.sign(v_t))
+
+
+@compiled
+def contact_force(
+    e: tuple[float, float],
+    e_dot: tuple[float, float],
+    omega_i: float,
+    omega_j: float,
+    p: NDArray[np.float64],
+) -> tuple[float, float, float, float, float, float, float]:
+    """Return the contact of a pair in contact mode.
+
+    Parameters
+    ----------
+    e, e_dot : pair of float
+        Eccentricity in m and its rate in m/s.
+    omega_i, omega_j : float
+        Spins of the bodies with the bearing and with the journal, rad/s.
+    p : array of float
+        The parameter block.
+
+    Returns
+    -------
+    force_x, force_y : float
+        f_i of Eq 13a, on the bearing at C, in N; the journal takes the opposite.
+    moment_i, moment_j : float
+        Of that force about the bearing's centre, and of the opposite one about the journal's, in
+        N m; positive anticlockwise.
+    normal : float
+        f_n in N.
+    normal_power, friction_power : float
+        What the normal force dissipates beyond its elastic part, and the friction, in W.
+    """
+    distance = math.hypot(e[0], e[1])
+    n_x, n_y = e[0] / distance, e[1] / distance
+    delta = distance - p[CLEARANCE]
+    rate = e_dot[0] * n_x + e_dot[1] * n_y
+    arm_i, arm_j = p[R_BEARING], p[R_JOURNAL] - delta
+    v_t = e_dot[0] * n_y - e_dot[1] * n_x + omega_i * arm_i - omega_j * arm_j
+
+    elastic = elastic_force(delta, p)
+    normal = max(elastic * (1.0 + p[CHI] * rate / p[IMPACT_RATE]), 0.0)
+    tangential = friction_force(normal, v_t, p)
+    force_x = -normal * n_x + tangential * n_y
+    force_y = -normal * n_y - tangential * n_x
+    # (−a·n) × (f_t·t) = a·f_t, as n × t = −1.
+    moment_i, moment_j = arm_i * tangential, -arm_j * tangential
+    return (
+        force_x,
+        force_y,
+        moment_i,
+        moment_j,
+        normal,
+        (normal - elastic) * rate,
+        -tangential * v_t,
+    )

@@ -1,0 +1,117 @@
+"""What follows from the states of a run, row by row: forces, energies, drift."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cylcontact.arrays import BoolArray, FloatArray
+from cylcontact.compiled import compiled
+from cylcontact.mechanism import constraints, contact
+from cylcontact.mechanism.assembly import joint_table
+from cylcontact.mechanism.model import Mechanism
+
+# Nodes and weights on [0, 1] of ∫ f(x) dx, for x = s²: f ~ xⁿ with n ≥ 1 is then smooth enough.
+_s, _w = np.polynomial.legendre.leggauss(24)
+NODES, WEIGHTS = (_s + 1) ** 2 / 4, _w * (_s + 1) / 2
+
+
+@compiled
+def joint_forces(
+    e: NDArray[np.float64],
+    e_rate: NDArray[np.float64],
+    spins: NDArray[np.float64],
+    in_contact: NDArray[np.bool_],
+    impact_rate: NDArray[np.float64],
+    floor: float,
+    p: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Return force on the bearing (x, y), f_n, f_t in N and v_t in m/s, shape (n, 5)."""
+    out = np.zeros((e.shape[0], 5))
+    for k in range(e.shape[0]):
+        distance = np.hypot(e[k, 0], e[k, 1])
+        n_x, n_y = (e[k, 0] / distance, e[k, 1] / distance) if distance > 0 else (1.0, 0.0)
+        delta = distance - p[contact.CLEARANCE]
+        out[k, 4] = (
+            e_rate[k, 0] * n_y
+            - e_rate[k, 1] * n_x
+            + spins[k, 0] * p[contact.R_BEARING]
+            - spins[k, 1] * (p[contact.R_JOURNAL] - delta)
+        )
+        if in_contact[k]:
+            p[contact.IMPACT_RATE] = max(impact_rate[k], floor)
+            found = contact.contact_force(
+                (e[k, 0], e[k, 1]), (e_rate[k, 0], e_rate[k, 1]), spins[k, 0], spins[k, 1], p
+            )
+            out[k, 0], out[k, 1], out[k, 2] = found[0], found[1], found[4]
+            out[k, 3] = contact.friction_force(found[4], out[k, 4], p)
+    return out
+
+
+@compiled
+def elastic_energy(
+    penetration: NDArray[np.float64],
+    nodes: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    p: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Return ∫ F_el dδ in J up to each penetration in m, by quadrature of the law itself."""
+    out = np.zeros(penetration.size)
+    turn = p[contact.LAST_PENETRATION] * 1e-3  # the law goes on as a straight line from there
+    for k in range(penetration.size):
+        delta = penetration[k]
+        if delta <= 0.0:
+            continue
+        lower = min(delta, turn)
+        for node in range(nodes.size):
+            out[k] += lower * weights[node] * contact.elastic_force(lower * nodes[node], p)
+        if delta > turn:
+            ends = contact.elastic_force(turn, p) + contact.elastic_force(delta, p)
+            out[k] += 0.5 * (delta - turn) * ends
+    return out
+
+
+def kinetic_and_potential(
+    mechanism: Mechanism, q: FloatArray, v: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return kinetic energy and energy of position in J; q and v have shape (n, 3·bodies)."""
+    mass = np.array([[b.mass, b.mass, b.inertia] for b in mechanism.bodies]).ravel()
+    weight = np.array([(b.mass * g) for b in mechanism.bodies for g in (*mechanism.gravity, 0.0)])
+    return 0.5 * (v**2) @ mass, -q @ weight
+
+
+@compiled
+def _drift(
+    time: NDArray[np.float64],
+    q: NDArray[np.float64],
+    v: NDArray[np.float64],
+    table: NDArray[np.float64],
+    rows: int,
+) -> NDArray[np.float64]:
+    out = np.zeros((time.size, 2))
+    value, rate, gamma = np.zeros(rows), np.zeros(rows), np.zeros(rows)
+    jacobian = np.zeros((rows, q.shape[1]))
+    for k in range(time.size):
+        constraints.evaluate(time[k], q[k], v[k], table, value, rate, jacobian, gamma)
+        out[k, 0], out[k, 1] = np.abs(value).max(), np.abs(rate).max()
+    return out
+
+
+def drift(mechanism: Mechanism, time: FloatArray, q: FloatArray, v: FloatArray) -> FloatArray:
+    """Return the largest |Φ| and |dΦ/dt| of each row, in m or rad and per s, shape (n, 2)."""
+    table = joint_table(mechanism.constraints)
+    rows = sum(constraints.CONSTRAINTS[kind] for kind in table[:, 0])
+    found: FloatArray = _drift(time, q, v, table, rows)
+    return found
+
+
+def changes(in_contact: BoolArray) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+    """Return the rows at which contacts begin and those at which they end.
+
+    Examples
+    --------
+    >>> changes(np.array([False, False, True, True, False, True]))
+    (array([2, 5]), array([3]))
+    """
+    step = np.diff(in_contact.astype(np.int8))
+    return np.flatnonzero(step == 1) + 1, np.flatnonzero(step == -1)

@@ -1,0 +1,47 @@
+"""What stops the integrator: onset, release, turning points of the penetration, the law's end.
+
+Three functions of time change sign at an event,
+
+    δ = |e| − c,    |e|·δ̇ = e·ė,    δ_limit − δ.
+
+The second one guards the first. A root finder sees a sign only at the ends of a step, and a step
+can leap over a shallow contact or a short release. Between the two there is a turning point of δ,
+which the second function finds; where δ then has the sign of the other mode, the crossing that was
+leapt over is searched for before it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cylcontact.compiled import compiled
+from cylcontact.mechanism import contact
+
+CROSSING, TURNING, LIMIT = 0, 1, 2
+EVENTS = 3
+
+
+@compiled
+def fill_roots(
+    e_x: float, e_y: float, u_x: float, u_y: float,
+    roots: NDArray[np.float64], p: NDArray[np.float64],
+) -> None:  # fmt: skip
+    """Write the three functions; e in m, its rate u in m/s."""
+    delta = math.hypot(e_x, e_y) - p[contact.CLEARANCE]
+    roots[CROSSING] = delta
+    roots[TURNING] = e_x * u_x + e_y * u_y
+    roots[LIMIT] = 1.0
+    if p[contact.MODE] == contact.CONTACT:
+        roots[LIMIT] = p[contact.STOP_PENETRATION] - delta
+
+
+def directions(in_contact: bool) -> NDArray[np.int32]:
+    """Return the direction in which each function has to cross zero to count.
+
+    Out of contact onset and a maximum of δ; in contact release, both kinds of turning points, as a
+    maximum is what an event reports, and the limit.
+    """
+    return np.array([-1, 0, -1] if in_contact else [1, -1, 0], dtype=np.int32)

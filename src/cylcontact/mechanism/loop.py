@@ -1,0 +1,170 @@
+"""The time loop: stretches of one mode between events.
+
+Two modes, free and contact. Onset and release are roots of δ, located by CVODE; at an onset the
+penetration rate δ̇⁽⁻⁾ is taken at the root itself. After each event the integrator starts anew with
+a short step.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray
+from cylcontact.errors import InputError
+from cylcontact.mechanism import contact, events
+from cylcontact.mechanism.cvode import Integrator
+from cylcontact.mechanism.rows import Rows, State, concatenate
+from cylcontact.mechanism.system import System
+
+# Assumed: the first step after an event in s, three orders below the duration of an impact.
+FIRST_STEP = 1e-9
+# Of absolute positions and angles nothing but the absolute tolerance may count.
+NOT_RELATIVE = 1e-15
+# An interval that takes more stretches than these is not getting anywhere.
+MAX_STRETCHES = 100_000
+
+
+class LawDomainError(InputError):
+    """A contact law has left its domain during a run."""
+
+
+@dataclass
+class Run:
+    """A system under way: its integrator and its present state."""
+
+    system: System
+    integrator: Integrator
+    state: State
+    tolerance: float
+
+    @classmethod
+    def start(
+        cls, system: System, tolerance: float, max_step: float, state: State | None = None
+    ) -> Run:
+        """Return a run at the system's start, or at another state."""
+        relative = tolerance if system.relative else NOT_RELATIVE
+        absolute = tolerance * system.scale
+        integrator = Integrator(
+            system.model, system.block, relative, absolute, max_step, FIRST_STEP
+        )
+        return cls(system, integrator, state or State(0.0, system.start, False, 0.0), tolerance)
+
+    @property
+    def penetration(self) -> float:
+        """δ at the present state in m."""
+        return _gap(self)[0]
+
+
+def advance(run: Run, end: float, label: int = 0) -> tuple[Rows, int]:
+    """Integrate to the time `end` through all events.
+
+    Parameters
+    ----------
+    run : Run
+        Is left at the end.
+    end : float
+        In s.
+    label : int
+        The number that the rows get as their revolution.
+
+    Returns
+    -------
+    rows : Rows
+        From the first accepted step on.
+    evaluations : int
+        Of the right-hand side.
+
+    Raises
+    ------
+    LawDomainError
+        If the penetration reaches the end of the law's domain.
+    InputError
+        If the steps collapse.
+    """
+    parts, evaluations = [], 0
+    for _ in range(MAX_STRETCHES):
+        _set_mode(run)
+        run.integrator.restart(run.state.time, run.state.values)
+        stretch = run.integrator.advance(end)
+        evaluations += run.integrator.evaluations
+        parts.append(label_rows(run.state, stretch.times, stretch.states, label))
+        run.state = replace(run.state, time=stretch.times[-1], values=stretch.states[-1])
+        if stretch.flag < 0 or not np.isfinite(run.state.values).all():
+            raise _collapsed(run, stretch.flag)
+        if stretch.event is None:
+            return concatenate(parts), evaluations
+        if stretch.event == events.LIMIT:
+            raise _law_left(run)
+        _switch(run)
+        if run.state.time >= end:
+            return concatenate(parts), evaluations
+        parts.append(one_row(run.state, label))
+    raise _collapsed(run, 0)
+
+
+def one_row(state: State, label: int) -> Rows:
+    """Return a state as a single row."""
+    return label_rows(state, np.array([state.time]), state.values[None, :], label)
+
+
+def label_rows(state: State, times: FloatArray, values: FloatArray, label: int) -> Rows:
+    """Return steps as rows in the mode of `state`."""
+    return Rows(
+        time=times,
+        values=values,
+        in_contact=np.full(times.size, state.in_contact),
+        impact_rate=np.full(times.size, state.impact_rate),
+        revolution=np.full(times.size, label, dtype=np.int32),
+        counts=np.empty((0, 3)),
+    )
+
+
+def _set_mode(run: Run) -> None:
+    """Tell the compiled model which mode it is in."""
+    p = run.system.block
+    p[contact.MODE] = contact.CONTACT if run.state.in_contact else contact.FREE
+    p[contact.IMPACT_RATE] = max(run.state.impact_rate, p[contact.RATE_FLOOR])
+
+
+def _switch(run: Run) -> None:
+    """Go over to the other mode, with δ̇⁽⁻⁾ at the root."""
+    if run.state.in_contact:
+        run.state = replace(run.state, in_contact=False, impact_rate=0.0)
+    else:
+        run.state = replace(run.state, in_contact=True, impact_rate=_gap(run)[1])
+
+
+def _gap(run: Run) -> tuple[float, float]:
+    """Return δ in m and δ̇ in m/s."""
+    e_x, e_y, u_x, u_y = run.system.model.eccentricity(
+        run.state.time, run.state.values, run.system.block
+    )
+    distance = math.hypot(e_x, e_y)
+    rate = (e_x * u_x + e_y * u_y) / distance if distance > 0 else 0.0
+    return distance - float(run.system.block[contact.CLEARANCE]), rate
+
+
+def _law_left(run: Run) -> LawDomainError:
+    limit = run.system.block[contact.STOP_PENETRATION]
+    return LawDomainError(
+        run.system.source,
+        "clearance.law",
+        run.system.law,
+        f"leaves its domain at t = {run.state.time:.6g} s, where the penetration reaches "
+        f"{run.penetration * 1e6:.4g} µm and the limit is {limit * 1e6:.4g} µm",
+        'choose another law, or let it go on along its tangent, beyond = "tangent"',
+    )
+
+
+def _collapsed(run: Run, flag: int) -> InputError:
+    return InputError(
+        run.system.source,
+        "integration.tolerance",
+        run.tolerance,
+        f"the steps collapse at t = {run.state.time:.6g} s, where the penetration is "
+        f"{run.penetration * 1e6:.4g} µm (CVODE's flag is {flag})",
+        "loosen the tolerance, or look for a dead centre of the mechanism there",
+    )

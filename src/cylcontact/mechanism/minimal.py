@@ -1,0 +1,152 @@
+"""The slider-crank in minimal coordinates: the eccentricity itself, two unknowns.
+
+The second derivation, independent of multipliers, and the fast path. In a frame with its origin at
+the crank's pivot and its first axis along the slide, let A(t) be the crank pin, which the driver
+prescribes; the rod, of length L, points in the direction u = (cos φ, sin φ), and its far end is
+P = A + L·u. The slider's centre of the joint is S = (s, h), with h the offset of the slide. The
+coordinates are
+
+    E = S − P,
+
+which is the eccentricity when the slider carries the bearing and its opposite when the rod does.
+They are of the size of the clearance, so that a relative tolerance acts on what matters, and they
+determine the rest as long as the rod is not square to the slide:
+
+    sin φ = (h − A_y − E_y)/L,    s = A_x + L·cos φ + E_x.
+
+With the force F on the slider along the slide, −f on the rod at P, a moment M on the rod, the
+moment of inertia J_A of the rod about A and its centre of mass at a·u + b·u⊥ from A,
+
+    J_A·φ̈ + m·(a·u⊥ − b·u)·Ä = L·u⊥·(−f) + M + gravity,    m_s·s̈ = F_x,
+
+and E follows by differentiating its definition twice. The driver's power is the moment of the
+crank's reaction about its pivot times ω.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba.np.numpy_support import carray
+from numpy.typing import NDArray
+
+from cylcontact.compiled import callback, compiled
+from cylcontact.mechanism import contact
+from cylcontact.mechanism.events import EVENTS, fill_roots
+from cylcontact.mechanism.sundials import RHS, ROOTS, block, values
+
+# Positions in the model's part of the parameter block.
+CRANK, ROD, OFFSET, ROD_A, ROD_B, ROD_INERTIA = 0, 1, 2, 3, 4, 5
+ROD_MASS, SLIDER_MASS, OMEGA, ANGLE, SIDE, GRAVITY_X, GRAVITY_Y = 6, 7, 8, 9, 10, 11, 12
+CRANK_A, CRANK_B, CRANK_MASS = 13, 14, 15
+MODEL_SIZE = 16
+
+STATES = 7  # E_x, E_y, their rates, work of the drive, normal and friction dissipation
+
+
+@compiled
+def eccentricity(
+    t: float,  # noqa: ARG001 - for models whose joint moves with time
+    y: NDArray[np.float64],
+    p: NDArray[np.float64],
+) -> tuple[float, float, float, float]:
+    """Return e = r_i − r_j in m and its rate in m/s, in the frame of the slide."""
+    side = p[int(p[contact.MODEL_START]) + SIDE]
+    return side * y[0], side * y[1], side * y[2], side * y[3]
+
+
+@compiled
+def rod_motion(
+    t: float, y: NDArray[np.float64], m: NDArray[np.float64]
+) -> tuple[float, float, float, float, float, float, float]:
+    """Return A and its velocity, and sin φ, cos φ and φ̇ of the rod."""
+    omega, theta = m[OMEGA], m[ANGLE] + m[OMEGA] * t
+    A_x, A_y = m[CRANK] * math.cos(theta), m[CRANK] * math.sin(theta)
+    sine = (m[OFFSET] - A_y - y[1]) / m[ROD]
+    cosine = math.sqrt(1.0 - sine * sine)
+    spin = -(omega * A_x + y[3]) / (m[ROD] * cosine)
+    return A_x, A_y, -omega * A_y, omega * A_x, sine, cosine, spin
+
+
+@compiled
+def ideal_reaction(t: float, y: NDArray[np.float64], m: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the force on the slider that keeps E as it is, the reaction of an ideal joint in N."""
+    A_x, A_y, _, _, sine, cosine, spin = rod_motion(t, y, m)
+    omega, length, square = m[OMEGA], m[ROD], spin * spin
+    a_x, a_y = -omega * omega * A_x, -omega * omega * A_y
+    alpha = (length * sine * square - a_y) / (length * cosine)
+    f_x = m[SLIDER_MASS] * (a_x - length * (sine * alpha + cosine * square) - m[GRAVITY_X])
+    lean_x, lean_y = -m[ROD_A] * sine - m[ROD_B] * cosine, m[ROD_A] * cosine - m[ROD_B] * sine
+    inertial = lean_x * (a_x - m[GRAVITY_X]) + lean_y * (a_y - m[GRAVITY_Y])
+    turning = m[ROD_INERTIA] * alpha + m[ROD_MASS] * inertial
+    return f_x, (sine * f_x - turning / length) / cosine
+
+
+@compiled
+def derivatives(
+    t: float, y: NDArray[np.float64], out: NDArray[np.float64], p: NDArray[np.float64]
+) -> None:
+    """Write dy/dt, seven numbers, to `out`."""
+    start = int(p[contact.MODEL_START])
+    m = p[start : start + MODEL_SIZE]
+    A_x, A_y, _, _, sine, cosine, spin = rod_motion(t, y, m)
+    omega, length = m[OMEGA], m[ROD]
+    a_x, a_y = -omega * omega * A_x, -omega * omega * A_y
+
+    # Force on the slider, f, and moment on the rod about its end P.
+    f_x, f_y, moment, normal_power, friction_power = 0.0, 0.0, 0.0, 0.0, 0.0
+    if np.isinf(p[contact.CLEARANCE]):
+        f_x, f_y = ideal_reaction(t, y, m)
+    elif p[contact.MODE] == contact.CONTACT:
+        side = m[SIDE]
+        e, e_dot = (side * y[0], side * y[1]), (side * y[2], side * y[3])
+        spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
+        f_x, f_y, moment_i, moment_j, _, normal_power, friction_power = contact.contact_force(
+            e, e_dot, spin_i, spin_j, p
+        )
+        f_x, f_y = side * f_x, side * f_y
+        moment = moment_j if side > 0 else moment_i
+
+    # The rod about A, in the accelerating frame; the gravity of the rod is a lower Ä.
+    a, b = m[ROD_A], m[ROD_B]
+    lean_x, lean_y = -a * sine - b * cosine, a * cosine - b * sine  # a·u⊥ − b·u
+    inertial = lean_x * (a_x - m[GRAVITY_X]) + lean_y * (a_y - m[GRAVITY_Y])
+    turning = length * (sine * f_x - cosine * f_y) + moment
+    alpha = (turning - m[ROD_MASS] * inertial) / m[ROD_INERTIA]
+    square = spin * spin
+
+    out[0], out[1] = y[2], y[3]
+    slider = f_x / m[SLIDER_MASS] + m[GRAVITY_X]
+    out[2] = slider - a_x + length * (sine * alpha + cosine * square)
+    out[3] = -a_y - length * (cosine * alpha - sine * square)
+
+    # The crank's reaction and the gravity on it, about the pivot.
+    offset_x, offset_y = a * cosine - b * sine, a * sine + b * cosine
+    G_x = a_x + lean_x * alpha - offset_x * square - m[GRAVITY_X]
+    G_y = a_y + lean_y * alpha - offset_y * square - m[GRAVITY_Y]
+    reaction_x, reaction_y = m[ROD_MASS] * G_x + f_x, m[ROD_MASS] * G_y + f_y
+    theta = m[ANGLE] + omega * t
+    c_x = m[CRANK_A] * math.cos(theta) - m[CRANK_B] * math.sin(theta)
+    c_y = m[CRANK_A] * math.sin(theta) + m[CRANK_B] * math.cos(theta)
+    weight = m[CRANK_MASS] * (c_x * m[GRAVITY_Y] - c_y * m[GRAVITY_X])
+    out[4] = omega * (A_x * reaction_y - A_y * reaction_x - weight)
+    out[5], out[6] = normal_power, friction_power
+
+
+@callback(RHS)
+def rhs(t: float, y: Any, out: Any, data: Any) -> int:
+    """CVODE's right-hand side."""
+    p = block(data)
+    derivatives(t, values(y, p), values(out, p), p)
+    return 0
+
+
+@callback(ROOTS)
+def roots(t: float, y: Any, out: Any, data: Any) -> int:
+    """CVODE's root functions."""
+    p = block(data)
+    e_x, e_y, u_x, u_y = eccentricity(t, values(y, p), p)
+    fill_roots(e_x, e_y, u_x, u_y, carray(out, (EVENTS,)), p)
+    return 0

@@ -1,0 +1,281 @@
+"""A mechanism as data: bodies, joints, one clearance; read from a spec."""
+
+from __future__ import annotations
+
+import copy
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from cylcontact.dissipation import IMPACT_RATE_FLOOR, hysteresis_factor
+from cylcontact.errors import InputError
+from cylcontact.laws import LAWS, ContactLaw
+from cylcontact.materials import Material
+from cylcontact.mechanism.provenance import assumptions
+from cylcontact.mechanism.spec import MechanismSpec
+from cylcontact.pair import CylinderPair
+from cylcontact.specs import parse_spec, read_toml
+
+GROUND = -1
+Point = tuple[float, float]
+
+# What no spec says.
+ASSUMED = (
+    "start: the journal centred in its bearing and at rest in it",
+    f"slowest impact that dissipates as its factor says = {IMPACT_RATE_FLOOR} mm/s",
+)
+
+# What commands may set, and where it stands in a spec.
+OVERRIDES = {
+    "law": "clearance.law",
+    "clearance": "clearance.radial",
+    "restitution": "clearance.restitution",
+    "friction": "clearance.friction",
+    "revolutions": "integration.revolutions",
+    "tolerance": "integration.tolerance",
+}
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body: kg, kg m²; the guess is (x, y, θ) in m and rad."""
+
+    name: str
+    mass: float
+    inertia: float
+    guess: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint of bodies i and j (−1 is the ground) at points in their own axes, in m.
+
+    `direction` and `angle` are in rad, `speed` in rad/s; which of them count depends on `kind`:
+    "revolute", "prismatic" or "driver".
+    """
+
+    name: str
+    kind: str
+    i: int
+    j: int
+    point_i: Point = (0.0, 0.0)
+    point_j: Point = (0.0, 0.0)
+    direction: float = 0.0
+    angle: float = 0.0
+    speed: float = 0.0
+
+
+@dataclass(frozen=True)
+class Clearance:
+    """The clearance joint: lengths in m, speeds in m/s, the pair and the law in mm, N and MPa.
+
+    Body i carries the bearing, body j the journal.
+    """
+
+    joint: str
+    i: int
+    j: int
+    point_i: Point
+    point_j: Point
+    radial: float
+    R_bearing: float
+    length: float
+    law: ContactLaw
+    pair: CylinderPair | None
+    chi: float
+    friction: float
+    v0: float
+    v1: float
+    rate_floor: float = IMPACT_RATE_FLOOR * 1e-3
+
+
+@dataclass(frozen=True)
+class Integration:
+    """How to integrate, by the spec."""
+
+    alpha: float
+    beta: float
+    max_step: float
+    tolerance: float
+    revolutions: int
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """A mechanism; build one with `read_mechanism` or `mechanism_from`.
+
+    Attributes
+    ----------
+    name : str
+    bodies : tuple of Body
+    joints : tuple of Joint
+        All of them, the one with the clearance among them.
+    clearance : Clearance
+    gravity : pair of float
+        In m/s².
+    integration : Integration
+    data : dict
+        The spec, changes included.
+    source : str
+        What errors call it.
+    """
+
+    name: str
+    bodies: tuple[Body, ...]
+    joints: tuple[Joint, ...]
+    clearance: Clearance
+    gravity: Point
+    integration: Integration
+    data: dict[str, Any] = field(repr=False)
+    source: str = "mechanism"
+
+    @property
+    def driver(self) -> Joint:
+        """The joint that turns at constant speed."""
+        return next(joint for joint in self.joints if joint.kind == "driver")
+
+    @property
+    def ideal(self) -> bool:
+        """Whether the clearance is closed, its joint a revolute like the others."""
+        return self.clearance.radial == 0.0
+
+    @property
+    def constraints(self) -> tuple[Joint, ...]:
+        """The joints that constrain: all but the one with an open clearance."""
+        return tuple(j for j in self.joints if self.ideal or j.name != self.clearance.joint)
+
+    @property
+    def period(self) -> float:
+        """The time of one revolution of the driver in s."""
+        return 2 * math.pi / abs(self.driver.speed)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """Everything that is assumed, as "key = value": what the spec says, and what it cannot."""
+        return (*assumptions(self.data), *ASSUMED)
+
+
+def read_mechanism(path: Path | str, **changes: Any) -> Mechanism:
+    """Read a mechanism's spec.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file, e.g. datasets/slider_crank.toml.
+    **changes
+        Values to put in place of the spec's: `law` (a name or a ContactLaw), `clearance` in mm,
+        `restitution`, `friction`, `revolutions`, `tolerance`. None changes nothing.
+
+    Returns
+    -------
+    Mechanism
+
+    Raises
+    ------
+    InputError
+        With the first mistake in the file.
+
+    Examples
+    --------
+    >>> mechanism = read_mechanism("datasets/slider_crank.toml", law="johnson", clearance=0.02)
+    >>> [body.name for body in mechanism.bodies], mechanism.clearance.law
+    (['crank', 'rod', 'slider'], Johnson())
+    """
+    return mechanism_from(read_toml(path), str(path), **changes)
+
+
+def mechanism_from(data: dict[str, Any], source: str = "mechanism", **changes: Any) -> Mechanism:
+    """Return the mechanism that a spec's data describe; see `read_mechanism`."""
+    changed = copy.deepcopy(data)
+    law = changes.pop("law", None)
+    for key, value in {**changes, "law": law if isinstance(law, str) else None}.items():
+        if key not in OVERRIDES:
+            raise InputError(source, key, value, "cannot be set", f"choose {', '.join(OVERRIDES)}")
+        if value is not None:
+            _set(changed, OVERRIDES[key], value)
+    spec = parse_spec(MechanismSpec, changed, source)
+    chosen = LAWS[spec.clearance.law]() if law is None or isinstance(law, str) else law
+    if chosen is law:
+        changed["clearance"]["law"] = repr(law)
+    names = {"ground": GROUND} | {name: index for index, name in enumerate(spec.bodies)}
+    joints = tuple(_joint(spec, name, names) for name in spec.joints)
+    return Mechanism(
+        name=spec.name,
+        bodies=tuple(
+            Body(name, body.mass, body.inertia, (*body.guess[:2], math.radians(body.guess[2])))
+            for name, body in spec.bodies.items()
+        ),
+        joints=joints,
+        clearance=_clearance(spec, joints, names, chosen),
+        gravity=spec.gravity,
+        integration=Integration(**spec.integration.model_dump()),
+        data=changed,
+        source=source,
+    )
+
+
+def _set(data: dict[str, Any], key: str, value: Any) -> None:
+    """Set a value by its dotted key, and take it out of what the spec says of its origin."""
+    table, _, name = key.partition(".")
+    if isinstance(data.get(table), dict):
+        data[table][name] = value
+    origin = data.get("provenance")
+    if isinstance(origin, dict):
+        for kind, keys in origin.items():
+            if isinstance(keys, list):
+                origin[kind] = [one for one in keys if one != key]
+        origin.setdefault("chosen", []).append(key)
+
+
+def _joint(spec: MechanismSpec, name: str, names: dict[str, int]) -> Joint:
+    """Return a joint with its bodies and points looked up."""
+    joint = spec.joints[name]
+    bodies, points = [], []
+    for place in joint.between:
+        body, _, point = place.partition(".")
+        bodies.append(names[body])
+        owner = spec.ground if body == "ground" else spec.bodies[body]
+        points.append(owner.points[point] if point else (0.0, 0.0))
+    return Joint(
+        name=name,
+        kind=joint.type,
+        i=bodies[0],
+        j=bodies[1],
+        point_i=points[0],
+        point_j=points[1],
+        direction=math.radians(joint.direction or 0.0),
+        angle=math.radians(joint.angle),
+        speed=(joint.speed or 0.0) * 2 * math.pi / 60,
+    )
+
+
+def _clearance(
+    spec: MechanismSpec, joints: tuple[Joint, ...], names: dict[str, int], law: ContactLaw
+) -> Clearance:
+    """Return the clearance joint, in SI but for the pair."""
+    c = spec.clearance
+    joint = next(joint for joint in joints if joint.name == c.joint)
+    ends = [(joint.i, joint.point_i), (joint.j, joint.point_j)]
+    if names[c.bearing] != joint.i:
+        ends.reverse()
+    steel = Material("joint", c.E * 1e3, c.nu)
+    pair = None
+    if c.radial > 0:
+        pair = CylinderPair.from_dR("internal", c.radial, steel, c.length, c.R_bearing)
+    return Clearance(
+        joint=c.joint,
+        i=ends[0][0],
+        j=ends[1][0],
+        point_i=ends[0][1],
+        point_j=ends[1][1],
+        radial=c.radial * 1e-3,
+        R_bearing=c.R_bearing * 1e-3,
+        length=c.length,
+        law=law,
+        pair=pair,
+        chi=float(hysteresis_factor(c.factor)(c.restitution)),
+        friction=c.friction,
+        v0=c.v0 * 1e-3,
+        v1=c.v1 * 1e-3,
+    )

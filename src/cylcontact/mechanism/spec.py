@@ -1,0 +1,167 @@
+"""Specs of mechanisms: what a TOML file of one may say."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, Strict, model_validator
+
+from cylcontact.dissipation import FACTORS
+from cylcontact.laws import LAWS
+from cylcontact.mechanism.provenance import check_provenance
+from cylcontact.specs import Spec, broken
+
+# TOML has lists only.
+Pair = Annotated[tuple[float, float], Strict(False)]
+
+
+class BodySpec(Spec):
+    """A rigid body."""
+
+    mass: float = Field(gt=0, description="the mass in kg")
+    inertia: float = Field(gt=0, description="the moment of inertia about the centre, kg m²")
+    points: dict[str, Pair] = Field(
+        description="named points in m from the centre, {pin = [x, y]}", strict=False
+    )
+    guess: tuple[float, float, float] = Field(
+        description="a rough position to assemble from, [x, y, degrees]", strict=False
+    )
+
+
+class GroundSpec(Spec):
+    """What does not move."""
+
+    points: dict[str, Pair] = Field(description="named points in m, {pivot = [x, y]}", strict=False)
+
+
+class JointSpec(Spec):
+    """A joint between two bodies."""
+
+    type: Literal["revolute", "prismatic", "driver"] = Field(
+        description='"revolute", "prismatic" or "driver"'
+    )
+    between: tuple[str, str] = Field(
+        description='two points, ["crank.pin", "rod.pin"]; two bodies for a driver', strict=False
+    )
+    direction: float | None = Field(None, description="the slide's direction in degrees")
+    angle: float = Field(0.0, description="the angle between the bodies in degrees")
+    speed: float | None = Field(None, description="the speed in rpm, negative for clockwise")
+
+    @model_validator(mode="after")
+    def _check(self) -> JointSpec:
+        wanted = {"revolute": None, "prismatic": "direction", "driver": "speed"}[self.type]
+        for key in ("direction", "speed"):
+            given = getattr(self, key) is not None
+            if given and key != wanted:
+                raise broken(key, getattr(self, key), f"is not for a {self.type}", "remove it")
+            if key == wanted and not given:
+                raise broken(key, None, f"is required for a {self.type}", f"add {key}")
+        if self.type == "driver" and not self.speed:
+            raise broken("speed", self.speed, "must not be zero", "give it in rpm")
+        return self
+
+
+class ClearanceSpec(Spec):
+    """The revolute joint with clearance and what is in contact there."""
+
+    joint: str = Field(description="the name of a revolute joint")
+    bearing: str = Field(description="the body that carries the bearing")
+    radial: float = Field(ge=0, description="the radial clearance in mm, 0 for an ideal joint")
+    R_bearing: float = Field(gt=0, description="the radius of the bearing in mm")
+    length: float = Field(gt=0, description="the axial length in mm")
+    E: float = Field(gt=0, description="Young's modulus of both bodies in GPa")
+    nu: float = Field(ge=0, le=0.5, description="Poisson's ratio of both bodies")
+    law: str = Field(description=f"a contact law: {', '.join(LAWS)}")
+    restitution: float = Field(gt=0, le=1, description="the restitution, above 0 up to 1")
+    factor: str = Field(description=f"a hysteresis factor: {', '.join(FACTORS)}")
+    friction: float = Field(ge=0, description="the friction coefficient")
+    v0: float = Field(ge=0, description="the speed in mm/s up to which there is no friction")
+    v1: float = Field(gt=0, description="the speed in mm/s from which there is all of it")
+
+    @model_validator(mode="after")
+    def _check(self) -> ClearanceSpec:
+        if self.radial >= self.R_bearing:
+            raise broken(
+                "radial", self.radial, "leaves no journal", f"keep it below {self.R_bearing} mm"
+            )
+        if self.law not in LAWS:
+            raise broken("law", self.law, "is not a law", f"choose {', '.join(LAWS)}")
+        if self.factor not in FACTORS:
+            raise broken("factor", self.factor, "is not known", f"choose {', '.join(FACTORS)}")
+        if self.v1 <= self.v0:
+            raise broken("v1", self.v1, f"must be above v0 = {self.v0}", "raise it")
+        return self
+
+
+class IntegrationSpec(Spec):
+    """How to integrate."""
+
+    alpha: float = Field(ge=0, description="Baumgarte's α in 1/s")
+    beta: float = Field(ge=0, description="Baumgarte's β in 1/s")
+    max_step: float = Field(gt=0, description="the longest step in s")
+    tolerance: float = Field(gt=0, lt=1, description="the tolerance, e.g. 1e-8")
+    revolutions: int = Field(ge=1, description="revolutions of the drive, at least 1")
+
+
+class ProvenanceSpec(Spec):
+    """Where the numbers come from, by key; the longest key that fits decides."""
+
+    paper: tuple[str, ...] = Field(description="keys of the paper's numbers", strict=False)
+    derived: tuple[str, ...] = Field(description="keys of derived numbers", strict=False)
+    assumed: tuple[str, ...] = Field(description="keys of assumed numbers", strict=False)
+    chosen: tuple[str, ...] = Field(
+        (), description="keys of numbers set by a command", strict=False
+    )
+
+
+class MechanismSpec(Spec):
+    """A mechanism's file."""
+
+    name: str = Field(description="the mechanism's name")
+    gravity: Pair = Field(description="the acceleration of gravity in m/s², [x, y]", strict=False)
+    ground: GroundSpec = Field(description="a table [ground.points]")
+    bodies: dict[str, BodySpec] = Field(min_length=1, description="a table [bodies.NAME] for each")
+    joints: dict[str, JointSpec] = Field(description="a table [joints.NAME] for each")
+    clearance: ClearanceSpec = Field(description="a table [clearance]")
+    integration: IntegrationSpec = Field(description="a table [integration]")
+    provenance: ProvenanceSpec = Field(description="a table [provenance]")
+
+    @model_validator(mode="after")
+    def _check_names(self) -> MechanismSpec:
+        if "ground" in self.bodies:
+            raise broken("bodies.ground", None, "is no body's name", "it is what does not move")
+        for name, joint in self.joints.items():
+            for place in joint.between:
+                self._check_place(f"joints.{name}.between", place, joint.type == "driver")
+        drivers = [name for name, joint in self.joints.items() if joint.type == "driver"]
+        if len(drivers) != 1:
+            raise broken("joints", drivers, "there must be one driver", 'give type = "driver" once')
+        self._check_clearance()
+        check_provenance(self.model_dump(exclude_unset=True))
+        return self
+
+    def _check_place(self, key: str, place: str, whole_body: bool) -> None:
+        body, _, point = place.partition(".")
+        bodies: dict[str, BodySpec | GroundSpec] = {"ground": self.ground, **self.bodies}
+        if body not in bodies:
+            raise broken(key, place, "names no body", f"bodies: {', '.join(bodies)}")
+        if whole_body and point:
+            raise broken(key, place, "names a point", "a driver takes two bodies")
+        if not whole_body and point not in bodies[body].points:
+            points = ", ".join(bodies[body].points)
+            raise broken(key, place, "names no point", f"points of {body}: {points}")
+
+    def _check_clearance(self) -> None:
+        joint = self.joints.get(self.clearance.joint)
+        if joint is None or joint.type != "revolute":
+            revolutes = [name for name, j in self.joints.items() if j.type == "revolute"]
+            raise broken(
+                "clearance.joint", self.clearance.joint, "is not a revolute joint",
+                f"choose {', '.join(revolutes)}",
+            )  # fmt: skip
+        bodies = [place.partition(".")[0] for place in joint.between]
+        if self.clearance.bearing not in bodies:
+            raise broken(
+                "clearance.bearing", self.clearance.bearing, "is not at that joint",
+                f"choose {' or '.join(bodies)}",
+            )  # fmt: skip

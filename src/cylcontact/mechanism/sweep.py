@@ -1,0 +1,239 @@
+"""Many cases of one mechanism: laws × clearances × restitutions × frictions, one tidy table."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import closing
+from dataclasses import asdict, astuple, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cylcontact.errors import InputError
+from cylcontact.mechanism.kept import Kept
+from cylcontact.mechanism.model import Mechanism, mechanism_from
+from cylcontact.mechanism.rows import Beyond, Method
+from cylcontact.mechanism.simulate import simulate
+from cylcontact.mechanism.studies import horizon
+from cylcontact.mechanism.trajectory import Trajectory
+from cylcontact.origin import spec_hash
+from cylcontact.parallel import Workers, call, run_calls
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class Case:
+    """What varies in a sweep: a law's name, the clearance in mm, restitution, friction."""
+
+    law: str
+    clearance: float
+    restitution: float
+    friction: float
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How every case of a sweep is run.
+
+    Statistics count revolutions from `first` on. With a second tolerance, `against`, every case is
+    run at that one as well; statistics then count only revolutions beyond the horizon up to which
+    the two agree, unless they agree to the end.
+    """
+
+    revolutions: int
+    first: int = 0
+    method: Method | None = None
+    tolerance: float | None = None
+    beyond: Beyond = "stop"
+    against: float | None = None
+
+
+def cases(
+    laws: Iterable[str],
+    clearances: Iterable[float],
+    restitutions: Iterable[float],
+    frictions: Iterable[float],
+) -> list[Case]:
+    """Return all combinations, the last one varying fastest.
+
+    Examples
+    --------
+    >>> [case.friction for case in cases(["johnson"], [0.5], [0.9], [0.0, 0.1])]
+    [0.0, 0.1]
+    """
+    combined = itertools.product(laws, clearances, restitutions, frictions)
+    return [Case(*values) for values in combined]
+
+
+def sweep(
+    mechanism: Mechanism,
+    wanted: Sequence[Case],
+    plan: Plan,
+    workers: Workers = 1,
+    progress: Progress | None = None,
+    kept: Path | None = None,
+    resume: bool = False,
+) -> pd.DataFrame:
+    """Simulate cases of a mechanism, in parallel.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        What all cases have in common.
+    wanted : sequence of Case
+        The cases; see `cases`.
+    plan : Plan
+        How to run each.
+    workers : int or Cluster
+        Where to run them; the table does not depend on it.
+    progress : callable, optional
+        Called with a stage, the cases done and their number.
+    kept : Path, optional
+        Keeps every complete case, so that an interrupted sweep can be taken up.
+    resume : bool
+        Whether to take the cases in `kept` from there.
+
+    Returns
+    -------
+    DataFrame
+        One row for each case in their order: what varies, `status` ("complete", or "stopped" with
+        the reason in `message`), mean and standard deviation over the revolutions of every number
+        that `Statistics` knows, the largest energy error relative to the peak of the kinetic
+        energy, the largest drift of a constraint, and the assumptions. With `plan.against` also the
+        horizon in revolutions and the statistics at the other tolerance.
+
+    Raises
+    ------
+    InputError
+        If there are no cases, a case cannot be (an unknown law, a negative clearance), or the
+        plan leaves no revolution to count.
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_mechanism
+    >>> mechanism = read_mechanism("datasets/slider_crank.toml")
+    >>> table = sweep(mechanism, cases(["enhanced"], [0.02], [0.9], [0.0]), Plan(revolutions=1))
+    >>> print(table[["law", "status", "impacts"]].to_string(index=False))
+         law   status  impacts
+    enhanced complete      6.0
+    """
+    import pandas as pd
+
+    _require_possible(mechanism, wanted, plan)
+    found: dict[Case, dict[str, Any]] = {}
+    store = Kept(kept, _key(mechanism, plan)) if kept is not None else None
+    if store is not None:
+        found = {Case(**line["case"]): line["row"] for line in store.load()} if resume else {}
+        if not resume:
+            store.start()
+    missing = [case for case in wanted if case not in found]
+    calls = [call(run_case, mechanism.data, mechanism.source, case, plan) for case in missing]
+    if progress is not None:
+        progress("cases", len(wanted) - len(missing), len(wanted))
+    with closing(run_calls(calls, workers)) as results:
+        for done, (case, row) in enumerate(zip(missing, results, strict=True), start=1):
+            found[case] = row
+            if store is not None:
+                store.add({"case": asdict(case), "row": row})
+            if progress is not None:
+                progress("cases", len(wanted) - len(missing) + done, len(wanted))
+    return pd.DataFrame([found[case] for case in wanted])
+
+
+def run_case(data: dict[str, Any], source: str, case: Case, plan: Plan) -> dict[str, Any]:
+    """Simulate one case and return its row of the table."""
+    mechanism = mechanism_from(data, source, **asdict(case))
+    row: dict[str, Any] = {
+        "law": case.law,
+        "clearance_mm": case.clearance,
+        "restitution": case.restitution,
+        "friction": case.friction,
+        "revolutions": plan.revolutions,
+        "first": plan.first,
+    }
+    try:
+        run = simulate(mechanism, plan.method, plan.revolutions, plan.tolerance, plan.beyond)
+        if plan.against is None:
+            return row | _complete(run, plan.first)
+        other = simulate(mechanism, plan.method, plan.revolutions, plan.against, plan.beyond)
+    except InputError as error:
+        return row | {"status": "stopped", "message": str(error)}
+    reach = horizon(run, other)
+    if reach < plan.revolutions:
+        row["first"] = max(plan.first, math.ceil(reach))
+    second = {f"{name}_against": value for name, value in _numbers(other, row["first"]).items()}
+    compared = {"horizon_revolutions": reach, "against": plan.against}
+    return row | _complete(run, row["first"]) | compared | second
+
+
+def _complete(run: Trajectory, first: int) -> dict[str, Any]:
+    """Return what a complete run adds to a row."""
+    return {
+        "status": "complete",
+        "message": "; ".join(run.continuation),
+        **_numbers(run, first),
+        "method": run.settings.method,
+        "tolerance": run.settings.tolerance,
+        "energy_error": float(np.abs(run.energy_error).max() / run.kinetic_energy.max()),
+        "drift": float(run.drift[:, 0].max()),
+        "assumptions": "; ".join(run.assumptions),
+    }
+
+
+def _numbers(run: Trajectory, first: int) -> dict[str, float]:
+    """Return mean and standard deviation of every statistic; none where no revolution is left."""
+    if first >= run.revolutions:
+        return {}
+    statistics = run.statistics(first)
+    scatter = statistics.scatter
+    found: dict[str, float] = {}
+    for name, mean in statistics.mean.items():
+        found[str(name)] = float(mean)
+        found[f"{name}_std"] = float(scatter[str(name)])
+    return found
+
+
+def _require_possible(mechanism: Mechanism, wanted: Sequence[Case], plan: Plan) -> None:
+    """Refuse what no worker could run."""
+    if not wanted:
+        raise InputError("sweep", "cases", [], "there is none", "give every list a value")
+    if not 0 <= plan.first < plan.revolutions:
+        raise InputError(
+            "sweep", "first", plan.first, f"leaves none of {plan.revolutions} revolutions",
+            "start earlier, or simulate more revolutions",
+        )  # fmt: skip
+    for case in wanted:
+        mechanism_from(mechanism.data, mechanism.source, **asdict(case))
+
+
+def _key(mechanism: Mechanism, plan: Plan) -> str:
+    """Return a hash of everything that a case's row depends on besides the case."""
+    return spec_hash({"mechanism": mechanism.data, "plan": astuple(plan)})
+
+
+def write_table(table: pd.DataFrame, path: Path | str) -> None:
+    """Write a table as .csv or .parquet; it appears complete or not at all."""
+    from cylcontact.files import replacing
+
+    target = Path(path)
+    require_table_name(target)
+    with replacing(target) as temporary:
+        if target.suffix == ".csv":
+            table.to_csv(temporary, index=False)
+        else:
+            table.to_parquet(temporary, index=False)
+
+
+def require_table_name(path: Path) -> None:
+    """Refuse a name that is neither .csv nor .parquet."""
+    if path.suffix not in (".csv", ".parquet"):
+        raise InputError(
+            str(path), "", None, "is neither .csv nor .parquet", "name the output so that it is one"
+        )

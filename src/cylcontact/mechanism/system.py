@@ -1,0 +1,195 @@
+"""A mechanism made ready for the integrator: parameter block, start and tolerances."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import ModuleType
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray
+from cylcontact.laws.kernels import Kernel, kernel, kernel_load, kernel_stiffness
+from cylcontact.mechanism import constraints, contact, minimal, multiplier
+from cylcontact.mechanism.assembly import assemble, joint_table
+from cylcontact.mechanism.model import Mechanism
+from cylcontact.mechanism.slider_crank import masses, recognise
+from cylcontact.mechanism.sundials import library
+
+METHODS = ("minimal", "multiplier")
+BEYOND = ("stop", "tangent")
+# Assumed: where the straight line of "tangent" takes over, as a fraction of the law's largest
+# penetration. At the limit itself Johnson's law is infinitely stiff.
+TANGENT_FROM = 0.9
+
+# What the tolerance is relative to. A state of the size of the clearance moves at some metres per
+# second; energies are of some joules.
+LENGTH_SCALE, SPEED_SCALE, ENERGY_SCALE = 1e-4, 1.0, 1e2
+
+
+@dataclass(frozen=True)
+class System:
+    """One mechanism in one form.
+
+    Attributes
+    ----------
+    model : module
+        `minimal` or `multiplier`.
+    block : array of float
+        The parameter block.
+    start : array of float
+        The state at t = 0.
+    scale : array of float
+        What the tolerance of each state is relative to, besides the state itself.
+    relative : bool
+        Whether the tolerance is relative to the state as well, which for absolute positions would
+        be too coarse.
+    source, law : str
+        What errors call the mechanism and the law.
+    """
+
+    model: ModuleType
+    block: FloatArray
+    start: FloatArray
+    scale: FloatArray
+    relative: bool
+    source: str
+    law: str
+
+
+def build(
+    mechanism: Mechanism,
+    method: str,
+    beyond: str = "stop",
+    allowed_penetration: float | None = None,
+) -> System:
+    """Make a mechanism ready.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The mechanism.
+    method : {"minimal", "multiplier"}
+        Which equations of motion.
+    beyond : {"stop", "tangent"}
+        What to do where the law ends.
+    allowed_penetration : float, optional
+        In m: step control by the penetration at which a contact may begin, in place of the
+        location of its onset.
+
+    Raises
+    ------
+    InputError
+        If the mechanism cannot be assembled, or is none for minimal coordinates.
+    """
+    q, v = assemble(mechanism)
+    model: ModuleType
+    if method == "minimal":
+        numbers, start = _minimal_numbers(mechanism), np.zeros(minimal.STATES)
+        scale = [LENGTH_SCALE] * 2 + [SPEED_SCALE] * 2 + [ENERGY_SCALE] * 3
+        model = minimal
+    else:
+        numbers, start = _multiplier_numbers(mechanism), np.concatenate((q, v, np.zeros(3)))
+        scale = [LENGTH_SCALE] * q.size + [SPEED_SCALE] * v.size + [ENERGY_SCALE] * 3
+        model = multiplier
+    block = _block(mechanism, numbers, start.size, beyond)
+    block[contact.ALLOWED_PENETRATION] = allowed_penetration or 0.0
+    law = str(mechanism.data["clearance"]["law"])
+    return System(model, block, start, np.array(scale), method == "minimal", mechanism.source, law)
+
+
+def joint_kernel(mechanism: Mechanism) -> Kernel | None:
+    """Return the compiled law of the clearance joint; None where the joint is ideal."""
+    joint = mechanism.clearance
+    return None if joint.pair is None else kernel(joint.law, joint.pair)
+
+
+def _block(mechanism: Mechanism, numbers: FloatArray, states: int, beyond: str) -> FloatArray:
+    """Return the parameter block of a mechanism."""
+    joint = mechanism.clearance
+    p = law_block(joint_kernel(mechanism), numbers, states, beyond)
+    p[contact.IMPACT_RATE] = p[contact.RATE_FLOOR] = joint.rate_floor
+    p[contact.CHI], p[contact.FRICTION] = joint.chi, joint.friction
+    p[contact.V0], p[contact.V1] = joint.v0, joint.v1
+    # An ideal joint is one whose journal never reaches the bearing.
+    p[contact.CLEARANCE] = np.inf if mechanism.ideal else joint.radial
+    p[contact.R_BEARING] = joint.R_bearing
+    p[contact.R_JOURNAL] = joint.R_bearing - joint.radial
+    p[contact.LENGTH] = joint.length
+    return p
+
+
+def law_block(
+    law: Kernel | None, numbers: FloatArray, states: int, beyond: str = "stop"
+) -> FloatArray:
+    """Return a parameter block with the law and the model's numbers in it, the rest still zero.
+
+    Header, the law's numbers and the model's numbers follow each other.
+    """
+    law_numbers = np.empty(0) if law is None else law.parameters
+    p = np.concatenate((np.zeros(contact.HEADER), law_numbers, numbers))
+    p[contact.SIZE], p[contact.LAYOUT], p[contact.STATES] = p.size, library().data_words, states
+    p[contact.KERNEL_START] = contact.HEADER
+    p[contact.KERNEL_SIZE] = law_numbers.size
+    p[contact.MODEL_START] = contact.HEADER + law_numbers.size
+    p[contact.LAST_PENETRATION] = p[contact.STOP_PENETRATION] = np.inf
+    if law is not None:
+        p[contact.KERNEL] = law.kind
+        if np.isfinite(law.max_penetration):
+            _end_of_law(p, law, beyond)
+    return p
+
+
+def _end_of_law(p: FloatArray, law: Kernel, beyond: str) -> None:
+    """Say where the law is left, and how the load goes on from there.
+
+    Even where the run stops there, trial steps of the integrator may look further.
+    """
+    last = law.max_penetration * (TANGENT_FROM if beyond == "tangent" else 1.0)
+    p[contact.LAST_PENETRATION] = last
+    p[contact.LAST_LOAD] = kernel_load(law.kind, law.parameters, last)
+    if beyond == "tangent":
+        p[contact.LAST_SLOPE] = kernel_stiffness(law.kind, law.parameters, last)
+    else:
+        p[contact.STOP_PENETRATION] = last * 1e-3
+
+
+def _minimal_numbers(mechanism: Mechanism) -> FloatArray:
+    """Return the model's numbers for `minimal`."""
+    shape = recognise(mechanism)
+    crank, rod, slider = masses(mechanism, shape)
+    a, b = shape.rod_centre
+    turn = np.exp(-1j * shape.slide) * complex(*mechanism.gravity)
+    m = np.zeros(minimal.MODEL_SIZE)
+    m[minimal.CRANK], m[minimal.ROD], m[minimal.OFFSET] = (
+        shape.crank_length, shape.rod_length, shape.offset,
+    )  # fmt: skip
+    m[minimal.ROD_A], m[minimal.ROD_B] = a, b
+    m[minimal.ROD_INERTIA] = rod.inertia + rod.mass * (a * a + b * b)
+    m[minimal.ROD_MASS], m[minimal.SLIDER_MASS] = rod.mass, slider.mass
+    m[minimal.OMEGA], m[minimal.ANGLE], m[minimal.SIDE] = shape.omega, shape.angle, shape.side
+    m[minimal.GRAVITY_X], m[minimal.GRAVITY_Y] = turn.real, turn.imag
+    m[minimal.CRANK_A], m[minimal.CRANK_B] = shape.crank_centre
+    m[minimal.CRANK_MASS] = crank.mass
+    return m
+
+
+def _multiplier_numbers(mechanism: Mechanism) -> FloatArray:
+    """Return the model's numbers for `multiplier`: header, masses, table of joints."""
+    joints, joint = mechanism.constraints, mechanism.clearance
+    table = joint_table(joints)
+    sizes = [constraints.CONSTRAINTS[kind] for kind in table[:, 0]]
+    driver = next(k for k, j in enumerate(joints) if j.kind == "driver")
+    m = np.zeros(multiplier.MODEL_HEADER)
+    m[multiplier.BODIES], m[multiplier.JOINTS] = len(mechanism.bodies), len(joints)
+    m[multiplier.ROWS], m[multiplier.DRIVER_ROW] = sum(sizes), sum(sizes[:driver])
+    m[multiplier.DRIVER_I], m[multiplier.DRIVER_J] = joints[driver].i, joints[driver].j
+    m[multiplier.BODY_I], m[multiplier.BODY_J] = joint.i, joint.j
+    m[multiplier.I_X], m[multiplier.I_Y] = joint.point_i
+    m[multiplier.J_X], m[multiplier.J_Y] = joint.point_j
+    m[multiplier.ALPHA], m[multiplier.BETA] = (
+        mechanism.integration.alpha,
+        mechanism.integration.beta,
+    )
+    m[multiplier.GRAVITY_X], m[multiplier.GRAVITY_Y] = mechanism.gravity
+    mass = [value for body in mechanism.bodies for value in (body.mass, body.mass, body.inertia)]
+    return np.concatenate((m, mass, table.ravel()))

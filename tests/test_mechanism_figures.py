@@ -1,0 +1,269 @@
+"""The numbers behind Figs 15 to 19 and their companions, and the film."""
+
+import math
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+
+from cylcontact import InputError, cli
+from cylcontact.mechanism import Case, read_mechanism, simulate
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import draw
+from cylcontact.reports.mechanism.disclosure import assumed, horizons, law_ends
+from cylcontact.reports.mechanism.linkage import driver_circle, poses
+from cylcontact.reports.mechanism.movie import FRAMES_PER_REVOLUTION, film, require_film
+from cylcontact.reports.mechanism.paths import path_table
+from cylcontact.reports.mechanism.runs import CASES, case_row, law_limit, mechanism, simulated
+
+ROOT = Path(__file__).parents[1]
+BENCH = Bench(ROOT)
+SETTLED = Case("enhanced", 0.5, 0.9, 0.1)
+E_STAR = 207e3 / (2 * (1 - 0.3**2))
+LENGTH = 10.0
+
+
+@pytest.fixture(scope="module")
+def settled():
+    return simulated(BENCH, SETTLED, 3)
+
+
+@pytest.fixture(scope="module")
+def drawing():
+    return draw("fig17", BENCH)
+
+
+def johnson_penetration(force, dR):
+    """Eq 1, from N to mm."""
+    f = force / LENGTH
+    return f / (math.pi * E_STAR) * (np.log(4 * math.pi * E_STAR * dR / f) - 1)
+
+
+def sphere_force(depth, dR):
+    """Eq 2, from mm to N."""
+    return 4 / 3 * E_STAR * np.sqrt(10.0 * (10.0 - dR) / dR) * depth**1.5
+
+
+class TestCases:
+    def test_there_are_24(self):
+        assert len(set(CASES)) == len(CASES) == 24
+
+    def test_runs_are_remembered_and_those_of_the_spec(self, settled):
+        assert simulated(BENCH, SETTLED, 3) is settled
+        one = read_mechanism(BENCH.mechanism_file, **vars(SETTLED))
+        again = simulate(one, revolutions=3)
+        assert np.array_equal(again.time, settled.time)
+
+    def test_row_is_that_of_the_steps(self, settled):
+        row = case_row(settled, first=1)
+        steps, touching = np.diff(settled.time), settled.in_contact[1:]
+        late = settled.time[1:] > settled.mechanism.period
+        share = steps[late & touching].sum() / steps[late].sum()
+        assert row["contact_fraction"] == pytest.approx(share, rel=1e-9)
+        per_revolution = settled.counts["steps"].to_numpy()[1:]
+        mean = np.mean(settled.mechanism.period * 1e6 / per_revolution)
+        assert row["step_us"] == pytest.approx(mean, rel=1e-12)
+        assert (row["counted"], row["continued"], row["left"]) == (2, 0, 0)
+
+    def test_limit_of_johnsons_law_is_eq_8(self):
+        one = mechanism(BENCH, Case("johnson", 0.02, 1.0, 0.1))
+        assert law_limit(one) == pytest.approx(4 * 0.02 / math.e**2, rel=1e-9)
+        assert law_limit(mechanism(BENCH, SETTLED)) == math.inf
+
+    def test_a_continued_law_is_told(self):
+        case = Case("johnson", 0.02, 1.0, 0.1)
+        run = simulated(BENCH, case, 1)
+        depths = run.contacts["max_penetration_m"].to_numpy() * 1e3
+        limit = 4 * 0.02 / math.e**2
+        told = law_ends([run])
+        assert f"{(depths > 0.9 * limit).sum()} of {depths.size} contacts" in told
+        assert f"{(depths > limit).sum()} of them beyond the limit of 10.83 µm" in told
+        assert (depths > limit).any()
+
+    def test_nothing_is_told_where_the_law_holds(self, settled):
+        assert law_ends([settled]) == "No law leaves its domain in these runs."
+
+    @pytest.mark.parametrize("clearance", [0.5, 0.02])
+    def test_horizons_are_the_tables(self, clearance):
+        table = pd.read_csv(ROOT / "datasets/mechanism/cases.csv")
+        found = table[table["clearance_mm"] == clearance]["horizon_revolutions"]
+        told = horizons(BENCH, clearance)
+        assert f"in {(found == 20).sum()} of the 12 cases" in told
+        assert f"{found.min():.2g} to {found[found < 20].max():.2g} revolutions" in told
+
+    def test_assumptions_are_the_specs(self):
+        told = assumed(mechanism(BENCH))
+        assert "crank 50 mm, 0.3 kg, 0.0001 kg m²" in told
+        assert "rod 120 mm, 0.21 kg, 0.00025 kg m²" in told
+        assert "slider 0.14 kg" in told
+
+
+class TestDrawnMechanism:
+    def test_fig15_is_eqs_11_to_14(self):
+        drawing = draw("fig15", BENCH)
+        found = drawing.headline
+        lengths = drawing.table.set_index("symbol")["value_mm"]
+        assert lengths["|e|"] == lengths["c"] + lengths["delta"] == found["eccentricity, mm"]
+        assert lengths["c"] == lengths["R_i"] - lengths["R_j"] == 0.5
+        # Far above v_1 = 10 mm/s all of Coulomb's friction acts, against the sliding.
+        assert abs(found["tangential velocity, m/s"]) > 0.01
+        ratio = found["friction force, N"] / found["normal force, N"]
+        assert ratio == pytest.approx(-0.1 * np.sign(found["tangential velocity, m/s"]))
+        drawn = drawing.table.set_index("symbol")["drawn_mm"]
+        assert drawn["|e|"] == pytest.approx(drawn["c"] + drawn["delta"])
+        assert drawn["c"] == pytest.approx(drawn["R_i"] - drawn["R_j"])
+
+    def test_fig16_closes(self):
+        drawing = draw("fig16", BENCH)
+        at = drawing.table.set_index(["body", "point"])
+        place = {key: row.to_numpy(dtype=float) for key, row in at.iterrows()}
+        assert place["crank", "pin"] == pytest.approx(place["rod", "pin"], abs=1e-9)
+        assert place["crank", "pivot"] == pytest.approx([0, 0], abs=1e-9)
+        rod = place["rod", "eye"] - place["rod", "pin"]
+        assert math.hypot(*rod) == pytest.approx(120, rel=1e-12)
+        gap = place["rod", "eye"] - place["slider", "pin"]
+        assert math.hypot(*gap) == pytest.approx(drawing.headline["eccentricity, mm"], rel=1e-9)
+        assert place["slider", "pin"][1] == pytest.approx(0, abs=1e-9)
+        assert drawing.headline["radius of the crank circle, mm"] == pytest.approx(50)
+
+    def test_any_mechanism_can_be_drawn(self):
+        run = simulate(read_mechanism(ROOT / "datasets/four_bar.toml"), revolutions=1)
+        (pose,) = poses(run, np.array([0.0]))
+        assert set(pose.points) == {"ground", "crank", "coupler", "rocker"}
+        (x, y), radius = driver_circle(run.mechanism, pose)
+        assert (x, y) == (0.0, 0.0)
+        assert radius == pytest.approx(40.0)
+
+
+class TestImpacts:
+    def test_elastic_forces_are_eqs_1_and_2(self, drawing):
+        table = drawing.table[drawing.table["penetration_um"] > 0.1]
+        for row in table[table["law"] == "johnson"].iloc[::7].itertuples():
+            back = johnson_penetration(row.elastic_force_N, row.clearance_mm)
+            assert back * 1e3 == pytest.approx(row.penetration_um, rel=1e-9)
+        sphere = table[table["law"] == "lankarani-nikravesh"]
+        forces = sphere_force(sphere["penetration_um"] * 1e-3, sphere["clearance_mm"])
+        assert forces.to_numpy() == pytest.approx(sphere["elastic_force_N"].to_numpy(), rel=1e-9)
+
+    def test_loops_lose_energy_and_go_above_the_law_first(self, drawing):
+        for _, loop in drawing.table.groupby(["law", "clearance_mm"], sort=False):
+            depth, excess = loop["penetration_um"], loop["force_N"] - loop["elastic_force_N"]
+            deepest = int(depth.to_numpy().argmax())
+            assert excess.iloc[1:deepest].gt(0).all()
+            assert excess.iloc[deepest + 1 : -1].lt(0).all()
+            assert np.trapezoid(loop["force_N"], depth) > 0
+
+    def test_all_laws_meet_the_same_impact(self):
+        for clearance in (0.5, 0.02):
+            rates = {
+                simulated(BENCH, Case(law, clearance, 0.9, 0.0), 1).contacts.loc[
+                    0, "impact_rate_m_per_s"
+                ]
+                for law in ("johnson", "enhanced", "lankarani-nikravesh")
+            }
+            assert max(rates) - min(rates) < 1e-9 * max(rates)
+
+    def test_headlines(self, drawing):
+        found = drawing.headline
+        assert found["0.5 mm, Johnson stiffer than enhanced from, um"] == pytest.approx(
+            27.73, abs=0.05
+        )
+        assert found["0.02 mm, Johnson stiffer than enhanced from, um"] == pytest.approx(
+            5.53, abs=0.02
+        )
+        assert found["0.5 mm, johnson: force, N"] == pytest.approx(54218, rel=1e-3)
+        assert found["0.02 mm, enhanced: force, N"] == pytest.approx(16910, rel=1e-3)
+
+
+class TestPaths:
+    def test_a_thinned_path_stays_within_its_tolerance(self):
+        case = Case("enhanced", 0.5, 0.9, 0.0)
+        run = simulated(BENCH, case, 2)
+        table = path_table(case, run, 0)
+        places = -run.eccentricity * 1e6
+        thin = table[["x_um", "y_um"]].to_numpy()
+        assert len(thin) < len(places) / 2
+        # The distance of every step from the chain of those kept.
+        start, along = thin[:-1], np.diff(thin, axis=0)
+        length = np.maximum((along**2).sum(axis=1), 1e-30)
+        for place in places[::23]:
+            share = np.clip(((place - start) * along).sum(axis=1) / length, 0, 1)
+            nearest = np.hypot(*(start + share[:, None] * along - place).T).min()
+            assert nearest <= 0.002 * 500 * (1 + 1e-9)
+
+    def test_contact_is_outside_the_clearance_circle(self):
+        case = Case("enhanced", 0.5, 0.9, 0.0)
+        table = path_table(case, simulated(BENCH, case, 2), 0)
+        radius = np.hypot(table["x_um"], table["y_um"])
+        touching = table["mode"] == "contact"
+        assert radius[touching].min() > 500 - 1e-6
+        assert radius[~touching].max() < 500 + 1e-6
+
+
+class TestFilm:
+    def test_bad_endings(self, tmp_path):
+        with pytest.raises(InputError, match=r"x\.avi: is neither \.gif nor \.mp4"):
+            require_film(tmp_path / "x.avi")
+
+    def test_film_is_short_enough_and_the_same_again(self, tmp_path, settled, monkeypatch):
+        monkeypatch.setattr("cylcontact.reports.mechanism.movie.FRAMES_PER_REVOLUTION", 6)
+        calls = []
+        for name in ("a.gif", "b.gif"):
+            frames = film(settled, tmp_path / name, 2, lambda *call: calls.append(call))
+        assert frames == 6 < FRAMES_PER_REVOLUTION
+        assert (tmp_path / "a.gif").read_bytes() == (tmp_path / "b.gif").read_bytes()
+        assert calls[-1] == ("frames", 6, 6)
+        with Image.open(tmp_path / "a.gif") as picture:
+            assert picture.n_frames == 6
+            pictures = []
+            for number in range(6):
+                picture.seek(number)
+                pictures.append(np.asarray(picture.convert("L"), dtype=float))
+        assert all(np.abs(a - b).max() > 100 for a, b in pairwise(pictures))
+
+
+class TestAnimate:
+    @pytest.fixture
+    def run(self, monkeypatch, capsys):
+        """Run the command line in this process; return its exit code, output and errors."""
+        monkeypatch.setattr("cylcontact.reports.mechanism.movie.FRAMES_PER_REVOLUTION", 4)
+
+        def run(*arguments):
+            monkeypatch.setattr(sys, "argv", ["cylcontact", "animate", *map(str, arguments)])
+            with pytest.raises(SystemExit) as caught:
+                cli.main()
+            written = capsys.readouterr()
+            return caught.value.code, written.out, written.err
+
+        return run
+
+    def test_writes_a_film_and_tells_what_is_assumed(self, run, tmp_path):
+        out = tmp_path / "four-bar.gif"
+        code, said, errors = run(ROOT / "datasets/four_bar.toml", "-o", out, "--first", 0)
+        assert (code, errors) == (0, "")
+        assert said.startswith(f"4 frames in {out}; assumed: ")
+        with Image.open(out) as picture:
+            assert picture.n_frames == 4
+
+    @pytest.mark.parametrize(
+        ("arguments", "message"),
+        [
+            (("-o", "x.avi"), "x.avi: is neither .gif nor .mp4; name the output so that it is one"),
+            (("-o", "no/x.gif", "--clearance", "-1"), "clearance.radial = -1.0"),
+            (("-o", "no/x.gif", "--revolutions", "0"), "'0' must be an integer of at least 1"),
+            ((), "Missing option '-o' / '--out'; see cylcontact animate --help"),
+        ],
+    )
+    def test_bad_input_is_one_line_and_leaves_nothing(
+        self, run, tmp_path, monkeypatch, arguments, message
+    ):
+        monkeypatch.chdir(tmp_path)
+        code, said, errors = run(ROOT / "datasets/slider_crank.toml", *arguments)
+        assert (code, said) == (2, "")
+        assert errors.count("\n") == 1
+        assert message in errors
+        assert not list(tmp_path.iterdir())

@@ -1,0 +1,107 @@
+"""The clearance closed: both forms against the closed form of the ideal slider-crank."""
+
+import mpmath
+import numpy as np
+import pytest
+
+from cylcontact.mechanism import mechanism_from, minimal, multiplier, simulate
+from cylcontact.mechanism.assembly import assemble
+from cylcontact.mechanism.system import build
+from tests.mechanism_cases import FOUR_BAR, ODD, slider_crank
+
+CRANK, ROD, OMEGA = mpmath.mpf("0.05"), mpmath.mpf("0.12"), -2 * mpmath.pi * 5000 / 60
+ROD_MASS, ROD_INERTIA, SLIDER_MASS = (mpmath.mpf(x) for x in ("0.21", "2.5e-4", "0.14"))
+TIMES = [0.0, 0.0011, 0.0047, 0.0083]
+
+
+def rod_angle(t):
+    return -mpmath.asin(CRANK * mpmath.sin(OMEGA * t) / ROD)
+
+
+def rod_centre(t):
+    """Complex position of the rod's centre of mass, halfway."""
+    return CRANK * mpmath.expj(OMEGA * t) + ROD / 2 * mpmath.expj(rod_angle(t))
+
+
+def slider(t):
+    return mpmath.re(CRANK * mpmath.expj(OMEGA * t) + ROD * mpmath.expj(rod_angle(t)))
+
+
+def kinetic(t):
+    speeds = mpmath.diff(rod_centre, t), mpmath.diff(rod_angle, t), mpmath.diff(slider, t)
+    parts = (
+        ROD_MASS * abs(speeds[0]) ** 2,
+        ROD_INERTIA * speeds[1] ** 2,
+        SLIDER_MASS * speeds[2] ** 2,
+    )
+    return sum(parts) / 2
+
+
+def reaction(t):
+    """The force of the rod on the slider, from the accelerations of slider and rod."""
+    f_x = SLIDER_MASS * mpmath.diff(slider, t, 2)
+    # The rod about its crank pin A: dL/dt with respect to a point that moves, L = ∫ (r − A) × v.
+    phi, acceleration = rod_angle(t), mpmath.diff(rod_centre, t, 2)
+    arm = ROD / 2 * mpmath.expj(phi)
+    moment = ROD_INERTIA * mpmath.diff(rod_angle, t, 2)
+    moment += ROD_MASS * mpmath.im(mpmath.conj(arm) * acceleration)
+    # = (end × −f)_z with the end at L·(cos φ, sin φ)
+    f_y = (ROD * mpmath.sin(phi) * f_x - moment) / (ROD * mpmath.cos(phi))
+    return f_x, f_y
+
+
+def states(mechanism, method, t):
+    """The ideal mechanism at time t as a state of either form."""
+    q, v = assemble(mechanism, t)
+    return np.zeros(7) if method == "minimal" else np.concatenate((q, v, np.zeros(3)))
+
+
+@pytest.mark.parametrize("t", TIMES)
+def test_the_power_of_the_drive_is_the_rate_of_the_kinetic_energy(t):
+    mechanism = slider_crank(clearance=0.0)
+    expected = float(mpmath.diff(kinetic, t))
+    for method, model in (("minimal", minimal), ("multiplier", multiplier)):
+        system = build(mechanism, method)
+        y = states(mechanism, method, t)
+        out = np.zeros_like(y)
+        model.derivatives(t, y, out, system.block)
+        assert out[-3] == pytest.approx(expected, abs=1e-8 * 5e4), method
+
+
+@pytest.mark.parametrize("t", TIMES)
+def test_the_multiplier_form_gives_the_accelerations_of_the_closed_form(t):
+    mechanism = slider_crank(clearance=0.0)
+    system = build(mechanism, "multiplier")
+    y = states(mechanism, "multiplier", t)
+    out = np.zeros_like(y)
+    multiplier.derivatives(t, y, out, system.block)
+    centre = mpmath.diff(rod_centre, t, 2)
+    expected = [centre.real, centre.imag, mpmath.diff(rod_angle, t, 2), mpmath.diff(slider, t, 2)]
+    assert out[12:16] == pytest.approx([float(x) for x in expected], rel=1e-10, abs=1e-6)
+    assert np.abs(out[16:18]).max() < 1e-6
+
+
+@pytest.mark.parametrize("t", TIMES)
+def test_the_minimal_form_gives_the_reaction_of_the_closed_form(t):
+    system = build(slider_crank(clearance=0.0), "minimal")
+    start = int(system.block[minimal.contact.MODEL_START])
+    found = minimal.ideal_reaction(t, np.zeros(7), system.block[start:])
+    assert found == pytest.approx([float(x) for x in reaction(t)], rel=1e-10, abs=1e-6)
+
+
+@pytest.mark.parametrize("method", ["minimal", "multiplier"])
+@pytest.mark.parametrize("spec", [{}, ODD], ids=["plain", "odd"])
+def test_a_revolution_follows_the_closed_form(method, spec):
+    mechanism = slider_crank(clearance=0.0, spec=spec)
+    run = simulate(mechanism, method, revolutions=1, tolerance=1e-11)
+    for row in range(0, run.time.size, 37):
+        q, v = assemble(mechanism, float(run.time[row]))
+        assert run.coordinates[row].ravel() == pytest.approx(q, abs=1e-10)
+        assert run.velocities[row].ravel() == pytest.approx(v, abs=1e-7)
+    assert np.abs(run.energy_error).max() < 1e-6 * run.kinetic_energy.max()
+
+
+def test_an_ideal_four_bar_keeps_its_joints_and_its_energy():
+    run = simulate(mechanism_from(FOUR_BAR, clearance=0.0), revolutions=1)
+    assert run.drift[:, 0].max() < 1e-10
+    assert np.abs(run.energy_error).max() < 1e-9 * run.kinetic_energy.max()

@@ -1,0 +1,311 @@
+"""Sweeps and the commands: one tidy table, the same whatever the workers, taken up when stopped."""
+
+import os
+import signal
+import sys
+import threading
+import time
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from cylcontact import InputError, cli
+from cylcontact.cli.mechanism import PAPER
+from cylcontact.mechanism import Case, Plan, Trajectory, cases, simulate, sweep
+from cylcontact.mechanism.kept import Kept
+from cylcontact.mechanism.studies import tolerance_table
+from tests.mechanism_cases import CASES, ROOT, slider_crank
+
+SPEC = ROOT / "datasets/slider_crank.toml"
+WANTED = cases(["enhanced", "johnson"], [0.02], [1.0], [0.0, 0.1])
+PLAN = Plan(revolutions=2, first=1)
+
+
+@pytest.fixture(scope="module")
+def table():
+    return sweep(slider_crank(), WANTED, PLAN)
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run the command line in this process; return its exit code, output and errors."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["cylcontact", *map(str, arguments)])
+        with pytest.raises(SystemExit) as caught:
+            cli.main()
+        written = capsys.readouterr()
+        return caught.value.code, written.out, written.err
+
+    return run
+
+
+def test_the_papers_cases_are_the_default():
+    assert cases(*PAPER) == [Case(*case) for case in CASES]
+
+
+def test_every_case_has_its_row(table):
+    assert [
+        Case(*row) for row in table[["law", "clearance_mm", "restitution", "friction"]].to_numpy()
+    ] == WANTED
+    statuses = dict(zip(WANTED, table["status"], strict=True))
+    # Johnson's law ends where the journal whirls in a dry, elastic bearing.
+    assert statuses.pop(Case("johnson", 0.02, 1.0, 0.1)) == "stopped"
+    assert set(statuses.values()) == {"complete"}
+    assert "leaves its domain at t = 0.00109" in table["message"].iloc[3]
+    assert np.isnan(table["impacts"].iloc[3])
+
+
+def test_a_row_is_what_the_run_says(table):
+    statistics = simulate(slider_crank("enhanced", 0.02, 1.0, 0.1), revolutions=2).statistics(1)
+    for name in ("impacts", "contact_fraction", "force_p95_N", "mean_step_contact_us"):
+        assert table[name].iloc[1] == statistics.mean[name]
+    assert "bodies.rod.mass = 0.21" in table["assumptions"].iloc[0]
+
+
+def test_the_table_does_not_depend_on_the_workers(table):
+    pd.testing.assert_frame_equal(table, sweep(slider_crank(), WANTED, PLAN, workers=2))
+
+
+def test_a_second_tolerance_gives_the_horizon_and_what_lies_beyond():
+    wanted = cases(["johnson"], [0.5], [1.0, 0.9], [0.1])
+    plan = Plan(revolutions=3, against=1e-10)
+    found = sweep(slider_crank(), wanted, plan)
+    sensitive, steady = found.iloc[0], found.iloc[1]
+    assert 0 < sensitive["horizon_revolutions"] < 2
+    assert sensitive["first"] == np.ceil(sensitive["horizon_revolutions"])
+    assert steady["horizon_revolutions"] == 3
+    assert steady["first"] == 0
+    assert steady["drive_work_J"] == pytest.approx(steady["drive_work_J_against"], rel=1e-5)
+    assert sensitive["drive_work_J"] != pytest.approx(sensitive["drive_work_J_against"], rel=1e-5)
+
+
+def test_an_interrupted_sweep_keeps_its_cases_and_goes_on(table, tmp_path):
+    kept = tmp_path / "cases.partial"
+
+    def stop(_, done, __):
+        if done == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sweep(slider_crank(), WANTED, PLAN, progress=stop, kept=kept)
+    assert len(kept.read_text().splitlines()) == 3
+    with kept.open("a") as file:
+        file.write('{"case": {"law"')  # cut short by a kill
+    told = []
+    again = sweep(
+        slider_crank(), WANTED, PLAN, kept=kept, resume=True,
+        progress=lambda _, done, __: told.append(done),
+    )  # fmt: skip
+    assert told == [2, 3, 4]
+    pd.testing.assert_frame_equal(table, again)
+
+
+def test_cases_of_another_sweep_are_refused(tmp_path):
+    kept = tmp_path / "cases.partial"
+    sweep(slider_crank(), WANTED[:1], PLAN, kept=kept)
+    with pytest.raises(InputError, match="keeps cases of another sweep or of other settings"):
+        sweep(slider_crank(), WANTED, Plan(revolutions=3), kept=kept, resume=True)
+    lines = kept.read_text().splitlines()
+    kept.write_text(f"{lines[0]}\nnonsense\n")
+    with pytest.raises(InputError, match="has a damaged line; run without --resume"):
+        sweep(slider_crank(), WANTED, PLAN, kept=kept, resume=True)
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match="cannot be written"):
+        Kept(tmp_path / "file" / "x", "key").add({})
+
+
+@pytest.mark.parametrize(
+    ("wanted", "plan", "message"),
+    [
+        ([], PLAN, "there is none; give every list a value"),
+        (WANTED, Plan(2, first=2), "first = 2: leaves none of 2 revolutions"),
+        ([Case("jonson", 0.5, 1.0, 0.0)], PLAN, "clearance.law = 'jonson': is not a law"),
+        ([Case("johnson", -0.5, 1.0, 0.0)], PLAN, "clearance.radial = -0.5"),
+    ],
+)
+def test_sweeps_that_cannot_be_are_told(wanted, plan, message):
+    with pytest.raises(InputError, match=message):
+        sweep(slider_crank(), wanted, plan)
+
+
+def test_the_tolerance_table_sums_sweeps_up():
+    wanted = cases(["enhanced"], [0.02], [0.9], [0.0, 0.1])
+    plans = [
+        Plan(1, method=method, tolerance=rtol)
+        for method in ("minimal", "multiplier")
+        for rtol in (1e-6, 1e-9)
+    ]
+    summary = tolerance_table([sweep(slider_crank(), wanted, plan) for plan in plans])
+    assert list(summary["tolerance"]) == [1e-6, 1e-9, 1e-6, 1e-9]
+    assert list(summary["cases"]) == [2] * 4
+    error, drift = summary["energy_error_max"], summary["drift_max"]
+    assert error[0] > 10 * error[1]
+    assert error[2] > 10 * error[3]
+    assert drift[2] > 10 * drift[3]
+    steps = summary["steps_per_revolution"]
+    assert steps[0] < steps[1]
+    assert steps[2] < steps[3]
+    with pytest.raises(InputError, match="no case is complete"):
+        tolerance_table([sweep(slider_crank(), WANTED[3:], PLAN)])
+
+
+# --- the committed tables ---------------------------------------------------------------------
+
+
+def test_the_default_tolerance_is_the_one_that_the_table_says():
+    committed = pd.read_csv(ROOT / "datasets/mechanism/tolerances.csv")
+    assert set(committed["cases"]) == {24}
+    worst = committed.groupby("tolerance")[["energy_error_max", "drift_max"]].max()
+    enough = worst[(worst["energy_error_max"] < 1e-5) & (worst["drift_max"] < 1e-8)]
+    assert enough.index.max() == slider_crank().integration.tolerance
+
+
+def test_the_committed_cases_are_what_comes_out():
+    """One that keeps to its path and one that does not, to its horizon."""
+    committed = pd.read_csv(ROOT / "datasets/mechanism/cases.csv")
+    varied = committed[["law", "clearance_mm", "restitution", "friction"]]
+    assert [Case(*row) for row in varied.to_numpy()] == cases(*PAPER)
+    assert set(committed["status"]) == {"complete"}
+    assert committed["energy_error"].max() < 1e-4
+    steady = [Case("johnson", 0.02, 0.9, 0.1), Case("lankarani-nikravesh", 0.5, 0.9, 0.1)]
+    found = sweep(slider_crank(), steady, Plan(revolutions=20, beyond="tangent"))
+    for case, (_, row) in zip(steady, found.iterrows(), strict=True):
+        kept = committed.iloc[cases(*PAPER).index(case)]
+        assert kept["horizon_revolutions"] == 20
+        for name in ("contact_fraction", "impacts", "drive_work_J", "max_penetration_um"):
+            assert row[name] == pytest.approx(kept[name], rel=1e-4)
+    parting = committed[committed["horizon_revolutions"] < 20]
+    assert (parting["first"] >= parting["horizon_revolutions"]).all()
+
+
+# --- the commands -----------------------------------------------------------------------------
+
+
+def test_simulate_prints_the_summary_and_the_assumptions(run):
+    code, out, err = run(
+        "simulate", SPEC, "--law", "johnson", "--clearance", 0.02, "--revolutions", 1
+    )
+    assert (code, err) == (0, "")
+    assert "law: johnson" in out
+    assert "contact_fraction" in out
+    assert "Assumed, not from the paper:" in out
+    assert "bodies.rod.mass = 0.21" in out
+
+
+def test_simulate_writes_what_a_later_one_goes_on_from(run, tmp_path):
+    out = tmp_path / "run.parquet"
+    options = ("--friction", 0, "--tolerance", "1e-7", "-o", out)
+    assert run("simulate", SPEC, *options, "--revolutions", 1)[0] == 0
+    assert run("simulate", SPEC, *options, "--revolutions", 2, "--resume")[0] == 0
+    resumed = Trajectory.load(out)
+    whole = simulate(slider_crank(friction=0.0), tolerance=1e-7, revolutions=2)
+    assert resumed.revolutions == 2
+    assert np.array_equal(resumed.rows.values, whole.rows.values)
+    code, _, err = run("simulate", SPEC, "-o", out, "--revolutions", 2, "--resume")
+    assert code == 2
+    assert "is of another mechanism or other options" in err
+
+
+def test_resuming_what_is_not_there_starts_anew(run, tmp_path):
+    out = tmp_path / "run.parquet"
+    code, _, err = run("simulate", SPEC, "--revolutions", 1, "-o", out, "--resume")
+    assert code == 0
+    assert "the run starts anew" in err
+    assert out.exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("simulate", "none.toml"), "none.toml: cannot be read"),
+        (("simulate", SPEC, "--clearance", "-1"), "clearance.radial = -1.0: must be at least 0"),
+        (("simulate", SPEC, "--law", "hooke"), "'hooke': is not a law; choose johnson"),
+        (("simulate", SPEC, "--method", "newton"), "method = 'newton': is not known"),
+        (("simulate", SPEC, "--beyond", "hope"), "beyond = 'hope': is not known"),
+        (("simulate", SPEC, "--revolutions", "0"), "must be an integer of at least 1"),
+        (("simulate", SPEC, "--tolerance", "2"), "tolerance = 2.0: must lie in"),
+        (("simulate", SPEC, "--resume"), "--resume: needs a file to go on from"),
+        (("simulate", SPEC, "-o", "run.csv"), "run.csv: is not a .parquet"),
+        (
+            ("simulate", SPEC, "--law", "johnson", "--clearance", 0.02, "--restitution", 1,
+             "--revolutions", 1),
+            "leaves its domain at t = 0.00109303 s, where the penetration reaches 10.83 µm and the",
+        ),
+        (("sweep", SPEC, "-o", "table.txt"), "table.txt: is neither .csv nor .parquet"),
+        (("sweep", SPEC, "-o", "t.csv", "--clearances", "0.5;1"), "must be numbers separated by"),
+        (("sweep", SPEC, "-o", "t.csv", "--laws", "hooke"), "'hooke': is not a law"),
+        (("sweep", SPEC, "-o", "t.csv", "--revolutions", 2, "--first", 2), "leaves none of 2"),
+        (("tolerances", SPEC, "-o", "t.txt"), "t.txt: is neither .csv nor .parquet"),
+    ],
+)  # fmt: skip
+def test_bad_input_is_one_line_and_exit_code_two(run, tmp_path, monkeypatch, arguments, message):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "")
+    assert message in err
+    assert err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_sweep_writes_a_table_and_tells_what_stopped(run, tmp_path):
+    out = tmp_path / "table.csv"
+    options = ("--laws", "johnson,enhanced", "--clearances", 0.02, "--restitutions", 1)
+    code, told, _ = run(
+        "sweep", SPEC, "-o", out, *options, "--frictions", 0.1, "--revolutions", 1, "--jobs", 1
+    )
+    assert code == 0
+    assert "2 cases, 1 of them stopped" in told
+    assert "leaves its domain" in told
+    assert list(pd.read_csv(out)["status"]) == ["stopped", "complete"]
+    assert list(tmp_path.iterdir()) == [out]
+    parquet = tmp_path / "table.parquet"
+    run("sweep", SPEC, "-o", parquet, *options, "--frictions", 0.1, "--revolutions", 1, "-j", 1)
+    read = pd.read_csv(out).fillna({"message": ""})
+    pd.testing.assert_frame_equal(pd.read_parquet(parquet), read, check_dtype=False)
+
+
+@pytest.fixture
+def interrupt_when():
+    """Send Ctrl-C to this process as soon as a condition holds."""
+    threads = []
+
+    def arrange(condition):
+        def watch():
+            deadline = time.monotonic() + 60
+            while not condition() and time.monotonic() < deadline:
+                time.sleep(0.01)
+            os.kill(os.getpid(), signal.SIGINT)
+
+        threads.append(threading.Thread(target=watch))
+        threads[-1].start()
+
+    yield arrange
+    for thread in threads:
+        thread.join()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
+def test_an_interrupted_simulation_keeps_its_revolutions(run, tmp_path, interrupt_when):
+    simulate(slider_crank(), revolutions=1)  # compiled, so that what follows is integration
+    out, begun = tmp_path / "run.parquet", time.monotonic()
+    interrupt_when(lambda: time.monotonic() > begun + 3)
+    code, _, err = run("simulate", SPEC, "-o", out, "--revolutions", "100000")
+    assert code == 130
+    kept = Trajectory.load(out).revolutions
+    assert f"interrupted; {kept} complete revolutions are kept in {out}" in err
+    assert kept >= 1
+    assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
+def test_an_interrupted_sweep_command_keeps_its_cases(run, tmp_path, interrupt_when):
+    out, partial = tmp_path / "table.csv", tmp_path / "table.csv.partial"
+    interrupt_when(lambda: partial.exists() and partial.read_bytes().count(b"\n") > 1)
+    arguments = ("sweep", SPEC, "-o", out, "--revolutions", "20", "--beyond", "tangent", "-j", 1)
+    code, _, err = run(*arguments)
+    assert code == 130
+    assert "kept in" in err
+    assert "the same command with --resume goes on from there" in err
+    assert list(tmp_path.iterdir()) == [partial]
