@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -13,8 +11,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from cylcontact.arrays import FloatArray
+from cylcontact.datasets.tabulated import FINITE_ELEMENT, TabulatedReference, with_table
 from cylcontact.errors import InputError
-from cylcontact.laws import REFERENCES, reference_law
+from cylcontact.laws import REFERENCES, ContactLaw, reference_law
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.specs import Spec, broken, parse_spec, read_toml
@@ -119,17 +118,33 @@ class GridSpec(Spec):
     """A grid spec file."""
 
     contact: Contact = Field(description='"internal" or "external"')
-    reference: str = Field(description=f"the law to sample, one of {', '.join(REFERENCES)}")
+    reference: str = Field(
+        description=f"the law to sample, one of {', '.join(REFERENCES)}, or {FINITE_ELEMENT}"
+    )
     axes: AxesSpec = Field(description="the tables [axes.E], [axes.nu], [axes.dR], [axes.load]")
+
+    table: str | None = Field(
+        None, description=f"the table of finite elements, with reference {FINITE_ELEMENT}"
+    )
+    penetrations: list[list[float]] | None = Field(
+        None, description="the table's penetrations in mm, a list for each ΔR"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> GridSpec:
+        if self.reference == FINITE_ELEMENT:
+            _check_penetrations(self.contact, self.axes, self.penetrations)
+            return self
+        if self.table is not None or self.penetrations is not None:
+            key = "table" if self.table is not None else "penetrations"
+            rule = f"is used only with reference {FINITE_ELEMENT}"
+            raise broken(key, None, rule, "drop it")
         if self.reference not in REFERENCES:
             raise broken(
                 "reference",
                 self.reference,
                 "is not a law that a grid can sample",
-                f"choose among {', '.join(REFERENCES)}",
+                f"choose among {', '.join(REFERENCES)}, {FINITE_ELEMENT}",
             )
         try:
             pair = CylinderPair.from_dR(self.contact, 1.0, Material("any", E=1.0, nu=0.0))
@@ -137,6 +152,26 @@ class GridSpec(Spec):
         except InputError as error:
             raise broken("reference", self.reference, error.rule, error.remedy) from None
         return self
+
+
+def _check_penetrations(
+    contact: Contact, axes: AxesSpec, penetrations: list[list[float]] | None
+) -> None:
+    """Refuse penetrations that are not those of a pin in a hole at each node of the axes."""
+    if contact != "internal":
+        rule = f"must be internal with reference {FINITE_ELEMENT}"
+        raise broken("contact", contact, rule, "finite elements here are of a pin in a hole")
+    sizes = [getattr(axes, name).numbers().size for name in ("E", "nu", "dR", "load")]
+    found = [len(row) for row in penetrations or ()]
+    if sizes[:2] != [1, 1] or found != [sizes[3]] * sizes[2]:
+        raise broken(
+            "penetrations",
+            None,
+            "must hold one E, one nu, and a list for each dR with a number for each load",
+            "name the table instead: table = ...",
+        )
+    if min(min(row) for row in penetrations or ()) <= 0:
+        raise broken("penetrations", None, "must be positive", "give them in mm")
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,6 +188,8 @@ class Grid:
         The axes, in GPa, -, mm and N/mm.
     source : str
         What errors call it.
+    penetrations : array of float, shape (ΔR, load), optional
+        In mm, where the reference is a table of finite elements.
 
     Examples
     --------
@@ -169,6 +206,14 @@ class Grid:
     dR: FloatArray
     load: FloatArray
     source: str = "grid"
+    penetrations: FloatArray | None = None
+
+    @property
+    def law(self) -> ContactLaw | TabulatedReference:
+        """The reference, as sampling asks it for penetrations."""
+        if self.penetrations is not None:
+            return TabulatedReference(self.dR, self.load, self.penetrations)
+        return reference_law(self.reference)
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
@@ -180,6 +225,11 @@ class Grid:
         """Number of combinations."""
         nE, nnu, ndR, nload = self.shape
         return nE * nnu * ndR * nload
+
+    @property
+    def rows(self) -> int:
+        """Number of combinations of E and ν."""
+        return self.E.size * self.nu.size
 
 
 def read_grid(path: Path | str) -> Grid:
@@ -200,7 +250,19 @@ def read_grid(path: Path | str) -> Grid:
     InputError
         If the file is not a grid spec; the line names key, value, rule and remedy.
     """
-    return grid_from(read_toml(path), str(path))
+    return grid_from(read_grid_data(path), str(path))
+
+
+def read_grid_data(path: Path | str) -> dict[str, Any]:
+    """Return the contents of a grid spec, those of a table that it names in place of its name.
+
+    Raises
+    ------
+    InputError
+        If the file is not TOML, or the table is missing or was edited by hand.
+    """
+    data = read_toml(path)
+    return with_table(data, Path(path)) if data.get("reference") == FINITE_ELEMENT else data
 
 
 def grid_from(data: dict[str, Any], source: str) -> Grid:
@@ -215,16 +277,5 @@ def grid_from(data: dict[str, Any], source: str) -> Grid:
         dR=axes.dR.numbers(),
         load=axes.load.numbers(),
         source=source,
+        penetrations=None if spec.penetrations is None else np.array(spec.penetrations),
     )
-
-
-def spec_hash(data: dict[str, Any]) -> str:
-    """Return a short hash of a spec's contents, the same whatever its layout and comments.
-
-    Examples
-    --------
-    >>> spec_hash({"a": 1, "b": 2}) == spec_hash({"b": 2, "a": 1})
-    True
-    """
-    text = json.dumps(data, sort_keys=True, separators=(",", ":"))
-    return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -1,0 +1,30 @@
+"""Finite elements for a pin in a hole: an embedded solver and CalculiX, and the tables they give.
+
+Half of the plane problem, structured four-node quads, contact without friction. Two-dimensional
+bodies have no absolute approach: how the penetration depends on load and clearance is computed,
+its additive constant is set by the plate's outer radius.
+"""
+
+from cylcontact.datasets.finite_element.setup import Setup
+from cylcontact.datasets.finite_element.solve import Solution, solve
+from cylcontact.datasets.finite_element.spec import Study, read_study
+from cylcontact.datasets.finite_element.stress import Stress, stress_of
+from cylcontact.datasets.finite_element.study import ENGINES, Engine, Failure, run_study
+from cylcontact.datasets.finite_element.table import FiniteElementTable, read_table, write_table
+
+__all__ = [
+    "ENGINES",
+    "Engine",
+    "Failure",
+    "FiniteElementTable",
+    "Setup",
+    "Solution",
+    "Stress",
+    "Study",
+    "read_study",
+    "read_table",
+    "run_study",
+    "solve",
+    "stress_of",
+    "write_table",
+]

@@ -1,0 +1,139 @@
+"""One case as an input deck of CalculiX.
+
+Its contact pressures scatter from point to point, so the peak is read from the stress in the two
+cells that meet at the top; at their middles it differs from the surface's by about 0.1 %.
+
+What works with CalculiX 2.20: the pin moved into half of Persson's penetration, so that contact
+exists from the start; one increment; surface-to-surface penalty contact with a linear, very stiff
+law; CPE4, plane stress by its equivalent moduli. The step is done twice, because the first may
+end with a set of contact points that the load no longer asks for; the second confirms it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from cylcontact.datasets.finite_element.mesh import Body, IntArray, Mesh
+from cylcontact.datasets.finite_element.setup import Setup
+from cylcontact.datasets.finite_element.solve import clamped_nodes, node_shares
+from cylcontact.laws import Persson
+
+# Overlap at the start, in Persson's penetrations.
+OVERLAP = 0.5
+# The contact's stiffness in MPa/mm: the surfaces overlap by pressure over this.
+STIFFNESS = 1e9
+# The two steps.
+STEP = """*STEP
+*STATIC,DIRECT
+1.,1.
+{loads}*NODE PRINT,NSET=CENTRE
+U
+*EL PRINT,ELSET=TOP
+S
+*END STEP
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Deck:
+    """An input deck, and what is needed to read its results.
+
+    Attributes
+    ----------
+    text : str
+        The deck.
+    overlap : float
+        How far the pin was moved into the plate, in mm.
+    """
+
+    text: str
+    overlap: float
+
+
+def make_deck(setup: Setup, dR: float, load: float, mesh: Mesh) -> Deck:
+    """Write one case as an input deck.
+
+    Parameters
+    ----------
+    setup : Setup
+        What is solved.
+    dR, load : float
+        Clearance in mm and load in N/mm.
+    mesh : Mesh
+        The mesh, the same as for the embedded solver.
+
+    Returns
+    -------
+    Deck
+
+    Examples
+    --------
+    >>> setup = Setup(hole_radius=2.245, outer_ratio=3.3, E=207e3, nu=0.3, cells=8)
+    >>> deck = make_deck(setup, 0.1, 20.0, setup.mesh(0.1, np.array([20.0])))
+    >>> [line for line in deck.text.splitlines() if "CPE4" in line]
+    ['*ELEMENT,TYPE=CPE4,ELSET=ALL']
+    """
+    overlap = OVERLAP * float(Persson().penetration(load, setup.pair(dR)))
+    shift = len(mesh.plate.points)
+    on_hole = _faces(mesh.plate, mesh.plate.surface[: mesh.pairs.count])
+    on_pin = _faces(mesh.pin, mesh.pin.surface[: mesh.pairs.count])
+    shares = load / 2 * node_shares(setup, dR, mesh)
+    lines = [
+        *_nodes_and_cells(mesh, overlap),
+        *_material(*setup.equivalent),
+        *_surface("HOLE", on_hole, 0),
+        *_surface("PIN", on_pin, len(mesh.plate.quads)),
+        "*SURFACE INTERACTION,NAME=CONTACT",
+        "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR",
+        f"{STIFFNESS:.6e}",
+        "*CONTACT PAIR,INTERACTION=CONTACT,TYPE=SURFACE TO SURFACE",
+        "PIN,HOLE",
+        "*BOUNDARY",
+        *(f"{node + 1},1,2" for node in clamped_nodes(setup, mesh)),
+        *(f"{node + 1},1,1" for node in mesh.plate.axis),
+        *(f"{node + 1 + shift},1,1" for node in mesh.pin.axis),
+        "*NSET,NSET=CENTRE",
+        str(mesh.centre + 1 + shift),
+        "*ELSET,ELSET=TOP",
+        f"{on_hole[0][0] + 1},{on_pin[0][0] + 1 + len(mesh.plate.quads)}",
+    ]
+    loads = "".join(
+        f"{node + 1 + shift},2,{share:.12e}\n" for node, share in enumerate(shares) if share
+    )
+    text = "\n".join(lines) + "\n" + STEP.format(loads="*CLOAD\n" + loads) + STEP.format(loads="")
+    return Deck(text, overlap)
+
+
+def _nodes_and_cells(mesh: Mesh, overlap: float) -> Iterator[str]:
+    """Yield nodes and cells, the plate's first. A number has at most 20 characters."""
+    points = np.vstack([mesh.plate.points, mesh.pin.points + np.array([0.0, overlap])])
+    cells = np.vstack([mesh.plate.quads, mesh.pin.quads + len(mesh.plate.points)]) + 1
+    yield "*NODE,NSET=NODES"
+    yield from (f"{i},{x:.12e},{y:.12e},0." for i, (x, y) in enumerate(points, start=1))
+    yield "*ELEMENT,TYPE=CPE4,ELSET=ALL"
+    yield from (f"{i},{a},{b},{c},{d}" for i, (a, b, c, d) in enumerate(cells, start=1))
+
+
+def _material(E: float, nu: float) -> Iterator[str]:
+    """Yield section and material."""
+    yield from ("*MATERIAL,NAME=BOTH", "*ELASTIC", f"{E:.12e},{nu:.12e}")
+    yield from ("*SOLID SECTION,ELSET=ALL,MATERIAL=BOTH", "1.")
+
+
+def _surface(name: str, faces: list[tuple[int, int]], shift: int) -> Iterator[str]:
+    """Yield a surface of cells' faces."""
+    yield f"*SURFACE,NAME={name},TYPE=ELEMENT"
+    yield from (f"{cell + 1 + shift},S{side + 1}" for cell, side in faces)
+
+
+def _faces(body: Body, surface: IntArray) -> list[tuple[int, int]]:
+    """Return cell and side of each face between neighbouring nodes of a surface, in order."""
+    place = np.full(len(body.points), -1)
+    place[surface] = np.arange(surface.size)
+    ends = np.stack([place[body.quads], place[np.roll(body.quads, -1, axis=1)]])
+    cells, sides = np.nonzero(ends.min(axis=0) >= 0)
+    order = np.argsort(ends.min(axis=0)[cells, sides])
+    return list(zip(cells[order].tolist(), sides[order].tolist(), strict=True))

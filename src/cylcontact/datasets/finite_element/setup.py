@@ -1,0 +1,146 @@
+"""What a finite-element case is: geometry, material, boundary conditions and mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray
+from cylcontact.datasets.finite_element.mesh import Grading, Mesh, make_mesh
+from cylcontact.errors import InputError
+from cylcontact.laws.conformal import contact_angle
+from cylcontact.materials import Material
+from cylcontact.pair import CylinderPair
+
+Plane = Literal["strain", "stress"]
+LoadOn = Literal["pin", "disc", "centre"]
+Clamp = Literal["upper half", "whole"]
+
+# Fewer cells over the contact's half-width tell nothing about its pressure.
+FEWEST_CELLS = 4
+# With a size of one's own: cells that keep it, and how they grow beyond.
+EVEN_CELLS, GROWTH, LARGEST = 24, 1.1, 0.1
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Everything about a case but the clearance and the load.
+
+    Parameters
+    ----------
+    hole_radius : float
+        R_i in mm; the pin's radius is R_i − ΔR.
+    outer_ratio : float
+        The plate's outer radius over R_i. A 2-D body has no absolute approach: this number sets
+        the additive constant of the penetration.
+    E, nu : float
+        Young's modulus in MPa and Poisson's ratio of both bodies.
+    plane : {"strain", "stress"}
+        Plane state.
+    load_on : {"pin", "disc", "centre"}
+        Where the load acts: spread over the pin, over a disc at its centre, at the centre node.
+    disc_ratio : float
+        Radius of that disc over the pin's.
+    clamp : {"upper half", "whole"}
+        Which part of the plate's outer boundary is held, the upper half being the one that the
+        pin is pushed towards.
+    cells : int
+        Cells over the half-width of the contact under the smallest load.
+    size : float, optional
+        Length of the smallest cells in mm, instead of `cells`.
+    contact_size : float, optional
+        Length in mm that cells in the contact do not exceed, with `size`.
+
+    Examples
+    --------
+    >>> setup = Setup(hole_radius=2.245, outer_ratio=3.4, E=207e3, nu=0.3)
+    >>> print(f"{setup.half_width(1.0, 20.0):.4f} mm")
+    0.0250 mm
+    """
+
+    hole_radius: float
+    outer_ratio: float
+    E: float
+    nu: float
+    plane: Plane = "strain"
+    load_on: LoadOn = "pin"
+    disc_ratio: float = 0.25
+    clamp: Clamp = "upper half"
+    cells: int = 16
+    size: float | None = None
+    contact_size: float | None = None
+
+    @property
+    def outer_radius(self) -> float:
+        """The plate's outer radius in mm."""
+        return self.outer_ratio * self.hole_radius
+
+    @property
+    def equivalent(self) -> tuple[float, float]:
+        """E (MPa) and ν with which plane strain is what `plane` asks for.
+
+        Plane stress is plane strain with E' = E(1 + 2ν)/(1 + ν)² and ν' = ν/(1 + ν).
+        """
+        if self.plane == "strain":
+            return self.E, self.nu
+        return self.E * (1 + 2 * self.nu) / (1 + self.nu) ** 2, self.nu / (1 + self.nu)
+
+    def pair(self, dR: float) -> CylinderPair:
+        """Return the pair of cylinders as the laws see it, in plane strain."""
+        material = Material("finite elements", self.E, self.nu)
+        return CylinderPair.from_dR("internal", dR, material, R_i=self.hole_radius)
+
+    def half_width(self, dR: float, load: float) -> float:
+        """Return the contact's half-width in mm as Persson has it, to grade the mesh by."""
+        E, nu = self.equivalent
+        pair = CylinderPair.from_dR("internal", dR, Material("equivalent", E, nu))
+        radius = np.sqrt(self.hole_radius * (self.hole_radius - dR))
+        return float(contact_angle(load, pair) * radius)
+
+    def mesh(self, dR: float, loads: FloatArray) -> Mesh:
+        """Mesh one clearance for all its loads.
+
+        Raises
+        ------
+        InputError
+            If the clearance leaves no pin, or cells are too large for the narrowest contact.
+        """
+        require_room(self, dR)
+        narrow, wide = (self.half_width(dR, float(f)) for f in (loads.min(), loads.max()))
+        if self.size is None:
+            share = 1.44 / self.cells
+            grading = Grading(narrow / self.cells, 1.1 * narrow, 1 + share, share)
+        else:
+            _require_fine(self.size, narrow, dR, float(loads.min()))
+            even = min(1.1 * narrow, EVEN_CELLS * self.size)
+            fine = np.inf if self.contact_size is None else self.contact_size
+            grading = Grading(self.size, even, GROWTH, LARGEST, fine, 1.1 * wide)
+        return make_mesh(self.hole_radius, dR, self.outer_radius, grading)
+
+
+def require_room(setup: Setup, dR: float) -> None:
+    """Refuse a clearance that is not positive or leaves no pin."""
+    if not 0 < dR < setup.hole_radius:
+        raise InputError(
+            "finite elements",
+            "dR",
+            dR,
+            f"must lie between 0 and the radius of the hole, {setup.hole_radius:g} mm",
+            "give the radial clearance in mm",
+        )
+
+
+def _require_fine(size: float, half_width: float, dR: float, load: float) -> None:
+    """Refuse cells that are too long for the narrowest contact."""
+    needed = half_width / FEWEST_CELLS
+    if size > needed:
+        raise InputError(
+            "finite elements",
+            "size",
+            size,
+            f"is too coarse: at ΔR = {dR:g} mm and {load:g} N/mm the contact's half-width is "
+            f"{half_width:.3g} mm, and {FEWEST_CELLS} cells must fit into it",
+            f"use {needed:.2g} mm or less, or give cells instead",
+        )

@@ -1,0 +1,137 @@
+"""Tables of solved cases: CSV under a few lines that say where the numbers come from.
+
+The lines begin with "# " and hold, as KEY: VALUE, the study, a hash of its set-up file, the
+engine and its version, the calibrated constant, and a hash of everything below them: a table
+edited by hand no longer matches it and is refused.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cylcontact.errors import InputError
+from cylcontact.files import replacing
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from cylcontact.datasets.finite_element.kept import Row
+    from cylcontact.datasets.finite_element.spec import Study
+
+COLUMNS = (
+    *("variant", "E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm", "half_width_mm"),
+    *("peak_pressure_MPa", "hole_radius_mm", "outer_radius_mm", "cells"),
+)
+# Finer than either engine's error, coarser than the rounding of different processors.
+DIGITS = 7
+KEYS = ("study", "set-up", "engine", "calibrated", "sha256")
+
+
+@dataclass(frozen=True)
+class FiniteElementTable:
+    """A table read back.
+
+    Attributes
+    ----------
+    rows : pandas.DataFrame
+        Columns `COLUMNS`.
+    header : dict
+        The lines above them, by their keys `KEYS`.
+    """
+
+    rows: pd.DataFrame
+    header: dict[str, str]
+
+
+def write_table(path: Path | str, study: Study, engine: str, rows: Sequence[Row]) -> None:
+    """Write solved cases, complete or not at all.
+
+    Parameters
+    ----------
+    path : path
+        A CSV file.
+    study : Study
+        What was solved.
+    engine : str
+        By what, with its version.
+    rows : sequence of Row
+        The cases.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    body = "\n".join([",".join(COLUMNS), *map(_line, rows)]) + "\n"
+    base = study.setups["base"]
+    calibrated = (
+        f"outer_radius_mm = {base.outer_radius:g} ({base.outer_ratio:g} hole radii, "
+        f"{study.origin['outer_ratio']}); it sets the additive constant of the penetration"
+    )
+    values = (study.name, study.key, engine, calibrated, _hash(body))
+    header = "".join(f"# {key}: {value}\n" for key, value in zip(KEYS, values, strict=True))
+    with replacing(path) as temporary:
+        temporary.write_text(header + body, encoding="utf-8", newline="\n")
+
+
+def read_table(path: Path | str) -> FiniteElementTable:
+    """Read a table and check that nobody has changed it.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not such a table, or does not match its hash.
+    """
+    import io
+
+    import pandas as pd
+
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not text"
+        raise InputError(
+            str(path), "", None, f"cannot be read ({reason})", "make finite-element writes it"
+        ) from error
+    lines = text.splitlines(keepends=True)
+    head = [line for line in lines if line.startswith("# ")]
+    header = {key: value for key, _, value in (line[2:].rstrip().partition(": ") for line in head)}
+    body = "".join(lines[len(head) :])
+    if tuple(header) != KEYS or not body.startswith(",".join(COLUMNS) + "\n"):
+        raise InputError(
+            str(path),
+            "",
+            None,
+            "is not a table of finite elements",
+            "name one that cylcontact finite-element has written",
+        )
+    if _hash(body) != header["sha256"]:
+        raise InputError(
+            str(path),
+            "sha256",
+            header["sha256"],
+            f"does not match the rows, whose hash is {_hash(body)}: the table was edited by hand",
+            "restore it, or make it anew with cylcontact finite-element",
+        )
+    return FiniteElementTable(pd.read_csv(io.StringIO(body)), header)
+
+
+def _line(row: Row) -> str:
+    """Return one case as a line of CSV."""
+    setup, case = row.setup, row.case
+    # The half-width is empty where the engine does not give it.
+    numbers = (
+        *(setup.E / 1e3, setup.nu, case.dR, case.load, case.penetration, case.half_width),
+        *(case.peak_pressure, setup.hole_radius, setup.outer_radius, case.cells),
+    )
+    cells = ("" if number != number else f"{number:.{DIGITS}g}" for number in numbers)  # noqa: PLR0124
+    return ",".join([row.variant, *cells])
+
+
+def _hash(body: str) -> str:
+    """Return the hash of a table's rows."""
+    return hashlib.sha256(body.encode()).hexdigest()[:16]

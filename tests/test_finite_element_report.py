@@ -1,0 +1,161 @@
+"""Figures 4 to 6, the sensitivities, and the claims of Section 3.2, from the committed tables."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from cylcontact import InputError, limits
+from cylcontact.materials import Material
+from cylcontact.pair import CylinderPair
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import draw
+from cylcontact.reports.claims import finite_element_claims
+from cylcontact.reports.finite_element.data import table
+
+BENCH = Bench(Path(__file__).parents[1])
+STEEL = Material("steel", 207e3, 0.3)
+NO, CHOICE = "not reproduced", "reproduced with a stated choice"
+
+
+@pytest.fixture(scope="module")
+def claims():
+    return {claim.id: claim for claim in finite_element_claims(BENCH)}
+
+
+def rows(name):
+    """Read a table without the package."""
+    path = BENCH.root / "datasets" / "finite_element" / f"{name}-embedded.csv"
+    return pd.read_csv(path, comment="#")
+
+
+def johnson(load, dR):
+    E_star = 207e3 / (2 * (1 - 0.3**2))
+    return load / (np.pi * E_star) * (np.log(4 * np.pi * E_star * dR / load) - 1)
+
+
+def enhanced(load, dR):
+    E_star = 207e3 / (2 * (1 - 0.3**2))
+    Y = np.where(dR < 0.34954, 1.51 * np.log(1000 * dR) ** -0.151, 0.0151 * dR + 1.151)
+    return (load * dR / ((0.965 * dR + 0.0965) * E_star)) ** (1 / (Y * dR**-0.005))
+
+
+class TestClaims:
+    def test_verdicts(self, claims):
+        assert {name: claim.verdict for name, claim in claims.items()} == {
+            "3.2-below-10-percent": NO,
+            "3.2-below-3-percent": NO,
+            "3.2-same-trend": NO,
+            "3.2-mesh-refinement": CHOICE,
+            "3.2-hertz-1-mm": CHOICE,
+            "3.2-hertz-0.01-mm": NO,
+        }
+
+    @pytest.mark.parametrize(("name", "lowest"), [("10", 0.0), ("3", 0.445)])
+    @pytest.mark.parametrize("load", [20.0, 40.0, 100.0])
+    def test_largest_differences_from_the_equations(self, claims, name, lowest, load):
+        found = rows("recommended")
+        found = found[(found["dR_mm"] >= lowest) & (found["load_N_per_mm"] == load)]
+        dR, fe = found["dR_mm"].to_numpy(), found["penetration_mm"].to_numpy()
+        values = claims[f"3.2-below-{name}-percent"].ours_values
+        for label, off in {
+            "Johnson to finite elements": johnson(load, dR) / fe - 1,
+            "enhanced to finite elements": enhanced(load, dR) / fe - 1,
+            "enhanced to Johnson": enhanced(load, dR) / johnson(load, dR) - 1,
+        }.items():
+            expected = 100 * off[np.abs(off).argmax()]
+            assert values[f"{label}, {load:g} N/mm, percent"] == pytest.approx(expected, rel=1e-9)
+
+    def test_the_published_law_leaves_its_bounds_without_finite_elements(self, claims):
+        ten = claims["3.2-below-10-percent"].ours_values
+        three = claims["3.2-below-3-percent"].ours_values
+        pair = "enhanced to Johnson"
+        assert ten[f"{pair}, 20 N/mm, percent"] == pytest.approx(13.8, abs=0.05)
+        loads = (20, 40, 100)
+        assert [three[f"{pair}, {load} N/mm, percent"] for load in loads] == pytest.approx(
+            [-2.8, -4.7, -6.3], abs=0.05
+        )
+
+    def test_explicit_law_stands_beside_and_keeps_to_3_percent(self, claims):
+        values = claims["3.2-below-10-percent"].ours_values
+        beside = [value for name, value in values.items() if name.startswith("our explicit law")]
+        assert len(beside) == 3
+        assert max(map(abs, beside)) < 3
+        assert "our explicit law to finite elements" in claims["3.2-below-10-percent"].alternatives
+
+    def test_the_calibrated_constant_is_named(self, claims):
+        for claim in claims.values():
+            assert "3.3 hole radii, calibrated" in claim.choice
+
+    def test_refinement_under_the_papers_load_is_told(self, claims):
+        claim = claims["3.2-mesh-refinement"]
+        assert claim.ours_values["penetration, load on the centre node, percent"] > 2
+        assert "grows with refinement without bound" in claim.alternatives
+
+    def test_hertz(self, claims):
+        found = rows("recommended")
+        for dR in (1.0, 0.01):
+            pair = CylinderPair.from_dR("internal", dR, STEEL, R_i=2.245)
+            row = found[(found["dR_mm"] == dR) & (found["load_N_per_mm"] == 100)].iloc[0]
+            off = 100 * (row["peak_pressure_MPa"] / float(limits.hertz_stress(100.0, pair)) - 1)
+            values = claims[f"3.2-hertz-{dR:g}-mm"].ours_values
+            assert values["peak pressure less Hertz's, 100 N/mm, percent"] == pytest.approx(off)
+
+    def test_a_bench_without_finite_elements_has_none(self, tmp_path):
+        assert finite_element_claims(Bench(tmp_path)) == []
+
+    def test_a_table_of_an_older_set_up_is_refused(self, tmp_path):
+        folder = tmp_path / "datasets" / "finite_element"
+        shutil.copytree(BENCH.root / "datasets" / "finite_element", folder)
+        path = folder / "recommended.toml"
+        path.write_text(path.read_text().replace("outer_ratio = 3.3", "outer_ratio = 3.4"))
+        with pytest.raises(InputError, match=r"is not that of .*; make finite-element brings"):
+            finite_element_claims(Bench(tmp_path))
+
+
+class TestFigures:
+    def test_fig04_counts_the_mesh(self):
+        drawing = draw("fig04", BENCH)
+        found = rows("recommended")
+        assert drawing.headline["cells"] == found.loc[found["dR_mm"] == 0.1, "cells"].iloc[0]
+        assert 1.31 < drawing.headline["length of the cells in the contact, µm"] < 6.63
+
+    def test_fig05_is_hertz_at_1_mm_and_departs_at_10_um(self):
+        drawing = draw("fig05", BENCH)
+        off = {
+            name: drawing.headline[f"{name}: largest departure from Hertz, % of its peak"]
+            for name in ("1 mm", "0.01 mm")
+        }
+        assert off["1 mm"] < 3.5
+        for dR, part in drawing.table.groupby("dR_mm"):
+            pair = CylinderPair.from_dR("internal", float(dR), STEEL, R_i=2.245)
+            assert part["hertz_MPa"].max() == pytest.approx(float(limits.hertz_stress(20.0, pair)))
+
+    def test_fig06_holds_every_model(self):
+        drawing = draw("fig06", BENCH)
+        found = drawing.table
+        assert len(found) == 39
+        load, dR = found["load_N_per_mm"].to_numpy(), found["dR_mm"].to_numpy()
+        assert found["johnson_mm"].to_numpy() == pytest.approx(johnson(load, dR), rel=1e-9)
+        assert found["enhanced_mm"].to_numpy() == pytest.approx(enhanced(load, dR), rel=1e-9)
+        for load in (20, 40, 100):
+            headline = drawing.headline[f"{load} N/mm: calculix less finite elements, largest, %"]
+            assert headline < 0.2
+
+    def test_sensitivities_are_shifts_of_one_constant(self):
+        found = draw("fig_fe_sensitivity", BENCH).table.set_index("variant")
+        for name in ("outer radius 10 hole radii", "load on a disc of a quarter radius"):
+            constants = found.loc[name, "constant"]
+            assert np.ptp(constants) < 0.06 * constants.abs().max()
+        assert found.loc["plane stress", "change_percent"].to_numpy() == pytest.approx(9.3, abs=0.3)
+        assert found.loc["32 cells instead of 16", "change_percent"].abs().max() < 0.1
+
+    def test_a_missing_table_is_told(self, tmp_path):
+        folder = tmp_path / "datasets" / "finite_element"
+        folder.mkdir(parents=True)
+        source = BENCH.root / "datasets" / "finite_element" / "recommended.toml"
+        shutil.copy(source, folder)
+        with pytest.raises(InputError, match=r"cannot be read .*make finite-element writes it"):
+            table(Bench(tmp_path), "recommended")

@@ -1,0 +1,350 @@
+"""Set-up files, studies, their tables, and the command around them."""
+
+import copy
+import json
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from cylcontact import InputError, cli, laws, limits
+from cylcontact.datasets import read_grid, write_samples
+from cylcontact.datasets.finite_element import read_study, read_table, run_study, solve
+from cylcontact.datasets.finite_element.calculix_deck import make_deck
+from cylcontact.datasets.finite_element.spec import study_from
+from cylcontact.datasets.grid import grid_from
+from cylcontact.fitting import FitResult, read_campaign
+from tests.spec_files import DROP, changed, tree, write_toml
+
+ROOT = Path(__file__).parents[1]
+TABLES = ROOT / "datasets" / "finite_element"
+NAMES = ("recommended", "paper", "sensitivity", "convergence")
+SMALL = {
+    "hole_radius": 2.245,
+    "outer_ratio": 3.3,
+    "E": 207.0,
+    "nu": 0.3,
+    "cells": 6,
+    "dR": [0.05, 0.5],
+    "load": [20.0, 40.0],
+    "origin": dict.fromkeys(("outer_ratio", "cells", "dR", "load"), "assumed")
+    | dict.fromkeys(("hole_radius", "E", "nu"), "paper"),
+}
+in_bench = pytest.mark.usefixtures("bench")
+posix = pytest.mark.skipif(os.name == "nt", reason="a shell script stands for CalculiX")
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch):
+    """A folder with a small set-up."""
+    write_toml(tmp_path / "small.toml", SMALL)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run the command; return its exit code, output and errors."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["cylcontact", *map(str, arguments)])
+        with pytest.raises(SystemExit) as caught:
+            cli.main()
+        written = capsys.readouterr()
+        return caught.value.code, written.out, written.err
+
+    return run
+
+
+def fake_ccx(folder, monkeypatch, body):
+    """Put a shell script in CalculiX's place."""
+    place = folder / "bin"
+    place.mkdir(exist_ok=True)
+    (place / "ccx").write_text(f"#!/bin/sh\n{body}\n")
+    (place / "ccx").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{place}:{os.environ['PATH']}")
+
+
+class TestSpec:
+    @pytest.mark.parametrize(
+        ("changes", "message"),
+        [
+            ({"dR": [0.0, 0.1]}, "dR = [0.0, 0.1]: must be positive and increasing"),
+            ({"dR": [0.1, 2.5]}, "dR = 2.5: must lie between 0 and the radius of the hole"),
+            ({"load": []}, "load = []: must be positive and increasing"),
+            ({"outer_ratio": 1.0}, "outer_ratio = 1.0: must be greater than 1"),
+            ({"cells": 3}, "cells = 3: must be at least 4"),
+            ({"nu": 0.5}, "nu = 0.5: must be less than 0.5"),
+            ({"plane": "bent"}, "plane = 'bent': must be 'strain' or 'stress'"),
+            ({"elements": 3}, "elements = 3: is not a known key"),
+            ({"origin.E": DROP}, "origin.E: is required; mark each key as paper"),
+            ({"origin.clamp": "paper"}, "origin.clamp: is not a key of this file"),
+            ({"origin.E": "guessed"}, "origin.E = 'guessed': must be 'paper', 'derived'"),
+            ({"variants": [{"cells": 8}]}, "variants.0: name: is required"),
+            ({"variants": [{"name": "a,b"}]}, "must do without commas, quotes and #"),
+            ({"variants": [{"name": "a", "dR": [1.0]}]}, "dR = [1.0]: cannot vary"),
+            ({"variants": [{"name": "a"}, {"name": "a"}]}, "'a': stands twice"),
+            ({"variants": [{"name": "a", "cells": 1}]}, "cells = 1: must be at least 4"),
+        ],
+    )
+    def test_mistakes_are_told(self, changes, message):
+        spec = changed(SMALL, changes)
+        with pytest.raises(InputError) as caught:
+            study_from(spec, "small", "small.toml")
+        assert message in str(caught.value)
+        assert str(caught.value).startswith("small.toml")
+
+    def test_variants_change_what_they_name(self):
+        spec = changed(SMALL, {"variants": [{"name": "stress", "plane": "stress"}]})
+        study = study_from(spec, "small", "small.toml")
+        assert list(study.setups) == ["base", "stress"]
+        assert study.setups["stress"].plane == "stress"
+        assert study.setups["stress"].cells == study.setups["base"].cells == 6
+
+    def test_the_papers_set_up_is_marked_as_such(self):
+        study = read_study(TABLES / "paper.toml")
+        setup = study.setups["base"]
+        assert (setup.plane, setup.load_on, setup.clamp) == ("stress", "centre", "upper half")
+        assert study.origin["outer_ratio"] == "assumed"
+        assert study.origin["plane"] == study.origin["load_on"] == study.origin["size"] == "paper"
+
+
+class TestCommittedTables:
+    @pytest.mark.parametrize("name", NAMES)
+    def test_they_are_of_their_set_ups(self, name):
+        study, found = (
+            read_study(TABLES / f"{name}.toml"),
+            read_table(TABLES / f"{name}-embedded.csv"),
+        )
+        assert found.header["set-up"] == study.key
+        assert "outer_radius_mm = 7.4085 (3.3 hole radii, assumed)" in found.header["calibrated"]
+        assert len(found.rows) == len(study.setups) * len(study.dR) * len(study.load)
+
+    def test_embedded_and_calculix_agree_in_all_39_cases(self):
+        one, other = (
+            read_table(TABLES / f"recommended-{engine}.csv").rows
+            for engine in ("embedded", "calculix")
+        )
+        assert len(one) == len(other) == 39
+        ratio = other["penetration_mm"] / one["penetration_mm"]
+        assert np.abs(ratio - 1).max() < 0.002
+
+    def test_a_fresh_run_gives_the_same_numbers(self):
+        study = read_study(TABLES / "recommended.toml")
+        rows = read_table(TABLES / "recommended-embedded.csv").rows
+        for dR in (0.005, 0.1):
+            found = [case.penetration for case in solve(study.setups["base"], dR, study.load)]
+            committed = rows.loc[rows["dR_mm"] == dR, "penetration_mm"].to_numpy()
+            assert found == pytest.approx(committed, rel=1e-6)
+
+    def test_within_half_a_percent_of_johnson_outside_the_conformal_range(self):
+        rows = read_table(TABLES / "recommended-embedded.csv").rows
+        pair = read_study(TABLES / "recommended.toml").setups["base"].pair(rows["dR_mm"].to_numpy())
+        load, found = rows["load_N_per_mm"].to_numpy(), rows["penetration_mm"].to_numpy()
+        johnson = laws.Johnson().penetration(load, pair)
+        persson = laws.Persson().penetration(load, pair)
+        plain = np.abs(johnson / persson - 1) < 0.001
+        assert np.count_nonzero(plain) > 20
+        assert np.abs(found / johnson - 1)[plain].max() < 0.005
+        # Inside it, above Johnson, and as much as Persson has it but for the plate's finite size.
+        conformal = johnson / persson < 0.98
+        assert np.count_nonzero(conformal) >= 2
+        above, predicted = (found / johnson - 1)[conformal], (persson / johnson - 1)[conformal]
+        assert above == pytest.approx(predicted, abs=0.015)
+        assert np.corrcoef(found / johnson, persson / johnson)[0, 1] > 0.99
+
+    def test_peak_pressure_converges_to_hertz(self):
+        rows = read_table(TABLES / "convergence-embedded.csv").rows
+        study = read_study(TABLES / "convergence.toml")
+        wide = rows[(rows["dR_mm"] == 1.0) & (rows["load_N_per_mm"] == 20.0)]
+        hertz = float(limits.hertz_stress(20.0, study.setups["base"].pair(1.0)))
+        peaks = wide.set_index("variant")["peak_pressure_MPa"] / hertz - 1
+        errors = peaks[["cells 4", "cells 8", "cells 16", "cells 32", "base"]].abs()
+        assert errors.is_monotonic_decreasing
+        assert errors["cells 16"] < 0.005
+
+    def test_a_table_edited_by_hand_is_refused(self, tmp_path):
+        text = (TABLES / "recommended-embedded.csv").read_text()
+        path = tmp_path / "edited.csv"
+        path.write_text(text.replace("0.0002753", "0.0002754", 1))
+        with pytest.raises(InputError, match="the table was edited by hand"):
+            read_table(path)
+
+    @pytest.mark.parametrize("text", ["a,b\n1,2\n", "", "# study: x\nnonsense\n"])
+    def test_other_files_are_refused(self, tmp_path, text):
+        path = tmp_path / "other.csv"
+        path.write_text(text)
+        with pytest.raises(InputError, match="is not a table of finite elements"):
+            read_table(path)
+        with pytest.raises(InputError, match="cannot be read"):
+            read_table(tmp_path / "none.csv")
+
+
+class TestCommand:
+    def test_writes_a_table_whatever_the_workers(self, bench, run):
+        code, out, _ = run("finite-element", "small.toml", "--jobs", 1)
+        assert code == 0
+        assert "small-embedded.csv: 4 cases by embedded" in out
+        once = (bench / "small-embedded.csv").read_bytes()
+        assert run("finite-element", "small.toml", "-o", "other.csv", "-j", 2)[0] == 0
+        assert (bench / "other.csv").read_bytes() == once
+        assert set(tree(bench)) == {"small.toml", "small-embedded.csv", "other.csv"}
+
+    def test_resumes_what_is_kept(self, bench, run):
+        run("finite-element", "small.toml", "-j", 1)
+        table = bench / "small-embedded.csv"
+        whole = table.read_bytes()
+        kept = bench / "small-embedded.csv.partial"
+        study = read_study("small.toml")
+        run_study(study, kept=kept)
+        lines = kept.read_text().splitlines(keepends=True)
+        assert len(lines) == 5
+        kept.write_text("".join(lines[:3]) + lines[3][:20])  # a kill cuts a line short
+        counts = []
+        rows, _ = run_study(
+            study, progress=lambda _, done, __: counts.append(done), kept=kept, resume=True
+        )
+        assert counts == [2, 4]
+        assert len(rows) == 4
+        kept.write_text("".join(lines[:3]))
+        table.unlink()
+        assert run("finite-element", "small.toml", "--resume", "-j", 1)[0] == 0
+        assert table.read_bytes() == whole
+        assert not kept.exists()
+
+    def test_kept_cases_of_another_set_up_are_refused(self, bench, run):
+        kept = bench / "small-embedded.csv.partial"
+        kept.write_text(json.dumps({"study": "another"}) + "\n")
+        code, _, err = run("finite-element", "small.toml", "--resume")
+        assert code == 2
+        assert "keeps the cases of another set-up or engine; run without --resume" in err
+        run_study(read_study("small.toml"), kept=kept)
+        kept.write_text(kept.read_text() + "{}\n")
+        code, _, err = run("finite-element", "small.toml", "--resume")
+        assert (code, err.count("\n")) == (2, 1)
+        assert "has a damaged line" in err
+
+    @in_bench
+    def test_unknown_engine(self, run):
+        code, _, err = run("finite-element", "small.toml", "--engine", "marc")
+        assert code == 2
+        assert "'marc': is not an engine; choose embedded or calculix" in err
+
+    def test_without_calculix(self, bench, run, monkeypatch):
+        monkeypatch.setenv("PATH", str(bench))
+        code, _, err = run("finite-element", "small.toml", "--engine", "calculix")
+        assert (code, err.count("\n")) == (2, 1)
+        assert "apt install calculix-ccx" in err
+        assert set(tree(bench)) == {"small.toml"}
+
+    @posix
+    def test_other_cases_are_kept_when_the_solver_fails(self, bench, run, monkeypatch):
+        write_results = (
+            "printf ' displacements\\n\\n 9 0. 4.0E-04 0.\\n\\n stresses\\n\\n 1 1 0. -5.0E+02\\n"
+            "\\n displacements\\n\\n 9 0. 4.0E-04 0.\\n' > case.dat"
+        )
+        fake_ccx(
+            bench,
+            monkeypatch,
+            "case $1 in -v) echo 'This is Version 9.9'; exit;; esac\n"
+            # The cases at 0.5 mm have the larger plate mesh: kill one, let the others pass.
+            "if [ $(grep -c '' case.inp) -gt 8000 ]; then echo 'about to die'; kill -9 $$; fi\n"
+            + write_results,
+        )
+        sizes = {0.05: 0, 0.5: 0}
+        study = read_study("small.toml")
+        for dR in sizes:
+            mesh = study.setups["base"].mesh(dR, study.loads)
+            sizes[dR] = make_deck(study.setups["base"], dR, 20.0, mesh).text.count("\n")
+        script = bench / "bin" / "ccx"
+        script.write_text(script.read_text().replace("8000", str(sum(sizes.values()) // 2)))
+        code, _, err = run("finite-element", "small.toml", "--engine", "calculix", "-j", 2)
+        assert code == 2
+        assert "base, ΔR = 0.5 mm, 20 N/mm: CalculiX was killed by signal 9" in err
+        assert "    about to die" in err
+        assert "2 of 4 cases have no solution" in err
+        assert not (bench / "small-calculix.csv").exists()
+        kept = (bench / "small-calculix.csv.partial").read_text().splitlines()
+        assert "CalculiX 9.9" in kept[0]
+        assert len(kept) == 3
+        script.write_text(script.read_text().replace("kill -9 $$", "true"))
+        code, out, _ = run("finite-element", "small.toml", "--engine", "calculix", "--resume")
+        assert (code, "4 cases by CalculiX 9.9" in out) == (0, True)
+
+    def test_a_mesh_too_coarse_fails_its_cases_alone(self, bench, run):
+        spec = changed(SMALL, {"size": 0.015, "origin.size": "assumed"})
+        write_toml(bench / "coarse.toml", spec)
+        code, _, err = run("finite-element", "coarse.toml", "-j", 1)
+        assert code == 2
+        assert "base, ΔR = 0.5 mm, 20, 40 N/mm: is too coarse" in err
+        assert "2 of 4 cases have no solution" in err
+
+
+class TestReference:
+    def test_the_grid_is_the_table(self):
+        grid = read_grid(ROOT / "datasets/finite-element.toml")
+        rows = read_table(TABLES / "recommended-embedded.csv").rows
+        assert grid.shape == (1, 1, 13, 3)
+        assert grid.penetrations.ravel() == pytest.approx(rows["penetration_mm"].to_numpy())
+
+    def test_samples_are_the_tables_own(self, tmp_path):
+        counts = write_samples(read_grid(ROOT / "datasets/finite-element.toml"), tmp_path / "s.csv")
+        assert (counts.samples, counts.masked) == (39, 0)
+        rows = read_table(TABLES / "recommended-embedded.csv").rows
+        written = pd.read_csv(tmp_path / "s.csv")
+        for column in written:
+            assert written[column].to_numpy() == pytest.approx(rows[column].to_numpy(), rel=1e-12)
+
+    def test_committed_fit_is_of_the_committed_table(self):
+        result = FitResult.load(ROOT / "fitting/results/finite-element.json")
+        campaign = read_campaign(ROOT / "fitting/finite-element.toml")
+        assert result.reference == "finite-element"
+        assert result.counts.samples == 39
+        assert json.loads(json.dumps(campaign.settings)) == result.settings
+        assert result.objective.value < 0.3 * result.published.objective
+
+    @pytest.mark.parametrize(
+        ("changes", "message"),
+        [
+            ({"table": DROP}, 'table: is required with reference = "finite-element"'),
+            ({"table": "none.csv"}, "cannot be read"),
+            ({"axes": {}}, "axes: stands beside table"),
+            ({"contact": "external"}, "contact = 'external': must be internal"),
+        ],
+    )
+    def test_mistakes_in_a_grid_are_told(self, tmp_path, changes, message):
+        spec = changed(
+            {
+                "contact": "internal",
+                "reference": "finite-element",
+                "table": str(TABLES / "recommended-embedded.csv"),
+            },
+            changes,
+        )
+        with pytest.raises(InputError) as caught:
+            read_grid(write_toml(tmp_path / "grid.toml", spec))
+        assert message in str(caught.value)
+
+    @pytest.mark.parametrize(
+        ("penetrations", "rule"),
+        [
+            ([[1e-4, 2e-4]], "a list for each dR with a number for each load"),
+            ([[1e-4, 2e-4], [1e-4, -2e-4]], "must be positive"),
+        ],
+    )
+    def test_penetrations_must_fit_the_axes(self, penetrations, rule):
+        axes = {"E": [207.0], "nu": [0.3], "dR": [0.1, 0.2], "load": [10.0, 20.0]}
+        spec = {
+            "contact": "internal",
+            "reference": "finite-element",
+            "axes": {name: {"values": values} for name, values in axes.items()},
+            "penetrations": penetrations,
+        }
+        with pytest.raises(InputError, match=rule):
+            grid_from(spec, "inline")
+        johnson = copy.deepcopy(spec) | {"reference": "johnson"}
+        with pytest.raises(InputError, match="is used only with reference finite-element"):
+            grid_from(johnson, "inline")
