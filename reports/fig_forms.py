@@ -21,7 +21,7 @@ CAPTION = (
 
 def draw(_bench: Bench) -> Drawing:
     table = forms_table()
-    figure = new_figure("full", 112.0)
+    figure = new_figure("full", 112.0, wide=True)
     axes = figure.subplots()
     draw_forms(axes, table)
     axes.set(xlim=(1e-3, 60))

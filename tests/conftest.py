@@ -6,6 +6,8 @@ from hypothesis import settings
 
 from cylcontact import CylinderPair, Material
 from cylcontact.fitting import Campaign, FitResult, calibrate, read_campaign
+from tests.browser import chromium
+from tests.html_bench import build_small_site
 from tests.spec_files import write_bench
 
 # The same examples on every run and machine; mpmath and first imports make times uneven.
@@ -40,3 +42,16 @@ def small_campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
 @pytest.fixture(scope="session")
 def small_result(small_campaign: Campaign) -> FitResult:
     return calibrate(small_campaign)
+
+
+@pytest.fixture(scope="session")
+def site(tmp_path_factory: pytest.TempPathFactory):
+    """The report of a small bench, built once."""
+    return build_small_site(tmp_path_factory.mktemp("bench"))
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A headless Chromium; its event loop must not outlive the tests that need it."""
+    with chromium() as running:
+        yield running

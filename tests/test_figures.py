@@ -26,6 +26,9 @@ from tests.figure_files import page_mm, read_columns, significant_digits
 BENCH = Bench(Path(__file__).parents[1])
 NAMES = (
     *("fig01", "fig02", "fig03", "fig07", "fig08", "fig09"),
+    *("fig04", "fig05", "fig06", "fig_fe_sensitivity"),
+    *("fig15", "fig16", "fig17", "fig18", "fig19"),
+    *("fig_mechanism_steps", "fig_mechanism_cases", "fig_mechanism_energy"),
     *("fig10", "fig10r", "fig11", "fig11r", "fig12", "fig12r", "fig13", "fig13r"),
     *("fig14", "fig14r", "fig_profile_b", "fig_explicit", "fig_forms"),
     *("fig10c", "fig11c", "fig12c", "fig13c", "fig14c"),
@@ -41,10 +44,15 @@ MATERIALS = {
 }
 MAPS = dict(zip(("fig10", "fig11", "fig12", "fig13", "fig14"), MATERIALS, strict=True))
 UNITLESS = {"nu", "n", "R2", "points", "objective", "b"}
+UNITLESS |= {"cells", "nodes", "constant"}
+UNITLESS |= {"restitution", "friction", "revolution", "onsets", "continued", "left"}
+UNITLESS |= {"contact_fraction", "contact_fraction_std", "impacts", "impacts_std"}
 UNITLESS |= {"constants", "logarithms", "phi_from", "phi_to"}
 WORDS = {"panel", "symbol", "contact", "material", "form", "given", "fitted"}
+WORDS |= {"body", "variant", "point", "mode"}
 WORDS |= {"law", "reference", "pair", "error_of", "range"}
-UNITS = ("_mm", "_N_per_mm", "_MPa", "_GPa", "_percent", "_N_per_mm_n")
+UNITS = ("_mm", "_um", "_us", "_us_std", "_N", "_J")
+UNITS += ("_N_per_mm", "_MPa", "_GPa", "_percent", "_N_per_mm_n")
 Figures = dict[str, Written]
 
 

@@ -1,4 +1,4 @@
-"""The command line: `cylcontact sample | fit | compare | verify | report | claims | laws | export`.
+"""The command line: `cylcontact sample | fit | simulate | report | claims | …`.
 
 Exit codes: 0 done, 1 a check does not hold, 2 bad input (one line on standard error),
 130 interrupted, 141 nobody reads the output any more.

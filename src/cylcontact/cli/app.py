@@ -2,7 +2,7 @@
 
 import typer
 
-from cylcontact.cli import calibration, reporting
+from cylcontact.cli import animation, calibration, finite_element, measured, mechanism, reporting
 
 app = typer.Typer(
     add_completion=False,
@@ -13,8 +13,15 @@ app = typer.Typer(
 )
 app.command()(calibration.sample)
 app.command()(calibration.fit)
+app.command()(calibration.optimizers)
+app.command()(measured.uncertainty)
 app.command()(calibration.compare)
 app.command()(calibration.verify)
+app.command()(mechanism.simulate)
+app.command()(mechanism.sweep)
+app.command()(mechanism.tolerances)
+app.command()(animation.animate)
+app.command("finite-element")(finite_element.finite_element)
 app.command()(reporting.report)
 app.command()(reporting.claims)
 app.command("laws")(reporting.compare_laws)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cylcontact.cli.terminal import RESULTS, progress_bars
+from cylcontact.cli.terminal import RESULTS, Jobs, cores, progress_bars
 from cylcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from cylcontact.reports.bench import Bench
 
 
 def report(
@@ -19,23 +23,95 @@ def report(
         Path, typer.Option("--results", help="The folder of fit results to draw from.")
     ] = RESULTS,
     out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="Where to write; reports/figures.")
+        Path | None,
+        typer.Option("-o", "--out", help="Where to write; reports/figures, or reports/html."),
     ] = None,
+    html: Annotated[
+        bool, typer.Option("--html", help="Build the report to read in a browser instead.")
+    ] = False,
+    style: Annotated[
+        str | None,
+        typer.Option(help="journal, single-column, double-column or slides."),
+    ] = None,
+    formats: Annotated[
+        list[str] | None, typer.Option("--format", help="png, pdf, svg or pgf; may be repeated.")
+    ] = None,
+    font_size: Annotated[float | None, typer.Option(help="Of the labels, in points.")] = None,
+    tables: Annotated[
+        str | None, typer.Option(help="Write the tables and captions instead: latex, csv or html.")
+    ] = None,
+    jobs: Jobs = None,
 ) -> None:
-    """Draw the figures, each as PNG and PDF with the CSV of its numbers."""
+    """Draw the figures, each with the CSV of its numbers, or build the report around them."""
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.build import build, find_recipes
 
     bench = Bench(Path(), results)
-    wanted = names or list(find_recipes(bench))
-    drawn = 0
+    _require_one_kind(names, html, style, formats, font_size, tables)
+    if html:
+        _build_site(bench, out or bench.recipes_folder / "html", jobs or cores())
+        return
+    if tables is not None:
+        _write_tables(bench, names or (), tables, out or bench.recipes_folder / "tables")
+        return
+    _draw(bench, names or (), (style, tuple(formats or ()), font_size), out, jobs or cores())
+
+
+def _require_one_kind(names: object, html: bool, *choices: object) -> None:
+    """Refuse options that do not go with the report in a browser."""
+    if html and (names or any(choice is not None for choice in choices)):
+        raise InputError(
+            "report",
+            "--html",
+            None,
+            "draws every figure in the journal's style, for the browser and to take away",
+            "leave out recipes, --style, --format, --font-size and --tables",
+        )
+
+
+def _draw(
+    bench: Bench,
+    names: Sequence[str],
+    wishes: tuple[str | None, tuple[str, ...], float | None],
+    out: Path | None,
+    jobs: int,
+) -> None:
+    """Draw figures in the style asked for."""
+    from cylcontact.reports.build import chosen_recipes
+    from cylcontact.reports.looks import JOURNAL, choose
+    from cylcontact.reports.outcomes import draw_all
+
+    style, formats, font_size = wishes
+    choice = choose(bench.recipes_folder / "style.toml", style, formats, font_size)
+    own = bench.figures_folder
+    folder = out or (own if choice.look.name == JOURNAL.name else own / choice.look.name)
+    wanted = chosen_recipes(bench, names)
     with progress_bars() as progress:
-        progress("drawing", 0, len(wanted))
-        for name in wanted:
-            (written,) = build(bench, [name], out)
-            drawn += 1
-            progress("drawing", drawn, len(wanted))
-    typer.echo(f"{drawn} figures in {written.paths[0].parent}")
+        outcomes = draw_all(bench, wanted, folder, choice, jobs, progress)
+    problems = [outcome.problem for outcome in outcomes if outcome.problem is not None]
+    for problem in problems[1:]:
+        typer.echo(f"cylcontact: {problem}", err=True)
+    if problems:
+        raise problems[0]
+    typer.echo(f"{len(outcomes)} figures in {folder}")
+
+
+def _build_site(bench: Bench, folder: Path, jobs: int) -> None:
+    """Build the report for a browser and tell what is missing in it."""
+    from cylcontact.reports.html import build_site
+
+    with progress_bars() as progress:
+        site = build_site(bench, folder, jobs, progress)
+    for reason in site.missing:
+        typer.echo(f"missing, {reason}", err=True)
+    typer.echo(f"open {site.index}")
+
+
+def _write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -> None:
+    """Write the tables for a paper and the captions of the figures."""
+    from cylcontact.reports.paper_tables import write_tables
+
+    written = write_tables(bench, names, kind, folder)
+    typer.echo(f"{len(written)} files in {folder}")
 
 
 def claims(
@@ -45,11 +121,20 @@ def claims(
     results: Annotated[
         Path, typer.Option("--results", help="The folder of fit results to judge by.")
     ] = RESULTS,
+    jobs: Jobs = None,
 ) -> None:
     """Hold every quantitative statement of the paper against computed numbers."""
     from cylcontact.files import replacing
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.claims import calibration_claims, ledger, to_csv, to_json, to_text
+    from cylcontact.reports.claims import (
+        calibration_claims,
+        finite_element_claims,
+        ledger,
+        mechanism_claims,
+        to_csv,
+        to_json,
+        to_text,
+    )
 
     bench = Bench(Path(), results)
     writers = {".csv": to_csv, ".json": to_json}
@@ -57,7 +142,12 @@ def claims(
         raise InputError(
             str(out), "", None, "is neither .csv nor .json", "name the output so that it is one"
         )
-    found = ledger(bench.materials(), calibration_claims(bench.results_by_name()))
+    more = [
+        *calibration_claims(bench.results_by_name()),
+        *finite_element_claims(bench),
+        *mechanism_claims(bench, jobs or cores()),
+    ]
+    found = ledger(bench.materials(), more)
     if out is None:
         typer.echo(to_text(found), nl=False)
         return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ from cylcontact.laws.explicit import CALIBRATED, Explicit, ExplicitCoefficients
 from cylcontact.laws.liu import Liu
 from cylcontact.laws.logarithmic import Johnson, LogarithmicLaw
 from cylcontact.laws.power import PowerLaw
+from cylcontact.laws.scaled import Scaled
 from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import DEPTH, Winkler
 from cylcontact.pair import Contact
@@ -196,6 +197,29 @@ def _logarithmic(law: LogarithmicLaw, contact: Contact | None) -> Formula:
     )
 
 
+def _scaled(law: Scaled, contact: Contact | None) -> Formula:
+    """Return a logarithmic law with other constants, or a law of which nothing is stretched."""
+    B, D = law.load_factor, law.penetration_factor
+    if isinstance(law.base, LogarithmicLaw):
+        kappa, shift = law.base.kappa * D / B, law.base.shift + float(np.log(B))
+        formula = _logarithmic(law.base, contact)
+        return replace(
+            formula,
+            coefficients={"kappa": float(kappa), "c": shift},
+            constants={"kappa": float(kappa), "peak": float(np.exp(shift - 1))},
+            origin="",
+        )
+    if B == D == 1:
+        return formula_of(law.base, contact)
+    raise InputError(
+        "export",
+        "law",
+        law.name,
+        "has factors of its own, which only logarithmic laws are written with",
+        "hold its factors at 1, or fit power, explicit or a logarithmic law",
+    )
+
+
 def _explicit(law: Explicit, contact: Contact | None) -> Formula:
     """Return the explicit law with its own constants, or those calibrated for the contact."""
     own = law.coefficients
@@ -296,6 +320,7 @@ BUILDERS: Mapping[type, Callable[[Any, Contact | None], Formula]] = {
     Enhanced: _enhanced,
     PowerLaw: _power,
     LogarithmicLaw: _logarithmic,
+    Scaled: _scaled,
     Explicit: _explicit,
     Liu: _liu,
     LankaraniNikravesh: _lankarani_nikravesh,

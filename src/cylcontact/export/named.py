@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 # Persson's law has no closed form; it is known by name all the same, to be told so.
 EXPORTABLE = tuple(name for name in LAWS if name != "persson")
 
-# The laws that campaigns fit, from their coefficients.
+
+# The laws that campaigns on grids fit, from their coefficients.
 FITTED: Mapping[str, Callable[[Mapping[str, float]], ContactLaw]] = {
     "enhanced": lambda found: Enhanced(coefficients=found),
     "explicit": lambda found: Explicit(coefficients=found),
@@ -89,7 +90,25 @@ def _from_result(path: str, contact: Contact | None) -> FoundLaw:
             f"contradicts --contact {contact}",
             "leave --contact out, or name a result for that contact",
         )
-    return FoundLaw(FITTED[result.law](result.coefficients), result.contact, _origin(result))
+    return FoundLaw(_law_of(result, path), result.contact, _origin(result))
+
+
+def _law_of(result: FitResult, path: str) -> ContactLaw:
+    """Return the law that a fit found, of the contact alone: the rig stays in the laboratory."""
+    from cylcontact.fitting.law_models import model_of, without_rig
+    from cylcontact.fitting.user_law import is_user_law
+
+    if result.law in FITTED:
+        return FITTED[result.law](without_rig(result.coefficients))
+    if is_user_law(result.law):
+        raise InputError(
+            path,
+            "law",
+            result.law,
+            "is a Python function of your own, which cannot be written in another language",
+            "fit a law of the package, e.g. explicit",
+        )
+    return model_of(result.law, result.contact, path).build(without_rig(result.coefficients))
 
 
 def _origin(result: FitResult) -> str:

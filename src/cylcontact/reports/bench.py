@@ -51,6 +51,11 @@ class Bench:
         """The table of materials."""
         return self.root / "datasets" / "materials.csv"
 
+    @property
+    def mechanism_file(self) -> Path:
+        """The spec of the slider-crank."""
+        return self.root / "datasets" / "slider_crank.toml"
+
     def materials(self) -> dict[str, MaterialRow]:
         """Read the table of materials, name → row.
 

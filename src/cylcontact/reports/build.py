@@ -7,11 +7,13 @@ from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from shutil import which
 
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.drawing import Drawing
+from cylcontact.reports.looks import JOURNAL, Choice, Format, Look
 from cylcontact.reports.style import figure_style
 
 DPI = 300
@@ -28,7 +30,7 @@ class Written:
     name : str
         The recipe's name.
     paths : tuple of path
-        The PNG, the PDF and the CSV.
+        The pictures, by default PNG and PDF, and the CSV.
     drawing : Drawing
         What was drawn.
     """
@@ -72,8 +74,8 @@ def find_recipes(bench: Bench) -> dict[str, Path]:
     return {file.stem: file for file in files}
 
 
-def draw(name: str, bench: Bench) -> Drawing:
-    """Draw one figure in the project's style, writing nothing.
+def draw(name: str, bench: Bench, look: Look = JOURNAL) -> Drawing:
+    """Draw one figure, writing nothing.
 
     Parameters
     ----------
@@ -81,6 +83,8 @@ def draw(name: str, bench: Bench) -> Drawing:
         The recipe's name, such as "fig02".
     bench : Bench
         Where the recipe and its inputs lie.
+    look : Look, optional
+        What it is drawn for; left out, the journal.
 
     Returns
     -------
@@ -92,8 +96,12 @@ def draw(name: str, bench: Bench) -> Drawing:
         If there is no such recipe, the file is not one, or an input of it is missing.
     """
     recipe = _load_recipe(_find_recipe(name, bench))
-    with figure_style():
-        return recipe(bench)
+    with figure_style(look):
+        drawing = recipe(bench)
+        if look != JOURNAL:
+            # Titles and legends make do with the look's width.
+            drawing.figure.draw_without_rendering()
+        return drawing
 
 
 def build(
@@ -101,10 +109,11 @@ def build(
     names: Iterable[str] = (),
     folder: Path | None = None,
     progress: Callable[[Written], None] = lambda _: None,
+    choice: Choice = Choice(JOURNAL),  # noqa: B008 - frozen
 ) -> list[Written]:
     """Draw figures and write NAME.png, NAME.pdf and NAME.csv of each.
 
-    A figure's three files appear complete or not at all, and the same input gives the same bytes.
+    A figure's files appear complete or not at all, and the same input gives the same bytes.
 
     Parameters
     ----------
@@ -116,6 +125,8 @@ def build(
         Where to write; left out, the bench's `reports/figures`.
     progress : callable, optional
         Called with each figure once it is on disk.
+    choice : Choice, optional
+        The look and the formats; left out, the journal's, as PNG and PDF.
 
     Returns
     -------
@@ -146,20 +157,35 @@ def build(
     (['fig99.png', 'fig99.pdf', 'fig99.csv'], {'load, N/mm': 10.0})
     """
     target = folder or bench.figures_folder
-    chosen = list(names) or list(find_recipes(bench))
-    for name in chosen:
-        # A mistyped name is told before the first figure is drawn.
-        _find_recipe(name, bench)
     written = []
-    for name in chosen:
-        drawing = draw(name, bench)
-        written.append(Written(name, write(drawing, name, target), drawing))
+    for name in chosen_recipes(bench, names):
+        drawing = draw(name, bench, choice.look)
+        written.append(Written(name, write(drawing, name, target, choice), drawing))
         progress(written[-1])
     return written
 
 
-def write(drawing: Drawing, name: str, folder: Path) -> tuple[Path, ...]:
-    """Write a drawing's PNG, PDF and CSV, complete or not at all.
+def chosen_recipes(bench: Bench, names: Iterable[str] = ()) -> list[str]:
+    """Return the recipes to draw, all where none is named.
+
+    Raises
+    ------
+    InputError
+        If there is no such recipe; a mistyped name is told before the first figure is drawn.
+    """
+    chosen = list(dict.fromkeys(names)) or list(find_recipes(bench))
+    for name in chosen:
+        _find_recipe(name, bench)
+    return chosen
+
+
+def write(
+    drawing: Drawing,
+    name: str,
+    folder: Path,
+    choice: Choice = Choice(JOURNAL),  # noqa: B008 - frozen
+) -> tuple[Path, ...]:
+    """Write a drawing's pictures and the CSV of its numbers, complete or not at all.
 
     Parameters
     ----------
@@ -169,36 +195,59 @@ def write(drawing: Drawing, name: str, folder: Path) -> tuple[Path, ...]:
         The files' name without its ending.
     folder : path
         Where to write; made if it does not exist.
+    choice : Choice, optional
+        The look it was drawn in, and the formats; left out, PNG and PDF.
 
     Returns
     -------
     tuple of path
-        The PNG, the PDF and the CSV.
+        A picture in each format, in their order, and the CSV.
 
     Raises
     ------
     InputError
-        If the folder cannot be written to.
+        If the folder cannot be written to, or a format needs a program that is absent.
     """
+    require_programs(choice.formats)
+    endings = (*choice.formats, "csv")
     with ExitStack() as stack:
-        png, pdf, csv = (
-            stack.enter_context(replacing(folder / f"{name}.{ending}"))
-            for ending in ("png", "pdf", "csv")
+        *pictures, csv = (
+            stack.enter_context(replacing(folder / f"{name}.{ending}")) for ending in endings
         )
-        _save(drawing, png, pdf, csv)
-    return tuple(folder / f"{name}{file.suffix}" for file in (png, pdf, csv))
+        for form, picture in zip(choice.formats, pictures, strict=True):
+            _save(drawing, picture, form, choice.look)
+        drawing.table.to_csv(csv, index=False, float_format=NUMBER_FORMAT, lineterminator="\n")
+    return tuple(folder / f"{name}.{ending}" for ending in endings)
 
 
-def _save(drawing: Drawing, png: Path, pdf: Path, csv: Path) -> None:
-    """Write the three files, the caption inside the first two."""
+def require_programs(formats: Iterable[Format]) -> None:
+    """Raise `InputError` where a format needs a program that is not installed."""
+    if "pgf" in formats and which("xelatex") is None:
+        raise InputError(
+            "report",
+            "--format",
+            "pgf",
+            "needs xelatex, which measures the text of the figure and is not installed",
+            "install TeX (Debian: apt install texlive-xetex), or choose pdf",
+        )
+
+
+def _save(drawing: Drawing, picture: Path, form: Format, look: Look) -> None:
+    """Write one picture, the caption inside where the format has room for it."""
     # Dates and versions off: they would change the bytes and tell the reader nothing.
-    undated = {"CreationDate": None, "Creator": None, "Producer": None}
-    with figure_style():
-        drawing.figure.savefig(
-            png, dpi=DPI, metadata={"Software": None, "Description": drawing.caption}
-        )
-        drawing.figure.savefig(pdf, metadata={**undated, "Subject": drawing.caption})
-    drawing.table.to_csv(csv, index=False, float_format=NUMBER_FORMAT, lineterminator="\n")
+    metadata: dict[Format, dict[str, str | None]] = {
+        "png": {"Software": None, "Description": drawing.caption},
+        "pdf": {
+            "CreationDate": None,
+            "Creator": None,
+            "Producer": None,
+            "Subject": drawing.caption,
+        },
+        "svg": {"Date": None, "Creator": None, "Description": drawing.caption},
+        "pgf": {},
+    }
+    with figure_style(look):
+        drawing.figure.savefig(picture, format=form, dpi=DPI, metadata=metadata[form])
 
 
 def _find_recipe(name: str, bench: Bench) -> Path:

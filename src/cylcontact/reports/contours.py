@@ -5,15 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.contour import QuadContourSet
-from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from cylcontact.arrays import FloatArray
-from cylcontact.reports.style import new_figure, plain_log
+from cylcontact.reports.style import new_figure, plain_log, small_text
+from cylcontact.reports.styled_figure import StyledFigure
 
 # One set of levels (percent) and colours for every map. Blue is below zero, orange above; each
 # side darkens outwards, so in grey the sign is told by dashes and by the contours' labels.
@@ -52,7 +53,7 @@ class Frame:
     y_label: str
 
 
-def new_map(frame: Frame, title: str, scale_label: str) -> tuple[Figure, Axes]:
+def new_map(frame: Frame, title: str, scale_label: str) -> tuple[StyledFigure, Axes]:
     """Return an empty map with its title, axes and colour scale.
 
     Parameters
@@ -66,7 +67,7 @@ def new_map(frame: Frame, title: str, scale_label: str) -> tuple[Figure, Axes]:
 
     Returns
     -------
-    figure : matplotlib.figure.Figure
+    figure : StyledFigure
     axes : matplotlib.axes.Axes
     """
     figure = new_figure("middle", 95.0)
@@ -74,7 +75,8 @@ def new_map(frame: Frame, title: str, scale_label: str) -> tuple[Figure, Axes]:
     plain_log(axes, "x", frame.x_ticks)
     plain_log(axes, "y", frame.y_ticks)
     axes.set(xlim=frame.x, ylim=frame.y, xlabel=frame.x_label, ylabel=frame.y_label)
-    axes.set_title(title, pad=16)
+    # Above a narrow map the notes take two lines.
+    axes.set_title(title, pad=(3.2 if figure.look.narrow else 2) * rcParams["font.size"])
     bar = figure.colorbar(
         ScalarMappable(NORM, COLOUR_MAP),
         ax=axes,
@@ -150,7 +152,9 @@ def label_contours(axes: Axes, lines: QuadContourSet, keep_clear: FloatArray) ->
     if len(taken) == free:
         return
     places = axes.transData.inverted().transform(taken[free:])
-    for text in axes.clabel(lines, fmt=signed, fontsize=7, inline_spacing=2, manual=places):
+    for text in axes.clabel(
+        lines, fmt=signed, fontsize=small_text(), inline_spacing=2, manual=places
+    ):
         text.set_path_effects([RIM])
 
 

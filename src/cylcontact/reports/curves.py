@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,7 +16,14 @@ from cylcontact.datasets.materials_table import MaterialRow
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.claims.domain import clearance_pair
 from cylcontact.reports.contours import RIM
-from cylcontact.reports.style import COLOURS, LINE_STYLES, new_figure, panel_title, plain_log
+from cylcontact.reports.style import (
+    COLOURS,
+    LINE_STYLES,
+    MARKERS,
+    new_figure,
+    panel_title,
+    plain_log,
+)
 
 # The clearances of Figs 7 to 9, in mm.
 CLEARANCES: FloatArray = np.geomspace(0.001, 2.0, 100)
@@ -131,10 +139,26 @@ def draw_materials(axes: Axes, table: pd.DataFrame, column: str) -> None:
     for number, (name, lines) in enumerate(table.groupby("material", sort=False)):
         # Markers are set apart from line to line, so that none hides another's.
         dR, values = lines["dR_mm"].to_numpy(), lines[column].to_numpy()
-        axes.plot(dR, values, label=str(name), markevery=(2 + 4 * number, 25))
+        every = (2 + 4 * number % 25, 25)
+        axes.plot(dR, values, label=str(name), markevery=every, **line_look(number))
     plain_log(axes, "x", CLEARANCE_TICKS)
     axes.set(xlabel=CLEARANCE_LABEL, xlim=(CLEARANCES[0], CLEARANCES[-1]))
     decades_log(axes)
+
+
+def line_look(number: int) -> dict[str, Any]:
+    """Return the colour, line style and marker of a material's line: no two of 25 are alike.
+
+    Examples
+    --------
+    >>> line_look(0)["color"] == line_look(5)["color"]
+    True
+    >>> line_look(0)["linestyle"] == line_look(5)["linestyle"]
+    False
+    """
+    colour, turn = number % len(COLOURS), number // len(COLOURS)
+    other = (colour + turn) % len(COLOURS)
+    return {"color": COLOURS[colour], "linestyle": LINE_STYLES[other], "marker": MARKERS[other]}
 
 
 def decades_log(axes: Axes) -> None:
@@ -161,7 +185,8 @@ def mark_point(
 
 def mark_yield(axes: Axes, dR: float, stress: float, number: int) -> None:
     """Mark where the line of material `number` reaches its yield stress (MPa), at `dR` (mm)."""
-    colour, line = COLOURS[number], LINE_STYLES[number]
+    look = line_look(number)
+    colour = look["color"]
     ends = ([CLEARANCES[0], dR], [stress, stress])
-    axes.plot(*ends, linestyle=line, color=colour, linewidth=0.5, marker="")
+    axes.plot(*ends, **look | {"marker": ""}, linewidth=0.5)
     axes.plot(dR, stress, marker="*", color=colour, markerfacecolor=colour, markersize=6, zorder=5)

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import base64
+import io
 from collections.abc import Mapping
 from dataclasses import dataclass
+from html import escape
 
 import pandas as pd
 from matplotlib.figure import Figure
+
+from cylcontact.reports.style import figure_style
+
+SCREEN_DPI = 120
 
 
 @dataclass(frozen=True)
@@ -29,3 +36,13 @@ class Drawing:
     table: pd.DataFrame
     headline: Mapping[str, float]
     caption: str
+
+    def _repr_html_(self) -> str:
+        """Show the figure with its caption in a notebook."""
+        stream = io.BytesIO()
+        with figure_style():
+            self.figure.savefig(stream, format="png", dpi=SCREEN_DPI)
+        picture = base64.b64encode(stream.getvalue()).decode("ascii")
+        caption = escape(self.caption)
+        image = f'<img alt="{caption}" src="data:image/png;base64,{picture}">'
+        return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"

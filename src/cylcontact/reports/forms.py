@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.fitting.minimax import minimise_largest
 from cylcontact.laws import Persson
+from cylcontact.reports.style import small_text
 from cylcontact.reports.universal import PHI_MAX, PHI_MIN, UNIT_PAIR
 
 FIT_POINTS, CHECK_POINTS = 400, 4001
@@ -243,7 +244,7 @@ def draw_forms(axes: Axes, table: pd.DataFrame) -> None:
         axes.barh(at, error, **BARS[given], edgecolor="black", linewidth=1.6 if bold else 0.5)
         note = f"{error:.3g} %,  {constants} constants,  {logarithms} ln"
         weight = "bold" if bold else "normal"
-        axes.text(error * 1.1, at, note, va="center", fontsize=7, weight=weight)
+        axes.text(error * 1.1, at, note, va="center", fontsize=small_text(), weight=weight)
     axes.set(xscale="log", ylim=(places[-1] + 0.6, -0.6))
     axes.set_yticks(places, [f"${mathtext(form)}$" for form in table["form"]])
     axes.tick_params(axis="y", length=0)

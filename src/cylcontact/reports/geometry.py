@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,16 +11,20 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 from cylcontact.pair import Contact
+from cylcontact.reports.sketch import (
+    ARROW,
+    OUTLINE,
+    POINTER,
+    THIN,
+    Point,
+    cross,
+    dimension,
+    polar,
+    radius,
+)
 from cylcontact.reports.style import ACCENT, new_figure, panel_title
 
-Point = tuple[float, float]
-
 BODY_I, BODY_J, STRIP = "0.80", "0.93", "#f6bb84"
-OUTLINE: dict[str, Any] = {"edgecolor": "black", "linewidth": 0.9}
-THIN: dict[str, Any] = {"color": "black", "linewidth": 0.5, "linestyle": "-", "marker": ""}
-ARROW: dict[str, Any] = {"shrinkA": 0, "shrinkB": 0, "facecolor": "black"}
-DIMENSION = ARROW | {"arrowstyle": "<|-|>", "mutation_scale": 5, "linewidth": 0.6}
-POINTER = DIMENSION | {"arrowstyle": "-|>"}
 FORCE = ARROW | {
     "arrowstyle": "-|>",
     "mutation_scale": 9,
@@ -146,15 +149,15 @@ def _draw_internal(axes: Axes, pair: DrawnPair) -> None:
     _draw_overlap(axes, pair)
     # Where the pin would stand with its axis on the hole's.
     axes.add_patch(Circle((0, 0), pair.R_j, fill=False, linestyle=(0, (4, 3)), linewidth=0.6))
-    _cross(axes, (0.0, 0.0))
-    _cross(axes, centre)
-    _radius(axes, (0.0, 0.0), pair.R_i, 158, "$R_i$", (0.2, 1.5))
-    _radius(axes, centre, pair.R_j, 12, "$R_j$", (0.5, 1.0))
-    _dimension(axes, _polar(pair.R_j, 62), _polar(pair.R_i, 62), r"$\Delta R$", (-1.9, 0.3))
+    cross(axes, (0.0, 0.0))
+    cross(axes, centre)
+    radius(axes, (0.0, 0.0), pair.R_i, 158, "$R_i$", (0.2, 1.5))
+    radius(axes, centre, pair.R_j, 12, "$R_j$", (0.5, 1.0))
+    dimension(axes, polar(pair.R_j, 62), polar(pair.R_i, 62), r"$\Delta R$", (-1.9, 0.3))
     bottom = -pair.R_i - pair.penetration
     _small_dimension(axes, -pair.R_i, bottom, x_from=0.0, x_to=9.0, label=r"$\delta$")
     ends = ((-pair.half_width, pair.chord), (pair.half_width, pair.chord))
-    _dimension(axes, *ends, "$2b$", (-2.2, 0.8))
+    dimension(axes, *ends, "$2b$", (-2.2, 0.8))
     _force(axes, (0.0, centre[1] - 0.2), (0.0, centre[1] - 4.2))
     _force(axes, (0.0, -pair.R_i - 6.5), (0.0, -pair.R_i - 2.6))
 
@@ -165,14 +168,14 @@ def _draw_external(axes: Axes, pair: DrawnPair) -> None:
     axes.add_patch(Circle((0, 0), pair.R_i, facecolor=BODY_I, **OUTLINE))
     axes.add_patch(Circle(centre, pair.R_j, facecolor=BODY_J, **OUTLINE))
     _draw_overlap(axes, pair)
-    _cross(axes, (0.0, 0.0))
-    _cross(axes, centre)
-    _radius(axes, (0.0, 0.0), pair.R_i, 215, "$R_i$", (-0.6, 1.3))
-    _radius(axes, centre, pair.R_j, 150, "$R_j$", (0.3, 1.1))
+    cross(axes, (0.0, 0.0))
+    cross(axes, centre)
+    radius(axes, (0.0, 0.0), pair.R_i, 215, "$R_i$", (-0.6, 1.3))
+    radius(axes, centre, pair.R_j, 150, "$R_j$", (0.3, 1.1))
     for y in (0.0, pair.centre_distance):
         axes.plot([0.9, 8.6], [y, y], **THIN)
     label = r"$\Delta R - \delta$"
-    _dimension(axes, (8.0, 0.0), (8.0, pair.centre_distance), label, (2.6, -1.5))
+    dimension(axes, (8.0, 0.0), (8.0, pair.centre_distance), label, (2.6, -1.5))
     lowest = pair.centre_distance - pair.R_j
     _small_dimension(axes, pair.R_i, lowest, x_from=0.0, x_to=-8.0, label=r"$\delta$")
     _force(axes, (0.0, centre[1] + pair.R_j + 4.0), (0.0, centre[1] + pair.R_j))
@@ -184,7 +187,7 @@ def _draw_external(axes: Axes, pair: DrawnPair) -> None:
 
 def _draw_strip(axes: Axes, half_width: float, length: float) -> None:
     """Draw the strip of length L and width 2b in oblique view, the pressure arched over it."""
-    depth = np.array(_polar(length, 40))
+    depth = np.array(polar(length, 40))
     arch = np.linspace(np.pi, 0.0, 61)
     front = np.column_stack([half_width * np.cos(arch), 5.0 * np.sin(arch)])
     left, right = front[0], front[-1]
@@ -197,8 +200,8 @@ def _draw_strip(axes: Axes, half_width: float, length: float) -> None:
     touch = front[np.argmax(front[:, 1] - slope * front[:, 0])]
     axes.plot(*np.array([touch, touch + depth]).T, **THIN)
     below, aside = np.array([0.0, -1.3]), np.array([1.2, -1.0])
-    _dimension(axes, tuple(left + below), tuple(right + below), "$2b$", (0.0, -1.3))
-    _dimension(axes, tuple(right + aside), tuple(right + aside + depth), "$L$", (1.0, -1.0))
+    dimension(axes, tuple(left + below), tuple(right + below), "$2b$", (0.0, -1.3))
+    dimension(axes, tuple(right + aside), tuple(right + aside + depth), "$L$", (1.0, -1.0))
     axes.text(left[0], 8.6, "pressure", ha="left", va="bottom")
     axes.annotate("", xy=tuple(front[20]), xytext=(left[0] + 1.2, 8.5), arrowprops=POINTER)
 
@@ -209,37 +212,6 @@ def _draw_overlap(axes: Axes, pair: DrawnPair) -> None:
     outline_i = np.copysign(np.sqrt(pair.R_i**2 - x**2), pair.chord)
     outline_j = pair.centre[1] - np.sqrt(pair.R_j**2 - x**2)
     axes.fill_between(x, outline_i, outline_j, color=STRIP, linewidth=0)
-
-
-def _polar(radius: float, degrees: float, centre: Point = (0.0, 0.0)) -> Point:
-    """Return a point by its distance and direction from a centre."""
-    angle = np.radians(degrees)
-    return (
-        float(centre[0] + radius * np.cos(angle)),
-        float(centre[1] + radius * np.sin(angle)),
-    )
-
-
-def _cross(axes: Axes, at: Point) -> None:
-    """Mark an axis."""
-    axes.plot(*at, marker="+", color="black", markersize=6, markeredgewidth=0.7)
-
-
-def _dimension(axes: Axes, start: Point, end: Point, label: str, offset: Point) -> None:
-    """Draw a dimension and write its symbol beside the middle."""
-    axes.annotate("", xy=end, xytext=start, arrowprops=DIMENSION)
-    x, y = (start[0] + end[0]) / 2 + offset[0], (start[1] + end[1]) / 2 + offset[1]
-    axes.text(x, y, label, ha="center", va="center")
-
-
-def _radius(
-    axes: Axes, centre: Point, radius: float, degrees: float, label: str, offset: Point
-) -> None:
-    """Draw a radius as an arrow from the centre."""
-    end = _polar(radius, degrees, centre)
-    axes.annotate("", xy=end, xytext=centre, arrowprops=POINTER)
-    x, y = (centre[0] + end[0]) / 2 + offset[0], (centre[1] + end[1]) / 2 + offset[1]
-    axes.text(x, y, label, ha="center", va="center")
 
 
 def _small_dimension(

@@ -20,6 +20,8 @@ FRAME = Frame(
     y_label="load (N/mm)",
 )
 NOTE_HEIGHT = 1.025  # of the notes above the frame, in heights of it
+SECOND_NOTE = 0.08  # between two of them
+NARROW = 250.0  # pixels at 100 dpi that two notes side by side need
 BEYOND_GREY = "0.72"
 
 
@@ -41,7 +43,7 @@ def shade_beyond_johnson(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
     axes.annotate(
         "beyond Johnson's law",
         xy=(FRAME.x[0] * 1.04, ceiling * 0.96),
-        xytext=(0.05, NOTE_HEIGHT),
+        xytext=(0.05, NOTE_HEIGHT + (SECOND_NOTE if axes.bbox.width < NARROW else 0.0)),
         textcoords="axes fraction",
         arrowprops={
             "arrowstyle": "-|>",

@@ -1,17 +1,22 @@
-"""How figures look: journal widths, one set of rcParams, axes helpers."""
+"""How figures look: journal widths, rcParams of the chosen look, axes helpers."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
 from cycler import cycler
+from matplotlib import rcParams
 from matplotlib import style as mpl_style
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter
+
+from cylcontact.reports.looks import JOURNAL, LOOKS, Look
+from cylcontact.reports.styled_figure import StyledFigure
 
 Width = Literal["column", "middle", "full"]
 
@@ -27,24 +32,18 @@ MARKERS = ("o", "s", "^", "D", "v")
 ACCENT = COLOURS[2]
 QUIET = "0.45"
 
-RC: dict[str, Any] = {
-    "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],
-    "mathtext.fontset": "dejavusans",
+# What depends on the look: sizes in points for text of 8 points, and lines as in the journal.
+TEXT: dict[str, float] = {
     "font.size": 8.0,
     "axes.titlesize": 8.0,
-    "axes.titlelocation": "left",
     "axes.labelsize": 8.0,
     "xtick.labelsize": 7.0,
     "ytick.labelsize": 7.0,
     "legend.fontsize": 7.0,
-    "legend.frameon": False,
-    "legend.handlelength": 3.2,
+    "legend.title_fontsize": 8.0,
+}
+LINES: dict[str, float] = {
     "axes.linewidth": 0.6,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.top": True,
-    "ytick.right": True,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
     "xtick.minor.width": 0.4,
@@ -52,19 +51,40 @@ RC: dict[str, Any] = {
     "lines.linewidth": 1.1,
     "lines.markersize": 3.5,
     "lines.markeredgewidth": 0.8,
-    "lines.markerfacecolor": "white",
     "hatch.linewidth": 0.4,
+}
+RC: dict[str, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "mathtext.fontset": "dejavusans",
+    "axes.titlelocation": "left",
+    "legend.frameon": False,
+    "legend.handlelength": 3.2,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "lines.markerfacecolor": "white",
     "axes.prop_cycle": cycler(color=COLOURS, linestyle=LINE_STYLES, marker=MARKERS),
     "pdf.fonttype": 42,
     "pdf.compression": 6,
+    "svg.hashsalt": "cylcontact",
+    # A document that inputs the figure sets its text in its own fonts.
+    "pgf.rcfonts": False,
 }
+_LOOK: ContextVar[Look] = ContextVar("look", default=JOURNAL)
 
 
 @contextmanager
-def figure_style() -> Iterator[None]:
-    """Apply the project's rcParams, over matplotlib's defaults, for a while.
+def figure_style(look: Look | None = None) -> Iterator[None]:
+    """Apply a look's rcParams, over matplotlib's defaults, for a while.
 
     The defaults come first, so a reader's own matplotlibrc changes no figure.
+
+    Parameters
+    ----------
+    look : Look, optional
+        Left out, the one in force, which is the journal's at first.
 
     Examples
     --------
@@ -76,12 +96,30 @@ def figure_style() -> Iterator[None]:
     >>> mpl.rcParams["pdf.fonttype"] == before
     True
     """
-    with mpl_style.context(["default", RC]):
-        yield
+    token = _LOOK.set(look or _LOOK.get())
+    try:
+        with mpl_style.context(["default", _rc(_LOOK.get())]):
+            yield
+    finally:
+        _LOOK.reset(token)
 
 
-def new_figure(width: Width, height_mm: float) -> Figure:
+def _rc(look: Look) -> dict[str, Any]:
+    """Return the rcParams of a look."""
+    larger = look.font_size / TEXT["font.size"]
+    own = {name: size * larger for name, size in TEXT.items()}
+    own |= {name: width * look.lines for name, width in LINES.items()}
+    if look.font is not None:
+        family = {"rm": look.font, "it": f"{look.font}:italic", "bf": f"{look.font}:bold"}
+        own_font = {f"mathtext.{style}": font for style, font in family.items()}
+        return RC | own | own_font | {"font.family": [look.font], "mathtext.fontset": "custom"}
+    return RC | own
+
+
+def new_figure(width: Width, height_mm: float, wide: bool = False) -> StyledFigure:
     """Return an empty figure of a journal's width, apart from pyplot.
+
+    A look with a width of its own takes it instead, and the height in proportion.
 
     Parameters
     ----------
@@ -89,10 +127,12 @@ def new_figure(width: Width, height_mm: float) -> Figure:
         A key of `WIDTHS_MM`.
     height_mm : float
         In mm.
+    wide : bool, optional
+        Whether the content needs that width whatever the look: it then spans both columns.
 
     Returns
     -------
-    Figure
+    StyledFigure
 
     Examples
     --------
@@ -100,8 +140,18 @@ def new_figure(width: Width, height_mm: float) -> Figure:
     >>> print((figure.get_size_inches() * 25.4).round(3))
     [84. 60.]
     """
-    size = (WIDTHS_MM[width] / MM_PER_INCH, height_mm / MM_PER_INCH)
-    return Figure(figsize=size, layout="constrained")
+    look = _LOOK.get()
+    if wide and look.narrow:
+        look = replace(look, width_mm=LOOKS["double-column"].width_mm)
+    chosen = look.width_mm or WIDTHS_MM[width]
+    height = min(height_mm * chosen / WIDTHS_MM[width], look.highest_mm or np.inf)
+    size = (chosen / MM_PER_INCH, height / MM_PER_INCH)
+    return StyledFigure(look, figsize=size, layout="constrained")
+
+
+def small_text() -> float:
+    """Return the size of the smaller of the two texts in a figure, in points."""
+    return float(rcParams["legend.fontsize"])
 
 
 def panel_title(axes: Axes, number: int, text: str) -> None:

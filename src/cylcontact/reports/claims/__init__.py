@@ -5,6 +5,8 @@ from cylcontact.reports.claims.claim import VERDICTS, Claim, Verdict
 from cylcontact.reports.claims.domain import DEFINITIONS
 from cylcontact.reports.claims.ledger import counts, ledger
 from cylcontact.reports.claims.render import to_csv, to_json, to_records, to_table, to_text
+from cylcontact.reports.claims.section4 import claims as mechanism_claims
+from cylcontact.reports.claims.section32 import claims as finite_element_claims
 
 __all__ = [
     "DEFINITIONS",
@@ -13,7 +15,9 @@ __all__ = [
     "Verdict",
     "calibration_claims",
     "counts",
+    "finite_element_claims",
     "ledger",
+    "mechanism_claims",
     "to_csv",
     "to_json",
     "to_records",

@@ -1,0 +1,237 @@
+"""Sections 4.3 and 5: when the journal touches the bearing, and how often it hits it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import pandas as pd
+
+from cylcontact.reports.claims.claim import Claim, listed, verdict_if, with_unit
+from cylcontact.reports.claims.trends import (
+    RULE,
+    Change,
+    as_values,
+    changes,
+    shown,
+    tally,
+    trend,
+)
+from cylcontact.reports.mechanism.runs import CLEARANCES, FIRST, LAW_NAMES, REVOLUTIONS
+
+SPHERE, *CYLINDERS = LAW_NAMES
+LARGE, SMALL = CLEARANCES
+BASIS = (
+    f"geometry and masses assumed (Table 2 is missing); means over revolutions {FIRST + 1} to "
+    f"{REVOLUTIONS} of one run for each case"
+)
+# What counts as contact without end.
+CONTINUOUS = 0.99
+ROUGH: Mapping[str, Sequence[object]] = {"friction": [0.1]}
+
+
+def claims(table: pd.DataFrame) -> list[Claim]:
+    """Return the claims on contact and flight."""
+    return [
+        longer_flights(table),
+        shorter_contacts(table),
+        dissipation_keeps_contact(table),
+        friction_keeps_contact(table),
+        sphere_most_in_contact(table),
+        friction_means_fewer_flights(table),
+        small_clearance_fewer_impacts(table),
+        flight_prevails(table),
+    ]
+
+
+def _elastic(table: pd.DataFrame, column: str) -> dict[str, list[float]]:
+    """Return a number at both clearances for the cases without losses, by law."""
+    chosen = table[(table["restitution"] == 1.0) & (table["friction"] == 0.0)]
+    found = chosen.set_index(["law", "clearance"])[column].to_dict()
+    return {LAW_NAMES[law]: [float(found[law, c]) for c in (SMALL, LARGE)] for law in LAW_NAMES}
+
+
+def _told(found: dict[str, list[float]], form: str) -> str:
+    return listed({k: f"{form.format(a)} → {form.format(b)}" for k, (a, b) in found.items()}, "{}")
+
+
+def _values(found: dict[str, list[float]], unit: str) -> dict[str, float]:
+    return {
+        f"{law}, {clearance:g} mm, {unit}": value
+        for law, pair in found.items()
+        for clearance, value in zip((SMALL, LARGE), pair, strict=True)
+    }
+
+
+def longer_flights(table: pd.DataFrame) -> Claim:
+    """Return the mean duration of a flight at both clearances."""
+    found = _elastic(table, "flight_us")
+    return Claim(
+        id="4.3-longer-flights",
+        section="4.3",
+        statement="without losses all laws predict longer free flights at the larger clearance",
+        paper="longer",
+        ours=f"mean duration of a flight, {SMALL:g} → {LARGE:g} mm: {_told(found, '{:.0f} µs')}",
+        rule="longer for every law",
+        holds=all(large > small for small, large in found.values()),
+        choice=BASIS,
+        ours_values=_values(found, "us"),
+    )
+
+
+def shorter_contacts(table: pd.DataFrame) -> Claim:
+    """Return the mean duration of a contact at both clearances."""
+    found, share = _elastic(table, "contact_us"), _elastic(table, "contact_fraction")
+    by_share = all(large < small for small, large in share.values())
+    return Claim(
+        id="4.3-shorter-contacts",
+        section="4.3",
+        statement="without losses all laws predict shorter contacts at the larger clearance",
+        paper="shorter",
+        ours=f"mean duration of a contact, {SMALL:g} → {LARGE:g} mm: {_told(found, '{:.1f} µs')}",
+        rule="shorter for every law",
+        holds=all(large < small for small, large in found.values()),
+        choice=BASIS,
+        alternatives=(
+            f"by their share of the time, {_told(share, '{:.2f}')}, contacts are shorter "
+            f"{verdict_if(by_share)}"
+        ),
+        ours_values=_values(found, "us") | _values(share, "share of time"),
+    )
+
+
+def _counts(table: pd.DataFrame) -> tuple[int, int]:
+    """Return how many cases are in continuous contact, and how many there are."""
+    return int((table["contact_fraction"] >= CONTINUOUS).sum()), len(table)
+
+
+def dissipation_keeps_contact(table: pd.DataFrame) -> Claim:
+    """Return how many runs with dissipation are in contact nearly all the time."""
+    lossy = table[table["restitution"] == 0.9]
+    count, total = _counts(lossy)
+    dry, frictionless = _counts(lossy[lossy["friction"] == 0.0])
+    large = lossy[(lossy["friction"] == 0.0) & (lossy["clearance"] == LARGE)]
+    shares = {LAW_NAMES[r["law"]]: r["contact_fraction"] for r in large.to_dict("records")}
+    return Claim(
+        id="4.3-dissipation-keeps-contact",
+        section="4.3",
+        statement="with c_e = 0.9 most trajectories show continuous contact",
+        paper="most",
+        ours=f"{count} of {total} cases with c_e = 0.9 are in contact {CONTINUOUS:.0%} of the time",
+        rule="more than half of the cases",
+        holds=count > total / 2,
+        choice=f"{BASIS}; 'continuous' is at least {CONTINUOUS:.0%} of the time",
+        alternatives=(
+            f"without friction {dry} of {frictionless}: all at {SMALL:g} mm, none at {LARGE:g} mm, "
+            f"where the share of time is {listed(shares, '{:.2f}')} "
+            f"{verdict_if(dry > frictionless / 2)}"
+        ),
+        ours_values={"cases in contact, -": float(count), "cases, -": float(total)}
+        | with_unit(shares, "share of time at 0.5 mm without friction"),
+    )
+
+
+def friction_keeps_contact(table: pd.DataFrame) -> Claim:
+    """Return the share of time in contact with friction, and what friction changes."""
+    rough = table[table["friction"] > 0]
+    most = int((rough["contact_fraction"] > 0.5).sum())
+    found = changes(table, "contact_fraction", "friction", 0.0, 0.1)
+    rest = rough[rough["contact_fraction"] <= 0.5]
+    low = {
+        f"{LAW_NAMES[r['law']]} at {r['clearance']:g} mm, c_e = {r['restitution']:g}": (
+            r["contact_fraction"]
+        )
+        for r in rest.to_dict("records")
+    }
+    told = f"; not so: {listed(low, '{:.2f}')}" if low else ""
+    return Claim(
+        id="4.3-friction-keeps-contact",
+        section="4.3",
+        statement="with friction the trajectories are mostly in contact",
+        paper="mostly in contact",
+        ours=f"more than half of the time in {most} of {len(rough)} cases{told}",
+        rule="more than half of the time in every case with c_f = 0.1",
+        holds=most == len(rough),
+        choice=BASIS,
+        alternatives=f"friction lengthens the time in contact {tally(found, 1)}",
+        ours_values=as_values(found, "share of time"),
+    )
+
+
+def against_sphere(
+    table: pd.DataFrame, column: str, among: Mapping[str, Sequence[object]] = ROUGH
+) -> list[Change]:
+    """Compare both cylindrical laws with the sphere, by default in the cases with friction."""
+    return [
+        replace(change, name=f"{LAW_NAMES[law]} {change.name}")
+        for law in CYLINDERS
+        for change in changes(table, column, "law", SPHERE, law, among)
+    ]
+
+
+def sphere_most_in_contact(table: pd.DataFrame) -> Claim:
+    """Return whether the sphere is the longest in contact with friction."""
+    found = against_sphere(table, "contact_fraction")
+    return Claim(
+        id="4.3-sphere-most-in-contact",
+        section="4.3",
+        statement="with friction contact lasts longest with Lankarani and Nikravesh's law",
+        paper="more evident for that law",
+        ours=f"a cylindrical law is less in contact {tally(found, -1)}",
+        rule=f"less in contact {RULE}",
+        holds=trend(found, -1),
+        choice=BASIS,
+        alternatives=shown(found, "{:.3f}"),
+        ours_values=as_values(found, "share of time"),
+    )
+
+
+def friction_means_fewer_flights(table: pd.DataFrame) -> Claim:
+    """Return impacts per revolution without and with friction, for the cylindrical laws."""
+    found = changes(table, "impacts", "friction", 0.0, 0.1, {"law": CYLINDERS})
+    lively = [change for change in found if change.before > 0]
+    return Claim(
+        id="4.3-friction-fewer-flights",
+        section="4.3",
+        statement="with cylindrical laws free flights are rarer with friction than without",
+        paper="reduced frequency",
+        ours=f"impacts per revolution fall {tally(lively, -1)}: {shown(lively, '{:.1f}')}",
+        rule=f"they fall {RULE}, of those that fly without friction",
+        holds=trend(lively, -1),
+        choice=BASIS,
+        ours_values=as_values(lively, "impacts per revolution"),
+    )
+
+
+def small_clearance_fewer_impacts(table: pd.DataFrame) -> Claim:
+    """Return impacts per revolution at both clearances."""
+    found = changes(table, "impacts", "clearance", LARGE, SMALL)
+    share = changes(table, "contact_fraction", "clearance", LARGE, SMALL)
+    return Claim(
+        id="4.3-small-clearance-smoother",
+        section="4.3",
+        statement="a smaller clearance makes for fewer impacts",
+        paper="fewer impacts, long contacts",
+        ours=f"impacts per revolution fall {tally(found, -1)}: {shown(found, '{:.1f}')}",
+        rule=f"they fall {RULE}",
+        holds=trend(found, -1),
+        choice=BASIS,
+        alternatives=f"the share of time in contact rises {tally(share, 1)}",
+        ours_values=as_values(found, "impacts per revolution"),
+    )
+
+
+def flight_prevails(table: pd.DataFrame) -> Claim:
+    """Return the share of time in contact without any losses."""
+    found = _elastic(table, "contact_fraction")
+    return Claim(
+        id="5-flight-prevails-without-losses",
+        section="5",
+        statement="without losses free flight prevails over contact",
+        paper="prevalence of free flight",
+        ours=f"share of time in contact, {SMALL:g} → {LARGE:g} mm: {_told(found, '{:.2f}')}",
+        rule="below one half for every law and clearance",
+        holds=max(max(pair) for pair in found.values()) < 0.5,
+        choice=BASIS,
+        ours_values=_values(found, "share of time"),
+    )

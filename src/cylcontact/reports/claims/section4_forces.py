@@ -1,0 +1,143 @@
+"""Sections 4.3 and 5: forces and penetrations, and Johnson's law against the enhanced one."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from cylcontact.reports.claims.claim import Claim, listed
+from cylcontact.reports.claims.section4_contact import BASIS, SMALL, against_sphere
+from cylcontact.reports.claims.trends import RULE, as_values, changes, shown, tally, trend
+from cylcontact.reports.mechanism.runs import LAW_NAMES
+
+# Less is no particular difference.
+DIFFERENT = 0.2
+FORCE = "force_p99_N"
+PERCENTILE = "the force's 99th percentile over the time in contact"
+ALIKE = {
+    "contact_fraction": "share of time in contact",
+    "impacts": "impacts",
+    "mean_penetration_um": "mean penetration",
+    FORCE: "99 % force",
+    "step_us": "step",
+}
+
+
+def claims(table: pd.DataFrame) -> list[Claim]:
+    """Return the claims on forces and penetrations."""
+    return [
+        friction_lowers_forces(table),
+        cylinders_higher_forces(table),
+        sphere_deeper(table),
+        johnson_and_enhanced_alike(table),
+        losses_lower_forces(table),
+    ]
+
+
+def friction_lowers_forces(table: pd.DataFrame) -> Claim:
+    """Return forces without and with friction."""
+    found = changes(table, FORCE, "friction", 0.0, 0.1)
+    return Claim(
+        id="4.3-friction-lowers-forces",
+        section="4.3",
+        statement="friction lowers the contact forces",
+        paper="reduction",
+        ours=f"they fall {tally(found, -1)}: {shown(found, '{:.0f} N')}",
+        rule=f"lower {RULE}",
+        holds=trend(found, -1),
+        choice=f"{BASIS}; {PERCENTILE}",
+        alternatives=(
+            "Fig 19 shows where friction raises them: without dissipation at 0.02 mm it drives "
+            "the journal round along the wall"
+        ),
+        ours_values=as_values(found, "N"),
+    )
+
+
+def cylinders_higher_forces(table: pd.DataFrame) -> Claim:
+    """Return forces by the sphere and by the cylindrical laws, with friction."""
+    found = against_sphere(table, FORCE)
+    return Claim(
+        id="4.3-cylinders-higher-forces",
+        section="4.3",
+        statement="with friction, too, cylindrical laws give higher forces than the spherical one",
+        paper="higher",
+        ours=f"higher {tally(found, 1)}: {shown(found, '{:.0f} N')}",
+        rule=f"higher {RULE}",
+        holds=trend(found, 1),
+        choice=f"{BASIS}; {PERCENTILE}",
+        ours_values=as_values(found, "N"),
+    )
+
+
+def sphere_deeper(table: pd.DataFrame) -> Claim:
+    """Return penetrations by the sphere and by the cylindrical laws at the small clearance."""
+    found = against_sphere(
+        table, "mean_penetration_um", {"clearance": [SMALL], "friction": [0.0, 0.1]}
+    )
+    return Claim(
+        id="4.3-sphere-deeper",
+        section="4.3",
+        statement="at 0.02 mm Lankarani and Nikravesh's law leads to deeper penetrations",
+        paper="higher penetrations",
+        ours=f"mean penetration with a cylindrical law is lower {tally(found, -1)}: "
+        + shown(found, "{:.2f} µm"),
+        rule=f"lower {RULE}",
+        holds=trend(found, -1),
+        choice=BASIS,
+        ours_values=as_values(found, "um"),
+    )
+
+
+def johnson_and_enhanced_alike(table: pd.DataFrame) -> Claim:
+    """Return in what the runs with Johnson's and with the enhanced law differ."""
+    differing: dict[str, str] = {}
+    values: dict[str, float] = {}
+    count = 0
+    for column, name in ALIKE.items():
+        for change in changes(table, column, "law", "johnson", "enhanced"):
+            count += 1
+            if change.sign and abs(change.after - change.before) > DIFFERENT * change.before:
+                case = f"{name}, {change.name}"
+                differing[case] = f"{change.before:.3g} → {change.after:.3g}"
+                values[f"{case}, ratio, -"] = change.after / change.before
+    values |= {"numbers compared, -": float(count), "of them different, -": float(len(differing))}
+    continued = table[table["continued"] > 0]
+    told = [
+        f"{LAW_NAMES[r['law']]} at {r['clearance']:g} mm, c_e = {r['restitution']:g}, "
+        f"c_f = {r['friction']:g}: {r['continued']:.0f} of {r['onsets']:.0f} contacts, "
+        f"{r['left']:.0f} beyond the law's end"
+        for r in continued.to_dict("records")
+    ]
+    return Claim(
+        id="4.3-johnson-and-enhanced-alike",
+        section="4.3",
+        statement="otherwise Johnson's law and the enhanced one give no particular difference",
+        paper="no difference",
+        ours=(
+            f"{len(differing)} of {count} numbers differ, Johnson → enhanced: "
+            + (listed(differing, "{}") or "none")
+        ),
+        rule=f"none differs by more than {DIFFERENT:.0%} and two standard errors",
+        holds=not differing,
+        choice=f"{BASIS}; compared are {', '.join(ALIKE.values())}",
+        alternatives=f"Johnson's law had to be continued along its tangent ({'; '.join(told)})"
+        if told
+        else "",
+        ours_values=values,
+    )
+
+
+def losses_lower_forces(table: pd.DataFrame) -> Claim:
+    """Return forces without and with dissipation."""
+    found = changes(table, FORCE, "restitution", 1.0, 0.9)
+    return Claim(
+        id="5-elastic-forces-are-large",
+        section="5",
+        statement="without dissipation the contact forces become large",
+        paper="large",
+        ours=f"with c_e = 0.9 they are lower {tally(found, -1)}: {shown(found, '{:.0f} N')}",
+        rule=f"lower with dissipation {RULE}",
+        holds=trend(found, -1),
+        choice=f"{BASIS}; {PERCENTILE}",
+        ours_values=as_values(found, "N"),
+    )

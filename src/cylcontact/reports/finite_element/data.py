@@ -1,0 +1,85 @@
+"""The committed tables of finite elements, and the laws at the same clearances and loads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+
+from cylcontact.datasets.finite_element import Engine, Study, read_study, read_table
+from cylcontact.errors import InputError
+from cylcontact.laws import LAWS
+from cylcontact.materials import Material
+from cylcontact.pair import CylinderPair
+from cylcontact.reports.bench import Bench
+
+# Where a bench keeps set-ups and tables.
+FOLDER = Path("datasets", "finite_element")
+# The models held against finite elements, by their names in the package.
+LAWS_SHOWN = ("johnson", "enhanced", "explicit", "persson")
+CHOICES = (
+    "Set-up: plane strain, the load spread over the pin's section, the upper half of the plate's "
+    "outer boundary held, and its radius, {ratio:g} hole radii, calibrated so that small loads "
+    "agree with Johnson's law. All but the held boundary are our choice: a plane body has no "
+    "absolute approach, and the paper does not state the radius."
+)
+
+
+def study(bench: Bench, name: str) -> Study:
+    """Return the set-up file `NAME.toml` of the bench."""
+    return read_study(bench.root / FOLDER / f"{name}.toml")
+
+
+def table(bench: Bench, name: str, engine: Engine = "embedded") -> pd.DataFrame:
+    """Return the cases of `NAME-ENGINE.csv`.
+
+    Raises
+    ------
+    InputError
+        If it is missing, was edited by hand, or was made from another set-up than `NAME.toml`.
+    """
+    planned = study(bench, name)
+    path = bench.root / FOLDER / f"{name}-{engine}.csv"
+    found = read_table(path)
+    if found.header["set-up"] != planned.key:
+        raise InputError(
+            str(path),
+            "set-up",
+            found.header["set-up"],
+            f"is not that of {planned.source}, which has {planned.key}",
+            "make finite-element brings the table up to date",
+        )
+    return found.rows
+
+
+def choices(bench: Bench, name: str = "recommended") -> str:
+    """Return the sentences that every figure of a set-up carries."""
+    return CHOICES.format(ratio=study(bench, name).setups["base"].outer_ratio)
+
+
+def penetrations(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return clearance, load and every model's penetration in mm, for the rows of a table.
+
+    Parameters
+    ----------
+    rows : pandas.DataFrame
+        Rows of one variant.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns dR_mm, load_N_per_mm, fe_mm, and NAME_mm of each of `LAWS_SHOWN`; NaN outside a
+        law's domain.
+    """
+    material = Material("steel", rows["E_GPa"].to_numpy() * 1e3, rows["nu"].to_numpy())
+    pair = CylinderPair.from_dR("internal", rows["dR_mm"].to_numpy(), material)
+    load = rows["load_N_per_mm"].to_numpy()
+    columns = {f"{name}_mm": LAWS[name]().penetration(load, pair) for name in LAWS_SHOWN}
+    return pd.DataFrame(
+        {
+            "dR_mm": rows["dR_mm"].to_numpy(),
+            "load_N_per_mm": load,
+            "fe_mm": rows["penetration_mm"].to_numpy(),
+            **columns,
+        }
+    )

@@ -1,0 +1,364 @@
+// The interactive page: controls to numbers, curves and advice.
+"use strict";
+
+(() => {
+  const data = JSON.parse(document.getElementById("data").textContent);
+  const laws = data.laws.map((law) => ({
+    ...law, compute: law.document ? Laws.exported(law.document) : Laws.persson,
+  }));
+  const form = document.getElementById("controls");
+  const OWN = "";
+  const FIXED = {
+    E: [1, 1000, 207, "log"], nu: [0, 0.49, 0.3, "linear"], yield_stress: [10, 5000, 250, "log"],
+    R_i: [1, 500, 10, "log"], length: [1, 500, 10, "log"],
+  };
+  const values = Object.fromEntries(Object.entries(FIXED).map(([name, [, , start]]) => [name, start]));
+  const shown = { internal: new Set(data.shown), external: new Set(data.shown) };
+  let contact = "internal";
+
+  // Sliders: a range of a thousand steps, on a logarithmic scale where that is natural, and a
+  // field beside it for the exact number.
+  const range = (name) => (name in FIXED ? FIXED[name] : [...data.controls[contact][name], "log"]);
+  const toShare = ([low, high, , scale], value) => (scale === "log"
+    ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low));
+  const fromShare = ([low, high, , scale], share) => Number((scale === "log"
+    ? low * (high / low) ** share : low + share * (high - low)).toPrecision(3));
+  const parts = (name) => [document.getElementById(`${name}-range`), document.getElementById(name)];
+
+  function place(name, exact = true) {
+    const [slider, field] = parts(name);
+    slider.value = String(Math.round(1000 * toShare(range(name), values[name])));
+    slider.setAttribute("aria-valuetext", `${Charts.plain(values[name])} ${unit(name)}`);
+    if (exact) field.value = String(values[name]);
+    field.removeAttribute("aria-invalid");
+  }
+  const unit = (name) => document.querySelector(`[data-slider="${name}"] label span`).textContent;
+
+  function listen(name) {
+    const [slider, field] = parts(name);
+    slider.addEventListener("input", () => {
+      values[name] = fromShare(range(name), slider.value / 1000);
+      changed(name, true);
+    });
+    field.addEventListener("input", () => {
+      const number = Number(field.value);
+      const bad = field.value === "" || !(name === "nu" ? number >= 0 && number <= 0.5 : number > 0);
+      field.toggleAttribute("aria-invalid", bad);
+      if (bad) {
+        field.setAttribute("aria-invalid", "true");
+        return;
+      }
+      values[name] = number;
+      changed(name, false);
+    });
+    field.addEventListener("change", () => place(name));
+  }
+  function changed(name, exact) {
+    if (["E", "nu", "yield_stress"].includes(name)) form.elements.material.value = OWN;
+    place(name, exact);
+    update();
+  }
+
+  function fillMaterials() {
+    const select = form.elements.material;
+    for (const material of data.materials) select.add(new Option(material.name, material.name));
+    select.add(new Option("own values", OWN));
+    select.addEventListener("change", () => {
+      takeMaterial();
+      update();
+    });
+    const first = data.materials.find((each) => each.name === "low-carbon steel") || data.materials[0];
+    select.value = first ? first.name : OWN;
+    takeMaterial();
+  }
+  function takeMaterial() {
+    const material = data.materials.find((each) => each.name === form.elements.material.value);
+    if (!material) return;
+    values.E = material.E / 1000;
+    values.nu = material.nu;
+    if (material.yield_stress !== null) values.yield_stress = material.yield_stress;
+    for (const name of ["E", "nu", "yield_stress"]) place(name);
+  }
+  function tellOrigin() {
+    const material = data.materials.find((each) => each.name === form.elements.material.value);
+    const words = { E_GPa: "E", nu: "ν", yield_stress_MPa: "yield stress" };
+    document.getElementById("material-origin").textContent = material
+      ? Object.entries(words).filter(([key]) => key in material.provenance)
+        .map(([key, word]) => `${word}: ${material.provenance[key]}`).join("; ")
+      : "Your own values.";
+  }
+
+  const here = () => laws.filter((law) => law.contact === contact);
+  function fillLaws() {
+    const box = document.getElementById("laws");
+    box.replaceChildren();
+    for (const law of here()) {
+      const label = document.createElement("label");
+      const input = Object.assign(document.createElement("input"), {
+        type: "checkbox", name: "law", value: law.id, checked: shown[contact].has(law.id),
+      });
+      input.addEventListener("change", () => {
+        shown[contact][input.checked ? "add" : "delete"](law.id);
+        update();
+      });
+      const text = document.createElement("span");
+      text.textContent = law.label;
+      if (law.formula) text.title = law.formula;
+      label.append(input, newSwatch(law), text);
+      box.append(label);
+    }
+  }
+  function newSwatch(law) {
+    const swatch = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+    swatch.setAttribute("aria-hidden", "true");
+    swatch.dataset.swatch = law.id;
+    return swatch;
+  }
+  function drawSwatches(chosen) {
+    document.getElementById("legend").replaceChildren(...chosen.map((law) => {
+      const item = document.createElement("li");
+      item.append(newSwatch(law), law.label);
+      return item;
+    }));
+    for (const swatch of document.querySelectorAll("[data-swatch]")) {
+      swatch.replaceChildren();
+      const slot = chosen.findIndex((law) => law.id === swatch.dataset.swatch);
+      if (slot < 0) continue;
+      Charts.make("line", {
+        class: `curve c${slot % 6}`, "stroke-dasharray": Charts.dash(slot), x1: 0, x2: 36, y1: 7, y2: 7,
+      }, swatch);
+    }
+  }
+
+  function compute() {
+    const pair = Laws.pairOf({ contact, ...values, E: values.E * 1000 });
+    const load = values.load;
+    const find = (id) => here().find((law) => law.id === id).compute;
+    const johnson = find("johnson"), truth = find(data.truth[contact]);
+    const reference = johnson.penetration(load, pair), exact = truth.penetration(load, pair);
+    const answers = here().filter((law) => shown[contact].has(law.id)).map((law) => {
+      const penetration = law.compute.penetration(load, pair);
+      return {
+        law,
+        penetration,
+        stiffness: law.compute.stiffness(penetration, pair, load),
+        difference: 100 * (penetration / reference - 1),
+        error: 100 * (penetration / exact - 1),
+        maxLoad: law.compute.maxLoad(pair),
+      };
+    });
+    const yieldLoad = Laws.limits.yieldLoad(values.yield_stress, pair);
+    return { pair, load, johnson, truth, answers, yieldLoad, johnsonLoad: Laws.limits.johnsonLoad(pair) };
+  }
+
+  function number(value, digits = 6) {
+    if (value === Infinity) return "none";
+    if (!Number.isFinite(value)) return "–";
+    const size = Math.abs(value);
+    if (size >= 1e7 || (size > 0 && size < 1e-4)) return value.toExponential(3).replace("-", "\u2212");
+    return Charts.plain(Number(value.toPrecision(digits)));
+  }
+  const percent = (value) => (Number.isFinite(value)
+    ? (Math.abs(value) < 0.005 ? "0.00" : (value > 0 ? "+" : "\u2212") + Math.abs(value).toFixed(Math.abs(value) < 100 ? 2 : 0)) : "–");
+
+  function showNumbers(now) {
+    const { pair, load } = now;
+    const told = [
+      ["E_star", "composite modulus E*", pair.E_star, "MPa"],
+      ["R_j", "radius of body j", pair.R_j, "mm"],
+      ["phi", "load number f/(E*ΔR)", load / (pair.E_star * pair.dR), ""],
+      ["yield_load", "load at yield", now.yieldLoad, "N/mm"],
+      ["johnson_load", "largest load of Johnson's law", now.johnsonLoad, "N/mm"],
+      ["johnson_penetration", "penetration there", 1000 * Laws.limits.johnsonPenetration(pair), "µm"],
+      ["hertz_stress", "peak pressure, Hertz", Laws.limits.hertzStress(load, pair), "MPa"],
+      ["half_width", "half width of contact", Laws.limits.hertzHalfWidth(load, pair), "mm"],
+    ];
+    document.getElementById("numbers").replaceChildren(...told.map(([key, name, value, unitText]) => {
+      const box = document.createElement("div");
+      const term = Object.assign(document.createElement("dt"), { textContent: name });
+      const detail = document.createElement("dd");
+      detail.dataset.key = key;
+      detail.dataset.value = String(value);
+      detail.append(number(value, 5), " ", Object.assign(document.createElement("small"), { textContent: unitText }));
+      box.append(term, detail);
+      return box;
+    }));
+  }
+
+  function showAnswers(now) {
+    const truthName = contact === "internal" ? "conformal contact" : "Johnson's law";
+    document.getElementById("truth-column").textContent = `against ${truthName}, %`;
+    const body = document.querySelector("#answers tbody");
+    body.replaceChildren(...now.answers.map((answer) => {
+      const row = document.createElement("tr");
+      row.dataset.law = answer.law.id;
+      const name = document.createElement("th");
+      name.scope = "row";
+      name.textContent = answer.law.label;
+      const cells = [
+        ["penetration", 1000 * answer.penetration, number(1000 * answer.penetration)],
+        ["stiffness", answer.stiffness, number(answer.stiffness)],
+        ["difference", answer.difference, percent(answer.difference)],
+        ["error", answer.error, percent(answer.error)],
+        ["max_load", answer.maxLoad, number(answer.maxLoad)],
+      ].map(([key, value, text]) => {
+        const cell = document.createElement("td");
+        cell.dataset.key = key;
+        cell.dataset.value = String(value);
+        cell.textContent = text;
+        return cell;
+      });
+      row.append(name, ...cells);
+      return row;
+    }));
+  }
+
+  // Which law when: what rules a law out here, then how far each is from the truth.
+  function advise(now) {
+    const { pair, load, truth, yieldLoad, johnsonLoad } = now;
+    const phi = load / (pair.E_star * pair.dR);
+    const [from, to] = data.explicit_range[contact];
+    const off = (id) => {
+      const law = here().find((each) => each.id === id);
+      return law ? 100 * (law.compute.penetration(load, pair) / truth.penetration(load, pair) - 1) : NaN;
+    };
+    const points = [];
+    const yields = load > yieldLoad;
+    const inside = phi >= from && phi <= to;
+    const explicitOff = off("explicit"), johnsonOff = off("johnson"), enhancedOff = off("enhanced");
+    const close = contact === "internal" ? "conformal contact" : "Johnson's law";
+    if (yields) points.push(`The peak pressure is above the yield stress from ${number(yieldLoad, 4)} N/mm on: elastic laws do not hold.`);
+    if (Number.isNaN(pair.R)) points.push("The radii do not go together: the yield load is unknown.");
+    if (Laws.limits.hertzHalfWidth(load, pair) > pair.R_j / 2) {
+      points.push("Hertz's contact is as wide as the bodies: his pressure and the yield load mean nothing here.");
+    }
+    points.push(inside
+      ? `The explicit law is ${percent(explicitOff)} % from ${close}, without iteration and without a largest load.`
+      : `The explicit law was calibrated for f/(E*ΔR) from ${from} to ${to}; here it is extrapolated.`);
+    if (contact === "internal") {
+      if (load > johnsonLoad) points.push("Johnson's law has ended: the load is beyond its largest.");
+      else points.push(`Johnson's law is ${percent(johnsonOff)} % from conformal contact${Math.abs(johnsonOff) > 5 ? ": leave it" : ""}.`);
+    } else points.push("Johnson's law is the reference for rollers; one Lambert W gives the load.");
+    const [trained] = data.trained_dR[contact];
+    if (Number.isNaN(enhancedOff)) points.push("The published enhanced law is undefined here.");
+    else points.push(`The published enhanced law is ${percent(enhancedOff)} % from ${close}${pair.dR < trained ? `; it was fitted from ΔR = ${trained} mm on and is extrapolated` : ""}.`);
+    const best = inside ? "the explicit law" : contact === "internal" ? "Persson's solution" : "Johnson's law";
+    return {
+      tone: yields ? "no" : "yes",
+      title: yields ? "Beyond yield: no elastic law holds" : `Use ${best}`,
+      points,
+    };
+  }
+  let waiting = 0;
+  function showAdvice(now) {
+    const { tone, title, points } = advise(now);
+    const box = document.getElementById("verdict");
+    box.dataset.tone = tone;
+    // Read out once the slider rests, not at every step of it.
+    clearTimeout(waiting);
+    waiting = setTimeout(() => {
+      const heading = Object.assign(document.createElement("h2"), { textContent: title });
+      const list = document.createElement("ul");
+      list.append(...points.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
+      box.replaceChildren(heading, list);
+    }, 150);
+  }
+
+  function drawForce(now) {
+    const { pair, load, answers } = now;
+    const deepest = Math.max(...answers.map((a) => a.penetration).filter(Number.isFinite), 1e-12);
+    const log = document.querySelector("input[name=scale]:checked").value === "log";
+    const make = log ? Charts.logarithmic : Charts.linear;
+    const x = { scale: make, from: log ? deepest * 1e-3 * 1000 : 0, to: deepest * (log ? 10 : 1.5) * 1000 };
+    const y = { scale: make, from: log ? load * 1e-3 : 0, to: load * (log ? 10 : 1.6) };
+    const frame = Charts.axes(document.getElementById("force"), x, y, "penetration (µm)", "load (N/mm)");
+    Charts.shadeFrom(frame, "y", now.johnsonLoad);
+    answers.forEach(({ law }, slot) => {
+      const points = [];
+      const highest = Math.min(law.compute.maxLoad(pair), y.to);
+      for (let k = 0; k < Charts.SAMPLES; k += 1) {
+        const f = Math.min(frame.sy.sample(k), highest);
+        points.push([1000 * law.compute.penetration(f, pair), f]);
+        if (f === highest) break;
+      }
+      Charts.curve(frame, points, slot, law.id);
+    });
+    Charts.mark(frame, "y", load, "here");
+    Charts.mark(frame, "y", now.yieldLoad, "limit", "yield");
+    Charts.mark(frame, "y", now.johnsonLoad, "limit johnson", "end of Johnson's law");
+    answers.forEach(({ penetration }, slot) => Charts.point(frame, 1000 * penetration, load, slot));
+    document.getElementById("force-told").textContent = `At ${number(load, 4)} N/mm: `
+      + answers.map((a) => `${a.law.label} ${number(1000 * a.penetration, 4)} µm`).join(", ");
+  }
+
+  function drawDifference(now) {
+    const { pair, load, answers, johnson } = now;
+    const [low, high] = data.controls[contact].load;
+    const x = { scale: Charts.logarithmic, from: Math.min(low, load), to: Math.max(high, load) };
+    const curves = answers.filter(({ law }) => law.id !== "johnson").map((answer) => {
+      const points = [];
+      const scale = Charts.logarithmic(x.from, Math.min(x.to, now.johnsonLoad), 0, 1);
+      for (let k = 0; k < Charts.SAMPLES; k += 1) {
+        const f = scale.sample(k);
+        points.push([f, 100 * (answer.law.compute.penetration(f, pair) / johnson.penetration(f, pair) - 1)]);
+      }
+      return { ...answer, points };
+    });
+    // High enough for most of the curves and for every point, whatever happens near the limits.
+    const heights = curves.flatMap(({ points }) => points.map(([, value]) => Math.abs(value)))
+      .filter(Number.isFinite).sort((a, b) => a - b);
+    const most = heights[Math.floor(0.8 * heights.length)] || 0;
+    const points = curves.map(({ difference }) => Math.abs(difference)).filter(Number.isFinite);
+    const reach = 1.2 * Math.max(4, most, ...points);
+    const y = { scale: Charts.linear, from: -reach, to: reach };
+    const frame = Charts.axes(document.getElementById("difference"), x, y, "load (N/mm)", "difference (%)");
+    Charts.shadeFrom(frame, "x", now.johnsonLoad);
+    Charts.mark(frame, "y", 0, "frame");
+    for (const { law, points } of curves) Charts.curve(frame, points, slotOf(answers, law), law.id);
+    Charts.mark(frame, "x", load, "here");
+    Charts.mark(frame, "x", now.yieldLoad, "limit", "yield", 0);
+    Charts.mark(frame, "x", now.johnsonLoad, "limit johnson", "end of Johnson's law", 1);
+    for (const { law, difference } of curves) Charts.point(frame, load, difference, slotOf(answers, law));
+    document.getElementById("difference-told").textContent = `At ${number(load, 4)} N/mm: `
+      + curves.map((a) => `${a.law.label} ${percent(a.difference)} %`).join(", ");
+  }
+  const slotOf = (answers, law) => answers.findIndex((answer) => answer.law === law);
+
+  function update() {
+    const now = compute();
+    tellOrigin();
+    drawSwatches(now.answers.map(({ law }) => law));
+    showNumbers(now);
+    showAnswers(now);
+    showAdvice(now);
+    drawForce(now);
+    drawDifference(now);
+  }
+  function switchContact() {
+    contact = form.elements.contact.value;
+    for (const name of ["dR", "load"]) {
+      [, , values[name]] = range(name);
+      place(name);
+    }
+    const words = contact === "internal" ? "Radial clearance ΔR" : "Sum of the radii ΔR";
+    document.querySelector('[data-slider="dR"] label').firstChild.textContent = `${words} `;
+    fillLaws();
+    update();
+  }
+
+  for (const name of [...Object.keys(FIXED), "dR", "load"]) listen(name);
+  for (const name of Object.keys(FIXED)) place(name);
+  for (const radio of form.elements.contact) radio.addEventListener("change", switchContact);
+  for (const radio of document.querySelectorAll("input[name=scale]")) radio.addEventListener("change", update);
+  form.addEventListener("submit", (event) => event.preventDefault());
+  fillMaterials();
+  // On a phone the results are nearer where the list of laws is closed.
+  document.getElementById("laws-shown").open = matchMedia("(min-width: 62rem)").matches;
+  switchContact();
+  let frameWaiting = 0;
+  addEventListener("resize", () => {
+    cancelAnimationFrame(frameWaiting);
+    frameWaiting = requestAnimationFrame(update);
+  });
+  addEventListener("beforeprint", update);
+})();

@@ -1,0 +1,111 @@
+"""What the interactive page computes with: laws as exported, materials, ranges."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from cylcontact.datasets.materials_table import MaterialRow
+from cylcontact.errors import InputError
+from cylcontact.export import EXPORTABLE, export, export_named
+from cylcontact.fitting.result import FitResult
+from cylcontact.laws import LAWS
+from cylcontact.pair import CONTACTS
+from cylcontact.reports.claims.power_fits import TRAINING_DR
+from cylcontact.reports.laws_bounds import BOUNDED, TRUTH
+
+# The parts of an exported law that a page needs to compute it.
+NEEDED = ("constants", "steps", "conditions")
+SHOWN = ("johnson", "persson", "enhanced", "explicit", "fit:internal", "fit:external")
+# Of each slider: the ends, and where it stands at first; logarithmic where that is natural.
+CONTROLS: Mapping[str, Mapping[str, Any]] = {
+    "internal": {"dR": (0.001, 10.0, 0.05), "load": (1.0, 10000.0, 100.0)},
+    "external": {"dR": (5.0, 500.0, 20.0), "load": (1.0, 10000.0, 100.0)},
+}
+
+
+def explorer_data(
+    materials: Mapping[str, MaterialRow], results: Mapping[Path, FitResult]
+) -> dict[str, Any]:
+    """Return everything that the page computes with, as plain data.
+
+    Parameters
+    ----------
+    materials : mapping of str to MaterialRow
+        The table of materials.
+    results : mapping of path to FitResult
+        Fits by their files; the laws that they found stand beside the package's.
+
+    Returns
+    -------
+    dict
+
+    Examples
+    --------
+    >>> data = explorer_data({}, {})
+    >>> [law["id"] for law in data["laws"] if law["contact"] == "external"][:2]
+    ['johnson', 'roark-young']
+    """
+    return {
+        "controls": CONTROLS,
+        "materials": [_material(row) for row in materials.values()],
+        "laws": [*_package_laws(), *_fitted_laws(results)],
+        "truth": {contact: law.name for contact, law in TRUTH.items()},
+        "explicit_range": {contact: list(BOUNDED[contact]) for contact in CONTACTS},
+        "trained_dR": {contact: list(TRAINING_DR[contact]) for contact in CONTACTS},
+        "shown": SHOWN,
+    }
+
+
+def _material(row: MaterialRow) -> dict[str, Any]:
+    """Return a material with the provenance of its numbers; E and yield stress in MPa."""
+    material = row.material
+    return {
+        "name": material.name,
+        "E": float(material.E),
+        "nu": float(material.nu),
+        "yield_stress": material.yield_stress,
+        "provenance": row.provenance,
+    }
+
+
+def _package_laws() -> Iterator[dict[str, Any]]:
+    """Yield the package's laws for each contact that they are for."""
+    for name in LAWS:
+        for contact in CONTACTS:
+            if name == "persson":
+                if contact == "internal":
+                    yield _law(name, "Persson, conformal contact", contact, None)
+            elif name in EXPORTABLE:
+                try:
+                    text = export(LAWS[name](), contact, "json")
+                except InputError:  # a law for the other contact only
+                    continue
+                label = f"{name}, published" if name == "enhanced" else name
+                yield _law(name, label, contact, text)
+
+
+def _fitted_laws(results: Mapping[Path, FitResult]) -> Iterator[dict[str, Any]]:
+    """Yield the laws that campaigns found, but for those that only Python can compute."""
+    for path, result in results.items():
+        try:
+            text = export_named(str(path), None, "json")
+        except InputError:
+            continue
+        label = f"{result.law}, fit {result.name!r}"
+        yield _law(f"fit:{path.stem}", label, result.contact, text)
+
+
+def _law(name: str, label: str, contact: str, exported: str | None) -> dict[str, Any]:
+    """Return one law as data."""
+    document = json.loads(exported) if exported else None
+    return {
+        "id": name,
+        "label": label,
+        "contact": contact,
+        "remark": document["remark"] if document else "Exact for like bodies, without friction.",
+        "formula": document["formula"] if document else "",
+        "document": {key: document[key] for key in NEEDED} if document else None,
+    }

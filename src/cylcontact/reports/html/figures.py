@@ -1,0 +1,197 @@
+"""What the report shows of each figure, and the checklist of the paper's nineteen."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from cylcontact.reports.outcomes import Outcome
+
+# What each figure of the paper shows, in our words; a recipe figNN.py redraws it.
+PAPER: Mapping[int, str] = {
+    1: "Geometry and symbols",
+    2: "Power laws fitted to Johnson's law",
+    3: "The exponent over clearance and material",
+    4: "Finite element mesh",
+    5: "Contact stress by finite elements",
+    6: "Penetration by finite elements and by the laws",
+    7: "Load at yield",
+    8: "Largest load of Johnson's law",
+    9: "Peak pressure at Johnson's largest load",
+    10: "Enhanced against Johnson: ceramics",
+    11: "Enhanced against Johnson: high-strength steel",
+    12: "Enhanced against Johnson: low-carbon steel",
+    13: "Enhanced against Johnson: titanium alloy",
+    14: "Enhanced against Johnson: aluminium alloy",
+    15: "Revolute joint with clearance",
+    16: "Slider-crank mechanism",
+    17: "Force over penetration with dissipation",
+    18: "Path of the journal at 0.5 mm clearance",
+    19: "Path of the journal at 0.02 mm clearance",
+}
+NAME = re.compile(r"fig(\d\d)([a-z]*)")
+VARIANTS = {
+    "": "published coefficients",
+    "r": "refitted over the paper's ranges",
+    "p": "refitted over the practical domain",
+    "c": "refitted to conformal contact",
+}
+
+
+@dataclass(frozen=True)
+class Download:
+    """A file to take away."""
+
+    kind: str
+    href: str
+    size: str
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One figure of the report, drawn or missing.
+
+    Attributes
+    ----------
+    name, title, variant : str
+        The recipe's name, what it shows, and which version of it.
+    recipe : str
+        The recipe's file.
+    caption, problem : str
+        The caption, or why there is no figure.
+    picture : str
+        The PNG's address on the page.
+    width, height : int
+        Of the picture on the page, in pixels.
+    downloads : tuple of Download
+        The files to take away.
+    headline : mapping of str to str
+        The numbers that sum the figure up.
+    inputs : mapping of str to str
+        The files that it was drawn from, and the start of their hashes.
+    """
+
+    name: str
+    title: str
+    variant: str
+    recipe: str
+    caption: str
+    problem: str
+    picture: str
+    width: int
+    height: int
+    downloads: tuple[Download, ...]
+    headline: Mapping[str, str]
+    inputs: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Plate:
+    """One of the paper's figures with all its variants, or one of our own."""
+
+    id: str
+    number: int | None
+    title: str
+    figures: tuple[Figure, ...]
+    problem: str
+
+    @property
+    def status(self) -> str:
+        """Whether the figure is there."""
+        return "missing" if self.problem else "drawn"
+
+
+def describe(outcome: Outcome, recipe: Path, root: Path, page: Path) -> Figure:
+    """Return what the page says about a recipe's outcome.
+
+    Parameters
+    ----------
+    outcome : Outcome
+        What became of it.
+    recipe : path
+        Its file.
+    root, page : path
+        The bench's folder and the page's.
+    """
+    found = NAME.fullmatch(outcome.name)
+    files = {path.suffix[1:]: path for path in outcome.paths}
+    width, height = (round(mm * 96 / 25.4) for mm in outcome.size_mm)
+    return Figure(
+        name=outcome.name,
+        title=first_line(recipe),
+        variant=VARIANTS.get(found[2], found[2]) if found else "",
+        recipe=recipe.relative_to(root).as_posix(),
+        caption=outcome.caption,
+        problem=str(outcome.problem or ""),
+        picture=files["png"].relative_to(page).as_posix() if files else "",
+        width=width,
+        height=height,
+        downloads=tuple(
+            Download(kind.upper(), path.relative_to(page).as_posix(), _size(path))
+            for kind, path in files.items()
+        ),
+        headline={name: f"{value:.6g}" for name, value in outcome.headline.items()},
+        inputs=outcome.inputs,
+    )
+
+
+def plates(figures: Iterable[Figure]) -> tuple[list[Plate], list[Plate]]:
+    """Return the paper's nineteen figures in order, and the others.
+
+    Parameters
+    ----------
+    figures : iterable of Figure
+        Every recipe's.
+
+    Returns
+    -------
+    paper, others : list of Plate
+        A figure of the paper without a recipe is missing, with the reason.
+    """
+    numbered: dict[int, list[Figure]] = {number: [] for number in PAPER}
+    others = []
+    for figure in figures:
+        found = NAME.fullmatch(figure.name)
+        if found and int(found[1]) in numbered:
+            numbered[int(found[1])].append(figure)
+        else:
+            title = figure.title or figure.name
+            others.append(Plate(figure.name, None, title, (figure,), figure.problem))
+    paper = [_plate(number, numbered[number]) for number in PAPER]
+    return paper, others
+
+
+def _plate(number: int, figures: Sequence[Figure]) -> Plate:
+    """Return one of the paper's figures."""
+    name = f"fig{number:02d}"
+    ordered = sorted(figures, key=lambda figure: "rpc".find(figure.name.removeprefix(name)[:1]))
+    own = next((figure for figure in ordered if figure.name == name), None)
+    problem = own.problem if own else f"there is no recipe reports/{name}.py"
+    return Plate(name, number, PAPER[number], tuple(ordered), problem)
+
+
+def first_line(recipe: Path) -> str:
+    """Return what a recipe's docstring says it draws; nothing where it cannot be read.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> recipe = Path(tempfile.mkdtemp()) / "fig98.py"
+    >>> _ = recipe.write_text("'''Fig 98: a line, drawn.'''")
+    >>> first_line(recipe)
+    'A line, drawn'
+    """
+    try:
+        told = ast.get_docstring(ast.parse(recipe.read_text(encoding="utf-8"))) or ""
+    except (SyntaxError, ValueError, OSError):
+        return ""
+    line = re.sub(r"^Figs? \d+\w*:\s*", "", told.split("\n\n", 1)[0].replace("\n", " "))
+    return (line[:1].upper() + line[1:]).rstrip(".")
+
+
+def _size(path: Path) -> str:
+    """Return a file's size for people."""
+    return f"{max(1, round(path.stat().st_size / 1000))} kB"

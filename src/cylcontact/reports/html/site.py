@@ -1,0 +1,192 @@
+"""Build the report: draw every figure, gather what is known, write the pages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from cylcontact.errors import InputError
+from cylcontact.files import replacing, require_writable
+from cylcontact.parallel import Workers
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import find_recipes
+from cylcontact.reports.claims import (
+    DEFINITIONS,
+    calibration_claims,
+    counts,
+    finite_element_claims,
+    ledger,
+    mechanism_claims,
+)
+from cylcontact.reports.claims.claim import VERDICTS, Claim
+from cylcontact.reports.html.campaigns import Campaigns, headline, read_campaigns, tables
+from cylcontact.reports.html.explorer import explorer_data
+from cylcontact.reports.html.figures import Figure, describe, plates
+from cylcontact.reports.looks import JOURNAL, Choice
+from cylcontact.reports.outcomes import Progress, draw_all
+
+PAGES = ("index", "explore")
+# The classes that the pages give to the verdicts.
+MARKS = dict(zip(VERDICTS, ("yes", "choice", "no", "untestable"), strict=True))
+
+
+@dataclass(frozen=True)
+class Site:
+    """The report on disk.
+
+    Attributes
+    ----------
+    index : path
+        The page to open.
+    missing : tuple of str
+        What is missing in it, each with its reason.
+    """
+
+    index: Path
+    missing: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """The claims, or why there are none."""
+
+    claims: tuple[Claim, ...]
+    problem: str = ""
+
+
+def build_site(
+    bench: Bench,
+    folder: Path,
+    jobs: Workers = 1,
+    progress: Progress = lambda *_: None,
+) -> Site:
+    """Draw all figures and write `index.html`, `explore.html` and `figures/` in a folder.
+
+    The pages need no server and no network. What cannot be had, a figure, a fit, a claim, is
+    told as missing with the reason.
+
+    Parameters
+    ----------
+    bench : Bench
+        Where the recipes and their inputs lie.
+    folder : path
+        Where to write.
+    jobs : int
+        Worker processes that draw.
+    progress : callable, optional
+        Called with the stage, the number of figures done and their total.
+
+    Returns
+    -------
+    Site
+
+    Raises
+    ------
+    InputError
+        If there is no recipe at all, or the folder cannot be written to.
+    """
+    for page in PAGES:
+        require_writable(folder / f"{page}.html")
+    recipes = find_recipes(bench)
+    outcomes = draw_all(bench, list(recipes), folder / "figures", Choice(JOURNAL), jobs, progress)
+    figures = [describe(each, recipes[each.name], bench.root, folder) for each in outcomes]
+    campaigns = read_campaigns(bench)
+    claims = _claims(bench, campaigns)
+    common = {"version": version("cylcontact"), "provenance": _provenance(campaigns)}
+    pages = {
+        "index": _index(figures, campaigns, claims),
+        "explore": _explore(bench, campaigns),
+    }
+    for page, content in pages.items():
+        text = render(page, common | content)
+        with replacing(folder / f"{page}.html") as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    missing = [f"{figure.name}: {figure.problem}" for figure in figures if figure.problem]
+    missing += [f"{name}: {reason}" for name, reason in campaigns.missing.items()]
+    missing += [f"claims: {claims.problem}"] if claims.problem else []
+    return Site(folder / "index.html", tuple(missing))
+
+
+def render(page: str, content: Mapping[str, Any]) -> str:
+    """Return a page's HTML, whatever stands in its content escaped.
+
+    Parameters
+    ----------
+    page : str
+        Of `PAGES`.
+    content : mapping
+        What its template names.
+
+    Returns
+    -------
+    str
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    environment = Environment(
+        loader=PackageLoader("cylcontact.reports.html"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    # Our own styles and scripts go in as they are; everything else is escaped.
+    environment.globals["asset"] = lambda name: Markup(_asset(name))
+    return environment.get_template(f"{page}.html.j2").render(page=page, **content)
+
+
+def _asset(name: str) -> str:
+    """Return the text of a style sheet or script of ours."""
+    return (files("cylcontact.reports.html") / "assets" / name).read_text(encoding="utf-8")
+
+
+def _index(figures: list[Figure], campaigns: Campaigns, claims: Ledger) -> dict[str, Any]:
+    """Return the content of the report's page."""
+    paper, others = plates(figures)
+    return {
+        "headline": headline(campaigns.results),
+        "paper": paper,
+        "others": others,
+        "tables": tables(campaigns.results),
+        "missing_campaigns": campaigns.missing,
+        "claims": claims.claims,
+        "claims_problem": claims.problem,
+        "counts": counts(claims.claims),
+        "sections": sorted({claim.section for claim in claims.claims}),
+        "definitions": DEFINITIONS,
+        "marks": MARKS,
+    }
+
+
+def _explore(bench: Bench, campaigns: Campaigns) -> dict[str, Any]:
+    """Return the content of the interactive page."""
+    try:
+        materials = bench.materials()
+        problem = ""
+    except InputError as error:
+        materials, problem = {}, str(error)
+    files_of = {bench.results_folder / f"{n}.json": r for n, r in campaigns.results.items()}
+    return {"data": explorer_data(materials, files_of), "materials_problem": problem}
+
+
+def _claims(bench: Bench, campaigns: Campaigns) -> Ledger:
+    """Return the ledger, or why there is none; claims on a fit that is missing say so."""
+    try:
+        more = [
+            *calibration_claims(campaigns.results),
+            *finite_element_claims(bench),
+            *mechanism_claims(bench),
+        ]
+        return Ledger(tuple(ledger(bench.materials(), more)))
+    except InputError as error:
+        return Ledger((), str(error))
+
+
+def _provenance(campaigns: Campaigns) -> dict[str, Any]:
+    """Return what the fits were made with, taken from the first that says so."""
+    return next((r.provenance for r in campaigns.results.values()), {})

@@ -1,0 +1,248 @@
+"""A mechanism drawn from its spec: bodies, joints, the driver's circle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle, FancyBboxPatch, Polygon
+from matplotlib.transforms import Affine2D
+
+from cylcontact.arrays import FloatArray
+from cylcontact.mechanism import Mechanism, Trajectory
+from cylcontact.mechanism.model import Joint
+from cylcontact.reports.sketch import OUTLINE, THIN, Point
+from cylcontact.reports.style import ACCENT
+
+# What is drawn of a body, in shares of the mechanism's span.
+LINK, PIN, BLOCK, SUPPORT = 0.028, 0.011, (0.15, 0.085), 0.045
+# Guides end so far from the middle of what slides.
+GUIDE = 0.13
+FILLS = ("0.72", "0.88", "0.80", "0.94")
+CIRCLE: dict[str, Any] = {
+    "fill": False,
+    "edgecolor": "0.5",
+    "linewidth": 0.6,
+    "linestyle": (0, (4, 3)),
+}
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where everything is at one time, in mm.
+
+    Attributes
+    ----------
+    time : float
+        In s.
+    points : dict
+        Body → name of the point → (x, y); the ground is among them.
+    eccentricity : pair of float
+        e, from the journal's centre to the bearing's.
+    centres : dict
+        Body → its centre of mass.
+    angles : dict
+        Body → angle in rad.
+    """
+
+    time: float
+    points: dict[str, dict[str, Point]]
+    eccentricity: Point
+    centres: dict[str, Point]
+    angles: dict[str, float]
+
+
+def poses(run: Trajectory, times: FloatArray) -> list[Pose]:
+    """Return the poses of a run at some times, linear between its steps.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    times : array of float, shape (m,)
+        In s.
+
+    Returns
+    -------
+    list of Pose
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_mechanism, simulate
+    >>> run = simulate(read_mechanism("datasets/slider_crank.toml"), revolutions=1)
+    >>> (pose,) = poses(run, np.array([0.25 * run.mechanism.period]))
+    >>> x, y = pose.points["crank"]["pin"]
+    >>> print(f"{y:.3f}")
+    -50.000
+    """
+    data = run.mechanism.data
+    flat = run.coordinates.reshape(run.time.size, -1)
+    wanted = np.column_stack([np.interp(times, run.time, column) for column in flat.T])
+    e = np.column_stack([np.interp(times, run.time, column) for column in run.eccentricity.T])
+    ground = {name: _mm(place) for name, place in data["ground"]["points"].items()}
+    found = []
+    for time, row, ecc in zip(times, wanted.reshape(times.size, -1, 3), e, strict=True):
+        points, centres, angles = {"ground": ground}, {}, {}
+        for body, (x, y, angle) in zip(run.mechanism.bodies, row, strict=True):
+            centres[body.name], angles[body.name] = _mm((x, y)), float(angle)
+            points[body.name] = {
+                name: _mm(placed(x, y, angle, place))
+                for name, place in data["bodies"][body.name]["points"].items()
+            }
+        found.append(Pose(float(time), points, _mm(ecc), centres, angles))
+    return found
+
+
+def placed(x: float, y: float, angle: float, place: Point) -> Point:
+    """Return where a point of a body's own axes is."""
+    at = complex(x, y) + np.exp(1j * angle) * complex(*place)
+    return (float(at.real), float(at.imag))
+
+
+def _mm(place: FloatArray | Point) -> Point:
+    """Return a point given in m in mm."""
+    return (float(place[0]) * 1e3, float(place[1]) * 1e3)
+
+
+def span(path: list[Pose]) -> tuple[float, float, float, float]:
+    """Return the least x, largest x, least y and largest y of all points of some poses."""
+    places = np.array(
+        [at for pose in path for body in pose.points.values() for at in body.values()]
+    )
+    (left, low), (right, high) = places.min(axis=0), places.max(axis=0)
+    return float(left), float(right), float(low), float(high)
+
+
+def draw_linkage(
+    axes: Axes, one: Mechanism, pose: Pose, size: float, path: Sequence[Pose] = ()
+) -> None:
+    """Draw the mechanism as it is in a pose.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        In mm, with equal scales.
+    one : Mechanism
+        Whose joints say what is on the ground, and what slides.
+    pose : Pose
+        Where everything is.
+    size : float
+        The mechanism's span in mm, which bodies are drawn in proportion to.
+    path : sequence of Pose, optional
+        All poses that are going to be drawn: guides are long enough for them.
+    """
+    for joint in one.joints:
+        if joint.kind == "prismatic":
+            _draw_guide(axes, path or [pose], one, joint, size)
+    _draw_supports(axes, one, size)
+    for number, body in enumerate(one.bodies):
+        places = list(pose.points[body.name].values())
+        fill = FILLS[number % len(FILLS)]
+        if len(places) > 1:
+            axes.add_patch(_link(places, LINK * size, fill, 2 + number))
+        else:
+            _draw_block(axes, places[0], pose.angles[body.name], size, fill)
+    for joint in one.joints:
+        if joint.kind == "revolute":
+            _draw_pin(axes, one, pose, joint, size)
+
+
+def driver_circle(one: Mechanism, pose: Pose) -> tuple[Point, float] | None:
+    """Return centre and radius of the circle on which the driven body's free end goes, in mm."""
+    driven = max(one.driver.i, one.driver.j)
+    for joint in one.joints:
+        if joint.kind == "revolute" and {joint.i, joint.j} == {-1, driven}:
+            ground = joint.point_i if joint.i == -1 else joint.point_j
+            centre = _mm(ground)
+            ends = pose.points[one.bodies[driven].name].values()
+            return centre, max(float(np.hypot(x - centre[0], y - centre[1])) for x, y in ends)
+    return None
+
+
+def _link(places: list[Point], radius: float, fill: str, order: int) -> Polygon:
+    """Return the hull of discs about a body's points, as a bar has it."""
+    turn = np.exp(1j * np.linspace(0, 2 * np.pi, 73))
+    cloud = np.concatenate([complex(*place) + radius * turn for place in places])
+    return Polygon(_hull(cloud), closed=True, facecolor=fill, zorder=order, **OUTLINE)
+
+
+def _hull(cloud: FloatArray) -> FloatArray:
+    """Return the convex hull of complex points as an array of shape (n, 2)."""
+    from scipy.spatial import ConvexHull
+
+    flat = np.column_stack((cloud.real, cloud.imag))
+    corners: FloatArray = flat[ConvexHull(flat).vertices]
+    return corners
+
+
+def _draw_block(axes: Axes, centre: Point, angle: float, size: float, fill: str) -> None:
+    """Draw a block about a body's only point."""
+    width, height = (share * size for share in BLOCK)
+    block = FancyBboxPatch(
+        (-width / 2, -height / 2),
+        width,
+        height,
+        boxstyle=f"round,pad=0,rounding_size={0.1 * height}",
+        facecolor=fill,
+        zorder=1.5,
+        **OUTLINE,
+    )
+    block.set_transform(Affine2D().rotate(angle).translate(*centre) + axes.transData)
+    axes.add_patch(block)
+
+
+def _draw_guide(
+    axes: Axes, path: Sequence[Pose], one: Mechanism, joint: Joint, size: float
+) -> None:
+    """Draw the two lines between which a body slides in some poses."""
+    body = one.bodies[max(joint.i, joint.j)].name
+    along = complex(np.exp(1j * joint.direction))
+    # The line goes through the ground's point; the body's own moves along it.
+    ground = complex(*_mm(joint.point_i if joint.i == -1 else joint.point_j))
+    places = [complex(*next(iter(pose.points[body].values()))) for pose in path]
+    reached = [((place - ground) * along.conjugate()).real for place in places]
+    beyond = GUIDE * size
+    for side in (1, -1):
+        rail = ground + side * 0.5 * BLOCK[1] * size * 1j * along
+        ends = [rail + at * along for at in (min(reached) - beyond, max(reached) + beyond)]
+        axes.plot([z.real for z in ends], [z.imag for z in ends], **THIN | {"linewidth": 0.9})
+
+
+def _draw_supports(axes: Axes, one: Mechanism, size: float) -> None:
+    """Draw a hatched triangle below every revolute joint with the ground."""
+    half = SUPPORT * size
+    for joint in one.joints:
+        if joint.kind == "revolute" and -1 in (joint.i, joint.j):
+            x, y = _mm(joint.point_i if joint.i == -1 else joint.point_j)
+            corners = [(x, y), (x - half, y - 1.5 * half), (x + half, y - 1.5 * half)]
+            axes.add_patch(Polygon(corners, facecolor="white", zorder=1, **OUTLINE))
+            base: dict[str, Any] = {
+                "facecolor": "none",
+                "edgecolor": "black",
+                "hatch": "/////",
+                "linewidth": 0.0,
+            }
+            left, below = x - 1.5 * half, y - 1.5 * half
+            strip = [(left, below), (left + 3 * half, below), (left + 3 * half, below - 0.5 * half)]
+            axes.add_patch(Polygon([*strip, (left, below - 0.5 * half)], **base))
+            axes.plot([left, left + 3 * half], [below, below], **THIN | {"linewidth": 0.9})
+
+
+def joint_place(one: Mechanism, pose: Pose, joint: Joint) -> Point:
+    """Return where a joint is, by the point of its first body that moves, in mm."""
+    body, place = (joint.j, joint.point_j) if joint.i == -1 else (joint.i, joint.point_i)
+    name = one.bodies[body].name
+    return placed(*pose.centres[name], pose.angles[name], _mm(place))
+
+
+def _draw_pin(axes: Axes, one: Mechanism, pose: Pose, joint: Joint, size: float) -> None:
+    """Draw a revolute joint; the one with the clearance stands out."""
+    centre = joint_place(one, pose, joint)
+    open_joint = joint.name == one.clearance.joint
+    axes.add_patch(Circle(centre, PIN * size, facecolor="white", zorder=8, **OUTLINE))
+    if open_joint:
+        ring = {"fill": False, "edgecolor": ACCENT, "linewidth": 1.4}
+        axes.add_patch(Circle(centre, 2.1 * PIN * size, zorder=8, **ring))

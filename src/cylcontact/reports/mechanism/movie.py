@@ -1,0 +1,152 @@
+"""A film of a mechanism, with its clearance joint magnified beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from cylcontact.arrays import FloatArray
+from cylcontact.errors import InputError
+from cylcontact.files import replacing
+from cylcontact.mechanism import Trajectory
+from cylcontact.reports.mechanism.linkage import Pose, draw_linkage, poses
+from cylcontact.reports.mechanism.magnified import (
+    DRAWN,
+    Magnified,
+    draw_clearance_circle,
+    draw_magnified,
+)
+from cylcontact.reports.mechanism.overview import draw_circle, frame, set_view
+from cylcontact.reports.style import ACCENT, figure_style
+
+Progress = Callable[[str, int, int], None]
+
+SIZE_INCHES, DPI = (7.2, 3.2), 90
+# GIF counts time in hundredths of a second.
+FRAMES_PER_REVOLUTION, FRAMES_PER_SECOND = 90, 20
+# How much of the journal centre's way is shown behind it, in revolutions.
+TRAIL = 0.25
+# A force of the run's 99th percentile is drawn that long, in radii of the bearing.
+ARROW = 0.55
+FORCE = {"arrowstyle": "-|>", "color": ACCENT, "linewidth": 2, "shrinkA": 0, "shrinkB": 0}
+WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
+
+
+def film(run: Trajectory, path: Path, first: int = 0, progress: Progress = lambda *_: None) -> int:
+    """Write a film of a run, from a revolution on.
+
+    The same run gives the same bytes.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    path : Path
+        Ends in .gif, or in .mp4 where ffmpeg is installed.
+    first : int, optional
+        The first revolution shown, from 0.
+    progress : callable, optional
+        Called with the stage, the number of frames done and their total.
+
+    Returns
+    -------
+    int
+        The number of frames.
+
+    Raises
+    ------
+    InputError
+        If the ending is another one, ffmpeg is absent, or the path cannot be written.
+    """
+    from matplotlib.animation import writers
+
+    require_film(path)
+    shown = run.revolutions - first
+    count = shown * FRAMES_PER_REVOLUTION
+    times = (first + np.arange(count) / FRAMES_PER_REVOLUTION) * run.mechanism.period
+    path_of = poses(run, times)
+    with figure_style(), replacing(path) as temporary:
+        figure = Figure(figsize=SIZE_INCHES, layout="constrained")
+        scene = _Scene(figure, run, path_of)
+        writer = writers[WRITERS[path.suffix]](fps=FRAMES_PER_SECOND)
+        with writer.saving(figure, str(temporary), DPI):
+            for number, pose in enumerate(path_of):
+                progress("frames", number, count)
+                scene.draw(pose)
+                writer.grab_frame()
+        progress("frames", count, count)
+    return count
+
+
+def require_film(path: Path) -> None:
+    """Raise `InputError` where no film can be written under that name."""
+    from matplotlib.animation import writers
+
+    if path.suffix not in WRITERS:
+        raise InputError(
+            str(path), "", None, "is neither .gif nor .mp4", "name the output so that it is one"
+        )
+    if not writers.is_available(WRITERS[path.suffix]):
+        raise InputError(
+            str(path), "", None, "needs ffmpeg, which is not installed", "write a .gif instead"
+        )
+
+
+class _Scene:
+    """The two panels of a film, drawn anew for every frame."""
+
+    def __init__(self, figure: Figure, run: Trajectory, path: list[Pose]) -> None:
+        self.run, self.joint = run, Magnified.of(run.mechanism)
+        self.left, self.right = figure.subplots(1, 2, width_ratios=(1.9, 1.0))
+        self.view = frame(run.mechanism, path)
+        self.path = path
+        touching = run.normal_force[run.in_contact & (run.time >= path[0].time)]
+        self.scale = float(np.percentile(touching, 99)) if touching.size else 1.0
+
+    def draw(self, pose: Pose) -> None:
+        """Draw one frame."""
+        one = self.run.mechanism
+        row = int(np.searchsorted(self.run.time, pose.time, side="right")) - 1
+        for axes in (self.left, self.right):
+            axes.clear()
+        set_view(self.left, self.view)
+        draw_circle(self.left, one, pose)
+        draw_linkage(self.left, one, pose, self.view[1] - self.view[0], self.path)
+        self.left.set_title(
+            f"{one.name}, {self.joint.radial:g} mm, {one.data['clearance']['law']}: "
+            f"revolution {pose.time / one.period:.2f}"
+        )
+        centre = draw_magnified(self.right, self.joint, pose.eccentricity)
+        draw_clearance_circle(self.right, DRAWN, zorder=5)
+        self._draw_trail(self.right, pose.time)
+        self.right.plot(*centre, marker="o", markersize=4, color="black", zorder=7)
+        self._draw_force(self.right, row)
+        mode = "contact" if self.run.in_contact[row] else "flight"
+        self.right.set_title(f"clearance × {self.joint.factor:.3g}: {mode}")
+
+    def _draw_trail(self, axes: Axes, time: float) -> None:
+        """Draw where the journal's centre has been."""
+        begin = time - TRAIL * self.run.mechanism.period
+        rows = slice(*np.searchsorted(self.run.time, [begin, time]))
+        trail = -DRAWN / self.joint.radial * 1e3 * self.run.eccentricity[rows]
+        axes.plot(*trail.T, color=ACCENT, linewidth=0.8, linestyle="-", marker="", zorder=6)
+
+    def _draw_force(self, axes: Axes, row: int) -> None:
+        """Draw the force on the bearing where the journal touches it."""
+        force: FloatArray = self.run.force[row]
+        size = float(np.hypot(*force))
+        if not self.run.in_contact[row] or size == 0.0:
+            return
+        e = self.run.eccentricity[row]
+        contact = -e / np.hypot(*e)
+        # Very large forces are cut, so that they stay in the picture.
+        length = ARROW * min(size / self.scale, 1.5)
+        tip = contact + length * force / size
+        axes.annotate(
+            "", xy=tuple(tip), xytext=tuple(contact), zorder=9, annotation_clip=False,
+            arrowprops=FORCE,
+        )  # fmt: skip

@@ -1,0 +1,62 @@
+"""Figs 18 and 19 as drawings: the runs of one clearance, their paths, what they come to."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.drawing import Drawing
+from cylcontact.reports.mechanism.disclosure import assumed, horizons, law_ends
+from cylcontact.reports.mechanism.paths import path_panels, path_table
+from cylcontact.reports.mechanism.runs import CASES, mechanism, simulated
+
+# The first revolution that is drawn, from 0, when those runs that settle have done so.
+FIRST = 3
+NUMBERS = {
+    "contact_fraction": "share of time in contact, -",
+    "impacts": "impacts per revolution, -",
+    "max_penetration_um": "largest penetration, um",
+}
+CAPTION = (
+    "Journal centre relative to the bearing's, over {drawn} of the crank, at a radial clearance of "
+    "{clearance:g} mm, in µm and to scale; by rows the contact law, by columns the coefficient of "
+    "restitution c_e (in Lankarani and Nikravesh's factor) and of friction c_f. Grey: flight; "
+    "orange: contact; dashed: the clearance circle, which the centre leaves by the penetration. "
+    "{share}. {horizons} Beyond that a path is one of many, and only its statistics are of use. "
+    "Which revolutions the paper draws is not said. {ends} {assumed}"
+)
+
+
+def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
+    """Draw the journal's paths at one clearance, for all laws, restitutions and frictions.
+
+    Parameters
+    ----------
+    bench : Bench
+        Where the mechanism's spec lies.
+    clearance : float
+        In mm, one of `runs.CLEARANCES`.
+    revolutions : int
+        How many are drawn, from `FIRST` on.
+    """
+    chosen = [case for case in CASES if case.clearance == clearance]
+    runs = {case: simulated(bench, case, FIRST + revolutions) for case in chosen}
+    paths = {case: path_table(case, run, FIRST) for case, run in runs.items()}
+    found = {case: run.statistics(FIRST).mean for case, run in runs.items()}
+    headline = {
+        f"{case.law}, c_e = {case.restitution:g}, c_f = {case.friction:g}: {text}": mean[column]
+        for case, mean in found.items()
+        for column, text in NUMBERS.items()
+    }
+    always = sum(mean["contact_fraction"] == 1.0 for mean in found.values())
+    last = FIRST + revolutions
+    caption = CAPTION.format(
+        drawn=f"revolutions {FIRST + 1} to {last}" if revolutions > 1 else f"revolution {last}",
+        clearance=clearance,
+        share=f"In {always} of the {len(chosen)} the journal never leaves the bearing",
+        horizons=horizons(bench, clearance),
+        ends=law_ends(list(runs.values())),
+        assumed=assumed(mechanism(bench)),
+    )
+    table = pd.concat(paths.values(), ignore_index=True)
+    return Drawing(path_panels(paths), table, headline, caption)

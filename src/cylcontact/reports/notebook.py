@@ -1,0 +1,115 @@
+"""What the notebooks need beside the package: the bench, and a bar that moves while they wait."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from html import escape
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from cylcontact.errors import InputError
+from cylcontact.fitting.calibrate import Progress
+from cylcontact.reports.bench import Bench
+
+REMEDY = "run `make extras` in the repository, or: pip install 'cylcontact[notebooks]'"
+
+
+def open_bench(folder: Path | None = None) -> Bench:
+    """Return the bench that a folder lies in.
+
+    Parameters
+    ----------
+    folder : path, optional
+        Where to look, and upwards from there; left out, the working directory.
+
+    Returns
+    -------
+    Bench
+
+    Raises
+    ------
+    InputError
+        If there is none.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> root = Path(tempfile.mkdtemp()).resolve()
+    >>> (root / "datasets").mkdir(), (root / "notebooks").mkdir()
+    (None, None)
+    >>> (root / "datasets" / "materials.csv").touch()
+    >>> open_bench(root / "notebooks").root == root
+    True
+    """
+    start = (folder or Path.cwd()).resolve()
+    for place in (start, *start.parents):
+        bench = Bench(place)
+        if bench.materials_file.is_file():
+            return bench
+    raise InputError(
+        str(start),
+        "",
+        None,
+        "no bench here or above: datasets/materials.csv is missing",
+        "run the notebook in a checkout of the repository",
+    )
+
+
+def require_extra(module: str) -> ModuleType:
+    """Return a module of the extra `notebooks`, or say what to install.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+
+    Examples
+    --------
+    >>> require_extra("no_such_module")
+    Traceback (most recent call last):
+    ...
+    cylcontact.errors.InputError: notebook: no_such_module is not installed; run `make extras` ...
+    """
+    try:
+        return import_module(module)
+    except ImportError:
+        raise InputError("notebook", "", None, f"{module} is not installed", REMEDY) from None
+
+
+@contextmanager
+def live_progress() -> Iterator[Progress]:
+    """Show a bar per stage of a long computation below the running cell.
+
+    Yields
+    ------
+    callable
+        Takes the stage, the number of its parts done and their total.
+    """
+    display = require_extra("IPython.display")
+    handles: dict[str, Any] = {}
+
+    def show(stage: str, done: int, total: int) -> None:
+        bar = display.HTML(progress_bar(stage, done, total))
+        if stage not in handles:
+            # Without a notebook around it, IPython returns nothing that could be updated.
+            handles[stage] = display.display(bar, display_id=True)
+        elif handles[stage] is not None:
+            handles[stage].update(bar)
+
+    yield show
+
+
+def progress_bar(stage: str, done: int, total: int) -> str:
+    """Return one bar as HTML.
+
+    Examples
+    --------
+    >>> print(progress_bar("searching", 3, 16))
+    <progress value="3" max="16" aria-label="searching"></progress> searching 3/16
+    """
+    name = escape(stage)
+    bar = f'<progress value="{done}" max="{total}" aria-label="{name}"></progress>'
+    return f"{bar} {name} {done}/{total}"

@@ -1,0 +1,184 @@
+"""Many figures at once: each drawn in a process of its own, or missing with the reason."""
+
+from __future__ import annotations
+
+import gc
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from cylcontact.errors import InputError
+from cylcontact.fitting.result import FitResult
+from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import draw, require_programs, write
+from cylcontact.reports.looks import Choice
+
+# The stage, what is done of it, and how much there is.
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one recipe.
+
+    Attributes
+    ----------
+    name : str
+        The recipe's name.
+    paths : tuple of path
+        The pictures, in the order of the formats, and the CSV; none where it failed.
+    caption : str
+        The figure's caption.
+    headline : mapping of str to float
+        The numbers that sum it up.
+    inputs : mapping of str to str
+        The files that it was drawn from → the first twelve digits of their SHA-256.
+    size_mm : tuple of float
+        Width and height.
+    problem : InputError or None
+        Why there is no figure.
+    """
+
+    name: str
+    paths: tuple[Path, ...] = ()
+    caption: str = ""
+    headline: Mapping[str, float] = field(default_factory=dict)
+    inputs: Mapping[str, str] = field(default_factory=dict)
+    size_mm: tuple[float, float] = (0.0, 0.0)
+    problem: InputError | None = None
+
+
+@dataclass(frozen=True)
+class WatchedBench(Bench):
+    """A bench that notes which files a recipe reads from it."""
+
+    read: list[Path] = field(default_factory=list)
+
+    @property
+    def materials_file(self) -> Path:
+        """The table of materials."""
+        self.read.append(super().materials_file)
+        return super().materials_file
+
+    @property
+    def mechanism_file(self) -> Path:
+        """The spec of the slider-crank."""
+        self.read.append(super().mechanism_file)
+        return super().mechanism_file
+
+    def result(self, name: str) -> FitResult:
+        """Load the fit result `NAME.json`."""
+        self.read.append(self.results_folder / f"{name}.json")
+        return super().result(name)
+
+
+def draw_all(
+    bench: Bench,
+    names: Sequence[str],
+    folder: Path,
+    choice: Choice,
+    jobs: Workers = 1,
+    progress: Progress = lambda *_: None,
+) -> list[Outcome]:
+    """Draw figures over processes, and write the files of each that succeeds.
+
+    Parameters
+    ----------
+    bench : Bench
+        Where the recipes and their inputs lie.
+    names : sequence of str
+        Recipes that exist.
+    folder : path
+        Where to write.
+    choice : Choice
+        The look and the formats.
+    jobs : int
+        Worker processes; the files do not depend on it.
+    progress : callable, optional
+        Called with the stage, the number of figures done and their total.
+
+    Returns
+    -------
+    list of Outcome
+        In the order of the names; a recipe that failed has the reason and no files.
+
+    Raises
+    ------
+    InputError
+        If a format needs a program that is absent, or a worker was ended by the system.
+    """
+    require_programs(choice.formats)
+    work = [call(attempt, bench, name, folder, choice) for name in names]
+    outcomes: list[Outcome] = []
+    progress("drawing", 0, len(names))
+    with closing(run_calls(work, jobs)) as found:
+        for outcome in found:
+            outcomes.append(outcome)
+            progress("drawing", len(outcomes), len(names))
+    return outcomes
+
+
+def attempt(bench: Bench, name: str, folder: Path, choice: Choice) -> Outcome:
+    """Draw and write one figure, or say why not; a recipe's own mistake is no exception.
+
+    Parameters
+    ----------
+    bench : Bench
+        Where the recipe and its inputs lie.
+    name : str
+        The recipe's name.
+    folder : path
+        Where to write.
+    choice : Choice
+        The look and the formats.
+
+    Returns
+    -------
+    Outcome
+    """
+    watched = WatchedBench(bench.root, bench.results)
+    try:
+        drawing = draw(name, watched, choice.look)
+        paths = write(drawing, name, folder, choice)
+    except InputError as error:
+        return Outcome(name, inputs=_inputs(watched, name), problem=error)
+    except Exception as error:
+        return Outcome(name, inputs=_inputs(watched, name), problem=_mistake(watched, name, error))
+    width, height = (float(inches) * 25.4 for inches in drawing.figure.get_size_inches())
+    # A figure is a web of references; left to itself it would stay until a worker looks leaky.
+    drawing.figure.clear()
+    gc.collect()
+    return Outcome(
+        name,
+        paths,
+        drawing.caption,
+        dict(drawing.headline),
+        _inputs(watched, name),
+        (width, height),
+    )
+
+
+def _mistake(bench: Bench, name: str, error: Exception) -> InputError:
+    """Return a recipe's mistake in one line."""
+    return InputError(
+        str(bench.recipes_folder / f"{name}.py"),
+        "draw",
+        None,
+        f"failed with {type(error).__name__} ({error})",
+        "correct the recipe",
+    )
+
+
+def _inputs(bench: WatchedBench, name: str) -> dict[str, str]:
+    """Return the recipe and the files that it read, each with the start of its hash."""
+    files = dict.fromkeys([bench.recipes_folder / f"{name}.py", *bench.read])
+    return {
+        file.relative_to(bench.root).as_posix() if file.is_relative_to(bench.root) else str(file): (
+            hashlib.sha256(file.read_bytes()).hexdigest()[:12]
+        )
+        for file in files
+        if file.is_file()
+    }

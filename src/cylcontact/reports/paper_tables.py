@@ -1,0 +1,171 @@
+"""Tables and captions for a paper, as LaTeX, CSV or HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from html import escape
+from pathlib import Path
+
+import pandas as pd
+
+from cylcontact.errors import InputError
+from cylcontact.files import replacing
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import chosen_recipes, draw
+from cylcontact.reports.claims import (
+    calibration_claims,
+    finite_element_claims,
+    ledger,
+    mechanism_claims,
+    to_table,
+)
+from cylcontact.reports.latex import latex
+
+
+def write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -> list[Path]:
+    r"""Write coefficients, claims and the figures' captions.
+
+    Parameters
+    ----------
+    bench : Bench
+        Where recipes, fits and materials lie.
+    names : sequence of str
+        The figures whose captions to write; none for all of them.
+    kind : {"latex", "csv", "html"}
+        As `longtable` and `\caption` to input, as CSV, or as HTML fragments.
+    folder : path
+        Where to write.
+
+    Returns
+    -------
+    list of path
+        The files: all of them complete, or none.
+
+    Raises
+    ------
+    InputError
+        If the kind or a figure is unknown, or a result or the table of materials is wrong.
+
+    Examples
+    --------
+    >>> write_tables(Bench(Path()), [], "word", Path("tables"))
+    Traceback (most recent call last):
+    cylcontact.errors.InputError: report: --tables = 'word': is unknown; choose latex, csv, html
+    """
+    if kind not in KINDS:
+        rule, remedy = "is unknown", f"choose {', '.join(KINDS)}"
+        raise InputError("report", "--tables", kind, rule, remedy)
+    ending, table, captions = KINDS[kind]
+    told = {name: draw(name, bench).caption for name in chosen_recipes(bench, names)}
+    texts = {
+        "coefficients": table(coefficients_table(bench)),
+        "claims": table(claims_table(bench)),
+    } | captions(told)
+    paths = [folder / f"{name}.{ending}" for name in texts]
+    with ExitStack() as stack:
+        for path, text in zip(paths, texts.values(), strict=True):
+            temporary = stack.enter_context(replacing(path))
+            temporary.write_text(text, encoding="utf-8")
+    return paths
+
+
+def coefficients_table(bench: Bench) -> pd.DataFrame:
+    """Return a row for each coefficient of each fit, beside the published value."""
+    rows = [
+        {
+            "fit": result.name,
+            "law": result.law,
+            "contact": result.contact,
+            "reference": result.reference,
+            "coefficient": name,
+            "fitted": f"{value:.5g}",
+            "published": f"{result.published.coefficients[name]:g}" if result.published else "",
+        }
+        for result in bench.results_by_name().values()
+        for name, value in result.coefficients.items()
+    ]
+    columns = ["fit", "law", "contact", "reference", "coefficient", "fitted", "published"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def claims_table(bench: Bench) -> pd.DataFrame:
+    """Return a row for each claim: section, statement, the paper's value, ours, the verdict."""
+    more = [
+        *calibration_claims(bench.results_by_name()),
+        *finite_element_claims(bench),
+        *mechanism_claims(bench),
+    ]
+    claims = ledger(bench.materials(), more)
+    return to_table(claims)[["section", "statement", "paper", "ours", "verdict"]]
+
+
+def _latex_table(table: pd.DataFrame) -> str:
+    """Return a table for the packages longtable and booktabs, long texts in wide columns."""
+    widest = {name: int(table[name].map(len).max()) if len(table) else 0 for name in table}
+    long = [name for name, length in widest.items() if length > 30]
+    share = 0.7 / max(1, len(long))
+    columns = "".join(
+        rf"p{{{share:.2f}\linewidth}}" if name in long else "l" for name in table.columns
+    )
+    lines = [" & ".join(map(latex, row)) + r" \\" for row in [table.columns, *table.to_numpy()]]
+    head, *body = lines
+    return "\n".join(
+        [
+            "% needs \\usepackage{booktabs,longtable}",
+            rf"\begin{{longtable}}{{{columns}}}",
+            r"\toprule",
+            head,
+            r"\midrule",
+            r"\endhead",
+            *body,
+            r"\bottomrule",
+            r"\end{longtable}",
+            "",
+        ]
+    )
+
+
+def _html_table(table: pd.DataFrame) -> str:
+    """Return a table as an HTML fragment, all texts escaped."""
+    return table.to_html(index=False, border=0, escape=True) + "\n"
+
+
+def _csv_table(table: pd.DataFrame) -> str:
+    """Return a table as CSV."""
+    return table.to_csv(index=False, lineterminator="\n")
+
+
+def _latex_captions(captions: Mapping[str, str]) -> dict[str, str]:
+    r"""Return a file for each figure that holds its \caption."""
+    return {
+        f"{name}-caption": f"\\caption{{{latex(text)}}}\n\\label{{fig:{name}}}\n"
+        for name, text in captions.items()
+    }
+
+
+def _html_captions(captions: Mapping[str, str]) -> dict[str, str]:
+    """Return one file with all captions."""
+    lines = (
+        f'<figcaption id="{escape(name)}">{escape(text)}</figcaption>'
+        for name, text in captions.items()
+    )
+    return {"captions": "\n".join(lines) + "\n"}
+
+
+def _csv_captions(captions: Mapping[str, str]) -> dict[str, str]:
+    """Return one file with all captions."""
+    return {
+        "captions": _csv_table(
+            pd.DataFrame({"figure": list(captions), "caption": list(captions.values())})
+        )
+    }
+
+
+Kind = tuple[str, Callable[[pd.DataFrame], str], Callable[[Mapping[str, str]], dict[str, str]]]
+# The files' ending, how a table is written, and how captions are.
+KINDS: Mapping[str, Kind] = {
+    "latex": ("tex", _latex_table, _latex_captions),
+    "csv": ("csv", _csv_table, _csv_captions),
+    "html": ("html", _html_table, _html_captions),
+}

@@ -1,0 +1,183 @@
+"""A figure that arranges itself for the look it is drawn in."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.text import Text
+
+from cylcontact.reports.looks import JOURNAL, Look
+
+MM_PER_INCH = 25.4
+# A panel below another is at most that high, in widths of it.
+PANEL_HEIGHT = 0.68
+# Text that does not fit is made smaller step by step, down to that many points.
+SMALLEST, SHRINKING = 5.0, 0.93
+# A legend of so many lines leaves a narrow panel no room.
+LONG = 5
+
+
+class StyledFigure(Figure):
+    """A matplotlib figure whose panels, titles and legends make do with the look's width.
+
+    In a narrow look, panels that a recipe asks for side by side stand below one another, legends
+    have fewer columns and titles more lines. A recipe need not know.
+
+    Parameters
+    ----------
+    look : Look
+        What it is drawn for.
+    **settings
+        Those of `matplotlib.figure.Figure`.
+
+    Examples
+    --------
+    >>> narrow = Look("narrow", width_mm=90.0, highest_mm=240.0)
+    >>> figure = StyledFigure(narrow, figsize=(90 / 25.4, 40 / 25.4), layout="constrained")
+    >>> panels = figure.subplots(1, 3, sharey=True)
+    >>> panels.shape, [axes.get_subplotspec().rowspan.start for axes in panels]
+    ((3,), [0, 1, 2])
+    """
+
+    def __init__(self, look: Look, **settings: Any) -> None:
+        super().__init__(**settings)
+        self.look = look
+
+    def subplots(self, nrows: int = 1, ncols: int = 1, **settings: Any) -> Any:
+        """Add panels as `Figure.subplots` does, in one column where the look is narrow."""
+        if not self.look.narrow or ncols == 1:
+            return super().subplots(nrows, ncols, **settings)
+        squeeze = settings.pop("squeeze", True)
+        self._grow(nrows, ncols)
+        panels = self._stack(nrows, ncols, settings)
+        if not squeeze:
+            return panels
+        return panels.item() if panels.size == 1 else panels.squeeze()
+
+    def legend(self, *args: Any, **settings: Any) -> Legend:
+        """Add a legend as `Figure.legend` does, with as many columns as fit on the page."""
+        legend = super().legend(*args, **settings)
+        columns = settings.get("ncols", 1)
+        while columns > 1 and legend.get_window_extent().width > self.bbox.width:
+            legend.remove()
+            columns -= 1
+            legend = super().legend(*args, **settings | {"ncols": columns})
+        return legend
+
+    def draw_without_rendering(self) -> None:
+        """Settle the layout; in another look than the journal's, make the texts fit before."""
+        if self.look == JOURNAL:
+            super().draw_without_rendering()
+            return
+        self._settles()
+        self._move_legend()
+        for axes in self.axes:
+            _repeat_label(axes)
+            _break_texts(axes, self.bbox.x1)
+        size = self.look.font_size
+        while not self._settles() and size > SMALLEST:
+            size *= SHRINKING
+            for text in self.findobj(Text):
+                text.set_fontsize(SHRINKING * float(text.get_fontsize()))
+
+    def _move_legend(self) -> None:
+        """Put the long legend of a single narrow panel below it."""
+        legend = self.axes[0].get_legend() if len(self.axes) == 1 and self.look.narrow else None
+        if legend is None or len(legend.get_texts()) < LONG:
+            return
+        handles = [handle for handle in legend.legend_handles if handle is not None]
+        labels = [text.get_text() for text in legend.get_texts()]
+        title = legend.get_title().get_text()
+        legend.remove()
+        self.legend(handles, labels, title=title, loc="outside lower center", ncols=2)
+
+    def _settles(self) -> bool:
+        """Settle the layout and tell whether everything is inside the page."""
+        with warnings.catch_warnings(record=True) as collapsed:
+            warnings.simplefilter("always")
+            super().draw_without_rendering()
+        drawn, page = self.get_tightbbox(), self.bbox_inches
+        inside = min(drawn.x0, drawn.y0) >= 0 and drawn.x1 <= page.x1 and drawn.y1 <= page.y1
+        return bool(inside and not collapsed)
+
+    def _grow(self, rows: int, columns: int) -> None:
+        """Make room for the panels of all columns below one another."""
+        width, height = self.get_size_inches()
+        one = min(height * columns, PANEL_HEIGHT * width * max(1.0, 0.75 * rows))
+        highest = (self.look.highest_mm or np.inf) / MM_PER_INCH
+        self.set_size_inches(width, min(one * columns, highest))
+
+    def _stack(self, rows: int, columns: int, settings: dict[str, Any]) -> Any:
+        """Return axes of shape (rows, columns) that stand in one column, first to last column."""
+        sharex, sharey = settings.get("sharex", False), settings.get("sharey", False)
+        heights = list(settings.get("height_ratios") or [1] * rows) * columns
+        grid = self.add_gridspec(rows * columns, 1, height_ratios=heights)
+        panels = np.empty((rows, columns), dtype=object)
+        for column in range(columns):
+            for row in range(rows):
+                shared = {
+                    "sharex": _leader(panels, row, column, sharex),
+                    "sharey": _leader(panels, row, column, sharey),
+                }
+                axes = self.add_subplot(grid[column * rows + row], **shared)
+                # The panel below shows the numbers for those above it in its column.
+                axes.tick_params(labelbottom=row == rows - 1 or not sharex)
+                panels[row, column] = axes
+        return panels
+
+
+def _leader(panels: Any, row: int, column: int, share: bool | str) -> Axes | None:
+    """Return the panel whose axis this one shares, by matplotlib's words for sharing."""
+    first = {
+        "col": panels[0, column],
+        "row": panels[row, 0],
+        "all": panels[0, 0],
+        True: panels[0, 0],
+    }
+    found: Axes | None = first.get(share)
+    return found
+
+
+def _repeat_label(axes: Axes) -> None:
+    """Give a panel below the one whose vertical axis it shares that one's label."""
+    leader: Axes | None = axes._sharey  # type: ignore[attr-defined]
+    if leader is not None and axes.yaxis.get_tick_params().get("labelleft", True):
+        axes.set_ylabel(axes.get_ylabel() or leader.get_ylabel())
+
+
+def _break_texts(axes: Axes, right: float) -> None:
+    """Break a panel's title at the page's right edge, and its labels at the panel's ends."""
+    for title in (axes._left_title, axes.title):  # type: ignore[attr-defined]
+        _break(title, right - title.get_window_extent().x0)
+    _break(axes.xaxis.label, 1.3 * axes.bbox.width)
+    _break(axes.yaxis.label, 1.1 * axes.bbox.height)
+
+
+def _break(text: Text, room: float) -> None:
+    """Break a text that is longer than `room` pixels."""
+    box = text.get_window_extent()
+    if max(box.width, box.height) > room > 0:
+        text.set_text(broken(text, room))
+
+
+def broken(title: Text, room: float) -> str:
+    """Return a text with line breaks so that no line is wider than `room` pixels.
+
+    Formulas between dollar signs stay whole.
+    """
+    words = re.findall(r"(?:\$[^$]*\$|\S)+", title.get_text())
+    trial = Text(0, 0, "", fontproperties=title.get_fontproperties(), figure=title.figure)
+    lines = [words[0]]
+    for word in words[1:]:
+        trial.set_text(f"{lines[-1]} {word}")
+        if trial.get_window_extent().width <= room:
+            lines[-1] = trial.get_text()
+        else:
+            lines.append(word)
+    return "\n".join(lines)

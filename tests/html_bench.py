@@ -1,0 +1,48 @@
+"""A small bench with user text of the worst kind and with things missing, and its report."""
+
+import shutil
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+EVIL = "<img src=x onerror=alert(1)> & \"quoted\" '{{ 7 * 7 }}'"
+EVIL_RECIPE = f'''
+"""A line of {EVIL[:28]}"""
+import pandas as pd
+from cylcontact.reports.drawing import Drawing
+from cylcontact.reports.style import new_figure
+
+
+def draw(bench):
+    figure = new_figure("column", 60)
+    figure.subplots().plot([1, 2], [1, 2])
+    table = pd.DataFrame({{"load_N_per_mm": [1 / 3]}})
+    return Drawing(figure, table, {{{EVIL!r}: 1 / 3}}, "Caption " + {EVIL!r})
+'''
+
+
+def build_small_site(root):
+    """Write the bench in a folder and build its report."""
+    from cylcontact.reports.bench import Bench
+    from cylcontact.reports.html import build_site
+
+    for folder in ("datasets", "fitting/results", "reports"):
+        (root / folder).mkdir(parents=True)
+    shutil.copy(ROOT / "datasets" / "materials.csv", root / "datasets")
+    with (root / "datasets" / "materials.csv").open("a", encoding="utf-8") as table:
+        quoted = EVIL.replace('"', '""')
+        table.write(f'"{quoted}",70,assumed,0.3,assumed,300,assumed,"{quoted}"\n')
+    results = root / "fitting" / "results"
+    for name in ("internal", "external", "explicit-internal"):
+        shutil.copy(ROOT / "fitting" / "results" / f"{name}.json", results)
+    text = (results / "external.json").read_text(encoding="utf-8")
+    evil = text.replace(
+        '"name": "external"', f'"name": "{EVIL.replace(chr(34), chr(92) + chr(34))}"'
+    )
+    (results / "evil.json").write_text(evil, encoding="utf-8")
+    (results / "broken.json").write_text("{}", encoding="utf-8")
+    (root / "fitting" / "never-run.toml").write_text("")
+    for name in ("fig12", "fig12r", "fig12p"):
+        shutil.copy(ROOT / "reports" / f"{name}.py", root / "reports")
+    (root / "reports" / "fig03.py").write_text("def draw(bench):\n    return 1 / 0\n")
+    (root / "reports" / "fig_evil.py").write_text(EVIL_RECIPE)
+    return build_site(Bench(root), root / "reports" / "html", jobs=2)

@@ -1,0 +1,311 @@
+"""Figures restyled without touching code: styles, formats, fonts, tables, and many at once."""
+
+import csv
+import hashlib
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib as mpl
+import pytest
+from matplotlib.text import Text
+from PIL import Image
+from typer.testing import CliRunner
+
+from cylcontact import InputError
+from cylcontact.cli.app import app
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import build
+from cylcontact.reports.latex import latex
+from cylcontact.reports.looks import LOOKS, Choice, choose
+from cylcontact.reports.outcomes import draw_all
+from cylcontact.reports.style import figure_style, new_figure
+from cylcontact.reports.styled_figure import StyledFigure
+from tests.figure_files import page_mm
+
+ROOT = Path(__file__).parents[1]
+BENCH = Bench(ROOT)
+# Panels side by side with a legend below, and a map with notes.
+NAMES = ("fig07", "fig14")
+SIMPLE = """
+import pandas as pd
+from cylcontact.reports.drawing import Drawing
+from cylcontact.reports.style import new_figure
+
+
+def draw(bench):
+    figure = new_figure("column", 60)
+    figure.subplots().plot([1, 2], [1, 2], label="a")
+    table = pd.DataFrame({"load_N_per_mm": [1 / 3]})
+    return Drawing(figure, table, {}, "A line, 100 % of it: α_1 < β & {γ}.")
+"""
+
+
+@pytest.fixture
+def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A bench with one recipe, as the working folder."""
+    (tmp_path / "reports").mkdir()
+    (tmp_path / "reports" / "fig99.py").write_text(SIMPLE)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture(scope="module", params=[look for look in LOOKS if look != "journal"])
+def sheet(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory):
+    """A few figures in a look that is not the journal's."""
+    look = LOOKS[request.param]
+    folder = tmp_path_factory.mktemp(look.name)
+    return look, build(BENCH, NAMES, folder, choice=Choice(look, ("pdf",)))
+
+
+class TestLooks:
+    def test_pages_have_the_styles_width_and_stay_below_its_height(self, sheet) -> None:
+        look, written = sheet
+        for each in written:
+            width, height = page_mm(each.paths[0])
+            assert width == pytest.approx(look.width_mm, abs=0.01)
+            assert height <= look.highest_mm + 0.01
+
+    def test_fonts_are_embedded(self, sheet) -> None:
+        for each in sheet[1]:
+            pdf = each.paths[0].read_bytes()
+            assert b"/FontFile2" in pdf
+            assert b"/Type3" not in pdf
+
+    def test_texts_are_inside_the_page_and_have_the_styles_sizes(self, sheet) -> None:
+        look, written = sheet
+        for figure in (each.drawing.figure for each in written):
+            drawn, page = figure.get_tightbbox(), figure.bbox_inches
+            assert min(drawn.x0, drawn.y0) >= 0
+            assert drawn.x1 <= page.x1
+            assert drawn.y1 <= page.y1
+            sizes = [text.get_fontsize() for text in figure.findobj(Text) if text.get_text()]
+            assert max(sizes) == pytest.approx(look.font_size)
+            assert min(sizes) == pytest.approx(look.font_size * 7 / 8)
+
+    def test_content_that_needs_the_width_spans_both_columns(self) -> None:
+        with figure_style(LOOKS["single-column"]):
+            figure = new_figure("full", 112.0, wide=True)
+        assert figure.get_size_inches()[0] * 25.4 == pytest.approx(190.0)
+
+    def test_panels_stand_below_one_another_where_it_is_narrow(self) -> None:
+        with figure_style(LOOKS["single-column"]):
+            figure = new_figure("full", 72.0)
+            assert isinstance(figure, StyledFigure)
+            grid = figure.subplots(2, 3, sharex="col", sharey="row", height_ratios=(3, 1))
+        assert grid.shape == (2, 3)
+        rows = [[axes.get_subplotspec().rowspan.start for axes in row] for row in grid]
+        assert rows == [[0, 2, 4], [1, 3, 5]]
+        assert grid[1, 2].get_shared_x_axes().joined(grid[1, 2], grid[0, 2])
+        assert grid[0, 1].get_shared_y_axes().joined(grid[0, 1], grid[0, 0])
+        assert not grid[0, 1].get_shared_y_axes().joined(grid[0, 1], grid[1, 1])
+
+    def test_the_style_in_force_is_put_back(self) -> None:
+        with figure_style(LOOKS["slides"]):
+            assert mpl.rcParams["font.size"] == 13.0
+            with figure_style():
+                assert mpl.rcParams["font.size"] == 13.0
+        with figure_style():
+            assert mpl.rcParams["font.size"] == 8.0
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("look", [look for look in LOOKS.values() if look.width_mm])
+    def test_every_figure_draws_in_every_look(self, look, tmp_path: Path) -> None:
+        names = [path.stem for path in sorted((ROOT / "reports").glob("fig*.py"))]
+        outcomes = draw_all(BENCH, names, tmp_path, Choice(look, ("pdf",)), jobs=2)
+        assert [str(outcome.problem) for outcome in outcomes if outcome.problem] == []
+
+
+class TestFormats:
+    def test_svg_has_no_date_and_the_caption_and_png_the_size(self, small: Path) -> None:
+        result = CliRunner().invoke(
+            app, ["report", "--format", "svg", "--format", "png", "--font-size", "11"]
+        )
+        assert result.output == "1 figures in reports/figures\n"
+        folder = small / "reports" / "figures"
+        assert sorted(path.name for path in folder.iterdir()) == [
+            *("fig99.csv", "fig99.png", "fig99.svg"),
+        ]
+        svg = (folder / "fig99.svg").read_text(encoding="utf-8")
+        assert "A line, 100 % of it" in svg
+        assert "<dc:date>" not in svg
+        with Image.open(folder / "fig99.png") as png:
+            assert png.size[0] / 300 * 25.4 == pytest.approx(84, abs=0.1)
+
+    def test_same_bytes_again_and_in_other_processes(self, small: Path) -> None:
+        (small / "reports" / "fig98.py").write_text(SIMPLE)
+        seen = []
+        for jobs in (1, 1, 2):
+            folder = small / f"out{len(seen)}"
+            choice = Choice(LOOKS["slides"], ("png", "pdf", "svg"))
+            outcomes = draw_all(Bench(small), ["fig98", "fig99"], folder, choice, jobs)
+            files = [path for outcome in outcomes for path in outcome.paths]
+            seen.append({path.name: hashlib.sha256(path.read_bytes()).digest() for path in files})
+        assert seen[0] == seen[1] == seen[2]
+
+    def test_pgf_without_tex_says_what_to_install_and_writes_nothing(
+        self, small: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setenv("PATH", str(small))
+        with pytest.raises(InputError) as caught:
+            draw_all(Bench(small), ["fig99"], small / "out", choose(formats=("pgf",)))
+        assert str(caught.value) == (
+            "report: --format = 'pgf': needs xelatex, which measures the text of the figure and "
+            "is not installed; install TeX (Debian: apt install texlive-xetex), or choose pdf"
+        )
+        assert not (small / "out").exists()
+
+    @pytest.mark.skipif(shutil.which("xelatex") is None, reason="xelatex is not installed")
+    def test_pgf_with_tex_is_input_for_latex(self, small: Path) -> None:
+        choice = choose(formats=("pgf",))
+        (outcome,) = draw_all(Bench(small), ["fig99"], small / "out", choice)
+        assert r"\begin{pgfpicture}" in outcome.paths[0].read_text(encoding="utf-8")
+
+
+class TestStyleFile:
+    def write(self, folder: Path, text: str) -> Path:
+        path = folder / "style.toml"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def test_sets_what_the_command_line_leaves_open(self, tmp_path: Path) -> None:
+        text = (
+            'style = "slides"\nfont_size = 18.0\nwidth_mm = 200.0\nformats = ["svg"]\nlines = 1.5'
+        )
+        path = self.write(tmp_path, text)
+        found = choose(path)
+        assert found.formats == ("svg",)
+        assert (found.look.name, found.look.font_size, found.look.width_mm) == ("slides", 18.0, 200)
+        assert found.look.lines == 3.0
+        own = choose(path, style="double-column", formats=("pdf", "pdf"), font_size=9.0)
+        assert (own.look.name, own.look.font_size, own.formats) == ("double-column", 9.0, ("pdf",))
+
+    def test_font_of_ones_own(self, tmp_path: Path) -> None:
+        look = choose(self.write(tmp_path, 'font = "DejaVu Serif"')).look
+        with figure_style(look):
+            assert mpl.rcParams["font.family"] == ["DejaVu Serif"]
+            figure = new_figure("column", 50)
+            figure.subplots().set_title(r"$\Delta R$ and text")
+            figure.savefig(tmp_path / "own.pdf")
+        fonts = set(
+            re.findall(rb"/BaseFont /[A-Z]{6}\+([\w-]+)", (tmp_path / "own.pdf").read_bytes())
+        )
+        assert fonts
+        assert all(font.startswith(b"DejaVuSerif") for font in fonts)
+
+    @pytest.mark.parametrize(
+        ("text", "message"),
+        [
+            (
+                'font = "No Such Font"',
+                "font = 'No Such Font': is not an installed font; install it",
+            ),
+            ("font_size = 400.0", "font_size = 400.0: must be"),
+            ("width_mm = -1.0", "width_mm = -1.0: must be"),
+            ('style = "poster"', "style = 'poster': must be"),
+            ("colour = 1", "colour = 1: "),
+            ("style = ", "is not valid TOML"),
+        ],
+    )
+    def test_mistakes_are_told_with_the_file(self, tmp_path: Path, text: str, message: str) -> None:
+        path = self.write(tmp_path, text)
+        with pytest.raises(InputError) as caught:
+            choose(path)
+        assert str(caught.value).startswith(f"{path}: {message}")
+
+
+class TestCommand:
+    @pytest.mark.parametrize(
+        ("arguments", "message"),
+        [
+            (["--style", "poster"], "report: --style = 'poster': is unknown; choose journal, "),
+            (
+                ["--format", "gif"],
+                "report: --format = 'gif': is unknown; choose png, pdf, svg, pgf",
+            ),
+            (["--font-size", "0"], "report: --font-size = 0.0: must be from 4 to 40; give it in"),
+            (
+                ["--tables", "word"],
+                "report: --tables = 'word': is unknown; choose latex, csv, html",
+            ),
+            (["--html", "fig99"], "report: --html: draws every figure in the journal's style"),
+            (["--html", "--style", "slides"], "report: --html: draws every figure"),
+            (["fig98"], "reports: recipe = 'fig98': there is no such recipe; choose among fig99"),
+        ],
+    )
+    def test_mistakes_are_told_and_write_nothing(
+        self, small: Path, arguments: list[str], message: str
+    ) -> None:
+        result = CliRunner().invoke(app, ["report", *arguments])
+        assert isinstance(result.exception, InputError)
+        assert str(result.exception).startswith(message)
+        assert [path.name for path in (small / "reports").iterdir()] == ["fig99.py"]
+
+    def test_styled_figures_leave_the_plain_ones_alone(self, small: Path) -> None:
+        for style in ("journal", "single-column"):
+            CliRunner().invoke(app, ["report", "fig99", "--style", style], catch_exceptions=False)
+        folder = small / "reports" / "figures"
+        assert page_mm(folder / "fig99.pdf")[0] == pytest.approx(84, abs=0.01)
+        assert page_mm(folder / "single-column" / "fig99.pdf")[0] == pytest.approx(90, abs=0.01)
+
+    def test_a_recipes_mistake_is_told_after_the_others_are_drawn(self, small: Path) -> None:
+        (small / "reports" / "fig98.py").write_text("def draw(bench):\n    return None.x\n")
+        command = [sys.executable, "-m", "cylcontact.cli", "report", "--jobs", "1"]
+        done = subprocess.run(command, cwd=small, capture_output=True, text=True, check=False)
+        assert done.returncode == 2
+        assert done.stderr == (
+            "cylcontact: reports/fig98.py: draw: failed with AttributeError ('NoneType' object "
+            "has no attribute 'x'); correct the recipe\n"
+        )
+        assert (small / "reports" / "figures" / "fig99.pdf").is_file()
+
+
+@pytest.fixture(scope="module")
+def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """All kinds for one figure of the real bench, by the command."""
+    folder = tmp_path_factory.mktemp("tables")
+    for kind in ("latex", "csv", "html"):
+        arguments = ["report", "fig02", "--tables", kind, "-o", str(folder)]
+        with pytest.MonkeyPatch.context() as patch:
+            patch.chdir(ROOT)
+            done = CliRunner().invoke(app, arguments, catch_exceptions=False)
+        assert done.exit_code == 0
+    return folder
+
+
+class TestTables:
+    def test_latex_is_plain_and_balanced(self, tables: Path) -> None:
+        for name in ("coefficients", "claims", "fig02-caption"):
+            text = (tables / f"{name}.tex").read_text(encoding="utf-8")
+            assert text.isascii(), name
+            bare = re.sub(r"\\[{}]", "", text)
+            assert bare.count("{") == bare.count("}")
+            body = text if "caption" in name else text.split(r"\endhead")[1]
+            assert not re.search(r"(?<!\\)[#%$]", body)
+        rows = (tables / "claims.tex").read_text().split(r"\endhead")[1].split("\\\\\n")[:-1]
+        assert {row.count(" & ") for row in rows} == {4}
+
+    def test_captions_are_ready_to_input(self, tables: Path) -> None:
+        caption = (tables / "fig02-caption.tex").read_text()
+        assert caption.startswith(r"\caption{Load per unit length (N/mm) against penetration")
+        assert caption.endswith("}\n\\label{fig:fig02}\n")
+
+    def test_csv_holds_the_coefficients_beside_the_published(self, tables: Path) -> None:
+        with (tables / "coefficients.csv").open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        (a,) = [row for row in rows if (row["fit"], row["coefficient"]) == ("external", "a")]
+        assert (a["published"], a["fitted"]) == ("0.39", "0.37815")
+
+    def test_html_is_escaped(self, tables: Path) -> None:
+        html = (tables / "claims.html").read_text(encoding="utf-8")
+        assert html.count("<tr") > 50
+        assert not re.search(r"<(?!/?(table|thead|tbody|tr|th|td)\b)", html)
+        assert (tables / "captions.html").read_text().startswith('<figcaption id="fig02">Load')
+
+    def test_texts_of_users_are_no_commands(self) -> None:
+        assert latex(r"\input{x} a_b^c ~ 50% #1 $y$ <&>|") == (
+            r"\textbackslash{}input\{x\} a\_b\textasciicircum{}c \textasciitilde{} 50\% \#1 \$y\$ "
+            r"\ensuremath{<}\&\ensuremath{>}\ensuremath{|}"
+        )

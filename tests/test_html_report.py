@@ -1,0 +1,211 @@
+"""The report in a browser: everything is there, nothing breaks, and what is missing says why."""
+
+import re
+import subprocess
+import sys
+import zipfile
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.html import build_site
+from tests.browser import CONTRAST, opened
+from tests.html_bench import EVIL_RECIPE, ROOT
+
+
+class Links(HTMLParser):
+    """Every address on a page, every id, and every picture's alternative text."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.addresses, self.ids, self.pictures = [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        found = dict(attrs)
+        self.addresses += [found[key] for key in ("href", "src") if found.get(key)]
+        self.ids += [found["id"]] if "id" in found else []
+        self.pictures += [found.get("alt")] if tag == "img" else []
+
+
+@pytest.fixture(scope="module")
+def index(site):
+    return site.index.read_text(encoding="utf-8")
+
+
+def test_what_is_missing_is_told(site):
+    reasons = {line.split(":", 1)[0]: line for line in site.missing}
+    assert set(reasons) == {"fig03", "fig12p", "broken", "never-run"}
+    assert "failed with ZeroDivisionError (division by zero)" in reasons["fig03"]
+    assert "practical.json: this fit result does not exist" in reasons["fig12p"]
+    assert "never-run.json: this fit result does not exist" in reasons["never-run"]
+
+
+def test_missing_figures_are_missing_with_their_reason_on_the_page(index):
+    assert "there is no recipe reports/fig15.py" in index
+    assert "failed with ZeroDivisionError (division by zero)" in index
+    assert "this fit result does not exist" in index
+
+
+def test_checklist_has_all_nineteen_figures_with_their_status(index):
+    tiles = re.findall(r'<li class="tile (\w+)">.*?<code>(fig\d\d)</code>', index, re.DOTALL)
+    assert [name for _, name in tiles] == [f"fig{number:02d}" for number in range(1, 20)]
+    assert [name for status, name in tiles if status == "drawn"] == ["fig12"]
+
+
+def test_the_wheel_holds_templates_styles_and_scripts(tmp_path):
+    command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(tmp_path)]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    (wheel,) = tmp_path.glob("*.whl")
+    packed = set(zipfile.ZipFile(wheel).namelist())
+    folder = ROOT / "src" / "cylcontact" / "reports" / "html"
+    needed = [*folder.glob("assets/*"), *folder.glob("templates/*")]
+    assert len(needed) >= 10
+    assert {path.relative_to(ROOT / "src").as_posix() for path in needed} <= packed
+
+
+@pytest.mark.parametrize("page", ["index", "explore"])
+def test_every_address_leads_somewhere_on_disk(site, page):
+    folder = site.index.parent
+    pages = {
+        name: Links((folder / name).read_text(encoding="utf-8"))
+        for name in ("index.html", "explore.html")
+    }
+    for address in pages[f"{page}.html"].addresses:
+        if address.startswith("data:"):
+            continue
+        assert not re.match(r"\w+:|//", address), address
+        file, _, anchor = unquote(address).partition("#")
+        file = file or f"{page}.html"
+        assert (folder / file).stat().st_size > 0
+        assert not anchor or anchor in pages[file].ids
+
+
+def test_ids_are_unique(site):
+    for page in ("index.html", "explore.html"):
+        ids = Links((site.index.parent / page).read_text(encoding="utf-8")).ids
+        assert len(ids) == len(set(ids))
+
+
+def test_every_figure_has_its_caption_downloads_and_provenance(index):
+    assert "Penetration of the enhanced law (Eqs 5-6) less Johnson" in index
+    for name in ("fig12", "fig12r", "fig_evil"):
+        for ending in ("png", "pdf", "csv"):
+            assert f'href="figures/{name}.{ending}" download' in index
+        assert f"from <code>reports/{name}.py</code>" in index
+    assert "from <code>fitting/results/internal.json</code>" in index
+    assert "from <code>datasets/materials.csv</code>" in index
+    # A tile's picture is named by the words beside it; a figure's, by its caption.
+    alternatives = [text for text in Links(index).pictures if text]
+    assert len(alternatives) == 3
+
+
+def test_texts_of_users_stay_text(site, index):
+    assert "<img src=x" not in index
+    assert "&lt;img src=x onerror=alert(1)&gt; &amp; " in index
+    assert "{{ 7 * 7 }}" in index
+    explore = (site.index.parent / "explore.html").read_text(encoding="utf-8")
+    assert "<img src=x" not in explore
+    assert r"\u003cimg src=x" in explore
+
+
+def test_same_bytes_again(site, tmp_path):
+    bench = Bench(site.index.parents[2])
+    again = build_site(bench, tmp_path / "html", jobs=1)
+    for file in sorted(again.index.parent.rglob("*")):
+        if file.is_file():
+            other = site.index.parent / file.relative_to(again.index.parent)
+            assert file.read_bytes() == other.read_bytes(), file.name
+
+
+def test_a_bench_without_materials_still_has_a_report(tmp_path):
+    (tmp_path / "reports").mkdir()
+    (tmp_path / "reports" / "fig_evil.py").write_text(EVIL_RECIPE)
+    site = build_site(Bench(tmp_path), tmp_path / "html")
+    page = site.index.read_text(encoding="utf-8")
+    assert any(reason.startswith("claims: ") for reason in site.missing)
+    assert "materials.csv: cannot be read" in page
+    assert "neither of the two main fits is there" in page
+
+
+@pytest.mark.parametrize("page", ["index", "explore"])
+@pytest.mark.parametrize("width", [360, 1440])
+def test_layout_holds(browser, site, page, width):
+    with opened(browser, site.index.parent / f"{page}.html", width) as view:
+        view.evaluate("document.querySelectorAll('details').forEach((each) => each.open = true)")
+        view.wait_for_timeout(200)
+        assert view.evaluate("document.documentElement.scrollWidth") == width
+        outside = """(width) => [...document.querySelectorAll('main *')].filter((node) => {
+          const box = node.getBoundingClientRect();
+          return box.right > width + 1 && !node.closest('.scroll, svg, .equation');
+        }).map((node) => node.outerHTML.slice(0, 80))"""
+        assert view.evaluate(outside, width) == []
+
+
+@pytest.mark.parametrize("page", ["index", "explore"])
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_all_text_has_enough_contrast(browser, site, page, theme):
+    with opened(browser, site.index.parent / f"{page}.html", theme=theme) as view:
+        view.evaluate("document.querySelectorAll('details').forEach((each) => each.open = true)")
+        view.wait_for_timeout(300)
+        ratios = view.evaluate(CONTRAST)
+        assert len(ratios) > 50
+        assert [found for found in ratios if found[0] < 4.5] == []
+
+
+def test_theme_follows_the_system_until_it_is_chosen(browser, site):
+    page_colour = "getComputedStyle(document.body).backgroundColor"
+    with opened(browser, site.index, theme="dark") as view:
+        dark = view.evaluate(page_colour)
+        button = view.get_by_role("button", name="Dark")
+        assert button.get_attribute("aria-pressed") == "true"
+        button.click()
+        assert view.evaluate(page_colour) != dark
+        view.reload()
+        assert view.get_by_role("button", name="Dark").get_attribute("aria-pressed") == "false"
+        assert view.evaluate(page_colour) != dark
+
+
+def test_claims_are_filtered_by_verdict_section_and_words(browser, site):
+    with opened(browser, site.index) as view:
+        told = view.locator("#claims-shown")
+        every = view.locator(".claim").count()
+        assert told.text_content() == f"{every} of {every} claims shown"
+        view.get_by_label(re.compile("^reproduced with a stated choice")).uncheck()
+        view.get_by_label("Section").select_option("3.4")
+        left = view.locator(".claim:visible")
+        assert 0 < left.count() < every
+        assert set(left.evaluate_all("nodes => nodes.map((n) => n.dataset.section)")) == {"3.4"}
+        assert "choice" not in left.evaluate_all("nodes => nodes.map((n) => n.dataset.verdict)")
+        view.get_by_label("Words").fill("no such word anywhere")
+        assert told.text_content() == f"0 of {every} claims shown"
+        view.get_by_role("button", name="Show all").click()
+        view.wait_for_timeout(50)
+        assert told.text_content() == f"{every} of {every} claims shown"
+
+
+def test_downloads_are_the_files(browser, site):
+    with opened(browser, site.index) as view:
+        with view.expect_download() as waiting:
+            view.locator('a[href="figures/fig12.csv"]').click()
+        own = site.index.parent / "figures" / "fig12.csv"
+        assert Path(waiting.value.path()).read_bytes() == own.read_bytes()
+
+
+@pytest.mark.parametrize("page", ["index", "explore"])
+def test_prints_with_everything_unfolded(browser, site, page):
+    with opened(browser, site.index.parent / f"{page}.html", theme="dark") as view:
+        view.evaluate("""() => { window.unfolded = false; addEventListener('beforeprint', () => {
+          window.unfolded = !document.querySelector('details:not([open])'); }); }""")
+        pdf = view.pdf(format="A4")
+        assert pdf.startswith(b"%PDF")
+        assert pdf.count(b"/Type /Page\n") >= (4 if page == "index" else 1)
+        assert view.evaluate("window.unfolded")
+        view.emulate_media(media="print")
+        assert not view.locator(".bar").is_visible()
+        assert (
+            view.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+        )

@@ -1,0 +1,277 @@
+"""The interactive page: its numbers are Python's, its controls work by mouse, key and text."""
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+import cylcontact as cc
+from cylcontact.errors import InputError
+from cylcontact.export.named import find_law
+from cylcontact.laws import LAWS
+from tests.browser import opened
+from tests.html_bench import EVIL
+
+AS_PYTHON = 1e-9
+MATERIALS = ((207e3, 0.3), (69e3, 0.33), (600e3, 0.0))  # E in MPa and ν
+CASES = {
+    "internal": [(dR, f) for dR in (0.001, 0.0075, 0.05, 0.5, 9.0) for f in (0.0, 1.0, 350.0, 9e3)],
+    "external": [(dR, f) for dR in (10.5, 20.0, 140.0) for f in (0.0, 1.0, 350.0, 9e3)],
+}
+# The page's own functions, over many cases at once; NaN and infinity travel as text.
+COMPUTE = """(cases) => {
+  const data = JSON.parse(document.getElementById('data').textContent);
+  const laws = Object.fromEntries(data.laws.map((law) => [`${law.contact}/${law.id}`,
+    law.document ? Laws.exported(law.document) : Laws.persson]));
+  return cases.map(({ law, load, ...rest }) => {
+    const pair = Laws.pairOf(rest), compute = laws[law];
+    const penetration = compute.penetration(load, pair);
+    return [penetration, compute.stiffness(penetration, pair, load), compute.maxLoad(pair),
+      compute.maxPenetration(pair)].map(String);
+  });
+}"""
+
+
+@pytest.fixture(scope="module")
+def explore(site):
+    return site.index.parent / "explore.html"
+
+
+@pytest.fixture(scope="module")
+def data(explore):
+    text = explore.read_text(encoding="utf-8")
+    found = re.search(r'<script id="data" type="application/json">(.*?)</script>', text)
+    return json.loads(found[1])
+
+
+def python_law(law, folder):
+    """The law that the page calls by this id, in Python."""
+    if law.startswith("fit:"):
+        return find_law(str(folder / f"{law[4:]}.json"), None).law
+    return LAWS[law]()
+
+
+def pair_of(contact, E, nu, dR):
+    material = cc.Material("m", E, nu, yield_stress=250.0)
+    return cc.CylinderPair.from_dR(contact, dR, material, length=12.0, R_i=10.0)
+
+
+def answers(law, load, pair):
+    """What Python answers, with warnings of its own on huge numbers put aside."""
+    try:
+        penetration = law.penetration(load, pair)
+        stiffness = law.stiffness(penetration, pair)
+        return [
+            float(v)
+            for v in (penetration, stiffness, law.max_load(pair), law.max_penetration(pair))
+        ]
+    except InputError:
+        return None
+
+
+def test_every_law_answers_as_python_does(browser, explore, site, data):
+    folder = site.index.parents[2] / "fitting" / "results"
+    cases, expected = [], []
+    for entry in data["laws"]:
+        law = python_law(entry["id"], folder)
+        for E, nu in MATERIALS:
+            for dR, load in CASES[entry["contact"]]:
+                told = answers(law, load, pair_of(entry["contact"], E, nu, dR))
+                if told is None:
+                    continue
+                case = {"contact": entry["contact"], "E": E, "nu": nu, "dR": dR, "load": load}
+                cases.append(
+                    case | {"R_i": 10, "length": 12, "law": f"{entry['contact']}/{entry['id']}"}
+                )
+                expected.append(told)
+    with opened(browser, explore) as view:
+        found = [[float(value) for value in row] for row in view.evaluate(COMPUTE, cases)]
+    assert len(cases) > 600
+    for case, ours, theirs in zip(cases, expected, found, strict=True):
+        assert theirs == pytest.approx(ours, rel=AS_PYTHON, nan_ok=True), case
+
+
+def test_lambert_w_and_its_law_agree_with_mpmath_and_the_exported_steps(browser, explore):
+    import mpmath
+
+    x = [-np.exp(-1) * (1 - 10.0**-k) for k in (2, 4, 8, 12)] + [
+        -(10.0**-k) for k in (1, 2, 9, 99, 300)
+    ]
+    with opened(browser, explore) as view:
+        found = view.evaluate("(x) => x.map(Laws.lambertWm1)", x)
+        depths = [0.99 * 4 * 0.05 / math.e**2 * 10.0**-k for k in range(8)]
+        loads = view.evaluate(
+            """(depths) => {
+              const pair = Laws.pairOf({
+                contact: 'internal', E: 207e3, nu: 0.3, dR: 0.05, R_i: 10 });
+              return depths.map((depth) => Laws.johnsonLoad(depth, pair));
+            }""",
+            depths,
+        )
+    exact = [float(mpmath.lambertw(mpmath.mpf(value), -1).real) for value in x]
+    # Near the branch point W itself is known to half the digits of x only.
+    assert found == pytest.approx(exact, rel=1e-7)
+    assert found[4:] == pytest.approx(exact[4:], rel=1e-14)
+    johnson = cc.laws.Johnson().load(depths, pair_of("internal", 207e3, 0.3, 0.05))
+    assert loads == pytest.approx(johnson.tolist(), rel=AS_PYTHON)
+
+
+def test_expressions_mean_what_they_mean_in_python(browser, explore):
+    names = {"a": 1.7, "b": -0.3, "c": 2.0}
+    texts = [
+        *("-a ** c", "a ** -c ** 2", "a - b - c", "a / b * c", "2 * -a + b", "(a + b) * c"),
+        *("a if b > 0 else c", "a if b < 0 and c >= 2 else b", "log1p(exp(a)) / 1e-3", ".5 * a"),
+        *("max(a, b * c)", "a if b > 0 or a <= 1.7 else (c if a > 2 else b)", "-(a / b)"),
+    ]
+    functions = {"log1p": math.log1p, "exp": math.exp, "max": max}
+    expected = [eval(text, functions, names) for text in texts]
+    with opened(browser, explore) as view:
+        script = "([texts, names]) => texts.map((text) => Laws.compile(text)(names))"
+        assert view.evaluate(script, [texts, names]) == pytest.approx(expected, rel=1e-15)
+        for wrong in ("a +", "fetch(a)", "a b", "a $ b", "(a", "max(a"):
+            refused = "(t) => { try { Laws.compile(t)({}); return false; } catch { return true; } }"
+            assert view.evaluate(refused, wrong), wrong
+
+
+def value_of(view, key):
+    return float(view.locator(f"#numbers [data-key={key}]").get_attribute("data-value"))
+
+
+def answer_of(view, law, key):
+    cell = view.locator(f'#answers tr[data-law="{law}"] [data-key={key}]')
+    return float(cell.get_attribute("data-value"))
+
+
+def test_sliders_fields_and_material_change_the_numbers_to_pythons(browser, explore):
+    with opened(browser, explore) as view:
+        before = answer_of(view, "johnson", "penetration")
+        view.get_by_label("From the table").select_option("aluminium alloy")
+        view.locator("#dR").fill("0.0075")
+        view.locator("#load-range").evaluate(
+            "(node) => { node.value = 800; node.dispatchEvent(new Event('input')); }"
+        )
+        load = float(view.locator("#load").input_value())
+        assert load != 100.0
+        material = cc.Material("aluminium", 69e3, 0.33, yield_stress=276.0)
+        pair = cc.CylinderPair.from_dR("internal", 0.0075, material, length=10.0, R_i=10.0)
+        johnson, explicit = cc.laws.Johnson(), cc.laws.Explicit()
+        assert load > float(cc.limits.johnson_limit_load(pair))
+        assert math.isnan(answer_of(view, "johnson", "penetration"))
+        view.locator("#load").fill("300")
+        depth = johnson.penetration(300.0, pair)
+        assert before != answer_of(view, "johnson", "penetration")
+        expected = {
+            ("johnson", "penetration"): 1e3 * depth,
+            ("johnson", "stiffness"): johnson.stiffness(depth, pair),
+            ("explicit", "penetration"): 1e3 * explicit.penetration(300.0, pair),
+            ("persson", "penetration"): 1e3 * cc.laws.Persson().penetration(300.0, pair),
+            ("enhanced", "difference"): cc.laws.difference_percent(
+                cc.laws.Enhanced(), johnson, 300.0, pair
+            ),
+        }
+        for (law, key), number in expected.items():
+            assert answer_of(view, law, key) == pytest.approx(float(number), rel=AS_PYTHON)
+        limits = {
+            "E_star": pair.E_star,
+            "yield_load": cc.limits.yield_load(pair),
+            "johnson_load": cc.limits.johnson_limit_load(pair),
+            "johnson_penetration": 1e3 * cc.limits.johnson_limit_penetration(pair),
+            "hertz_stress": cc.limits.hertz_stress(300.0, pair),
+            "half_width": cc.limits.hertz_half_width(300.0, pair),
+            "phi": 300.0 / float(pair.E_star * pair.dR),
+        }
+        for key, number in limits.items():
+            assert value_of(view, key) == pytest.approx(float(number), rel=AS_PYTHON)
+
+
+def test_curves_move_with_the_controls_and_follow_the_laws_chosen(browser, explore):
+    with opened(browser, explore) as view:
+        curve = view.locator('#force path[data-law="enhanced"]')
+        before = curve.get_attribute("d")
+        view.locator("#dR").fill("0.5")
+        assert curve.get_attribute("d") != before
+        assert view.locator("#difference path[data-law]").count() == 4
+        view.get_by_label("liu", exact=True).check()
+        assert view.locator('#difference path[data-law="liu"]').count() == 1
+        view.get_by_label("two rollers").check()
+        assert view.locator('#force path[data-law="persson"]').count() == 0
+        assert view.locator('#answers tr[data-law="fit:external"]').count() == 1
+
+
+def test_advice_follows_the_limits(browser, explore):
+    with opened(browser, explore) as view:
+        verdict = view.get_by_role("status")
+
+        def advice():
+            view.wait_for_timeout(250)
+            return verdict.text_content()
+
+        assert advice().startswith("Use the explicit law")
+        assert verdict.get_attribute("aria-live") == "polite"
+        view.locator("#load").fill("9000")
+        assert advice().startswith("Beyond yield: no elastic law holds")
+        view.locator("#yield_stress").fill("5000")
+        view.locator("#dR").fill("0.002")
+        assert "Johnson's law has ended" in advice()
+        assert "The published enhanced law is undefined here" in advice()
+        view.get_by_label("two rollers").check()
+        assert "Johnson's law is the reference for rollers" in advice()
+
+
+def test_fields_refuse_what_is_no_number_and_keep_the_last(browser, explore):
+    with opened(browser, explore) as view:
+        before = value_of(view, "E_star")
+        for text in ("", "-3", "0"):
+            view.locator("#E").fill(text)
+            assert view.locator("#E").get_attribute("aria-invalid") == "true"
+            assert value_of(view, "E_star") == before
+        view.locator("#E").fill("100")
+        assert view.locator("#E").get_attribute("aria-invalid") is None
+        assert view.locator("#material").input_value() == ""
+
+
+def test_everything_is_reached_and_moved_by_keys(browser, explore):
+    focused = "document.activeElement.id || document.activeElement.className"
+    with opened(browser, explore) as view:
+        view.keyboard.press("Tab")
+        assert view.evaluate(focused) == "skip"
+        view.keyboard.press("Enter")
+        assert view.evaluate(focused) == "content"
+        seen = []
+        for _ in range(60):
+            view.keyboard.press("Tab")
+            seen.append(view.evaluate(focused))
+            if seen[-1] == "load-range":
+                break
+        assert {"material", "E-range", "nu-range", "dR-range", "load-range"} <= set(seen)
+        ring = view.evaluate("getComputedStyle(document.activeElement).outlineStyle")
+        assert ring == "solid"
+        before = value_of(view, "phi")
+        for _ in range(5):
+            view.keyboard.press("ArrowRight")
+        assert value_of(view, "phi") > before
+        told = view.locator("#load-range").get_attribute("aria-valuetext")
+        assert told == f"{float(view.locator('#load').input_value()):g} N/mm"
+
+
+def test_controls_and_charts_have_names(browser, explore):
+    nameless = """() => [...document.querySelectorAll('input, select, button')].filter((node) =>
+      !node.labels?.length && !node.ariaLabel && !node.textContent.trim())
+      .map((node) => node.outerHTML)"""
+    with opened(browser, explore) as view:
+        assert view.evaluate(nameless) == []
+        assert (
+            view.get_by_role("img", name=re.compile("Force over penetration.*johnson")).count() == 1
+        )
+        assert view.get_by_role("slider").count() == 7
+        assert view.locator("h1").count() == 1
+
+
+def test_texts_of_users_are_texts_here_too(browser, explore):
+    with opened(browser, explore) as view:
+        assert view.locator("img[src=x]").count() == 0
+        view.get_by_label("From the table").select_option(EVIL)
+        assert view.get_by_text(EVIL).count() >= 1
+        assert value_of(view, "E_star") == pytest.approx(70e3 / (2 * (1 - 0.3**2)), rel=1e-12)

@@ -1,0 +1,70 @@
+"""The figure of two coefficients together: its numbers, from Johnson's law written out anew."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cylcontact.datasets.materials_table import read_materials
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import draw
+
+ROOT = Path(__file__).resolve().parents[1]
+LOSS_SCALE = 0.04597
+
+
+@pytest.fixture(scope="module")
+def drawing():
+    return draw("fig_uncertainty", Bench(ROOT))
+
+
+def test_the_headline_holds_the_intervals_of_the_example(drawing):
+    pinned = {
+        "fitted kappa": 1.0195,
+        "lowest kappa at 95 %": 0.9842,
+        "highest kappa at 95 %": 1.0553,
+    }
+    pinned |= {"fitted c": -1.0844, "lowest c at 95 %": -1.2662, "highest c at 95 %": -0.8877}
+    assert dict(drawing.headline) == pytest.approx(pinned, abs=5e-4)
+
+
+def huber(kappa, c):
+    """Sum of Huber's loss of ln(δ_law/δ) over the table, from its text and the formula."""
+    materials = read_materials(ROOT / "datasets/materials.csv")
+    total = 0.0
+    for line in (ROOT / "datasets/examples/pin-in-hole.csv").read_text("utf-8").splitlines():
+        if line.startswith(("#", "material")):
+            continue
+        name, dR, f, depth = line.split(",")
+        material = materials[name].material
+        E_star = material.E / (2 * (1 - material.nu**2))
+        dR, f, depth = float(dR) / 1e3, float(f), float(depth) / 1e3
+        law = kappa * f / (np.pi * E_star) * (np.log(4 * np.pi * dR * E_star / f) + c)
+        r = abs(np.log(law / depth)) / LOSS_SCALE
+        total += LOSS_SCALE**2 * (r**2 if r <= 1 else 2 * r - 1)
+    return total
+
+
+def test_the_map_is_the_rise_of_the_loss_over_the_table(drawing):
+    noise = drawing.table[drawing.table.panel == "noise"]
+    assert len(noise) == 21 * 21
+    optimum = huber(*(drawing.headline[f"fitted {name}"] for name in ("kappa", "c")))
+    rises = [huber(row.x, row.y) - optimum for row in noise.iloc[::40].itertuples()]
+    ratio = noise.height.to_numpy()[::40] / np.array(rises)
+    assert ratio == pytest.approx(ratio.mean(), rel=2e-3)
+
+
+def test_the_published_external_coefficients_cost_what_the_profiles_say(drawing):
+    found = drawing.table[drawing.table.panel == "discrepancy"]
+    assert {*found.coefficient_x} == {"b"}
+    assert {*found.coefficient_y} == {"n"}
+    assert 0 <= found.height.min() < 1e-3
+    near = (found.x - 0.85).abs() / 0.3 + (found.y - 1.094).abs() / 0.015
+    assert 0.05 < found.height[near.idxmin()] < 0.12
+
+
+def test_the_two_kinds_are_told_apart_on_the_figure(drawing):
+    titles = [axes.get_title(loc="left") for axes in drawing.figure.axes]
+    assert ["noise" in title for title in titles] == [True, False]
+    assert ["discrepancy" in title for title in titles] == [False, True]
+    assert "synthetic" in drawing.caption
