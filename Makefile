@@ -6,9 +6,11 @@ BIN := $(VENV)/bin
 CYLCONTACT := $(BIN)/cylcontact
 
 SOURCES := $(shell find src/cylcontact -name '*.py')
-BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.csv)
-CAMPAIGNS := $(wildcard fitting/*.toml)
+BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.toml datasets/*/*.csv)
+# A thousand million samples take minutes: make scaling.
+CAMPAIGNS := $(filter-out fitting/huge.toml,$(wildcard fitting/*.toml))
 RESULTS := $(CAMPAIGNS:fitting/%.toml=fitting/results/%.json)
+COMPARISONS := $(patsubst %,fitting/results/optimizers-%.csv,internal external)
 RECIPES := $(wildcard reports/*.py)
 # The paper's figures and their refit, which need the two main fits only; `make report` draws all.
 MAIN_FIGURES := $(filter-out %c %p fig_%,$(RECIPES:reports/%.py=%)) fig_profile_b
@@ -17,8 +19,8 @@ MAIN_FIGURES := $(filter-out %c %p fig_%,$(RECIPES:reports/%.py=%)) fig_profile_
 unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: all env extras fits figures claims report verify test test-slow lint format lock clean distclean \
-	help FORCE
+.PHONY: all env extras fits finite-element mechanism optimizers figures report claims verify \
+	bench scaling notebooks pair docs test test-slow lint format lock clean distclean help FORCE
 
 ##@ The main job
 
@@ -45,11 +47,34 @@ fits: $(RESULTS) ## Redo every committed reference fit, fitting/*.toml to fittin
 fitting/results/%.json: fitting/%.toml FORCE | $(VENV)/.editable
 	$(CYLCONTACT) fit $< -o $@
 
+FE := datasets/finite_element
+FE_STUDIES := $(wildcard $(FE)/*.toml)
+
+# CalculiX solves the recommended set-up; the other studies only vary it.
+finite-element: $(FE_STUDIES:%.toml=%-embedded.csv) $(FE)/recommended-calculix.csv ## Redo the finite elements' tables (some minutes; needs CalculiX)
+
+$(FE)/%-embedded.csv: $(FE)/%.toml FORCE | $(VENV)/.editable
+	$(CYLCONTACT) finite-element $< -o $@
+
+$(FE)/%-calculix.csv: $(FE)/%.toml FORCE | $(VENV)/.editable
+	$(CYLCONTACT) finite-element $< --engine calculix -o $@
+
+# The paper's 24 cases: what a tolerance gives, and how far two of them agree.
+mechanism: $(VENV)/.editable ## Redo the mechanism's tables, datasets/mechanism (some minutes)
+	$(CYLCONTACT) tolerances datasets/slider_crank.toml -o datasets/mechanism/tolerances.csv \
+		--tolerances 1e-5,1e-6,1e-7,1e-8,1e-9,1e-10
+	$(CYLCONTACT) sweep datasets/slider_crank.toml -o datasets/mechanism/cases.csv \
+		--revolutions 20 --beyond tangent --against 1e-10
+
+optimizers: $(COMPARISONS) ## Compare the optimisers on both main campaigns, into fitting/results
+
+$(COMPARISONS): fitting/results/optimizers-%.csv: fitting/%.toml FORCE | $(VENV)/.extras
+	$(CYLCONTACT) optimizers $< -o $@
+
 figures: build/.figures ## Draw the figures from this machine's fits, in build
 
-report: $(VENV)/.editable ## Draw every figure from the committed fits, in fitting/results
-	@rm -f build/.figures
-	$(CYLCONTACT) report
+report: $(VENV)/.editable ## Build the report, reports/html/index.html, from the committed fits
+	$(CYLCONTACT) report --html
 
 claims: $(VENV)/.editable ## Hold every number the paper states against ours
 	$(CYLCONTACT) claims
@@ -57,10 +82,36 @@ claims: $(VENV)/.editable ## Hold every number the paper states against ours
 verify: $(VENV)/.editable ## Fit afresh and compare with the committed results
 	$(CYLCONTACT) verify
 
+bench: $(VENV)/.extras ## Measure the speed against what one would use instead (ten minutes)
+	$(BIN)/python -m benchmarks
+	$(CYLCONTACT) report fig_benchmarks
+
+scaling: $(VENV)/.editable ## Measure what each step of a calibration costs up to 1e9 samples (ten minutes)
+	$(BIN)/python -m benchmarks.scaling
+
+##@ To read and to try
+
+notebooks: $(VENV)/.kernel ## Open the notebooks in JupyterLab
+	$(BIN)/jupyter lab notebooks/1_quick_start.ipynb
+
+# A kernel of its own name: no other Python on the machine can take its place.
+$(VENV)/.kernel: $(VENV)/.extras
+	@$(BIN)/python -m ipykernel install --sys-prefix --name cylcontact --display-name cylcontact
+	@touch $@
+
+pair: $(VENV)/.extras ## Bring each notebook in line with its script, without outputs
+	$(BIN)/jupytext --quiet --to ipynb --update notebooks/*.py
+	$(BIN)/jupyter nbconvert --log-level=ERROR --clear-output --inplace notebooks/*.ipynb
+
+docs: $(VENV)/.extras ## Build the documentation as a site, to be read from disk
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
+	@echo "The documentation is in build/site/index.html."
+
 ##@ Checks
 
+# The tests of one file share what they set up, so a file stays with one worker.
 test: $(VENV)/.editable ## Run the tests and the examples in the docstrings
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n logical --dist loadfile
 
 test-slow: $(VENV)/.editable ## Run the studies that take minutes
 	$(BIN)/python -m pytest -m slow
@@ -130,7 +181,7 @@ lock: ## Pin the dependencies anew in both locks; make lock UPGRADE=--upgrade fo
 	@mv build/requirements.lock build/requirements-extras.lock .
 
 clean: ## Remove what the commands above made: fits, figures, tables, caches
-	rm -rf build dist datasets/generated reports/figures
+	rm -rf build dist datasets/generated reports/figures reports/html reports/tables
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find src tests reports -name __pycache__ -type d -prune -exec rm -rf {} +
 

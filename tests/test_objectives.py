@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 
 from cylcontact import CylinderPair, Material, laws
 from cylcontact.datasets import Grid, reduce_grid
-from cylcontact.fitting.calibrate import max_abs_difference_percent
+from cylcontact.fitting.max_difference import max_abs_difference_percent
 from cylcontact.fitting.objectives import OBJECTIVES, make_objective
 from cylcontact.fitting.parameters import FAMILIES
 from cylcontact.fitting.rows import collect_rows

@@ -18,7 +18,7 @@ def test_code_blocks_run_in_order(monkeypatch, capsys):
     for block in CODE:
         exec(block, names)
     assert "nan" not in capsys.readouterr().out
-    assert len(CODE) == 2
+    assert len(CODE) == 3
 
 
 def test_the_law_is_shown_in_ten_lines():

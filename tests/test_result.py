@@ -109,7 +109,11 @@ NAMES = "must be the coefficients of its campaign: a, b, n"
 # its key, value, rule and remedy.
 BAD_INPUT = [
     # missing and unknown keys
-    *(({key: DROP}, "", key, None, "is required", "add ") for key in FitResult.model_fields),
+    *(
+        ({key: DROP}, "", key, None, "is required", "add ")
+        for key, field in FitResult.model_fields.items()
+        if field.is_required()
+    ),
     ({"objective.value": DROP}, "", "objective.value", None, "is required", "add its value"),
     ({"profiles.a.low": DROP}, "", "profiles.a.low", None, "is required", "add lower end"),
     ({"colour": "red"}, "", "colour", "red", "is not a known key", "name, law, contact"),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats, require, same_fields
+from cylcontact.card import card
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +76,10 @@ class Material:
         return same_fields(self, other)
 
     __hash__ = None  # type: ignore[assignment]
+
+    def _repr_html_(self) -> str:
+        rows = {"E (MPa)": self.E, "ν (-)": self.nu, "yield stress (MPa)": self.yield_stress}
+        return card(f"Material {self.name}", rows)
 
     @property
     def plane_strain_modulus(self) -> FloatArray:

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats, require, same_fields
+from cylcontact.card import card
 from cylcontact.errors import InputError, short
 from cylcontact.materials import Material
 
@@ -73,6 +74,14 @@ class CylinderPair:
         return same_fields(self, other)
 
     __hash__ = None  # type: ignore[assignment]
+
+    def _repr_html_(self) -> str:
+        bodies = {"i": (self.R_i, self.material_i), "j": (self.R_j, self.material_j)}
+        rows: dict[str, object] = {"ΔR (mm)": self.dR}
+        for body, (radius, material) in bodies.items():
+            rows |= {f"R_{body} (mm)": radius, f"material {body}": material.name}
+        rows |= {"length (mm)": self.length, "E* (MPa)": self.E_star}
+        return card(f"CylinderPair, {self.contact} contact", rows)
 
     @classmethod
     def internal(

@@ -1,0 +1,123 @@
+"""The time from a grid to coefficients within 0.1 % of the best objective that is known."""
+
+from __future__ import annotations
+
+import time
+from statistics import median
+
+import numpy as np
+
+from benchmarks.harness import Row, Side, compare, rows
+from benchmarks.peers import PEERS, RowProblem, reach, rows_of
+from benchmarks.sampling import grid_of
+from benchmarks.search import problem_of
+from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.run import execute, plan_runs
+
+# A search has arrived when its objective is this close to the best.
+CLOSE = 1.001
+# Runs of ours, one after the other, before a seed counts as having failed.
+MOST_RUNS = 200
+OURS = "cylcontact: sampling, genetic search and polish"
+# All peers run to the end on the first grid; on the others, that have more samples, their time
+# follows from the evaluations that they needed there.
+SMALL = (5, 3, 61, 5)
+TINY = (3, 2, 9, 4)
+LARGER = {
+    "343,125 samples": (25, 9, 61, 25),
+    "1,001,925 samples": (25, 9, 61, 73),
+    "10,000,000 samples": (50, 20, 100, 100),
+    "100,000,000 samples": (200, 50, 100, 100),
+}
+# Rows of more samples than this are not held: five columns and as many temporaries of eight bytes.
+MOST_ROWS = 20_000_000
+
+
+def measure(short: bool) -> list[Row]:
+    """Return the seconds that each way takes, by number of samples."""
+    found, evaluations = _on_the_small_grid(short)
+    if short:
+        return found
+    for case, shape in LARGER.items():
+        found += _on_a_larger_grid(case, shape, evaluations)
+    return found
+
+
+def _on_the_small_grid(short: bool) -> tuple[list[Row], dict[str, tuple[float, bool]]]:
+    """Run everything; return the rows, and by peer the evaluations and whether it arrived."""
+    shape = TINY if short else SMALL
+    problem = problem_of(*shape)
+    best = _best_known(problem, 4 if short else 16)
+    samples = rows_of(grid_of(*shape), problem, CLOSE * best)
+    require_same_objective(problem, samples)
+    rounds, seconds = 1 if short else 3, {OURS: []}
+    reached: dict[str, list[tuple[float, int]]] = {name: [] for name in PEERS}
+    seconds |= {name: [] for name in PEERS}
+    for seed in range(rounds):
+        seconds[OURS].append(_ours(shape, CLOSE * best, seed))
+        for name in list(PEERS)[:1] if short else PEERS:
+            started = time.perf_counter()
+            reached[name].append(reach(name, samples, seed))
+            seconds[name].append(time.perf_counter() - started)
+    ran = {name: times for name, times in seconds.items() if times}
+    notes = {name: _note(reached[name], best) for name in ran if name != OURS}
+    case = f"{samples.load.size:,} samples"
+    needed = {
+        name: (
+            median(count for _, count in runs),
+            all(value <= CLOSE * best for value, _ in runs),
+        )
+        for name, runs in reached.items()
+        if runs
+    }
+    return rows("calibration", case, ran, "s", 1.0, notes), needed
+
+
+def _on_a_larger_grid(
+    case: str, shape: tuple[int, ...], evaluations: dict[str, tuple[float, bool]]
+) -> list[Row]:
+    """Run ours, and multiply the peers' evaluations by the measured cost of one."""
+    problem, size = problem_of(*shape), int(np.prod(shape))
+    best = _best_known(problem, 16)
+    seconds = {OURS: [_ours(shape, CLOSE * best, seed) for seed in range(3)]}
+    notes = {}
+    if size <= MOST_ROWS:
+        samples = rows_of(grid_of(*shape), problem, 0.0)
+        require_same_objective(problem, samples)
+        point = (problem.low + problem.high) / 2
+        cost = compare("", "", [Side("", lambda: samples.residuals(point))], 3, "s", 1.0)[0]
+        for name, (count, arrived) in evaluations.items():
+            seconds[name] = [count * cost.value] * 3
+            notes[name] = f"computed: {count:,.0f} evaluations of {1e3 * cost.value:.1f} ms"
+            notes[name] += "" if arrived else ", which had not arrived"
+    return rows("calibration", case, seconds, "s", 1.0, notes)
+
+
+def _ours(shape: tuple[int, ...], target: float, seed: int) -> float:
+    """Return the seconds until a campaign's runs, in their order, arrive."""
+    started = time.perf_counter()
+    problem = problem_of(*shape)
+    for plan in plan_runs(MOST_RUNS, (60, 120), ("single_point", "uniform", "blend"), 300, seed):
+        if execute(problem, plan).objective <= target:
+            return time.perf_counter() - started
+    raise AssertionError(f"seed {seed}: none of {MOST_RUNS} runs came within {CLOSE}")
+
+
+def _best_known(problem: Problem, runs: int) -> float:
+    plans = plan_runs(runs, (60, 120), ("single_point", "uniform", "blend"), 300, 20150101)
+    return min(execute(problem, plan).objective for plan in plans)
+
+
+def require_same_objective(problem: Problem, samples: RowProblem) -> None:
+    """Hold the objective from moments against that of the samples, at random candidates."""
+    candidates = [samples.start(np.random.default_rng(seed)) for seed in range(5)]
+    by_rows = [np.sqrt(np.mean(samples.residuals(candidate) ** 2)) for candidate in candidates]
+    np.testing.assert_allclose(problem.values(np.array(candidates)), by_rows, rtol=1e-9)
+
+
+def _note(runs: list[tuple[float, int]], best: float) -> str:
+    """Say how far a peer came, and in how many evaluations."""
+    above = 100 * (median(value for value, _ in runs) / best - 1)
+    arrived = sum(value <= CLOSE * best for value, _ in runs)
+    count = median(count for _, count in runs)
+    return f"{arrived} of {len(runs)} arrived; {above:.2g} % above the best, {count:,} evaluations"

@@ -1,0 +1,150 @@
+"""Time alternatives side by side: they agree first, then take turns, and medians are compared."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+# A call shorter than this is repeated within a round until the round lasts as long.
+LEAST_SECONDS = 0.02
+LONG_SECONDS = 5.0
+
+
+@dataclass(frozen=True)
+class Side:
+    """One way to do the work: its name and a call without arguments."""
+
+    name: str
+    run: Callable[[], Any]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the results.
+
+    Attributes
+    ----------
+    benchmark, case, side : str
+        What was measured, at which size, and done by what.
+    value, low, high : float
+        Median and range of the rounds, in `unit`.
+    unit : str
+        Such as "ns per value".
+    ratio, ratio_low, ratio_high : float
+        How many times as much as the first side of the case, round by round.
+    note : str
+        What has to be said about the number.
+    """
+
+    benchmark: str
+    case: str
+    side: str
+    value: float
+    low: float
+    high: float
+    unit: str
+    ratio: float
+    ratio_low: float
+    ratio_high: float
+    note: str = ""
+
+
+def require_agreement(sides: Sequence[Side], rtol: float) -> None:
+    """Raise AssertionError unless all sides give the first one's numbers.
+
+    Parameters
+    ----------
+    sides : sequence of Side
+        Whose answers are numbers or arrays.
+    rtol : float
+        How far they may differ, relatively.
+    """
+    expected = sides[0].run()
+    for side in sides[1:]:
+        np.testing.assert_allclose(side.run(), expected, rtol=rtol, err_msg=side.name)
+
+
+def compare(
+    benchmark: str,
+    case: str,
+    sides: Sequence[Side],
+    rounds: int,
+    unit: str = "ms",
+    scale: float = 1e3,
+) -> list[Row]:
+    """Time all sides in turns.
+
+    Parameters
+    ----------
+    benchmark, case : str
+        What the rows are called.
+    sides : sequence of Side
+        The first is what the others are compared with.
+    rounds : int
+        In each, every side runs once, in an order that changes from round to round.
+    unit, scale : str, float
+        What a second is turned into.
+
+    Returns
+    -------
+    list of Row
+        In the order of the sides.
+    """
+    seconds: dict[str, list[float]] = {side.name: [] for side in sides}
+    repeats = {side.name: _repeats(side) for side in sides}
+    for turn in range(rounds):
+        shift = turn % len(sides)
+        for side in [*sides[shift:], *sides[:shift]]:
+            seconds[side.name].append(_seconds(side, repeats[side.name]))
+    return rows(benchmark, case, seconds, unit, scale)
+
+
+def rows(
+    benchmark: str,
+    case: str,
+    seconds: dict[str, list[float]],
+    unit: str,
+    scale: float,
+    notes: dict[str, str] | None = None,
+) -> list[Row]:
+    """Return what was measured as rows: medians, ranges and ratios to the first side."""
+    first = next(iter(seconds.values()))
+    found = []
+    for name, times in seconds.items():
+        ratios = [a / b for a, b in zip(times, first, strict=True)]
+        found.append(
+            Row(
+                benchmark,
+                case,
+                name,
+                *(scale * each for each in _spread(times)),
+                unit,
+                *_spread(ratios),
+                (notes or {}).get(name, ""),
+            )
+        )
+    return found
+
+
+def _spread(numbers: Sequence[float]) -> tuple[float, float, float]:
+    return statistics.median(numbers), min(numbers), max(numbers)
+
+
+def _repeats(side: Side) -> int:
+    # The first call may compile or import; if it was long the second is not worth the wait.
+    once = _seconds(side, 1)
+    if once < LONG_SECONDS:
+        once = _seconds(side, 1)
+    return max(1, int(np.ceil(LEAST_SECONDS / max(once, 1e-7))))
+
+
+def _seconds(side: Side, repeats: int) -> float:
+    started = time.perf_counter()
+    for _ in range(repeats):
+        side.run()
+    return (time.perf_counter() - started) / repeats

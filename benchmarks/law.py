@@ -1,0 +1,144 @@
+"""Johnson's load from the penetration, against the usual ways to solve for it and a bare power."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from scipy.optimize import brentq, newton
+from scipy.special import lambertw
+
+from benchmarks.harness import Row, Side, compare, require_agreement
+from cylcontact import CylinderPair, Material, laws
+from cylcontact.laws.kernels import kernel, kernel_load
+
+PAIR = CylinderPair.internal(R_i=10.0, R_j=9.5, material=Material("steel", E=207e3, nu=0.3))
+JOHNSON, ENHANCED = laws.Johnson(), laws.Enhanced()
+E_STAR, DR = float(PAIR.E_star), float(PAIR.dR)
+K, N = float(ENHANCED.factor(PAIR)), float(ENHANCED.exponent(PAIR))
+# scipy's Lambert function loses digits near the limit, so the comparison stops before it.
+LARGEST = 0.99 * float(JOHNSON.max_penetration(PAIR))
+TOLERANCE = 1e-9
+
+
+def measure(short: bool) -> list[Row]:
+    """Return the cost of a value in arrays, in compiled code, and called one at a time."""
+    rng = np.random.default_rng(1)
+    sizes = [1_000] if short else [10_000, 1_000_000]
+    found = []
+    for size in sizes:
+        deltas = LARGEST * 10 ** rng.uniform(-6, 0, size)
+        found += _in_arrays(deltas, 1 if short else 9)
+    deltas = LARGEST * 10 ** rng.uniform(-6, 0, 200 if short else 20_000)
+    found += _in_compiled_code(deltas, 1 if short else 15)
+    return found + _one_at_a_time(deltas[:200], 1 if short else 5)
+
+
+def _in_arrays(deltas: np.ndarray, rounds: int) -> list[Row]:
+    sides = [
+        Side("cylcontact: Johnson().load", lambda: JOHNSON.load(deltas, PAIR)),
+        Side("scipy.special.lambertw", lambda: _by_lambertw(deltas)),
+        Side("scipy.optimize.newton, whole array", lambda: _by_newton(deltas)),
+    ]
+    limits = [
+        Side("numpy.power alone", lambda: np.power(deltas, N)),
+        Side("cylcontact: Enhanced().load", lambda: ENHANCED.load(deltas, PAIR)),
+        Side("numpy.log alone", lambda: np.log(deltas)),
+    ]
+    return _rows("array", deltas, sides, limits, rounds)
+
+
+def _in_compiled_code(deltas: np.ndarray, rounds: int) -> list[Row]:
+    johnson, enhanced = kernel(JOHNSON, PAIR), kernel(ENHANCED, PAIR)
+    sides = [
+        Side(
+            "cylcontact: kernel_load, Johnson",
+            lambda: _sum_of_kernel(johnson.kind, johnson.parameters, deltas),
+        ),
+        Side("Newton's method in numba", lambda: _sum_by_newton(deltas, E_STAR, DR)),
+    ]
+    limits = [
+        Side(
+            "cylcontact: kernel_load, enhanced law",
+            lambda: _sum_of_kernel(enhanced.kind, enhanced.parameters, deltas),
+        ),
+        Side("a power alone", lambda: _sum_of_powers(deltas, K, N)),
+    ]
+    return _rows("compiled scalar", deltas, sides, limits, rounds)
+
+
+def _one_at_a_time(deltas: np.ndarray, rounds: int) -> list[Row]:
+    numbers = deltas.tolist()
+    johnson = kernel(JOHNSON, PAIR)
+    sides = [
+        Side(
+            "cylcontact: kernel_load, Johnson",
+            lambda: [kernel_load(johnson.kind, johnson.parameters, x) for x in numbers],
+        ),
+        Side("scipy.special.lambertw", lambda: [float(_by_lambertw(x)) for x in numbers]),
+        Side("scipy.optimize.brentq", lambda: [_by_brentq(x) for x in numbers]),
+        Side("scipy.optimize.newton", lambda: [float(_by_newton(x)) for x in numbers]),
+    ]
+    return _rows("called from Python", deltas, sides, [], rounds)
+
+
+def _rows(
+    kind: str, deltas: np.ndarray, sides: list[Side], limits: list[Side], rounds: int
+) -> list[Row]:
+    case = f"{kind}, {deltas.size:,} values"
+    require_agreement(sides, TOLERANCE)
+    return compare("law", case, [*sides, *limits], rounds, "ns per value", 1e9 / deltas.size)
+
+
+def _by_lambertw(delta):
+    return -np.pi * E_STAR * delta / lambertw(-np.e * delta / (4 * DR), -1).real
+
+
+def _deficit(load, delta):
+    return load / (np.pi * E_STAR) * (np.log(4 * np.pi * E_STAR * DR / load) - 1) - delta
+
+
+def _slope(load, _):
+    return (np.log(4 * np.pi * E_STAR * DR / load) - 2) / (np.pi * E_STAR)
+
+
+def _by_newton(delta):
+    # From below, where the iteration is sure to converge as the penetration is concave.
+    return newton(_deficit, 0.1 * E_STAR * delta, _slope, (delta,), tol=1e-9, maxiter=100)
+
+
+def _by_brentq(delta: float) -> float:
+    largest = float(JOHNSON.max_load(PAIR))
+    return brentq(_deficit, 1e-12 * largest, largest, (delta,), xtol=1e-300, rtol=1e-12)
+
+
+@njit
+def _sum_of_kernel(kind, parameters, deltas):
+    total = 0.0
+    for delta in deltas:
+        total += kernel_load(kind, parameters, delta)
+    return total
+
+
+@njit
+def _sum_of_powers(deltas, factor, exponent):
+    total = 0.0
+    for delta in deltas:
+        total += factor * delta**exponent
+    return total
+
+
+@njit
+def _sum_by_newton(deltas, E_star, dR):
+    total = 0.0
+    for delta in deltas:
+        load = 0.1 * E_star * delta
+        change = load
+        while abs(change) > 1e-14 * load:
+            logarithm = math.log(4 * math.pi * E_star * dR / load)
+            left = load / (math.pi * E_star) * (logarithm - 1) - delta
+            change = left * math.pi * E_star / (logarithm - 2)
+            load -= change
+        total += load
+    return total

@@ -1,0 +1,95 @@
+"""The slider-crank: time per revolution against real time, and against Exudyn at its accuracy."""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.exudyn_peer import Run, simulate_in_exudyn
+from benchmarks.harness import Row, Side, compare, rows
+from cylcontact.mechanism import read_mechanism, simulate
+
+SPEC = Path(__file__).parents[1] / "datasets" / "slider_crank.toml"
+# Where Exudyn and we are compared: elastic, without friction, so that the force laws are the
+# same; up to here the motion is not yet sensitive to its own errors.
+ELASTIC = {"law": "enhanced", "clearance": 0.5, "restitution": 1.0, "friction": 0.0}
+CONTACTS, END = 4, 1.5e-3
+TOLERANCES, STEPS = (1e-6, 1e-8, 1e-10), (1e-6, 2.5e-7, 6.25e-8)
+
+
+def measure(short: bool) -> list[Row]:
+    """Return the milliseconds per revolution by case, and the cost of accuracy."""
+    return _cases(short) + _accuracy(short)
+
+
+def _cases(short: bool) -> list[Row]:
+    revolutions, found = 1 if short else 10, []
+    for law, clearance, restitution, friction in product(
+        ("enhanced", "johnson"), (0.5, 0.02), (1.0, 0.9), (0.0, 0.1)
+    ):
+        if short and (law, clearance) != ("enhanced", 0.02):
+            continue
+        mechanism = read_mechanism(
+            SPEC,
+            law=law,
+            clearance=clearance,
+            restitution=restitution,
+            friction=friction,
+            revolutions=revolutions,
+            tolerance=1e-8,
+        )
+        real_time = [mechanism.period] * (1 if short else 3)
+        side = Side("", partial(simulate, mechanism, beyond="tangent"))
+        times = [compare("", "", [side], 1, "s", 1.0)[0].value / revolutions for _ in real_time]
+        case = f"{law}, {clearance} mm, restitution {restitution}, friction {friction}"
+        seconds = {"real time": real_time, "cylcontact at 1e-8": times}
+        found += rows("mechanism", case, seconds, "ms per revolution", 1e3)
+    return found
+
+
+def _accuracy(short: bool) -> list[Row]:
+    """Time both up to the end of the fourth contact, and note the error of its onset."""
+    mechanism = read_mechanism(SPEC, **ELASTIC, revolutions=1)
+    reference = simulate(mechanism, tolerance=1e-12)
+    exact = onsets_of(reference)
+    share = END / mechanism.period
+    ours = {
+        f"cylcontact, tolerance {tolerance:g}": partial(simulate, mechanism, tolerance=tolerance)
+        for tolerance in (TOLERANCES[1:2] if short else TOLERANCES)
+    }
+    theirs = {
+        f"Exudyn, step {step:g} s": partial(simulate_in_exudyn, mechanism, reference, END, step)
+        for step in (STEPS[:1] if short else STEPS)
+    }
+    errors = {name: onset_error(exact, onsets_of(run())) for name, run in (ours | theirs).items()}
+    assert max(errors.values()) < 1e-6, errors
+    sides = [Side(name, run) for name, run in (ours | theirs).items()]
+    notes = {name: f"fourth contact begins {1e9 * e:.2g} ns off" for name, e in errors.items()}
+    timed = compare("mechanism", "", sides, 1 if short else 5, "s", 1.0)
+    # Both per revolution: ours runs a whole one, Exudyn up to the end of the fourth contact.
+    per_revolution = {
+        row.side: [
+            value / (share if row.side in theirs else 1) for value in (row.low, row.value, row.high)
+        ]
+        for row in timed
+    }
+    case = "accuracy: enhanced, 0.5 mm, elastic, without friction"
+    return rows("mechanism", case, per_revolution, "ms per revolution", 1e3, notes)
+
+
+def onsets_of(run) -> np.ndarray:
+    """Return when the first contacts begin, in s, of a run of ours or of Exudyn's."""
+    if not isinstance(run, Run):
+        return run.contacts["onset_s"].to_numpy()[:CONTACTS]
+    before = np.flatnonzero((run.penetration[1:] > 0) & (run.penetration[:-1] <= 0))[:CONTACTS]
+    first, last = run.penetration[before], run.penetration[before + 1]
+    times = run.time[before], run.time[before + 1]
+    return times[0] - first / (last - first) * (times[1] - times[0])
+
+
+def onset_error(exact: np.ndarray, onsets: np.ndarray) -> float:
+    """Return how far the last of the contacts is off, in s."""
+    return float(abs(onsets[-1] - exact[-1]))

@@ -1,0 +1,180 @@
+"""The results as a file and as a page: what was aimed at, what was measured."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from benchmarks.harness import Row
+from cylcontact.files import replacing
+
+TITLES = {
+    "law": "Johnson's load from the penetration",
+    "sampling": "Sampling to moments",
+    "search": "Genetic search",
+    "calibration": "Calibration, to within 0.1 % of the best objective known",
+    "mechanism": "Slider-crank with a clearance",
+    "finite elements": "A pin in a hole by finite elements",
+    "start-up": "Start-up and figures",
+}
+
+
+@dataclass(frozen=True)
+class Aim:
+    """What was aimed at: a quotient or a time, and the most or least that it should be."""
+
+    text: str
+    measured: Callable[[Sequence[Row]], float]
+    limit: float
+    at_least: bool = False
+
+    def verdict(self, rows: Sequence[Row]) -> str:
+        """Return what was measured and whether that meets the aim."""
+        try:
+            value = self.measured(rows)
+        except ValueError:
+            return "| not measured | |"
+        meets = value >= self.limit if self.at_least else value <= self.limit
+        return f"| {value:.3g} | {'reached' if meets else '**not reached**'} |"
+
+
+def find(rows: Iterable[Row], benchmark: str, case: str, side: str) -> Row:
+    """Return the one row whose case and side contain these words."""
+    (found,) = (
+        row for row in rows if row.benchmark == benchmark and case in row.case and side in row.side
+    )
+    return found
+
+
+def over(benchmark: str, case: str, side: str, other: str) -> Callable[[Sequence[Row]], float]:
+    """Return how to get the quotient of two sides of a case."""
+    return lambda rows: (
+        find(rows, benchmark, case, side).value / find(rows, benchmark, case, other).value
+    )
+
+
+def slowest(rows: Sequence[Row]) -> float:
+    """Return the slowest case of the mechanism, in units of real time."""
+    return max(row.ratio for row in rows if row.side == "cylcontact at 1e-8")
+
+
+AIMS = (
+    Aim(
+        "Calibration at 1e6 samples: times as fast as PyGAD used plainly",
+        over("calibration", "1,001,925", "PyGAD", "cylcontact"),
+        1000,
+        at_least=True,
+    ),
+    Aim(
+        "Calibration at 1e6 samples: times as fast as scipy's least squares on rows",
+        over("calibration", "1,001,925", "scipy least_squares", "cylcontact"),
+        100,
+        at_least=True,
+    ),
+    Aim(
+        "Sampling to moments, all cores: in units of one pass of numpy.log on one core",
+        over("sampling", "10,000,000", "threads", "numpy.log"),
+        3,
+    ),
+    Aim(
+        "Johnson's load in arrays: in units of numpy.power",
+        over("law", "array, 1,000,000", "Johnson", "numpy.power"),
+        4,
+    ),
+    Aim(
+        "Johnson's load in compiled code: in units of the enhanced law's",
+        over("law", "compiled", "kernel_load, Johnson", "kernel_load, enhanced"),
+        2,
+    ),
+    Aim(
+        "Genetic search, 120 candidates: in units of its objective",
+        over("search", "120 candidates", "genetic search", "objective alone"),
+        2,
+    ),
+    Aim("Mechanism at 1e-8, slowest case: in units of real time", slowest, 1),
+    Aim(
+        "cylcontact --help, in s",
+        lambda rows: find(rows, "start-up", "process", "--help").value,
+        0.3,
+    ),
+    Aim(
+        "import cylcontact, in s",
+        lambda rows: find(rows, "start-up", "process", "import cylcontact").value,
+        0.5,
+    ),
+    Aim(
+        "All figures from the committed fits, in s",
+        lambda rows: find(rows, "start-up", "figures", "report").value,
+        30,
+    ),
+)
+
+
+def save(path: Path, machine: dict[str, Any], rows: Sequence[Row]) -> None:
+    """Write the results, complete or not at all."""
+    data = {"machine": machine, "rows": [asdict(row) for row in rows]}
+    with replacing(path) as temporary:
+        text = json.dumps(data, indent=1, ensure_ascii=False)
+        temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def load(path: Path) -> dict[str, Any]:
+    """Return the results, the rows as `Row`."""
+    data = json.loads(path.read_text(encoding="utf-8"))
+    return data | {"rows": [Row(**row) for row in data["rows"]]}
+
+
+def page(results: dict[str, Any]) -> str:
+    """Return the page of the documentation, in Markdown."""
+    rows: list[Row] = results["rows"]
+    lines = ["# Speed", "", *_introduction(results["machine"]), *_aims(rows)]
+    for benchmark, of_it in groupby(rows, key=lambda row: row.benchmark):
+        lines += ["", f"## {TITLES[benchmark]}", ""]
+        for case, sides in groupby(of_it, key=lambda row: row.case):
+            lines += _table(case, list(sides))
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _introduction(machine: dict[str, Any]) -> list[str]:
+    libraries = ", ".join(
+        f"{name} {value}"
+        for name, value in machine.items()
+        if name not in ("processor", "cores", "system")
+    )
+    return [
+        "`make bench` measures the workbench against what one would use instead and writes this "
+        "page. All sides give the same answer, which is checked first; then they take turns. "
+        "Medians, and the range of the rounds in brackets. Ratios are formed round by round, to "
+        "the first line of each table.",
+        "",
+        f"Measured on {machine['cores']} cores of {machine['processor']} ({machine['system']}), "
+        f"with {libraries}.",
+    ]
+
+
+def _aims(rows: Sequence[Row]) -> list[str]:
+    lines = ["", "## Aims", "", "| Aim | Limit | Measured | |", "|---|---|---|---|"]
+    for aim in AIMS:
+        sign = "≥" if aim.at_least else "≤"
+        lines.append(f"| {aim.text} | {sign} {aim.limit:g} {aim.verdict(rows)}")
+    return lines
+
+
+def _table(case: str, sides: Sequence[Row]) -> list[str]:
+    unit = sides[0].unit
+    lines = [f"**{case}**", "", f"| | {unit} | ratio | |", "|---|---:|---:|---|"]
+    for row in sides:
+        value = _with_range(row.value, row.low, row.high)
+        ratio = _with_range(row.ratio, row.ratio_low, row.ratio_high)
+        lines.append(f"| {row.side} | {value} | {ratio} | {row.note} |")
+    return [*lines, ""]
+
+
+def _with_range(value: float, low: float, high: float) -> str:
+    if low == high:
+        return f"{value:.3g}"
+    return f"{value:.3g} ({low:.3g} … {high:.3g})"

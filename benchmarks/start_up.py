@@ -1,0 +1,34 @@
+"""Start-up: the import, the command line's help, and every figure from the committed fits."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from functools import partial
+from pathlib import Path
+
+from benchmarks.harness import Row, Side, compare
+
+BENCH = Path(__file__).parents[1]
+CYLCONTACT = (sys.executable, "-m", "cylcontact.cli")
+
+
+def measure(short: bool) -> list[Row]:
+    """Return the wall-clock time of fresh processes."""
+    imports = [
+        Side("import cylcontact", partial(_run, sys.executable, "-c", "import cylcontact")),
+        Side("import numpy", partial(_run, sys.executable, "-c", "import numpy")),
+        Side("cylcontact --help", partial(_run, *CYLCONTACT, "--help")),
+    ]
+    found = compare("start-up", "a fresh process", imports, 1 if short else 9, "s", 1.0)
+    if short:
+        return found
+    with tempfile.TemporaryDirectory() as folder:
+        draw = Side("cylcontact report", partial(_run, *CYLCONTACT, "report", "-o", folder))
+        case = f"{len(list(BENCH.glob('reports/*.py')))} figures"
+        return found + compare("start-up", case, [draw], 1, "s", 1.0)
+
+
+def _run(*command: str) -> None:
+    subprocess.run(command, cwd=BENCH, check=True, capture_output=True)

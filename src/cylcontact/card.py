@@ -1,0 +1,96 @@
+"""How a notebook shows the package's nouns: a small table, whose texts are all escaped."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import asdict, fields, is_dataclass
+from html import escape
+from typing import Any
+
+import numpy as np
+
+# More numbers than these in one cell are shown by their range.
+MOST_NUMBERS = 4
+
+
+def card(title: str, rows: Mapping[str, object]) -> str:
+    """Return an HTML table with a title, what each value is to the left and the value beside it.
+
+    Parameters
+    ----------
+    title : str
+        Stands above the table.
+    rows : mapping of str to object
+        Numbers are shown with six digits, arrays of more than a few by their range, and None
+        as a dash.
+
+    Returns
+    -------
+    str
+        An HTML fragment; whatever the texts hold, it shows as text.
+
+    Examples
+    --------
+    >>> print(card("a < b", {"E (MPa)": 207e3}))
+    <table><caption style="text-align:left"><b>a &lt; b</b></caption><tbody>
+    <tr><th style="text-align:left">E (MPa)</th><td>207000</td></tr>
+    </tbody></table>
+    """
+    lines = "\n".join(
+        f'<tr><th style="text-align:left">{escape(name)}</th><td>{escape(_shown(value))}</td></tr>'
+        for name, value in rows.items()
+    )
+    caption = f'<caption style="text-align:left"><b>{escape(title)}</b></caption>'
+    return f"<table>{caption}<tbody>\n{lines}\n</tbody></table>"
+
+
+def law_card(law: Any) -> str:
+    """Return the card of a law: the first line of its help, and its coefficients.
+
+    Parameters
+    ----------
+    law : ContactLaw
+        A dataclass, documented.
+
+    Returns
+    -------
+    str
+        An HTML fragment.
+
+    Examples
+    --------
+    >>> from cylcontact import laws
+    >>> "Johnson&#x27;s law, Eq 1" in law_card(laws.Johnson())
+    True
+    """
+    return completed_law_card(law, {})
+
+
+def completed_law_card(law: Any, left_out: Mapping[Any, object]) -> str:
+    """Return the card of a law, with what stands for the coefficients that it was not given."""
+    rows: dict[str, object] = {}
+    for field in fields(law):
+        value = getattr(law, field.name)
+        if value is None:
+            rows |= left_out
+        elif is_dataclass(value) and not isinstance(value, type):
+            rows |= asdict(value)
+        else:
+            rows[field.name] = value
+    said = (inspect.getdoc(law) or law.name).splitlines()[0]
+    return card(f"{type(law).__name__}: {said}", rows)
+
+
+def _shown(value: object) -> str:
+    """Return a value as the text of a cell."""
+    if value is None:
+        return "–"
+    if isinstance(value, str) or is_dataclass(value):
+        return str(value)
+    numbers = np.asarray(value)
+    if numbers.dtype.kind not in "fiu":
+        return str(value)
+    if numbers.size > MOST_NUMBERS:
+        return f"{numbers.min():.6g} to {numbers.max():.6g} ({numbers.size} values)"
+    return ", ".join(f"{number:.6g}" for number in numbers.ravel())

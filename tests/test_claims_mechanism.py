@@ -1,0 +1,188 @@
+"""The claims of Section 4: each number again from the runs, and verdicts that follow from them."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.claims import ledger, mechanism_claims
+from cylcontact.reports.claims.section4_contact import claims as contact_claims
+from cylcontact.reports.claims.section4_forces import claims as force_claims
+from cylcontact.reports.claims.section4_steps import claims as step_claims
+from cylcontact.reports.claims.trends import Change, changes, shown, tally, trend
+from cylcontact.reports.mechanism.runs import statistics_table
+
+BENCH = Bench(Path(__file__).parents[1])
+CHOICE, NO = "reproduced with a stated choice", "not reproduced"
+VERDICTS = {
+    "4.2-baumgarte": NO,
+    "4.3-sphere-softest": CHOICE,
+    "4.3-comparable-stiffness": CHOICE,
+    "4.3-johnson-stiffer-0.5mm": CHOICE,
+    "4.3-enhanced-stiffer-0.02mm": CHOICE,
+    "4.3-longer-flights": CHOICE,
+    "4.3-shorter-contacts": NO,
+    "4.3-dissipation-keeps-contact": CHOICE,
+    "4.3-friction-keeps-contact": NO,
+    "4.3-sphere-most-in-contact": NO,
+    "4.3-friction-fewer-flights": CHOICE,
+    "4.3-small-clearance-smoother": NO,
+    "4.3-friction-lowers-forces": NO,
+    "4.3-cylinders-higher-forces": NO,
+    "4.3-sphere-deeper": CHOICE,
+    "4.3-johnson-and-enhanced-alike": NO,
+    "4.3-impacts-need-small-steps": CHOICE,
+    "4.3-cylinders-smaller-steps": NO,
+    "4.3-friction-larger-steps": NO,
+    "4.3-dissipation-larger-steps": CHOICE,
+    "4.3-small-clearance-larger-steps": NO,
+    "5-sphere-underestimates-forces": CHOICE,
+    "5-sphere-knows-no-length": CHOICE,
+    "5-flight-prevails-without-losses": CHOICE,
+    "5-elastic-forces-are-large": CHOICE,
+}
+
+
+@pytest.fixture(scope="module")
+def table() -> pd.DataFrame:
+    return statistics_table(BENCH)
+
+
+@pytest.fixture(scope="module")
+def claims():
+    return {claim.id: claim for claim in mechanism_claims(BENCH)}
+
+
+def test_every_claim_is_there(claims):
+    assert set(claims) == set(VERDICTS)
+
+
+@pytest.mark.parametrize(("claim_id", "verdict"), VERDICTS.items())
+def test_verdicts(claims, claim_id, verdict):
+    assert claims[claim_id].verdict == verdict
+
+
+def test_every_claim_tells_its_numbers_and_what_is_assumed(claims):
+    for claim in claims.values():
+        assert "Table 2 is missing" in claim.choice, claim.id
+        assert claim.ours_values, claim.id
+        assert all(math.isfinite(value) for value in claim.ours_values.values()), claim.id
+
+
+def test_they_join_the_ledger_before_section_5(claims):
+    sections = [claim.section for claim in ledger(BENCH.materials(), claims.values())]
+    assert sections == sorted(sections)
+    assert sections.count("4.3") == 20
+
+
+def test_crossings_by_bisection_on_eqs_1_and_5(claims):
+    """The penetration at which both laws give the same force, written out once more."""
+    for clearance, claim_id, at in (
+        (0.5, "4.3-johnson-stiffer-0.5mm", 27.7),
+        (0.02, "4.3-enhanced-stiffer-0.02mm", 5.53),
+    ):
+        depth = max(v for k, v in claims[claim_id].ours_values.items() if "even" in k) * 1e-3
+        E_star = 207e3 / (2 * (1 - 0.09))
+        Y = (
+            0.0151 * clearance + 1.151
+            if clearance > 0.34954
+            else (1.51 * math.log(1000 * clearance) ** -0.151)
+        )
+        load = (0.965 * clearance + 0.0965) * E_star / clearance
+        load *= depth ** (Y * clearance**-0.005)
+        johnson = load / (math.pi * E_star)
+        johnson *= math.log(4 * math.pi * E_star * clearance / load) - 1
+        assert johnson == pytest.approx(depth, rel=1e-5)
+        assert 1e3 * depth == pytest.approx(at, rel=2e-3)
+
+
+def test_the_violation_of_constraints_is_that_of_the_tolerance(claims):
+    found = claims["4.2-baumgarte"].ours_values
+    assert 0 < found["with it, m"] < 1e-9
+    assert 0 < found["without, m"] < 1e-9
+
+
+def test_steps_by_hand(claims, table):
+    found = claims["4.3-small-clearance-larger-steps"].ours_values
+    row = table[
+        (table["law"] == "johnson")
+        & (table["clearance"] == 0.02)
+        & (table["restitution"] == 1.0)
+        & (table["friction"] == 0.0)
+    ].iloc[0]
+    assert found["Johnson c_e = 1 c_f = 0, after, us"] == row["step_us"]
+    assert (
+        found["Johnson c_e = 1 c_f = 0, after, us"] < found["Johnson c_e = 1 c_f = 0, before, us"]
+    )
+
+
+def test_settled_cases_are_told_to_several_digits(table):
+    """Those that do not hang on the tolerance."""
+    settled = table[(table["clearance"] == 0.02) & (table["restitution"] == 0.9)]
+    assert (settled["contact_fraction"] == 1.0).all()
+    means = dict(
+        zip(
+            settled["law"] + settled["friction"].astype(str),
+            settled["mean_penetration_um"],
+            strict=True,
+        )
+    )
+    assert means["enhanced0.0"] == pytest.approx(1.566, rel=2e-3)
+    assert means["johnson0.1"] == pytest.approx(1.712, rel=2e-3)
+    assert means["lankarani-nikravesh0.0"] == pytest.approx(2.604, rel=2e-3)
+
+
+def test_other_numbers_give_other_verdicts(table):
+    """With steps, forces and contacts as the paper has them, everything is reproduced."""
+    papers = table.copy()
+    smooth = (papers["restitution"] < 1).astype(float) + 2 * (papers["clearance"] < 0.1)
+    smooth += (papers["friction"] > 0) + 0.3 * (papers["law"] == "lankarani-nikravesh")
+    papers["step_us"], papers["step_us_std"] = 1 + smooth, 0.0
+    papers["contact_fraction"] = 0.1 + 0.2 * smooth
+    papers["impacts"], papers["force_p99_N"] = 100 - 10 * smooth, 1000 - 100 * smooth
+    for column in ("contact_fraction", "impacts", "force_p99_N", "mean_penetration_um"):
+        papers[f"{column}_std"] = 0.0
+    every = [*contact_claims(papers), *force_claims(papers), *step_claims(papers)]
+    found = {claim.id: claim.verdict for claim in every}
+    for claim_id in (
+        "4.3-sphere-most-in-contact",
+        "4.3-small-clearance-smoother",
+        "4.3-friction-lowers-forces",
+        "4.3-cylinders-higher-forces",
+        "4.3-friction-larger-steps",
+        "4.3-small-clearance-larger-steps",
+        "4.3-cylinders-smaller-steps",
+    ):
+        assert found[claim_id] == CHOICE, claim_id
+
+
+def test_a_trend_needs_a_majority_and_no_reverse():
+    up, flat, down = (Change(name, 1.0, to, 0.1) for name, to in (("u", 2), ("f", 1.1), ("d", 0)))
+    assert trend([up, up, flat], 1)
+    assert not trend([up, flat], 1)
+    assert not trend([up, up, up, down], 1)
+    assert trend([down], -1)
+    assert tally([up, flat, down], 1) == (
+        "in 1 of 3 pairs; the reverse in 1 (d); undecided in 1 (f)"
+    )
+    assert shown([up] * 7, "{:g}") == "ratios from 2.00 to 2.00"
+
+
+def test_changes_pair_cases_that_differ_in_one_condition(table):
+    found = changes(table, "impacts", "friction", 0.0, 0.1)
+    assert len(found) == 12
+    one = next(change for change in found if change.name == "Johnson 0.5 mm c_e = 0.9")
+    rows = table[
+        (table["law"] == "johnson") & (table["clearance"] == 0.5) & (table["restitution"] == 0.9)
+    ].set_index("friction")
+    assert (one.before, one.after) == (rows.loc[0.0, "impacts"], rows.loc[0.1, "impacts"])
+    assert one.error == pytest.approx(np.hypot(*rows["impacts_std"]) / 3)
+
+
+def test_without_a_mechanism_there_is_one_claim_that_says_so(tmp_path):
+    (claim,) = mechanism_claims(Bench(tmp_path))
+    assert claim.verdict == "not testable"
+    assert "slider_crank.toml does not exist" in claim.choice

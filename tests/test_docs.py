@@ -1,0 +1,140 @@
+"""The documentation: its code runs and prints what it says, its site is whole and offline."""
+
+import re
+from html.parser import HTMLParser
+from importlib import import_module
+
+import pytest
+
+from tests.browser import chromium, opened
+from tests.doc_blocks import ROOT, blocks, copy_bench, run_page, same
+from tests.extras import require_extra
+from tests.write_docs import rewritten
+
+PAGES = sorted(
+    path
+    for pattern in ("*.md", "docs/**/*.md", "*/README.md")
+    for path in ROOT.glob(pattern)
+    if ".venv" not in path.parts
+)
+WITH_CODE = [page for page in PAGES if any(b.language in ("python", "bash") for b in blocks(page))]
+each_page = pytest.mark.parametrize("page", WITH_CODE, ids=lambda path: str(path.relative_to(ROOT)))
+
+
+def optional(module):
+    """Return a module of the extra `docs`."""
+    require_extra(module.partition(".")[0], "docs")
+    return import_module(module)
+
+
+@each_page
+def test_code_runs_and_prints_what_the_page_says(page, tmp_path, monkeypatch):
+    copy_bench(tmp_path)
+    before = None
+    for block, printed in run_page(page, tmp_path, monkeypatch):
+        if block.language == "text" and block.adjacent and before is not None:
+            assert same(block.text, before), f"\nshown:\n{block.text}\nprinted:\n{before}"
+        before = printed
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_block_says_what_it_is(page):
+    known = {"python", "bash", "text", "toml", "csv", "c"}
+    assert {block.language for block in blocks(page)} <= known
+
+
+# --- the site ---
+
+
+class Links(HTMLParser):
+    """The links of a page, and what it loads."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.loaded, self.links, self.ids = [], [], set()
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        named = dict(attributes)
+        self.ids |= {named[key] for key in ("id", "name") if named.get(key)}
+        if tag == "a" and named.get("href"):
+            self.links.append(named["href"])
+        elif tag in ("script", "img", "iframe", "source") and named.get("src"):
+            self.loaded.append(named["src"])
+        elif tag == "link" and named.get("href"):
+            self.loaded.append(named["href"])
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The site, built strictly: a broken link or an unknown name stops it."""
+    optional("material")
+    optional("mkdocstrings")
+    build = optional("mkdocs.commands.build")
+    config = optional("mkdocs.config")
+    folder = tmp_path_factory.mktemp("site")
+    loaded = config.load_config(str(ROOT / "mkdocs.yml"), site_dir=str(folder), strict=True)
+    build.build(loaded)
+    return folder
+
+
+def test_every_page_is_in_the_site(site):
+    for page in (ROOT / "docs").rglob("*.md"):
+        built = site / page.relative_to(ROOT / "docs").with_suffix(".html")
+        assert built.is_file()
+        assert "<h1" in built.read_text(encoding="utf-8")
+
+
+def test_nothing_comes_from_the_network(site):
+    for page in site.rglob("*.html"):
+        loaded = Links(page.read_text(encoding="utf-8")).loaded
+        assert loaded
+        assert not [link for link in loaded if re.match(r"(https?:)?//", link)], page.name
+    for sheet in site.rglob("*.css"):
+        assert not re.search(r"(url\(|@import)\s*['\"]?(https?:)?//", sheet.read_text("utf-8"))
+
+
+def test_links_and_files_of_the_site_exist(site):
+    # Those of 404.html start at the server's root.
+    pages = [page for page in site.rglob("*.html") if page.name != "404.html"]
+    parsed = {page: Links(page.read_text(encoding="utf-8")) for page in pages}
+    for page, found in parsed.items():
+        for link in found.links + found.loaded:
+            path, _, anchor = link.partition("#")
+            if re.match(r"[a-z]+:", link):
+                continue
+            target = (page.parent / path).resolve() if path else page
+            assert target.is_file(), f"{page.name}: {link}"
+            if anchor and target.suffix == ".html":
+                assert anchor in parsed[target].ids, f"{page.name}: {link}"
+
+
+def test_reference_shows_the_docstrings(site):
+    text = (site / "reference" / "laws.html").read_text(encoding="utf-8")
+    assert "The paper solves it for the load by iteration" in text
+    assert "exact where the contact arc is no longer small" in text
+
+
+def test_git_ignores_the_site():
+    ignored = (ROOT / ".gitignore").read_text(encoding="utf-8").splitlines()
+    assert "/build/" in ignored
+    assert "site_dir: build/site" in (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+
+
+def test_search_works_from_disk_and_asks_the_network_for_nothing(site):
+    with chromium() as browser, opened(browser, site / "tutorial.html") as page:
+        found = page.locator(".md-search-result__item", has_text="conformal")
+        for _ in range(30):  # what is typed before the search is ready is lost
+            page.fill("input.md-search__input", "")
+            page.locator("input.md-search__input").press_sequentially("Persson")
+            page.wait_for_timeout(500)
+            if found.count():
+                break
+        assert found.count()
+
+
+def test_outputs_can_be_written_anew(tmp_path, monkeypatch):
+    page = tmp_path / "page.md"
+    right = '# Page\n\n```python\nprint("one\\ntwo")\n```\n\n```text\none\ntwo\n```\n\nEnd.\n'
+    page.write_text(right.replace("one\ntwo\n```", "three\n```"), encoding="utf-8")
+    assert rewritten(page, tmp_path / "bench", monkeypatch) == right
