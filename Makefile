@@ -64,7 +64,7 @@ mechanism: $(VENV)/.editable ## Redo the mechanism's tables, datasets/mechanism 
 	$(CYLCONTACT) tolerances datasets/slider_crank.toml -o datasets/mechanism/tolerances.csv \
 		--tolerances 1e-5,1e-6,1e-7,1e-8,1e-9,1e-10
 	$(CYLCONTACT) sweep datasets/slider_crank.toml -o datasets/mechanism/cases.csv \
-		--revolutions 20 --beyond tangent --against 1e-10
+		--revolutions 20 --first 3 --beyond tangent --against 1e-10
 
 optimizers: $(COMPARISONS) ## Compare the optimisers on both main campaigns, into fitting/results
 

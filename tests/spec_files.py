@@ -112,4 +112,4 @@ def assert_told(
     message = str(error)
     assert len(message.splitlines()) == 1
     for part in (error.source, error.key, error.rule, error.remedy):
-        assert part in message
+        assert "".join(c if c.isprintable() else repr(c)[1:-1] for c in part) in message

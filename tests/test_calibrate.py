@@ -124,7 +124,7 @@ def test_progress_counts_to_the_end():
         seen.setdefault(stage, []).append((done, total))
 
     calibrate(campaign, progress=note)
-    assert list(seen) == ["sampling", "searching", "profiling"]
+    assert list(seen) == ["sampling", "searching", "comparing", "profiling"]
     for calls in seen.values():
         assert calls[-1][0] == calls[-1][1]
         assert calls == sorted(calls)

@@ -187,13 +187,13 @@ NO_FILE, IS_FOLDER = "No such file or directory", "Is a directory"
 BAD_INPUT = [
     # the command line itself
     ((), "a command is missing; see cylcontact --help"),
-    (("simulat",), "No such command 'simulat'; see cylcontact --help"),
+    (("frobnicate",), "No such command 'frobnicate'; see cylcontact --help"),
     (("--nope",), "No such option: --nope; see cylcontact --help"),
     (("fit",), "Missing argument 'campaign'; see cylcontact fit --help"),
     (("sample", *OUT), "Missing argument 'spec'; see cylcontact sample --help"),
     (SAMPLE, "Missing option '-o' / '--out'; see cylcontact sample --help"),
     (("compare",), "Missing argument 'results'; see cylcontact compare --help"),
-    ((*FIT, "--nope"), "No such option: --nope; see cylcontact fit --help"),
+    ((*FIT, "--frobnicate"), "No such option: --frobnicate; see cylcontact fit --help"),
     ((*FIT, "fitting/masked.toml"), "Got unexpected extra argument"),
     ((*FIT, "--runs"), "Option '--runs' requires an argument; see cylcontact"),
     *(

@@ -20,7 +20,7 @@ TABLE = ROOT / "benchmarks/scaling.csv"
 
 # The most memory that a process has held, in MiB, after it has reduced a grid of a shape.
 PEAK = """
-import resource, sys
+import sys
 from dataclasses import replace
 from benchmarks.scaling import thinned
 from cylcontact.datasets import read_grid, reduce_grid
@@ -32,11 +32,13 @@ moments, counts = reduce_grid(grid, 2)
 family = FAMILIES["enhanced", "internal"]
 max_abs_difference_percent(replace(grid, dR=grid.dR[:2]), family, [family.published], 2)
 assert counts.samples + counts.masked == grid.size
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+status = dict(line.split(":", 1) for line in open("/proc/self/status"))
+print(int(status["VmHWM"].split()[0]) / 1024)
 """
 
 
 def peak_of(shape):
+    # Not ru_maxrss, which starts at what the parent holds when it forks.
     command = [sys.executable, "-c", PEAK, *map(str, shape)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     return float(done.stdout)

@@ -10,7 +10,6 @@ from typing import Any, Literal
 
 import numpy as np
 from cycler import cycler
-from matplotlib import rcParams
 from matplotlib import style as mpl_style
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter
@@ -151,7 +150,7 @@ def new_figure(width: Width, height_mm: float, wide: bool = False) -> StyledFigu
 
 def small_text() -> float:
     """Return the size of the smaller of the two texts in a figure, in points."""
-    return float(rcParams["legend.fontsize"])
+    return TEXT["legend.fontsize"] * _LOOK.get().font_size / TEXT["font.size"]
 
 
 def panel_title(axes: Axes, number: int, text: str) -> None:
