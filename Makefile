@@ -7,12 +7,13 @@ CYLCONTACT := $(BIN)/cylcontact
 
 SOURCES := $(shell find src/cylcontact -name '*.py')
 BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.toml datasets/*/*.csv)
-# A thousand million samples take minutes: make scaling.
-CAMPAIGNS := $(filter-out fitting/huge.toml,$(wildcard fitting/*.toml))
+# That of a thousand million samples, which takes minutes, is benchmarks/huge.toml: make scaling.
+CAMPAIGNS := $(wildcard fitting/*.toml)
 RESULTS := $(CAMPAIGNS:fitting/%.toml=fitting/results/%.json)
 COMPARISONS := $(patsubst %,fitting/results/optimizers-%.csv,internal external)
 RECIPES := $(wildcard reports/*.py)
-# The paper's figures and their refit, which need the two main fits only; `make report` draws all.
+# The paper's figures, their refit and the profile of b: all that needs the two main fits only.
+# Conformal (c), practical (p) and other extra figures (fig_*) need more; `make report` draws all.
 MAIN_FIGURES := $(filter-out %c %p fig_%,$(RECIPES:reports/%.py=%)) fig_profile_b
 
 # Another user's Python packages must not leak into the environment.
@@ -47,17 +48,15 @@ fits: $(RESULTS) ## Redo every committed reference fit, fitting/*.toml to fittin
 fitting/results/%.json: fitting/%.toml FORCE | $(VENV)/.editable
 	$(CYLCONTACT) fit $< -o $@
 
+# No files of make's own: a checkout's timestamps say nothing, and the figures, which read these
+# tables, must not redo them. CalculiX solves the recommended set-up; the other studies vary it.
 FE := datasets/finite_element
-FE_STUDIES := $(wildcard $(FE)/*.toml)
 
-# CalculiX solves the recommended set-up; the other studies only vary it.
-finite-element: $(FE_STUDIES:%.toml=%-embedded.csv) $(FE)/recommended-calculix.csv ## Redo the finite elements' tables (some minutes; needs CalculiX)
-
-$(FE)/%-embedded.csv: $(FE)/%.toml FORCE | $(VENV)/.editable
-	$(CYLCONTACT) finite-element $< -o $@
-
-$(FE)/%-calculix.csv: $(FE)/%.toml FORCE | $(VENV)/.editable
-	$(CYLCONTACT) finite-element $< --engine calculix -o $@
+finite-element: $(VENV)/.editable ## Redo the finite elements' tables (some minutes; needs CalculiX)
+	set -e; for study in $(basename $(wildcard $(FE)/*.toml)); do \
+		$(CYLCONTACT) finite-element $$study.toml -o $$study-embedded.csv; done
+	$(CYLCONTACT) finite-element $(FE)/recommended.toml --engine calculix \
+		-o $(FE)/recommended-calculix.csv
 
 # The paper's 24 cases: what a tolerance gives, and how far two of them agree.
 mechanism: $(VENV)/.editable ## Redo the mechanism's tables, datasets/mechanism (some minutes)
@@ -190,4 +189,4 @@ distclean: clean ## Remove the environment as well
 
 help: ## Show this list
 	@awk 'BEGIN { FS = ":.*## " } /^##@ / { printf "\n%s\n", substr($$0, 5) } \
-		/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' Makefile
+		/^[a-z-]+:.*## / { printf "  make %-14s %s\n", $$1, $$2 }' Makefile
