@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,10 +36,14 @@ from cylcontact.mechanism import Trajectory
 
 @dataclass(frozen=True)
 class Run:
-    """The journal in its bearing, at every step: time in s, penetration in m."""
+    """The journal in its bearing, at every step: time in s, penetration in m.
+
+    `seconds` is what the solution took, without building and assembling the model.
+    """
 
     time: np.ndarray
     penetration: np.ndarray
+    seconds: float
 
 
 def simulate_in_exudyn(mechanism, start: Trajectory, end: float, step: float) -> Run:
@@ -58,12 +63,13 @@ def simulate_in_exudyn(mechanism, start: Trajectory, end: float, step: float) ->
     sensors = _assemble(system, mechanism, start)
     with _quiet():
         system.Assemble()
-        system.SolveDynamic(
-            _settings(end, step), solverType=exudyn.DynamicSolverType.TrapezoidalIndex2
-        )
+        settings = _settings(end, step)
+        started = time.perf_counter()
+        system.SolveDynamic(settings, solverType=exudyn.DynamicSolverType.TrapezoidalIndex2)
+        seconds = time.perf_counter() - started
     bearing, journal = (system.GetSensorStoredData(sensor) for sensor in sensors)
     eccentricity = np.hypot(*(bearing - journal)[:, 1:3].T)
-    return Run(bearing[:, 0], eccentricity - mechanism.clearance.radial)
+    return Run(bearing[:, 0], eccentricity - mechanism.clearance.radial, seconds)
 
 
 def _assemble(system, mechanism, start: Trajectory) -> tuple[int, int]:

@@ -32,7 +32,7 @@ class Row:
     benchmark, case, side : str
         What was measured, at which size, and done by what.
     value, low, high : float
-        Median and range of the rounds, in `unit`.
+        Median and quartiles of the rounds, in `unit`.
     unit : str
         Such as "ns per value".
     ratio, ratio_low, ratio_high : float
@@ -95,13 +95,18 @@ def compare(
     list of Row
         In the order of the sides.
     """
+    return rows(benchmark, case, timings(sides, rounds), unit, scale)
+
+
+def timings(sides: Sequence[Side], rounds: int) -> dict[str, list[float]]:
+    """Return the seconds of every round, by side; the arguments are those of `compare`."""
     seconds: dict[str, list[float]] = {side.name: [] for side in sides}
     repeats = {side.name: _repeats(side) for side in sides}
     for turn in range(rounds):
         shift = turn % len(sides)
         for side in [*sides[shift:], *sides[:shift]]:
-            seconds[side.name].append(_seconds(side, repeats[side.name]))
-    return rows(benchmark, case, seconds, unit, scale)
+            seconds[side.name].append(seconds_of(side, repeats[side.name]))
+    return seconds
 
 
 def rows(
@@ -112,7 +117,7 @@ def rows(
     scale: float,
     notes: dict[str, str] | None = None,
 ) -> list[Row]:
-    """Return what was measured as rows: medians, ranges and ratios to the first side."""
+    """Return what was measured as rows: medians, quartiles and ratios to the first side."""
     first = next(iter(seconds.values()))
     found = []
     for name, times in seconds.items():
@@ -132,18 +137,24 @@ def rows(
 
 
 def _spread(numbers: Sequence[float]) -> tuple[float, float, float]:
-    return statistics.median(numbers), min(numbers), max(numbers)
+    # Quartiles: one round in which the machine was busy elsewhere must not decide the bar.
+    low, high = np.percentile(numbers, (25, 75))
+    return statistics.median(numbers), float(low), float(high)
 
 
 def _repeats(side: Side) -> int:
-    # The first call may compile or import; if it was long the second is not worth the wait.
-    once = _seconds(side, 1)
+    # The first call may compile or import; if it was long a second is not worth the wait. Of the
+    # others the shortest counts: after an interrupted one a round would be too short to time.
+    once = seconds_of(side, 1)
     if once < LONG_SECONDS:
-        once = _seconds(side, 1)
+        once = seconds_of(side, 1)
+    if once < LEAST_SECONDS:
+        once = min(once, *(seconds_of(side, 1) for _ in range(3)))
     return max(1, int(np.ceil(LEAST_SECONDS / max(once, 1e-7))))
 
 
-def _seconds(side: Side, repeats: int) -> float:
+def seconds_of(side: Side, repeats: int = 1) -> float:
+    """Return the mean seconds of a call."""
     started = time.perf_counter()
     for _ in range(repeats):
         side.run()

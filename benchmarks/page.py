@@ -148,8 +148,8 @@ def _introduction(machine: dict[str, Any]) -> list[str]:
     return [
         "`make bench` measures the workbench against what one would use instead and writes this "
         "page. All sides give the same answer, which is checked first; then they take turns. "
-        "Medians, and the range of the rounds in brackets. Ratios are formed round by round, to "
-        "the first line of each table.",
+        "Medians, and the quartiles of the rounds in brackets. Ratios are formed round by round, "
+        "to the first line of each table.",
         "",
         f"Measured on {machine['cores']} cores of {machine['processor']} ({machine['system']}), "
         f"with {libraries}.",

@@ -25,7 +25,7 @@ from cylcontact.files import replacing
 from cylcontact.fitting import calibrate, read_campaign
 
 ROOT = Path(__file__).resolve().parents[1]
-CAMPAIGN = ROOT / "fitting" / "huge.toml"
+CAMPAIGN = ROOT / "benchmarks" / "huge.toml"
 JOBS = 2
 # Points of E, ν, ΔR and load; the last is the campaign's own grid.
 SHAPES = ((25, 10, 100, 40), (50, 20, 100, 100), (100, 40, 100, 250), (250, 40, 100, 1000))

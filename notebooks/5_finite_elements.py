@@ -17,7 +17,8 @@
 # A pin in a hole, solved by finite elements in the plane: what it says of the laws, and what it
 # cannot say. Two-dimensional bodies have no absolute approach: the penetration has an additive
 # constant that the plate's outer radius and the way the load acts decide. Here the outer radius is
-# **calibrated** so that small loads agree with Johnson's law. How the penetration depends on load
+# **fitted** to Johnson's law outside the conformal range (`outer_ratio_like_johnson`), so that
+# their agreement there is in part by construction. How the penetration depends on load
 # and clearance is then computed, not tuned.
 
 # %%

@@ -6,15 +6,15 @@ from cylcontact.reports.drawing import Drawing
 
 CAPTION = (
     "Time that others take, in units of the workbench's on the same task with the same answer "
-    "(-, logarithmic). Markers: median of the rounds; bars: their range. Computed, marked by open "
-    "circles: the evaluations that the optimiser needed on a small grid times the measured cost of "
+    "(-, logarithmic). Markers: median of the rounds; bars: their quartiles. Computed, marked by "
+    "open circles: the evaluations that the optimiser needed on a small grid times the measured cost of "
     "one on this grid. The power and the logarithm do less than the workbench: they are limits. "
     "Measured by `make bench`; docs/speed.md has the numbers, the machine and the versions."
 )
 
 
 def draw(bench: Bench) -> Drawing:
-    table = ratios_of(bench.root / "benchmarks" / "results.json")
+    table = ratios_of(bench.input("benchmarks/results.json"))
     headline = {
         f"{group}: {row.side}": float(row.ratio)
         for group in GROUPS

@@ -8,6 +8,6 @@ from cylcontact.reports.pair_maps import uncertainty_drawing
 
 
 def draw(bench: Bench) -> Drawing:
-    measured = calibrate(read_plan(bench.root / "fitting/examples/pin-in-hole.toml"))
+    measured = calibrate(read_plan(bench.input("fitting/examples/pin-in-hole.toml")))
     labels = (r"$\kappa$ (-)", "$c$ (-)", "$b$ (mm$^{2-n}$)", "$n$ (-)")
     return uncertainty_drawing(measured, bench.result("external"), ("b", "n"), labels)

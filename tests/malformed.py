@@ -248,6 +248,13 @@ COMMANDS = (
     *("export johnson --to c --contact sideways", "export no.json --to c"),
     *("laws --E -1", "laws --nu 2", "laws --dR 0", "laws --load x", "laws --contact sideways"),
     *("claims -o out.txt", "report nonsense", "simulate no.toml", "simulate good.json"),
+    *(
+        "claims --results nosuch",
+        "report fig12 --results nosuch",
+        "report fig12 --results good.json",
+    ),
+    *("fit mechanism.toml", "simulate datasets/small.toml", "simulate fitting/small.toml"),
+    *("compare table.csv", "compare mechanism.toml", "sample elements.toml -o out.csv"),
     *("simulate mechanism.toml --law nonsense", "simulate mechanism.toml --revolutions 0"),
     *("simulate mechanism.toml --clearance -1", "simulate mechanism.toml --restitution 2"),
     *("simulate mechanism.toml --method magic", "simulate mechanism.toml --tolerance x"),

@@ -79,8 +79,16 @@ def test_answers_that_differ_end_a_benchmark():
 
 def test_ratios_are_formed_round_by_round():
     found = rows("law", "a case", {"one": [1.0, 2.0, 4.0], "other": [3.0, 2.0, 8.0]}, "ms", 1e3)
-    assert [(row.value, row.low, row.high) for row in found] == [(2e3, 1e3, 4e3), (3e3, 2e3, 8e3)]
-    assert (found[1].ratio, found[1].ratio_low, found[1].ratio_high) == (2.0, 1.0, 3.0)
+    assert [(row.value, row.low, row.high) for row in found] == [
+        (2e3, 1.5e3, 3e3),
+        (3e3, 2.5e3, 5.5e3),
+    ]
+    assert (found[1].ratio, found[1].ratio_low, found[1].ratio_high) == (2.0, 1.5, 2.5)
+
+
+def test_one_interrupted_round_does_not_decide_the_range():
+    (_, other) = rows("law", "", {"one": [1.0] * 5, "other": [2.0, 2.1, 50.0, 1.9, 2.0]}, "s", 1.0)
+    assert (other.low, other.value, other.high) == (2.0, 2.0, 2.1)
 
 
 def test_sides_take_turns(monkeypatch):
@@ -133,7 +141,11 @@ def test_the_figure_shows_ratios_to_ours_whichever_side_comes_first(tmp_path):
     assert set(table["group"]) == set(GROUPS)
     by_side = table.groupby("side").first()
     assert by_side.loc["a limit", "ratio"] == 0.5
-    assert by_side.loc["another", ["ratio_low", "ratio", "ratio_high"]].tolist() == [4.0, 4.5, 5.0]
+    assert by_side.loc["another", ["ratio_low", "ratio", "ratio_high"]].tolist() == [
+        4.25,
+        4.5,
+        4.75,
+    ]
     assert by_side["computed"].to_dict() == {"a limit": False, "another": True}
     figure = ratio_panel(table)
     labels = [text.get_text() for text in figure.axes[0].get_yticklabels()]

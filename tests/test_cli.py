@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+import cylcontact
 from cylcontact import cli
 from cylcontact.fitting import FitResult, calibrate, read_campaign
 from tests.spec_files import CAMPAIGN, GRID, changed, tree, write_bench, write_toml
@@ -45,6 +46,7 @@ def bench(tmp_path, monkeypatch, small_result):
     (tmp_path / "nan.json").write_text(json.dumps(nan))
     (tmp_path / "half.json").write_bytes((tmp_path / "good.json").read_bytes()[:1000])
     (tmp_path / "empty.json").touch()
+    (tmp_path / "table.csv").write_text("load_N_per_mm,penetration_um\n10,0.2\n")
     (tmp_path / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n\0\0")
     (tmp_path / "foreign.partial").write_text('{"campaign": "0"}\n')
     (tmp_path / "folder").mkdir()
@@ -126,6 +128,10 @@ def test_compare_shows_results_side_by_side(run):
     assert (code, errors) == (0, "")
     assert said.count("small") >= 3
     assert "external" in said
+
+
+def test_version_is_shown(run):
+    assert run("--version") == (0, f"cylcontact {cylcontact.__version__}\n", "")
 
 
 @pytest.mark.parametrize("help_option", ["--help", "-h"])
@@ -215,15 +221,12 @@ BAD_INPUT = [
     (("fit", ""), f".: cannot be read ({IS_FOLDER}); check the path"),
     (("fit", "no\nsuch.toml"), f"no such.toml: cannot be read ({NO_FILE}); check the path"),
     (("fit", "picture.png"), "picture.png: is not a text file; give a TOML file in UTF-8"),
-    (("fit", "datasets/small.toml"), "small.toml: contact = 'internal': is not a known key"),
-    (("fit", "good.json"), "good.json: is not valid TOML ("),
     (("fit", "fitting/nodata.toml"), "dataset = 'datasets/none.toml': no such file beside the"),
     (("fit", "fitting/unknown.toml"), "parameters.m: is not a parameter of power for internal"),
     (("fit", "fitting/badgrid.toml"), "datasets/badgrid.toml: axes.nu = [0.6, 0.6]: Poisson's"),
     (("fit", "fitting/masked.toml"), "datasets/masked.toml: axes: all 24 samples lie outside"),
     (("fit", "fitting/excluded.toml"), "excluded.toml: parameters = {'K_star': [-2.0, -1.0], 'n'"),
     (("sample", "no.toml", *OUT), f"no.toml: cannot be read ({NO_FILE}); check the path"),
-    (("sample", "fitting/small.toml", *OUT), "small.toml: dataset = 'datasets/small.toml': is not"),
     (("sample", "datasets/badgrid.toml", *OUT), "axes.nu = [0.6, 0.6]: Poisson's ratio must lie"),
     (("sample", "datasets/masked.toml", *OUT), "axes: all 24 samples lie outside the domain of"),
     *(
@@ -232,7 +235,7 @@ BAD_INPUT = [
         for name, message in (
             ("no.json", f"cannot be read ({NO_FILE}); check the path"),
             ("folder", f"cannot be read ({IS_FOLDER}); check the path"),
-            ("datasets/small.toml", "is not JSON ("),
+            ("datasets/small.toml", "is a grid spec, not a fit result; name a"),
             ("picture.png", "is not a text file; name a result, a JSON file"),
             ("empty.json", "is not JSON ("),
             ("half.json", "is not JSON ("),
@@ -241,6 +244,23 @@ BAD_INPUT = [
     ),
     (("compare", "good.json", "half.json"), "half.json: is not JSON ("),
     (("verify",), "fitting/results: holds no results; run make fits, or name some"),
+    # files of another kind
+    (("fit", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a campaign; name a"),
+    (
+        ("simulate", "fitting/small.toml"),
+        "fitting/small.toml: is a campaign, not a mechanism; name",
+    ),
+    (("sample", "fitting/small.toml", *OUT), "fitting/small.toml: is a campaign, not a grid spec;"),
+    (("fit", "good.json"), "good.json: is a fit result, not a TOML spec; name a TOML spec"),
+    (("compare", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a fit result;"),
+    (("compare", "no.csv"), "no.csv: cannot be read ("),
+    (("verify", "table.csv"), "table.csv: is a table, not a fit result; name a fit result"),
+    # folders of results
+    (("claims", "--results", "no"), "--results: 'no': is not a folder; name one that holds fit"),
+    (
+        ("report", "fig12", "--results", "good.json"),
+        "--results: 'good.json': is not a folder; name",
+    ),
     # what is written
     ((*SAMPLE, "-o", "out.txt"), "out.txt: is neither .parquet nor .csv; name the output so that"),
     ((*SAMPLE, "-o", "new/out"), "new/out: is neither .parquet nor .csv; name the output so that"),

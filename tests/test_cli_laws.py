@@ -80,3 +80,12 @@ def test_export_refuses_in_one_line_and_writes_nothing(run, tmp_path, arguments,
     assert (code, printed, err.count("\n")) == (2, "", 1)
     assert told in err
     assert not out.exists()
+
+
+@pytest.mark.parametrize(("modulus", "noted"), [("210", True), ("2100", False), ("207e3", False)])
+def test_a_modulus_that_may_be_in_gpa_is_noted(run, modulus, noted):
+    code, out, err = run("laws", "--E", modulus, "--load", "0.1")
+    assert code == 0
+    assert out.startswith("internal contact")
+    expected = "cylcontact: --E = 210 is taken in MPa; GPa would be 210e3\n" if noted else ""
+    assert err == expected

@@ -123,7 +123,7 @@ class TestFormats:
         result = CliRunner().invoke(
             app, ["report", "--format", "svg", "--format", "png", "--font-size", "11"]
         )
-        assert result.output == "1 figures in reports/figures\n"
+        assert result.output == "1 figure in reports/figures\n"
         folder = small / "reports" / "figures"
         assert sorted(path.name for path in folder.iterdir()) == [
             *("fig99.csv", "fig99.png", "fig99.svg"),

@@ -4,6 +4,7 @@ import copy
 import json
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,15 @@ import pytest
 
 from cylcontact import InputError, cli, laws, limits
 from cylcontact.datasets import read_grid, write_samples
-from cylcontact.datasets.finite_element import read_study, read_table, run_study, solve
+from cylcontact.datasets.finite_element import (
+    outer_ratio_like_johnson,
+    read_study,
+    read_table,
+    run_study,
+    solve,
+)
 from cylcontact.datasets.finite_element.calculix_deck import make_deck
+from cylcontact.datasets.finite_element.outer_ratio import mean_offset
 from cylcontact.datasets.finite_element.spec import study_from
 from cylcontact.datasets.grid import grid_from
 from cylcontact.fitting import FitResult, read_campaign
@@ -120,7 +128,8 @@ class TestCommittedTables:
             read_table(TABLES / f"{name}-embedded.csv"),
         )
         assert found.header["set-up"] == study.key
-        assert "outer_radius_mm = 7.4085 (3.3 hole radii, assumed)" in found.header["calibrated"]
+        told = "outer_radius_mm = 7.4085 (3.3 hole radii, {})".format(study.origin["outer_ratio"])
+        assert told in found.header["calibrated"]
         assert len(found.rows) == len(study.setups) * len(study.dR) * len(study.load)
 
     def test_embedded_and_calculix_agree_in_all_39_cases(self):
@@ -140,7 +149,7 @@ class TestCommittedTables:
             committed = rows.loc[rows["dR_mm"] == dR, "penetration_mm"].to_numpy()
             assert found == pytest.approx(committed, rel=1e-6)
 
-    def test_within_half_a_percent_of_johnson_outside_the_conformal_range(self):
+    def test_johnson_outside_the_conformal_range(self):
         rows = read_table(TABLES / "recommended-embedded.csv").rows
         pair = read_study(TABLES / "recommended.toml").setups["base"].pair(rows["dR_mm"].to_numpy())
         load, found = rows["load_N_per_mm"].to_numpy(), rows["penetration_mm"].to_numpy()
@@ -148,13 +157,31 @@ class TestCommittedTables:
         persson = laws.Persson().penetration(load, pair)
         plain = np.abs(johnson / persson - 1) < 0.001
         assert np.count_nonzero(plain) > 20
-        assert np.abs(found / johnson - 1)[plain].max() < 0.005
+        assert np.abs(found / johnson - 1)[plain].max() < 0.0015
         # Inside it, above Johnson, and as much as Persson has it but for the plate's finite size.
         conformal = johnson / persson < 0.98
         assert np.count_nonzero(conformal) >= 2
         above, predicted = (found / johnson - 1)[conformal], (persson / johnson - 1)[conformal]
-        assert above == pytest.approx(predicted, abs=0.015)
+        assert np.all((above > predicted) & (above < 1.4 * predicted))
         assert np.corrcoef(found / johnson, persson / johnson)[0, 1] > 0.99
+
+    def test_the_outer_ratio_is_the_one_that_gives_johnsons_constant(self):
+        study = read_study(TABLES / "recommended.toml")
+        ratio = study.setups["base"].outer_ratio
+        assert study.origin["outer_ratio"] == "derived"
+        # To the one decimal that it has: the constant changes sign within half of it.
+        below, above = (
+            mean_offset(replace(study.setups["base"], outer_ratio=near), (1.0,), study.load)
+            for near in (ratio - 0.05, ratio + 0.05)
+        )
+        assert below < 0 < above
+
+    def test_an_outer_ratio_that_does_not_exist_is_told(self):
+        setup = replace(read_study(TABLES / "recommended.toml").setups["base"], cells=6)
+        with pytest.raises(InputError, match="between 2 and 10 never gives Johnson's penetration"):
+            outer_ratio_like_johnson(
+                replace(setup, load_on="centre", plane="stress"), [1.0], [20.0]
+            )
 
     def test_peak_pressure_converges_to_hertz(self):
         rows = read_table(TABLES / "convergence-embedded.csv").rows

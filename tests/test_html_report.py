@@ -15,6 +15,8 @@ from cylcontact.reports.html import build_site
 from tests.browser import CONTRAST, opened
 from tests.html_bench import EVIL_RECIPE, ROOT
 
+FITS = ("internal", "external", "explicit-internal")  # of the small bench
+
 
 class Links(HTMLParser):
     """Every address on a page, every id, and every picture's alternative text."""
@@ -101,6 +103,20 @@ def test_every_figure_has_its_caption_downloads_and_provenance(index):
     # A tile's picture is named by the words beside it; a figure's, by its caption.
     alternatives = [text for text in Links(index).pictures if text]
     assert len(alternatives) == 3
+
+
+def test_the_published_law_stands_in_its_own_column(index):
+    result = Bench(ROOT).result("internal")
+    section = index.split('id="coefficients"', 1)[1].split("</section>", 1)[0]
+    row = re.search(r">objective</th><td>(.*?)</td>\s*<td>(.*?)</td>", section)
+    assert row.groups() == (
+        f"{result.published.objective:.5g} (ln)",
+        f"{result.objective.value:.5g} (ln)",
+    )
+    commits = {str(Bench(ROOT).result(n).provenance["git_commit"])[:10] for n in FITS}
+    assert all(commit in index for commit in commits)
+    footer = index.split("<footer>", 1)[1]
+    assert ("several" in footer) == (len(commits) > 1)
 
 
 def test_texts_of_users_stay_text(site, index):

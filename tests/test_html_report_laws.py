@@ -210,6 +210,23 @@ def test_advice_follows_the_limits(browser, explore):
 
         assert advice().startswith("Use the explicit law")
         assert verdict.get_attribute("aria-live") == "polite"
+        # Hertz's contact at his load at yield is as wide as the pin, so that load says nothing.
+        assert "Hertz's load at yield, 3556 N/mm, does not hold" in advice()
+        assert view.locator("#force .limit-text", has_text="yield").count() == 0
+        view.locator("#load").fill("4900")
+        assert advice().startswith("Use ")
+        # 2 R_j times the yield stress, 4975 N/mm: the mean pressure alone is above it.
+        view.locator("#load").fill("5000")
+        assert advice().startswith("Beyond yield: no elastic law holds")
+        assert "Yield is certain" not in advice()
+        view.locator("#load").fill("300")
+        view.locator("#dR").fill("2")
+        assert advice().startswith("Beyond yield: no elastic law holds")
+        assert "does not hold:" not in advice()
+        assert view.locator("#force .limit-text", has_text="yield").count() == 1
+        view.locator("#dR").fill("12")
+        assert advice().startswith("No such pair")
+        view.locator("#dR").fill("0.05")
         view.locator("#load").fill("9000")
         assert advice().startswith("Beyond yield: no elastic law holds")
         view.locator("#yield_stress").fill("5000")
@@ -218,6 +235,8 @@ def test_advice_follows_the_limits(browser, explore):
         assert "The published enhanced law is undefined here" in advice()
         view.get_by_label("two rollers").check()
         assert "Johnson's law is the reference for rollers" in advice()
+        view.locator("#R_i").fill("30")
+        assert advice().startswith("No such pair")
 
 
 def test_fields_refuse_what_is_no_number_and_keep_the_last(browser, explore):

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from mpmath import mp
 from scipy.optimize import brentq
 
-from cylcontact import CylinderPair, Material, limits
-from cylcontact.laws import Johnson
+from cylcontact import CylinderPair, InputError, Material, limits
+from cylcontact.laws import Johnson, conformal
 from tests.strategies import NOT_TOUCHING, ROUNDING, gaps, loads, materials
 
 ALUMINIUM = Material("aluminium", E=69e3, nu=0.33, yield_stress=276.0)
@@ -212,3 +212,40 @@ def test_hertz_contact_without_load_has_no_width_and_no_pressure(pair):
     assert limits.hertz_half_width(0.0, pair) == 0.0
     assert limits.hertz_pressure([0.0, 0.1], 0.0, pair) == pytest.approx([0.0, 0.0])
     assert np.isnan(limits.hertz_pressure(0.0, -1.0, pair))
+
+
+# --- yield in conformal contact -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dR", [1e-9, 1e-4, 0.05, 0.5, 5.0])
+@pytest.mark.parametrize("stress", [1.0, 250.0, 5000.0])
+def test_persson_s_peak_at_the_conformal_yield_load_is_the_yield_stress(dR, stress):
+    pair = CylinderPair.internal(R_i=10.0, R_j=10.0 - dR, material=ALUMINIUM)
+    load = limits.conformal_yield_load(pair, stress)
+    assert conformal.peak_pressure(load, pair) == pytest.approx(stress, rel=1e-13)
+    assert load <= limits.yield_load(pair, stress)
+
+
+def test_conformal_yield_load_is_that_of_a_bracketing_search():
+    pair = CylinderPair.internal(R_i=10.0, R_j=9.95, material=ALUMINIUM)
+    found = brentq(lambda f: float(conformal.peak_pressure(f, pair)) - 276.0, 1.0, 1e5, rtol=1e-14)
+    assert limits.conformal_yield_load(pair) == pytest.approx(found, rel=1e-12)
+
+
+def test_conformal_yield_load_is_hertz_s_where_the_contact_is_small():
+    pair = CylinderPair.internal(R_i=10.0, R_j=5.0, material=ALUMINIUM)
+    load = limits.conformal_yield_load(pair, 1.0)
+    assert load == pytest.approx(limits.yield_load(pair, 1.0), rel=1e-6)
+
+
+def test_conformal_yield_load_broadcasts_and_refuses_rollers_and_unequal_bodies():
+    radii = np.array([[9.0], [9.5]])
+    assert limits.conformal_yield_load(
+        CylinderPair.internal(R_i=10.0, R_j=radii, material=ALUMINIUM)
+    ).shape == (2, 1)
+    for refused in (
+        CylinderPair.external(10.0, 9.0, ALUMINIUM),
+        CylinderPair.internal(10.0, 9.0, ALUMINIUM, material_j=TITANIUM),
+    ):
+        with pytest.raises(InputError, match="Persson's law"):
+            limits.conformal_yield_load(refused)

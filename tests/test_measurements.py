@@ -208,6 +208,7 @@ def test_a_bad_table_is_told_with_its_line(tmp_path, text, where, key, value, ru
 def test_files_that_are_no_tables_are_refused(tmp_path):
     cases = {
         "t.xlsx": (b"x", "is neither .csv nor .parquet"),
+        "semicolons.csv": (b"dR_um;load_N\n50;10,5\n", "is separated by semicolons"),
         "missing.csv": (None, "cannot be read (No such file"),
         "t.csv": (b"\xff\xfe\x00load", "is not a CSV table"),
         "t.parquet": (b"not parquet", "is not a Parquet table"),

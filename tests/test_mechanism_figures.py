@@ -64,8 +64,10 @@ class TestCases:
         late = settled.time[1:] > settled.mechanism.period
         share = steps[late & touching].sum() / steps[late].sum()
         assert row["contact_fraction"] == pytest.approx(share, rel=1e-9)
-        per_revolution = settled.counts["steps"].to_numpy()[1:]
-        mean = np.mean(settled.mechanism.period * 1e6 / per_revolution)
+        ends = settled.rows.revolution[1:][steps > 0]
+        per_revolution = [np.sum(ends == n) for n in (1, 2)]
+        assert list(settled.counts["steps"])[1:] == per_revolution
+        mean = np.mean(settled.mechanism.period * 1e6 / np.array(per_revolution))
         assert row["step_us"] == pytest.approx(mean, rel=1e-12)
         assert (row["counted"], row["continued"], row["left"]) == (2, 0, 0)
 

@@ -15,7 +15,7 @@ from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibrate import problem_of
 
 ROOT = Path(__file__).resolve().parents[1]
-HUGE = ROOT / "fitting/huge.toml"
+HUGE = ROOT / "benchmarks/huge.toml"
 TABLE = ROOT / "benchmarks/scaling.csv"
 
 # The most memory that a process has held, in MiB, after it has reduced a grid of a shape.

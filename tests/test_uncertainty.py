@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from cylcontact import CylinderPair, InputError
 from cylcontact.cli.app import app
 from cylcontact.fitting.law_models import MODELS, LawModel, LawParameter
-from cylcontact.fitting.least_squares import descend
+from cylcontact.fitting.least_squares import descend, jacobian
 from cylcontact.fitting.loss import Loss
 from cylcontact.fitting.measured_fit import fit_measurements
 from cylcontact.fitting.measured_objective import MeasuredObjective
@@ -339,6 +339,16 @@ def test_a_linear_problem_has_the_textbook_intervals(tmp_path):
 
 # --- coverage ---------------------------------------------------------------------------------
 
+# The explicit law's three coefficients are told apart only by small scatter: at 3 %, and at 1 %,
+# the intervals of c and B reach the bounds of the search and B ends there.
+LITTLE_NOISE = {"explicit": 0.002}
+# Refits start this factor away from the truth, each coefficient in turn to the other side.
+AWAY = 1.1
+# Not among them: the internal enhanced law, whose seven coefficients no test data of one E* and
+# three clearances determine, and the external logarithmic and power laws, whose formulas are those
+# of the internal ones with another Λ.
+COVERED = sorted({key for key in TRUTHS if key[1] == "internal"} | {("enhanced", "external")})
+
 
 def coverage(campaign, replicates=REPLICATES, seed=7):
     """Repeat an experiment; return the share of intervals that hold the truth, of each kind."""
@@ -348,13 +358,15 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
     law = campaign.model.build(truth)
     exact = law.penetration(data.load, data.pair)
     names = [p.name for p in problem.free]
-    ahead = CylinderPair.from_dR("internal", 0.2, STEEL, length=12.0, R_i=10.0)
+    size = LITTLE_NOISE.get(campaign.model.law, NOISE)
+    ahead = data.take(np.array([len(data) // 2])).pair
+    start = problem.point(truth) * AWAY ** (-1.0) ** np.arange(len(names))
     hits = {"covariance": [], "profile": [], "curve": [], "new": []}
     rng = np.random.default_rng(seed)
     for _ in range(replicates):
-        seen = data.with_values(penetration=exact * np.exp(NOISE * rng.normal(size=len(data))))
+        seen = data.with_values(penetration=exact * np.exp(size * rng.normal(size=len(data))))
         again = replace(problem, objective=MeasuredObjective(seen, campaign.objective))
-        point, _, _ = descend(again, again.point(truth))
+        point, _, _ = descend(again, start)
         noise, best = noise_at(again, point), again.coefficients(point)
         errors = noise.half_width(LEVEL) * np.sqrt(np.diag(noise.covariance))
         hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
@@ -362,9 +374,9 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
             ratio, _ = ratio_held(again, noise, {name: truth[name]}, best)
             hits["profile"].append(ratio <= noise.threshold(LEVEL))
         band = predict(again, noise, best, ahead, LEVEL, load=[20.0])
-        depth = law.penetration(20.0, ahead)
+        depth = float(law.penetration(20.0, ahead)[0])
         hits["curve"].append(band.low[0] <= depth <= band.high[0])
-        new = depth * np.exp(NOISE * rng.normal())
+        new = depth * np.exp(size * rng.normal())
         hits["new"].append(band.new_low[0] <= new <= band.new_high[0])
     return {kind: float(np.mean(found)) for kind, found in hits.items()}
 
@@ -375,11 +387,9 @@ def test_intervals_and_bands_hold_the_truth_as_often_as_they_say(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "law", sorted({law for law, contact in TRUTHS if contact == "internal"} - {"explicit"})
-)
-def test_coverage_of_every_law(tmp_path, law):
-    shares = coverage(measured_campaign(tmp_path, law))
+@pytest.mark.parametrize(("law", "contact"), COVERED)
+def test_coverage_of_every_law(tmp_path, law, contact):
+    shares = coverage(measured_campaign(tmp_path, law, contact))
     assert all(0.90 <= share <= 0.98 for share in shares.values()), shares
 
 
@@ -442,8 +452,28 @@ def test_the_bootstrap_agrees_with_the_covariance_and_not_with_the_workers(noisy
     assert one != bootstrap(problem, best, "rows", 25, 2, LEVEL)
     errors = np.sqrt(np.diag(noise.covariance))
     assert list(one.standard_errors.values()) == pytest.approx(errors, rel=0.25)
+    assert (one.undefined, set(one.intervals)) == (0, {"kappa", "c"})
+    assert bootstrap(problem, best, "rows", 25, 2, LEVEL).intervals == {}
     over = bootstrap(problem, best, "dR", 25, 1, LEVEL)
     assert (over.groups, over.over) == (3, "dR")
+
+
+def test_refits_that_cannot_start_are_left_out_and_counted(noisy):
+    problem, best, _ = noisy
+    data = measured(problem).data
+    load = data.load.copy()
+    load[0] = 1e9  # beyond the end of Johnson's law
+    broken = data.with_values(load=load, penetration=data.penetration)
+    partly = replace(problem, objective=MeasuredObjective(broken, "rms-log-penetration"))
+    found = bootstrap(partly, best, "rows", 120, 1, LEVEL)
+    # A row is missing from a resample with probability (1 − 1/N)^N, near 1/e.
+    assert 120 - found.undefined == pytest.approx(120 * (1 - 1 / 36) ** 36, abs=20)
+    lost = measured(problem).data.take(np.array([0, 1]))
+    load = np.array([1e9, 1e9])
+    lost = lost.with_values(load=load, penetration=lost.penetration)
+    nowhere = replace(problem, objective=MeasuredObjective(lost, "rms-log-penetration"))
+    with pytest.raises(InputError, match="refits gave 0 with the law defined"):
+        bootstrap(nowhere, best, "rows", 5, 1, LEVEL)
 
 
 def test_leaving_a_clearance_out_is_fitting_the_others(noisy):
@@ -511,11 +541,11 @@ def test_bands_follow_the_noise_wherever_it_sits(tmp_path, objective):
 # --- what the noise says ----------------------------------------------------------------------
 
 
-def with_deviations(noisy, size):
+def with_deviations(noisy, size, loss=Loss()):  # noqa: B008
     problem, best, _ = noisy
     data = measured(problem).data
     given = data.with_values(penetration_std=size * NOISE * data.penetration)
-    known = replace(problem, objective=MeasuredObjective(given, "rms-penetration"))
+    known = replace(problem, objective=MeasuredObjective(given, "rms-penetration", loss))
     point, _, _ = descend(known, known.point(best))
     return uncertainty_of(known, known.coefficients(point))
 
@@ -538,6 +568,62 @@ def test_given_deviations_are_held_against_the_residuals(noisy, size, words):
     )
 
 
+@pytest.mark.parametrize("loss", ["soft_l1", "cauchy", "huber"])
+def test_a_robust_loss_has_no_chi_square_test(noisy, loss):
+    found = with_deviations(noisy, 1.0, Loss(loss, 1.345))
+    assert found.sigma_known
+    assert found.chi_square_p is None
+    # From the median of 36 residuals, whose standard error is a fifth.
+    assert found.residual_sigma == pytest.approx(1.0, abs=0.4)
+    assert "no chi-square test" in noise_verdicts(found)[0]
+    assert "look too large" not in noise_verdicts(found)[0]
+
+
+def test_a_verdict_does_not_depend_on_where_zero_is(tmp_path):
+    # ln(Λ_factor·Λ·E*/f) + c: c moved by s and Λ_factor by exp(−s) are the same law.
+    verdicts = []
+    for shift in (0.0, 0.5, -2.0):
+        problem, best, noise = best_of(measured_campaign(tmp_path, noise=NOISE))
+        moved = problem.holding("Lambda_factor", float(np.exp(-shift)))
+        shifted = {**best, "c": best["c"] + shift, "Lambda_factor": float(np.exp(-shift))}
+        assert moved.value_of(shifted) == pytest.approx(problem.value_of(best), rel=1e-9)
+        found = uncertainty_of(moved, shifted, LEVEL)
+        verdicts.append({name: e.verdict for name, e in found.estimates.items()})
+        # kappa is a factor, judged by its share of the value.
+        assert noise.per_unit[0] == pytest.approx(1 / best["kappa"], rel=1e-6)
+    assert verdicts[0] == verdicts[1] == verdicts[2]
+
+
+@pytest.mark.parametrize("objective", ["rms-penetration", "rms-load", "rms-log-load"])
+def test_an_effect_is_the_relative_change_of_the_prediction(tmp_path, objective):
+    problem, best, noise = best_of(measured_campaign(tmp_path, noise=NOISE, objective=objective))
+    data = measured(problem).data
+    step = 1e-6
+
+    def predicted(c):
+        law = MODELS["johnson", "internal"].build(best | {"c": c})
+        if objective == "rms-penetration":
+            return law.penetration(data.load, data.pair)
+        return law.load(data.penetration, data.pair)
+
+    before, after = predicted(best["c"] - step), predicted(best["c"] + step)
+    if "log" in objective:
+        before, after = np.log(before), np.log(after)
+    size = 1.0 if "log" in objective else np.sqrt(np.mean(predicted(best["c"]) ** 2))
+    expected = np.sqrt(np.mean((after - before) ** 2)) / (2 * step) / size
+    assert noise.per_unit[1] == pytest.approx(expected, rel=1e-5)
+
+
+def test_a_profile_says_when_it_finds_a_better_fit(noisy):
+    problem, best, _ = noisy
+    short = problem.holding("kappa", best["kappa"] * 1.02)
+    point, _, _ = descend(short, short.point(best))
+    found = uncertainty_of(problem, short.coefficients(point), LEVEL)
+    assert found.estimates["c"].profile.lowest < -1e-3
+    assert any("found a better fit" in note for note in noise_verdicts(found))
+    assert not any("found a better fit" in note for note in uncertainty_of(problem, best).notes)
+
+
 def test_a_law_of_the_wrong_shape_is_told_by_its_residuals(tmp_path):
     wrong = measured_campaign(tmp_path, "explicit", noise=0.002)
     table = tmp_path / "measured.csv"
@@ -551,7 +637,7 @@ def test_a_law_of_the_wrong_shape_is_told_by_its_residuals(tmp_path):
     assert right.uncertainty.runs_test_p > 0.01
 
 
-def test_the_sandwich_of_a_robust_loss_is_the_spread_of_refits(noisy):
+def test_the_sandwich_of_a_robust_loss_is_near_least_squares_for_gaussian_noise(noisy):
     problem, best, plain = noisy
     objective = measured(problem)
     robust = replace(problem, objective=replace(objective, loss=Loss("huber", 1.345 * NOISE)))
@@ -559,11 +645,98 @@ def test_the_sandwich_of_a_robust_loss_is_the_spread_of_refits(noisy):
     noise = noise_at(robust, point)
     errors = np.sqrt(np.diag(noise.covariance))
     assert errors == pytest.approx(np.sqrt(np.diag(plain.covariance)), rel=0.3)
-    refits = bootstrap(robust, robust.coefficients(point), "rows", 120, 3, LEVEL)
-    assert list(refits.standard_errors.values()) == pytest.approx(errors, rel=0.3)
     wide = replace(problem, objective=replace(objective, loss=Loss("huber", 1e3)))
     same = noise_at(wide, problem.point(best))
     assert same.unit == pytest.approx(plain.unit, rel=1e-9)
+
+
+CONTAMINATED = [("huber", 1.345), ("cauchy", 1.345), ("soft_l1", 1.345)]
+
+
+def contaminated(rng, size):
+    """Noise of which a tenth has six times the spread."""
+    return NOISE * rng.normal(size=size) * np.where(rng.uniform(size=size) < 0.1, 6.0, 1.0)
+
+
+@pytest.mark.parametrize(("loss", "scale"), CONTAMINATED)
+def test_the_sandwich_is_the_spread_of_repeated_experiments(tmp_path, loss, scale):
+    # ln δ of a power law with n held is linear in ln K_star, so that an M-estimate of location
+    # is all there is to refit, and many experiments of a thousand rows are quick.
+    campaign = measured_campaign(tmp_path, "power")
+    truth = TRUTHS["power", "internal"]
+    problem = campaign.problem().holding("n", truth["n"])
+    data = measured(problem).data
+    data = data.take(np.tile(np.arange(len(data)), 28))
+    exact = campaign.model.build(truth).penetration(data.load, data.pair)
+    rng = np.random.default_rng(5)
+    robust = Loss(loss, scale * NOISE)
+    seen = contaminated(rng, len(data))
+    measured_again = data.with_values(penetration=exact * np.exp(seen))
+    again = replace(
+        problem, objective=MeasuredObjective(measured_again, campaign.objective, robust)
+    )
+    point, _, _ = descend(again, again.point(truth) * 1.2)
+    noise = noise_at(again, point)
+    assert noise.rows == 1008
+    # By the textbook for a location, ψ' written out rather than differenced.
+    r = measured(again).raw(again.form(point[None, :]))[0]
+    z = (r / robust.scale) ** 2
+    slope = {
+        "huber": np.where(z < 1, 1.0, 0.0),
+        "cauchy": (1 - z) / (1 + z) ** 2,
+        "soft_l1": (1 + z) ** -1.5,
+    }[loss]
+    textbook = np.sqrt((robust.psi(r) ** 2).sum() * 1008 / 1007) / slope.sum()
+    error = float(np.sqrt(noise.covariance[0, 0])) / (point[0] * truth["n"])
+    assert error == pytest.approx(textbook, rel=1e-5)
+    # The same estimate by Newton's method on ψ, a thousand experiments at once.
+    values = contaminated(rng, (1000, 1008))
+    places = np.median(values, axis=1)
+    for _ in range(30):
+        places += robust.psi(values - places[:, None]).mean(axis=1) / slope.mean()
+    assert error == pytest.approx(places.std(), rel=0.08)
+
+
+def test_the_signed_curvature_is_that_of_the_loss(noisy):
+    # With H = Σψ'JJᵀ signed, H is half the Hessian of ΣC²ρ for a model linear in its parameters.
+    problem, best, _ = noisy
+    rng = np.random.default_rng(2)
+    objective = measured(problem)
+    exact = MODELS["johnson", "internal"].build(best)
+    data = objective.data
+    data = data.take(np.tile(np.arange(len(data)), 28))
+    depth = exact.penetration(data.load, data.pair) * np.exp(contaminated(rng, len(data)))
+    loss = Loss("cauchy", 0.5 * NOISE)
+    robust = replace(
+        problem,
+        objective=MeasuredObjective(
+            data.with_values(penetration=depth), "rms-log-penetration", loss
+        ),
+    )
+    point, _, _ = descend(robust, problem.point(best))
+    noise = noise_at(robust, point)
+    r = measured(robust).raw(robust.form(point[None, :]))[0]
+    z = (r / loss.scale) ** 2
+    assert (z > 1).mean() > 0.2
+    slopes = jacobian(robust, point, lambda p: measured(robust).raw(robust.form(p)))
+    H = slopes.T @ (slopes * ((1 - z) / (1 + z) ** 2)[:, None])
+    G = slopes.T @ (slopes * (loss.psi(r) ** 2)[:, None]) * 1008 / 1006
+    expected = np.linalg.inv(H) @ G @ np.linalg.inv(H)
+    assert noise.covariance == pytest.approx(expected, rel=1e-5)
+
+
+def test_a_loss_without_curvature_has_no_intervals(noisy):
+    problem, best, _ = noisy
+    tight = Loss("cauchy", 0.01 * NOISE)
+    far = problem.coefficients(problem.point(best) * 1.3)
+    robust = replace(problem, objective=replace(measured(problem), loss=tight))
+    noise = noise_at(robust, robust.point(far))
+    assert noise.covariance is None
+    assert noise.blind == ()
+    assert np.isnan(noise.unit)
+    found = uncertainty_of(robust, far, LEVEL)
+    assert {e.verdict for e in found.estimates.values()} == {"not"}
+    assert any("not positive definite" in sentence for sentence in noise_verdicts(found))
 
 
 def test_a_form_without_laws_is_not_for_measurements(noisy):
@@ -605,14 +778,19 @@ def test_the_command_reports_noise(saved, tmp_path):
         *("--pairs", "--level", 0.9, "--seed", 3, "-j", 1, "-o", out),
     )
     assert found.exit_code == 0, found.output
-    for part in ("given the noise", "90 %, bootstrap", "3 are few", "ΔR = 0.3 mm", "new ±%"):
-        assert part in found.output
+    few = "30 refits give standard errors, and 90 % intervals from 40"
+    for part in ("given the noise", "90 %, bootstrap", few, "3 are few", "ΔR = 0.3 mm", "new ±%"):
+        assert part in " ".join(found.output.split()), part
     study = json.loads(out.read_text("utf-8"))
     assert study["kind"] == "noise"
     assert study["pairs"][0]["names"] == ["kappa", "c"]
     assert study["bootstrap"]["seed"] == 3
     assert study["uncertainty"]["level"] == 0.9
     assert len(study["bands"]) == 6
+    found = run("uncertainty", saved, "--bootstrap", 40, "-j", 1)
+    assert "40 refits are few for 95 % intervals, take 1000 or more" in " ".join(
+        found.output.split()
+    )
 
 
 def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatch):

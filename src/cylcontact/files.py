@@ -105,6 +105,28 @@ def _to_disk(path: Path) -> None:
         os.fsync(file.fileno())
 
 
+def require_suffix(path: Path | str, *suffixes: str) -> str:
+    """Return the suffix of an output, one or two of which are possible; refuse another one.
+
+    Raises
+    ------
+    InputError
+        If the name ends otherwise.
+
+    Examples
+    --------
+    >>> require_suffix("build/table.csv", ".csv", ".parquet")
+    '.csv'
+    """
+    suffix = Path(path).suffix
+    if suffix not in suffixes:
+        known = (
+            f"not a {suffixes[0]}" if len(suffixes) == 1 else f"neither {' nor '.join(suffixes)}"
+        )
+        raise InputError(str(path), "", None, f"is {known}", "name the output so that it is one")
+    return suffix
+
+
 def require_writable(path: Path | str) -> None:
     """Raise `InputError` now if `path` could not be written later, and leave no trace.
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
+from collections.abc import Container
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -22,6 +24,17 @@ class Spec(BaseModel):
 
 
 SpecType = TypeVar("SpecType", bound=Spec)
+
+# What a file is, by keys that stand in every file of its kind and together in no other; in order.
+KINDS = (
+    ("a fit result", {"coefficients", "settings"}),
+    ("a mechanism", {"bodies", "joints"}),
+    ("a finite-element set-up", {"hole_radius", "load_on"}),
+    ("a campaign", {"dataset", "law"}),
+    ("a campaign", {"data", "law"}),
+    ("a grid spec", {"contact", "reference"}),
+)
+TABLES = (".csv", ".parquet")
 
 # Pydantic's rules about types in the words of TOML and JSON.
 _PLAIN_RULES = {
@@ -65,9 +78,46 @@ def read_toml(path: Path | str) -> dict[str, Any]:
             str(path), "", None, "is not a text file", "give a TOML file in UTF-8"
         ) from error
     except (ValueError, RecursionError) as error:
+        require_other_kind(path, "a TOML spec")
         raise InputError(
             str(path), "", None, f"is not valid TOML ({error})", "correct the line it names"
         ) from error
+
+
+def kind_of(keys: Container[str]) -> str:
+    """Say what the file is that has these keys at its top; nothing where that cannot be told.
+
+    Examples
+    --------
+    >>> kind_of({"contact": "internal", "reference": "johnson", "axes": {}})
+    'a grid spec'
+    """
+    return next((kind for kind, marks in KINDS if all(key in keys for key in marks)), "")
+
+
+def require_other_kind(path: Path | str, wanted: str) -> None:
+    """Refuse a file of a known kind where `wanted` should be; say nothing of any other file.
+
+    Raises
+    ------
+    InputError
+        If the file is a table, or TOML or JSON of a known kind.
+    """
+    if Path(path).suffix in TABLES:
+        raise _other_kind(str(path), "a table", wanted)
+    for parse in (tomllib.loads, json.loads):
+        try:
+            data = parse(Path(path).read_text(encoding="utf-8-sig"))
+        except (OSError, ValueError, RecursionError):
+            continue
+        kind = kind_of(data) if isinstance(data, dict) else ""
+        if kind:
+            raise _other_kind(str(path), kind, wanted)
+
+
+def _other_kind(source: str, kind: str, wanted: str) -> InputError:
+    """Return the error of a file that is of another kind."""
+    return InputError(source, "", None, f"is {kind}, not {wanted}", f"name {wanted}")
 
 
 def parse_spec(model: type[SpecType], data: dict[str, Any], source: str) -> SpecType:
@@ -95,6 +145,9 @@ def parse_spec(model: type[SpecType], data: dict[str, Any], source: str) -> Spec
     try:
         return model.model_validate(data)
     except ValidationError as error:
+        kind, wanted = kind_of(data), kind_of(model.model_fields)
+        if kind and wanted and kind != wanted:
+            raise _other_kind(source, kind, wanted) from None
         raise _as_input_error(error, model, source) from None
 
 

@@ -42,6 +42,6 @@ def animate(
     changes = {"law": law, "clearance": clearance, "restitution": restitution, "friction": friction}
     mechanism = read_mechanism(spec, **changes)
     with progress_bars() as progress:
-        trajectory = run(mechanism, method, first + revolutions, tolerance, beyond, progress)  # type: ignore[arg-type]
+        trajectory = run(mechanism, method, first + revolutions, tolerance, beyond, progress)
         frames = film(trajectory, out, first, progress)
     typer.echo(f"{frames} frames in {out}; assumed: {'; '.join(trajectory.assumptions)}")

@@ -1,16 +1,38 @@
 """The program and its commands; a command's heavy imports wait until it runs."""
 
+from typing import Annotated
+
 import typer
 
+import cylcontact
 from cylcontact.cli import animation, calibration, finite_element, measured, mechanism, reporting
+
+
+def _version(wanted: bool) -> None:
+    """Show the version and end."""
+    if wanted:
+        typer.echo(f"cylcontact {cylcontact.__version__}")
+        raise typer.Exit
+
 
 app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
-    help="Calibrate contact laws for parallel cylinders and see where each can be trusted.",
 )
+
+
+@app.callback()
+def common(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
+    """Calibrate contact laws for parallel cylinders and see where each can be trusted."""
+
+
 app.command()(calibration.sample)
 app.command()(calibration.fit)
 app.command()(calibration.optimizers)

@@ -1,4 +1,4 @@
-"""The commands around a calibration: sample, fit, compare, verify."""
+"""The commands around a calibration: sample, fit, optimizers, compare, verify."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from typing import Annotated
 import typer
 
 from cylcontact.cli import measured
+from cylcontact.cli.choices import OPTIMIZERS, listed
+from cylcontact.cli.keeping import interrupted, kept_beside
 from cylcontact.cli.terminal import (
     RESULTS,
     Jobs,
@@ -52,7 +54,7 @@ def fit(
     seed: Seed = None,
     optimizer: Annotated[
         str | None,
-        typer.Option(help="genetic, differential-evolution, least-squares or cma."),
+        typer.Option(help=f"{listed(OPTIMIZERS)}."),
     ] = None,
     scheduler: Scheduler = None,
     resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted fit.")] = False,
@@ -101,14 +103,14 @@ def fit(
     target = out or campaign.parent / "results" / f"{campaign.stem}.json"
     where = workers(jobs, scheduler)
     with owning(target):
-        kept = target.with_name(target.name + ".partial")
+        kept = kept_beside(target)
         if resume and not kept.exists():
             typer.echo(f"cylcontact: no runs are kept in {kept}; all are run", err=True)
         try:
             with progress_bars() as progress:
                 result = calibrate(planned, where, progress, kept, resume)
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(_interrupted(kept)) from None
+            raise KeyboardInterrupt(interrupted(kept, "run")) from None
         result.save(target)
         kept.unlink(missing_ok=True)
     typer.echo(f"{result}\n\nwritten to {target}")
@@ -128,16 +130,15 @@ def optimizers(
     scheduler: Scheduler = None,
 ) -> None:
     """Run a campaign with every optimiser on the same budget, and compare what they find."""
-    from cylcontact.files import replacing
+    from cylcontact.files import replacing, require_suffix
     from cylcontact.fitting import optimizer_comparison, read_campaign
-    from cylcontact.fitting.optimizers import OPTIMIZERS
     from cylcontact.locks import owning
 
     for name in names or ():
         read_campaign(campaign, optimizer=name)  # refuses an unknown one
     planned = read_campaign(campaign, runs, seed)
-    if out is not None and out.suffix != ".csv":
-        raise InputError(str(out), "", None, "is not a .csv", "name the output so that it is one")
+    if out is not None:
+        require_suffix(out, ".csv")
     where = workers(jobs, scheduler)
     with owning(out) if out else nullcontext(), progress_bars() as progress:
         compared = optimizer_comparison.compare_optimizers(
@@ -150,7 +151,9 @@ def optimizers(
 
 
 def compare(
-    results: Annotated[list[Path], typer.Argument(help="Result files, e.g. fitting/results/*.")],
+    results: Annotated[
+        list[Path], typer.Argument(help="Result files, e.g. fitting/results/*.json.")
+    ],
 ) -> None:
     """Show results side by side, with the published coefficients."""
     from cylcontact import fitting
@@ -181,14 +184,3 @@ def verify(
     typer.echo(f"{len(paths)} results verified, {failed} checks do not hold")
     if failed:
         raise typer.Exit(1)
-
-
-def _interrupted(kept: Path) -> str:
-    """Say what an interrupted fit leaves behind."""
-    runs = kept.read_bytes().count(b"\n") - 1 if kept.is_file() else 0
-    if runs < 1:
-        return "interrupted before a run was complete; nothing is kept"
-    return (
-        f"interrupted; {runs} complete {'run is' if runs == 1 else 'runs are'} kept in {kept}; "
-        "the same command with --resume goes on from there"
-    )

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from cylcontact.cli import choices
+from cylcontact.cli.keeping import interrupted, kept_beside
 from cylcontact.cli.terminal import Jobs, cores, progress_bars
 from cylcontact.errors import InputError
 
@@ -16,7 +18,7 @@ def finite_element(
         Path,
         typer.Argument(help="A set-up, e.g. datasets/finite_element/recommended.toml."),
     ],
-    engine: Annotated[str, typer.Option(help="embedded or calculix.")] = "embedded",
+    engine: Annotated[str, typer.Option(help=f"{choices.listed(choices.ENGINES)}.")] = "embedded",
     out: Annotated[
         Path | None,
         typer.Option("-o", "--out", help="The table; SPEC-ENGINE.csv beside the set-up."),
@@ -37,7 +39,7 @@ def finite_element(
         )
     solver = engine_name(chosen)
     target = out or spec.with_name(f"{spec.stem}-{chosen}.csv")
-    kept = target.with_name(target.name + ".partial")
+    kept = kept_beside(target)
     with owning(target):
         if resume and not kept.exists():
             typer.echo(f"cylcontact: no cases are kept in {kept}; all are solved", err=True)
@@ -45,7 +47,7 @@ def finite_element(
             with progress_bars() as progress:
                 rows, failures = run_study(study, chosen, jobs or cores(), progress, kept, resume)
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(_interrupted(kept)) from None
+            raise KeyboardInterrupt(interrupted(kept, "case")) from None
         if failures:
             for failure in failures:
                 typer.echo(f"cylcontact: {failure}", err=True)
@@ -65,11 +67,3 @@ def _incomplete(spec: Path, failed: int, solved: int, kept: Path) -> InputError:
         f"{failed} of {failed + solved} cases have no solution, for the reasons above",
         place if solved else "correct the set-up",
     )
-
-
-def _interrupted(kept: Path) -> str:
-    """Say what an interrupted study leaves behind."""
-    cases = kept.read_bytes().count(b"\n") - 1 if kept.is_file() else 0
-    if cases < 1:
-        return "interrupted before a case was complete; nothing is kept"
-    return f"interrupted; {cases} cases are kept in {kept}; --resume goes on from there"

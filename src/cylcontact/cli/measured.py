@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cylcontact.cli.terminal import Jobs, Scheduler, Seed, integer_from, progress_bars, workers
+from cylcontact.cli.choices import CONTACTS, LOSSES, listed
+from cylcontact.cli.terminal import (
+    Jobs,
+    Scheduler,
+    Seed,
+    integer_from,
+    modulus_in_MPa,
+    progress_bars,
+    workers,
+)
 from cylcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,13 +29,17 @@ TABLES = (".csv", ".parquet")
 PANEL = "For a table of measurements"
 
 
-def _option(*names: str, help: str, metavar: str | None = None) -> Any:
+def _option(
+    *names: str, help: str, metavar: str | None = None, callback: Callable[..., Any] | None = None
+) -> Any:
     """Return an option of the panel for tables."""
-    return typer.Option(*names, help=help, metavar=metavar, rich_help_panel=PANEL)
+    return typer.Option(
+        *names, help=help, metavar=metavar, callback=callback, rich_help_panel=PANEL
+    )
 
 
 Law = Annotated[str | None, _option("--law", help="The law, or module:function of your own.")]
-ContactKind = Annotated[str | None, _option("--contact", help="internal or external.")]
+ContactKind = Annotated[str | None, _option("--contact", help=f"{listed(CONTACTS)}.")]
 MaterialName = Annotated[
     str | None, _option("--material", help="Both bodies', by its name in the table of materials.")
 ]
@@ -34,22 +48,33 @@ MaterialJ = Annotated[str | None, _option("--material-j", help="That of body j."
 Materials = Annotated[
     str | None, _option("--materials", help="A table of materials; datasets/materials.csv.")
 ]
-Modulus = Annotated[float | None, _option("--E", help="Young's modulus of both bodies, MPa.")]
+Modulus = Annotated[
+    float | None,
+    _option("--E", help="Young's modulus of both bodies, MPa.", callback=modulus_in_MPa),
+]
 Poisson = Annotated[float | None, _option("--nu", help="Poisson's ratio of both bodies.")]
 Clearance = Annotated[float | None, _option("--dR", help="ΔR, mm.")]
 RadiusI = Annotated[float | None, _option("--Ri", help="Radius of body i, mm.")]
 RadiusJ = Annotated[float | None, _option("--Rj", help="Radius of body j, mm.")]
 Length = Annotated[float | None, _option("--length", help="Axial length, mm.")]
 Objective = Annotated[str | None, _option("--objective", help="rms-log-penetration, rms-load, ...")]
-LossName = Annotated[str | None, _option("--loss", help="linear, soft_l1, huber or cauchy.")]
+LossName = Annotated[str | None, _option("--loss", help=f"{listed(LOSSES)}.")]
 Ignored = Annotated[
-    list[str] | None, _option("--ignore", help="A column to leave out.", metavar="COLUMN")
+    list[str] | None,
+    _option("--ignore", help="A column to leave out; may be repeated.", metavar="COLUMN"),
 ]
 Bounds = Annotated[
     list[str] | None,
-    _option("--bound", help="Search a parameter between two values.", metavar="NAME=LOW:HIGH"),
+    _option(
+        "--bound",
+        help="Search a parameter between two values; may be repeated.",
+        metavar="NAME=LOW:HIGH",
+    ),
 ]
-Held = Annotated[list[str] | None, _option("--fix", help="Hold a parameter.", metavar="NAME=VALUE")]
+Held = Annotated[
+    list[str] | None,
+    _option("--fix", help="Hold a parameter; may be repeated.", metavar="NAME=VALUE"),
+]
 
 
 @dataclass(frozen=True)
@@ -227,7 +252,7 @@ def _require_study(
     result: Path, out: Path | None, level: float, bootstrap: int | None, over: str | None
 ) -> None:
     """Refuse options that do not go together, before any work is done."""
-    from cylcontact.files import require_writable
+    from cylcontact.files import require_suffix, require_writable
 
     if not 0.5 <= level < 1:
         raise InputError(
@@ -236,8 +261,7 @@ def _require_study(
     if over is not None and bootstrap is None:
         raise InputError(str(result), "--over", over, "is for the bootstrap", "add --bootstrap 500")
     if out is not None:
-        if out.suffix != ".json":
-            raise InputError(str(out), "", None, "is not a .json", "name the output so that it is")
+        require_suffix(out, ".json")
         require_writable(out)
 
 

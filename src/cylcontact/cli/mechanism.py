@@ -1,4 +1,4 @@
-"""The commands around a mechanism: simulate, sweep."""
+"""The commands around a mechanism: simulate, sweep, tolerances."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cylcontact.cli import choices
+from cylcontact.cli.keeping import interrupted, kept_beside
 from cylcontact.cli.terminal import Jobs, Scheduler, integer_from, progress_bars, workers
 from cylcontact.errors import InputError
 
@@ -40,11 +42,20 @@ Revolutions = Annotated[
 ]
 Tolerance = Annotated[float | None, typer.Option(help="Of the integrator; the spec's by default.")]
 Method = Annotated[
-    str | None,
-    typer.Option(help="minimal (the faster) or multiplier (any mechanism); minimal if it fits."),
+    choices.Method | None,
+    typer.Option(
+        parser=choices.unchecked,
+        metavar="METHOD",
+        help=f"{choices.listed(choices.METHODS)}; the first is the faster, and taken if it fits.",
+    ),
 ]
 Beyond = Annotated[
-    str, typer.Option(help="Where the contact law ends: stop, or go on along its tangent.")
+    choices.Beyond,
+    typer.Option(
+        parser=choices.unchecked,
+        metavar="WHAT",
+        help=f"Where the contact law ends: {choices.listed(choices.BEYOND)} (go on along it).",
+    ),
 ]
 
 
@@ -70,6 +81,7 @@ def simulate(
     ] = False,
 ) -> None:
     """Simulate a mechanism with a clearance joint, and print what comes out."""
+    from cylcontact.files import require_suffix
     from cylcontact.locks import owning
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism.report import to_text
@@ -82,10 +94,10 @@ def simulate(
         "friction": friction,
     }
     mechanism = read_mechanism(spec, **changes)
-    if out is not None and out.suffix != ".parquet":
-        raise InputError(str(out), "", None, "is not a .parquet", "name the output so that it is")
+    if out is not None:
+        require_suffix(out, ".parquet")
     allowed = None if allowed_penetration is None else allowed_penetration * 1e-6
-    settings = settings_for(mechanism, method, tolerance, beyond, allowed)  # type: ignore[arg-type]
+    settings = settings_for(mechanism, method, tolerance, beyond, allowed)
     with owning(out) if out else nullcontext():
         earlier = _earlier(mechanism, settings, out) if resume else None
         run = _run(mechanism, settings, revolutions, earlier, out)
@@ -189,15 +201,15 @@ def sweep(
         _numbers("--frictions", frictions),
     )
     turns = revolutions or mechanism.integration.revolutions
-    plan = Plan(turns, first, method, tolerance, beyond, against)  # type: ignore[arg-type]
+    plan = Plan(turns, first, method, tolerance, beyond, against)
     where = workers(jobs, scheduler)
     with owning(out):
-        kept = out.with_name(out.name + ".partial")
+        kept = kept_beside(out)
         try:
             with progress_bars() as progress:
                 table = run(mechanism, wanted, plan, where, progress, kept, resume)
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(_kept_cases(kept)) from None
+            raise KeyboardInterrupt(interrupted(kept, "case")) from None
         write_table(table, out)
         kept.unlink(missing_ok=True)
     stopped = table[table["status"] != "complete"]
@@ -222,7 +234,6 @@ def tolerances(
     from cylcontact.mechanism import sweep as run
     from cylcontact.mechanism.studies import tolerance_table
     from cylcontact.mechanism.sweep import require_table_name, write_table
-    from cylcontact.mechanism.system import METHODS
 
     mechanism = read_mechanism(spec)
     require_table_name(out)
@@ -230,8 +241,8 @@ def tolerances(
     wanted = cases(*PAPER)
     where = workers(jobs, scheduler)
     plans = [
-        Plan(turns, method=method, tolerance=value, beyond="tangent")  # type: ignore[arg-type]
-        for method in METHODS
+        Plan(turns, method=method, tolerance=value, beyond="tangent")
+        for method in choices.METHODS
         for value in _numbers("--tolerances", values)
     ]
     with owning(out), progress_bars() as progress:
@@ -253,14 +264,3 @@ def _numbers(option: str, text: str) -> list[float]:
         raise InputError(
             option, "", text, "must be numbers separated by commas", "e.g. 0.5,0.02"
         ) from None
-
-
-def _kept_cases(kept: Path) -> str:
-    """Say what an interrupted sweep leaves behind."""
-    count = kept.read_bytes().count(b"\n") - 1 if kept.is_file() else 0
-    if count < 1:
-        return "interrupted before a case was complete; nothing is kept"
-    return (
-        f"interrupted; {count} complete {'case is' if count == 1 else 'cases are'} kept in {kept}; "
-        "the same command with --resume goes on from there"
-    )

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cylcontact.cli.terminal import RESULTS, Jobs, cores, progress_bars
+from cylcontact.cli.choices import CONTACTS, FORMATS, STYLES, TABLES, TARGETS, listed
+from cylcontact.cli.terminal import (
+    RESULTS,
+    Jobs,
+    Results,
+    cores,
+    modulus_in_MPa,
+    progress_bars,
+)
 from cylcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,9 +27,7 @@ def report(
     names: Annotated[
         list[str] | None, typer.Argument(help="Recipes, e.g. fig10 fig10r; all by default.")
     ] = None,
-    results: Annotated[
-        Path, typer.Option("--results", help="The folder of fit results to draw from.")
-    ] = RESULTS,
+    results: Results = RESULTS,
     out: Annotated[
         Path | None,
         typer.Option("-o", "--out", help="Where to write; reports/figures, or reports/html."),
@@ -31,14 +37,14 @@ def report(
     ] = False,
     style: Annotated[
         str | None,
-        typer.Option(help="journal, single-column, double-column or slides."),
+        typer.Option(help=f"{listed(STYLES)}."),
     ] = None,
     formats: Annotated[
-        list[str] | None, typer.Option("--format", help="png, pdf, svg or pgf; may be repeated.")
+        list[str] | None, typer.Option("--format", help=f"{listed(FORMATS)}; may be repeated.")
     ] = None,
     font_size: Annotated[float | None, typer.Option(help="Of the labels, in points.")] = None,
     tables: Annotated[
-        str | None, typer.Option(help="Write the tables and captions instead: latex, csv or html.")
+        str | None, typer.Option(help=f"Write the tables and captions instead: {listed(TABLES)}.")
     ] = None,
     jobs: Jobs = None,
 ) -> None:
@@ -92,7 +98,8 @@ def _draw(
         typer.echo(f"cylcontact: {problem}", err=True)
     if problems:
         raise problems[0]
-    typer.echo(f"{len(outcomes)} figures in {folder}")
+    count = len(outcomes)
+    typer.echo(f"{count} {'figure' if count == 1 else 'figures'} in {folder}")
 
 
 def _build_site(bench: Bench, folder: Path, jobs: int) -> None:
@@ -111,30 +118,21 @@ def _write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -
     from cylcontact.reports.paper_tables import write_tables
 
     written = write_tables(bench, names, kind, folder)
-    typer.echo(f"{len(written)} files in {folder}")
+    count = len(written)
+    typer.echo(f"{count} {'file' if count == 1 else 'files'} in {folder}")
 
 
 def claims(
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="Write the ledger as .csv or .json instead.")
     ] = None,
-    results: Annotated[
-        Path, typer.Option("--results", help="The folder of fit results to judge by.")
-    ] = RESULTS,
+    results: Results = RESULTS,
     jobs: Jobs = None,
 ) -> None:
     """Hold every quantitative statement of the paper against computed numbers."""
     from cylcontact.files import replacing
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.claims import (
-        calibration_claims,
-        finite_element_claims,
-        ledger,
-        mechanism_claims,
-        to_csv,
-        to_json,
-        to_text,
-    )
+    from cylcontact.reports.claims import full_ledger, to_csv, to_json, to_text
 
     bench = Bench(Path(), results)
     writers = {".csv": to_csv, ".json": to_json}
@@ -142,12 +140,8 @@ def claims(
         raise InputError(
             str(out), "", None, "is neither .csv nor .json", "name the output so that it is one"
         )
-    more = [
-        *calibration_claims(bench.results_by_name()),
-        *finite_element_claims(bench),
-        *mechanism_claims(bench, jobs or cores()),
-    ]
-    found = ledger(bench.materials(), more)
+    with progress_bars() as progress:
+        found = full_ledger(bench, bench.results_by_name(), jobs or cores(), progress)
     if out is None:
         typer.echo(to_text(found), nl=False)
         return
@@ -157,7 +151,9 @@ def claims(
 
 
 def compare_laws(
-    E: Annotated[float, typer.Option("--E", help="Young's modulus, MPa.")] = 207e3,
+    E: Annotated[
+        float, typer.Option("--E", help="Young's modulus, MPa.", callback=modulus_in_MPa)
+    ] = 207e3,
     nu: Annotated[float, typer.Option("--nu", help="Poisson's ratio.")] = 0.3,
     dR: Annotated[
         float | None,
@@ -166,7 +162,7 @@ def compare_laws(
     R_i: Annotated[float, typer.Option("--Ri", help="Radius of the hole or roller, mm.")] = 10.0,
     length: Annotated[float, typer.Option(help="Axial length, mm.")] = 10.0,
     load: Annotated[float, typer.Option(help="Load per unit length, N/mm.")] = 100.0,
-    contact: Annotated[str, typer.Option(help="internal or external.")] = "internal",
+    contact: Annotated[str, typer.Option(help=f"{listed(CONTACTS)}.")] = "internal",
 ) -> None:
     """Show all contact laws side by side for one pair, and how accurate the explicit law is."""
     from cylcontact.reports.laws_table import case, to_text
@@ -178,9 +174,9 @@ def export(
     what: Annotated[
         str, typer.Argument(metavar="RESULT|LAW", help="A fit result, or a law, e.g. johnson.")
     ],
-    target: Annotated[str, typer.Option("--to", help="c, fortran, matlab or json.")],
+    target: Annotated[str, typer.Option("--to", help=f"{listed(TARGETS)}.")],
     contact: Annotated[
-        str | None, typer.Option(help="internal or external, for laws that depend on it.")
+        str | None, typer.Option(help=f"{listed(CONTACTS)}, for laws that depend on it.")
     ] = None,
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="The file; standard output by default.")

@@ -11,10 +11,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cylcontact.errors import InputError
+
 if TYPE_CHECKING:
     from cylcontact.parallel import Workers
 
 RESULTS = Path("fitting/results")
+# Below this a Young's modulus in MPa was probably meant in GPa; stiff plastics begin here.
+SOFTEST = 1000.0  # MPa
 
 
 def integer_from(least: int) -> Callable[[str], int]:
@@ -32,6 +36,28 @@ def integer_from(least: int) -> Callable[[str], int]:
     return parse
 
 
+def modulus_in_MPa(value: float | None) -> float | None:
+    """Note a Young's modulus that was perhaps given in GPa."""
+    if value is not None and 0 < value < SOFTEST:
+        typer.echo(
+            f"cylcontact: --E = {value:g} is taken in MPa; GPa would be {value:g}e3", err=True
+        )
+    return value
+
+
+def _named_folder(folder: Path) -> Path:
+    """Refuse a folder of results that is named and does not exist; the usual one may be missing."""
+    if folder != RESULTS and not folder.is_dir():
+        raise InputError(
+            "--results", "", str(folder), "is not a folder", "name one that holds fit results"
+        )
+    return folder
+
+
+Results = Annotated[
+    Path,
+    typer.Option("--results", callback=_named_folder, help="The folder of fit results to go by."),
+]
 Jobs = Annotated[
     int | None,
     typer.Option(

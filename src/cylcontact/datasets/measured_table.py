@@ -118,6 +118,10 @@ def _read_csv(source: str) -> tuple[list[str], list[list[object]], list[int]]:
     if not table:
         raise InputError(source, "", None, "is empty", "give it a line of column names, then rows")
     names = [cell.strip() for cell in table[0][1]]
+    if any(";" in name for name in names):
+        raise InputError(
+            source, "", None, "is separated by semicolons", "save it with commas, points in numbers"
+        )
     for line, row in table[1:]:
         if len(row) != len(names):
             raise InputError(

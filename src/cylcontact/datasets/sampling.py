@@ -24,7 +24,7 @@ from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.logarithmic_moments import row_moments
 from cylcontact.datasets.moments import Moments, concatenate, merge
 from cylcontact.errors import InputError
-from cylcontact.files import replacing
+from cylcontact.files import replacing, require_suffix
 from cylcontact.laws import LogarithmicLaw
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
@@ -270,14 +270,9 @@ def _table_writer(
     path: Path | str, temporary: Path, schema: pa.Schema
 ) -> pyarrow.parquet.ParquetWriter | pyarrow.csv.CSVWriter:
     """Return a writer of batches for the suffix of `path`."""
-    suffix = Path(path).suffix
-    if suffix == ".parquet":
+    if require_suffix(path, ".parquet", ".csv") == ".parquet":
         return pyarrow.parquet.ParquetWriter(temporary, schema, compression="zstd")
-    if suffix == ".csv":
-        return pyarrow.csv.CSVWriter(temporary, schema)
-    raise InputError(
-        str(path), "", None, "is neither .parquet nor .csv", "name the output so that it is one"
-    )
+    return pyarrow.csv.CSVWriter(temporary, schema)
 
 
 def _record_batch(block: Block, schema: pa.Schema) -> pa.RecordBatch:

@@ -59,6 +59,8 @@ class LawParameter:
         Its value in the law as published, where there is one.
     free : bool
         Whether it is searched by default, rather than held at its nominal value.
+    shift : bool
+        Whether zero is a value like any other, so that a share of the value means nothing.
     """
 
     name: str
@@ -66,6 +68,7 @@ class LawParameter:
     high: float
     nominal: float | None = None
     free: bool = True
+    shift: bool = False
 
 
 @dataclass(frozen=True)
@@ -109,6 +112,7 @@ class LawModel:
             form=self.form,
             is_power_law=False,
             published=nominal if is_known else None,
+            shifts=tuple(p.name for p in self.parameters if p.shift),
         )
 
     def form(self, candidates: FloatArray, _: FloatArray) -> LawForm:
@@ -125,9 +129,11 @@ class LawModel:
 
 # What a rig adds to a reading, by name.
 RIG = (
-    LawParameter("offset", -1.0, 1.0, nominal=0.0, free=False),
-    LawParameter("compliance", 0.0, 1.0, nominal=0.0, free=False),
+    LawParameter("offset", -1.0, 1.0, nominal=0.0, free=False, shift=True),
+    LawParameter("compliance", 0.0, 1.0, nominal=0.0, free=False, shift=True),
 )
+# Terms of sums in the enhanced law, and exponents that may be zero.
+ENHANCED_SHIFTS = ("Y_log_exponent", "Y_slope", "Y_offset", "n_exponent")
 RIG_NAMES = tuple(parameter.name for parameter in RIG)
 
 
@@ -196,7 +202,7 @@ def _logarithmic(name: str, base: LogarithmicLaw, contact: Contact) -> LawModel:
     """Return the model of a logarithmic law."""
     parameters = (
         LawParameter("kappa", 0.2, 5.0, nominal=float(base.kappa)),
-        LawParameter("c", -5.0, 5.0, nominal=float(base.shift)),
+        LawParameter("c", -5.0, 5.0, nominal=float(base.shift), shift=True),
         LawParameter("Lambda_factor", 1e-3, 1e3, nominal=1.0, free=False),
     )
     return LawModel(name, contact, parameters, lambda found: adjusted_logarithmic(base, **found))
@@ -237,7 +243,7 @@ def _enhanced(contact: Contact) -> LawModel:
     bounds = (*internal, (-0.1, 0.1)) if contact == "internal" else ((0.1, 1.5), (0, 3), (1, 1.5))
     nominal = asdict(PUBLISHED[contact])
     parameters = tuple(
-        LawParameter(name, low, high, nominal=value)
+        LawParameter(name, low, high, nominal=value, shift=name in ENHANCED_SHIFTS)
         for (name, value), (low, high) in zip(nominal.items(), bounds, strict=True)
     )
     return LawModel("enhanced", contact, parameters, lambda found: Enhanced(coefficients=found))
@@ -247,7 +253,12 @@ def _explicit(contact: Contact) -> LawModel:
     """Return the model of the explicit law."""
     bounds = {"c": (0.5, 3.0), "A": (0.05, 5.0), "B": (0.5, 20.0)}
     parameters = tuple(
-        LawParameter(f.name, *bounds[f.name], nominal=getattr(CALIBRATED[contact], f.name))
+        LawParameter(
+            f.name,
+            *bounds[f.name],
+            nominal=getattr(CALIBRATED[contact], f.name),
+            shift=f.name == "c",
+        )
         for f in fields(ExplicitCoefficients)
     )
     return LawModel(

@@ -102,6 +102,14 @@ class MeasuredObjective:
             difference = np.log(predicted / seen) if self.is_log else (predicted - seen)
             return as_floats(difference * self._scale)
 
+    def predicted(self, raw: FloatArray) -> FloatArray:
+        """Return what a law predicts in the units of the residuals, from those, shape (N,).
+
+        For residuals that are differences; σ and weights are applied to the predictions too.
+        """
+        seen = self.data.load if self.of_load else self.data.penetration
+        return as_floats(raw + seen * self._scale)
+
     @property
     def _scale(self) -> FloatArray:
         """What residuals are multiplied by."""

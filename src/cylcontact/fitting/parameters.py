@@ -141,6 +141,8 @@ class Family:
     dR_min, dR_max : float
         The range of ΔR in mm that the law is stated for, both ends included: calibration may
         use the limit at the open end of [0.005, 10[ that the law itself excludes.
+    shifts : tuple of str
+        The parameters of which zero is a value like any other.
     """
 
     law: str
@@ -151,6 +153,7 @@ class Family:
     published: Mapping[str, float] | None = None
     dR_min: float = 0.0
     dR_max: float = np.inf
+    shifts: tuple[str, ...] = ()
 
 
 def _power_form(K_star: FloatArray, n: FloatArray, dR: FloatArray) -> PowerForm:

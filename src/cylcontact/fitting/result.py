@@ -16,7 +16,7 @@ from cylcontact.fitting.profile import Profile
 from cylcontact.fitting.run import RunRecord
 from cylcontact.fitting.uncertainty.report import Uncertainty
 from cylcontact.pair import Contact
-from cylcontact.specs import Spec, parse_spec
+from cylcontact.specs import Spec, parse_spec, require_other_kind
 
 
 class ObjectiveValue(Spec):
@@ -99,6 +99,7 @@ class FitResult(Spec):
                 source, "", None, "is not a text file", "name a result, a JSON file"
             ) from error
         except (ValueError, RecursionError) as error:
+            require_other_kind(path, "a fit result")
             raise InputError(
                 source, "", None, f"is not JSON ({error})", "name a result, or redo the fit"
             ) from error

@@ -39,7 +39,9 @@ def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
     Returns
     -------
     array of float, shape (1 + 3·N,)
-        The penetration at which the table ends, in mm, then at N nodes ln δ, ln f and
+        The penetration at which the table ends, in mm: 1000·ΔR, unless the law's domain ends
+        before. A law without an end, such as Persson's, is not undefined beyond; only the table
+        is at its end. Then at N nodes ln δ, ln f and
         dln f/dln δ. Read as a cubic between nodes, and by the first slope below them, it gives
         the load to a relative `TABLE_ERROR` from 1e-30·ΔR on, except closer than `SHORTEST`
         to a limit with a vertical tangent or a jump in slope.

@@ -14,6 +14,7 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
+from cylcontact.laws.kernels import TABLE
 from cylcontact.mechanism import contact, events
 from cylcontact.mechanism.cvode import Integrator
 from cylcontact.mechanism.rows import Rows, State, concatenate
@@ -149,12 +150,14 @@ def _gap(run: Run) -> tuple[float, float]:
 
 def _law_left(run: Run) -> LawDomainError:
     limit = run.system.block[contact.STOP_PENETRATION]
+    # A law without a formula to compile may go on where its table ends.
+    of_table = ", the end of its table" if run.system.block[contact.KERNEL] == TABLE else ""
     return LawDomainError(
         run.system.source,
         "clearance.law",
         run.system.law,
         f"leaves its domain at t = {run.state.time:.6g} s, where the penetration reaches "
-        f"{run.penetration * 1e6:.4g} µm and the limit is {limit * 1e6:.4g} µm",
+        f"{run.penetration * 1e6:.4g} µm and the limit is {limit * 1e6:.4g} µm{of_table}",
         'choose another law, or let it go on along its tangent, beyond = "tangent"',
     )
 

@@ -51,7 +51,7 @@ class Rows:
     revolution : array of int, shape (n,)
         From 0.
     counts : array of float, shape (revolutions, 3)
-        Rows, evaluations of the right-hand side, seconds.
+        Accepted steps, evaluations of the right-hand side, seconds.
     """
 
     time: FloatArray

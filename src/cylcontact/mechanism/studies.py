@@ -96,8 +96,9 @@ def tolerance_table(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     -------
     DataFrame
         One row for each: `method`, `tolerance`, number of complete `cases`, largest and median
-        relative energy error, largest drift of a position constraint in m or rad, and steps and
-        evaluations per revolution in the mean over the cases.
+        relative energy error, largest drift of a position constraint in m or rad (NaN in minimal
+        coordinates, which have none), and steps and evaluations per revolution in the mean over
+        the cases.
 
     Raises
     ------

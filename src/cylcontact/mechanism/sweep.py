@@ -106,7 +106,8 @@ def sweep(
         One row for each case in their order: what varies, `status` ("complete", or "stopped" with
         the reason in `message`), mean and standard deviation over the revolutions of every number
         that `Statistics` knows, the largest energy error relative to the peak of the kinetic
-        energy, the largest drift of a constraint, and the assumptions. With `plan.against` also the
+        energy, the largest drift of a constraint (NaN in minimal coordinates, from which bodies are
+        placed so that joints close), and the assumptions. With `plan.against` also the
         horizon in revolutions and the statistics at the other tolerance.
 
     Raises
@@ -182,9 +183,14 @@ def _complete(run: Trajectory, first: int) -> dict[str, Any]:
         "method": run.settings.method,
         "tolerance": run.settings.tolerance,
         "energy_error": float(np.abs(run.energy_error).max() / run.kinetic_energy.max()),
-        "drift": float(run.drift[:, 0].max()),
+        "drift": _drift(run),
         "assumptions": "; ".join(run.assumptions),
     }
+
+
+def _drift(run: Trajectory) -> float:
+    """Return the largest |Φ| in m or rad; NaN in minimal coordinates, which cannot violate it."""
+    return math.nan if run.settings.method == "minimal" else float(run.drift[:, 0].max())
 
 
 def _numbers(run: Trajectory, first: int) -> dict[str, float]:
@@ -233,7 +239,6 @@ def write_table(table: pd.DataFrame, path: Path | str) -> None:
 
 def require_table_name(path: Path) -> None:
     """Refuse a name that is neither .csv nor .parquet."""
-    if path.suffix not in (".csv", ".parquet"):
-        raise InputError(
-            str(path), "", None, "is neither .csv nor .parquet", "name the output so that it is one"
-        )
+    from cylcontact.files import require_suffix
+
+    require_suffix(path, ".csv", ".parquet")

@@ -25,6 +25,7 @@ def in_processes(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Gene
     """Run calls in at most `jobs` worker processes; see `run_calls`."""
     import joblib
 
+    _expect_new_workers()
     workers = max(1, min(jobs, len(calls)))
     parallel = joblib.Parallel(n_jobs=workers, return_as=as_generator(ordered))
     results = None
@@ -56,6 +57,17 @@ def in_threads(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Genera
             yield result
     finally:
         give_up(results)
+
+
+def _expect_new_workers() -> None:
+    """Leave out loky's warning that a worker stopped while there was work.
+
+    It replaces a worker whose memory has grown by 300 MB, as matplotlib's and pandas' caches do
+    over many figures, and warns of a short timeout or a leak; no call is lost, and the reader can
+    do nothing about it. The warning comes from a thread of loky's, at any time, so that it cannot
+    be caught around a call. A worker that the system ended is another case, and an error.
+    """
+    warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
 
 
 def _in_worker(calls: Sequence[Call]) -> list[Call]:

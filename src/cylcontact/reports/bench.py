@@ -46,15 +46,29 @@ class Bench:
         """Where figures are written unless another folder is named."""
         return self.recipes_folder / "figures"
 
+    def noted(self, path: Path) -> Path:
+        """Return a file that is about to be read; a bench that watches its recipes notes it."""
+        return path
+
+    def input(self, name: Path | str) -> Path:
+        """Return where a file lies that a figure is drawn from, by its path below the root.
+
+        Examples
+        --------
+        >>> Bench(Path("bench")).input("benchmarks/results.json").as_posix()
+        'bench/benchmarks/results.json'
+        """
+        return self.noted(self.root / name)
+
     @property
     def materials_file(self) -> Path:
         """The table of materials."""
-        return self.root / "datasets" / "materials.csv"
+        return self.input("datasets/materials.csv")
 
     @property
     def mechanism_file(self) -> Path:
         """The spec of the slider-crank."""
-        return self.root / "datasets" / "slider_crank.toml"
+        return self.input("datasets/slider_crank.toml")
 
     def materials(self) -> dict[str, MaterialRow]:
         """Read the table of materials, name → row.
@@ -85,6 +99,10 @@ class Bench:
             )
         return rows[name]
 
+    def result_file(self, name: str) -> Path:
+        """Return where a file of the results folder lies that a figure is drawn from."""
+        return self.noted(self.results_folder / name)
+
     def result(self, name: str) -> FitResult:
         """Load the fit result `NAME.json`.
 
@@ -93,7 +111,7 @@ class Bench:
         InputError
             If it has not been made, or is not a fit result.
         """
-        path = self.results_folder / f"{name}.json"
+        path = self.result_file(f"{name}.json")
         if not path.is_file():
             raise InputError(
                 str(path),

@@ -75,8 +75,7 @@ def new_map(frame: Frame, title: str, scale_label: str) -> tuple[StyledFigure, A
     plain_log(axes, "x", frame.x_ticks)
     plain_log(axes, "y", frame.y_ticks)
     axes.set(xlim=frame.x, ylim=frame.y, xlabel=frame.x_label, ylabel=frame.y_label)
-    # Above a narrow map the notes take two lines.
-    axes.set_title(title, pad=(3.2 if figure.look.narrow else 2) * rcParams["font.size"])
+    axes.set_title(title, pad=2 * rcParams["font.size"])
     bar = figure.colorbar(
         ScalarMappable(NORM, COLOUR_MAP),
         ax=axes,

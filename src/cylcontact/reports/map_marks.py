@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.patheffects import TickedStroke, withStroke
 
@@ -20,9 +21,28 @@ FRAME = Frame(
     y_label="load (N/mm)",
 )
 NOTE_HEIGHT = 1.025  # of the notes above the frame, in heights of it
-SECOND_NOTE = 0.08  # between two of them
-NARROW = 250.0  # pixels at 100 dpi that two notes side by side need
+NOTE_LINE = 1.45  # from one line of notes to the next, in sizes of the font
 BEYOND_GREY = "0.72"
+
+
+def stack_notes(axes: Axes, ends: FloatArray, yields: FloatArray, narrow: bool) -> bool:
+    """Make room for a second line of notes where two do not fit side by side, and tell so.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        A map with its title.
+    ends, yields : array of float
+        The largest load of Johnson's law and the load at yield in N/mm, along the clearances.
+    narrow : bool
+        Whether the map is a column wide.
+    """
+    ceiling = FRAME.y[1]
+    stacked = bool(ends[0] < ceiling and (narrow or not (yields < ceiling).any()))
+    if stacked:
+        room = (2 + NOTE_LINE) * rcParams["font.size"]
+        axes.set_title(axes.get_title(loc="left"), pad=room)
+    return stacked
 
 
 def shade_beyond_johnson(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
@@ -43,7 +63,7 @@ def shade_beyond_johnson(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
     axes.annotate(
         "beyond Johnson's law",
         xy=(FRAME.x[0] * 1.04, ceiling * 0.96),
-        xytext=(0.05, NOTE_HEIGHT + (SECOND_NOTE if axes.bbox.width < NARROW else 0.0)),
+        xytext=(0.05, NOTE_HEIGHT),
         textcoords="axes fraction",
         arrowprops={
             "arrowstyle": "-|>",
@@ -83,12 +103,22 @@ def draw_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
     axes.plot(dR, limit, "-", color="black", linewidth=1.6, marker="", path_effects=[rim, comb])
 
 
-def label_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
+def label_yield_line(
+    axes: Axes, dR: FloatArray, limit: FloatArray, second_line: bool = False
+) -> None:
     """Write along the yield line, on the side that yields, what it is; or that there is none."""
     shown = np.flatnonzero(limit < FRAME.y[1])
     words = "yield line" if shown.size else "no yield in this window"
     note = rf"{words} for $R_i$ = {PRACTICAL.R_i:g} mm, $\sigma_Y$ assumed"
-    axes.text(1.0, NOTE_HEIGHT, note, transform=axes.transAxes, ha="right")
+    axes.annotate(
+        note,
+        xy=(1.0, NOTE_HEIGHT),
+        xycoords="axes fraction",
+        xytext=(0, NOTE_LINE * rcParams["font.size"] * second_line),
+        textcoords="offset points",
+        ha="right",
+        annotation_clip=False,
+    )
     if shown.size == 0:
         return
     ends, middle = shown[[0, -1]], shown[shown.size // 2]

@@ -31,6 +31,7 @@ from cylcontact.reports.map_marks import (
     label_yield_line,
     mark_fitted_range,
     shade_beyond_johnson,
+    stack_notes,
 )
 from cylcontact.reports.style import plain_number
 
@@ -166,12 +167,14 @@ def _difference_map(
         JUDGES[reference.name][0],
     )
     lines = draw_contours(axes, dR, load, difference)
-    shade_beyond_johnson(axes, clearances, reference.max_load(pair))
+    ends, yields = reference.max_load(pair), yield_load(pair)
+    stacked = stack_notes(axes, ends, yields, figure.look.narrow)
+    shade_beyond_johnson(axes, clearances, ends)
     mark_fitted_range(axes, fitted_from)
-    draw_yield_line(axes, clearances, yield_load(pair))
+    draw_yield_line(axes, clearances, yields)
     figure.draw_without_rendering()
     label_contours(axes, lines, keep_clear(fitted_from))
-    label_yield_line(axes, clearances, yield_load(pair))
+    label_yield_line(axes, clearances, yields, stacked)
     caption = _caption(row, reference, coefficients, fitted_from)
     return Drawing(figure, table, _headline(table, fitted_from), caption)
 

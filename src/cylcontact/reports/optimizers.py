@@ -17,6 +17,8 @@ from cylcontact.reports.styled_figure import StyledFigure
 
 # Excesses below this many percent are drawn as none.
 FLOOR = 1e-3
+# Between two optimisers at one place, in places.
+APART = 0.18
 STEPS = {"searched": "after the search", "polished": "after the polish"}
 
 
@@ -40,7 +42,7 @@ def optimizer_runs(bench: Bench, campaign: str) -> pd.DataFrame:
     InputError
         If the file is missing or is another one.
     """
-    path = bench.results_folder / f"optimizers-{campaign}.csv"
+    path = bench.result_file(f"optimizers-{campaign}.csv")
     remedy = f"make it with: cylcontact optimizers fitting/{campaign}.toml -o {path}"
     _require(path.is_file(), path, "this comparison does not exist", remedy)
     try:
@@ -109,12 +111,16 @@ def waterfall_panels(table: pd.DataFrame) -> StyledFigure:
 
 def _waterfalls(axes: Axes, table: pd.DataFrame) -> None:
     """Draw every optimiser's runs, best first."""
+    optimizers = table["optimizer"].nunique()
     axes.axhspan(0, 100 * SAME_BASIN, color="0.9", linewidth=0)
     for number, (optimizer, runs) in enumerate(table.groupby("optimizer", sort=False)):
+        # No lines: across the axis' linear part they would invent slopes. The optimisers stand
+        # side by side at each place, or those at zero would hide each other.
         axes.plot(
-            runs["place"],
+            runs["place"] + APART * (number - (optimizers - 1) / 2),
             runs["excess_percent"].where(runs["excess_percent"] > FLOOR, 0.0),
             color=COLOURS[number],
+            linestyle="none",
             marker=MARKERS[number],
             label=str(optimizer),
         )

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.result import FitResult
 from cylcontact.parallel import Workers, call, run_calls
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import draw, require_programs, write
@@ -57,22 +56,10 @@ class WatchedBench(Bench):
 
     read: list[Path] = field(default_factory=list)
 
-    @property
-    def materials_file(self) -> Path:
-        """The table of materials."""
-        self.read.append(super().materials_file)
-        return super().materials_file
-
-    @property
-    def mechanism_file(self) -> Path:
-        """The spec of the slider-crank."""
-        self.read.append(super().mechanism_file)
-        return super().mechanism_file
-
-    def result(self, name: str) -> FitResult:
-        """Load the fit result `NAME.json`."""
-        self.read.append(self.results_folder / f"{name}.json")
-        return super().result(name)
+    def noted(self, path: Path) -> Path:
+        """Return a file that is about to be read, and note it."""
+        self.read.append(path)
+        return path
 
 
 def draw_all(

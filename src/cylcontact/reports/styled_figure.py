@@ -50,12 +50,16 @@ class StyledFigure(Figure):
         self.look = look
 
     def subplots(self, nrows: int = 1, ncols: int = 1, **settings: Any) -> Any:
-        """Add panels as `Figure.subplots` does, in one column where the look is narrow."""
+        """Add panels as `Figure.subplots` does, in one column where the look is narrow.
+
+        They then follow each other column by column; with `by_rows=True`, row by row.
+        """
+        by_rows = settings.pop("by_rows", False)
         if not self.look.narrow or ncols == 1:
             return super().subplots(nrows, ncols, **settings)
         squeeze = settings.pop("squeeze", True)
         self._grow(nrows, ncols)
-        panels = self._stack(nrows, ncols, settings)
+        panels = self._stack(nrows, ncols, settings, by_rows)
         if not squeeze:
             return panels
         return panels.item() if panels.size == 1 else panels.squeeze()
@@ -113,11 +117,14 @@ class StyledFigure(Figure):
         highest = (self.look.highest_mm or np.inf) / MM_PER_INCH
         self.set_size_inches(width, min(one * columns, highest))
 
-    def _stack(self, rows: int, columns: int, settings: dict[str, Any]) -> Any:
-        """Return axes of shape (rows, columns) that stand in one column, first to last column."""
+    def _stack(self, rows: int, columns: int, settings: dict[str, Any], by_rows: bool) -> Any:
+        """Return axes of shape (rows, columns) that stand in one column, in the order asked for."""
         sharex, sharey = settings.get("sharex", False), settings.get("sharey", False)
-        heights = list(settings.get("height_ratios") or [1] * rows) * columns
-        grid = self.add_gridspec(rows * columns, 1, height_ratios=heights)
+        places = np.arange(rows * columns).reshape((rows, columns) if by_rows else (columns, rows))
+        places = places if by_rows else places.T
+        heights = np.empty(rows * columns)
+        heights[places] = np.reshape(settings.get("height_ratios") or [1] * rows, (rows, 1))
+        grid = self.add_gridspec(rows * columns, 1, height_ratios=list(heights))
         panels = np.empty((rows, columns), dtype=object)
         for column in range(columns):
             for row in range(rows):
@@ -125,7 +132,7 @@ class StyledFigure(Figure):
                     "sharex": _leader(panels, row, column, sharex),
                     "sharey": _leader(panels, row, column, sharey),
                 }
-                axes = self.add_subplot(grid[column * rows + row], **shared)
+                axes = self.add_subplot(grid[int(places[row, column])], **shared)
                 # The panel below shows the numbers for those above it in its column.
                 axes.tick_params(labelbottom=row == rows - 1 or not sharex)
                 panels[row, column] = axes

@@ -5,6 +5,7 @@ bodies have no absolute approach: how the penetration depends on load and cleara
 its additive constant is set by the plate's outer radius.
 """
 
+from cylcontact.datasets.finite_element.outer_ratio import outer_ratio_like_johnson
 from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.datasets.finite_element.solve import Solution, solve
 from cylcontact.datasets.finite_element.spec import Study, read_study
@@ -21,6 +22,7 @@ __all__ = [
     "Solution",
     "Stress",
     "Study",
+    "outer_ratio_like_johnson",
     "read_study",
     "read_table",
     "run_study",

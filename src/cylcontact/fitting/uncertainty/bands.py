@@ -88,9 +88,9 @@ def predict(
         raise InputError(
             "prediction",
             "parameters",
-            noise.blind,
+            noise.blind or list(best),
             "are not determined one by one, so that there is no band",
-            "hold one of them with fixed = true, and fit again",
+            "hold one of them with fixed = true, or take a wider loss, and fit again",
         )
     of_load = penetration is not None
     at = np.atleast_1d(as_floats(penetration if of_load else load))

@@ -28,6 +28,8 @@ PAIR_POINTS = 21
 # How far a pair's map reaches, in half-widths of the intervals.
 PAIR_REACH = 1.6
 FAR = 1e6
+# A ratio below this is no rounding: what was called the optimum is not.
+BETTER = -1e-6
 
 
 class Interval(Spec):
@@ -37,6 +39,9 @@ class Interval(Spec):
     high: float = Field(description="the upper end")
     low_is_bound: bool = Field(description="whether a bound of the search cuts it off below")
     high_is_bound: bool = Field(description="whether a bound of the search cuts it off above")
+    lowest: float = Field(
+        0.0, description="the lowest (S(θ) − S)/τ met: below 0 there is a better optimum"
+    )
 
 
 class PairMap(Spec):
@@ -46,7 +51,8 @@ class PairMap(Spec):
     x: list[float] = Field(description="values of the first, increasing")
     y: list[float] = Field(description="values of the second, increasing")
     ratio: list[list[float | None]] = Field(
-        description="(S(θ) − S)/τ, a row for each y; null where the law is undefined"
+        description="(S(θ) − S)/τ, a row for each y; null where the law is undefined, "
+        "below 0 where a better optimum was found"
     )
     thresholds: dict[str, float] = Field(description="the contour of each level, in percent")
 
@@ -66,13 +72,20 @@ def ratio_held(
         The parameters that are held, and where.
     start : mapping
         Coefficients from which the others are refitted.
+
+    Returns
+    -------
+    ratio : float
+        Below 0 by more than rounding (`BETTER`) where the refit found a better optimum.
+    coefficients : dict
+        That reach it.
     """
     smaller = problem
     for name, value in held.items():
         smaller = smaller.holding(name, value)
     point, reached, _ = descend(smaller, smaller.point(start))
     risen = (noise.rows * reached**2 - noise.sum_of_squares) / noise.unit
-    return float(max(risen, 0.0)), smaller.coefficients(point)
+    return float(risen), smaller.coefficients(point)
 
 
 def interval(
@@ -98,9 +111,15 @@ def interval(
     Interval
     """
     parameter = next(p for p in problem.free if p.name == name)
-    low, low_is_bound = _edge(problem, noise, name, best, parameter.low, level)
-    high, high_is_bound = _edge(problem, noise, name, best, parameter.high, level)
-    return Interval(low=low, high=high, low_is_bound=low_is_bound, high_is_bound=high_is_bound)
+    low, low_is_bound, below = _edge(problem, noise, name, best, parameter.low, level)
+    high, high_is_bound, above = _edge(problem, noise, name, best, parameter.high, level)
+    return Interval(
+        low=low,
+        high=high,
+        low_is_bound=low_is_bound,
+        high_is_bound=high_is_bound,
+        lowest=min(below, above),
+    )
 
 
 def pair_map(
@@ -169,30 +188,34 @@ def _edge(
     best: Mapping[str, float],
     bound: float,
     level: float,
-) -> tuple[float, bool]:
-    """Return where, towards a bound, the likelihood ratio passes the threshold."""
+) -> tuple[float, bool, float]:
+    """Return where, towards a bound, the likelihood ratio passes the threshold.
+
+    Then whether that is the bound, and the lowest ratio met, at most 0.
+    """
     limit = float(np.sqrt(noise.threshold(level)))
     reach = bound - best[name]
+    lowest = 0.0
     if reach == 0:
-        return bound, True
+        return bound, True, lowest
     step = _guess(problem, noise, name, limit) / abs(reach)
     inner, outer, start = 0.0, min(1.0, max(step, FIRST_STEP)), best
 
     def above(share: float) -> float:
         # The root of the ratio is nearly linear in the parameter, which is quick to solve.
-        nonlocal start
+        nonlocal start, lowest
         held = {name: best[name] + share * reach}
         ratio, found = ratio_held(problem, noise, held, start)
         if np.isfinite(ratio):
-            start = found
-        return float(min(np.sqrt(ratio), FAR * limit)) - limit
+            start, lowest = found, min(lowest, ratio)
+        return float(min(np.sqrt(max(ratio, 0.0)), FAR * limit)) - limit
 
     while above(outer) <= 0:
         if outer == 1.0:
-            return bound, True
+            return bound, True, lowest
         inner, outer = outer, min(1.0, 2 * outer)
     share = brentq(above, inner, outer, rtol=EDGE_PRECISION, xtol=EDGE_PRECISION * outer)
-    return best[name] + float(share) * reach, False
+    return best[name] + float(share) * reach, False, lowest
 
 
 def _guess(problem: Problem, noise: Noise, name: str, limit: float) -> float:

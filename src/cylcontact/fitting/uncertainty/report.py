@@ -11,14 +11,16 @@ from scipy import special
 
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.uncertainty.likelihood import Interval, interval
+from cylcontact.fitting.uncertainty.likelihood import BETTER, Interval, interval
 from cylcontact.fitting.uncertainty.noise import MEDIAN_TO_SIGMA, Noise, measured, noise_at
 from cylcontact.parallel import Workers, call, run_calls
 from cylcontact.specs import Spec
 
 LEVEL = 0.95
-# Half-widths of an interval relative to the value: well, fairly, or poorly determined.
-WELL, FAIRLY = 0.02, 0.10
+# Half-widths of an interval relative to the value: well, fairly, poorly determined, or not at all.
+# The value of a shift means nothing, as its zero is a choice: for one it is by how much the
+# half-width moves the predictions, relative to them, the other parameters held.
+WELL, FAIRLY, NOT = 0.02, 0.10, 1.0
 # Residuals this many robust standard deviations away are reported as outliers; they stay in.
 OUTLYING = 3.5
 STRONG_CORRELATION = 0.95
@@ -65,7 +67,9 @@ class Uncertainty(Spec):
     only_together: list[str] = Field(description="parameters that the data do not tell apart")
     duplicates: list[list[int]] = Field(description="lines of the table that say the same")
     outliers: list[Outlier] = Field(description="rows far from the fitted law; they stay in")
-    notes: list[str] = Field(description="where values of materials come from")
+    notes: list[str] = Field(
+        description="what is wrong with the intervals, and where values of materials come from"
+    )
 
 
 def uncertainty_of(
@@ -91,6 +95,7 @@ def uncertainty_of(
     objective, point = measured(problem), problem.point(best)
     noise = noise_at(problem, point)
     data = objective.data
+    estimates = _estimates(problem, noise, best, level, jobs)
     return Uncertainty(
         level=level,
         rows=noise.rows,
@@ -101,13 +106,23 @@ def uncertainty_of(
         chi_square_p=noise.chi_square_p,
         runs_test_p=_runs_test(problem, point),
         loss_scale=None if objective.loss.is_linear else objective.loss.scale,
-        estimates=_estimates(problem, noise, best, level, jobs),
+        estimates=estimates,
         correlation=_correlation(problem, noise),
         only_together=list(noise.blind),
         duplicates=data.duplicates(),
         outliers=_outliers(problem, noise, point),
-        notes=data.data.notes,
+        notes=[*noise.notes, *_better_optima(estimates), *data.data.notes],
     )
+
+
+def _better_optima(estimates: Mapping[str, Estimate]) -> list[str]:
+    """Say where a profile found a better fit than the one it is the profile of."""
+    return [
+        f"the profile of {name} found a better fit, (S − S_best)/τ = {e.profile.lowest:.3g}: the "
+        "intervals are not those of the best fit; fit again with more starts"
+        for name, e in estimates.items()
+        if e.profile is not None and e.profile.lowest < BETTER
+    ]
 
 
 def _unit(noise: Noise, is_log: bool, of_load: bool) -> str:
@@ -150,12 +165,12 @@ def _estimate(
         low=value - reach,
         high=value + reach,
         profile=profile,
-        verdict=_verdict(value, reach, profile),
+        verdict=_verdict(value, reach, profile, float(noise.per_unit[place])),
     )
 
 
-def _verdict(value: float, reach: float, profile: Interval | None) -> str:
-    """Say in a word how well a parameter is determined."""
+def _verdict(value: float, reach: float, profile: Interval | None, per_unit: float) -> str:
+    """Say in a word how well a parameter is determined, given its share per unit of it."""
     half_width = reach
     if profile is not None:
         half_width = (profile.high - profile.low) / 2
@@ -168,11 +183,12 @@ def _verdict(value: float, reach: float, profile: Interval | None) -> str:
             return "not"
         if profile.low_is_bound or profile.high_is_bound:
             return "poorly"
-    if half_width > abs(value):
+    share = half_width * per_unit
+    if share > NOT:
         return "not"
-    if half_width > FAIRLY * abs(value):
+    if share > FAIRLY:
         return "poorly"
-    return "well" if half_width <= WELL * abs(value) else "fairly"
+    return "well" if share <= WELL else "fairly"
 
 
 def _correlation(problem: Problem, noise: Noise) -> dict[str, dict[str, float]]:

@@ -27,6 +27,11 @@ Progress = Callable[[str, int, int], None]
 BATCH = 25
 # With fewer groups than this their resampling says little.
 FEW_GROUPS = 8
+# With fewer refits than this there are standard errors, but no percentile intervals.
+FEWEST_REFITS = 40
+# The ends of a 95 % interval, each from 25 refits beyond it, still move with the seed by a tenth
+# of a standard error or so; with fewer refits by more, which the report says.
+FEW_REFITS = 1000
 
 
 class Bootstrap(Spec):
@@ -34,9 +39,14 @@ class Bootstrap(Spec):
 
     over: str = Field(description="what was resampled: rows, or a kind of group")
     groups: int = Field(description="how many of them there are")
-    replicates: int = Field(description="how many refits")
+    replicates: int = Field(description="how many refits were asked for")
+    undefined: int = Field(
+        0, description="how many could not start, the law being undefined there; left out"
+    )
     seed: int = Field(description="the seed of the resampling")
-    intervals: dict[str, Interval] = Field(description="of each free parameter")
+    intervals: dict[str, Interval] = Field(
+        description=f"of each free parameter; none from fewer than {FEWEST_REFITS} refits"
+    )
     standard_errors: dict[str, float] = Field(description="standard deviations of the refits")
 
 
@@ -89,37 +99,52 @@ def bootstrap(
     Raises
     ------
     InputError
-        If there is only one group.
+        If there is only one group, or fewer than two refits could start.
     """
     names, _ = _groups(problem, over)
     seeds = np.random.SeedSequence(seed).spawn(replicates)
     batches = [seeds[k : k + BATCH] for k in range(0, replicates, BATCH)]
     calls = [call(_replicates, problem, best, over, batch) for batch in batches]
-    points: list[FloatArray] = []
+    refits: list[FloatArray | None] = []
     with closing(run_calls(calls, jobs)) as found:
         for batch in found:
-            points.extend(batch)
-            progress("resampling", len(points), replicates)
+            refits.extend(batch)
+            progress("resampling", len(refits), replicates)
+    points = [point for point in refits if point is not None]
+    if len(points) < 2:
+        raise InputError(
+            measured(problem).data.data.source,
+            "bootstrap",
+            replicates,
+            f"refits gave {len(points)} with the law defined: there is no spread to take",
+            "ask for more, or fit again so that the law is defined for all rows",
+        )
     spread = np.array(points)
-    tails = np.percentile(spread, [50 * (1 - level), 50 * (1 + level)], axis=0)
     return Bootstrap(
         over=over,
         groups=len(names),
         replicates=replicates,
+        undefined=replicates - len(points),
         seed=seed,
-        intervals={
-            p.name: Interval(
-                low=float(low),
-                high=float(high),
-                low_is_bound=bool(low <= p.low),
-                high_is_bound=bool(high >= p.high),
-            )
-            for p, low, high in zip(problem.free, *tails, strict=True)
-        },
+        intervals=_percentiles(problem, spread, level) if len(points) >= FEWEST_REFITS else {},
         standard_errors={
             p.name: float(s) for p, s in zip(problem.free, spread.std(axis=0, ddof=1), strict=True)
         },
     )
+
+
+def _percentiles(problem: Problem, spread: FloatArray, level: float) -> dict[str, Interval]:
+    """Return the percentile interval of each free parameter."""
+    tails = np.percentile(spread, [50 * (1 - level), 50 * (1 + level)], axis=0)
+    return {
+        p.name: Interval(
+            low=float(low),
+            high=float(high),
+            low_is_bound=bool(low <= p.low),
+            high_is_bound=bool(high >= p.high),
+        )
+        for p, low, high in zip(problem.free, *tails, strict=True)
+    }
 
 
 def leave_one_out(
@@ -185,18 +210,18 @@ def _replicates(
     best: Mapping[str, float],
     over: str,
     seeds: list[np.random.SeedSequence],
-) -> list[FloatArray]:
-    """Refit once per seed; a replicate that leaves the law undefined keeps the optimum."""
+) -> list[FloatArray | None]:
+    """Refit once per seed; None where the law is undefined at the start for a row drawn."""
     data = measured(problem).data
     start = problem.point(best)
     names, group = data.groups(over)
     members = [np.flatnonzero(group == number) for number in range(len(names))]
-    points = []
+    points: list[FloatArray | None] = []
     for seed in seeds:
         drawn = np.random.default_rng(seed).integers(len(names), size=len(names))
         rows = np.concatenate([members[k] for k in drawn])
-        point, _, _ = descend(with_rows(problem, rows), start)
-        points.append(point)
+        point, value, _ = descend(with_rows(problem, rows), start)
+        points.append(point if np.isfinite(value) else None)
     return points
 
 

@@ -8,7 +8,13 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.summary import item, text_table
 from cylcontact.fitting.uncertainty.bands import Band
 from cylcontact.fitting.uncertainty.discrepancy import DiscrepancyStudy
-from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, Bootstrap, LeftOut
+from cylcontact.fitting.uncertainty.resampling import (
+    FEW_GROUPS,
+    FEW_REFITS,
+    FEWEST_REFITS,
+    Bootstrap,
+    LeftOut,
+)
 from cylcontact.fitting.uncertainty.study import NoiseStudy
 from cylcontact.fitting.uncertainty.wording import noise_verdicts
 
@@ -27,14 +33,13 @@ def noise_text(study: NoiseStudy) -> str:
             profile = _ends(estimate.profile.low, estimate.profile.high)
         resampled = "-"
         if study.bootstrap is not None:
-            ends = study.bootstrap.intervals[name]
-            resampled = _ends(ends.low, ends.high)
+            resampled = _resampled(study.bootstrap, name)
         lines.append((name, f"{estimate.value:.5g}", error, covariance, profile, resampled))
     columns = ("", "fitted", "std. error", f"{level}, covariance", f"{level}, profile")
     parts = [
         f"{study.name}: how sure, given the noise of the measurements",
         text_table((*columns, f"{level}, bootstrap"), lines),
-        "\n".join(map(item, [*noise_verdicts(found), *_on_bootstrap(study.bootstrap)])),
+        "\n".join(map(item, [*noise_verdicts(found), *_on_bootstrap(study.bootstrap, level)])),
     ]
     parts += _left_out(study.left_out, list(found.estimates))
     parts += _on_bands(study.bands, level)
@@ -67,11 +72,25 @@ def _ends(low: float | None, high: float | None) -> str:
     return "-" if low is None or high is None else f"{low:.5g} … {high:.5g}"
 
 
-def _on_bootstrap(found: Bootstrap | None) -> list[str]:
+def _resampled(found: Bootstrap, name: str) -> str:
+    """Return the interval of a bootstrap, or its standard error alone where it has none."""
+    if name not in found.intervals:
+        return f"error {found.standard_errors[name]:.3g}"
+    return _ends(found.intervals[name].low, found.intervals[name].high)
+
+
+def _on_bootstrap(found: Bootstrap | None, level: str) -> list[str]:
     """Say what was resampled, and whether there was enough of it."""
     if found is None:
         return []
     said = f"bootstrap: {found.replicates} refits to {found.groups} resampled {_plural(found.over)}"
+    done = found.replicates - found.undefined
+    if found.undefined:
+        said += f", of which {found.undefined} left the law undefined and do not count"
+    if not found.intervals:
+        said += f"; {done} refits give standard errors, and {level} intervals from {FEWEST_REFITS}"
+    elif done < FEW_REFITS:
+        said += f"; {done} refits are few for {level} intervals, take {FEW_REFITS} or more"
     if found.groups < FEW_GROUPS:
         said += f"; {found.groups} are few, and their intervals too narrow as a rule"
     return [said]

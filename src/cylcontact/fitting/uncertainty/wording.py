@@ -44,7 +44,12 @@ def _on_noise(found: Uncertainty) -> str:
             f"them with {found.degrees_of_freedom} degrees of freedom); intervals are at "
             f"{100 * found.level:g} % and hold if the law is right and the noise independent"
         )
-    p = found.chi_square_p or 0.0
+    if found.chi_square_p is None:
+        return (
+            "measured data with given standard deviations: the bulk of the residuals scatters by "
+            f"{found.residual_sigma:.3g} of them (a robust loss has no chi-square test)"
+        )
+    p = found.chi_square_p
     verdict = "as large as the given standard deviations allow"
     if p < SURPRISING:
         verdict = (
@@ -77,9 +82,10 @@ def _on_what_is_determined(found: Uncertainty) -> list[str]:
             "of them is determined; hold one of them with fixed = true"
         ]
     words = {
-        "poorly": f"poorly determined (not to ±{100 * FAIRLY:g} % of the value, or cut off by a "
-        "bound)",
-        "not": "not determined by these data (the interval is as wide as the value or the bounds)",
+        "poorly": f"poorly determined (not to ±{100 * FAIRLY:g} % of the value, or for a shift of "
+        "the prediction, or cut off by a bound)",
+        "not": "not determined by these data (the interval is as wide as the value, or for a "
+        "shift as the prediction, or as the bounds, or there is none)",
         "at a bound": "at a bound of the search: widen it",
     }
     sentences = []
@@ -90,7 +96,7 @@ def _on_what_is_determined(found: Uncertainty) -> list[str]:
     if not sentences:
         sentences = [
             f"every free parameter is determined to ±{100 * FAIRLY:g} % or better "
-            f"(well: ±{100 * WELL:g} %)"
+            f"(well: ±{100 * WELL:g} %), a shift in terms of the prediction"
         ]
     return sentences
 

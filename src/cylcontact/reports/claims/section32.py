@@ -11,8 +11,16 @@ import pandas as pd
 from cylcontact import limits
 from cylcontact.datasets.finite_element import Setup
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims.claim import Claim, joined
-from cylcontact.reports.finite_element.data import FOLDER, choices, penetrations, study, table
+from cylcontact.reports.claims.claim import Claim, joined, verdict_if
+from cylcontact.reports.finite_element.data import (
+    FOLDER,
+    STRESS_LOAD,
+    STRESS_LOAD_CHOICE,
+    choices,
+    penetrations,
+    study,
+    table,
+)
 from cylcontact.reports.finite_element.sensitivity import sensitivity_table
 
 SECTION = "3.2"
@@ -183,9 +191,8 @@ def refinement(tables: Tables) -> Claim:
         holds=max(changes.values()) < MESH_PERCENT,
         choice=tables.choice,
         alternatives=(
-            "with the load on the centre node, as the paper has it, the penetration grows with "
-            f"refinement without bound: by {node:.1f} % at most from 16 to 32 cells "
-            "(not reproduced)"
+            "with the load on the centre node, as the paper has it, the penetration changes by "
+            f"{node:+.1f} % at most from 16 to 32 cells {verdict_if(abs(node) < MESH_PERCENT)}"
         ),
         ours_values={f"{name}, percent": value for name, value in changes.items()}
         | {"penetration, load on the centre node, percent": node},
@@ -193,32 +200,40 @@ def refinement(tables: Tables) -> Claim:
 
 
 def _centre_node(rows: pd.DataFrame) -> float:
-    """Return by how many percent refinement raises the penetration under a load on one node."""
+    """Return by how many percent refinement changes the penetration under a load on one node."""
     changes = sensitivity_table(rows)
     coarse = changes[changes["variant"] == "load at the centre node"]["change_percent"].to_numpy()
     fine = changes[changes["variant"] == "the same on 32 cells"]["change_percent"].to_numpy()
-    return float(100 * ((100 + fine) / (100 + coarse) - 1).max())
+    change = 100 * ((100 + fine) / (100 + coarse) - 1)
+    return float(change[np.abs(change).argmax()])
 
 
 def hertz(tables: Tables, dR: float) -> Claim:
-    """Hold the peak pressure at one clearance against Hertz's, load by load."""
+    """Hold the peak pressure at one clearance against Hertz's, at Fig 5's load and the others."""
     rows = tables.recommended[tables.recommended["dR_mm"] == dR]
     loads = rows["load_N_per_mm"].to_numpy()
     ratios = rows["peak_pressure_MPa"].to_numpy() / limits.hertz_stress(
         loads, tables.setup.pair(dR)
     )
-    off = {f"{load:g} N/mm": 100 * (ratio - 1) for load, ratio in zip(loads, ratios, strict=True)}
+    off = {float(load): float(100 * (r - 1)) for load, r in zip(loads, ratios, strict=True)}
+    others = [
+        f"{value:+.2f} % at {load:g} N/mm {verdict_if(abs(value) < HERTZ_PERCENT)}"
+        for load, value in off.items()
+        if load != STRESS_LOAD
+    ]
     return Claim(
         id=f"3.2-hertz-{dR:g}-mm",
         section=SECTION,
         statement=f"Hertz's theory still applies at a clearance of {dR:g} mm",
         paper="the shape of the contact stress confirms it",
-        ours="peak pressure less Hertz's: "
-        + ", ".join(f"{value:+.2f} % at {load}" for load, value in off.items()),
-        rule=f"within {HERTZ_PERCENT:g} % at every load, our bound",
-        holds=max(map(abs, off.values())) < HERTZ_PERCENT,
-        choice=tables.choice,
-        ours_values={f"peak pressure less Hertz's, {load}, percent": v for load, v in off.items()},
+        ours=f"peak pressure less Hertz's: {off[STRESS_LOAD]:+.2f} % at {STRESS_LOAD:g} N/mm",
+        rule=f"within {HERTZ_PERCENT:g} % at {STRESS_LOAD:g} N/mm, our bound",
+        holds=abs(off[STRESS_LOAD]) < HERTZ_PERCENT,
+        choice=f"{tables.choice} {STRESS_LOAD_CHOICE[0].upper()}{STRESS_LOAD_CHOICE[1:]}.",
+        alternatives=", ".join(others),
+        ours_values={
+            f"peak pressure less Hertz's, {load:g} N/mm, percent": v for load, v in off.items()
+        },
     )
 
 

@@ -2,31 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import pandas as pd
 
 from cylcontact.reports.claims.claim import Claim, listed, verdict_if, with_unit
 from cylcontact.reports.claims.trends import (
-    RULE,
+    RUNS,
     Change,
     as_values,
     changes,
+    rule,
     shown,
     tally,
     trend,
 )
-from cylcontact.reports.mechanism.runs import CLEARANCES, FIRST, LAW_NAMES, REVOLUTIONS
+from cylcontact.reports.mechanism.runs import (
+    CLEARANCES,
+    FIRST,
+    LAW_NAMES,
+    REVOLUTIONS,
+    TIGHTER,
+    WHIRLING,
+    WHIRLING_REVOLUTIONS,
+)
 
 SPHERE, *CYLINDERS = LAW_NAMES
 LARGE, SMALL = CLEARANCES
 BASIS = (
     f"geometry and masses assumed (Table 2 is missing); means over revolutions {FIRST + 1} to "
-    f"{REVOLUTIONS} of one run for each case"
+    f"{REVOLUTIONS} (to {WHIRLING_REVOLUTIONS} at {WHIRLING.clearance:g} mm with "
+    f"c_e = {WHIRLING.restitution:g} and c_f = {WHIRLING.friction:g}, where a whirl along the wall "
+    "lasts for a number of revolutions that hangs on the tolerance, and then stops), after the "
+    "start-up and where sensitive runs have parted, of two runs for each case, at the spec's "
+    f"tolerance and at {TIGHTER:g} of it"
 )
 # What counts as contact without end.
 CONTINUOUS = 0.99
+MOSTLY = 0.5
 ROUGH: Mapping[str, Sequence[object]] = {"friction": [0.1]}
 
 
@@ -44,11 +58,25 @@ def claims(table: pd.DataFrame) -> list[Claim]:
     ]
 
 
-def _elastic(table: pd.DataFrame, column: str) -> dict[str, list[float]]:
+def _elastic(table: pd.DataFrame, column: str, run: str = RUNS[0]) -> dict[str, list[float]]:
     """Return a number at both clearances for the cases without losses, by law."""
     chosen = table[(table["restitution"] == 1.0) & (table["friction"] == 0.0)]
-    found = chosen.set_index(["law", "clearance"])[column].to_dict()
+    found = chosen.set_index(["law", "clearance"])[column + run].to_dict()
     return {LAW_NAMES[law]: [float(found[law, c]) for c in (SMALL, LARGE)] for law in LAW_NAMES}
+
+
+def _always(table: pd.DataFrame, column: str, holds: Callable[[float, float], bool]) -> bool:
+    """Tell whether small and large clearance stand so for every law, at both tolerances."""
+    return all(
+        holds(small, large)
+        for run in RUNS
+        for small, large in _elastic(table, column, run).values()
+    )
+
+
+def _at_least(table: pd.DataFrame, share: float) -> pd.DataFrame:
+    """Return the cases in contact for at least that share of the time, at both tolerances."""
+    return table[(table[[f"contact_fraction{run}" for run in RUNS]] >= share).all(axis=1)]
 
 
 def _told(found: dict[str, list[float]], form: str) -> str:
@@ -72,8 +100,8 @@ def longer_flights(table: pd.DataFrame) -> Claim:
         statement="without losses all laws predict longer free flights at the larger clearance",
         paper="longer",
         ours=f"mean duration of a flight, {SMALL:g} → {LARGE:g} mm: {_told(found, '{:.0f} µs')}",
-        rule="longer for every law",
-        holds=all(large > small for small, large in found.values()),
+        rule="longer for every law at both tolerances",
+        holds=_always(table, "flight_us", lambda small, large: large > small),
         choice=BASIS,
         ours_values=_values(found, "us"),
     )
@@ -82,15 +110,15 @@ def longer_flights(table: pd.DataFrame) -> Claim:
 def shorter_contacts(table: pd.DataFrame) -> Claim:
     """Return the mean duration of a contact at both clearances."""
     found, share = _elastic(table, "contact_us"), _elastic(table, "contact_fraction")
-    by_share = all(large < small for small, large in share.values())
+    by_share = _always(table, "contact_fraction", lambda small, large: large < small)
     return Claim(
         id="4.3-shorter-contacts",
         section="4.3",
         statement="without losses all laws predict shorter contacts at the larger clearance",
         paper="shorter",
         ours=f"mean duration of a contact, {SMALL:g} → {LARGE:g} mm: {_told(found, '{:.1f} µs')}",
-        rule="shorter for every law",
-        holds=all(large < small for small, large in found.values()),
+        rule="shorter for every law at both tolerances",
+        holds=_always(table, "contact_us", lambda small, large: large < small),
         choice=BASIS,
         alternatives=(
             f"by their share of the time, {_told(share, '{:.2f}')}, contacts are shorter "
@@ -100,17 +128,17 @@ def shorter_contacts(table: pd.DataFrame) -> Claim:
     )
 
 
-def _counts(table: pd.DataFrame) -> tuple[int, int]:
-    """Return how many cases are in continuous contact, and how many there are."""
-    return int((table["contact_fraction"] >= CONTINUOUS).sum()), len(table)
-
-
 def dissipation_keeps_contact(table: pd.DataFrame) -> Claim:
     """Return how many runs with dissipation are in contact nearly all the time."""
     lossy = table[table["restitution"] == 0.9]
-    count, total = _counts(lossy)
-    dry, frictionless = _counts(lossy[lossy["friction"] == 0.0])
-    large = lossy[(lossy["friction"] == 0.0) & (lossy["clearance"] == LARGE)]
+    count, total = len(_at_least(lossy, CONTINUOUS)), len(lossy)
+    smooth = lossy[lossy["friction"] == 0.0]
+    kept = _at_least(smooth, CONTINUOUS)
+    by_clearance = [
+        f"{(kept['clearance'] == c).sum()} of {(smooth['clearance'] == c).sum()} at {c:g} mm"
+        for c in CLEARANCES
+    ]
+    large = smooth[smooth["clearance"] == LARGE]
     shares = {LAW_NAMES[r["law"]]: r["contact_fraction"] for r in large.to_dict("records")}
     return Claim(
         id="4.3-dissipation-keeps-contact",
@@ -118,13 +146,12 @@ def dissipation_keeps_contact(table: pd.DataFrame) -> Claim:
         statement="with c_e = 0.9 most trajectories show continuous contact",
         paper="most",
         ours=f"{count} of {total} cases with c_e = 0.9 are in contact {CONTINUOUS:.0%} of the time",
-        rule="more than half of the cases",
+        rule="more than half of the cases, each at both tolerances",
         holds=count > total / 2,
         choice=f"{BASIS}; 'continuous' is at least {CONTINUOUS:.0%} of the time",
         alternatives=(
-            f"without friction {dry} of {frictionless}: all at {SMALL:g} mm, none at {LARGE:g} mm, "
-            f"where the share of time is {listed(shares, '{:.2f}')} "
-            f"{verdict_if(dry > frictionless / 2)}"
+            f"without friction {' and '.join(by_clearance)}; the share of time at {LARGE:g} mm is "
+            f"then {listed(shares, '{:.2f}')} {verdict_if(len(kept) > len(smooth) / 2)}"
         ),
         ours_values={"cases in contact, -": float(count), "cases, -": float(total)}
         | with_unit(shares, "share of time at 0.5 mm without friction"),
@@ -134,9 +161,9 @@ def dissipation_keeps_contact(table: pd.DataFrame) -> Claim:
 def friction_keeps_contact(table: pd.DataFrame) -> Claim:
     """Return the share of time in contact with friction, and what friction changes."""
     rough = table[table["friction"] > 0]
-    most = int((rough["contact_fraction"] > 0.5).sum())
+    mostly = _at_least(rough, MOSTLY)
     found = changes(table, "contact_fraction", "friction", 0.0, 0.1)
-    rest = rough[rough["contact_fraction"] <= 0.5]
+    rest = rough.drop(index=mostly.index)
     low = {
         f"{LAW_NAMES[r['law']]} at {r['clearance']:g} mm, c_e = {r['restitution']:g}": (
             r["contact_fraction"]
@@ -149,9 +176,9 @@ def friction_keeps_contact(table: pd.DataFrame) -> Claim:
         section="4.3",
         statement="with friction the trajectories are mostly in contact",
         paper="mostly in contact",
-        ours=f"more than half of the time in {most} of {len(rough)} cases{told}",
-        rule="more than half of the time in every case with c_f = 0.1",
-        holds=most == len(rough),
+        ours=f"half of the time or more in {len(mostly)} of {len(rough)} cases{told}",
+        rule="half of the time or more in every case with c_f = 0.1, at both tolerances",
+        holds=len(mostly) == len(rough),
         choice=BASIS,
         alternatives=f"friction lengthens the time in contact {tally(found, 1)}",
         ours_values=as_values(found, "share of time"),
@@ -178,7 +205,7 @@ def sphere_most_in_contact(table: pd.DataFrame) -> Claim:
         statement="with friction contact lasts longest with Lankarani and Nikravesh's law",
         paper="more evident for that law",
         ours=f"a cylindrical law is less in contact {tally(found, -1)}",
-        rule=f"less in contact {RULE}",
+        rule=f"less in contact {rule(found)}",
         holds=trend(found, -1),
         choice=BASIS,
         alternatives=shown(found, "{:.3f}"),
@@ -196,7 +223,7 @@ def friction_means_fewer_flights(table: pd.DataFrame) -> Claim:
         statement="with cylindrical laws free flights are rarer with friction than without",
         paper="reduced frequency",
         ours=f"impacts per revolution fall {tally(lively, -1)}: {shown(lively, '{:.1f}')}",
-        rule=f"they fall {RULE}, of those that fly without friction",
+        rule=f"they fall {rule(lively)}, of those that fly without friction",
         holds=trend(lively, -1),
         choice=BASIS,
         ours_values=as_values(lively, "impacts per revolution"),
@@ -213,7 +240,7 @@ def small_clearance_fewer_impacts(table: pd.DataFrame) -> Claim:
         statement="a smaller clearance makes for fewer impacts",
         paper="fewer impacts, long contacts",
         ours=f"impacts per revolution fall {tally(found, -1)}: {shown(found, '{:.1f}')}",
-        rule=f"they fall {RULE}",
+        rule=f"they fall {rule(found)}",
         holds=trend(found, -1),
         choice=BASIS,
         alternatives=f"the share of time in contact rises {tally(share, 1)}",
@@ -230,8 +257,8 @@ def flight_prevails(table: pd.DataFrame) -> Claim:
         statement="without losses free flight prevails over contact",
         paper="prevalence of free flight",
         ours=f"share of time in contact, {SMALL:g} → {LARGE:g} mm: {_told(found, '{:.2f}')}",
-        rule="below one half for every law and clearance",
-        holds=max(max(pair) for pair in found.values()) < 0.5,
+        rule="below one half for every law and clearance at both tolerances",
+        holds=_always(table, "contact_fraction", lambda small, large: max(small, large) < 0.5),
         choice=BASIS,
         ours_values=_values(found, "share of time"),
     )

@@ -23,7 +23,7 @@ REACH, DEPTH = 2.0, 1.6
 def stress_panels(solutions: Sequence[Solution]) -> Figure:
     """Draw stress maps above pressure profiles, a column for each solution."""
     figure = new_figure("full", 116.0)
-    panels = figure.subplots(2, len(solutions), squeeze=False)
+    panels = figure.subplots(2, len(solutions), squeeze=False, by_rows=True)
     for column, solution in enumerate(solutions):
         _stress_map(figure, panels[0, column], solution)
         panel_title(
@@ -32,7 +32,11 @@ def stress_panels(solutions: Sequence[Solution]) -> Figure:
             rf"$\Delta R$ = {solution.dR:g} mm, {solution.load:g} N/mm",
         )
         _profile(panels[1, column], solution)
-        panel_title(panels[1, column], len(solutions) + column, "pressure on the surface")
+        panel_title(
+            panels[1, column],
+            len(solutions) + column,
+            rf"pressure on the surface, $\Delta R$ = {solution.dR:g} mm",
+        )
     handles, labels = panels[1, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure

@@ -11,6 +11,11 @@ from cylcontact.fitting.verdicts import verdicts
 from cylcontact.reports.bench import Bench
 
 NOTHING = "–"
+OBJECTIVE = "objective"
+SAME_DATA = "published, same data"
+LARGEST = "largest |Eq 9|, %"
+# What objectives are counted in, by a word of their names, the first that fits.
+UNITS = {"percent": "%", "-log-": "(ln)", "relative": "(relative)"}
 
 
 @dataclass(frozen=True)
@@ -104,44 +109,79 @@ def _table(law: str, contact: str, results: Sequence[FitResult]) -> Table:
     # Some results of a group may have been made where nothing was published.
     published = next((r.published for r in results if r.published is not None), None)
     names = tuple(results[0].coefficients)
-    rows = (
-        *names,
-        "objective",
-        "published, same data",
-        "lower bound",
-        "largest |Eq 9|, %",
-        "samples",
-        "masked",
-    )
-    paper = (
-        [f"{published.coefficients[n]:g}" for n in names] if published else [NOTHING] * len(names)
-    )
+    paper = {n: f"{published.coefficients[n]:g}" for n in names} if published else {}
+    columns = [_cells(result) for result in results]
+    if len(results) == 1:
+        # One set of data: what the published coefficients reach there stands in their column.
+        paper |= _published_cells(results[0])
+        del columns[0][SAME_DATA]
+    rows = tuple(columns[0])
     return Table(
         law,
         contact,
         rows,
         len(names),
-        (*paper, *[NOTHING] * (len(rows) - len(names))),
-        tuple(_column(result) for result in results),
+        tuple(paper.get(row, NOTHING) for row in rows),
+        tuple(
+            Column(
+                result.name,
+                f"to {result.reference}, {result.objective.name}",
+                tuple(cells.values()),
+                tuple(verdicts(result)),
+            )
+            for result, cells in zip(results, columns, strict=True)
+        ),
     )
 
 
-def _column(result: FitResult) -> Column:
-    """Return one fit's cells, in the order of the rows."""
+def _cells(result: FitResult) -> dict[str, str]:
+    """Return one fit's cells, row → cell, coefficients first."""
+    unit = _unit(result)
     published = result.published.objective if result.published else None
-    cells = (
-        *(f"{value:.5g}" for value in result.coefficients.values()),
-        f"{result.objective.value:.5g}",
-        _number(published),
-        _number(result.bound),
-        f"{result.max_abs_diff_percent.fitted:.4g}",
-        f"{result.counts.samples:,}".replace(",", "\u2009"),
-        f"{result.counts.masked:,}".replace(",", "\u2009"),
-    )
-    about = f"to {result.reference}, {result.objective.name}"
-    return Column(result.name, about, cells, tuple(verdicts(result)))
+    return {
+        **{name: f"{value:.5g}" for name, value in result.coefficients.items()},
+        OBJECTIVE: _number(result.objective.value, unit),
+        SAME_DATA: _number(published, unit),
+        "lower bound": _number(result.bound, unit),
+        LARGEST: f"{result.max_abs_diff_percent.fitted:.4g}",
+        "samples": f"{result.counts.samples:,}".replace(",", "\u2009"),
+        "masked": f"{result.counts.masked:,}".replace(",", "\u2009"),
+        "commit": commit(result),
+    }
 
 
-def _number(value: float | None) -> str:
-    """Return a number, or a dash where there is none."""
-    return NOTHING if value is None else f"{value:.5g}"
+def _published_cells(result: FitResult) -> dict[str, str]:
+    """Return what the published coefficients reach on the data of a fit, row → cell."""
+    if result.published is None:
+        return {}
+    return {
+        OBJECTIVE: _number(result.published.objective, _unit(result)),
+        LARGEST: _number(result.max_abs_diff_percent.published),
+    }
+
+
+def commit(result: FitResult) -> str:
+    """Return the start of the commit that a fit was made at, and whether files differed from it."""
+    told = str(result.provenance.get("git_commit") or "unknown")
+    return f"{told[:10]}, modified" if told.endswith("-dirty") else told[:10]
+
+
+def made_with(results: Mapping[str, FitResult]) -> dict[str, str]:
+    """Return the version and the commit of the fits, "several" where they differ."""
+    versions = {str(r.provenance.get("cylcontact", "unknown")) for r in results.values()}
+    commits = {commit(result) for result in results.values()}
+    return {
+        name: next(iter(found)) if len(found) == 1 else "several"
+        for name, found in (("version", versions), ("commit", commits))
+        if found
+    }
+
+
+def _unit(result: FitResult) -> str:
+    """Return what an objective is counted in: percent, mm, N/mm, or the logarithm of a ratio."""
+    return next((unit for word, unit in UNITS.items() if word in result.objective.name), "")
+
+
+def _number(value: float | None, unit: str = "") -> str:
+    """Return a number with its unit, or a dash where there is none."""
+    return NOTHING if value is None else f"{value:.5g} {unit}".rstrip()

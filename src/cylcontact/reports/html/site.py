@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -16,19 +17,24 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import find_recipes
 from cylcontact.reports.claims import (
     DEFINITIONS,
-    calibration_claims,
     counts,
-    finite_element_claims,
-    ledger,
-    mechanism_claims,
+    full_ledger,
 )
 from cylcontact.reports.claims.claim import VERDICTS, Claim
-from cylcontact.reports.html.campaigns import Campaigns, headline, read_campaigns, tables
+from cylcontact.reports.html.campaigns import (
+    Campaigns,
+    headline,
+    made_with,
+    read_campaigns,
+    tables,
+)
 from cylcontact.reports.html.explorer import explorer_data
 from cylcontact.reports.html.figures import Figure, describe, plates
 from cylcontact.reports.looks import JOURNAL, Choice
 from cylcontact.reports.outcomes import Progress, draw_all
 
+# A symbol of one letter with an index.
+SYMBOL = re.compile(r"(?<!\w)([^\W\d_])_([A-Za-z]+|\d)(?!\w)")
 PAGES = ("index", "explore")
 # The classes that the pages give to the verdicts.
 MARKS = dict(zip(VERDICTS, ("yes", "choice", "no", "untestable"), strict=True))
@@ -76,9 +82,9 @@ def build_site(
     folder : path
         Where to write.
     jobs : int
-        Worker processes that draw.
+        Worker processes that draw, and that run the mechanism's cases for the claims.
     progress : callable, optional
-        Called with the stage, the number of figures done and their total.
+        Called with the stage, what is done of it and its total.
 
     Returns
     -------
@@ -95,8 +101,8 @@ def build_site(
     outcomes = draw_all(bench, list(recipes), folder / "figures", Choice(JOURNAL), jobs, progress)
     figures = [describe(each, recipes[each.name], bench.root, folder) for each in outcomes]
     campaigns = read_campaigns(bench)
-    claims = _claims(bench, campaigns)
-    common = {"version": version("cylcontact"), "provenance": _provenance(campaigns)}
+    claims = _claims(bench, campaigns, jobs, progress)
+    common = {"version": version("cylcontact"), "made_with": made_with(campaigns.results)}
     pages = {
         "index": _index(figures, campaigns, claims),
         "explore": _explore(bench, campaigns),
@@ -126,7 +132,7 @@ def render(page: str, content: Mapping[str, Any]) -> str:
     str
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
-    from markupsafe import Markup
+    from markupsafe import Markup, escape
 
     environment = Environment(
         loader=PackageLoader("cylcontact.reports.html"),
@@ -136,8 +142,20 @@ def render(page: str, content: Mapping[str, Any]) -> str:
         lstrip_blocks=True,
     )
     # Our own styles and scripts go in as they are; everything else is escaped.
+    environment.filters["subscripts"] = lambda text: Markup(_subscripts(str(escape(text))))
     environment.globals["asset"] = lambda name: Markup(_asset(name))
     return environment.get_template(f"{page}.html.j2").render(page=page, **content)
+
+
+def _subscripts(escaped: str) -> str:
+    """Return HTML in which symbols such as c_e and R_i have their index below the line.
+
+    Examples
+    --------
+    >>> _subscripts("c_e = 0.9, R_i; dR_mm")
+    'c<sub>e</sub> = 0.9, R<sub>i</sub>; dR_mm'
+    """
+    return SYMBOL.sub(r"\1<sub>\2</sub>", escaped)
 
 
 def _asset(name: str) -> str:
@@ -174,19 +192,9 @@ def _explore(bench: Bench, campaigns: Campaigns) -> dict[str, Any]:
     return {"data": explorer_data(materials, files_of), "materials_problem": problem}
 
 
-def _claims(bench: Bench, campaigns: Campaigns) -> Ledger:
+def _claims(bench: Bench, campaigns: Campaigns, jobs: Workers, progress: Progress) -> Ledger:
     """Return the ledger, or why there is none; claims on a fit that is missing say so."""
     try:
-        more = [
-            *calibration_claims(campaigns.results),
-            *finite_element_claims(bench),
-            *mechanism_claims(bench),
-        ]
-        return Ledger(tuple(ledger(bench.materials(), more)))
+        return Ledger(tuple(full_ledger(bench, campaigns.results, jobs, progress)))
     except InputError as error:
         return Ledger((), str(error))
-
-
-def _provenance(campaigns: Campaigns) -> dict[str, Any]:
-    """Return what the fits were made with, taken from the first that says so."""
-    return next((r.provenance for r in campaigns.results.values()), {})

@@ -94,7 +94,7 @@ def horizons(bench: Bench, clearance: float) -> str:
     >>> horizons(Bench(Path("nowhere")), 0.5)
     'How long two tolerances agree, make mechanism finds out.'
     """
-    file = bench.mechanism_file.parent / "mechanism" / "cases.csv"
+    file = bench.input("datasets/mechanism/cases.csv")
     if not file.is_file():
         return "How long two tolerances agree, make mechanism finds out."
     table = pd.read_csv(file)

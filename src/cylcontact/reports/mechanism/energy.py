@@ -14,7 +14,7 @@ from cylcontact.reports.style import new_figure, panel_title
 # Rows of the table for each revolution.
 POINTS = 180
 LEDGERS = {
-    "kinetic_J": "kinetic",
+    "kinetic_J": "kinetic, less that at the start",
     "drive_work_J": "work of the drive",
     "normal_dissipation_J": "lost in the normal force",
     "friction_dissipation_J": "lost in friction",

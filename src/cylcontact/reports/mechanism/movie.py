@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
-from cylcontact.files import replacing
+from cylcontact.files import replacing, require_suffix
 from cylcontact.mechanism import Trajectory
 from cylcontact.reports.mechanism.linkage import Pose, draw_linkage, poses
 from cylcontact.reports.mechanism.magnified import (
@@ -86,11 +86,8 @@ def require_film(path: Path) -> None:
     """Raise `InputError` where no film can be written under that name."""
     from matplotlib.animation import writers
 
-    if path.suffix not in WRITERS:
-        raise InputError(
-            str(path), "", None, "is neither .gif nor .mp4", "name the output so that it is one"
-        )
-    if not writers.is_available(WRITERS[path.suffix]):
+    suffix = require_suffix(path, *WRITERS)
+    if not writers.is_available(WRITERS[suffix]):
         raise InputError(
             str(path), "", None, "needs ffmpeg, which is not installed", "write a .gif instead"
         )

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import numpy as np
 import pandas as pd
 
+from cylcontact.mechanism import Case, Trajectory
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.mechanism.disclosure import assumed, horizons, law_ends
@@ -22,8 +26,8 @@ CAPTION = (
     "{clearance:g} mm, in µm and to scale; by rows the contact law, by columns the coefficient of "
     "restitution c_e (in Lankarani and Nikravesh's factor) and of friction c_f. Grey: flight; "
     "orange: contact; dashed: the clearance circle, which the centre leaves by the penetration. "
-    "{share}. {horizons} Beyond that a path is one of many, and only its statistics are of use. "
-    "Which revolutions the paper draws is not said. {ends} {assumed}"
+    "{share}. {whirls}{horizons} Beyond that a path is one of many, and only its statistics are of "
+    "use. Which revolutions the paper draws is not said. {ends} {assumed}"
 )
 
 
@@ -53,6 +57,7 @@ def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
     caption = CAPTION.format(
         drawn=f"revolutions {FIRST + 1} to {last}" if revolutions > 1 else f"revolution {last}",
         clearance=clearance,
+        whirls=_whirls(runs, clearance),
         share=f"In {always} of the {len(chosen)} the journal never leaves the bearing",
         horizons=horizons(bench, clearance),
         ends=law_ends(list(runs.values())),
@@ -60,3 +65,33 @@ def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
     )
     table = pd.concat(paths.values(), ignore_index=True)
     return Drawing(path_panels(paths), table, headline, caption)
+
+
+def _whirls(runs: Mapping[Case, Trajectory], clearance: float) -> str:
+    """Return a sentence on the runs that go in deeper than the clearance, or nothing.
+
+    What drives them is read off the runs: how often the journal's centre goes around the bearing's
+    per revolution of the crank.
+    """
+    deep = {
+        case: run
+        for case, run in runs.items()
+        if run.statistics(FIRST).mean["max_penetration_um"] > 1e3 * clearance
+    }
+    if not deep:
+        return ""
+    turns = [_turns(run) for run in deep.values()]
+    held = sorted({(case.restitution, case.friction) for case in deep})
+    named = " and ".join(f"c_e = {c_e:g}, c_f = {c_f:g}" for c_e, c_f in held)
+    return (
+        f"At {named} the penetration exceeds the clearance in {len(deep)} runs: the journal's "
+        f"centre whirls about the bearing's, {min(turns):.2g} to {max(turns):.2g} turns per "
+        "revolution of the crank, both senses counted, and its inertia presses it outwards. "
+    )
+
+
+def _turns(run: Trajectory) -> float:
+    """Return the turns of the journal's centre about the bearing's per revolution, without sign."""
+    rows = run.revolution >= FIRST
+    angle = np.unwrap(np.arctan2(*run.eccentricity[rows].T[::-1]))
+    return float(np.abs(np.diff(angle)).sum() / (2 * np.pi) / np.ptp(run.revolution[rows]))

@@ -122,5 +122,16 @@ const Charts = (() => {
       .replaceAll(",", "\u2009").replace("-", "\u2212");
   }
 
-  return { axes, curve, dash, linear, logarithmic, make, mark, plain, point, shadeFrom, SAMPLES };
+  // Numbers as the page writes them: so many digits, and signed percentages.
+  function number(value, digits = 6) {
+    if (value === Infinity) return "none";
+    if (!Number.isFinite(value)) return "–";
+    const size = Math.abs(value);
+    if (size >= 1e7 || (size > 0 && size < 1e-4)) return value.toExponential(3).replace("-", "\u2212");
+    return plain(Number(value.toPrecision(digits)));
+  }
+  const percent = (value) => (Number.isFinite(value)
+    ? (Math.abs(value) < 0.005 ? "0.00" : (value > 0 ? "+" : "\u2212") + Math.abs(value).toFixed(Math.abs(value) < 100 ? 2 : 0)) : "–");
+
+  return { axes, curve, dash, linear, logarithmic, make, mark, number, percent, plain, point, shadeFrom, SAMPLES };
 })();

@@ -7,6 +7,7 @@
     ...law, compute: law.document ? Laws.exported(law.document) : Laws.persson,
   }));
   const form = document.getElementById("controls");
+  const { number, percent } = Charts;
   const OWN = "";
   const FIXED = {
     E: [1, 1000, 207, "log"], nu: [0, 0.49, 0.3, "linear"], yield_stress: [10, 5000, 250, "log"],
@@ -147,19 +148,9 @@
         maxLoad: law.compute.maxLoad(pair),
       };
     });
-    const yieldLoad = Laws.limits.yieldLoad(values.yield_stress, pair);
-    return { pair, load, johnson, truth, answers, yieldLoad, johnsonLoad: Laws.limits.johnsonLoad(pair) };
+    const yields = Advice.yieldOf(values.yield_stress, pair);
+    return { pair, load, johnson, truth, answers, yields, johnsonLoad: Laws.limits.johnsonLoad(pair) };
   }
-
-  function number(value, digits = 6) {
-    if (value === Infinity) return "none";
-    if (!Number.isFinite(value)) return "–";
-    const size = Math.abs(value);
-    if (size >= 1e7 || (size > 0 && size < 1e-4)) return value.toExponential(3).replace("-", "\u2212");
-    return Charts.plain(Number(value.toPrecision(digits)));
-  }
-  const percent = (value) => (Number.isFinite(value)
-    ? (Math.abs(value) < 0.005 ? "0.00" : (value > 0 ? "+" : "\u2212") + Math.abs(value).toFixed(Math.abs(value) < 100 ? 2 : 0)) : "–");
 
   function showNumbers(now) {
     const { pair, load } = now;
@@ -167,7 +158,7 @@
       ["E_star", "composite modulus E*", pair.E_star, "MPa"],
       ["R_j", "radius of body j", pair.R_j, "mm"],
       ["phi", "load number f/(E*ΔR)", load / (pair.E_star * pair.dR), ""],
-      ["yield_load", "load at yield", now.yieldLoad, "N/mm"],
+      ["yield_load", `load at yield, Hertz${now.yields.holds ? "" : " (does not hold)"}`, now.yields.load, "N/mm"],
       ["johnson_load", "largest load of Johnson's law", now.johnsonLoad, "N/mm"],
       ["johnson_penetration", "penetration there", 1000 * Laws.limits.johnsonPenetration(pair), "µm"],
       ["hertz_stress", "peak pressure, Hertz", Laws.limits.hertzStress(load, pair), "MPa"],
@@ -213,45 +204,21 @@
     }));
   }
 
-  // Which law when: what rules a law out here, then how far each is from the truth.
-  function advise(now) {
-    const { pair, load, truth, yieldLoad, johnsonLoad } = now;
-    const phi = load / (pair.E_star * pair.dR);
-    const [from, to] = data.explicit_range[contact];
+  // What the advice needs of the page, gathered; the words are Advice's.
+  function adviseHere(now) {
+    const { pair, load, truth } = now;
+    const exact = truth.penetration(load, pair);
     const off = (id) => {
       const law = here().find((each) => each.id === id);
-      return law ? 100 * (law.compute.penetration(load, pair) / truth.penetration(load, pair) - 1) : NaN;
+      return law ? 100 * (law.compute.penetration(load, pair) / exact - 1) : NaN;
     };
-    const points = [];
-    const yields = load > yieldLoad;
-    const inside = phi >= from && phi <= to;
-    const explicitOff = off("explicit"), johnsonOff = off("johnson"), enhancedOff = off("enhanced");
-    const close = contact === "internal" ? "conformal contact" : "Johnson's law";
-    if (yields) points.push(`The peak pressure is above the yield stress from ${number(yieldLoad, 4)} N/mm on: elastic laws do not hold.`);
-    if (Number.isNaN(pair.R)) points.push("The radii do not go together: the yield load is unknown.");
-    if (Laws.limits.hertzHalfWidth(load, pair) > pair.R_j / 2) {
-      points.push("Hertz's contact is as wide as the bodies: his pressure and the yield load mean nothing here.");
-    }
-    points.push(inside
-      ? `The explicit law is ${percent(explicitOff)} % from ${close}, without iteration and without a largest load.`
-      : `The explicit law was calibrated for f/(E*ΔR) from ${from} to ${to}; here it is extrapolated.`);
-    if (contact === "internal") {
-      if (load > johnsonLoad) points.push("Johnson's law has ended: the load is beyond its largest.");
-      else points.push(`Johnson's law is ${percent(johnsonOff)} % from conformal contact${Math.abs(johnsonOff) > 5 ? ": leave it" : ""}.`);
-    } else points.push("Johnson's law is the reference for rollers; one Lambert W gives the load.");
-    const [trained] = data.trained_dR[contact];
-    if (Number.isNaN(enhancedOff)) points.push("The published enhanced law is undefined here.");
-    else points.push(`The published enhanced law is ${percent(enhancedOff)} % from ${close}${pair.dR < trained ? `; it was fitted from ΔR = ${trained} mm on and is extrapolated` : ""}.`);
-    const best = inside ? "the explicit law" : contact === "internal" ? "Persson's solution" : "Johnson's law";
-    return {
-      tone: yields ? "no" : "yes",
-      title: yields ? "Beyond yield: no elastic law holds" : `Use ${best}`,
-      points,
-    };
+    return Advice.advise({
+      ...now, contact, off, range: data.explicit_range[contact], trained: data.trained_dR[contact][0],
+    });
   }
   let waiting = 0;
   function showAdvice(now) {
-    const { tone, title, points } = advise(now);
+    const { tone, title, points } = adviseHere(now);
     const box = document.getElementById("verdict");
     box.dataset.tone = tone;
     // Read out once the slider rests, not at every step of it.
@@ -284,7 +251,7 @@
       Charts.curve(frame, points, slot, law.id);
     });
     Charts.mark(frame, "y", load, "here");
-    Charts.mark(frame, "y", now.yieldLoad, "limit", "yield");
+    if (now.yields.holds) Charts.mark(frame, "y", now.yields.load, "limit", "yield");
     Charts.mark(frame, "y", now.johnsonLoad, "limit johnson", "end of Johnson's law");
     answers.forEach(({ penetration }, slot) => Charts.point(frame, 1000 * penetration, load, slot));
     document.getElementById("force-told").textContent = `At ${number(load, 4)} N/mm: `
@@ -316,7 +283,7 @@
     Charts.mark(frame, "y", 0, "frame");
     for (const { law, points } of curves) Charts.curve(frame, points, slotOf(answers, law), law.id);
     Charts.mark(frame, "x", load, "here");
-    Charts.mark(frame, "x", now.yieldLoad, "limit", "yield", 0);
+    if (now.yields.holds) Charts.mark(frame, "x", now.yields.load, "limit", "yield", 0);
     Charts.mark(frame, "x", now.johnsonLoad, "limit johnson", "end of Johnson's law", 1);
     for (const { law, difference } of curves) Charts.point(frame, load, difference, slotOf(answers, law));
     document.getElementById("difference-told").textContent = `At ${number(load, 4)} N/mm: `

@@ -1,0 +1,77 @@
+// Which law when: what rules a law out at a pair and load, then how far each is from the truth.
+// Pure: numbers in, words out; the page around it draws them.
+"use strict";
+
+const Advice = (() => {
+  const { number, percent } = Charts;
+
+  // The load at yield by Hertz's peak pressure, and whether his theory holds at that load: the
+  // contact must be narrow beside the bodies there, not only at the load that is looked at.
+  function yieldOf(stress, pair) {
+    const load = Laws.limits.yieldLoad(stress, pair);
+    const halfWidth = Laws.limits.hertzHalfWidth(load, pair);
+    // The peak is never below the load over the largest projected width, 2 R_j, whatever the theory.
+    return { load, halfWidth, holds: halfWidth <= pair.R_j / 2, certain: 2 * pair.R_j * stress };
+  }
+
+  // `now`: pair, load, contact, yields (from yieldOf), johnsonLoad; `off`: id of a law to its
+  // distance from the truth in percent; `range` of the explicit law, `trained` of the enhanced.
+  function advise(now) {
+    const { pair, contact } = now;
+    if (Number.isNaN(pair.R)) return noPair(pair, contact);
+    const phi = now.load / (pair.E_star * pair.dR);
+    const [from, to] = now.range;
+    const inside = phi >= from && phi <= to;
+    const beyond = now.yields.holds ? now.load > now.yields.load : now.load > now.yields.certain;
+    const best = inside ? "the explicit law" : contact === "internal" ? "Persson's solution" : "Johnson's law";
+    return {
+      tone: beyond ? "no" : now.yields.holds ? "yes" : "choice",
+      title: beyond ? "Beyond yield: no elastic law holds" : `Use ${best}`,
+      points: [...ofYield(now, beyond), ofExplicit(now, inside), ofJohnson(now), ofEnhanced(now)],
+    };
+  }
+
+  function noPair({ dR, R_i }, contact) {
+    const why = contact === "internal"
+      ? "a clearance ΔR as large as the hole's radius leaves no pin"
+      : "the sum of the radii ΔR must be larger than the radius of one roller";
+    return {
+      tone: "no", title: "No such pair",
+      points: [`ΔR = ${number(dR, 4)} mm and R_i = ${number(R_i, 4)} mm do not go together: ${why}.`],
+    };
+  }
+
+  function ofYield({ yields, pair }, beyond) {
+    if (yields.holds) {
+      return beyond
+        ? [`The peak pressure is above the yield stress from ${number(yields.load, 4)} N/mm on: elastic laws do not hold.`]
+        : [];
+    }
+    const wide = `Hertz's load at yield, ${number(yields.load, 4)} N/mm, does not hold: his contact would reach ${number(yields.halfWidth, 3)} mm to each side there, beside a radius of ${number(pair.R_j, 3)} mm.`;
+    const mean = beyond
+      ? `Above ${number(yields.certain, 4)} N/mm even the mean pressure over the width of body j exceeds the yield stress.`
+      : `Yield is certain only above ${number(yields.certain, 4)} N/mm, where the mean pressure over the width of body j reaches the yield stress; check it apart.`;
+    return [wide, mean];
+  }
+
+  const truthOf = (contact) => (contact === "internal" ? "conformal contact" : "Johnson's law");
+
+  function ofExplicit({ off, contact, range: [from, to] }, inside) {
+    return inside
+      ? `The explicit law is ${percent(off("explicit"))} % from ${truthOf(contact)}, without iteration and without a largest load.`
+      : `The explicit law was calibrated for f/(E*ΔR) from ${from} to ${to}; here it is extrapolated.`;
+  }
+
+  function ofJohnson({ off, contact, load, johnsonLoad }) {
+    if (contact === "external") return "Johnson's law is the reference for rollers; one Lambert W gives the load.";
+    if (load > johnsonLoad) return "Johnson's law has ended: the load is beyond its largest.";
+    return `Johnson's law is ${percent(off("johnson"))} % from conformal contact${Math.abs(off("johnson")) > 5 ? ": leave it" : ""}.`;
+  }
+
+  function ofEnhanced({ off, contact, pair, trained }) {
+    if (Number.isNaN(off("enhanced"))) return "The published enhanced law is undefined here.";
+    return `The published enhanced law is ${percent(off("enhanced"))} % from ${truthOf(contact)}${pair.dR < trained ? `; it was fitted from ΔR = ${trained} mm on and is extrapolated` : ""}.`;
+  }
+
+  return { advise, yieldOf };
+})();
