@@ -7,9 +7,9 @@ from cylcontact.reports.drawing import Drawing
 CAPTION = (
     "Time that others take, in units of the workbench's on the same task with the same answer "
     "(-, logarithmic). Markers: median of the rounds; bars: their quartiles. Computed, marked by "
-    "open circles: the evaluations that the optimiser needed on a small grid times the measured cost of "
-    "one on this grid. The power and the logarithm do less than the workbench: they are limits. "
-    "Measured by `make bench`; docs/speed.md has the numbers, the machine and the versions."
+    "open circles: the evaluations that the optimiser needed on a small grid times the measured "
+    "cost of one on this grid. The power and the logarithm do less than the workbench: they are "
+    "limits. Measured by `make bench`; docs/speed.md has the numbers, the machine and the versions."
 )
 
 
