@@ -310,7 +310,7 @@ def test_a_grid_is_no_campaign_and_a_campaign_no_grid(tmp_path):
     path = tmp_path / "datasets/small.toml"
     with pytest.raises(InputError) as caught:
         read_campaign(path)
-    assert_told(caught, path, "contact", "internal", "is not a known key", "dataset, law")
+    assert_told(caught, path, "", None, "is a grid spec, not a campaign", "name a campaign")
 
 
 @pytest.mark.parametrize(("runs", "seed", "key"), [(0, None, "genetic.runs"), (None, -1, "seed")])

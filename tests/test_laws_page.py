@@ -246,6 +246,7 @@ def test_numbers_between_the_tables():
         "0.005": "0.005 ≤ ΔR < 10 mm",
         "0.05": "ΔR = 0.05 mm",
         "0.3": "ν = 0.3",
+        "0.5": "at ΔR = 0.5 mm, 337 and 339",
     }
     for number, where in known.items():
         assert number in where

@@ -106,3 +106,11 @@ def test_closing_early_ends_calls_under_way_without_a_warning():
         next(results)
         time.sleep(SETTLING)
     assert time.monotonic() - started < 30
+
+
+def test_workers_stand_where_their_parent_does(tmp_path, monkeypatch):
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        monkeypatch.chdir(tmp_path / name)
+        found = list(run_calls([call(os.getcwd)] * 2, 2))
+        assert found == [str(tmp_path / name)] * 2

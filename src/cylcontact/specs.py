@@ -27,7 +27,8 @@ SpecType = TypeVar("SpecType", bound=Spec)
 
 # What a file is, by keys that stand in every file of its kind and together in no other; in order.
 KINDS = (
-    ("a fit result", {"coefficients", "settings"}),
+    ("a fit result", {"coefficients"}),
+    ("a fit result", {"settings"}),
     ("a mechanism", {"bodies", "joints"}),
     ("a finite-element set-up", {"hole_radius", "load_on"}),
     ("a campaign", {"dataset", "law"}),
@@ -145,7 +146,8 @@ def parse_spec(model: type[SpecType], data: dict[str, Any], source: str) -> Spec
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        kind, wanted = kind_of(data), kind_of(model.model_fields)
+        kind = kind_of(data) if isinstance(data, dict) else ""
+        wanted = kind_of(model.model_fields)
         if kind and wanted and kind != wanted:
             raise _other_kind(source, kind, wanted) from None
         raise _as_input_error(error, model, source) from None

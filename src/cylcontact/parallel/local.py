@@ -11,6 +11,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, nullcontext
 from multiprocessing import resource_tracker
+from pathlib import Path
 from typing import Any
 
 from cylcontact.errors import InputError
@@ -71,12 +72,19 @@ def _expect_new_workers() -> None:
 
 
 def _in_worker(calls: Sequence[Call]) -> list[Call]:
-    """Return the same calls for workers that end with this process, however that ends."""
-    return [call(_with_parent, os.getpid(), *one) for one in calls]
+    """Return the same calls for workers that stand in this folder and end with this process."""
+    folder = str(Path.cwd())
+    return [call(_with_parent, os.getpid(), folder, *one) for one in calls]
 
 
-def _with_parent(parent: int, function: Callable[..., Any], arguments: Any, named: Any) -> Any:
-    """Make a call in a worker process that looks after its parent from then on."""
+def _with_parent(
+    parent: int, folder: str, function: Callable[..., Any], arguments: Any, named: Any
+) -> Any:
+    """Make a call in a worker process that looks after its parent from then on.
+
+    A worker may be left from an earlier call, made when its parent stood in another folder.
+    """
+    os.chdir(folder)
     looks = any(thread.name == _LOOKOUT for thread in threading.enumerate())
     if os.getppid() == parent and not looks:
         threading.Thread(target=_end_with, args=(parent,), name=_LOOKOUT, daemon=True).start()
