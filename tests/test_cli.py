@@ -192,7 +192,7 @@ NO_FILE, IS_FOLDER = "No such file or directory", "Is a directory"
 
 BAD_INPUT = [
     # the command line itself
-    ((), "a command is missing; see cylcontact --help"),
+    ((), "Missing command; see cylcontact --help"),
     (("frobnicate",), "No such command 'frobnicate'; see cylcontact --help"),
     (("--nope",), "No such option: --nope; see cylcontact --help"),
     (("fit",), "Missing argument 'campaign'; see cylcontact fit --help"),

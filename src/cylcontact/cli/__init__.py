@@ -66,7 +66,7 @@ def _run(arguments: Sequence[str]) -> int:
 
 def _usage(error: Exception, message: str) -> str:
     """Put a mistake on the command line, told by typer, and the remedy on one line."""
-    rule = " ".join(message.split()).rstrip(".") or "a command is missing"
+    rule = " ".join(message.split()).rstrip(".")
     context = getattr(error, "ctx", None)
     return f"{rule}; see {context.command_path if context else 'cylcontact'} --help"
 
