@@ -2,7 +2,15 @@
 
 from cylcontact.limits import yield_load
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims.domain import ELASTIC, LOADS, RADII, YIELD, clearance_pair, origins
+from cylcontact.reports.claims.domain import (
+    ELASTIC,
+    LOADS,
+    MATERIALS,
+    RADII,
+    YIELD,
+    clearance_pair,
+    origins,
+)
 from cylcontact.reports.curves import clearance_panels
 from cylcontact.reports.drawing import Drawing
 
@@ -16,7 +24,7 @@ CAPTION = (
 
 
 def draw(bench: Bench) -> Drawing:
-    rows = bench.materials()
+    rows = {name: bench.material(name) for name in MATERIALS}
     figure, panels, table = clearance_panels(
         rows, yield_load, "load_N_per_mm", RADII, "load at yield (N/mm)"
     )

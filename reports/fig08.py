@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from cylcontact.limits import johnson_limit_load
 from cylcontact.materials import Material
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims.domain import ELASTIC, LOADS, clearance_pair, origins
+from cylcontact.reports.claims.domain import ELASTIC, LOADS, MATERIALS, clearance_pair, origins
 from cylcontact.reports.contours import RIM
 from cylcontact.reports.curves import CLEARANCES, clearance_table, draw_materials, mark_point
 from cylcontact.reports.drawing import Drawing
@@ -38,7 +38,7 @@ CAPTION = (
 
 
 def draw(bench: Bench) -> Drawing:
-    rows = bench.materials()
+    rows = {name: bench.material(name) for name in MATERIALS}
     table = clearance_table(rows, johnson_limit_load, "load_N_per_mm")
     numbers = {percent: departure_number(percent) for percent in DEPARTURES}
     for percent, number in numbers.items():

@@ -2,7 +2,14 @@
 
 from cylcontact.limits import elastic_limit_clearance, stress_at_johnson_limit
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims.domain import ELASTIC, RADII, YIELD, clearance_pair, origins
+from cylcontact.reports.claims.domain import (
+    ELASTIC,
+    MATERIALS,
+    RADII,
+    YIELD,
+    clearance_pair,
+    origins,
+)
 from cylcontact.reports.curves import clearance_panels, mark_yield
 from cylcontact.reports.drawing import Drawing
 
@@ -16,7 +23,7 @@ CAPTION = (
 
 
 def draw(bench: Bench) -> Drawing:
-    rows = bench.materials()
+    rows = {name: bench.material(name) for name in MATERIALS}
     figure, panels, table = clearance_panels(
         rows, stress_at_johnson_limit, "stress_MPa", RADII, "peak pressure (MPa)"
     )

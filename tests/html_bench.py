@@ -3,6 +3,8 @@
 import shutil
 from pathlib import Path
 
+from cylcontact.materials import COLUMNS
+
 ROOT = Path(__file__).parents[1]
 EVIL = "<img src=x onerror=alert(1)> & \"quoted\" '{{ 7 * 7 }}'"
 EVIL_RECIPE = f'''
@@ -27,10 +29,11 @@ def build_small_site(root):
 
     for folder in ("datasets", "fitting/results", "reports"):
         (root / folder).mkdir(parents=True)
-    shutil.copy(ROOT / "datasets" / "materials.csv", root / "datasets")
-    with (root / "datasets" / "materials.csv").open("a", encoding="utf-8") as table:
-        quoted = EVIL.replace('"', '""')
-        table.write(f'"{quoted}",70,assumed,0.3,assumed,300,assumed,"{quoted}"\n')
+    quoted = EVIL.replace('"', '""')
+    (root / "datasets" / "materials.csv").write_text(
+        f'{",".join(COLUMNS)}\n"{quoted}",70,assumed,0.3,assumed,300,assumed,"{quoted}"\n',
+        encoding="utf-8",
+    )
     results = root / "fitting" / "results"
     for name in ("internal", "external", "explicit-internal"):
         shutil.copy(ROOT / "fitting" / "results" / f"{name}.json", results)

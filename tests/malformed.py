@@ -10,6 +10,7 @@ from datetime import date
 from pathlib import Path
 from typing import NamedTuple
 
+from cylcontact.materials import COLUMNS
 from tests.spec_files import CAMPAIGN, DROP, GRID, changed, toml
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -51,8 +52,9 @@ READERS = {
 MATERIALS = ("fit", "steel.csv", "--law", "power", "--contact", "internal", "-o", "out.json")
 READERS["datasets/materials.csv"] = (
     *MATERIALS,
-    *("--material", "low-carbon steel", "--materials", "datasets/materials.csv"),
+    *("--material", "bronze", "--materials", "datasets/materials.csv"),
 )
+OWN_MATERIALS = f"{','.join(COLUMNS)}\nbronze,110,paper,0.34,paper,220,assumed,a note\n"
 STEEL = "dR_um,load_N_per_mm,penetration_um\n50,10,0.21\n50,100,1.7\n50,1000,13.2\n"
 
 
@@ -64,7 +66,7 @@ def good_files(result):
         "good.json": result,
         "table.csv": TABLE.encode(),
         "steel.csv": STEEL.encode(),
-        "datasets/materials.csv": (ROOT / "datasets/materials.csv").read_bytes(),
+        "datasets/materials.csv": OWN_MATERIALS.encode(),
         "mechanism.toml": (ROOT / "datasets/slider_crank.toml").read_bytes(),
         "elements.toml": (ROOT / "datasets/finite_element/recommended.toml").read_bytes(),
     }
@@ -212,18 +214,19 @@ def broken_tables():
 
 def broken_materials():
     """Tables of materials with wrong columns, numbers and provenances."""
-    text = (ROOT / "datasets/materials.csv").read_text(encoding="utf-8")
+    text = OWN_MATERIALS
     broken = {
         "nothing": "",
         "no column": text.replace("E_GPa,", "", 1),
         "other column": text.replace("E_GPa", "E_MPa", 1),
-        "word": text.replace(",200,", ",hard,"),
-        "negative": text.replace(",200,", ",-200,"),
-        "nu": text.replace(",0.30,paper", ",0.90,paper"),
+        "word": text.replace(",110,", ",hard,"),
+        "negative": text.replace(",110,", ",-110,"),
+        "nu": text.replace(",0.34,paper", ",0.90,paper"),
         "provenance": text.replace("paper", "rumour"),
-        "no name": text.replace("low-carbon steel", ""),
+        "no name": text.replace("bronze", ""),
         "short row": text + "steel,200\n",
-        "twice": text + text.splitlines()[3] + "\n",
+        "name that ships": text.replace("bronze", "ceramics"),
+        "twice": text + text.splitlines()[1] + "\n",
         "binary": "\0",
     }
     path = "datasets/materials.csv"

@@ -6,13 +6,12 @@ import json
 import math
 import re
 import time
-from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from cylcontact import InputError
-from cylcontact.datasets.materials_table import MaterialRow, read_materials
+from cylcontact.materials import MaterialRow, shipped_materials
 from cylcontact.reports.claims import (
     DEFINITIONS,
     VERDICTS,
@@ -26,7 +25,7 @@ from cylcontact.reports.claims import (
     to_text,
 )
 
-ROWS = read_materials(Path(__file__).parents[1] / "datasets" / "materials.csv")
+ROWS = shipped_materials()
 MATERIALS = {name: row.material for name, row in ROWS.items()}
 
 YES, CHOICE, NO = "reproduced", "reproduced with a stated choice", "not reproduced"

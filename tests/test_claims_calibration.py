@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from cylcontact.datasets.materials_table import read_materials
 from cylcontact.fitting import FitResult
+from cylcontact.materials import shipped_materials
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Claim, calibration_claims, ledger, to_text
 
@@ -111,7 +111,7 @@ def test_results_of_other_campaigns_alone_do_not_judge():
 
 
 def test_they_join_the_ledger(claims):
-    rows = read_materials(ROOT / "datasets" / "materials.csv")
+    rows = shipped_materials()
     whole = ledger(rows, claims.values())
     assert [claim.id for claim in whole if claim.id in claims] == list(IDS)
     assert [claim.section for claim in whole] == sorted(claim.section for claim in whole)

@@ -1,19 +1,18 @@
 """The ledger's key numbers again, from Eqs 1, 5, 6, 7, 8 and 9 in plain Python, and finer grids."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from cylcontact.datasets.materials_table import read_materials
+from cylcontact.materials import shipped_materials
 from cylcontact.reports.claims import Claim, ledger
 from cylcontact.reports.claims.domain import JOHNSON_ONLY, MODERATE, PRACTICAL, difference
 from cylcontact.reports.claims.extremes import best_load, largest_difference, share_below
 from cylcontact.reports.claims.power_fits import TRAINING_LOADS, fit_at
 
-ROWS = read_materials(Path(__file__).parents[1] / "datasets" / "materials.csv")
+ROWS = shipped_materials()
 MATERIALS = {name: row.material for name, row in ROWS.items()}
 
 

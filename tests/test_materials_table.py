@@ -1,15 +1,10 @@
 """The table of materials: the shipped values with their provenance, and every way to go wrong."""
 
-from pathlib import Path
-
 import pytest
 
 from cylcontact import InputError, Material
-from cylcontact.datasets import read_materials
-from cylcontact.datasets.materials_table import COLUMNS
+from cylcontact.materials import COLUMNS, SHIPPED, known_materials, read_materials
 from tests.spec_files import assert_told
-
-SHIPPED = Path(__file__).resolve().parents[1] / "datasets/materials.csv"
 
 # E in GPa and ν with their provenance, yield stress in MPa; all yield stresses are assumed.
 VALUES = {
@@ -48,6 +43,25 @@ def test_shipped_values_and_where_they_come_from(name):
 def test_every_shipped_material_says_in_its_note_what_its_values_rest_on():
     for row in read_materials(SHIPPED).values():
         assert len(row.note) > 20
+
+
+def test_a_shipped_material_by_its_name():
+    assert Material.named("titanium alloy") == Material("titanium alloy", 120e3, 0.34, 830.0)
+    with pytest.raises(InputError) as caught:
+        Material.named("brass")
+    rule = "no material that ships has this name"
+    assert_told(caught, "Material.named", "name", "brass", rule, "choose ceramics, high-strength")
+
+
+def test_a_table_of_ones_own_only_adds(tmp_path):
+    own = write(tmp_path, STEEL)
+    assert list(known_materials()) == list(VALUES)
+    assert list(known_materials(own)) == [*VALUES, "steel"]
+    taken = write(tmp_path, STEEL.replace("steel", "ceramics"))
+    with pytest.raises(InputError) as caught:
+        known_materials(taken)
+    rule = "is the name of a material that ships with the package"
+    assert_told(caught, taken, "name", "ceramics", rule, "choose another name")
 
 
 # --- what is read -----------------------------------------------------------------------------

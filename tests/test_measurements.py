@@ -1,7 +1,5 @@
 """Tables of measurements: every unit, every way to give a pair, every way to go wrong."""
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -12,11 +10,10 @@ from cylcontact.datasets.measured_table import MAX_ROWS, read_table
 from cylcontact.datasets.measurements import measurements_of
 from cylcontact.datasets.units import QUANTITIES, column_named, spellings
 from cylcontact.fitting.measured_objective import objective_name
+from cylcontact.materials import COLUMNS
 from tests.measured_files import write_table
 from tests.spec_files import assert_told
 
-ROOT = Path(__file__).resolve().parents[1]
-MATERIALS = ROOT / "datasets/materials.csv"
 GOOD = {
     "load_N_per_mm": [10.0, 20.0, 40.0],
     "penetration_um": [0.2, 0.4, 0.7],
@@ -26,7 +23,7 @@ GOOD = {
 }
 
 
-def measured(path, contact="internal", constants=None, materials=MATERIALS, ignored=()):
+def measured(path, contact="internal", constants=None, materials=None, ignored=()):
     return measurements_of(read_measured(path, contact, constants, materials, ignored), str(path))
 
 
@@ -127,7 +124,7 @@ def test_materials_are_looked_up_and_their_provenance_kept(tmp_path):
     names = ["low-carbon steel", "titanium alloy", "low-carbon steel"]
     columns = {**without("E_GPa", "nu"), "material_i": names}
     table = write_table(tmp_path / "t.csv", columns)
-    data = read_measured(table, "internal", {"material_j": "aluminium alloy"}, MATERIALS)
+    data = read_measured(table, "internal", {"material_j": "aluminium alloy"})
     found = measurements_of(data, "t")
     assert found.columns["E_i"] == pytest.approx([200e3, 120e3, 200e3])
     assert found.columns["E_j"] == pytest.approx([69e3] * 3)
@@ -308,10 +305,22 @@ def test_impossible_values_are_told_with_their_line(tmp_path, column, value, key
     assert "(1 more like it)" in caught.value.remedy
 
 
-def test_materials_need_a_table_of_them(tmp_path):
+def test_materials_of_ones_own_stand_beside_those_that_ship(tmp_path):
     path = write_table(tmp_path / "t.csv", without("E_GPa", "nu"))
-    with pytest.raises(InputError, match="needs a table of materials"):
-        measured(path, constants={"material": "ceramics"}, materials=None)
+    own = tmp_path / "own.csv"
+    own.write_text(f"{','.join(COLUMNS)}\nbronze,110,assumed,0.34,assumed,,,\n")
+    pair = {"material_i": "bronze", "material_j": "ceramics"}
+    data = read_measured(path, "internal", pair, own)
+    assert (data.numbers["E_i"], data.numbers["E_j"]) == ([110e3], [600e3])
+    assert [note.split(":")[0] for note in data.notes] == [
+        "E and ν of ceramics are from the table that ships",
+        "E and ν of bronze are from own.csv",
+    ]
+    for table, name in ((None, "the table that ships"), (own, "own.csv")):
+        with pytest.raises(InputError) as caught:
+            measured(path, constants={"material": "brass"}, materials=table)
+        remedy = "or name a table of your own with --materials"
+        assert_told(caught, path, "material", "brass", f"is not in {name}", remedy)
 
 
 def test_unknown_groupings_are_refused(tmp_path):

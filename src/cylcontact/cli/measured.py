@@ -46,7 +46,8 @@ MaterialName = Annotated[
 MaterialI = Annotated[str | None, _option("--material-i", help="That of body i.")]
 MaterialJ = Annotated[str | None, _option("--material-j", help="That of body j.")]
 Materials = Annotated[
-    str | None, _option("--materials", help="A table of materials; datasets/materials.csv.")
+    str | None,
+    _option("--materials", help="A table of your own materials; datasets/materials.csv."),
 ]
 Modulus = Annotated[
     float | None,

@@ -1,20 +1,17 @@
 """Data generators: grids, sampling of a reference law, moments, tables."""
 
 from cylcontact.datasets.grid import Grid, read_grid
-from cylcontact.datasets.materials_table import MaterialRow, read_materials
 from cylcontact.datasets.moments import Moments, concatenate, merge
 from cylcontact.datasets.sampling import Counts, blocks, reduce_grid, write_samples
 
 __all__ = [
     "Counts",
     "Grid",
-    "MaterialRow",
     "Moments",
     "blocks",
     "concatenate",
     "merge",
     "read_grid",
-    "read_materials",
     "reduce_grid",
     "write_samples",
 ]

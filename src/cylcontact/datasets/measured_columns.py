@@ -9,10 +9,10 @@ import numpy as np
 from pydantic import Field
 
 from cylcontact.arrays import FloatArray
-from cylcontact.datasets.materials_table import MaterialRow, read_materials
 from cylcontact.datasets.measured_table import MeasuredTable, read_table
 from cylcontact.datasets.units import LABELS, column_named, spellings
 from cylcontact.errors import InputError
+from cylcontact.materials import MaterialRow, known_materials, shipped_materials
 from cylcontact.pair import Contact
 from cylcontact.specs import Spec
 
@@ -51,7 +51,7 @@ def read_measured(
     constants : mapping, optional
         What is the same in all rows, under the names of columns: {"E_GPa": 207, "dR_um": 50}.
     materials : path, optional
-        The table of materials in which names are looked up.
+        A table of one's own, in which names are looked up beside the materials that ship.
     ignored : sequence of str
         Columns to leave out.
 
@@ -149,27 +149,25 @@ def _add_materials(
     """Give both bodies an E and a ν; return where those of named materials come from."""
     rows: dict[str, MaterialRow] = {}
     if any(name in labels for name in ("material", "material_i", "material_j")):
-        if materials is None:
-            raise InputError(
-                source,
-                "material",
-                None,
-                "needs a table of materials, and datasets/materials.csv was not found",
-                "name one with --materials or materials =, or give E and nu",
-            )
-        rows = read_materials(materials)
+        rows = known_materials(materials)
     taken = [_one_body(source, body, numbers, labels, rows, materials) for body in BODIES]
     for body, (E, nu) in zip(BODIES, taken, strict=True):
         numbers[f"E_{body}"], numbers[f"nu_{body}"] = E, nu
     for quantity in ("E", "nu"):
         numbers.pop(quantity, None)
     used = {word for name in labels if name.startswith("material") for word in labels[name]}
+    shipped = shipped_materials()
     return [
-        f"E and ν of {name} are from {Path(str(materials)).name}: "
+        f"E and ν of {name} are from {_table_of(name in shipped, materials)}: "
         f"E {rows[name].provenance['E_GPa']}, ν {rows[name].provenance['nu']}"
         for name in rows
         if name in used
     ]
+
+
+def _table_of(ships: bool, own: Path | None) -> str:
+    """Return what notes and errors call the table that a material is in."""
+    return "the table that ships" if ships or own is None else own.name
 
 
 def _one_body(
@@ -203,8 +201,8 @@ def _one_body(
                 source,
                 by_name[0],
                 name,
-                f"is not in {materials}",
-                f"add it there, or choose {', '.join(rows)}",
+                f"is not in {_table_of(materials is None, materials)}",
+                f"choose {', '.join(rows)}, or name a table of your own with --materials",
             )
     found = [rows[name].material for name in labels[by_name[0]]]
     return np.array([m.E for m in found], float), np.array([m.nu for m in found], float)

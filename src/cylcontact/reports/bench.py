@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from cylcontact.datasets.materials_table import MaterialRow, read_materials
 from cylcontact.errors import InputError
 from cylcontact.fitting.result import FitResult
+from cylcontact.materials import SHIPPED, MaterialRow, known_materials, shipped_materials
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,8 @@ class Bench:
 
     @property
     def materials_file(self) -> Path:
-        """The table of materials."""
-        return self.input("datasets/materials.csv")
+        """The bench's own table of materials, beside the one that ships; it may be absent."""
+        return self.root / "datasets" / "materials.csv"
 
     @property
     def mechanism_file(self) -> Path:
@@ -71,23 +71,30 @@ class Bench:
         return self.input("datasets/slider_crank.toml")
 
     def materials(self) -> dict[str, MaterialRow]:
-        """Read the table of materials, name → row.
+        """Return the materials that ship and the bench's own, name → row.
 
         Raises
         ------
         InputError
-            If the table is missing or wrong.
+            If the bench's own table is wrong.
         """
-        return read_materials(self.materials_file)
+        self.noted(SHIPPED)
+        own = self.materials_file
+        return known_materials(self.noted(own) if own.is_file() else None)
 
     def material(self, name: str) -> MaterialRow:
-        """Return one row of the table of materials.
+        """Return a material that ships, or one of the bench's own.
 
         Raises
         ------
         InputError
-            If the table has no such material.
+            If there is no such material.
         """
+        # A figure of shipped materials does not depend on the bench's own table.
+        shipped = shipped_materials()
+        if name in shipped:
+            self.noted(SHIPPED)
+            return shipped[name]
         rows = self.materials()
         if name not in rows:
             raise InputError(
@@ -95,7 +102,7 @@ class Bench:
                 "name",
                 name,
                 "no material has this name",
-                f"add it, or choose {', '.join(rows)}",
+                f"add it to this table, or choose {', '.join(rows)}",
             )
         return rows[name]
 

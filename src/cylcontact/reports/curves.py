@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from cylcontact.arrays import FloatArray
-from cylcontact.datasets.materials_table import MaterialRow
+from cylcontact.materials import MaterialRow
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.claims.domain import clearance_pair
 from cylcontact.reports.contours import RIM

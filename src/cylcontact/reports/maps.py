@@ -9,10 +9,10 @@ import pandas as pd
 
 from cylcontact.arrays import as_floats
 from cylcontact.datasets.grid import grid_from
-from cylcontact.datasets.materials_table import MaterialRow
 from cylcontact.fitting.result import FitResult
 from cylcontact.laws import ContactLaw, Enhanced, Johnson, difference_percent, reference_law
 from cylcontact.limits import yield_load
+from cylcontact.materials import MaterialRow
 from cylcontact.reports.claims.domain import (
     ELASTIC,
     JOHNSON_ONLY,

@@ -38,23 +38,21 @@ def open_bench(folder: Path | None = None) -> Bench:
     --------
     >>> import tempfile
     >>> root = Path(tempfile.mkdtemp()).resolve()
-    >>> (root / "datasets").mkdir(), (root / "notebooks").mkdir()
-    (None, None)
-    >>> (root / "datasets" / "materials.csv").touch()
+    >>> for name in ("datasets", "fitting", "reports", "notebooks"):
+    ...     (root / name).mkdir()
     >>> open_bench(root / "notebooks").root == root
     True
     """
     start = (folder or Path.cwd()).resolve()
     for place in (start, *start.parents):
-        bench = Bench(place)
-        if bench.materials_file.is_file():
-            return bench
+        if all((place / name).is_dir() for name in ("datasets", "fitting", "reports")):
+            return Bench(place)
     raise InputError(
         str(start),
         "",
         None,
-        "no bench here or above: datasets/materials.csv is missing",
-        "run the notebook in a checkout of the repository",
+        "no bench here or above: a folder with datasets, fitting and reports",
+        "lay one out with: cylcontact init FOLDER",
     )
 
 

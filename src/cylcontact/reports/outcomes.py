@@ -18,6 +18,8 @@ from cylcontact.reports.looks import Choice
 # The stage, what is done of it, and how much there is.
 Progress = Callable[[str, int, int], None]
 
+PACKAGE = Path(__file__).parents[1]
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -163,9 +165,15 @@ def _inputs(bench: WatchedBench, name: str) -> dict[str, str]:
     """Return the recipe and the files that it read, each with the start of its hash."""
     files = dict.fromkeys([bench.recipes_folder / f"{name}.py", *bench.read])
     return {
-        file.relative_to(bench.root).as_posix() if file.is_relative_to(bench.root) else str(file): (
-            hashlib.sha256(file.read_bytes()).hexdigest()[:12]
-        )
+        _name_of(file, bench.root): hashlib.sha256(file.read_bytes()).hexdigest()[:12]
         for file in files
         if file.is_file()
     }
+
+
+def _name_of(file: Path, root: Path) -> str:
+    """Return a file's path in the package or below the bench's root, or else the whole of it."""
+    for folder in (PACKAGE.parent, root):
+        if file.is_relative_to(folder):
+            return file.relative_to(folder).as_posix()
+    return str(file)

@@ -16,10 +16,9 @@ from scipy.optimize import minimize_scalar
 
 from cylcontact import limits
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.datasets.materials_table import MaterialRow
 from cylcontact.errors import InputError
 from cylcontact.laws import Enhanced, Johnson, difference_percent
-from cylcontact.materials import Material
+from cylcontact.materials import Material, MaterialRow
 from cylcontact.pair import CylinderPair
 
 Interval = tuple[float, float]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from cylcontact.fitting.result import FitResult
+from cylcontact.materials import shipped_materials
 from cylcontact.parallel import Workers
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import calibration, section4, section32
@@ -26,7 +27,7 @@ def full_ledger(
     Parameters
     ----------
     bench : Bench
-        Where the table of materials, the finite-element tables and the mechanism's spec lie.
+        Where the finite-element tables and the mechanism's spec lie.
     results : mapping of str to FitResult
         The fits by name; claims on one that is missing say so.
     jobs : int or Cluster, optional
@@ -42,7 +43,7 @@ def full_ledger(
     Raises
     ------
     InputError
-        If the table of materials, a finite-element table or the mechanism's spec is wrong.
+        If a finite-element table or the mechanism's spec is wrong.
     """
     groups: tuple[Callable[[], list[Claim]], ...] = (
         lambda: calibration.claims(results),
@@ -51,7 +52,7 @@ def full_ledger(
     )
     more: list[Claim] = []
     progress("claims", 0, len(groups) + 1)
-    materials = bench.materials()
+    materials = shipped_materials()
     for done, group in enumerate(groups, start=1):
         more += group()
         progress("claims", done, len(groups) + 1)

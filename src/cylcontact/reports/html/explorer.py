@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from cylcontact.datasets.materials_table import MaterialRow
 from cylcontact.errors import InputError
 from cylcontact.export import EXPORTABLE, export, export_named
 from cylcontact.fitting.result import FitResult
 from cylcontact.laws import LAWS
+from cylcontact.materials import MaterialRow
 from cylcontact.pair import CONTACTS
 from cylcontact.reports.claims.power_fits import TRAINING_DR
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH
