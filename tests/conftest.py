@@ -1,10 +1,12 @@
-"""Fixtures shared by the tests: a material, pairs of cylinders, a small campaign."""
+"""Fixtures shared by the tests: a material, pairs of cylinders, a small campaign, commands."""
+
+import sys
 
 import numpy as np
 import pytest
 from hypothesis import settings
 
-from cylcontact import CylinderPair, Material
+from cylcontact import CylinderPair, Material, cli
 from cylcontact.fitting import Campaign, FitResult, calibrate, read_campaign
 from tests.browser import chromium
 from tests.html_bench import build_small_site
@@ -55,3 +57,17 @@ def browser():
     """A headless Chromium; its event loop must not outlive the tests that need it."""
     with chromium() as running:
         yield running
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run the command line in this process; return its exit code, output and errors."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["cylcontact", *map(str, arguments)])
+        with pytest.raises(SystemExit) as caught:
+            cli.main()
+        written = capsys.readouterr()
+        return caught.value.code, written.out, written.err
+
+    return run

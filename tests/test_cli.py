@@ -54,20 +54,6 @@ def bench(tmp_path, monkeypatch, small_result):
     return tmp_path
 
 
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Run the command line in this process; return its exit code, output and errors."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["cylcontact", *map(str, arguments)])
-        with pytest.raises(SystemExit) as caught:
-            cli.main()
-        written = capsys.readouterr()
-        return caught.value.code, written.out, written.err
-
-    return run
-
-
 def start(*arguments, **options):
     """Start the command line as a process of its own, in a group of its own."""
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
@@ -187,6 +173,46 @@ def test_verify_finds_out_a_tampered_result(bench, run, changes, what):
 
 FOLDER = "cannot be written (it is a folder); choose a file in a folder you may write to"
 FIT, SAMPLE = ("fit", "fitting/small.toml"), ("sample", "datasets/small.toml")
+
+
+def test_a_result_from_other_inputs_is_replaced_only_when_asked(bench, run):
+    fit = ("fit", "fitting/small.toml", "--jobs", "1")
+    assert run(*fit)[0] == 0
+    path = bench / "fitting/results/small.json"
+    first = path.read_bytes()
+    assert run(*fit)[0] == 0  # the same inputs again
+    before = tree(bench)
+    code, out, err = run(*fit, "--seed", "11", "--runs", "2")
+    assert (code, out) == (2, "")
+    assert err == (
+        "cylcontact: fitting/results/small.json: holds a result that came from other inputs "
+        "(campaign.seed: 7 there, 11 now, campaign.genetic.runs: 3 there, 2 now); write elsewhere "
+        "with -o, or add --force to replace it\n"
+    )
+    assert tree(bench) == before
+    assert run(*fit, "--seed", "11", "--force")[0] == 0
+    assert path.read_bytes() != first
+    path.write_text("not a result")
+    assert run(*fit)[0] == 2
+    assert run(*fit, "-o", path)[0] == 0  # named, so meant
+
+
+def test_a_second_law_on_the_same_table_needs_a_name_of_its_own(bench, run):
+    (bench / "table.csv").write_text(
+        "load_N_per_mm,penetration_um,dR_um,E_GPa,nu\n10,.21,50,207,.3\n100,1.7,50,207,.3\n"
+        "500,7.2,50,207,.3\n1000,13.2,50,207,.3\n"
+    )
+    fit = ("fit", "table.csv", "--contact", "internal", "--law")
+    assert run(*fit, "power")[0] == 0
+    code, _, err = run(*fit, "hertz-cylinder")
+    assert code == 2
+    assert (
+        "holds a result that came from other inputs (campaign.law: 'power' there, 'hertz-cylinder' now"
+        in err
+    )
+    assert run(*fit, "hertz-cylinder", "-o", "hertz.json")[0] == 0
+
+
 OUT = ("-o", "out.csv")
 NO_FILE, IS_FOLDER = "No such file or directory", "Is a directory"
 
@@ -199,7 +225,7 @@ BAD_INPUT = [
     (("sample", *OUT), "Missing argument 'spec'; see cylcontact sample --help"),
     (SAMPLE, "Missing option '-o' / '--out'; see cylcontact sample --help"),
     (("compare",), "Missing argument 'results'; see cylcontact compare --help"),
-    ((*FIT, "--frobnicate"), "No such option: --frobnicate; see cylcontact fit --help"),
+    ((*FIT, "--xyzzy"), "No such option: --frobnicate; see cylcontact fit --help"),
     ((*FIT, "fitting/masked.toml"), "Got unexpected extra argument"),
     ((*FIT, "--runs"), "Option '--runs' requires an argument; see cylcontact"),
     *(
@@ -243,7 +269,7 @@ BAD_INPUT = [
         )
     ),
     (("compare", "good.json", "half.json"), "half.json: is not JSON ("),
-    (("verify",), "fitting/results: holds no results; run make fits, or name some"),
+    (("verify",), "fitting/results: holds no results; name some, or lay out a bench with"),
     # files of another kind
     (("fit", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a campaign; name a"),
     (

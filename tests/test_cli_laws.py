@@ -5,22 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from cylcontact import cli, laws
+from cylcontact import laws
 
 ROOT = Path(__file__).resolve().parents[1]
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Run a command line and return its exit code, standard output and standard error."""
-
-    def command(*arguments):
-        monkeypatch.setattr("sys.argv", ["cylcontact", *map(str, arguments)])
-        with pytest.raises(SystemExit) as stop:
-            cli.main()
-        return stop.value.code, *capsys.readouterr()
-
-    return command
 
 
 def test_laws_lists_every_law_and_the_explicit_laws_error(run):

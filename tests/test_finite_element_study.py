@@ -3,7 +3,6 @@
 import copy
 import json
 import os
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from cylcontact import InputError, cli, laws, limits
+from cylcontact import InputError, laws, limits
 from cylcontact.datasets import read_grid, write_samples
 from cylcontact.datasets.finite_element import (
     outer_ratio_like_johnson,
@@ -51,20 +50,6 @@ def bench(tmp_path, monkeypatch):
     write_toml(tmp_path / "small.toml", SMALL)
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Run the command; return its exit code, output and errors."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["cylcontact", *map(str, arguments)])
-        with pytest.raises(SystemExit) as caught:
-            cli.main()
-        written = capsys.readouterr()
-        return caught.value.code, written.out, written.err
-
-    return run
 
 
 def fake_ccx(folder, monkeypatch, body):

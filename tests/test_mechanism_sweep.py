@@ -2,7 +2,6 @@
 
 import os
 import signal
-import sys
 import threading
 import time
 
@@ -10,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from cylcontact import InputError, cli
+from cylcontact import InputError
 from cylcontact.cli.mechanism import PAPER
 from cylcontact.mechanism import Case, Plan, Trajectory, cases, simulate, sweep
 from cylcontact.mechanism.kept import Kept
@@ -25,20 +24,6 @@ PLAN = Plan(revolutions=2, first=1)
 @pytest.fixture(scope="module")
 def table():
     return sweep(slider_crank(), WANTED, PLAN)
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Run the command line in this process; return its exit code, output and errors."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["cylcontact", *map(str, arguments)])
-        with pytest.raises(SystemExit) as caught:
-            cli.main()
-        written = capsys.readouterr()
-        return caught.value.code, written.out, written.err
-
-    return run
 
 
 def test_the_papers_cases_are_the_default():

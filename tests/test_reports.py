@@ -81,7 +81,7 @@ class TestRecipes:
         assert list(find_recipes(bench)) == ["fig98", "fig99"]
 
     def test_no_recipes(self, tmp_path: Path) -> None:
-        with pytest.raises(InputError, match=r"reports: holds no recipe; run this in the bench's"):
+        with pytest.raises(InputError, match=r"reports: holds no recipe; run this in a bench"):
             build(Bench(tmp_path))
 
     def test_unknown_name_is_told_before_anything_is_drawn(self, bench: Bench) -> None:

@@ -84,6 +84,11 @@ def test_the_commit_is_that_of_the_campaign_and_marked_when_changed(tmp_path):
     git(tmp_path, "commit", "--quiet", "--message", "all")
     commit = git(tmp_path, "rev-parse", "HEAD").strip()
     assert provenance(campaign)["git_commit"] == commit
+    result = tmp_path / "fitting/results/small.json"
+    result.parent.mkdir()
+    result.write_text("{}")
+    git(tmp_path, "add", ".")
+    assert provenance(campaign)["git_commit"] == commit  # results are what is made
     write_bench(tmp_path, {"seed": 8})
     assert provenance(campaign)["git_commit"] == f"{commit}-dirty"
 

@@ -11,6 +11,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+# Every file of the repository but results.
+SOURCES = ("--", ":/", ":(top,exclude,glob)**/results/**")
+
 
 def made_with(
     folder: Path, specs: Mapping[str, dict[str, Any]], libraries: Iterable[str]
@@ -58,16 +61,27 @@ def spec_hash(data: dict[str, Any]) -> str:
 
 
 def _git_commit(folder: Path) -> str | None:
-    """Return the commit that `folder` is at, marked if it has changes; None outside git."""
+    """Return the commit that `folder` is at, marked if a file differs from it; None outside git.
+
+    Results do not count: they are what is made, so that a second one made at a commit is as
+    clean as the first.
+    """
     try:
-        found = subprocess.run(
-            ["git", "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"],
-            cwd=folder if folder.is_dir() else None,
-            capture_output=True,
-            text=True,
-            timeout=10,
-            check=True,
-        )
+        commit = _git(folder, "rev-parse", "HEAD")
+        changed = _git(folder, "status", "--porcelain", "--untracked-files=no", *SOURCES)
     except (OSError, subprocess.SubprocessError):
         return None
-    return found.stdout.strip()
+    return f"{commit}-dirty" if changed else commit
+
+
+def _git(folder: Path, *arguments: str) -> str:
+    """Return what git prints."""
+    done = subprocess.run(
+        ["git", *arguments],
+        cwd=folder if folder.is_dir() else None,
+        capture_output=True,
+        text=True,
+        timeout=10,
+        check=True,
+    )
+    return done.stdout.strip()

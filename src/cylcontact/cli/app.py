@@ -5,7 +5,15 @@ from typing import Annotated
 import typer
 
 import cylcontact
-from cylcontact.cli import animation, calibration, finite_element, measured, mechanism, reporting
+from cylcontact.cli import (
+    animation,
+    calibration,
+    finite_element,
+    init,
+    measured,
+    mechanism,
+    reporting,
+)
 
 
 def _version(wanted: bool) -> None:
@@ -33,6 +41,7 @@ def common(
     """Calibrate contact laws for parallel cylinders and see where each can be trusted."""
 
 
+app.command()(init.init)
 app.command()(calibration.sample)
 app.command()(calibration.fit)
 app.command()(calibration.optimizers)

@@ -13,6 +13,7 @@ from cylcontact.cli.choices import OPTIMIZERS, listed
 from cylcontact.cli.keeping import interrupted, kept_beside
 from cylcontact.cli.terminal import (
     RESULTS,
+    Force,
     Jobs,
     Runs,
     Scheduler,
@@ -58,6 +59,7 @@ def fit(
     ] = None,
     scheduler: Scheduler = None,
     resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted fit.")] = False,
+    force: Force = False,
     law: measured.Law = None,
     contact: measured.ContactKind = None,
     material: measured.MaterialName = None,
@@ -78,6 +80,7 @@ def fit(
 ) -> None:
     """Calibrate a law to a reference, or to a table of measurements."""
     from cylcontact.fitting import calibrate
+    from cylcontact.fitting.result import require_same_inputs
     from cylcontact.locks import owning
 
     options = measured.TableOptions(
@@ -103,6 +106,8 @@ def fit(
     target = out or campaign.parent / "results" / f"{campaign.stem}.json"
     where = workers(jobs, scheduler)
     with owning(target):
+        if out is None and not force:
+            require_same_inputs(target, planned)
         kept = kept_beside(target)
         if resume and not kept.exists():
             typer.echo(f"cylcontact: no runs are kept in {kept}; all are run", err=True)
@@ -173,7 +178,13 @@ def verify(
 
     paths = results or sorted(RESULTS.glob("*.json"))
     if not paths:
-        raise InputError(str(RESULTS), "", None, "holds no results", "run make fits, or name some")
+        raise InputError(
+            str(RESULTS),
+            "",
+            None,
+            "holds no results",
+            "name some, or lay out a bench with: cylcontact init FOLDER",
+        )
     failed = 0
     for path in paths:
         with progress_bars() as progress:

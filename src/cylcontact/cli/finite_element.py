@@ -9,7 +9,7 @@ import typer
 
 from cylcontact.cli import choices
 from cylcontact.cli.keeping import interrupted, kept_beside
-from cylcontact.cli.terminal import Jobs, cores, progress_bars
+from cylcontact.cli.terminal import Force, Jobs, cores, progress_bars
 from cylcontact.errors import InputError
 
 
@@ -25,10 +25,12 @@ def finite_element(
     ] = None,
     jobs: Jobs = None,
     resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted study.")] = False,
+    force: Force = False,
 ) -> None:
     """Solve a pin in a hole by finite elements, for each clearance and load of a set-up."""
     from cylcontact.datasets.finite_element import ENGINES, read_study, run_study, write_table
     from cylcontact.datasets.finite_element.study import engine_name
+    from cylcontact.datasets.finite_element.table import require_same_inputs
     from cylcontact.locks import owning
 
     study = read_study(spec)
@@ -41,6 +43,8 @@ def finite_element(
     target = out or spec.with_name(f"{spec.stem}-{chosen}.csv")
     kept = kept_beside(target)
     with owning(target):
+        if out is None and not force:
+            require_same_inputs(target, study)
         if resume and not kept.exists():
             typer.echo(f"cylcontact: no cases are kept in {kept}; all are solved", err=True)
         try:

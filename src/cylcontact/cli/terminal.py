@@ -72,6 +72,9 @@ Scheduler = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS", help="A Dask cluster instead, e.g. tcp://host:8786."),
 ]
+Force = Annotated[
+    bool, typer.Option("--force", help="Replace an output that came from other inputs.")
+]
 Runs = Annotated[
     int | None,
     typer.Option(

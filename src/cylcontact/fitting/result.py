@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from cylcontact.errors import InputError
+from cylcontact.errors import InputError, short
 from cylcontact.files import replacing
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.planning import AnyCampaign, plan_from_settings
@@ -142,6 +142,56 @@ class FitResult(Spec):
         from cylcontact.fitting.summary import as_html
 
         return as_html(self)
+
+
+def require_same_inputs(path: Path, campaign: AnyCampaign) -> None:
+    """Refuse to replace a result that came from other inputs than this campaign's.
+
+    Parameters
+    ----------
+    path : Path
+        Where the result is to be written; there may be none yet.
+    campaign : Campaign
+        What is to be run.
+
+    Raises
+    ------
+    InputError
+        If the file there is another campaign's result, or no result at all.
+    """
+    remedy = "write elsewhere with -o, or add --force to replace it"
+    if not path.exists():
+        return
+    try:
+        before = FitResult.load(path).settings
+    except InputError as error:
+        rule = "stands where the result would go and is none that can be read"
+        raise InputError(str(path), "", None, rule, remedy) from error
+    now = json.loads(json.dumps(campaign.settings))
+    changed = _differences(before, now)
+    if changed:
+        more = f", and {len(changed) - 2} more" if len(changed) > 2 else ""
+        named = ", ".join(changed[:2]) + more
+        rule = f"holds a result that came from other inputs ({named})"
+        raise InputError(str(path), "", None, rule, remedy)
+
+
+def _differences(before: Any, now: Any, key: str = "") -> list[str]:
+    """Return what differs between two settings, one text for each key.
+
+    Examples
+    --------
+    >>> _differences({"law": "power", "seed": 1}, {"law": "hertz", "seed": 1})
+    ["law: 'power' there, 'hertz' now"]
+    """
+    if before == now:
+        return []
+    if isinstance(before, dict) and isinstance(now, dict):
+        names = [*before, *(name for name in now if name not in before)]
+        pairs = ((f"{key}.{n}" if key else n, before.get(n), now.get(n)) for n in names)
+        return [text for name, old, new in pairs for text in _differences(old, new, name)]
+    old, new = (short(value, 40) or "nothing" for value in (before, now))
+    return [f"{key} differs" if old == new else f"{key}: {old} there, {new} now"]
 
 
 def _require_consistent(result: FitResult, source: str) -> None:

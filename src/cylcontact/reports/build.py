@@ -69,7 +69,11 @@ def find_recipes(bench: Bench) -> dict[str, Path]:
     files = sorted(bench.recipes_folder.glob("*.py"))
     if not files:
         raise InputError(
-            str(bench.recipes_folder), "", None, "holds no recipe", "run this in the bench's folder"
+            str(bench.recipes_folder),
+            "",
+            None,
+            "holds no recipe",
+            "run this in a bench; cylcontact init FOLDER lays one out",
         )
     return {file.stem: file for file in files}
 

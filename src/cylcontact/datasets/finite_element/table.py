@@ -120,6 +120,27 @@ def read_table(path: Path | str) -> FiniteElementTable:
     return FiniteElementTable(pd.read_csv(io.StringIO(body)), header)
 
 
+def require_same_inputs(path: Path, study: Study) -> None:
+    """Refuse to replace a table that came from another set-up than this study's.
+
+    Raises
+    ------
+    InputError
+        If the file there is a table of another set-up, or no such table at all.
+    """
+    if not path.exists():
+        return
+    remedy = "write elsewhere with -o, or add --force to replace it"
+    try:
+        before = read_table(path).header
+    except InputError as error:
+        rule = "stands where the table would go and is none that can be read"
+        raise InputError(str(path), "", None, rule, remedy) from error
+    if before["set-up"] != study.key:
+        rule = f"holds a table that came from another set-up, not from {study.source} as it is now"
+        raise InputError(str(path), "set-up", before["set-up"], rule, remedy)
+
+
 def _line(row: Row) -> str:
     """Return one case as a line of CSV."""
     setup, case = row.setup, row.case

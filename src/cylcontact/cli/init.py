@@ -1,0 +1,101 @@
+"""The command that lays out a bench: init."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+import typer
+
+import cylcontact
+from cylcontact.errors import InputError
+from cylcontact.files import folder_of, require_writable, unwritable
+
+FOLDERS = ("datasets", "fitting", "notebooks", "reports")
+# What commands and readers add to the folders of a checkout; a wheel has none of it.
+NOT_SHIPPED = (
+    *("__pycache__", ".*", "figures", "generated", "html", "tables"),
+    *("mine*", "materials.csv", "*.lock", "*.partial"),
+)
+
+
+def init(
+    folder: Annotated[
+        Path, typer.Argument(metavar="[FOLDER]", help="Where to lay it out; here by default.")
+    ] = Path(),
+) -> None:
+    """Lay out a bench: datasets, campaigns with their results, figures' recipes, notebooks."""
+    source = shipped_bench()
+    names = shipped_files(source)
+    _require_free(folder, names)
+    copy_files(source, folder, names)
+    typer.echo(
+        f"{len(names)} files in {folder.resolve()}: {', '.join(FOLDERS)}\n"
+        "in that folder, try: cylcontact report fig12"
+    )
+
+
+def shipped_bench() -> Path:
+    """Return the folder of the bench that ships: in the package, or the checkout around it."""
+    package = Path(cylcontact.__file__).parent
+    return package / "bench" if (package / "bench").is_dir() else package.parents[1]
+
+
+def shipped_files(source: Path) -> list[Path]:
+    """Return the files of the bench that ships, relative to its folder."""
+    ignore = shutil.ignore_patterns(*NOT_SHIPPED)
+    names = []
+    for top in FOLDERS:
+        for folder, folders, files in os.walk(source / top):
+            for left_out in ignore(folder, folders):
+                folders.remove(left_out)
+            wanted = set(files) - ignore(folder, files)
+            names += [(Path(folder) / name).relative_to(source) for name in wanted]
+    return sorted(names)
+
+
+def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
+    """Copy files with their folders, all of them or none.
+
+    Parameters
+    ----------
+    source, folder : path
+        Where to copy from and to.
+    names : iterable of path
+        The files, relative to both.
+
+    Raises
+    ------
+    InputError
+        If they cannot be written.
+    """
+    with folder_of(folder / "any"):
+        try:
+            with TemporaryDirectory(prefix=".cylcontact-", dir=folder) as temporary:
+                for name in names:
+                    (Path(temporary) / name).parent.mkdir(parents=True, exist_ok=True)
+                    shutil.copyfile(source / name, Path(temporary) / name)
+                for name in names:
+                    (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                    (Path(temporary) / name).rename(folder / name)
+        except OSError as error:
+            raise unwritable(folder, error) from error
+
+
+def _require_free(folder: Path, names: Iterable[Path]) -> None:
+    """Refuse to overwrite anything, and name what is in the way."""
+    require_writable(folder / "any")
+    taken = [str(name) for name in names if os.path.lexists(folder / name)]
+    if taken:
+        more = f" and {len(taken) - 3} more" if len(taken) > 3 else ""
+        raise InputError(
+            str(folder),
+            "",
+            None,
+            f"already holds {', '.join(taken[:3])}{more}, and nothing is overwritten",
+            "choose an empty folder, or move these away",
+        )
