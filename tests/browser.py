@@ -1,10 +1,10 @@
 """A headless Chromium for the tests of pages, and what they measure in it."""
 
-import os
-import shutil
 from contextlib import contextmanager
 
-import pytest
+from playwright.sync_api import sync_playwright
+
+from tests.programs import require_program
 
 # What a reader would meet as an error, and every address that a page asks for.
 CONTRAST = """() => {
@@ -37,27 +37,10 @@ CONTRAST = """() => {
 }"""
 
 
-def require_chromium():
-    """Return Chromium's path; without it, or without playwright, skip, but fail where CI is set."""
-    path = shutil.which("chromium")
-    absent = "" if path else "chromium is not installed (Debian: apt install chromium)"
-    try:
-        import playwright  # noqa: F401
-    except ImportError:
-        absent = "playwright is not installed (make extras)"
-    if absent and os.environ.get("CI"):
-        pytest.fail(absent)
-    if absent:
-        pytest.skip(absent)
-    return path
-
-
 @contextmanager
 def chromium():
     """Run a headless Chromium, and end it whatever happens."""
-    path = require_chromium()
-    from playwright.sync_api import sync_playwright
-
+    path = require_program("chromium")
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
         try:

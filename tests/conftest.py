@@ -8,6 +8,7 @@ from hypothesis import settings
 
 from cylcontact import CylinderPair, Material, cli
 from cylcontact.fitting import Campaign, FitResult, calibrate, read_campaign
+from tests import programs
 from tests.browser import chromium
 from tests.html_bench import build_small_site
 from tests.spec_files import write_bench
@@ -15,6 +16,31 @@ from tests.spec_files import write_bench
 # The same examples on every run and machine; mpmath and first imports make times uneven.
 settings.register_profile("reproducible", derandomize=True, deadline=None)
 settings.load_profile("reproducible")
+
+
+def pytest_addoption(parser):
+    parser.addoption(
+        "--last-skipped",
+        action="store_true",
+        help="run only the tests that skipped in the last run, and let none of them skip",
+    )
+
+
+def pytest_configure(config):
+    programs.REQUIRED = config.getoption("--last-skipped")
+
+
+def pytest_collection_modifyitems(config, items):
+    if config.getoption("--last-skipped"):
+        skipped = set(config.cache.get(programs.CACHED, []))
+        config.hook.pytest_deselected(items=[i for i in items if i.nodeid not in skipped])
+        items[:] = [item for item in items if item.nodeid in skipped]
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    if not config.getoption("--last-skipped"):
+        skipped = {report.nodeid for report in terminalreporter.stats.get("skipped", [])}
+        config.cache.set(programs.CACHED, sorted(skipped))
 
 
 @pytest.fixture(scope="session")

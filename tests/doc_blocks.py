@@ -19,7 +19,7 @@ from pathlib import Path
 import pytest
 
 from cylcontact import cli
-from tests.export_runners import require_tool
+from tests.programs import require_program
 
 ROOT = Path(__file__).resolve().parents[1]
 BENCH = ("datasets", "fitting", "reports")
@@ -129,7 +129,7 @@ def run_tool(line, tool):
     """Run a line in a shell and return what it printed."""
     assert tool.startswith(TOOLS), f"the tests do not know how to run: {line}"
     if tool in NEEDED:
-        require_tool(NEEDED[tool])
+        require_program(NEEDED[tool])
     done = subprocess.run(
         ["bash", "-ec", line], capture_output=True, text=True, check=False, timeout=60
     )

@@ -1,14 +1,12 @@
 """Exported laws run in their own languages, each over columns of arguments."""
 
 import ctypes
-import os
-import shutil
 import subprocess
 
 import numpy as np
-import pytest
 
 from cylcontact.export import export
+from tests.programs import require_program
 
 LIBRARY = ("-Wall", "-Wextra", "-Werror", "-O2", "-fPIC", "-shared")
 STRICT = ("-pedantic", "-Wconversion", "-Wshadow", "-Wmissing-prototypes", "-Wdouble-promotion")
@@ -41,15 +39,6 @@ x = num2cell(x, 1);
 id = fopen('{folder}/out', 'w'); fwrite(id, [f, k], 'double'); fclose(id);
 rmpath('{folder}');
 """
-
-
-def require_tool(name):
-    """Skip where a compiler is absent, except in continuous integration, which must have it."""
-    if shutil.which(name) is None:
-        absent = f"{name} is not installed (Debian: apt install gcc libc6-dev gfortran octave)"
-        if os.environ.get("CI"):
-            pytest.fail(absent)
-        pytest.skip(absent)
 
 
 def run_c(case, folder):
@@ -88,7 +77,7 @@ def run_fortran(case, folder):
 
 def run_octave(cases, folder, more=""):
     """Run the MATLAB exports of all cases, and `more`, in one Octave."""
-    require_tool("octave-cli")
+    require_program("octave-cli")
     script = []
     for name, case in cases.items():
         place = folder / name
@@ -104,7 +93,7 @@ def run_octave(cases, folder, more=""):
 
 
 def _compile(compiler, *arguments):
-    require_tool(compiler)
+    require_program(compiler)
     _run(compiler, *arguments)
 
 

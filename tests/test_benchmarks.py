@@ -3,18 +3,12 @@
 Times are looked at by `make bench`, on a quiet machine, never here.
 """
 
-import os
-import shutil
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-if "CI" not in os.environ:
-    for library in ("exudyn", "cma", "pymoo", "lmfit"):
-        pytest.importorskip(library, reason=f"needs {library}: make extras")
 
 from benchmarks import harness, peers
 from benchmarks.__main__ import BENCHMARKS, PAGE
@@ -26,6 +20,7 @@ from benchmarks.search import problem_of
 from cylcontact import InputError
 from cylcontact.fitting.run import execute, plan_runs
 from cylcontact.reports.benchmarks import GROUPS, ratio_panel, ratios_of
+from tests.programs import require_program
 
 RESULTS = Path(__file__).parents[1] / "benchmarks" / "results.json"
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -33,8 +28,8 @@ pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
 @pytest.mark.parametrize("name", BENCHMARKS)
 def test_the_sides_of_every_benchmark_agree(name):
-    if name == "finite_element" and shutil.which("ccx") is None and "CI" not in os.environ:
-        pytest.skip("needs CalculiX (Debian: apt install calculix-ccx)")
+    if name == "finite_element":
+        require_program("ccx")
     measured = import_module(f"benchmarks.{name}").measure(short=True)
     assert measured
     for row in measured:

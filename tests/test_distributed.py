@@ -16,16 +16,10 @@ from cylcontact.datasets.sampling import reduce_grid
 from cylcontact.fitting import FitResult, calibrate
 from cylcontact.parallel import Cluster, call, cluster, run_calls
 from tests.dask_cluster import LoopbackCluster, kill
-from tests.extras import require_extra
 from tests.spec_files import assert_told, tree, write_bench
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="SIGKILL ends the processes")
 RESUME = "start it again; fit --resume goes on from the runs that are kept"
-
-
-@pytest.fixture(autouse=True)
-def _extra():
-    require_extra("distributed", "distributed")
 
 
 @pytest.fixture(scope="module")

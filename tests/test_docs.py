@@ -8,7 +8,6 @@ import pytest
 
 from tests.browser import chromium, opened
 from tests.doc_blocks import ROOT, blocks, copy_bench, run_page, same
-from tests.extras import require_extra
 from tests.write_docs import rewritten
 
 PAGES = sorted(
@@ -19,12 +18,6 @@ PAGES = sorted(
 )
 WITH_CODE = [page for page in PAGES if any(b.language in ("python", "bash") for b in blocks(page))]
 each_page = pytest.mark.parametrize("page", WITH_CODE, ids=lambda path: str(path.relative_to(ROOT)))
-
-
-def optional(module):
-    """Return a module of the extra `docs`."""
-    require_extra(module.partition(".")[0], "docs")
-    return import_module(module)
 
 
 @each_page
@@ -68,10 +61,10 @@ class Links(HTMLParser):
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     """The site, built strictly: a broken link or an unknown name stops it."""
-    optional("material")
-    optional("mkdocstrings")
-    build = optional("mkdocs.commands.build")
-    config = optional("mkdocs.config")
+    import_module("material")
+    import_module("mkdocstrings")
+    build = import_module("mkdocs.commands.build")
+    config = import_module("mkdocs.config")
     folder = tmp_path_factory.mktemp("site")
     loaded = config.load_config(str(ROOT / "mkdocs.yml"), site_dir=str(folder), strict=True)
     build.build(loaded)

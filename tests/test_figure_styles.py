@@ -3,7 +3,6 @@
 import csv
 import hashlib
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -24,6 +23,7 @@ from cylcontact.reports.outcomes import draw_all
 from cylcontact.reports.style import figure_style, new_figure
 from cylcontact.reports.styled_figure import StyledFigure
 from tests.figure_files import page_mm
+from tests.programs import require_program
 
 ROOT = Path(__file__).parents[1]
 BENCH = Bench(ROOT)
@@ -157,8 +157,8 @@ class TestFormats:
         )
         assert not (small / "out").exists()
 
-    @pytest.mark.skipif(shutil.which("xelatex") is None, reason="xelatex is not installed")
     def test_pgf_with_tex_is_input_for_latex(self, small: Path) -> None:
+        require_program("xelatex")
         choice = choose(formats=("pgf",))
         (outcome,) = draw_all(Bench(small), ["fig99"], small / "out", choice)
         assert r"\begin{pgfpicture}" in outcome.paths[0].read_text(encoding="utf-8")

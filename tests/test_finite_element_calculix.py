@@ -1,7 +1,5 @@
 """CalculiX: run where it is installed, and every way in which it can fail."""
 
-import os
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +15,7 @@ from cylcontact.datasets.finite_element.calculix import (
     version,
 )
 from cylcontact.datasets.finite_element.calculix_deck import Deck
+from tests.programs import require_program
 
 TABLES = Path(__file__).parents[1] / "datasets" / "finite_element"
 SETUP = Setup(hole_radius=2.245, outer_ratio=3.3, E=207e3, nu=0.3, cells=8)
@@ -39,12 +38,8 @@ RESULTS = """
 
 @pytest.fixture(scope="module")
 def ccx():
-    """The program; continuous integration must have it."""
-    if shutil.which("ccx") is None:
-        absent = "ccx is not installed (Debian: apt install calculix-ccx)"
-        if os.environ.get("CI"):
-            pytest.fail(absent)
-        pytest.skip(absent)
+    """The program."""
+    require_program("ccx")
     return find_program()
 
 

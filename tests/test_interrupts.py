@@ -1,5 +1,6 @@
 """Never lose work: kill -9 at any moment, full disks, lost folders, two processes on one file."""
 
+import errno
 import json
 import os
 import pickle
@@ -218,25 +219,46 @@ def test_what_a_killed_process_half_wrote_is_removed_and_nothing_else(tmp_path):
 # --- full disks, lost permissions, removed folders --------------------------------------------
 
 
-@contextmanager
-def small_disk(folder, size):
-    """Mount a file system of some bytes at a folder."""
-    folder.mkdir()
-    mount = shutil.which("mount")
-    command = [mount or "", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)]
-    if not (mount and ROOT_USER and subprocess.run(command, check=False).returncode == 0):
-        pytest.skip("only root, outside of most containers, may mount a small file system")
-    try:
-        yield folder
-    finally:
-        subprocess.run(["umount", str(folder)], check=True)
+class SmallDisk:
+    """A folder on a file system of some bytes, which can be filled up.
 
+    Only root, outside of most containers, may mount one; elsewhere the system calls that write
+    say that there is no room.
+    """
 
-def fill(folder):
-    """Write until the disk is full."""
-    with (folder / "filler").open("wb", buffering=0) as file, suppress(OSError):
-        while True:
-            file.write(bytes(1024))
+    def __init__(self, folder, size, monkeypatch, mount):
+        folder.mkdir()
+        self.folder, self._monkeypatch = folder, monkeypatch
+        command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)]
+        wanted = mount and ROOT_USER and shutil.which("mount")
+        self.mounted = bool(wanted) and subprocess.run(command, check=False).returncode == 0
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.free()
+        if self.mounted:
+            subprocess.run(["umount", str(self.folder)], check=True)
+
+    def fill(self):
+        """Leave no room."""
+        if self.mounted:
+            with (self.folder / "filler").open("wb", buffering=0) as file, suppress(OSError):
+                while True:
+                    file.write(bytes(1024))
+        for name in () if self.mounted else ("fsync", "write"):
+            self._monkeypatch.setattr(os, name, self._no_room)
+
+    def free(self):
+        """Make room again."""
+        (self.folder / "filler").unlink(missing_ok=True)
+        if not self.mounted:
+            self._monkeypatch.undo()
+
+    @staticmethod
+    def _no_room(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def stopping(action, after):
@@ -249,34 +271,38 @@ def stopping(action, after):
     return progress
 
 
-def test_a_disk_that_fills_up_keeps_the_complete_runs(tmp_path):
+@pytest.mark.parametrize("mount", [True, False])
+def test_a_disk_that_fills_up_keeps_the_complete_runs(tmp_path, monkeypatch, mount):
     campaign = read_campaign(bench(tmp_path, campaign=RUNS) / "fitting/small.toml", runs=40)
-    with small_disk(tmp_path / "disk", "64k") as disk:
-        kept = disk / "small.json.partial"
+    with SmallDisk(tmp_path / "disk", "64k", monkeypatch, mount) as disk:
+        kept = disk.folder / "small.json.partial"
         with pytest.raises(InputError) as caught:
-            calibrate(campaign, 1, stopping(lambda: fill(disk), 3), kept)
+            calibrate(campaign, 1, stopping(disk.fill, 3), kept)
         rule = "cannot be written (No space left on device)"
         assert_told(caught, kept, "", None, rule, "runs already in it are kept")
         assert kept.read_bytes().count(b"\n") > 3
-        (disk / "filler").unlink()
+        disk.free()
         resumed = calibrate(campaign, 1, checkpoint=kept, resume=True)
     assert resumed.repeatable() == calibrate(campaign).repeatable()
 
 
-def test_a_full_disk_leaves_the_result_of_before(tmp_path, small_result):
-    with small_disk(tmp_path / "disk", "64k") as disk:
-        small_result.save(disk / "result.json")
-        before = (disk / "result.json").read_bytes()
-        fill(disk)
+@pytest.mark.parametrize("mount", [True, False])
+def test_a_full_disk_leaves_the_result_of_before(tmp_path, small_result, monkeypatch, mount):
+    with SmallDisk(tmp_path / "disk", "64k", monkeypatch, mount) as disk:
+        path = disk.folder / "result.json"
+        small_result.save(path)
+        before = path.read_bytes()
+        disk.fill()
         with pytest.raises(InputError) as caught:
-            small_result.save(disk / "result.json")
+            small_result.save(path)
         rule = "cannot be written (No space left on device)"
-        assert_told(caught, disk / "result.json", "", None, rule, "with room left")
-        with pytest.raises(InputError) as caught, owning(disk / "result.json"):
+        assert_told(caught, path, "", None, rule, "with room left")
+        with pytest.raises(InputError) as caught, owning(path):
             pass
-        assert_told(caught, disk / "result.json.lock", "", None, rule, "with room left")
-        assert sorted(path.name for path in disk.iterdir()) == ["filler", "result.json"]
-        assert (disk / "result.json").read_bytes() == before
+        assert_told(caught, f"{path}.lock", "", None, rule, "with room left")
+        disk.free()
+        assert [path.name for path in disk.folder.iterdir()] == ["result.json"]
+        assert path.read_bytes() == before
 
 
 @pytest.mark.parametrize(("size", "file"), [(1500, ".partial"), (6000, "")])
@@ -284,12 +310,13 @@ def test_a_file_that_may_not_grow_stops_the_fit_which_resumes(uninterrupted, tmp
     """The system's limit on the size of files stands for any disk: first in the checkpoint."""
     folder = bench(tmp_path)
     (folder / RESULT).parent.mkdir()
-    (folder / RESULT).write_text("the result of before")
+    before = (uninterrupted / RESULT).read_bytes()
+    (folder / RESULT).write_bytes(before)
     assert killable.run(folder, *FIT, file_size=size) == 2
     said = killable.said(folder)
     assert said.startswith(f"cylcontact: {RESULT}{file}: cannot be written (File too large); ")
     assert len(said.splitlines()) == 1
-    assert (folder / RESULT).read_text() == "the result of before"
+    assert (folder / RESULT).read_bytes() == before
     left = {path.name for path in (folder / RESULT).parent.iterdir()}
     assert left == {"small.json", "small.json.partial"}
     assert killable.run(folder, *FIT, "--resume") == 0

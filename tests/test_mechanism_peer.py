@@ -1,13 +1,7 @@
 """The mechanism against Exudyn: as its step shrinks, its contacts become ours."""
 
-import os
-from importlib.util import find_spec
-
 import numpy as np
 import pytest
-
-if find_spec("exudyn") is None and "CI" not in os.environ:
-    pytest.skip("needs exudyn: make extras", allow_module_level=True)
 
 from benchmarks.exudyn_peer import simulate_in_exudyn
 from benchmarks.mechanism import CONTACTS, ELASTIC, END, SPEC, onsets_of

@@ -11,7 +11,6 @@ import pytest
 from cylcontact import InputError, Material, laws
 from cylcontact.reports import explore, notebook
 from cylcontact.reports.runs import runs_drawing, runs_table
-from tests.extras import require_extra
 
 ROOT = Path(__file__).resolve().parents[1]
 SCRIPTS = sorted((ROOT / "notebooks").glob("*.py"))
@@ -21,15 +20,9 @@ STEEL = Material("steel", E=207e3, nu=0.3, yield_stress=250.0)
 E_STAR = 207e3 / (2 * (1 - 0.3**2))
 
 
-def optional(module):
-    """Return a module of the extra `notebooks`."""
-    require_extra(module.partition(".")[0], "notebooks")
-    return import_module(module)
-
-
 def execute(cells, allow_errors=False):
     """Run a notebook in a kernel of this environment, in the notebooks' folder."""
-    nbclient = optional("nbclient")
+    nbclient = import_module("nbclient")
     place = {"metadata": {"path": str(ROOT / "notebooks")}}
     nbclient.NotebookClient(
         cells, timeout=120, kernel_name="python3", resources=place, allow_errors=allow_errors
@@ -48,7 +41,7 @@ def test_there_is_one_for_every_stage():
 
 @each_notebook
 def test_notebook_is_its_script_without_outputs(script):
-    jupytext, nbformat = optional("jupytext"), optional("nbformat")
+    jupytext, nbformat = import_module("jupytext"), import_module("nbformat")
     paired = nbformat.read(script.with_suffix(".ipynb"), as_version=4)
     written = jupytext.read(script)
     assert [(cell.cell_type, cell.source) for cell in paired.cells] == [
@@ -61,13 +54,13 @@ def test_notebook_is_its_script_without_outputs(script):
 
 @each_notebook
 def test_notebook_runs(script):
-    outputs = execute(optional("jupytext").read(script))
+    outputs = execute(import_module("jupytext").read(script))
     assert len(outputs) >= 3
     assert not [output for output in outputs if output.get("name") == "stderr"]
 
 
 def test_a_missing_extra_is_told_in_one_line():
-    nbformat = optional("nbformat")
+    nbformat = import_module("nbformat")
     code = (
         "import sys\nsys.modules['ipywidgets'] = None\n"
         "from cylcontact.reports.notebook import require_extra\nrequire_extra('ipywidgets')"
@@ -87,12 +80,12 @@ def test_without_the_extra_the_explorer_says_what_to_install(monkeypatch):
 
 
 def test_outside_a_checkout_the_notebooks_say_so(tmp_path):
-    with pytest.raises(InputError, match=r"no bench here or above.*; run the notebook in"):
+    with pytest.raises(InputError, match=r"no bench here or above.*; lay one out with: cylcontact"):
         notebook.open_bench(tmp_path)
 
 
 def test_progress_is_shown_and_escaped(monkeypatch):
-    display = optional("IPython.display")
+    display = import_module("IPython.display")
     shown = []
 
     class Handle:
@@ -118,8 +111,8 @@ def test_progress_is_shown_and_escaped(monkeypatch):
 @pytest.fixture
 def explorer(monkeypatch):
     """The names of the explorer, after its cells have run."""
-    optional("ipywidgets")
-    optional("IPython")
+    import_module("ipywidgets")
+    import_module("IPython")
     monkeypatch.chdir(ROOT / "notebooks")
     names = {}
     exec(EXPLORER.read_text(encoding="utf-8"), names)

@@ -24,7 +24,6 @@ from cylcontact.fitting.optimizers import OPTIMIZERS, budget_of, search
 from cylcontact.fitting.polish import polish
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import draw
-from tests.extras import require_extra
 from tests.spec_files import assert_told, tree, write_bench
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -33,8 +32,6 @@ ROOT = Path(__file__).resolve().parents[1]
 @pytest.fixture(params=OPTIMIZERS)
 def optimizer(request):
     """Each optimiser whose library is there."""
-    if request.param == "cma":
-        require_extra("cma", "peers")
     return request.param
 
 
@@ -227,7 +224,6 @@ def test_a_comparison_that_is_not_there_is_asked_for(tmp_path, contents):
 
 @pytest.mark.slow
 def test_the_committed_comparison_is_what_the_command_gives():
-    require_extra("cma", "peers")
     fresh = compare_optimizers(read_campaign(ROOT / "fitting/internal.toml"), jobs=2)
     committed = (ROOT / "fitting/results/optimizers-internal.csv").read_text(encoding="utf-8")
     lines = [line.split(",") for line in as_csv(fresh).splitlines()[1:]]

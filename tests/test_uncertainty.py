@@ -31,7 +31,6 @@ from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
 from cylcontact.fitting.uncertainty.text import noise_text
 from cylcontact.fitting.uncertainty.wording import noise_verdicts
-from tests.extras import require_extra
 from tests.measured_files import STEEL, TRUTHS, measured_campaign
 from tests.test_measured_fit import user_campaign
 
@@ -256,7 +255,6 @@ def noisy(tmp_path):
 
 
 def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
-    require_extra("iminuit", "peers")
     import iminuit
 
     problem, best, _ = noisy
@@ -292,7 +290,6 @@ def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
 
 
 def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
-    require_extra("lmfit", "peers")
     import lmfit
 
     problem, best, _ = noisy
