@@ -1,29 +1,26 @@
-"""Run the benchmarks and write results.json and docs/speed.md; see README.md."""
+"""Run the benchmarks and write datasets/benchmarks.json and docs/speed.md; see README.md."""
 
 from __future__ import annotations
 
 import argparse
 import os
 import platform
+import shutil
 import sys
 import time
+from collections.abc import Iterator, Sequence
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
-from benchmarks.page import TITLES, load, page, save
+from benchmarks.harness import Row, exit_interrupted
+from benchmarks.page import RESULTS, ROOT, TITLES, load, page, save
+from cylcontact.files import replacing
 
-HERE = Path(__file__).parent
-PAGE = HERE.parent / "docs" / "speed.md"
-BENCHMARKS = (
-    "law",
-    "sampling",
-    "search",
-    "calibration",
-    "mechanism",
-    "finite_element",
-    "start_up",
-)
+PAGE = ROOT / "docs" / "speed.md"
+BENCHMARKS = tuple(TITLES)
+# Programs that no Python package brings, and why a benchmark without its program is skipped.
+PROGRAMS = {"finite_element": ("ccx", "needs CalculiX (apt install calculix-ccx)")}
 LIBRARIES = ("cylcontact", "numpy", "scipy", "numba", "pygad", "pymoo", "cma", "lmfit", "exudyn")
 
 
@@ -36,19 +33,68 @@ def main() -> None:
     unknown = set(arguments.names) - set(BENCHMARKS)
     if unknown:
         parser.error(f"no such benchmark: {', '.join(sorted(unknown))}")
-    results = HERE / "results.json"
-    kept = load(results)["rows"] if results.exists() else []
-    for name in arguments.names or BENCHMARKS:
-        started = time.perf_counter()
-        measured = import_module(f"benchmarks.{name}").measure(arguments.short)
-        print(f"{name}: {time.perf_counter() - started:.0f} s", file=sys.stderr, flush=True)
-        replaced = {row.benchmark for row in measured}
-        kept = [row for row in kept if row.benchmark not in replaced] + measured
-        if not arguments.short:
-            save(
-                results, machine(), sorted(kept, key=lambda row: list(TITLES).index(row.benchmark))
-            )
-            PAGE.write_text(page(load(results)), encoding="utf-8")
+    written = 0
+    try:
+        for _ in run(arguments.names or BENCHMARKS, arguments.short):
+            written += 1
+    except KeyboardInterrupt:
+        exit_interrupted(written, RESULTS.relative_to(ROOT))
+
+
+def run(names: Sequence[str], short: bool) -> Iterator[None]:
+    """Run benchmarks, those without their program excepted; yield after each case written."""
+    skipped = {
+        name: reason
+        for name, (program, reason) in PROGRAMS.items()
+        if name in names and shutil.which(program) is None
+    }
+    for name, reason in skipped.items():
+        print(f"{name}: skipped, {reason}", file=sys.stderr, flush=True)
+    for name in names:
+        measured: list[Row] = []
+        if name not in skipped:
+            started = time.perf_counter()
+            for table in import_module(f"benchmarks.{name}").measure(short):
+                measured += table
+                if not short:
+                    write(name, measured)
+                    yield
+            print(f"{name}: {time.perf_counter() - started:.0f} s", file=sys.stderr, flush=True)
+        if not short:
+            write(name, measured, complete=True, skipped=skipped.get(name, ""))
+
+
+def write(name: str, measured: list[Row], complete: bool = False, skipped: str = "") -> None:
+    """Write the results and the page, a benchmark's earlier rows replaced.
+
+    Parameters
+    ----------
+    name : str
+        The benchmark.
+    measured : list of Row
+        What this run has measured of it.
+    complete : bool
+        Whether that is all; if not, earlier rows of the cases still to come stay.
+    skipped : str
+        Why it was not measured.
+    """
+    results = load(RESULTS) if RESULTS.exists() else {"skipped": {}, "rows": []}
+    if measured or "machine" not in results:  # a skip says nothing about the rows that stay
+        results["machine"] = machine()
+    results["skipped"].pop(name, None)
+    if skipped:
+        results["skipped"][name] = skipped
+    cases = {row.case for row in measured}
+    earlier = [
+        row
+        for row in results["rows"]
+        if row.benchmark != name or not (complete or row.case in cases)
+    ]
+    # Sorting is stable: the cases of this run come first, in their order.
+    results["rows"] = sorted(measured + earlier, key=lambda row: BENCHMARKS.index(row.benchmark))
+    save(RESULTS, results)
+    with replacing(PAGE) as temporary:
+        temporary.write_text(page(results), encoding="utf-8")
 
 
 def machine() -> dict[str, str | int]:

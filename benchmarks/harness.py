@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import statistics
+import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -159,3 +161,11 @@ def seconds_of(side: Side, repeats: int = 1) -> float:
     for _ in range(repeats):
         side.run()
     return (time.perf_counter() - started) / repeats
+
+
+def exit_interrupted(count: int, path: Path) -> NoReturn:
+    """Exit as Ctrl-C does, with a line that says how many measurements a file has gained."""
+    noun = "measurement is" if count == 1 else "measurements are"
+    message = f"{count} {noun} kept in {path}" if count else "nothing new is kept"
+    print(f"interrupted; {message}", file=sys.stderr)
+    sys.exit(130)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numba import njit
@@ -22,17 +23,16 @@ LARGEST = 0.99 * float(JOHNSON.max_penetration(PAIR))
 TOLERANCE = 1e-9
 
 
-def measure(short: bool) -> list[Row]:
-    """Return the cost of a value in arrays, in compiled code, and called one at a time."""
+def measure(short: bool) -> Iterator[list[Row]]:
+    """Yield the cost of a value in arrays, in compiled code, and called one at a time."""
     rng = np.random.default_rng(1)
     sizes = [1_000] if short else [10_000, 1_000_000]
-    found = []
     for size in sizes:
         deltas = LARGEST * 10 ** rng.uniform(-6, 0, size)
-        found += _in_arrays(deltas, 1 if short else 9)
+        yield _in_arrays(deltas, 1 if short else 9)
     deltas = LARGEST * 10 ** rng.uniform(-6, 0, 200 if short else 20_000)
-    found += _in_compiled_code(deltas, 1 if short else 15)
-    return found + _one_at_a_time(deltas[:200], 1 if short else 5)
+    yield _in_compiled_code(deltas, 1 if short else 15)
+    yield _one_at_a_time(deltas[:200], 1 if short else 5)
 
 
 def _in_arrays(deltas: np.ndarray, rounds: int) -> list[Row]:

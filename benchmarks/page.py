@@ -12,14 +12,17 @@ from typing import Any
 from benchmarks.harness import Row
 from cylcontact.files import replacing
 
+ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "datasets" / "benchmarks.json"
+# By the benchmarks' modules, in the order in which they run and stand on the page.
 TITLES = {
     "law": "Johnson's load from the penetration",
     "sampling": "Sampling to moments",
     "search": "Genetic search",
     "calibration": "Calibration, to within 0.1 % of the best objective known",
     "mechanism": "Slider-crank with a clearance",
-    "finite elements": "A pin in a hole by finite elements",
-    "start-up": "Start-up and figures",
+    "finite_element": "A pin in a hole by finite elements",
+    "start_up": "Start-up and figures",
 }
 
 
@@ -98,32 +101,32 @@ AIMS = (
     Aim("Mechanism at 1e-8, slowest case: in units of real time", slowest, 1),
     Aim(
         "cylcontact --help, in s",
-        lambda rows: find(rows, "start-up", "process", "--help").value,
+        lambda rows: find(rows, "start_up", "process", "--help").value,
         0.3,
     ),
     Aim(
         "import cylcontact, in s",
-        lambda rows: find(rows, "start-up", "process", "import cylcontact").value,
+        lambda rows: find(rows, "start_up", "process", "import cylcontact").value,
         0.5,
     ),
     Aim(
         "All figures from the committed fits, in s",
-        lambda rows: find(rows, "start-up", "figures", "report").value,
+        lambda rows: find(rows, "start_up", "figures", "report").value,
         30,
     ),
 )
 
 
-def save(path: Path, machine: dict[str, Any], rows: Sequence[Row]) -> None:
+def save(path: Path, results: dict[str, Any]) -> None:
     """Write the results, complete or not at all."""
-    data = {"machine": machine, "rows": [asdict(row) for row in rows]}
+    data = results | {"rows": [asdict(row) for row in results["rows"]]}
     with replacing(path) as temporary:
         text = json.dumps(data, indent=1, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")
 
 
 def load(path: Path) -> dict[str, Any]:
-    """Return the results, the rows as `Row`."""
+    """Return the results: the machine, why benchmarks were skipped, and the rows as `Row`."""
     data = json.loads(path.read_text(encoding="utf-8"))
     return data | {"rows": [Row(**row) for row in data["rows"]]}
 
@@ -132,8 +135,13 @@ def page(results: dict[str, Any]) -> str:
     """Return the page of the documentation, in Markdown."""
     rows: list[Row] = results["rows"]
     lines = ["# Speed", "", *_introduction(results["machine"]), *_aims(rows)]
-    for benchmark, of_it in groupby(rows, key=lambda row: row.benchmark):
-        lines += ["", f"## {TITLES[benchmark]}", ""]
+    for benchmark, title in TITLES.items():
+        of_it = [row for row in rows if row.benchmark == benchmark]
+        reason = results["skipped"].get(benchmark)
+        if of_it or reason:
+            lines += ["", f"## {title}", ""]
+        if reason:
+            lines += [f"Not measured: {reason}.", ""]
         for case, sides in groupby(of_it, key=lambda row: row.case):
             lines += _table(case, list(sides))
     return "\n".join(lines).rstrip() + "\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -15,10 +16,9 @@ from cylcontact.datasets.sampling import BLOCK, blocks
 MOST_PLAIN = 20_000_000
 
 
-def measure(short: bool) -> list[Row]:
-    """Return the cost of a sample, on one thread and on all."""
+def measure(short: bool) -> Iterator[list[Row]]:
+    """Yield the cost of a sample, on one thread and on all."""
     shapes = [(5, 3, 4, 50)] if short else [(25, 9, 61, 25), (100, 20, 50, 100), (200, 50, 20, 500)]
-    found = []
     for shape in shapes:
         grid = grid_of(*shape)
         cores = os.cpu_count() or 1
@@ -35,10 +35,7 @@ def measure(short: bool) -> list[Row]:
         limit = Side("numpy.log of as many values", partial(_logarithms, grid.size))
         require_agreement(sides, 1e-9)
         case, rounds = f"{grid.size:,} samples", 1 if short else 5
-        found += compare(
-            "sampling", case, [*sides, limit], rounds, "ns per sample", 1e9 / grid.size
-        )
-    return found
+        yield compare("sampling", case, [*sides, limit], rounds, "ns per sample", 1e9 / grid.size)
 
 
 def grid_of(E: int, nu: int, dR: int, load: int) -> Grid:

@@ -20,6 +20,7 @@ from statistics import median
 
 import numpy as np
 
+from benchmarks.harness import exit_interrupted
 from cylcontact.datasets.sampling import BLOCK
 from cylcontact.files import replacing
 from cylcontact.fitting import calibrate, read_campaign
@@ -50,13 +51,19 @@ def main() -> None:
     parser.add_argument("-o", "--out", type=Path, default=ROOT / "benchmarks" / "scaling.csv")
     arguments = parser.parse_args()
     if arguments.one is not None:
-        print(json.dumps(measure(SHAPES[arguments.one])))
+        try:
+            print(json.dumps(measure(SHAPES[arguments.one])))
+        except KeyboardInterrupt:  # the process that waits for this one says so
+            sys.exit(130)
         return
     rows = []
-    for size in range(2 if arguments.short else len(SHAPES)):
-        rows.append(_in_own_process(size))
-        with replacing(arguments.out) as temporary:  # what is measured is kept
-            temporary.write_text(as_csv(rows), encoding="utf-8")
+    try:
+        for size in range(2 if arguments.short else len(SHAPES)):
+            rows.append(_in_own_process(size))
+            with replacing(arguments.out) as temporary:  # what is measured is kept
+                temporary.write_text(as_csv(rows), encoding="utf-8")
+    except KeyboardInterrupt:
+        exit_interrupted(len(rows), arguments.out)
 
 
 def measure(shape: tuple[int, int, int, int]) -> dict[str, float]:

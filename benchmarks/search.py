@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pygad
 
@@ -27,17 +29,16 @@ BOUNDS = {
 LARGE = 480
 
 
-def measure(short: bool) -> list[Row]:
-    """Return the time of a search by size of its population."""
+def measure(short: bool) -> Iterator[list[Row]]:
+    """Yield the time of a search by size of its population."""
     problem = problem_of(9, 5, 61, 15)
-    generations, found = 5 if short else 50, []
+    generations = 5 if short else 50
     for population in (60,) if short else (60, 120, 480):
         sides = _sides(problem, population, generations)
         _require_same_search(problem, population, generations)
         case = f"{population} candidates, {generations} generations"
         rounds = 1 if short else 5 if population < LARGE else 3
-        found += compare("search", case, sides, rounds, "ms per generation", 1e3 / generations)
-    return found
+        yield compare("search", case, sides, rounds, "ms per generation", 1e3 / generations)
 
 
 def problem_of(*shape: int) -> Problem:

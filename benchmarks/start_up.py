@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
@@ -14,21 +15,21 @@ BENCH = Path(__file__).parents[1]
 CYLCONTACT = (sys.executable, "-m", "cylcontact.cli")
 
 
-def measure(short: bool) -> list[Row]:
-    """Return the wall-clock time of fresh processes."""
+def measure(short: bool) -> Iterator[list[Row]]:
+    """Yield the wall-clock time of fresh processes."""
     imports = [
         Side("import cylcontact", partial(_run, sys.executable, "-c", "import cylcontact")),
         Side("import numpy", partial(_run, sys.executable, "-c", "import numpy")),
         Side("cylcontact --help", partial(_run, *CYLCONTACT, "--help")),
     ]
-    found = compare("start-up", "a fresh process", imports, 1 if short else 9, "s", 1.0)
+    yield compare("start_up", "a fresh process", imports, 1 if short else 9, "s", 1.0)
     if short:
-        return found
+        return
     with tempfile.TemporaryDirectory() as folder:
         draw = Side("cylcontact report", partial(_run, *CYLCONTACT, "report", "-o", folder))
-        case = f"{len(list(BENCH.glob('reports/*.py')))} figures"
         # Once: a fresh process is as warm as it will be, and this is the longest of all sides.
-        return found + rows("start-up", case, {draw.name: [seconds_of(draw)]}, "s", 1.0)
+        seconds = {draw.name: [seconds_of(draw)]}
+    yield rows("start_up", f"{len(list(BENCH.glob('reports/*.py')))} figures", seconds, "s", 1.0)
 
 
 def _run(*command: str) -> None:

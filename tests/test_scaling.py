@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks import scaling
 from benchmarks.scaling import COLUMNS, SHAPES, log_pass, memory_of, read_table, thinned
 from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibrate import problem_of
@@ -95,6 +96,21 @@ def test_the_committed_table():
     steps = -np.diff(objectives)
     assert (steps > 0).all()
     assert (np.diff(steps) < 0).all()
+
+
+def test_an_interrupted_run_says_what_is_kept(tmp_path, monkeypatch, capsys):
+    def measure(size):
+        if size:
+            raise KeyboardInterrupt
+        return read_table(TABLE)[0]
+
+    out = tmp_path / "scaling.csv"
+    monkeypatch.setattr(scaling, "_in_own_process", measure)
+    monkeypatch.setattr(sys, "argv", ["scaling", "-o", str(out)])
+    with pytest.raises(SystemExit, match="130"):
+        scaling.main()
+    assert capsys.readouterr().err == f"interrupted; 1 measurement is kept in {out}\n"
+    assert read_table(out) == read_table(TABLE)[:1]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="/proc is Linux's")

@@ -55,8 +55,8 @@ class Bench:
 
         Examples
         --------
-        >>> Bench(Path("bench")).input("benchmarks/results.json").as_posix()
-        'bench/benchmarks/results.json'
+        >>> Bench(Path("bench")).input("datasets/benchmarks.json").as_posix()
+        'bench/datasets/benchmarks.json'
         """
         return self.noted(self.root / name)
 

@@ -18,6 +18,7 @@ from cylcontact.errors import InputError
 from cylcontact.reports.style import ACCENT, QUIET, new_figure
 
 MM_PER_LINE = 3.4
+COLUMNS = ["benchmark", "case", "side", "ratio", "ratio_low", "ratio_high", "note"]
 
 
 @dataclass(frozen=True)
@@ -51,21 +52,25 @@ def ratios_of(results: Path) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        Columns group, side, ratio, ratio_low, ratio_high (dimensionless) and computed.
+        Columns group, side, ratio, ratio_low, ratio_high (dimensionless) and computed. Groups
+        whose benchmark was skipped have no rows.
 
     Raises
     ------
     InputError
-        If the file is missing or lacks a group.
+        If the file is missing, or lacks a group whose benchmark was not skipped.
     """
     try:
-        rows = pd.DataFrame(json.loads(results.read_text(encoding="utf-8"))["rows"])
+        data = json.loads(results.read_text(encoding="utf-8"))
+        rows, skipped = pd.DataFrame(data["rows"], columns=COLUMNS), data["skipped"]
     except (OSError, ValueError, KeyError) as error:
         raise InputError(
             str(results), "", None, "cannot be read", "make bench writes it"
         ) from error
     parts = []
     for name, group in GROUPS.items():
+        if group.benchmark in skipped:
+            continue
         chosen = rows[
             (rows["benchmark"] == group.benchmark)
             & rows["case"].str.contains(group.case, regex=False)
@@ -79,6 +84,23 @@ def ratios_of(results: Path) -> pd.DataFrame:
         parts.append(_relative_to(float(ours["ratio"].iloc[0]), others).assign(group=name))
     table = pd.concat(parts, ignore_index=True)
     return table[["group", "side", "ratio", "ratio_low", "ratio_high", "computed"]]
+
+
+def left_out(table: pd.DataFrame) -> str:
+    """Return a sentence for the caption on the groups that a table lacks, if there are any.
+
+    Parameters
+    ----------
+    table : DataFrame
+        From `ratios_of`.
+
+    Examples
+    --------
+    >>> left_out(pd.DataFrame({"group": list(GROUPS)[:-1]}))
+    ' Not measured (docs/speed.md says why): Slider-crank, one revolution.'
+    """
+    groups = [name for name in GROUPS if name not in set(table["group"])]
+    return f" Not measured (docs/speed.md says why): {'; '.join(groups)}." if groups else ""
 
 
 def ratio_panel(table: pd.DataFrame) -> Figure:
