@@ -8,10 +8,11 @@ CYLCONTACT := $(BIN)/cylcontact
 SOURCES := $(shell find src/cylcontact -name '*.py')
 BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.toml datasets/*/*.csv)
 # That of a thousand million samples, which takes minutes, is benchmarks/huge.toml: make scaling.
-CAMPAIGNS := $(wildcard fitting/*.toml)
+# Your own, named mine*, are for `cylcontact fit` and `cylcontact report` alone.
+CAMPAIGNS := $(filter-out fitting/mine%,$(wildcard fitting/*.toml))
 RESULTS := $(CAMPAIGNS:fitting/%.toml=fitting/results/%.json)
 COMPARISONS := $(patsubst %,fitting/results/optimizers-%.csv,internal external)
-RECIPES := $(wildcard reports/*.py)
+RECIPES := $(filter-out reports/mine%,$(wildcard reports/*.py))
 # The paper's figures, their refit and the profile of b: all that needs the two main fits only.
 # Conformal (c), practical (p) and other extra figures (fig_*) need more; `make report` draws all.
 MAIN_FIGURES := $(filter-out %c %p fig_%,$(RECIPES:reports/%.py=%)) fig_profile_b
@@ -20,8 +21,8 @@ MAIN_FIGURES := $(filter-out %c %p fig_%,$(RECIPES:reports/%.py=%)) fig_profile_
 unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: all env extras fits finite-element mechanism optimizers figures report claims verify \
-	bench scaling notebooks pair docs test test-slow lint format lock clean distclean help FORCE
+.PHONY: all committed env extras fits finite-element mechanism optimizers figures report claims verify \
+	bench scaling notebooks pair docs test test-skipped test-slow lint format lock clean distclean help FORCE
 
 ##@ The main job
 
@@ -44,8 +45,14 @@ build/.figures: build/internal.json build/external.json $(RECIPES) $(BENCH)
 
 fits: $(RESULTS) ## Redo every committed reference fit, fitting/*.toml to fitting/results
 
+# A result names the commit that it came from, so the checkout must be as that commit has it.
+committed: FORCE
+	@changed=$$(git status --porcelain -- ':/' ':!fitting/results'); [ -z "$$changed" ] || { \
+		echo "Commit these first, or stash them: a committed result says which commit it came" \
+		"from." >&2; echo "$$changed" >&2; exit 1; }
+
 # Always redone when asked for: a checkout's timestamps say nothing about what a result came from.
-fitting/results/%.json: fitting/%.toml FORCE | $(VENV)/.editable
+fitting/results/%.json: fitting/%.toml FORCE | committed $(VENV)/.editable
 	$(CYLCONTACT) fit $< -o $@
 
 # No files of make's own: a checkout's timestamps say nothing, and the figures, which read these
@@ -109,11 +116,16 @@ docs: $(VENV)/.extras ## Build the documentation as a site, to be read from disk
 ##@ Checks
 
 # The tests of one file share what they set up, so a file stays with one worker.
-test: $(VENV)/.editable ## Run the tests and the examples in the docstrings
-	$(BIN)/python -m pytest -n logical --dist loadfile
+PYTEST := $(BIN)/python -m pytest -n logical --dist loadfile
 
-test-slow: $(VENV)/.editable ## Run the studies that take minutes
-	$(BIN)/python -m pytest -m slow
+test: $(VENV)/.extras ## Run the tests and the examples in the docstrings
+	$(PYTEST)
+
+test-skipped: $(VENV)/.extras ## Run the tests that skipped last time; none may skip now
+	$(PYTEST) --last-skipped
+
+test-slow: $(VENV)/.extras ## Run the studies that take minutes
+	$(PYTEST) -m slow
 
 lint: $(VENV)/.editable ## Check style, formatting and types
 	$(BIN)/ruff check .
@@ -151,7 +163,7 @@ $(VENV)/.dependencies: requirements.lock
 		"the reason is above; once it is mended, the same make command resumes." >&2; exit 1; }
 	@echo "$(PYTHON)" > $@
 
-extras: $(VENV)/.extras ## Add what notebooks, the site, a cluster and comparisons with peers need
+extras: $(VENV)/.extras ## Add what tests, notebooks, the site, a cluster and comparisons with peers need
 
 $(VENV)/.extras: requirements-extras.lock $(VENV)/.dependencies | $(VENV)/.editable
 	@echo "Installing the extras in $(VENV) (a minute or two) ..."

@@ -10,6 +10,7 @@ from cylcontact import CylinderPair, Material, cli
 from cylcontact.fitting import Campaign, FitResult, calibrate, read_campaign
 from tests import programs
 from tests.browser import chromium
+from tests.drawn_figures import DrawnFigures
 from tests.html_bench import build_small_site
 from tests.spec_files import write_bench
 
@@ -70,6 +71,13 @@ def small_campaign(tmp_path_factory: pytest.TempPathFactory) -> Campaign:
 @pytest.fixture(scope="session")
 def small_result(small_campaign: Campaign) -> FitResult:
     return calibrate(small_campaign)
+
+
+@pytest.fixture(scope="session")
+def figures(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> DrawnFigures:
+    """The bench's figures by name, each with its files and its drawing."""
+    base = tmp_path_factory.getbasetemp()
+    return DrawnFigures((base if worker_id == "master" else base.parent) / "figures")
 
 
 @pytest.fixture(scope="session")

@@ -1,11 +1,17 @@
 """The documentation: its code runs and prints what it says, its site is whole and offline."""
 
 import re
+import shutil
+import subprocess
+from functools import partial
 from html.parser import HTMLParser
 from importlib import import_module
 
+import pandas as pd
 import pytest
 
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import draw
 from tests.browser import chromium, opened
 from tests.doc_blocks import ROOT, blocks, copy_bench, run_page, same
 from tests.write_docs import rewritten
@@ -28,6 +34,25 @@ def test_code_runs_and_prints_what_the_page_says(page, tmp_path, monkeypatch):
         if block.language == "text" and block.adjacent and before is not None:
             assert same(block.text, before), f"\nshown:\n{block.text}\nprinted:\n{before}"
         before = printed
+
+
+def test_the_readme_leaves_no_litter_and_can_be_followed_twice(tmp_path, monkeypatch, figures):
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True)
+    for name in listed.stdout.decode().strip("\0").split("\0"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(ROOT / name, tmp_path / name)
+    git = partial(subprocess.run, cwd=tmp_path, check=True, capture_output=True, text=True)
+    identity = ("-c", "user.name=n", "-c", "user.email=e", "-c", "commit.gpgsign=false")
+    for command in (("init",), ("add", "."), ("commit", "--message", "all")):
+        git(["git", *identity, *command])
+    for _ in range(2):
+        run_page(ROOT / "README.md", tmp_path, monkeypatch)
+        assert git(["git", "status", "--porcelain"]).stdout == ""
+    assert (tmp_path / "datasets/materials.csv").is_file()
+    for name in ("fig07", "fig08", "fig09"):
+        pd.testing.assert_frame_equal(
+            draw(name, Bench(tmp_path)).table, figures[name].drawing.table
+        )
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))

@@ -17,10 +17,11 @@ from cylcontact import InputError
 from cylcontact.fitting.result import FitResult
 from cylcontact.laws import PUBLISHED
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import Written, build, draw, find_recipes
+from cylcontact.reports.build import build, draw, find_recipes
 from cylcontact.reports.exponents import ExponentStudy, exponent_table
 from cylcontact.reports.profiles import profile_drawing
 from cylcontact.reports.style import WIDTHS_MM
+from tests.drawn_figures import DrawnFigures
 from tests.figure_files import page_mm, read_columns, significant_digits
 
 BENCH = Bench(Path(__file__).parents[1])
@@ -53,14 +54,6 @@ WORDS |= {"body", "variant", "point", "mode"}
 WORDS |= {"law", "reference", "pair", "error_of", "range"}
 UNITS = ("_mm", "_um", "_us", "_us_std", "_N", "_J")
 UNITS += ("_N_per_mm", "_MPa", "_GPa", "_percent", "_N_per_mm_n")
-Figures = dict[str, Written]
-
-
-@pytest.fixture(scope="session")
-def figures(tmp_path_factory: pytest.TempPathFactory) -> Figures:
-    """All figures, drawn once from the committed fits."""
-    written = build(BENCH, NAMES, tmp_path_factory.mktemp("figures"))
-    return {figure.name: figure for figure in written}
 
 
 def e_star(E: float, nu: float) -> float:
@@ -95,13 +88,15 @@ class TestFiles:
         assert papers == {name for name in NAMES if not name.startswith("fig_")}
 
     @pytest.mark.parametrize("name", NAMES)
-    def test_page_has_a_journals_width_and_fits_on_it(self, figures: Figures, name: str) -> None:
+    def test_page_has_a_journals_width_and_fits_on_it(
+        self, figures: DrawnFigures, name: str
+    ) -> None:
         width, height = page_mm(figures[name].paths[1])
         assert min(abs(width - journal) for journal in WIDTHS_MM.values()) < 0.01
         assert height < 120
 
     @pytest.mark.parametrize("name", NAMES)
-    def test_fonts_are_embedded_as_type_42(self, figures: Figures, name: str) -> None:
+    def test_fonts_are_embedded_as_type_42(self, figures: DrawnFigures, name: str) -> None:
         pdf = figures[name].paths[1].read_bytes()
         embedded = set(re.findall(rb"/BaseFont /[A-Z]{6}\+([\w-]+)", pdf))
         assert embedded
@@ -111,7 +106,7 @@ class TestFiles:
         assert set(re.findall(rb"/Subtype /(\w*Type\w+)", pdf)) <= {b"Type0", b"CIDFontType2"}
 
     @pytest.mark.parametrize("name", NAMES)
-    def test_text_is_legible_and_inside_the_page(self, figures: Figures, name: str) -> None:
+    def test_text_is_legible_and_inside_the_page(self, figures: DrawnFigures, name: str) -> None:
         figure = figures[name].drawing.figure
         sizes = {text.get_fontsize() for text in figure.findobj(Text) if text.get_text()}
         assert sizes <= {7.0, 8.0}
@@ -123,7 +118,7 @@ class TestFiles:
         assert drawn.y1 <= page.y1
 
     @pytest.mark.parametrize("name", NAMES)
-    def test_table_has_units_and_digits(self, figures: Figures, name: str) -> None:
+    def test_table_has_units_and_digits(self, figures: DrawnFigures, name: str) -> None:
         for column, cells in read_columns(figures[name].paths[2]).items():
             assert all(cells) or column == "n", f"{column} has empty cells"
             try:
@@ -136,7 +131,7 @@ class TestFiles:
 
     @pytest.mark.parametrize("name", NAMES)
     def test_caption_tells_units_and_nothing_of_this_machine(
-        self, figures: Figures, name: str
+        self, figures: DrawnFigures, name: str
     ) -> None:
         caption = figures[name].drawing.caption
         assert "mm" in caption
@@ -146,7 +141,7 @@ class TestFiles:
 
     @pytest.mark.parametrize("name", ["fig03", "fig09", "fig13r", "fig_profile_b"])
     def test_same_input_gives_the_same_bytes(
-        self, figures: Figures, name: str, tmp_path: Path
+        self, figures: DrawnFigures, name: str, tmp_path: Path
     ) -> None:
         (again,) = build(BENCH, [name], tmp_path)
         for one, other in zip(figures[name].paths, again.paths, strict=True):
@@ -154,7 +149,7 @@ class TestFiles:
 
 
 class TestGeometry:
-    def test_drawn_lengths(self, figures: Figures) -> None:
+    def test_drawn_lengths(self, figures: DrawnFigures) -> None:
         table = figures["fig01"].drawing.table.pivot_table("value_mm", "symbol", "panel")
         internal, external = table["internal"], table["external"]
         assert internal["dR"] == internal["R_i"] - internal["R_j"] == 3.0
@@ -163,7 +158,9 @@ class TestGeometry:
         assert external["centre distance"] == external["dR"] - external["delta"]
 
     @pytest.mark.parametrize("contact", ["internal", "external"])
-    def test_ends_of_the_chord_lie_on_both_outlines(self, figures: Figures, contact: str) -> None:
+    def test_ends_of_the_chord_lie_on_both_outlines(
+        self, figures: DrawnFigures, contact: str
+    ) -> None:
         table = figures["fig01"].drawing.table.pivot_table("value_mm", "symbol", "panel")[contact]
         half, e = table["2b"] / 2, table["centre distance"]
         y = math.sqrt(table["R_i"] ** 2 - half**2)
@@ -171,7 +168,7 @@ class TestGeometry:
 
 
 class TestPowerLaws:
-    def test_fig02_constants(self, figures: Figures) -> None:
+    def test_fig02_constants(self, figures: DrawnFigures) -> None:
         headline = figures["fig02"].drawing.headline
         assert round(headline["internal K"]) == 312148
         assert round(headline["internal n"], 4) == 1.2370
@@ -179,7 +176,7 @@ class TestPowerLaws:
         assert headline["external K"] == pytest.approx(44974.9, abs=0.05)
         assert headline["external n"] == pytest.approx(1.09392, abs=5e-6)
 
-    def test_fig02_prints_ours_beside_the_papers(self, figures: Figures) -> None:
+    def test_fig02_prints_ours_beside_the_papers(self, figures: DrawnFigures) -> None:
         for axes in figures["fig02"].drawing.figure.axes[:2]:
             texts = {text.get_text() for text in axes.texts}
             assert {"here", "paper", "> 0.998"} <= texts
@@ -191,7 +188,7 @@ class TestPowerLaws:
             == 2
         )
 
-    def test_fig02_table_is_eq_1_and_the_line(self, figures: Figures) -> None:
+    def test_fig02_table_is_eq_1_and_the_line(self, figures: DrawnFigures) -> None:
         drawing = figures["fig02"].drawing
         for contact, rows in drawing.table.groupby("contact"):
             K, n = drawing.headline[f"{contact} K"], drawing.headline[f"{contact} n"]
@@ -200,13 +197,13 @@ class TestPowerLaws:
                 assert row.penetration_mm == pytest.approx(delta, rel=1e-12)
                 assert row.fitted_load_N_per_mm == pytest.approx(K * delta**n, rel=1e-10)
 
-    def test_fig03_spreads(self, figures: Figures) -> None:
+    def test_fig03_spreads(self, figures: DrawnFigures) -> None:
         spreads = figures["fig03"].drawing.headline
         assert list(spreads.values()) == pytest.approx(
             [10.8105, 10.4486, 0.48462, 3.41707, 4.12277, 0.196204], rel=1e-5
         )
 
-    def test_fig03_exponents_are_slopes(self, figures: Figures) -> None:
+    def test_fig03_exponents_are_slopes(self, figures: DrawnFigures) -> None:
         table = figures["fig03"].drawing.table
         load = np.geomspace(10, 1000, 41)
         for row in table.iloc[[0, 300, 700, 1000, 1400]].itertuples():
@@ -217,7 +214,7 @@ class TestPowerLaws:
             assert row.points == inside.size
             assert row.n == pytest.approx(slope, rel=1e-10)
 
-    def test_fig03_leaves_out_loads_beyond_johnson(self, figures: Figures) -> None:
+    def test_fig03_leaves_out_loads_beyond_johnson(self, figures: DrawnFigures) -> None:
         table = figures["fig03"].drawing.table
         short = table[table["points"] < 41]
         assert set(short["E_GPa"]) == {20.7}
@@ -231,7 +228,7 @@ class TestPowerLaws:
 
 
 class TestLimits:
-    def test_fig07_loads(self, figures: Figures) -> None:
+    def test_fig07_loads(self, figures: DrawnFigures) -> None:
         headline = figures["fig07"].drawing.headline
         assert len(headline) == 15
         for R_i in (100, 10, 5):
@@ -242,7 +239,7 @@ class TestLimits:
             1768.91, abs=0.005
         )
 
-    def test_fig08_limits(self, figures: Figures) -> None:
+    def test_fig08_limits(self, figures: DrawnFigures) -> None:
         headline = figures["fig08"].drawing.headline
         limits = {name: round(value) for name, value in headline.items() if "dR" in name}
         assert limits == {
@@ -251,20 +248,20 @@ class TestLimits:
             "titanium alloy, dR = 0.0075 mm": 865,
         }
 
-    def test_fig08_lines_are_eq_8(self, figures: Figures) -> None:
+    def test_fig08_lines_are_eq_8(self, figures: DrawnFigures) -> None:
         for row in figures["fig08"].drawing.table.iloc[::37].itertuples():
             E, nu, _ = MATERIALS[row.material]
             limit = 4 * math.pi * e_star(E, nu) * row.dR_mm / math.e**2
             assert row.load_N_per_mm == pytest.approx(limit, rel=1e-12)
 
-    def test_fig09_stars_stand_at_the_yield_stress(self, figures: Figures) -> None:
+    def test_fig09_stars_stand_at_the_yield_stress(self, figures: DrawnFigures) -> None:
         for key, dR in figures["fig09"].drawing.headline.items():
             name, R_i = re.fullmatch(r"(.+), R_i = (\d+) mm: .*", key).groups()
             E, nu, stress = MATERIALS[name]
             at_star = 2 / math.e * e_star(E, nu) * dR / math.sqrt(float(R_i) * (float(R_i) - dR))
             assert at_star == pytest.approx(stress, rel=1e-12)
 
-    def test_fig09_lines_are_eq_7_at_eq_8(self, figures: Figures) -> None:
+    def test_fig09_lines_are_eq_7_at_eq_8(self, figures: DrawnFigures) -> None:
         for row in figures["fig09"].drawing.table.iloc[::101].itertuples():
             E_star = e_star(*MATERIALS[row.material][:2])
             limit = 4 * math.pi * E_star * row.dR_mm / math.e**2
@@ -274,7 +271,7 @@ class TestLimits:
 
 class TestMaps:
     @pytest.mark.parametrize(("name", "material"), MAPS.items())
-    def test_table_is_eq_9(self, figures: Figures, name: str, material: str) -> None:
+    def test_table_is_eq_9(self, figures: DrawnFigures, name: str, material: str) -> None:
         E, nu, stress = MATERIALS[material]
         E_star = e_star(E, nu)
         table = figures[name].drawing.table
@@ -289,7 +286,7 @@ class TestMaps:
 
     @pytest.mark.parametrize(("name", "material"), MAPS.items())
     def test_window_is_sect_34s_up_to_johnsons_limit(
-        self, figures: Figures, name: str, material: str
+        self, figures: DrawnFigures, name: str, material: str
     ) -> None:
         table = figures[name].drawing.table
         assert table["dR_mm"].min() == 0.0075
@@ -312,7 +309,12 @@ class TestMaps:
         ],
     )
     def test_headlines(
-        self, figures: Figures, name: str, highest: float, largest_practical: float, share: float
+        self,
+        figures: DrawnFigures,
+        name: str,
+        highest: float,
+        largest_practical: float,
+        share: float,
     ) -> None:
         headline = figures[name].drawing.headline
         assert headline["highest difference, %"] == pytest.approx(highest, abs=5e-5)
@@ -321,12 +323,12 @@ class TestMaps:
         assert largest == pytest.approx(largest_practical, abs=5e-5)
         assert headline["share of the practical domain below 8 %"] == pytest.approx(share, abs=5e-6)
 
-    def test_highest_of_fig10_by_hand(self, figures: Figures) -> None:
+    def test_highest_of_fig10_by_hand(self, figures: DrawnFigures) -> None:
         """Ceramics are furthest off at the lowest clearance and load."""
         by_hand = difference(10.0, e_star(600e3, 0.24), 0.0075)
         assert figures["fig10"].drawing.headline["highest difference, %"] == pytest.approx(by_hand)
 
-    def test_practical_domain_excludes_what_yields(self, figures: Figures) -> None:
+    def test_practical_domain_excludes_what_yields(self, figures: DrawnFigures) -> None:
         table = figures["fig14"].drawing.table
         E_star = e_star(69e3, 0.33)
         inside = [
@@ -347,7 +349,7 @@ class TestMaps:
             ("fig14", "yield line for"),
         ],
     )
-    def test_notes(self, figures: Figures, name: str, note: str) -> None:
+    def test_notes(self, figures: DrawnFigures, name: str, note: str) -> None:
         texts = [text.get_text() for text in figures[name].drawing.figure.axes[0].texts]
         assert rf"{note} $R_i$ = 10 mm, $\sigma_Y$ assumed" in texts
         assert ("beyond Johnson's law" in texts) == (name in {"fig13", "fig14"})
@@ -355,12 +357,12 @@ class TestMaps:
         assert "fitted from 0.05 mm on" in texts
 
     @pytest.mark.parametrize("name", MAPS)
-    def test_caption_says_what_is_assumed(self, figures: Figures, name: str) -> None:
+    def test_caption_says_what_is_assumed(self, figures: DrawnFigures, name: str) -> None:
         caption = figures[name].drawing.caption
         assert re.search(rf"assumed: .*yield stress of {MAPS[name]}", caption)
         assert "the radius is our choice" in caption
 
-    def test_all_maps_share_levels_and_scale(self, figures: Figures) -> None:
+    def test_all_maps_share_levels_and_scale(self, figures: DrawnFigures) -> None:
         scales = {
             tuple(
                 tick.get_text() for tick in figures[name].drawing.figure.axes[1].get_yticklabels()
@@ -381,7 +383,7 @@ class TestMaps:
         ],
     )
     def test_headlines_of_the_committed_refit(
-        self, figures: Figures, name: str, lowest: float, highest: float, share: float
+        self, figures: DrawnFigures, name: str, lowest: float, highest: float, share: float
     ) -> None:
         headline = figures[name].drawing.headline
         assert headline["lowest difference, %"] == pytest.approx(lowest, abs=5e-3)
@@ -389,7 +391,7 @@ class TestMaps:
         assert headline["share of the practical domain below 8 %"] == pytest.approx(share, abs=1e-3)
 
     def test_refit_with_the_published_coefficients_is_the_published_map(
-        self, figures: Figures, tmp_path: Path
+        self, figures: DrawnFigures, tmp_path: Path
     ) -> None:
         result = BENCH.result("internal")
         coefficients = {name: float(v) for name, v in vars(PUBLISHED["internal"]).items()}
@@ -409,14 +411,14 @@ class TestProfile:
     def result(self) -> FitResult:
         return BENCH.result("external")
 
-    def test_headline(self, figures: Figures, result: FitResult) -> None:
+    def test_headline(self, figures: DrawnFigures, result: FitResult) -> None:
         headline = figures["fig_profile_b"].drawing.headline
         assert headline["fitted b"] == result.coefficients["b"] == pytest.approx(0.92596, abs=1e-4)
         assert headline["objective"] == pytest.approx(0.0519545, abs=1e-6)
         rise = headline["rise of the objective at the published value, %"]
         assert rise == pytest.approx(0.918, abs=2e-3)
 
-    def test_optimum_is_the_lowest_point(self, figures: Figures) -> None:
+    def test_optimum_is_the_lowest_point(self, figures: DrawnFigures) -> None:
         drawing = figures["fig_profile_b"].drawing
         best = drawing.table.loc[drawing.table["objective"].idxmin()]
         assert best["b"] == drawing.headline["fitted b"]

@@ -13,9 +13,9 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import draw
 from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.forms import CHOSEN, SIMPLEST
+from tests.drawn_figures import DrawnFigures
 
 BENCH = Bench(Path(__file__).parents[1])
 ROOT_OF_N = 0.8346152454776572  # of 2 − 2u² − ln(1 + u): the contact is complete
@@ -74,13 +74,13 @@ def truth() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 @pytest.fixture(scope="module")
-def comparison() -> Drawing:
-    return draw("fig_explicit", BENCH)
+def comparison(figures: DrawnFigures) -> Drawing:
+    return figures["fig_explicit"].drawing
 
 
 @pytest.fixture(scope="module")
-def search() -> Drawing:
-    return draw("fig_forms", BENCH)
+def search(figures: DrawnFigures) -> Drawing:
+    return figures["fig_forms"].drawing
 
 
 class TestComparison:
@@ -190,8 +190,8 @@ class TestDepartures:
     @pytest.mark.parametrize(
         ("percent", "phi"), [(1, 0.052804), (3, 0.132676), (5, 0.204034), (10, 0.370145)]
     )
-    def test_fig08(self, percent: int, phi: float) -> None:
-        drawing = draw("fig08", BENCH)
+    def test_fig08(self, figures: DrawnFigures, percent: int, phi: float) -> None:
+        drawing = figures["fig08"].drawing
         said = drawing.headline[f"phi at which Johnson's penetration is {percent} % low"]
         assert said == pytest.approx(phi, abs=5e-7)
         assert 100 * (1 - johnson(said) / persson_at(said)) == pytest.approx(percent, abs=1e-6)
@@ -213,10 +213,10 @@ class TestMaps:
 
     @pytest.mark.parametrize("number", MATERIALS)
     @pytest.mark.parametrize(("letter", "fit"), [("c", "conformal"), ("p", "practical")])
-    def test_table(self, letter: str, fit: str, number: str) -> None:
+    def test_table(self, figures: DrawnFigures, letter: str, fit: str, number: str) -> None:
         E, nu = MATERIALS[number]
         E_star = E / (2 * (1 - nu**2))
-        drawing = draw(f"fig{number}{letter}", BENCH)
+        drawing = figures[f"fig{number}{letter}"].drawing
         for row in drawing.table.iloc[:: len(drawing.table) // 11].itertuples():
             load, dR = row.load_N_per_mm, row.dR_mm
             phi = load / (E_star * dR)
@@ -242,15 +242,17 @@ class TestMaps:
             ("fig14p", -8.850, 70.875, 0.8240),
         ],
     )
-    def test_headlines(self, name: str, lowest: float, highest: float, share: float) -> None:
-        headline = draw(name, BENCH).headline
+    def test_headlines(
+        self, figures: DrawnFigures, name: str, lowest: float, highest: float, share: float
+    ) -> None:
+        headline = figures[name].drawing.headline
         assert headline["lowest difference, %"] == pytest.approx(lowest, abs=5e-3)
         assert headline["highest difference, %"] == pytest.approx(highest, abs=5e-3)
         assert headline["share of the practical domain below 8 %"] == pytest.approx(share, abs=1e-3)
 
     @pytest.mark.parametrize("number", MATERIALS)
-    def test_window_against_persson_is_whole(self, number: str) -> None:
-        table = draw(f"fig{number}c", BENCH).table
+    def test_window_against_persson_is_whole(self, figures: DrawnFigures, number: str) -> None:
+        table = figures[f"fig{number}c"].drawing.table
         tops = table.groupby("dR_mm")["load_N_per_mm"].max()
         assert tops.to_numpy() == pytest.approx(1000.0)
         assert table["difference_percent"].notna().all()

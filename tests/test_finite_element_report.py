@@ -11,7 +11,6 @@ from cylcontact import InputError, limits
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import draw
 from cylcontact.reports.claims import finite_element_claims
 from cylcontact.reports.finite_element.data import table
 
@@ -128,14 +127,14 @@ class TestClaims:
 
 
 class TestFigures:
-    def test_fig04_counts_the_mesh(self):
-        drawing = draw("fig04", BENCH)
+    def test_fig04_counts_the_mesh(self, figures):
+        drawing = figures["fig04"].drawing
         found = rows("recommended")
         assert drawing.headline["cells"] == found.loc[found["dR_mm"] == 0.1, "cells"].iloc[0]
         assert 1.31 < drawing.headline["length of the cells in the contact, µm"] < 6.63
 
-    def test_fig05_is_hertz_at_1_mm_and_departs_at_10_um(self):
-        drawing = draw("fig05", BENCH)
+    def test_fig05_is_hertz_at_1_mm_and_departs_at_10_um(self, figures):
+        drawing = figures["fig05"].drawing
         off = {
             name: drawing.headline[f"{name}: largest departure from Hertz, % of its peak"]
             for name in ("1 mm", "0.01 mm")
@@ -145,8 +144,8 @@ class TestFigures:
             pair = CylinderPair.from_dR("internal", float(dR), STEEL, R_i=2.245)
             assert part["hertz_MPa"].max() == pytest.approx(float(limits.hertz_stress(20.0, pair)))
 
-    def test_fig06_holds_every_model(self):
-        drawing = draw("fig06", BENCH)
+    def test_fig06_holds_every_model(self, figures):
+        drawing = figures["fig06"].drawing
         found = drawing.table
         assert len(found) == 39
         load, dR = found["load_N_per_mm"].to_numpy(), found["dR_mm"].to_numpy()
@@ -156,8 +155,8 @@ class TestFigures:
             headline = drawing.headline[f"{load} N/mm: calculix less finite elements, largest, %"]
             assert headline < 0.2
 
-    def test_sensitivities_are_shifts_of_one_constant(self):
-        found = draw("fig_fe_sensitivity", BENCH).table.set_index("variant")
+    def test_sensitivities_are_shifts_of_one_constant(self, figures):
+        found = figures["fig_fe_sensitivity"].drawing.table.set_index("variant")
         for name in ("outer radius 10 hole radii", "load on a disc of a quarter radius"):
             constants = found.loc[name, "constant"]
             assert np.ptp(constants) < 0.06 * constants.abs().max()

@@ -57,9 +57,17 @@ def test_nothing_is_overwritten(tmp_path, monkeypatch, run):
     code, out, err = run("init", ".")
     assert (code, out) == (2, "")
     assert err == (
-        "cylcontact: .: already holds datasets/internal.toml, reports/fig12.py, and nothing is "
-        "overwritten; choose an empty folder, or move these away\n"
+        "cylcontact: .: has files of its own as datasets/internal.toml, reports/fig12.py, and "
+        "nothing is overwritten; choose an empty folder, or move these away\n"
     )
+    assert tree(tmp_path) == before
+
+
+def test_a_bench_is_completed_where_its_files_are_as_they_ship(tmp_path, run):
+    assert run("init", tmp_path)[0] == 0
+    before = tree(tmp_path)
+    (tmp_path / "reports/fig12.py").unlink()
+    assert run("init", tmp_path)[0] == 0
     assert tree(tmp_path) == before
 
 

@@ -68,8 +68,9 @@ def uninterrupted(tmp_path_factory):
 # --- kill -9 ----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("trials", [6, pytest.param(20, marks=pytest.mark.slow)])
-def test_resume_after_kill_9_at_random_moments(uninterrupted, tmp_path, trials):
+@pytest.mark.slow
+def test_resume_after_kill_9_at_random_moments(uninterrupted, tmp_path):
+    trials = 20
     seconds = float((uninterrupted / "seconds").read_text())
     moments = random.Random(20150101)
     killed = kept = 0
@@ -94,6 +95,7 @@ def test_killed_again_and_again_it_arrives_in_the_end(uninterrupted, tmp_path):
     assert_complete(folder, uninterrupted)
 
 
+@pytest.mark.slow
 def test_killed_before_every_single_operation_on_a_file(tmp_path):
     """Three runs: the lock, the checkpoint, the result, and what is removed in the end."""
     whole = bench(tmp_path, "whole", FEW)

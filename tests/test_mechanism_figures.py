@@ -13,7 +13,6 @@ from PIL import Image
 from cylcontact import InputError, cli
 from cylcontact.mechanism import Case, read_mechanism, simulate
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import draw
 from cylcontact.reports.mechanism.disclosure import assumed, horizons, law_ends
 from cylcontact.reports.mechanism.linkage import driver_circle, poses
 from cylcontact.reports.mechanism.movie import FRAMES_PER_REVOLUTION, film, require_film
@@ -33,8 +32,8 @@ def settled():
 
 
 @pytest.fixture(scope="module")
-def drawing():
-    return draw("fig17", BENCH)
+def drawing(figures):
+    return figures["fig17"].drawing
 
 
 def johnson_penetration(force, dR):
@@ -105,8 +104,8 @@ class TestCases:
 
 
 class TestDrawnMechanism:
-    def test_fig15_is_eqs_11_to_14(self):
-        drawing = draw("fig15", BENCH)
+    def test_fig15_is_eqs_11_to_14(self, figures):
+        drawing = figures["fig15"].drawing
         found = drawing.headline
         lengths = drawing.table.set_index("symbol")["value_mm"]
         assert lengths["|e|"] == lengths["c"] + lengths["delta"] == found["eccentricity, mm"]
@@ -119,8 +118,8 @@ class TestDrawnMechanism:
         assert drawn["|e|"] == pytest.approx(drawn["c"] + drawn["delta"])
         assert drawn["c"] == pytest.approx(drawn["R_i"] - drawn["R_j"])
 
-    def test_fig16_closes(self):
-        drawing = draw("fig16", BENCH)
+    def test_fig16_closes(self, figures):
+        drawing = figures["fig16"].drawing
         at = drawing.table.set_index(["body", "point"])
         place = {key: row.to_numpy(dtype=float) for key, row in at.iterrows()}
         assert place["crank", "pin"] == pytest.approx(place["rod", "pin"], abs=1e-9)

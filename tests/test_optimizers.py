@@ -23,7 +23,6 @@ from cylcontact.fitting.optimizer_comparison import (
 from cylcontact.fitting.optimizers import OPTIMIZERS, budget_of, search
 from cylcontact.fitting.polish import polish
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import draw
 from tests.spec_files import assert_told, tree, write_bench
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -194,9 +193,9 @@ def test_the_command_writes_the_file_and_shows_the_table(tmp_path, monkeypatch, 
 # --- the figure -------------------------------------------------------------------------------
 
 
-def test_the_figures_headline():
+def test_the_figures_headline(figures):
     """On the paper's internal campaign; the optimum is the one least squares and CMA agree on."""
-    drawing = draw("fig_optimizers", Bench(ROOT))
+    drawing = figures["fig_optimizers"].drawing
     headline = dict(drawing.headline)
     assert headline.pop("best objective") == pytest.approx(0.0644842, abs=5e-8)
     assert headline == {

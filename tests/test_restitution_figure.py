@@ -1,12 +1,8 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
 from mpmath import mp
 
 from cylcontact.dissipation import FACTORS
-from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import draw
 from cylcontact.reports.restitution import LABELS, WANTED
 
 # Largest |achieved − wanted| at wanted 0.1, 0.2, … 1, as the figure shows it.
@@ -23,8 +19,8 @@ LARGEST_ERROR = {
 
 
 @pytest.fixture(scope="module")
-def drawing():
-    return draw("fig_restitution", Bench(Path(__file__).parents[1]))
+def drawing(figures):
+    return figures["fig_restitution"].drawing
 
 
 def test_the_headline_says_what_the_papers_factor_gives_and_what_it_should_be(drawing):

@@ -378,6 +378,7 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
     return {kind: float(np.mean(found)) for kind, found in hits.items()}
 
 
+@pytest.mark.slow
 def test_intervals_and_bands_hold_the_truth_as_often_as_they_say(tmp_path):
     shares = coverage(measured_campaign(tmp_path))
     assert all(0.90 <= share <= 0.98 for share in shares.values()), shares

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import filecmp
 import os
 import shutil
 from collections.abc import Iterable
@@ -31,8 +32,7 @@ def init(
     """Lay out a bench: datasets, campaigns with their results, figures' recipes, notebooks."""
     source = shipped_bench()
     names = shipped_files(source)
-    _require_free(folder, names)
-    copy_files(source, folder, names)
+    copy_files(source, folder, _missing(source, folder, names))
     typer.echo(
         f"{len(names)} files in {folder.resolve()}: {', '.join(FOLDERS)}\n"
         "in that folder, try: cylcontact report fig12"
@@ -86,16 +86,23 @@ def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
             raise unwritable(folder, error) from error
 
 
-def _require_free(folder: Path, names: Iterable[Path]) -> None:
-    """Refuse to overwrite anything, and name what is in the way."""
+def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:
+    """Return the files that are not in a folder yet; refuse one where others are in the way."""
     require_writable(folder / "any")
-    taken = [str(name) for name in names if os.path.lexists(folder / name)]
+    present = [name for name in names if os.path.lexists(folder / name)]
+    taken = [str(name) for name in present if not _is_copy(folder / name, source / name)]
     if taken:
         more = f" and {len(taken) - 3} more" if len(taken) > 3 else ""
         raise InputError(
             str(folder),
             "",
             None,
-            f"already holds {', '.join(taken[:3])}{more}, and nothing is overwritten",
+            f"has files of its own as {', '.join(taken[:3])}{more}, and nothing is overwritten",
             "choose an empty folder, or move these away",
         )
+    return [name for name in names if name not in present]
+
+
+def _is_copy(file: Path, original: Path) -> bool:
+    """Tell whether a file holds what the original does."""
+    return file.is_file() and filecmp.cmp(file, original, shallow=False)

@@ -1,0 +1,53 @@
+"""The figures of the bench, each drawn once in a test run, whichever worker asks for it first."""
+
+import pickle
+import time
+from pathlib import Path
+
+import cloudpickle
+
+from cylcontact import InputError
+from cylcontact.files import replacing
+from cylcontact.locks import owning
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.build import Written, build
+
+BENCH = Bench(Path(__file__).parents[1])
+
+
+class DrawnFigures:
+    """The figures, drawn from the committed fits when they are asked for.
+
+    Parameters
+    ----------
+    folder : path
+        Where their files go; the workers of a run share it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._loaded: dict[str, Written] = {}
+
+    def __getitem__(self, name: str) -> Written:
+        if name not in self._loaded:
+            self._loaded[name] = self._load(self._folder / f"{name}.pickle")
+        return self._loaded[name]
+
+    def _load(self, file: Path) -> Written:
+        """Return a figure from the folder, where this worker or another one has put it."""
+        while not file.exists():
+            try:
+                with owning(file):
+                    if not file.exists():
+                        self._draw(file)
+            except InputError as error:
+                if "is being written" not in error.rule:
+                    raise
+                time.sleep(0.05)
+        return pickle.loads(file.read_bytes())
+
+    def _draw(self, file: Path) -> None:
+        (written,) = build(BENCH, [file.stem], self._folder)
+        with replacing(file) as temporary:
+            # A map's axis holds functions without a name, which plain pickle refuses.
+            temporary.write_bytes(cloudpickle.dumps(written))
