@@ -63,11 +63,12 @@ class Table:
 
 
 def read_campaigns(bench: Bench) -> Campaigns:
-    """Read every result of the bench; a result that is not there or not right has a reason."""
+    """Read every result of the bench; one that cannot be read has a reason.
+
+    A campaign that has not been run is no fault: a figure that needs its result says so.
+    """
     results, missing = {}, {}
-    campaigns = {path.stem for path in (bench.root / "fitting").glob("*.toml")}
-    names = campaigns | {path.stem for path in bench.results_folder.glob("*.json")}
-    for name in sorted(names):
+    for name in sorted(path.stem for path in bench.results_folder.glob("*.json")):
         try:
             results[name] = bench.result(name)
         except InputError as error:
