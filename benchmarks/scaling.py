@@ -24,6 +24,7 @@ from benchmarks.harness import exit_interrupted
 from cylcontact.datasets.sampling import BLOCK
 from cylcontact.files import replacing
 from cylcontact.fitting import calibrate, read_campaign
+from cylcontact.tether import tethered
 
 ROOT = Path(__file__).resolve().parents[1]
 CAMPAIGN = ROOT / "benchmarks" / "huge.toml"
@@ -132,7 +133,7 @@ def read_table(path: Path) -> list[dict[str, float]]:
 
 def _in_own_process(size: int) -> dict[str, float]:
     """Measure one size in a process of its own, watching its memory."""
-    command = [sys.executable, "-m", "benchmarks.scaling", "--one", str(size)]
+    command = tethered([sys.executable, "-m", "benchmarks.scaling", "--one", str(size)])
     peak = 0.0
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
         while process.poll() is None:

@@ -25,6 +25,9 @@ def pytest_addoption(parser):
         action="store_true",
         help="run only the tests that skipped in the last run, and let none of them skip",
     )
+    parser.addoption(
+        "--trials", type=int, default=1, help="how often tests of killed commands repeat each case"
+    )
 
 
 def pytest_configure(config):

@@ -8,9 +8,11 @@ import subprocess
 import sys
 import time
 
+from cylcontact.tether import tethered
+
 
 class LoopbackCluster:
-    """A scheduler and workers that end with the block."""
+    """A scheduler and workers that end with the block, or with this process where it is killed."""
 
     def __init__(self, folder, workers=2, threads=1, environment=None):
         self.folder = folder
@@ -43,7 +45,7 @@ class LoopbackCluster:
             kill(process)
 
     def _start(self, what, *arguments):
-        command = [sys.executable, "-m", f"distributed.cli.dask_{what}", *arguments]
+        command = tethered([sys.executable, "-m", f"distributed.cli.dask_{what}", *arguments])
         log = (self.folder / f"{what}-{len(self.workers)}.log").open("w")
         with log:
             return subprocess.Popen(command, stdout=log, stderr=log, env=self._environment)

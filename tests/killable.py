@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import signal
 import sys
+import threading
 import time
 
 AUDITED = {"os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.truncate", "os.chmod"}
@@ -55,6 +56,7 @@ def said(folder):
 def _run(folder, arguments, kill_at, file_size):
     from cylcontact import cli
 
+    threading.Thread(target=_end_with_the_tests, daemon=True).start()
     os.chdir(folder)
     sys.argv = ["cylcontact", *map(str, arguments)]
     with (
@@ -69,6 +71,12 @@ def _run(folder, arguments, kill_at, file_size):
 
             resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
         cli.main()
+
+
+def _end_with_the_tests():
+    """End this process when the one that asked for it is killed; its parent only forked it."""
+    multiprocessing.parent_process().join()
+    os._exit(1)
 
 
 def _kill_at(folder, number):

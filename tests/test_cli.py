@@ -14,6 +14,7 @@ import pytest
 import cylcontact
 from cylcontact import cli
 from cylcontact.fitting import FitResult, calibrate, read_campaign
+from cylcontact.tether import tethered
 from tests.spec_files import CAMPAIGN, GRID, changed, tree, write_bench, write_toml
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -58,7 +59,7 @@ def start(*arguments, **options):
     """Start the command line as a process of its own, in a group of its own."""
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     return subprocess.Popen(
-        [*COMMAND, *map(str, arguments)], start_new_session=True, **(pipes | options)
+        tethered([*COMMAND, *map(str, arguments)]), start_new_session=True, **(pipes | options)
     )
 
 

@@ -12,7 +12,8 @@ import cylcontact
 PACKAGE = Path(cylcontact.__file__).parent
 # Each layer may import those before it, and its own.
 LAYERS = (
-    {"errors", "arrays", "card", "compiled", "files", "locks", "origin", "parallel", "specs"},
+    {"errors", "tether"},
+    {"arrays", "card", "compiled", "files", "locks", "origin", "parallel", "specs"},
     {"materials", "pair"},
     {"laws"},
     {"limits", "dissipation", "friction"},

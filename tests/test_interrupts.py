@@ -19,6 +19,7 @@ from cylcontact import InputError
 from cylcontact.files import replacing
 from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.locks import owning
+from cylcontact.tether import tethered
 from tests import killable
 from tests.spec_files import assert_told, tree, write_bench
 
@@ -118,7 +119,7 @@ def test_killed_with_worker_processes_under_way(tmp_path):
     long = RUNS | {"genetic.generations": 1200}
     folder = bench(tmp_path, campaign=long)
     command = [sys.executable, "-m", "cylcontact.cli", "fit", "fitting/small.toml", "--jobs", "2"]
-    with subprocess.Popen(command, cwd=folder, start_new_session=True) as process:
+    with subprocess.Popen(tethered(command), cwd=folder, start_new_session=True) as process:
         wait_for(folder / f"{RESULT}.partial")
         process.kill()
     wait_until(lambda: not group_is_alive(process.pid))

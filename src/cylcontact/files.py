@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -86,6 +87,15 @@ def folder_of(target: Path) -> Iterator[None]:
         for folder in made:
             with suppress(OSError):  # it holds something
                 folder.rmdir()
+
+
+def remove_leftovers(target: Path) -> None:
+    """Remove what a killed process had half-written of the same output."""
+    name = re.compile(rf"\.{re.escape(target.stem)}-[a-z0-9_]{{8}}{re.escape(target.suffix)}")
+    with suppress(OSError):
+        for file in target.parent.iterdir():
+            if name.fullmatch(file.name):
+                file.unlink()
 
 
 def unwritable(path: Path, error: OSError) -> InputError:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import socket
 import sys
 from collections.abc import Iterator
@@ -11,7 +10,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from cylcontact.errors import InputError
-from cylcontact.files import folder_of, require_writable, unwritable
+from cylcontact.files import folder_of, remove_leftovers, require_writable, unwritable
 
 # Windows locks bytes, and nobody can read them meanwhile: one far behind the text.
 _LOCKED_BYTE = 1 << 20
@@ -68,7 +67,7 @@ def owning(path: Path | str) -> Iterator[Path]:
                 "wait for it to end, or choose another output with -o",
             )
         try:
-            _remove_leftovers(target)
+            remove_leftovers(target)
             yield target
         finally:
             _release(lock, handle)
@@ -138,12 +137,3 @@ def _holder(lock: Path) -> str:
         if said:
             return said
     return "another process"
-
-
-def _remove_leftovers(target: Path) -> None:
-    """Remove what a killed process had half-written of the same output."""
-    name = re.compile(rf"\.{re.escape(target.stem)}-[a-z0-9_]{{8}}{re.escape(target.suffix)}")
-    with suppress(OSError):
-        for file in target.parent.iterdir():
-            if name.fullmatch(file.name):
-                file.unlink()

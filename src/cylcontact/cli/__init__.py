@@ -1,7 +1,7 @@
 """The command line: `cylcontact sample | fit | simulate | report | claims | …`.
 
 Exit codes: 0 done, 1 a check does not hold, 2 bad input (one line on standard error),
-130 interrupted, 141 nobody reads the output any more.
+130 interrupted (Ctrl-C, SIGTERM, a closed terminal), 141 nobody reads the output any more.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from pathlib import Path
 import typer
 
 from cylcontact.cli.app import app
+from cylcontact.cli.signals import stopped_by_signals
 from cylcontact.errors import InputError
 
 
@@ -22,7 +23,8 @@ def main() -> None:
     """Run the command line, and turn every expected failure into one line and an exit code."""
     _prepare_streams()
     try:
-        status = _run(sys.argv[1:])
+        with stopped_by_signals():
+            status = _run(sys.argv[1:])
     except InputError as error:
         status = _fail(str(error))
     except KeyboardInterrupt as stop:

@@ -1,4 +1,4 @@
-"""Calls on this machine: in threads, or in processes that leave Ctrl-C to this one."""
+"""Calls on this machine: in threads, or in processes that leave signals to this one."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ from cylcontact.parallel.calls import Call, call
 
 # Seconds after which the thread that feeds new workers has done so; it breaks if stopped before.
 SETTLING = 0.2
-_LOOKOUT = "cylcontact looks after its parent"
+# Seconds between two checks of a worker that its parent is alive.
+POLLING = 0.2
 
 
 def in_processes(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Generator[Any]:
@@ -28,11 +29,16 @@ def in_processes(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Gene
 
     _expect_new_workers()
     workers = max(1, min(jobs, len(calls)))
-    parallel = joblib.Parallel(n_jobs=workers, return_as=as_generator(ordered))
+    parallel = joblib.Parallel(
+        n_jobs=workers,
+        return_as=as_generator(ordered),
+        initializer=_end_with,
+        initargs=(os.getpid(),),
+    )
     results = None
     try:
-        with _interrupts_held() if workers > 1 else nullcontext():
-            results = parallel(_in_worker(calls) if workers > 1 else calls)
+        with _signals_held() if workers > 1 else nullcontext():
+            results = parallel(_in_this_folder(calls) if workers > 1 else calls)
         for result in results:  # noqa: UP028 - `yield from` would close it before `finally` does
             yield result
     except BrokenProcessPool as error:
@@ -71,30 +77,39 @@ def _expect_new_workers() -> None:
     warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
 
 
-def _in_worker(calls: Sequence[Call]) -> list[Call]:
-    """Return the same calls for workers that stand in this folder and end with this process."""
-    folder = str(Path.cwd())
-    return [call(_with_parent, os.getpid(), folder, *one) for one in calls]
-
-
-def _with_parent(
-    parent: int, folder: str, function: Callable[..., Any], arguments: Any, named: Any
-) -> Any:
-    """Make a call in a worker process that looks after its parent from then on.
+def _in_this_folder(calls: Sequence[Call]) -> list[Call]:
+    """Return the same calls for workers that stand in the folder of this process.
 
     A worker may be left from an earlier call, made when its parent stood in another folder.
     """
+    folder = str(Path.cwd())
+    return [call(_in_folder, folder, *one) for one in calls]
+
+
+def _in_folder(folder: str, function: Callable[..., Any], arguments: Any, named: Any) -> Any:
+    """Make a call in a folder."""
     os.chdir(folder)
-    looks = any(thread.name == _LOOKOUT for thread in threading.enumerate())
-    if os.getppid() == parent and not looks:
-        threading.Thread(target=_end_with, args=(parent,), name=_LOOKOUT, daemon=True).start()
     return function(*arguments, **named)
 
 
 def _end_with(parent: int) -> None:
-    """End this process soon after its parent, which would otherwise leave it waiting for work."""
+    """Let this worker process end with its parent, even before its first call.
+
+    Otherwise it would wait for calls: the workers hold each other's queues open, so that none of
+    them reads an end of file. Linux could send a signal, but does so when the thread that started
+    the worker ends, and workers serve later threads as well. On Windows the number of the parent
+    never changes, and joblib ends a worker that has been idle for five minutes.
+    """
+    threading.Thread(target=_watch, args=(parent,), daemon=True).start()
+
+
+def _watch(parent: int) -> None:
+    """End this process once its parent has ended, be it before this process was ready.
+
+    A call that holds the interpreter's lock, as some compiled code does, delays it.
+    """
     while os.getppid() == parent:
-        time.sleep(1.0)
+        time.sleep(POLLING)
     os._exit(1)
 
 
@@ -112,30 +127,37 @@ def give_up(results: Generator[Any] | None) -> None:
 
 
 @contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Hold Ctrl-C back until the end; processes started meanwhile never see it.
+def _signals_held() -> Iterator[None]:
+    """Hold Ctrl-C, SIGTERM and SIGHUP back until the end; processes started meanwhile ignore them.
 
-    A terminal sends it to all processes at once, and a worker that is still importing would
-    print its traceback. A blocked signal stays blocked in new processes; here, where other
-    threads may still receive it, it is noted and raised again.
+    A terminal sends its signals to all processes at once. A worker that is still importing would
+    print a traceback, and one that ends first would pass for one that the system has ended. A
+    blocked signal stays blocked in new processes; here, where other threads may still receive
+    it, it is noted and raised again.
     """
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
     from joblib.externals.loky.backend import resource_tracker as loky_resource_tracker
 
-    for tracker in (resource_tracker, loky_resource_tracker):
-        tracker.ensure_running()  # needed by the workers; it lifts the mask as it starts
-    noted = []
+    ending = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    noted: list[int] = []
     in_main = threading.current_thread() is threading.main_thread()
-    handler = signal.signal(signal.SIGINT, lambda number, _: noted.append(number)) if in_main else 0
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    handlers = (
+        [signal.signal(number, lambda number, _: noted.append(number)) for number in ending]
+        if in_main
+        else []
+    )
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, ending)
     try:
+        for tracker in (resource_tracker, loky_resource_tracker):
+            tracker.ensure_running()  # needed by the workers; it lifts the mask as it starts
+        signal.pthread_sigmask(signal.SIG_BLOCK, ending)
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        if in_main:
-            signal.signal(signal.SIGINT, handler)
+        for number, handler in zip(ending, handlers, strict=False):
+            signal.signal(number, handler)
         if noted:
             time.sleep(SETTLING)
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(noted[0])

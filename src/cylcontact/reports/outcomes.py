@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from cylcontact.errors import InputError
+from cylcontact.files import remove_leftovers
 from cylcontact.parallel import Workers, call, run_calls
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import draw, require_programs, write
@@ -103,10 +104,16 @@ def draw_all(
     work = [call(attempt, bench, name, folder, choice) for name in names]
     outcomes: list[Outcome] = []
     progress("drawing", 0, len(names))
-    with closing(run_calls(work, jobs)) as found:
-        for outcome in found:
-            outcomes.append(outcome)
-            progress("drawing", len(outcomes), len(names))
+    try:
+        with closing(run_calls(work, jobs)) as found:
+            for outcome in found:
+                outcomes.append(outcome)
+                progress("drawing", len(outcomes), len(names))
+    except BaseException:  # the workers have been killed, some of them while they were writing
+        for name in names:
+            for ending in (*choice.formats, "csv"):
+                remove_leftovers(folder / f"{name}.{ending}")
+        raise
     return outcomes
 
 

@@ -16,6 +16,7 @@ from cylcontact.datasets.finite_element.calculix_deck import Deck, make_deck
 from cylcontact.datasets.finite_element.cases import Case
 from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.errors import InputError
+from cylcontact.tether import tethered
 
 PROGRAM = "ccx"
 # Lines of a failed run that are shown.
@@ -71,7 +72,14 @@ def version(program: str) -> str:
     return found[1] if found else "unknown"
 
 
-def run_case(setup: Setup, dR: float, load: float, loads: FloatArray, program: str) -> Case:
+def run_case(
+    setup: Setup,
+    dR: float,
+    load: float,
+    loads: FloatArray,
+    program: str,
+    scratch: str | None = None,
+) -> Case:
     """Solve one case with CalculiX.
 
     Parameters
@@ -84,6 +92,8 @@ def run_case(setup: Setup, dR: float, load: float, loads: FloatArray, program: s
         All loads at this clearance, which the mesh is made for.
     program : str
         The path of CalculiX.
+    scratch : str, optional
+        Where it works, in a folder of its own; the system's place for temporary files.
 
     Returns
     -------
@@ -96,11 +106,11 @@ def run_case(setup: Setup, dR: float, load: float, loads: FloatArray, program: s
     """
     mesh = setup.mesh(dR, loads)
     deck = make_deck(setup, dR, load, mesh)
-    penetration, peak = read_results(run_deck(deck, program), deck)
+    penetration, peak = read_results(run_deck(deck, program, scratch), deck)
     return Case(dR, load, penetration, np.nan, peak, mesh.cells)
 
 
-def run_deck(deck: Deck, program: str) -> str:
+def run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
     """Run a deck in a folder of its own and return the text of its results.
 
     Raises
@@ -108,12 +118,12 @@ def run_deck(deck: Deck, program: str) -> str:
     SolverError
         If the program ends with an error, is killed, or writes no results.
     """
-    with tempfile.TemporaryDirectory(prefix="cylcontact-ccx-") as name:
+    with tempfile.TemporaryDirectory(prefix="cylcontact-ccx-", dir=scratch) as name:
         folder = Path(name)
         (folder / "case.inp").write_text(deck.text, encoding="ascii")
         # One thread: cases run side by side, and the result does not depend on the machine.
         done = subprocess.run(
-            [program, "-i", "case"],
+            tethered([program, "-i", "case"]),
             cwd=folder,
             env={**os.environ, "OMP_NUM_THREADS": "1", "CCX_NPROC_RESULTS": "1"},
             stdin=subprocess.DEVNULL,

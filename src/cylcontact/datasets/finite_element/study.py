@@ -6,6 +6,7 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Literal
 
 from threadpoolctl import threadpool_limits
@@ -129,16 +130,18 @@ def run_study(
     total = len(study.setups) * len(study.dR) * len(study.load)
     failures: list[Failure] = []
     progress("solving", len(rows), total)
-    calls = [call(_solve_task, task, study.load, program) for task in tasks]
-    with closing(run_calls(calls, jobs, ordered=False)) as found:
-        for solved in found:
-            if isinstance(solved, Failure):
-                failures.append(solved)
-                continue
-            rows += solved
-            if keeper:
-                keeper.add(solved)
-            progress("solving", len(rows), total)
+    # An interruption ends the workers, which cannot remove what they have written then.
+    with TemporaryDirectory(prefix="cylcontact-", ignore_cleanup_errors=True) as scratch:
+        calls = [call(_solve_task, task, study.load, program, scratch) for task in tasks]
+        with closing(run_calls(calls, jobs, ordered=False)) as found:
+            for solved in found:
+                if isinstance(solved, Failure):
+                    failures.append(solved)
+                    continue
+                rows += solved
+                if keeper:
+                    keeper.add(solved)
+                progress("solving", len(rows), total)
     places = {name: number for number, name in enumerate(study.setups)}
     return (
         sorted(rows, key=lambda row: (places[row.variant], row.case.dR, row.case.load)),
@@ -158,14 +161,16 @@ def _tasks(study: Study, engine: Engine) -> list[_Task]:
     ]
 
 
-def _solve_task(task: _Task, loads: tuple[float, ...], program: str) -> list[Row] | Failure:
+def _solve_task(
+    task: _Task, loads: tuple[float, ...], program: str, scratch: str
+) -> list[Row] | Failure:
     """Solve one task in a worker."""
     import numpy as np
 
     try:
         if program:
             found = [
-                calculix.run_case(task.setup, task.dR, load, np.array(loads), program)
+                calculix.run_case(task.setup, task.dR, load, np.array(loads), program, scratch)
                 for load in task.loads
             ]
         else:
