@@ -283,7 +283,7 @@ def test_an_interrupted_simulation_keeps_its_revolutions(run, tmp_path, interrup
     simulate(slider_crank(), revolutions=1)  # compiled, so that what follows is integration
     out, begun = tmp_path / "run.parquet", time.monotonic()
     interrupt_when(lambda: time.monotonic() > begun + 3)
-    code, _, err = run("simulate", SPEC, "-o", out, "--revolutions", "100000")
+    code, _, err = run("simulate", SPEC, "-o", out, "--revolutions", "5000")
     assert code == 130
     kept = Trajectory.load(out).revolutions
     assert f"interrupted; {kept} complete revolutions are kept in {out}" in err
