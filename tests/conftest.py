@@ -1,5 +1,6 @@
 """Fixtures shared by the tests: a material, pairs of cylinders, a small campaign, commands."""
 
+import signal
 import sys
 
 import numpy as np
@@ -32,6 +33,8 @@ def pytest_addoption(parser):
 
 def pytest_configure(config):
     programs.REQUIRED = config.getoption("--last-skipped")
+    # What a shell starts in its background ignores Ctrl-C, which some tests send.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(config, items):

@@ -116,7 +116,7 @@ def test_killed_before_every_single_operation_on_a_file(tmp_path):
 
 def test_killed_with_worker_processes_under_way(tmp_path):
     """As a user runs it: processes of its own, and all of them gone soon after."""
-    long = RUNS | {"genetic.generations": 1200}
+    long = RUNS | {"genetic.generations": 400}
     folder = bench(tmp_path, campaign=long)
     command = [sys.executable, "-m", "cylcontact.cli", "fit", "fitting/small.toml", "--jobs", "2"]
     with subprocess.Popen(tethered(command), cwd=folder, start_new_session=True) as process:
@@ -276,7 +276,7 @@ def stopping(action, after):
 
 @pytest.mark.parametrize("mount", [True, False])
 def test_a_disk_that_fills_up_keeps_the_complete_runs(tmp_path, monkeypatch, mount):
-    campaign = read_campaign(bench(tmp_path, campaign=RUNS) / "fitting/small.toml", runs=40)
+    campaign = read_campaign(bench(tmp_path, campaign=RUNS) / "fitting/small.toml", runs=12)
     with SmallDisk(tmp_path / "disk", "64k", monkeypatch, mount) as disk:
         kept = disk.folder / "small.json.partial"
         with pytest.raises(InputError) as caught:
