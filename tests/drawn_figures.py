@@ -11,8 +11,11 @@ from cylcontact.files import replacing
 from cylcontact.locks import owning
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import Written, build
+from cylcontact.reports.looks import JOURNAL, Choice
 
 BENCH = Bench(Path(__file__).parents[1])
+# A picture in pixels takes as long to write as the rest, and no test looks at it.
+PDF = Choice(JOURNAL, ("pdf",))
 
 
 class DrawnFigures:
@@ -47,7 +50,7 @@ class DrawnFigures:
         return pickle.loads(file.read_bytes())
 
     def _draw(self, file: Path) -> None:
-        (written,) = build(BENCH, [file.stem], self._folder)
+        (written,) = build(BENCH, [file.stem], self._folder, choice=PDF)
         with replacing(file) as temporary:
             # A map's axis holds functions without a name, which plain pickle refuses.
             temporary.write_bytes(cloudpickle.dumps(written))

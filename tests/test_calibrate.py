@@ -112,7 +112,7 @@ def small(name, **genetic):
 
 
 def test_one_worker_and_two_give_the_same_result():
-    campaign = small("internal-E1000", runs=4, populations=(12, 16), generations=8)
+    campaign = small("external-E1000", runs=4, populations=(12, 16), generations=8)
     assert calibrate(campaign, jobs=1).repeatable() == calibrate(campaign, jobs=2).repeatable()
 
 

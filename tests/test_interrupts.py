@@ -276,7 +276,7 @@ def stopping(action, after):
 
 @pytest.mark.parametrize("mount", [True, False])
 def test_a_disk_that_fills_up_keeps_the_complete_runs(tmp_path, monkeypatch, mount):
-    campaign = read_campaign(bench(tmp_path, campaign=RUNS) / "fitting/small.toml", runs=12)
+    campaign = read_campaign(bench(tmp_path, campaign=RUNS) / "fitting/small.toml", runs=40)
     with SmallDisk(tmp_path / "disk", "64k", monkeypatch, mount) as disk:
         kept = disk.folder / "small.json.partial"
         with pytest.raises(InputError) as caught:
