@@ -59,7 +59,7 @@ def shipped_files(source: Path) -> list[Path]:
 
 
 def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
-    """Copy files with their folders, all of them or none.
+    """Copy files with their folders; none of them appears before all are copied.
 
     Parameters
     ----------
