@@ -8,6 +8,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import which
+from typing import Any
 
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
@@ -248,10 +249,10 @@ def _save(drawing: Drawing, picture: Path, form: Format, look: Look) -> None:
             "Subject": drawing.caption,
         },
         "svg": {"Date": None, "Creator": None, "Description": drawing.caption},
-        "pgf": {},
     }
+    known: dict[str, Any] = {"metadata": metadata[form]} if form in metadata else {}
     with figure_style(look):
-        drawing.figure.savefig(picture, format=form, dpi=DPI, metadata=metadata[form])
+        drawing.figure.savefig(picture, format=form, dpi=DPI, **known)
 
 
 def _find_recipe(name: str, bench: Bench) -> Path:
