@@ -124,8 +124,8 @@ test: $(VENV)/.extras ## Run the tests and the examples in the docstrings
 test-skipped: $(VENV)/.extras ## Run the tests that skipped last time; none may skip now
 	$(PYTEST) --last-skipped
 
-test-slow: $(VENV)/.extras ## Run the studies that take minutes
-	$(PYTEST) -m slow
+test-slow: $(VENV)/.extras ## Run what is slow, and the studies of many minutes
+	$(PYTEST) --dist worksteal -m "slow or long"
 
 lint: $(VENV)/.editable ## Check style, formatting and types
 	$(BIN)/ruff check .

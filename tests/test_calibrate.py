@@ -150,7 +150,7 @@ def test_a_tampered_result_is_found_out(results, name):
     assert [c.what for c in compare_results(tampered, fresh) if not c.holds] == ["objective"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("name", BEST)
 def test_any_seed_reaches_the_best_known_objective(name, seed):

@@ -110,7 +110,7 @@ class TestLooks:
         with figure_style():
             assert mpl.rcParams["font.size"] == 8.0
 
-    @pytest.mark.slow
+    @pytest.mark.long
     @pytest.mark.parametrize("look", [look for look in LOOKS.values() if look.width_mm])
     def test_every_figure_draws_in_every_look(self, look, tmp_path: Path) -> None:
         names = [path.stem for path in sorted((ROOT / "reports").glob("fig*.py"))]

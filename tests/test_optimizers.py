@@ -221,7 +221,7 @@ def test_a_comparison_that_is_not_there_is_asked_for(tmp_path, contents):
     assert_told(caught, path, "", None, rule, "make it with: cylcontact optimizers")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_committed_comparison_is_what_the_command_gives():
     fresh = compare_optimizers(read_campaign(ROOT / "fitting/internal.toml"), jobs=2)
     committed = (ROOT / "fitting/results/optimizers-internal.csv").read_text(encoding="utf-8")

@@ -384,7 +384,7 @@ def test_intervals_and_bands_hold_the_truth_as_often_as_they_say(tmp_path):
     assert all(0.90 <= share <= 0.98 for share in shares.values()), shares
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("law", "contact"), COVERED)
 def test_coverage_of_every_law(tmp_path, law, contact):
     shares = coverage(measured_campaign(tmp_path, law, contact))
