@@ -33,8 +33,11 @@ def pytest_addoption(parser):
 
 def pytest_configure(config):
     programs.REQUIRED = config.getoption("--last-skipped")
-    # What a shell starts in its background ignores Ctrl-C, which some tests send.
+    # What a shell starts in its background ignores Ctrl-C, and under nohup a closed terminal;
+    # tests that end commands so must not pass this on to them.
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    if hasattr(signal, "SIGHUP"):
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def pytest_collection_modifyitems(config, items):
