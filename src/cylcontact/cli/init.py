@@ -104,5 +104,5 @@ def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:
 
 
 def _is_copy(file: Path, original: Path) -> bool:
-    """Tell whether a file holds what the original does."""
+    """Return whether a file has the same contents as the original."""
     return file.is_file() and filecmp.cmp(file, original, shallow=False)

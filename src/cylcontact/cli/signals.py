@@ -1,4 +1,4 @@
-"""What stops a command: Ctrl-C, SIGTERM, and SIGHUP, which a terminal sends as it closes."""
+"""Turn Ctrl-C, SIGTERM and SIGHUP (a closed terminal) into one interruption of a command."""
 
 from __future__ import annotations
 

@@ -155,6 +155,8 @@ def _add_materials(
         numbers[f"E_{body}"], numbers[f"nu_{body}"] = E, nu
     for quantity in ("E", "nu"):
         numbers.pop(quantity, None)
+    if not rows:
+        return []
     used = {word for name in labels if name.startswith("material") for word in labels[name]}
     shipped = shipped_materials()
     return [
