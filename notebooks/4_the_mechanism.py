@@ -26,9 +26,9 @@ import pandas as pd
 
 from cylcontact import InputError
 from cylcontact.mechanism import read_mechanism, simulate
-from cylcontact.reports.drawing import Drawing
+from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots.style import figure_style
 from cylcontact.reports.notebook import live_progress, open_bench
-from cylcontact.reports.style import figure_style, new_figure
 
 bench = open_bench()
 spec = bench.root / "datasets" / "slider_crank.toml"

@@ -27,9 +27,9 @@ import pandas as pd
 
 from cylcontact import CylinderPair, Material, laws, limits
 from cylcontact.datasets.finite_element import Setup, read_table, solve
-from cylcontact.reports.drawing import Drawing
+from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots.style import COLOURS, MARKERS, figure_style
 from cylcontact.reports.notebook import open_bench
-from cylcontact.reports.style import COLOURS, MARKERS, figure_style, new_figure
 
 bench = open_bench()
 steel = Material("steel", E=207e3, nu=0.3)

@@ -31,9 +31,9 @@ from cylcontact.export import export
 from cylcontact.export.named import find_law
 from cylcontact.fitting.measured_campaign import campaign_of_table
 from cylcontact.fitting.measured_fit import fit_measurements
-from cylcontact.reports.drawing import Drawing
+from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots.style import figure_style
 from cylcontact.reports.notebook import live_progress
-from cylcontact.reports.style import figure_style, new_figure
 
 folder = Path(mkdtemp())
 

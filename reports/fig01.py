@@ -1,7 +1,7 @@
 """Fig 1: the geometry of internal and external contact and of the contact strip, drawn."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.geometry import DrawnPair, draw_geometry
 
 INTERNAL = DrawnPair("internal", R_i=10.0, R_j=7.0, penetration=0.6)

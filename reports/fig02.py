@@ -1,8 +1,8 @@
 """Fig 2: power laws fitted to Johnson's law for one internal and one external contact."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims.power_fits import FIG2_DR, FIG2_LOADS, reference_pair
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.power_curves import PowerCase, power_fit_panels
 
 # K, n and R² as the paper prints them.

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims.power_fits import TRAINING_DR, TRAINING_LOADS
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.exponents import ExponentStudy, exponent_panels, exponent_spreads
 
 TICKS = {

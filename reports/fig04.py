@@ -1,7 +1,7 @@
 """Fig 4: the finite-element mesh at a clearance of 0.1 mm, whole and magnified."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.finite_element.data import choices, study
 from cylcontact.reports.finite_element.mesh import mesh_panels, mesh_table
 

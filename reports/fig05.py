@@ -1,8 +1,8 @@
 """Fig 5: contact stress at clearances of 1 mm and 0.01 mm, beside Hertz."""
 
 from cylcontact.datasets.finite_element import solve
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.finite_element.data import (
     STRESS_LOAD,
     STRESS_LOAD_CHOICE,

@@ -1,7 +1,7 @@
 """Fig 6: penetration against clearance: finite elements, Johnson, the enhanced and other laws."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.finite_element.data import choices, penetrations, table
 from cylcontact.reports.finite_element.penetration import penetration_panels
 

@@ -1,6 +1,8 @@
 """Fig 7: the load at which Hertz's peak pressure reaches the yield stress, against clearance."""
 
 from cylcontact.limits import yield_load
+from cylcontact.plots.clearance import clearance_panels
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims.domain import (
     ELASTIC,
@@ -11,8 +13,6 @@ from cylcontact.reports.claims.domain import (
     clearance_pair,
     origins,
 )
-from cylcontact.reports.curves import clearance_panels
-from cylcontact.reports.drawing import Drawing
 
 HEADLINE_DR_MM = 0.1
 CAPTION = (

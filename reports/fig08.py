@@ -6,13 +6,13 @@ from matplotlib.axes import Axes
 
 from cylcontact.limits import johnson_limit_load
 from cylcontact.materials import Material
+from cylcontact.plots.clearance import CLEARANCES, clearance_table, draw_materials, mark_point
+from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots.maps import RIM
+from cylcontact.plots.style import COLOURS
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims.domain import ELASTIC, LOADS, MATERIALS, clearance_pair, origins
-from cylcontact.reports.contours import RIM
-from cylcontact.reports.curves import CLEARANCES, clearance_table, draw_materials, mark_point
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.laws_bounds import DEPARTURES, departure_number, johnson_end
-from cylcontact.reports.style import COLOURS, new_figure
 
 # Material and clearance (mm) of the limits that Sect. 3.4 states; where their labels go.
 STATED = {

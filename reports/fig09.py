@@ -1,6 +1,8 @@
 """Fig 9: Hertz's peak pressure at Johnson's largest load, with each material's yield stress."""
 
 from cylcontact.limits import elastic_limit_clearance, stress_at_johnson_limit
+from cylcontact.plots.clearance import clearance_panels, mark_yield
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims.domain import (
     ELASTIC,
@@ -10,8 +12,6 @@ from cylcontact.reports.claims.domain import (
     clearance_pair,
     origins,
 )
-from cylcontact.reports.curves import clearance_panels, mark_yield
-from cylcontact.reports.drawing import Drawing
 
 CAPTION = (
     "Peak pressure of Hertz's line contact (MPa, Eq 7) at the largest load of Johnson's law "

@@ -1,7 +1,7 @@
 """Fig 10 again, for ceramics, with the coefficients refitted here."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.maps import refit_map
 
 

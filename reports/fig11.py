@@ -1,7 +1,7 @@
 """Fig 11: enhanced law against Johnson's for high-strength steel, published coefficients."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.maps import published_map
 
 

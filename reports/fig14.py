@@ -1,7 +1,7 @@
 """Fig 14: enhanced law against Johnson's for aluminium alloy, published coefficients."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.maps import published_map
 
 

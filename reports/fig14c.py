@@ -1,7 +1,7 @@
 """Fig 14 again, for aluminium alloy, refitted to Persson's solution and judged by it."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.maps import refit_map
 
 

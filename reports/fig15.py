@@ -1,8 +1,8 @@
 """Fig 15: the joint with clearance, drawn to its definition from a step of a simulation."""
 
 from cylcontact.mechanism import simulate
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.mechanism.disclosure import assumed
 from cylcontact.reports.mechanism.joint import configuration, draw_joint
 from cylcontact.reports.mechanism.runs import mechanism

@@ -1,8 +1,8 @@
 """Fig 16: the slider-crank, drawn from its spec in a configuration that a simulation gives."""
 
 from cylcontact.mechanism import simulate
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.mechanism.disclosure import assumed
 from cylcontact.reports.mechanism.overview import draw_overview, point_table
 from cylcontact.reports.mechanism.runs import mechanism

@@ -1,8 +1,8 @@
 """Fig 17: contact force against penetration over an impact, for three laws and two clearances."""
 
 from cylcontact.mechanism import Case
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.mechanism.disclosure import assumed, law_ends
 from cylcontact.reports.mechanism.hysteresis import (
     crossings,

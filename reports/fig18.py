@@ -1,7 +1,7 @@
 """Fig 18: the journal's centre in its bearing at a clearance of 0.5 mm, three laws, four cases."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.mechanism.path_drawing import path_drawing
 
 

@@ -1,8 +1,8 @@
 """The workbench against what one would use instead, from datasets/benchmarks.json."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.benchmarks import GROUPS, left_out, ratio_panel, ratios_of
-from cylcontact.reports.drawing import Drawing
 
 CAPTION = (
     "Time that others take, in units of the workbench's on the same task with the same answer "

@@ -5,8 +5,8 @@ from dataclasses import asdict
 import pandas as pd
 
 from cylcontact.laws.explicit import CALIBRATED
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.universal import (
     EXTERNAL_PHI,
     PHI_MAX,

@@ -1,7 +1,7 @@
 """What each choice that Section 3.2 leaves open does to the finite elements' penetration."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.finite_element.data import choices, table
 from cylcontact.reports.finite_element.sensitivity import sensitivity_panels, sensitivity_table
 

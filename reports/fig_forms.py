@@ -1,9 +1,8 @@
 """The search for the explicit law: the forms tried, each fitted, and what they cost."""
 
+from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.forms import CHOSEN, SIMPLEST, draw_forms, forms_table
-from cylcontact.reports.style import new_figure
 from cylcontact.reports.universal import PHI_MAX, PHI_MIN
 
 CAPTION = (

@@ -1,7 +1,7 @@
 """Contact, impacts and steps of the slider-crank, for three laws and eight cases, with scatter."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.mechanism.case_panels import case_panels
 from cylcontact.reports.mechanism.disclosure import assumed
 from cylcontact.reports.mechanism.runs import (

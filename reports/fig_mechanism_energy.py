@@ -1,8 +1,8 @@
 """The energy balance of the slider-crank: the ledgers of one run, the errors of all cases."""
 
 from cylcontact.mechanism import Case
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.mechanism.disclosure import assumed
 from cylcontact.reports.mechanism.energy import energy_panels, energy_table
 from cylcontact.reports.mechanism.runs import REVOLUTIONS, mechanism, simulated, statistics_table

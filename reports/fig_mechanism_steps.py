@@ -3,8 +3,8 @@
 import pandas as pd
 
 from cylcontact.mechanism import Case
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.mechanism.disclosure import assumed
 from cylcontact.reports.mechanism.runs import CLEARANCES, mechanism, simulated
 from cylcontact.reports.mechanism.steps import step_panels, step_table

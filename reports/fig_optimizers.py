@@ -1,7 +1,7 @@
 """Four optimisers on the calibration for internal contact: what each run reached."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.optimizers import (
     in_best_basin,
     optimizer_runs,

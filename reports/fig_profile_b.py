@@ -1,7 +1,7 @@
 """How sharply the external fit determines b: the objective with the others re-optimised."""
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.profiles import profile_drawing
 
 

@@ -1,8 +1,8 @@
 """Wanted against achieved restitution: what each hysteresis factor makes of an impact."""
 
 from cylcontact.dissipation import FACTORS, achieved_restitution
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.restitution import restitution_panels, restitution_table
 
 GROUPS = (

@@ -2,8 +2,8 @@
 
 from cylcontact.fitting.calibrate import calibrate
 from cylcontact.fitting.planning import read_plan
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.pair_maps import uncertainty_drawing
 
 

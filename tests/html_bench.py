@@ -10,8 +10,8 @@ EVIL = "<img src=x onerror=alert(1)> & \"quoted\" '{{ 7 * 7 }}'"
 EVIL_RECIPE = f'''
 """A line of {EVIL[:28]}"""
 import pandas as pd
-from cylcontact.reports.drawing import Drawing
-from cylcontact.reports.style import new_figure
+from cylcontact.plots.figure import Drawing
+from cylcontact.plots.figure import new_figure
 
 
 def draw(bench):

@@ -8,8 +8,8 @@ from cylcontact.datasets.finite_element import ENGINES
 from cylcontact.export import TARGETS
 from cylcontact.fitting.loss import LOSSES
 from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.mechanism import rows, system
-from cylcontact.reports import looks, paper_tables
+from cylcontact.mechanism import step_history, system
+from cylcontact.plots import looks, paper_tables
 
 
 @pytest.mark.parametrize(
@@ -21,7 +21,7 @@ from cylcontact.reports import looks, paper_tables
         (choices.CONTACTS, pair.CONTACTS),
         (choices.OPTIMIZERS, OPTIMIZERS),
         (choices.LOSSES, LOSSES),
-        (choices.STYLES, looks.LOOKS),
+        (choices.STYLES, looks.STYLES),
         (choices.FORMATS, looks.FORMATS),
         (choices.TABLES, paper_tables.KINDS),
         (choices.TARGETS, TARGETS),
@@ -32,4 +32,4 @@ def test_help_offers_what_there_is(offered, known):
 
 
 def test_types_are_those_of_the_mechanism():
-    assert (choices.Method, choices.Beyond) == (rows.Method, rows.Beyond)
+    assert (choices.Method, choices.Beyond) == (step_history.Method, step_history.Beyond)

@@ -13,7 +13,7 @@ from cylcontact.cli.app import app
 from cylcontact.fitting.calibrate import problem_of
 from cylcontact.fitting.measured_fit import fit_measurements
 from cylcontact.fitting.polish import polish
-from cylcontact.fitting.rows import collect_rows
+from cylcontact.fitting.samples import collect_samples
 from cylcontact.fitting.uncertainty.discrepancy import study_discrepancy
 from cylcontact.fitting.uncertainty.study import study_noise
 from cylcontact.fitting.uncertainty.text import discrepancy_text
@@ -32,7 +32,7 @@ def study(small_result):
 
 
 def test_the_spread_is_that_of_eq_9_over_the_samples(small_campaign, small_result, study):
-    rows, _ = collect_rows(small_campaign.grid)
+    rows, _ = collect_samples(small_campaign.grid)
     point = np.array([[small_result.coefficients[name] for name in small_campaign.family.names]])
     ratio = small_campaign.family.form(point, rows.dR).log_penetration_ratio(0, rows)
     for share, value in study.spread_percent.items():

@@ -15,13 +15,12 @@ from typer.testing import CliRunner
 
 from cylcontact import InputError
 from cylcontact.cli.app import app
+from cylcontact.plots.figure import StyledFigure, new_figure
+from cylcontact.plots.style import STYLES, Choice, choose, figure_style
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build
 from cylcontact.reports.latex import latex
-from cylcontact.reports.looks import LOOKS, Choice, choose
 from cylcontact.reports.outcomes import draw_all
-from cylcontact.reports.style import figure_style, new_figure
-from cylcontact.reports.styled_figure import StyledFigure
 from tests.figure_files import page_mm
 from tests.programs import require_program
 
@@ -31,8 +30,8 @@ BENCH = Bench(ROOT)
 NAMES = ("fig07", "fig14")
 SIMPLE = """
 import pandas as pd
-from cylcontact.reports.drawing import Drawing
-from cylcontact.reports.style import new_figure
+from cylcontact.plots.figure import Drawing
+from cylcontact.plots.figure import new_figure
 
 
 def draw(bench):
@@ -52,10 +51,10 @@ def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.fixture(scope="module", params=[look for look in LOOKS if look != "journal"])
+@pytest.fixture(scope="module", params=[look for look in STYLES if look != "journal"])
 def sheet(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory):
     """A few figures in a look that is not the journal's."""
-    look = LOOKS[request.param]
+    look = STYLES[request.param]
     folder = tmp_path_factory.mktemp(look.name)
     return look, build(BENCH, NAMES, folder, choice=Choice(look, ("pdf",)))
 
@@ -86,12 +85,12 @@ class TestLooks:
             assert min(sizes) == pytest.approx(look.font_size * 7 / 8)
 
     def test_content_that_needs_the_width_spans_both_columns(self) -> None:
-        with figure_style(LOOKS["single-column"]):
+        with figure_style(STYLES["single-column"]):
             figure = new_figure("full", 112.0, wide=True)
         assert figure.get_size_inches()[0] * 25.4 == pytest.approx(190.0)
 
     def test_panels_stand_below_one_another_where_it_is_narrow(self) -> None:
-        with figure_style(LOOKS["single-column"]):
+        with figure_style(STYLES["single-column"]):
             figure = new_figure("full", 72.0)
             assert isinstance(figure, StyledFigure)
             grid = figure.subplots(2, 3, sharex="col", sharey="row", height_ratios=(3, 1))
@@ -103,7 +102,7 @@ class TestLooks:
         assert not grid[0, 1].get_shared_y_axes().joined(grid[0, 1], grid[1, 1])
 
     def test_the_style_in_force_is_put_back(self) -> None:
-        with figure_style(LOOKS["slides"]):
+        with figure_style(STYLES["slides"]):
             assert mpl.rcParams["font.size"] == 13.0
             with figure_style():
                 assert mpl.rcParams["font.size"] == 13.0
@@ -111,7 +110,7 @@ class TestLooks:
             assert mpl.rcParams["font.size"] == 8.0
 
     @pytest.mark.long
-    @pytest.mark.parametrize("look", [look for look in LOOKS.values() if look.width_mm])
+    @pytest.mark.parametrize("look", [look for look in STYLES.values() if look.width_mm])
     def test_every_figure_draws_in_every_look(self, look, tmp_path: Path) -> None:
         names = [path.stem for path in sorted((ROOT / "reports").glob("fig*.py"))]
         outcomes = draw_all(BENCH, names, tmp_path, Choice(look, ("pdf",)), jobs=2)
@@ -139,7 +138,7 @@ class TestFormats:
         seen = []
         for jobs in (1, 1, 2):
             folder = small / f"out{len(seen)}"
-            choice = Choice(LOOKS["slides"], ("png", "pdf", "svg"))
+            choice = Choice(STYLES["slides"], ("png", "pdf", "svg"))
             outcomes = draw_all(Bench(small), ["fig98", "fig99"], folder, choice, jobs)
             files = [path for outcome in outcomes for path in outcome.paths]
             seen.append({path.name: hashlib.sha256(path.read_bytes()).digest() for path in files})
@@ -177,13 +176,21 @@ class TestStyleFile:
         path = self.write(tmp_path, text)
         found = choose(path)
         assert found.formats == ("svg",)
-        assert (found.look.name, found.look.font_size, found.look.width_mm) == ("slides", 18.0, 200)
-        assert found.look.lines == 3.0
+        assert (found.style.name, found.style.font_size, found.style.width_mm) == (
+            "slides",
+            18.0,
+            200,
+        )
+        assert found.style.lines == 3.0
         own = choose(path, style="double-column", formats=("pdf", "pdf"), font_size=9.0)
-        assert (own.look.name, own.look.font_size, own.formats) == ("double-column", 9.0, ("pdf",))
+        assert (own.style.name, own.style.font_size, own.formats) == (
+            "double-column",
+            9.0,
+            ("pdf",),
+        )
 
     def test_font_of_ones_own(self, tmp_path: Path) -> None:
-        look = choose(self.write(tmp_path, 'font = "DejaVu Serif"')).look
+        look = choose(self.write(tmp_path, 'font = "DejaVu Serif"')).style
         with figure_style(look):
             assert mpl.rcParams["font.family"] == ["DejaVu Serif"]
             figure = new_figure("column", 50)

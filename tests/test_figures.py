@@ -16,11 +16,11 @@ from matplotlib.text import Text
 from cylcontact import InputError
 from cylcontact.fitting.result import FitResult
 from cylcontact.laws import PUBLISHED
+from cylcontact.plots.style import WIDTHS_MM
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, draw, find_recipes
 from cylcontact.reports.exponents import ExponentStudy, exponent_table
 from cylcontact.reports.profiles import profile_drawing
-from cylcontact.reports.style import WIDTHS_MM
 from tests.drawn_figures import DrawnFigures
 from tests.figure_files import page_mm, read_columns, significant_digits
 

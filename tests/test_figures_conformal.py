@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.forms import CHOSEN, SIMPLEST
 from tests.drawn_figures import DrawnFigures
 

@@ -11,8 +11,8 @@ from cylcontact.fitting.objectives import OBJECTIVES, make_objective
 from cylcontact.fitting.parameters import FAMILIES, Parameter
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.rows import Rows
 from cylcontact.fitting.run import plan_runs
+from cylcontact.fitting.samples import Samples
 
 BOUNDS = {
     "internal": {
@@ -38,7 +38,7 @@ def exact_problem(contact, objective="rms-log-penetration"):
     j = (s + form.c[0][:, None]) / form.n[0][:, None]
     if objective != "rms-log-penetration":
         index = np.repeat(np.arange(DR[contact].size), s.shape[1])
-        data = Rows(contact, DR[contact], index, s.ravel(), j.ravel())
+        data = Samples(contact, DR[contact], index, s.ravel(), j.ravel())
     else:
         data = concatenate(
             Moments.of_samples(dR, *row)

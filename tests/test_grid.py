@@ -11,7 +11,7 @@ import pytest
 from cylcontact import InputError
 from cylcontact.datasets import Grid, read_grid
 from cylcontact.laws import REFERENCES
-from cylcontact.origin import spec_hash
+from cylcontact.provenance import spec_hash
 from tests.spec_files import DROP, GRID, assert_told, changed, write_toml
 
 ROOT = Path(__file__).resolve().parents[1]

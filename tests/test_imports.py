@@ -13,13 +13,22 @@ PACKAGE = Path(cylcontact.__file__).parent
 # Each layer may import those before it, and its own.
 LAYERS = (
     {"errors", "tether"},
-    {"arrays", "card", "compiled", "files", "locks", "origin", "parallel", "specs"},
+    {
+        "arrays",
+        "files",
+        "html_repr",
+        "locks",
+        "numba_cache",
+        "parallel",
+        "provenance",
+        "spec",
+        "units",
+    },
     {"materials", "pair"},
     {"laws"},
     {"limits", "dissipation", "friction"},
-    {"mechanism"},
-    {"datasets"},
-    {"fitting"},
+    {"datasets", "plots"},
+    {"fitting", "mechanism"},
     {"export", "reports"},
     {"cli"},
 )

@@ -63,7 +63,7 @@ def test_one_sample_has_its_own_logarithms_and_no_spread():
 
 
 def test_grids_that_are_partly_masked_are_the_sum_of_their_samples():
-    """Rows inside the domain go one way, rows that leave it the other."""
+    """Samples inside the domain go one way, rows that leave it the other."""
     E, dR = np.geomspace(20.0, 400.0, 9), np.array([0.005, 0.02])
     grid = Grid("internal", "johnson", E, np.array([0.2, 0.3]), dR, np.geomspace(1, 2000, 40))
     moments, counts = reduce_grid(grid)

@@ -18,8 +18,7 @@ from cylcontact.fitting.measured_campaign import campaign_of_table
 from cylcontact.fitting.measured_fit import fit_measurements
 from cylcontact.fitting.planning import read_plan
 from cylcontact.fitting.verify import verify
-from cylcontact.laws.mounted import Mounted
-from cylcontact.laws.scaled import Scaled, adjusted_logarithmic
+from cylcontact.laws.adapters import RigCompliance, ScaledLaw, adjusted_logarithmic
 from tests.measured_files import (
     CONSTANTS,
     LOADS,
@@ -201,7 +200,7 @@ def test_the_nominal_parameters_are_the_law_as_it_stands(law, contact, pair):
 
 
 def test_a_scaled_law_answers_consistently(pair):
-    law = Scaled(laws.Johnson(), load_factor=2.0, penetration_factor=3.0)
+    law = ScaledLaw(laws.Johnson(), load_factor=2.0, penetration_factor=3.0)
     delta = law.penetration(150.0, pair)
     assert law.load(delta, pair) == pytest.approx(150.0)
     step = 1e-7
@@ -210,7 +209,7 @@ def test_a_scaled_law_answers_consistently(pair):
     assert law.load(law.max_penetration(pair), pair) == pytest.approx(law.max_load(pair))
     assert law.name == "johnson"
     with pytest.raises(InputError, match="load_factor = 0"):
-        Scaled(laws.Johnson(), load_factor=0)
+        ScaledLaw(laws.Johnson(), load_factor=0)
 
 
 def test_an_adjusted_logarithmic_law_is_the_formula(pair):
@@ -609,7 +608,7 @@ def test_the_rig_is_not_exported(tmp_path):
 
 @pytest.mark.parametrize(("offset", "compliance"), [(0.0, 0.0), (1e-3, 0.0), (-1e-4, 3e-6)])
 def test_a_mounted_law_answers_consistently(pair, offset, compliance):
-    law = Mounted(laws.Johnson(), offset, compliance)
+    law = RigCompliance(laws.Johnson(), offset, compliance)
     loads = np.array([1.0, 50.0, 400.0])
     seen = law.penetration(loads, pair)
     assert seen == pytest.approx(
@@ -624,11 +623,11 @@ def test_a_mounted_law_answers_consistently(pair, offset, compliance):
     assert law.load(law.max_penetration(pair) * (1 - 1e-9), pair) == pytest.approx(
         law.max_load(pair), rel=1e-3
     )
-    assert np.isinf(Mounted(laws.Liu(), offset, compliance).max_penetration(pair))
+    assert np.isinf(RigCompliance(laws.Liu(), offset, compliance).max_penetration(pair))
 
 
 def test_a_mounting_that_cannot_be_is_refused():
     with pytest.raises(InputError, match="compliance = -1"):
-        Mounted(laws.Johnson(), compliance=-1)
+        RigCompliance(laws.Johnson(), compliance=-1)
     with pytest.raises(InputError, match="offset = inf"):
-        Mounted(laws.Johnson(), offset=float("inf"))
+        RigCompliance(laws.Johnson(), offset=float("inf"))

@@ -8,9 +8,9 @@ from cylcontact import InputError
 from cylcontact.datasets.measured_columns import MeasuredData, read_measured
 from cylcontact.datasets.measured_table import MAX_ROWS, read_table
 from cylcontact.datasets.measurements import measurements_of
-from cylcontact.datasets.units import QUANTITIES, column_named, spellings
 from cylcontact.fitting.measured_objective import objective_name
 from cylcontact.materials import COLUMNS
+from cylcontact.units import QUANTITIES, column_named, spellings
 from tests.measured_files import write_table
 from tests.spec_files import assert_told
 

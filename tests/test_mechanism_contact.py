@@ -5,7 +5,7 @@ import pytest
 
 from cylcontact import dissipation, friction
 from cylcontact.laws import LAWS
-from cylcontact.mechanism import constraints, contact, multiplier, simulate
+from cylcontact.mechanism import augmented, constraints, contact, simulate
 from cylcontact.mechanism.system import build
 from tests.mechanism_cases import ODD, slider_crank
 
@@ -73,7 +73,7 @@ def test_the_pair_of_forces_balances_and_dissipates(bearing):
         q[3 * j] += here[2] - there[2] - gap.real
         q[3 * j + 1] += here[3] - there[3] - gap.imag
         force = np.zeros(9)
-        normal_power, friction_power = multiplier.contact_on_bodies(q, v, force, p)
+        normal_power, friction_power = augmented.contact_on_bodies(q, v, force, p)
         f_i, f_j = force[3 * i : 3 * i + 3], force[3 * j : 3 * j + 3]
         # Newton's third law, and no net moment about the origin.
         assert f_i[:2] == pytest.approx(-f_j[:2], abs=1e-9)
@@ -113,7 +113,7 @@ def test_generalised_forces_do_the_work_of_the_pair():
     q[3 * joint.j] += here[2] - there[2] - joint.radial - 1e-6
     q[3 * joint.j + 1] += here[3] - there[3]
     force = np.zeros(9)
-    dissipated = sum(multiplier.contact_on_bodies(q, v, force, p))
+    dissipated = sum(augmented.contact_on_bodies(q, v, force, p))
     elastic = joint.law.load(1e-3, joint.pair) * joint.length
     rate = constraints.point(q, v, joint.i, *joint.point_i)[4] - there[4]
     assert force @ v == pytest.approx(-dissipated - elastic * rate, rel=1e-6)

@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from cylcontact.mechanism import mechanism_from, minimal, multiplier, simulate
+from cylcontact.mechanism import augmented, mechanism_from, minimal_coordinates, simulate
 from cylcontact.mechanism.assembly import assemble
 from cylcontact.mechanism.system import build
 from tests.mechanism_cases import FOUR_BAR, ODD, slider_crank
@@ -60,7 +60,7 @@ def states(mechanism, method, t):
 def test_the_power_of_the_drive_is_the_rate_of_the_kinetic_energy(t):
     mechanism = slider_crank(clearance=0.0)
     expected = float(mpmath.diff(kinetic, t))
-    for method, model in (("minimal", minimal), ("multiplier", multiplier)):
+    for method, model in (("minimal", minimal_coordinates), ("multiplier", augmented)):
         system = build(mechanism, method)
         y = states(mechanism, method, t)
         out = np.zeros_like(y)
@@ -74,7 +74,7 @@ def test_the_multiplier_form_gives_the_accelerations_of_the_closed_form(t):
     system = build(mechanism, "multiplier")
     y = states(mechanism, "multiplier", t)
     out = np.zeros_like(y)
-    multiplier.derivatives(t, y, out, system.block)
+    augmented.derivatives(t, y, out, system.block)
     centre = mpmath.diff(rod_centre, t, 2)
     expected = [centre.real, centre.imag, mpmath.diff(rod_angle, t, 2), mpmath.diff(slider, t, 2)]
     assert out[12:16] == pytest.approx([float(x) for x in expected], rel=1e-10, abs=1e-6)
@@ -84,8 +84,8 @@ def test_the_multiplier_form_gives_the_accelerations_of_the_closed_form(t):
 @pytest.mark.parametrize("t", TIMES)
 def test_the_minimal_form_gives_the_reaction_of_the_closed_form(t):
     system = build(slider_crank(clearance=0.0), "minimal")
-    start = int(system.block[minimal.contact.MODEL_START])
-    found = minimal.ideal_reaction(t, np.zeros(7), system.block[start:])
+    start = int(system.block[minimal_coordinates.contact.MODEL_START])
+    found = minimal_coordinates.ideal_reaction(t, np.zeros(7), system.block[start:])
     assert found == pytest.approx([float(x) for x in reaction(t)], rel=1e-10, abs=1e-6)
 
 

@@ -183,7 +183,10 @@ def test_steps_that_collapse_are_told():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"method": "newton"}, "method = 'newton': is not known; choose minimal, multiplier"),
+        (
+            {"method": "newton"},
+            "method = 'newton': is not known; choose minimal, multiplier",
+        ),
         ({"beyond": "ignore"}, "beyond = 'ignore': is not known; choose stop, tangent"),
         ({"tolerance": 0.1}, r"tolerance = 0.1: must lie in \[1e-14, 1e-3\]"),
         ({"revolutions": 0}, "revolutions = 0: must be at least 1"),

@@ -11,7 +11,7 @@ from cylcontact.datasets import Grid, reduce_grid
 from cylcontact.fitting.max_difference import max_abs_difference_percent
 from cylcontact.fitting.objectives import OBJECTIVES, make_objective
 from cylcontact.fitting.parameters import FAMILIES
-from cylcontact.fitting.rows import collect_rows
+from cylcontact.fitting.samples import collect_samples
 
 GRIDS = {
     "internal": Grid(
@@ -65,7 +65,7 @@ BY_HAND = {
 
 def make(name, contact):
     grid = GRIDS[contact]
-    data, _ = reduce_grid(grid) if name == "rms-log-penetration" else collect_rows(grid)
+    data, _ = reduce_grid(grid) if name == "rms-log-penetration" else collect_samples(grid)
     return make_objective(name, data)
 
 
@@ -103,7 +103,7 @@ def test_bound_is_reached_by_a_direct_search_at_each_clearance(name):
     per_clearance = []
     for dR in grid.dR:
         single = Grid("external", "johnson", grid.E, grid.nu, np.array([dR]), grid.load)
-        data, _ = reduce_grid(single) if name == "rms-log-penetration" else collect_rows(single)
+        data, _ = reduce_grid(single) if name == "rms-log-penetration" else collect_samples(single)
         alone = make_objective(name, data)
 
         def value(x, alone=alone):

@@ -12,7 +12,7 @@ import pytest
 from cylcontact import InputError
 from cylcontact.fitting import FitResult, calibrate, read_campaign
 from cylcontact.fitting.calibrate import problem_of
-from cylcontact.fitting.metered import BudgetSpentError, Metered
+from cylcontact.fitting.evaluation_budget import BudgetSpentError, EvaluationBudget
 from cylcontact.fitting.optimizer_comparison import (
     CSV_COLUMNS,
     as_csv,
@@ -85,7 +85,7 @@ def test_candidates_for_which_the_law_is_undefined_are_survived(problem, optimiz
 
 
 def test_a_budget_is_spent_to_the_last_candidate_and_the_best_is_kept(problem):
-    metered = Metered(problem, 5)
+    metered = EvaluationBudget(problem, 5)
     units = np.linspace(0.1, 0.9, 21).reshape(7, 3)
     with pytest.raises(BudgetSpentError):
         metered.values(units)

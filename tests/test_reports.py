@@ -12,18 +12,18 @@ from matplotlib.text import Text
 from PIL import Image
 
 from cylcontact import InputError
+from cylcontact.plots.figure import Drawing, new_figure, plain_number
+from cylcontact.plots.maps import Frame, draw_contours, label_contours, new_map
+from cylcontact.plots.style import WIDTHS_MM, figure_style
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, draw, find_recipes, write
-from cylcontact.reports.contours import Frame, draw_contours, label_contours, new_map
-from cylcontact.reports.drawing import Drawing
-from cylcontact.reports.style import WIDTHS_MM, figure_style, new_figure, plain_number
 from tests.figure_files import page_mm
 
 ROOT = Path(__file__).parents[1]
 RECIPE = """
 import pandas as pd
-from cylcontact.reports.drawing import Drawing
-from cylcontact.reports.style import new_figure
+from cylcontact.plots.figure import Drawing
+from cylcontact.plots.figure import new_figure
 
 
 def draw(bench):

@@ -25,9 +25,9 @@ from cylcontact.fitting.uncertainty.likelihood import (
     pairs_of,
     ratio_held,
 )
-from cylcontact.fitting.uncertainty.noise import measured, noise_at
 from cylcontact.fitting.uncertainty.report import uncertainty_of
 from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
+from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
 from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
 from cylcontact.fitting.uncertainty.text import noise_text
 from cylcontact.fitting.uncertainty.wording import noise_verdicts
@@ -230,7 +230,7 @@ def test_nist_certified_values_and_standard_deviations(tmp_path, dataset):
         measured_campaign(tmp_path), dataset["model"], dataset["x"], dataset["y"], low, high
     )
     point, _, _ = descend(problem, np.array(dataset["start"], dtype=float))
-    noise = noise_at(problem, point)
+    noise = residual_model_at(problem, point)
     assert point == pytest.approx(certified, rel=1e-7)
     assert np.sqrt(np.diag(noise.covariance)) == pytest.approx(dataset["errors"], rel=1e-5)
     assert noise.sum_of_squares == pytest.approx(dataset["squares"], rel=1e-9)
@@ -246,7 +246,7 @@ def best_of(campaign):
     problem = campaign.problem()
     truth = problem.point(TRUTHS[campaign.model.law, campaign.model.contact])
     point, _, _ = descend(problem, truth)
-    return problem, problem.coefficients(point), noise_at(problem, point)
+    return problem, problem.coefficients(point), residual_model_at(problem, point)
 
 
 @pytest.fixture
@@ -277,7 +277,7 @@ def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
     minuit.hesse()
     minuit.minos(cl=LEVEL)
     point, _, _ = descend(known, known.point(best))
-    noise = noise_at(known, point)
+    noise = residual_model_at(known, point)
     assert noise.known
     assert point == pytest.approx(np.array(minuit.values), rel=1e-4)
     # Minuit takes all second derivatives; without those of the law the errors are Gauss-Newton's.
@@ -325,7 +325,7 @@ def test_a_linear_problem_has_the_textbook_intervals(tmp_path):
     problem, best, _ = best_of(measured_campaign(tmp_path, "power", noise=NOISE))
     held = problem.holding("n", 1.1)
     point, _, _ = descend(held, held.point(best))
-    noise = noise_at(held, point)
+    noise = residual_model_at(held, point)
     r = measured(held).raw(held.form(point[None, :]))[0]
     error = r.std(ddof=1) / np.sqrt(r.size) * 1.1  # of ln K_star
     reach = stats.t.ppf(0.975, r.size - 1) * error
@@ -364,7 +364,7 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
         seen = data.with_values(penetration=exact * np.exp(size * rng.normal(size=len(data))))
         again = replace(problem, objective=MeasuredObjective(seen, campaign.objective))
         point, _, _ = descend(again, start)
-        noise, best = noise_at(again, point), again.coefficients(point)
+        noise, best = residual_model_at(again, point), again.coefficients(point)
         errors = noise.half_width(LEVEL) * np.sqrt(np.diag(noise.covariance))
         hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
         for name in names:
@@ -434,7 +434,7 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
     assert (study.bands, study.pairs) == ([], [])
     assert "apart" in noise_text(study)
     problem = problem_of_result(result)
-    noise = noise_at(problem, problem.point(result.coefficients))
+    noise = residual_model_at(problem, problem.point(result.coefficients))
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
     with pytest.raises(InputError, match="are not determined one by one"):
         predict(problem, noise, result.coefficients, pair, LEVEL, load=[1.0])
@@ -640,11 +640,11 @@ def test_the_sandwich_of_a_robust_loss_is_near_least_squares_for_gaussian_noise(
     objective = measured(problem)
     robust = replace(problem, objective=replace(objective, loss=Loss("huber", 1.345 * NOISE)))
     point, _, _ = descend(robust, robust.point(best))
-    noise = noise_at(robust, point)
+    noise = residual_model_at(robust, point)
     errors = np.sqrt(np.diag(noise.covariance))
     assert errors == pytest.approx(np.sqrt(np.diag(plain.covariance)), rel=0.3)
     wide = replace(problem, objective=replace(objective, loss=Loss("huber", 1e3)))
-    same = noise_at(wide, problem.point(best))
+    same = residual_model_at(wide, problem.point(best))
     assert same.unit == pytest.approx(plain.unit, rel=1e-9)
 
 
@@ -652,7 +652,7 @@ CONTAMINATED = [("huber", 1.345), ("cauchy", 1.345), ("soft_l1", 1.345)]
 
 
 def contaminated(rng, size):
-    """Noise of which a tenth has six times the spread."""
+    """ResidualModel of which a tenth has six times the spread."""
     return NOISE * rng.normal(size=size) * np.where(rng.uniform(size=size) < 0.1, 6.0, 1.0)
 
 
@@ -674,7 +674,7 @@ def test_the_sandwich_is_the_spread_of_repeated_experiments(tmp_path, loss, scal
         problem, objective=MeasuredObjective(measured_again, campaign.objective, robust)
     )
     point, _, _ = descend(again, again.point(truth) * 1.2)
-    noise = noise_at(again, point)
+    noise = residual_model_at(again, point)
     assert noise.rows == 1008
     # By the textbook for a location, ψ' written out rather than differenced.
     r = measured(again).raw(again.form(point[None, :]))[0]
@@ -712,7 +712,7 @@ def test_the_signed_curvature_is_that_of_the_loss(noisy):
         ),
     )
     point, _, _ = descend(robust, problem.point(best))
-    noise = noise_at(robust, point)
+    noise = residual_model_at(robust, point)
     r = measured(robust).raw(robust.form(point[None, :]))[0]
     z = (r / loss.scale) ** 2
     assert (z > 1).mean() > 0.2
@@ -728,7 +728,7 @@ def test_a_loss_without_curvature_has_no_intervals(noisy):
     tight = Loss("cauchy", 0.01 * NOISE)
     far = problem.coefficients(problem.point(best) * 1.3)
     robust = replace(problem, objective=replace(measured(problem), loss=tight))
-    noise = noise_at(robust, robust.point(far))
+    noise = residual_model_at(robust, robust.point(far))
     assert noise.covariance is None
     assert noise.blind == ()
     assert np.isnan(noise.unit)

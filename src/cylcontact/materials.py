@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats, require, same_fields
-from cylcontact.card import card
 from cylcontact.errors import InputError
+from cylcontact.html_repr import table_html
 
 PROVENANCES = ("paper", "derived", "assumed")
 NUMBER_COLUMNS = {"E_GPa": "E_provenance", "nu": "nu_provenance"}
@@ -128,7 +128,7 @@ class Material:
 
     def _repr_html_(self) -> str:
         rows = {"E (MPa)": self.E, "ν (-)": self.nu, "yield stress (MPa)": self.yield_stress}
-        return card(f"Material {self.name}", rows)
+        return table_html(f"Material {self.name}", rows)
 
     @property
     def plane_strain_modulus(self) -> FloatArray:

@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats, require, same_fields
-from cylcontact.card import card
 from cylcontact.errors import InputError, short
+from cylcontact.html_repr import table_html
 from cylcontact.materials import Material
 
 Contact = Literal["internal", "external"]
@@ -81,7 +81,7 @@ class CylinderPair:
         for body, (radius, material) in bodies.items():
             rows |= {f"R_{body} (mm)": radius, f"material {body}": material.name}
         rows |= {"length (mm)": self.length, "E* (MPa)": self.E_star}
-        return card(f"CylinderPair, {self.contact} contact", rows)
+        return table_html(f"CylinderPair, {self.contact} contact", rows)
 
     @classmethod
     def internal(

@@ -82,14 +82,14 @@ def _draw(
     jobs: int,
 ) -> None:
     """Draw figures in the style asked for."""
+    from cylcontact.plots.style import JOURNAL, choose
     from cylcontact.reports.build import chosen_recipes
-    from cylcontact.reports.looks import JOURNAL, choose
     from cylcontact.reports.outcomes import draw_all
 
     style, formats, font_size = wishes
     choice = choose(bench.recipes_folder / "style.toml", style, formats, font_size)
     own = bench.figures_folder
-    folder = out or (own if choice.look.name == JOURNAL.name else own / choice.look.name)
+    folder = out or (own if choice.style.name == JOURNAL.name else own / choice.style.name)
     wanted = chosen_recipes(bench, names)
     with progress_bars() as progress:
         outcomes = draw_all(bench, wanted, folder, choice, jobs, progress)

@@ -16,7 +16,7 @@ from cylcontact.errors import InputError
 from cylcontact.laws import REFERENCES, ContactLaw, reference_law
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.specs import Spec, broken, parse_spec, read_toml
+from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
 _POSITIVE_AXES = ("E", "dR", "load")
 _UNITS = {"E": "GPa", "nu": "dimensionless", "dR": "mm", "load": "N/mm"}

@@ -10,11 +10,11 @@ from pydantic import Field
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.measured_table import MeasuredTable, read_table
-from cylcontact.datasets.units import LABELS, column_named, spellings
 from cylcontact.errors import InputError
 from cylcontact.materials import MaterialRow, known_materials, shipped_materials
 from cylcontact.pair import Contact
-from cylcontact.specs import Spec
+from cylcontact.spec import Spec
+from cylcontact.units import LABELS, column_named, spellings
 
 Constants = Mapping[str, float | str]
 BODIES = ("i", "j")

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from cylcontact.arrays import FloatArray
-from cylcontact.datasets.units import LABELS, Column, column_named
 from cylcontact.errors import InputError
+from cylcontact.units import LABELS, Column, column_named
 
 # All rows are held in memory and go into the result.
 MAX_ROWS = 200_000

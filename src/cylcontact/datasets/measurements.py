@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.datasets.measured_columns import MeasuredData
-from cylcontact.datasets.units import spellings
 from cylcontact.errors import InputError
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
+from cylcontact.units import spellings
 
 POSITIVE = (
     *("load", "penetration", "E_i", "E_j", "dR", "R_i", "R_j", "length"),

@@ -12,6 +12,7 @@ from cylcontact.errors import InputError
 from cylcontact.export import steps
 from cylcontact.export.formula import Formula
 from cylcontact.laws import logarithmic_variants as variants
+from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.enhanced import (
     INTERNAL_DR_MAX,
@@ -26,7 +27,6 @@ from cylcontact.laws.explicit import CALIBRATED, Explicit, ExplicitCoefficients
 from cylcontact.laws.liu import Liu
 from cylcontact.laws.logarithmic import Johnson, LogarithmicLaw
 from cylcontact.laws.power import PowerLaw
-from cylcontact.laws.scaled import Scaled
 from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import DEPTH, Winkler
 from cylcontact.pair import Contact
@@ -197,7 +197,7 @@ def _logarithmic(law: LogarithmicLaw, contact: Contact | None) -> Formula:
     )
 
 
-def _scaled(law: Scaled, contact: Contact | None) -> Formula:
+def _scaled(law: ScaledLaw, contact: Contact | None) -> Formula:
     """Return a logarithmic law with other constants, or a law of which nothing is stretched."""
     B, D = law.load_factor, law.penetration_factor
     if isinstance(law.base, LogarithmicLaw):
@@ -320,7 +320,7 @@ BUILDERS: Mapping[type, Callable[[Any, Contact | None], Formula]] = {
     Enhanced: _enhanced,
     PowerLaw: _power,
     LogarithmicLaw: _logarithmic,
-    Scaled: _scaled,
+    ScaledLaw: _scaled,
     Explicit: _explicit,
     Liu: _liu,
     LankaraniNikravesh: _lankarani_nikravesh,

@@ -27,14 +27,14 @@ from cylcontact.fitting.result import (
     Published,
     SampleCounts,
 )
-from cylcontact.fitting.rows import Rows, collect_rows
 from cylcontact.fitting.run import RunPlan, RunRecord, execute, plan_runs
+from cylcontact.fitting.samples import Samples, collect_samples
 from cylcontact.parallel import Workers, call, run_calls
 
 # The stage, what is done of it, and how much there is.
 Progress = Callable[[str, int, int], None]
 
-# Rows are held in memory, 24 bytes each, by every worker.
+# Every worker holds all samples in memory, 24 bytes each.
 MAX_ROWS = 20_000_000
 
 
@@ -157,7 +157,9 @@ def problem_of(campaign: AnyCampaign, jobs: Workers, progress: Progress) -> tupl
     return problem, counts
 
 
-def _data(campaign: Campaign, jobs: Workers, progress: Progress) -> tuple[Moments | Rows, Counts]:
+def _data(
+    campaign: Campaign, jobs: Workers, progress: Progress
+) -> tuple[Moments | Samples, Counts]:
     """Sample the campaign's grid to what its objective needs."""
     grid = campaign.grid
     if campaign.family.is_power_law and campaign.spec.objective not in ON_ROWS:
@@ -170,7 +172,7 @@ def _data(campaign: Campaign, jobs: Workers, progress: Progress) -> tuple[Moment
             f"keeps every sample in memory and the grid has {grid.size} (at most {MAX_ROWS})",
             "thin the grid, or use rms-log-penetration, which needs only moments",
         )
-    return collect_rows(grid)
+    return collect_samples(grid)
 
 
 def search_all(

@@ -17,8 +17,8 @@ from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.parameters import Family, Parameter, family_of
-from cylcontact.origin import spec_hash
-from cylcontact.specs import Spec, broken, parse_spec, read_toml
+from cylcontact.provenance import spec_hash
+from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
 # Runs of a campaign, and candidates of a population: more do not fit in memory.
 _MOST = 100_000

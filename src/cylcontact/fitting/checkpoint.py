@@ -9,7 +9,7 @@ from pathlib import Path
 
 from cylcontact.errors import InputError
 from cylcontact.fitting.run import RunRecord
-from cylcontact.specs import parse_spec
+from cylcontact.spec import parse_spec
 
 
 class Checkpoint:

@@ -32,12 +32,11 @@ from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
 from cylcontact.fitting.parameters import Family, LawForm
 from cylcontact.laws import LAWS, PUBLISHED, ContactLaw
+from cylcontact.laws.adapters import RigCompliance, ScaledLaw, adjusted_logarithmic
 from cylcontact.laws.enhanced import Enhanced
 from cylcontact.laws.explicit import CALIBRATED, Explicit, ExplicitCoefficients
 from cylcontact.laws.logarithmic import LogarithmicLaw
-from cylcontact.laws.mounted import Mounted
 from cylcontact.laws.power import PowerLaw
-from cylcontact.laws.scaled import Scaled, adjusted_logarithmic
 from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import DEPTH, Winkler
 from cylcontact.pair import CONTACTS, Contact
@@ -151,7 +150,7 @@ def with_rig(model: LawModel, named: Collection[str]) -> LawModel:
 
     def build(found: Coefficients) -> ContactLaw:
         rig = {p.name: found[p.name] for p in added}
-        return Mounted(model.build({name: found[name] for name in model.names}), **rig)
+        return RigCompliance(model.build({name: found[name] for name in model.names}), **rig)
 
     return replace(model, parameters=(*model.parameters, *added), build=build)
 
@@ -213,7 +212,7 @@ def _dimensionless(name: str, base: ContactLaw) -> LawModel:
 
     def build(found: Coefficients) -> ContactLaw:
         clearance = found["clearance_factor"]
-        return Scaled(base, found["modulus_factor"] * clearance, clearance)
+        return ScaledLaw(base, found["modulus_factor"] * clearance, clearance)
 
     parameters = (
         LawParameter("modulus_factor", 0.05, 20.0, nominal=1.0),
@@ -234,7 +233,7 @@ def _winkler(found: Coefficients) -> ContactLaw:
 
 def _lankarani_nikravesh(found: Coefficients) -> ContactLaw:
     """Return the point contact with another factor and exponent."""
-    return Scaled(LankaraniNikravesh(n=found["n"]), load_factor=found["factor"])
+    return ScaledLaw(LankaraniNikravesh(n=found["n"]), load_factor=found["factor"])
 
 
 def _enhanced(contact: Contact) -> LawModel:

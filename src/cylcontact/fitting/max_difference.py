@@ -11,7 +11,7 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.sampling import blocks
 from cylcontact.fitting.parameters import Family
-from cylcontact.fitting.rows import rows_of
+from cylcontact.fitting.samples import samples_of
 from cylcontact.parallel import Workers, call, run_calls
 
 
@@ -60,7 +60,7 @@ def _at_clearance(grid: Grid, family: Family, points: FloatArray, dR: float) -> 
     low, high = np.zeros(len(points)), np.zeros(len(points))
     form = family.form(points, np.array([dR]))
     for block in blocks(grid, dR):
-        rows = rows_of(grid.contact, block)
+        rows = samples_of(grid.contact, block)
         for k in range(len(points)):
             ratio = form.log_penetration_ratio(k, rows)
             low[k] = np.fmin.reduce(ratio, initial=low[k])

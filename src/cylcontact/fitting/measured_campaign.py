@@ -22,9 +22,9 @@ from cylcontact.fitting.measured_spec import MeasuredSpec
 from cylcontact.fitting.parameters import Family, Parameter
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.user_law import UserFunction, is_user_law, named_user_model, user_model
-from cylcontact.origin import spec_hash
 from cylcontact.pair import Contact
-from cylcontact.specs import parse_spec
+from cylcontact.provenance import spec_hash
+from cylcontact.spec import parse_spec
 
 MATERIALS = "datasets/materials.csv"
 

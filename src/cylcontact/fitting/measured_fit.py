@@ -25,8 +25,8 @@ from cylcontact.fitting.result import (
     SampleCounts,
 )
 from cylcontact.fitting.run import RunRecord, execute, plan_runs
-from cylcontact.fitting.uncertainty.noise import MEDIAN_TO_SIGMA, measured
 from cylcontact.fitting.uncertainty.report import uncertainty_of
+from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA, measured
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.parallel import Workers, call, run_calls
 

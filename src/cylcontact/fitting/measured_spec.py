@@ -8,7 +8,7 @@ from cylcontact.fitting.campaign import GeneticSpec, ParameterSpec
 from cylcontact.fitting.loss import LOSSES
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.pair import Contact
-from cylcontact.specs import Spec, broken
+from cylcontact.spec import Spec, broken
 
 
 class MeasuredSpec(Spec):

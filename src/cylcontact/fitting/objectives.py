@@ -21,7 +21,7 @@ from scipy.optimize import least_squares, linprog
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.moments import Moments
 from cylcontact.fitting.parameters import Form, PowerForm
-from cylcontact.fitting.rows import Rows
+from cylcontact.fitting.samples import Samples
 
 # Largest magnitudes are reported to the polish over this many groups of samples at least.
 GROUPS = 400
@@ -98,7 +98,7 @@ class RmsLogPenetration:
 class _RowObjective(ABC):
     """What the objectives on rows share: one candidate after the other."""
 
-    rows: Rows
+    rows: Samples
     # Whether loads are compared at equal penetration rather than penetrations at equal load.
     of_load: ClassVar[bool] = False
 
@@ -277,7 +277,7 @@ def _strip_width(s: FloatArray, j: FloatArray) -> float:
     return float(found.x[2])
 
 
-ON_ROWS: dict[str, Callable[[Rows], Objective]] = {
+ON_ROWS: dict[str, Callable[[Samples], Objective]] = {
     "rms-difference-percent": RmsDifference,
     "max-difference-percent": MaxDifference,
     "rms-relative-force": RmsRelativeForce,
@@ -286,7 +286,7 @@ ON_ROWS: dict[str, Callable[[Rows], Objective]] = {
 OBJECTIVES = ("rms-log-penetration", *ON_ROWS)
 
 
-def make_objective(objective: str, data: Moments | Rows) -> Objective:
+def make_objective(objective: str, data: Moments | Samples) -> Objective:
     """Return the named objective on its data: moments only for rms-log-penetration."""
     if isinstance(data, Moments):
         return RmsLogPenetration(data)

@@ -15,7 +15,7 @@ import numpy as np
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.fitting import genetic
-from cylcontact.fitting.metered import BudgetSpentError, Metered
+from cylcontact.fitting.evaluation_budget import BudgetSpentError, EvaluationBudget
 from cylcontact.fitting.problem import Problem
 
 OPTIMIZERS = ("genetic", "differential-evolution", "least-squares", "cma")
@@ -67,7 +67,7 @@ def search(
     """
     if optimizer == "genetic":
         return genetic.search(problem, population, generations, crossover or "blend", seed)
-    metered = Metered(problem, budget_of(population, generations))
+    metered = EvaluationBudget(problem, budget_of(population, generations))
     with suppress(BudgetSpentError):
         SEARCHES[optimizer](metered, population, np.random.default_rng(seed))
     return genetic.Search(metered.point, metered.value, metered.spent)
@@ -95,12 +95,14 @@ def require_installed(optimizer: str, source: str) -> None:
         ) from None
 
 
-def differential_evolution(metered: Metered, population: int, rng: np.random.Generator) -> None:
+def differential_evolution(
+    metered: EvaluationBudget, population: int, rng: np.random.Generator
+) -> None:
     """Search by differential evolution, as scipy has it, from one random population after another.
 
     Parameters
     ----------
-    metered : Metered
+    metered : EvaluationBudget
         What to minimise, until its budget is spent.
     population : int
         Candidates of a population, at least five.
@@ -129,14 +131,14 @@ def differential_evolution(metered: Metered, population: int, rng: np.random.Gen
         )
 
 
-def least_squares(metered: Metered, _: int, rng: np.random.Generator) -> None:
+def least_squares(metered: EvaluationBudget, _: int, rng: np.random.Generator) -> None:
     """Search by least squares, as scipy has it, from one random point after another.
 
     A Jacobian by central differences counts as the 2k candidates that it evaluates.
 
     Parameters
     ----------
-    metered : Metered
+    metered : EvaluationBudget
         What to minimise, until its budget is spent.
     _ : int
         Not used.
@@ -162,14 +164,14 @@ def least_squares(metered: Metered, _: int, rng: np.random.Generator) -> None:
             metered.values(found.x[None, :])
 
 
-def cma_es(metered: Metered, _: int, rng: np.random.Generator) -> None:
+def cma_es(metered: EvaluationBudget, _: int, rng: np.random.Generator) -> None:
     """Search by CMA-ES, as pycma has it, doubling the population with each restart.
 
     Hansen and Ostermeier (2001); restarts of Auger and Hansen (2005).
 
     Parameters
     ----------
-    metered : Metered
+    metered : EvaluationBudget
         What to minimise, until its budget is spent.
     _ : int
         Not used: CMA-ES sets its own population.
@@ -200,7 +202,7 @@ def _finite(values: FloatArray) -> FloatArray:
     return np.where(np.isfinite(values), values, WORST)
 
 
-SEARCHES: dict[str, Callable[[Metered, int, np.random.Generator], None]] = {
+SEARCHES: dict[str, Callable[[EvaluationBudget, int, np.random.Generator], None]] = {
     "differential-evolution": differential_evolution,
     "least-squares": least_squares,
     "cma": cma_es,

@@ -14,7 +14,7 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
-from cylcontact.fitting.rows import Rows
+from cylcontact.fitting.samples import Samples
 from cylcontact.laws import PUBLISHED, ContactLaw
 from cylcontact.laws.enhanced import (
     INTERNAL_DR_MAX,
@@ -58,11 +58,11 @@ class Form(Protocol):
         """Return P."""
         ...
 
-    def log_penetration_ratio(self, candidate: int, rows: Rows) -> FloatArray:
+    def log_penetration_ratio(self, candidate: int, rows: Samples) -> FloatArray:
         """Return ln(δ_law/δ_reference) of each sample at equal load, shape (N,)."""
         ...
 
-    def log_load_ratio(self, candidate: int, rows: Rows) -> FloatArray:
+    def log_load_ratio(self, candidate: int, rows: Samples) -> FloatArray:
         """Return ln(f_law/f_reference) of each sample at equal penetration, shape (N,)."""
         ...
 
@@ -85,12 +85,12 @@ class PowerForm:
     def __len__(self) -> int:
         return len(self.n)
 
-    def log_penetration_ratio(self, candidate: int, rows: Rows) -> FloatArray:
+    def log_penetration_ratio(self, candidate: int, rows: Samples) -> FloatArray:
         """Return r = (s + c)/n − j of each sample."""
         c, n = self.c[candidate][rows.index], self.n[candidate][rows.index]
         return as_floats((rows.s + c) / n - rows.j)
 
-    def log_load_ratio(self, candidate: int, rows: Rows) -> FloatArray:
+    def log_load_ratio(self, candidate: int, rows: Samples) -> FloatArray:
         """Return n·j − c − s = −n·r of each sample."""
         c, n = self.c[candidate][rows.index], self.n[candidate][rows.index]
         return as_floats(n * rows.j - c - rows.s)
@@ -105,14 +105,14 @@ class LawForm:
     def __len__(self) -> int:
         return len(self.laws)
 
-    def log_penetration_ratio(self, candidate: int, rows: Rows) -> FloatArray:
+    def log_penetration_ratio(self, candidate: int, rows: Samples) -> FloatArray:
         """Return ln(δ_law/δ_reference) of each sample at equal load."""
         law = self.laws[candidate]
         if law is None:
             return np.full_like(rows.s, np.nan)
         return as_floats(np.log(law.penetration(rows.load, rows.pair)) - rows.j)
 
-    def log_load_ratio(self, candidate: int, rows: Rows) -> FloatArray:
+    def log_load_ratio(self, candidate: int, rows: Samples) -> FloatArray:
         """Return ln(f_law/f_reference) of each sample at equal penetration."""
         law = self.laws[candidate]
         if law is None:

@@ -12,7 +12,7 @@ from cylcontact.fitting.measured_campaign import (
     measured_from_settings,
     read_measured_campaign,
 )
-from cylcontact.specs import read_toml
+from cylcontact.spec import read_toml
 
 AnyCampaign = Campaign | MeasuredCampaign
 

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
-from cylcontact.specs import Spec
+from cylcontact.spec import Spec
 
 TOLERANCE = 0.01
 CURVE_POINTS = 41

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from cylcontact.fitting.planning import AnyCampaign
-from cylcontact.origin import made_with
+from cylcontact.provenance import made_with
 
 LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
 

@@ -16,7 +16,7 @@ from cylcontact.fitting.profile import Profile
 from cylcontact.fitting.run import RunRecord
 from cylcontact.fitting.uncertainty.report import Uncertainty
 from cylcontact.pair import Contact
-from cylcontact.specs import Spec, parse_spec, require_other_kind
+from cylcontact.spec import Spec, parse_spec, require_other_kind
 
 
 class ObjectiveValue(Spec):

@@ -13,7 +13,7 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.optimizers import search
 from cylcontact.fitting.polish import polish_across_kinks
 from cylcontact.fitting.problem import Problem
-from cylcontact.specs import Spec
+from cylcontact.spec import Spec
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from cylcontact.fitting.verdicts import identification, verdicts
 
 WIDTH = 100
 COLUMNS = ("", "fitted", "published", "held there", "within 1 %", "identified")
-Rows = list[tuple[str, ...]]
+TableRows = list[tuple[str, ...]]
 
 
 def as_text(result: FitResult) -> str:
@@ -87,7 +87,7 @@ def _headline(result: FitResult) -> str:
     )
 
 
-def _lines(result: FitResult) -> Rows:
+def _lines(result: FitResult) -> TableRows:
     """Return the lines of the report's table.
 
     "Held there" is by how much the best attainable objective rises when the coefficient is held
@@ -96,7 +96,7 @@ def _lines(result: FitResult) -> Rows:
     if result.uncertainty is not None:
         return _measured_lines(result, result.uncertainty)
     published, optimum = result.published, result.objective.value
-    lines: Rows = []
+    lines: TableRows = []
     for name, value in result.coefficients.items():
         paper = f"{published.coefficients[name]:g}" if published else "-"
         interval = rise = ""
@@ -122,10 +122,10 @@ def _columns(result: FitResult) -> tuple[str, ...]:
     return ("", "fitted", "std. error", interval, "published", "determined")
 
 
-def _measured_lines(result: FitResult, found: Uncertainty) -> Rows:
+def _measured_lines(result: FitResult, found: Uncertainty) -> TableRows:
     """Return the lines of the table of a fit to measurements."""
     published = result.published
-    lines: Rows = []
+    lines: TableRows = []
     for name, value in result.coefficients.items():
         paper = f"{published.coefficients[name]:.5g}" if published else "-"
         estimate = found.estimates.get(name)
@@ -148,7 +148,7 @@ def _compare_group(results: list[FitResult]) -> str:
     """Return the table of results of one law and contact."""
     first = results[0]
     columns = (f"{first.law}, {first.contact}", "published", *(r.name for r in results))
-    lines: Rows = []
+    lines: TableRows = []
     for name in first.coefficients:
         paper = f"{first.published.coefficients[name]:g}" if first.published else "-"
         lines.append((name, paper, *(f"{r.coefficients[name]:.5g}" for r in results)))
@@ -174,7 +174,7 @@ def _or_dash(value: float | None) -> str:
     return "-" if value is None else f"{value:.5g}"
 
 
-def text_table(columns: Sequence[str], lines: Rows) -> str:
+def text_table(columns: Sequence[str], lines: TableRows) -> str:
     """Return an aligned table of text, numbers to the right.
 
     Parameters

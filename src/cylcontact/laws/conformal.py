@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, require
-from cylcontact.card import law_card
+from cylcontact.html_repr import law_html
 from cylcontact.laws import persson
 from cylcontact.pair import CylinderPair
 
@@ -59,7 +59,7 @@ class Persson:
     """
 
     name: ClassVar[str] = "persson"
-    _repr_html_ = law_card
+    _repr_html_ = law_html
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm."""

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, require
-from cylcontact.card import completed_law_card
 from cylcontact.errors import InputError
+from cylcontact.html_repr import completed_law_html
 from cylcontact.laws.power import PowerShaped
 from cylcontact.pair import Contact, CylinderPair
 
@@ -174,7 +174,7 @@ class Enhanced(PowerShaped):
             object.__setattr__(self, "coefficients", coefficients_from(self.coefficients))
 
     def _repr_html_(self) -> str:
-        return completed_law_card(self, PUBLISHED)
+        return completed_law_html(self, PUBLISHED)
 
     def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
         """Return K = (aΔR + b)·E*/ΔR in N/mm per mmⁿ and n (Eq 6c).

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
-from cylcontact.card import completed_law_card
+from cylcontact.html_repr import completed_law_html
 from cylcontact.pair import Contact, CylinderPair
 
 # From the start below, whose error is under half a percent, to full precision.
@@ -115,7 +115,7 @@ class Explicit:
             object.__setattr__(self, "coefficients", ExplicitCoefficients(**self.coefficients))
 
     def _repr_html_(self) -> str:
-        return completed_law_card(self, CALIBRATED)
+        return completed_law_html(self, CALIBRATED)
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm.

@@ -23,7 +23,6 @@ from typing import Any
 import numpy as np
 
 from cylcontact.arrays import FloatArray, require
-from cylcontact.compiled import compiled
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.explicit import Explicit
 from cylcontact.laws.lambert import START
@@ -31,6 +30,7 @@ from cylcontact.laws.liu import Liu
 from cylcontact.laws.logarithmic import LogarithmicLaw
 from cylcontact.laws.power import PowerShaped
 from cylcontact.laws.tabulated import cubic, tabulate
+from cylcontact.numba_cache import compiled
 from cylcontact.pair import CylinderPair
 
 LOGARITHMIC, POWER, LIU, EXPLICIT, TABLE = range(5)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
-from cylcontact.card import law_card
 from cylcontact.errors import InputError
+from cylcontact.html_repr import law_html
 from cylcontact.pair import CylinderPair
 
 
@@ -36,7 +36,7 @@ class Liu:
     """
 
     name: ClassVar[str] = "liu"
-    _repr_html_ = law_card
+    _repr_html_ = law_html
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm.

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
-from cylcontact.card import law_card
+from cylcontact.html_repr import law_html
 from cylcontact.laws.lambert import branch_distance, to_load_fraction
 from cylcontact.pair import CylinderPair
 
@@ -32,7 +32,7 @@ class LogarithmicLaw(ABC):
     name: ClassVar[str]
     kappa: ClassVar[float]
     shift: ClassVar[float]
-    _repr_html_ = law_card
+    _repr_html_ = law_html
 
     @abstractmethod
     def reach(self, pair: CylinderPair) -> FloatArray:

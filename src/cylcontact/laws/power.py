@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
-from cylcontact.card import law_card
 from cylcontact.errors import InputError
+from cylcontact.html_repr import law_html
 from cylcontact.pair import CylinderPair
 
 
 class PowerShaped(ABC):
     """The common form f = K·δⁿ at each pair; a law supplies K and n."""
 
-    _repr_html_ = law_card
+    _repr_html_ = law_html
 
     @abstractmethod
     def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
-from cylcontact.card import law_card
+from cylcontact.html_repr import law_html
 from cylcontact.laws.conformal import in_units_of
 from cylcontact.pair import CylinderPair
 
@@ -68,7 +68,7 @@ class Winkler:
 
     depth: float = DEPTH
     name: ClassVar[str] = "winkler"
-    _repr_html_ = law_card
+    _repr_html_ = law_html
 
     def __post_init__(self) -> None:
         require(

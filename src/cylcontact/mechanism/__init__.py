@@ -3,9 +3,9 @@
 from cylcontact.mechanism.impact import Impact, isolated_impact
 from cylcontact.mechanism.loop import LawDomainError
 from cylcontact.mechanism.model import Mechanism, mechanism_from, read_mechanism
-from cylcontact.mechanism.rows import Settings
 from cylcontact.mechanism.simulate import Interrupted, simulate
 from cylcontact.mechanism.statistics import Statistics
+from cylcontact.mechanism.step_history import Settings
 from cylcontact.mechanism.sweep import Case, Plan, cases, sweep
 from cylcontact.mechanism.trajectory import Trajectory
 

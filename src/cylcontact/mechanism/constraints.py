@@ -20,7 +20,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cylcontact.compiled import compiled
+from cylcontact.numba_cache import compiled
 
 REVOLUTE, PRISMATIC, DRIVER = 0.0, 1.0, 2.0
 COLUMNS = 9

@@ -24,8 +24,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cylcontact.compiled import compiled
 from cylcontact.laws.kernels import kernel_load
+from cylcontact.numba_cache import compiled
 
 # What the parameter block of a compiled right-hand side holds, by position. It is one array of
 # floats because that is what CVODE can hand on to a compiled callback.

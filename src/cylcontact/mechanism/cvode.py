@@ -1,16 +1,297 @@
-"""One stretch of integration: CVODE steps until an event, all steps kept."""
+"""SUNDIALS CVODE as scikit-sundae ships it, called with compiled functions.
+
+scikit-sundae's own interface calls Python for every right-hand side, which costs some eight
+microseconds, and a revolution of the crank takes five to fifty thousand of them. CVODE itself
+takes the address of a C function. The library is the one that scikit-sundae has loaded: looking a
+symbol up in its extension module searches what that module is linked to, so no file name is
+guessed. The callbacks are numba's C functions; the parameter block goes to them as user data.
+
+Adams' formulas of variable step and order with functional iteration: no Jacobian, no linear
+algebra, the predictor–corrector of the paper.
+"""
 
 from __future__ import annotations
 
+import ctypes
 import weakref
+from ctypes import c_double, c_int, c_long, c_ssize_t
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
+from llvmlite import ir
+from numba import types as numba_types
+from numba.extending import intrinsic
+from numba.np.numpy_support import carray
+from numpy.typing import NDArray
 
 from cylcontact.arrays import FloatArray
-from cylcontact.mechanism import contact, events, stepping
-from cylcontact.mechanism.sundials import library
+from cylcontact.errors import InputError
+from cylcontact.mechanism import contact, events
+from cylcontact.numba_cache import compiled
+
+# Symbols used, with their arguments; pointers travel as integers of their size.
+_SIGNATURES: dict[str, tuple[Any, ...]] = {
+    "SUNContext_Create": (c_int, c_ssize_t),
+    "SUNContext_Free": (c_ssize_t,),
+    "SUNContext_ClearErrHandlers": (c_ssize_t,),
+    "N_VDestroy": (c_ssize_t,),
+    "CVodeCreate": (c_int, c_ssize_t),
+    "CVodeInit": (c_ssize_t, c_ssize_t, c_double, c_ssize_t),
+    "CVodeReInit": (c_ssize_t, c_double, c_ssize_t),
+    "CVodeSVtolerances": (c_ssize_t, c_double, c_ssize_t),
+    "CVodeSetUserData": (c_ssize_t, c_ssize_t),
+    "CVodeSetMaxStep": (c_ssize_t, c_double),
+    "CVodeSetInitStep": (c_ssize_t, c_double),
+    "CVodeSetStopTime": (c_ssize_t, c_double),
+    "CVodeSetMaxNumSteps": (c_ssize_t, c_long),
+    "CVodeSetNonlinearSolver": (c_ssize_t, c_ssize_t),
+    "CVodeRootInit": (c_ssize_t, c_int, c_ssize_t),
+    "CVodeSetRootDirection": (c_ssize_t, c_ssize_t),
+    "CVodeSetNoInactiveRootWarn": (c_ssize_t,),
+    "CVodeGetRootInfo": (c_ssize_t, c_ssize_t),
+    "CVodeGetDky": (c_ssize_t, c_double, c_int, c_ssize_t),
+    "CVodeGetCurrentTime": (c_ssize_t, c_ssize_t),
+    "CVodeGetNumRhsEvals": (c_ssize_t, c_ssize_t),
+    "CVode": (c_ssize_t, c_double, c_ssize_t, c_ssize_t, c_int),
+    "CVodeFree": (c_ssize_t,),
+    "SUNNonlinSol_FixedPoint": (c_ssize_t, c_int, c_ssize_t),
+    "SUNNonlinSolFree": (c_ssize_t,),
+}
+_RETURNING_POINTERS = ("CVodeCreate", "SUNNonlinSol_FixedPoint", "N_VMake_Serial")
+
+
+@dataclass(frozen=True)
+class Library:
+    """The loaded library: its functions, and where an N_Vector keeps its data."""
+
+    functions: dict[str, Any]
+    data_words: int
+
+    def __getattr__(self, name: str) -> Any:
+        return self.functions[name]
+
+    def address(self, name: str) -> int:
+        """Return where a function is."""
+        return int(ctypes.cast(self.functions[name], ctypes.c_void_p).value or 0)
+
+
+@cache
+def library() -> Library:
+    """Find SUNDIALS in what scikit-sundae has loaded.
+
+    Raises
+    ------
+    InputError
+        If this build of scikit-sundae cannot be called in this way.
+    """
+    from sksundae import _cy_cvode
+    from sksundae._cy_common import config
+
+    index = {"int": c_int, "long int": c_long}.get(config["SUNDIALS_INT_TYPE"])
+    shared = ctypes.CDLL(_cy_cvode.__file__)
+    signatures = _SIGNATURES | {"N_VMake_Serial": (index, c_ssize_t, c_ssize_t)}
+    try:
+        if index is None or config["SUNDIALS_FLOAT_TYPE"] != "double":
+            raise AttributeError(f"its numbers are {config['SUNDIALS_FLOAT_TYPE']}")
+        functions = {name: getattr(shared, name) for name in signatures}
+    except AttributeError as error:
+        raise InputError(
+            "scikit-sundae", "", None, f"cannot be called with compiled functions ({error})",
+            "install the wheel of the lock file, make env",
+        ) from error  # fmt: skip
+    for name, arguments in signatures.items():
+        functions[name].argtypes = arguments
+        functions[name].restype = c_ssize_t if name in _RETURNING_POINTERS else c_int
+    # struct {index length; int own_data; double *data;}
+    words = (ctypes.sizeof(index) + ctypes.sizeof(c_int) + 7) // 8
+    return Library(functions, words)
+
+
+types: Any = numba_types
+VECTOR_POINTER, DOUBLES = types.CPointer(types.intp), types.CPointer(types.float64)
+# A C function of CVODE's gets the addresses of two N_Vectors, or of one and of the roots.
+RHS_SIGNATURE = types.int32(types.float64, VECTOR_POINTER, VECTOR_POINTER, DOUBLES)
+ROOTS_SIGNATURE = types.int32(types.float64, VECTOR_POINTER, DOUBLES, DOUBLES)
+
+
+def _pointer_to(kind: Any) -> Any:
+    """Return an intrinsic that turns an address into a pointer of a kind."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.inttoptr(arguments[0], context.get_value_type(signature.return_type))
+
+    def declare(typing_context: Any, address: Any) -> Any:  # noqa: ARG001 - numba's signature
+        return kind(types.intp), generate
+
+    return intrinsic(declare)
+
+
+_pointer_to_words, _pointer_to_doubles = _pointer_to(VECTOR_POINTER), _pointer_to(DOUBLES)
+
+
+def _function_at(result: Any, *arguments: Any) -> Any:
+    """Return an intrinsic that calls the C function at an address.
+
+    The address is an argument and no constant, so that what is compiled can be kept on disk.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        kinds = [context.get_value_type(kind) for kind in arguments]
+        function = ir.FunctionType(context.get_value_type(result), kinds)
+        values = [
+            context.cast(builder, builder.extract_value(given[1], k), signature.args[1][k], kind)
+            for k, kind in enumerate(arguments)
+        ]
+        return builder.call(builder.inttoptr(given[0], function.as_pointer()), values)
+
+    def declare(typing_context: Any, address: Any, values: Any) -> Any:  # noqa: ARG001
+        return result(types.intp, values), generate
+
+    return intrinsic(declare)
+
+
+_word, _double, _int = types.intp, types.float64, types.int32
+# int CVode(memory, end, vector, &time, task), and so on: called as cvode(address, (…)).
+call_step = _function_at(_int, _word, _double, _word, _word, _int)
+call_interpolate = _function_at(_int, _word, _double, _int, _word)
+call_two = _function_at(_int, _word, _word)
+call_roots = _function_at(_int, _double, _word, _word, _word)
+
+
+@compiled
+def block(data: Any) -> NDArray[np.float64]:
+    """Return the parameter block that a callback's user data point to."""
+    return carray(data, (int(carray(data, (1,))[contact.SIZE]),))
+
+
+@compiled
+def values(vector: Any, p: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the data of a serial N_Vector as an array."""
+    content = carray(_pointer_to_words(carray(vector, (1,))[0]), (3,))
+    data = content[int(p[contact.LAYOUT])]
+    return carray(_pointer_to_doubles(data), (int(p[contact.STATES]),))
+
+
+ONE_STEP = 2
+ROOT_RETURN = 2
+BISECTIONS = 60
+
+# Where things are, by position in an array of addresses: CVODE's functions, the model's roots,
+# CVODE's memory, the two N_Vectors, the time, the flags of the roots, a place for roots, and
+# the parameter block.
+CVODE, INTERPOLATE, WHICH, CURRENT_TIME, ROOTS = 0, 1, 2, 3, 4
+MEMORY, VECTOR, OTHER, CLOCK, FLAGS, SCRATCH, BLOCK = 5, 6, 7, 8, 9, 10, 11
+ADDRESSES = 12
+
+
+@compiled
+def step(
+    at: NDArray[np.intp],
+    y: FloatArray,
+    other: FloatArray,
+    now: FloatArray,
+    found: NDArray[np.int32],
+    scratch: FloatArray,
+    p: FloatArray,
+    end: float,
+    times: FloatArray,
+    states: FloatArray,
+) -> tuple[int, int]:
+    """Step until the buffers are full, the time `end` is reached or an event is found.
+
+    Parameters
+    ----------
+    at : array of int
+        The addresses.
+    y, other, now, found, scratch : array
+        What stands at `VECTOR`, `OTHER`, `CLOCK`, `FLAGS` and `SCRATCH`.
+    p : array of float
+        The parameter block.
+    end : float
+        In s.
+    times, states : array of float
+        To fill, one row for each step.
+
+    Returns
+    -------
+    rows, flag : int
+        Rows filled and CVODE's flag; an event is in `found`, by `events`.
+    """
+    in_contact = p[contact.MODE] == contact.CONTACT
+    for n in range(times.size):
+        before = now[0]
+        flag = call_step(at[CVODE], (at[MEMORY], end, at[VECTOR], at[CLOCK], ONE_STEP))
+        times[n], states[n] = now[0], y
+        if flag == ROOT_RETURN:
+            call_two(at[WHICH], (at[MEMORY], at[FLAGS]))
+            if found[events.CROSSING] != 0:
+                if p[contact.ALLOWED_PENETRATION] > 0.0 and not in_contact:
+                    times[n] = _onset_in_step(at, now, scratch, p, before)
+                    states[n] = other
+            elif found[events.TURNING] != 0:
+                delta = _gap(at, now[0], at[VECTOR], scratch)
+                if (delta > 0.0) != in_contact:
+                    # On the wrong side of the circle: a crossing was leapt over.
+                    times[n] = _bisect(at, scratch, p, before, now[0], 0.0)
+                    states[n], found[events.CROSSING] = other, 1
+            if found[events.CROSSING] != 0 or found[events.LIMIT] != 0:
+                return n + 1, flag
+        elif flag != 0:
+            return n + 1, flag
+    return times.size, 0
+
+
+@compiled
+def _gap(at: NDArray[np.intp], t: float, vector: int, scratch: FloatArray) -> Any:
+    """Return δ of the state in an N_Vector."""
+    call_roots(at[ROOTS], (t, vector, at[SCRATCH], at[BLOCK]))
+    return scratch[events.CROSSING]
+
+
+@compiled
+def _inside(at: NDArray[np.intp], t: float, scratch: FloatArray) -> Any:
+    """Put the state at a time inside the last step into `OTHER` and return its δ."""
+    call_interpolate(at[INTERPOLATE], (at[MEMORY], t, 0, at[OTHER]))
+    return _gap(at, t, at[OTHER], scratch)
+
+
+@compiled
+def _bisect(
+    at: NDArray[np.intp],
+    scratch: FloatArray,
+    p: FloatArray,
+    before: float,
+    after: float,
+    high: float,
+) -> float:
+    """Find a time with 0 ≤ δ ≤ high; δ passes there upwards in flight, downwards in contact."""
+    rising = p[contact.MODE] == contact.FREE
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (before + after)
+        delta = _inside(at, middle, scratch)
+        if 0.0 <= delta <= high:
+            return middle
+        if (delta > high) == rising:
+            after = middle
+        else:
+            before = middle
+    _inside(at, after, scratch)
+    return after
+
+
+@compiled
+def _onset_in_step(
+    at: NDArray[np.intp], now: FloatArray, scratch: FloatArray, p: FloatArray, before: float
+) -> float:
+    """Halve the step until contact begins shallow enough, the paper's control."""
+    call_two(at[CURRENT_TIME], (at[MEMORY], at[CLOCK]))
+    allowed = p[contact.ALLOWED_PENETRATION]
+    if _inside(at, now[0], scratch) > allowed:
+        return _bisect(at, scratch, p, before, now[0], allowed)
+    return float(now[0])
+
 
 ADAMS = 1
 # What the compiled loop calls, in the order of its addresses.
@@ -40,7 +321,7 @@ class Integrator:
     Parameters
     ----------
     model : module
-        `minimal` or `multiplier`: the callbacks and the eccentricity.
+        `minimal_coordinates` or `augmented`: the callbacks and the eccentricity.
     p : array of float
         The parameter block, read by the callbacks at every evaluation.
     rtol : float
@@ -82,11 +363,11 @@ class Integrator:
         memory = lib.CVodeCreate(ADAMS, ctx)
         solver = lib.SUNNonlinSol_FixedPoint(vectors[0], 0, ctx)
         self._memory, self._vector = memory, vectors[0]
-        self._at = np.zeros(stepping.ADDRESSES, dtype=np.intp)
-        self._at[: stepping.ROOTS] = [lib.address(name) for name in STEPPING]
-        self._at[stepping.ROOTS], self._at[stepping.MEMORY] = model.roots.address, memory
-        self._at[stepping.VECTOR], self._at[stepping.OTHER] = vectors[:2]
-        self._at[stepping.CLOCK :] = [
+        self._at = np.zeros(ADDRESSES, dtype=np.intp)
+        self._at[:ROOTS] = [lib.address(name) for name in STEPPING]
+        self._at[ROOTS], self._at[MEMORY] = model.roots.address, memory
+        self._at[VECTOR], self._at[OTHER] = vectors[:2]
+        self._at[CLOCK:] = [
             array.ctypes.data for array in (self._now, self._found, self._scratch, self.p)
         ]
         lib.CVodeInit(memory, model.rhs.address, 0.0, vectors[0])
@@ -117,14 +398,14 @@ class Integrator:
         buffer_t, buffer_y = self._buffers
         while flag == 0:
             self._found[:] = 0
-            count, flag = stepping.step(
+            count, flag = step(
                 self._at, self._y, self._other, self._now, self._found, self._scratch,
                 self.p, end, buffer_t, buffer_y,
             )  # fmt: skip
             times.append(buffer_t[:count].copy())
             states.append(buffer_y[:count].copy())
         event = None
-        if flag == stepping.ROOT_RETURN:
+        if flag == ROOT_RETURN:
             event = events.LIMIT if self._found[events.LIMIT] else events.CROSSING
         return Stretch(np.concatenate(times), np.concatenate(states), event, flag)
 

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cylcontact.arrays import BoolArray, FloatArray
-from cylcontact.compiled import compiled
 from cylcontact.mechanism import constraints, contact
 from cylcontact.mechanism.assembly import joint_table
 from cylcontact.mechanism.model import Mechanism
+from cylcontact.numba_cache import compiled
 
 # Nodes and weights on [0, 1] of ∫ f(x) dx, for x = s²: f ~ xⁿ with n ≥ 1 is then smooth enough.
 _s, _w = np.polynomial.legendre.leggauss(24)

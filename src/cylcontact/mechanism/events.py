@@ -17,8 +17,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cylcontact.compiled import compiled
 from cylcontact.mechanism import contact
+from cylcontact.numba_cache import compiled
 
 CROSSING, TURNING, LIMIT = 0, 1, 2
 EVENTS = 3

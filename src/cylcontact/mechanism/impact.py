@@ -13,9 +13,9 @@ import numpy as np
 from cylcontact.errors import InputError
 from cylcontact.laws import ContactLaw
 from cylcontact.laws.kernels import kernel
-from cylcontact.mechanism import contact, derived, multiplier
+from cylcontact.mechanism import augmented, contact, derived
 from cylcontact.mechanism.loop import Run, advance
-from cylcontact.mechanism.rows import Rows
+from cylcontact.mechanism.step_history import StepHistory
 from cylcontact.mechanism.system import System, law_block
 from cylcontact.pair import CylinderPair
 
@@ -92,9 +92,9 @@ def isolated_impact(
         if not 0 < value < np.inf:
             raise InputError("isolated_impact", key, value, "must be positive", "give it in SI")
     radii = pair.radii("an impact")
-    numbers = np.zeros(multiplier.MODEL_HEADER)
-    numbers[multiplier.BODIES], numbers[multiplier.DRIVER_ROW] = 1, -1
-    numbers[multiplier.BODY_I] = -1
+    numbers = np.zeros(augmented.MODEL_HEADER)
+    numbers[augmented.BODIES], numbers[augmented.DRIVER_ROW] = 1, -1
+    numbers[augmented.BODY_I] = -1
     start = np.zeros(9)
     start[3] = speed
     p = law_block(
@@ -105,13 +105,13 @@ def isolated_impact(
     p[contact.R_BEARING], p[contact.R_JOURNAL] = radii[0] * 1e-3, radii[1] * 1e-3
     p[contact.LENGTH] = pair.contact_length("an impact")
     scale = np.array([p[contact.CLEARANCE]] * 3 + [speed] * 3 + [mass * speed**2] * 3)
-    system = System(multiplier, p, start, scale, True, "isolated_impact", law.name)
+    system = System(augmented, p, start, scale, True, "isolated_impact", law.name)
     flight = p[contact.CLEARANCE] / speed
     rows, _ = advance(Run.start(system, tolerance, flight), CROSSINGS * flight)
     return _impact(rows, p[contact.CLEARANCE])
 
 
-def _impact(rows: Rows, clearance: float) -> Impact:
+def _impact(rows: StepHistory, clearance: float) -> Impact:
     """Read the first contact off the rows."""
     time, values = rows.time, rows.values
     begins, ends = derived.changes(rows.in_contact)

@@ -17,7 +17,7 @@ from cylcontact.errors import InputError
 from cylcontact.laws.kernels import TABLE
 from cylcontact.mechanism import contact, events
 from cylcontact.mechanism.cvode import Integrator
-from cylcontact.mechanism.rows import Rows, State, concatenate
+from cylcontact.mechanism.step_history import State, StepHistory, concatenate
 from cylcontact.mechanism.system import System
 
 # Assumed: the first step after an event in s, three orders below the duration of an impact.
@@ -59,7 +59,7 @@ class Run:
         return _gap(self)[0]
 
 
-def advance(run: Run, end: float, label: int = 0) -> tuple[Rows, int]:
+def advance(run: Run, end: float, label: int = 0) -> tuple[StepHistory, int]:
     """Integrate to the time `end` through all events.
 
     Parameters
@@ -73,7 +73,7 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[Rows, int]:
 
     Returns
     -------
-    rows : Rows
+    rows : StepHistory
         From the first accepted step on.
     evaluations : int
         Of the right-hand side.
@@ -106,14 +106,14 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[Rows, int]:
     raise _collapsed(run, 0)
 
 
-def one_row(state: State, label: int) -> Rows:
+def one_row(state: State, label: int) -> StepHistory:
     """Return a state as a single row."""
     return label_rows(state, np.array([state.time]), state.values[None, :], label)
 
 
-def label_rows(state: State, times: FloatArray, values: FloatArray, label: int) -> Rows:
+def label_rows(state: State, times: FloatArray, values: FloatArray, label: int) -> StepHistory:
     """Return steps as rows in the mode of `state`."""
-    return Rows(
+    return StepHistory(
         time=times,
         values=values,
         in_contact=np.full(times.size, state.in_contact),

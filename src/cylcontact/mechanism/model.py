@@ -15,7 +15,7 @@ from cylcontact.materials import Material
 from cylcontact.mechanism.provenance import assumptions
 from cylcontact.mechanism.spec import MechanismSpec
 from cylcontact.pair import CylinderPair
-from cylcontact.specs import parse_spec, read_toml
+from cylcontact.spec import parse_spec, read_toml
 
 GROUND = -1
 Point = tuple[float, float]

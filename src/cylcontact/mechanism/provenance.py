@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from cylcontact.specs import broken
+from cylcontact.spec import broken
 
 # "chosen" is what a command or a caller has put in place of the spec's value.
 PROVENANCES = ("paper", "derived", "assumed", "chosen")

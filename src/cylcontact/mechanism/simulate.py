@@ -16,8 +16,8 @@ import numpy as np
 from cylcontact.errors import InputError
 from cylcontact.mechanism.loop import Run, advance, one_row
 from cylcontact.mechanism.model import Mechanism
-from cylcontact.mechanism.rows import Beyond, Method, Rows, Settings, concatenate
 from cylcontact.mechanism.slider_crank import recognise
+from cylcontact.mechanism.step_history import Beyond, Method, Settings, StepHistory, concatenate
 from cylcontact.mechanism.system import BEYOND, METHODS, build
 from cylcontact.mechanism.trajectory import Trajectory
 
@@ -119,7 +119,7 @@ def simulate(
     return Trajectory(mechanism, settings, concatenate(parts), system.block.copy())
 
 
-def _revolution(run: Run, index: int, period: float) -> Rows:
+def _revolution(run: Run, index: int, period: float) -> StepHistory:
     """Integrate one revolution of the driver."""
     start, begun = run.state.time, time.perf_counter()
     rows, evaluations = advance(run, (index + 1) * period, index)

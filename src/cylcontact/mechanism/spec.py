@@ -9,7 +9,7 @@ from pydantic import Field, Strict, model_validator
 from cylcontact.dissipation import FACTORS
 from cylcontact.laws import LAWS
 from cylcontact.mechanism.provenance import check_provenance
-from cylcontact.specs import Spec, broken
+from cylcontact.spec import Spec, broken
 
 # TOML has lists only.
 Pair = Annotated[tuple[float, float], Strict(False)]

@@ -12,14 +12,14 @@ import numpy as np
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
 from cylcontact.mechanism.model import Mechanism, mechanism_from
-from cylcontact.mechanism.rows import Rows, Settings
-from cylcontact.origin import made_with
+from cylcontact.mechanism.step_history import Settings, StepHistory
+from cylcontact.provenance import made_with
 
 METADATA = b"cylcontact.trajectory"
 LIBRARIES = ("numpy", "numba", "scikit-sundae", "pyarrow")
 
 
-def save(mechanism: Mechanism, settings: Settings, rows: Rows, path: Path | str) -> None:
+def save(mechanism: Mechanism, settings: Settings, rows: StepHistory, path: Path | str) -> None:
     """Write a trajectory; see `Trajectory.save`."""
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -48,7 +48,7 @@ def save(mechanism: Mechanism, settings: Settings, rows: Rows, path: Path | str)
         pq.write_table(table, temporary, compression="zstd")
 
 
-def load(path: Path | str) -> tuple[Mechanism, Settings, Rows]:
+def load(path: Path | str) -> tuple[Mechanism, Settings, StepHistory]:
     """Read a trajectory's parts; see `Trajectory.load`."""
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -66,7 +66,7 @@ def load(path: Path | str) -> tuple[Mechanism, Settings, Rows]:
             str(path), "", None, "holds no trajectory", "give what simulate -o has written"
         ) from error
     states = [name for name in table.column_names if name.startswith("state_")]
-    rows = Rows(
+    rows = StepHistory(
         time=table["time_s"].to_numpy(),
         values=np.column_stack([table[name].to_numpy() for name in states]),
         in_contact=table["in_contact"].to_numpy(),

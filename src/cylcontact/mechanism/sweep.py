@@ -15,12 +15,12 @@ import numpy as np
 from cylcontact.errors import InputError
 from cylcontact.mechanism.kept import Kept
 from cylcontact.mechanism.model import Mechanism, mechanism_from
-from cylcontact.mechanism.rows import Beyond, Method
 from cylcontact.mechanism.simulate import simulate
+from cylcontact.mechanism.step_history import Beyond, Method
 from cylcontact.mechanism.studies import horizon
 from cylcontact.mechanism.trajectory import Trajectory
-from cylcontact.origin import spec_hash
 from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.provenance import spec_hash
 
 if TYPE_CHECKING:
     import pandas as pd

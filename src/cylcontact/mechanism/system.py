@@ -9,11 +9,12 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.laws.kernels import Kernel, kernel, kernel_load, kernel_stiffness
-from cylcontact.mechanism import constraints, contact, minimal, multiplier
+from cylcontact.mechanism import augmented, constraints, contact
+from cylcontact.mechanism import minimal_coordinates as minimal
 from cylcontact.mechanism.assembly import assemble, joint_table
+from cylcontact.mechanism.cvode import library
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import masses, recognise
-from cylcontact.mechanism.sundials import library
 
 METHODS = ("minimal", "multiplier")
 BEYOND = ("stop", "tangent")
@@ -33,7 +34,7 @@ class System:
     Attributes
     ----------
     model : module
-        `minimal` or `multiplier`.
+        `minimal_coordinates` or `augmented`.
     block : array of float
         The parameter block.
     start : array of float
@@ -88,9 +89,9 @@ def build(
         scale = [LENGTH_SCALE] * 2 + [SPEED_SCALE] * 2 + [ENERGY_SCALE] * 3
         model = minimal
     else:
-        numbers, start = _multiplier_numbers(mechanism), np.concatenate((q, v, np.zeros(3)))
+        numbers, start = _augmented_numbers(mechanism), np.concatenate((q, v, np.zeros(3)))
         scale = [LENGTH_SCALE] * q.size + [SPEED_SCALE] * v.size + [ENERGY_SCALE] * 3
-        model = multiplier
+        model = augmented
     block = _block(mechanism, numbers, start.size, beyond)
     block[contact.ALLOWED_PENETRATION] = allowed_penetration or 0.0
     law = str(mechanism.data["clearance"]["law"])
@@ -166,30 +167,34 @@ def _minimal_numbers(mechanism: Mechanism) -> FloatArray:
     m[minimal.ROD_A], m[minimal.ROD_B] = a, b
     m[minimal.ROD_INERTIA] = rod.inertia + rod.mass * (a * a + b * b)
     m[minimal.ROD_MASS], m[minimal.SLIDER_MASS] = rod.mass, slider.mass
-    m[minimal.OMEGA], m[minimal.ANGLE], m[minimal.SIDE] = shape.omega, shape.angle, shape.side
+    m[minimal.OMEGA], m[minimal.ANGLE], m[minimal.SIDE] = (
+        shape.omega,
+        shape.angle,
+        shape.side,
+    )
     m[minimal.GRAVITY_X], m[minimal.GRAVITY_Y] = turn.real, turn.imag
     m[minimal.CRANK_A], m[minimal.CRANK_B] = shape.crank_centre
     m[minimal.CRANK_MASS] = crank.mass
     return m
 
 
-def _multiplier_numbers(mechanism: Mechanism) -> FloatArray:
+def _augmented_numbers(mechanism: Mechanism) -> FloatArray:
     """Return the model's numbers for `multiplier`: header, masses, table of joints."""
     joints, joint = mechanism.constraints, mechanism.clearance
     table = joint_table(joints)
     sizes = [constraints.CONSTRAINTS[kind] for kind in table[:, 0]]
     driver = next(k for k, j in enumerate(joints) if j.kind == "driver")
-    m = np.zeros(multiplier.MODEL_HEADER)
-    m[multiplier.BODIES], m[multiplier.JOINTS] = len(mechanism.bodies), len(joints)
-    m[multiplier.ROWS], m[multiplier.DRIVER_ROW] = sum(sizes), sum(sizes[:driver])
-    m[multiplier.DRIVER_I], m[multiplier.DRIVER_J] = joints[driver].i, joints[driver].j
-    m[multiplier.BODY_I], m[multiplier.BODY_J] = joint.i, joint.j
-    m[multiplier.I_X], m[multiplier.I_Y] = joint.point_i
-    m[multiplier.J_X], m[multiplier.J_Y] = joint.point_j
-    m[multiplier.ALPHA], m[multiplier.BETA] = (
+    m = np.zeros(augmented.MODEL_HEADER)
+    m[augmented.BODIES], m[augmented.JOINTS] = len(mechanism.bodies), len(joints)
+    m[augmented.ROWS], m[augmented.DRIVER_ROW] = sum(sizes), sum(sizes[:driver])
+    m[augmented.DRIVER_I], m[augmented.DRIVER_J] = joints[driver].i, joints[driver].j
+    m[augmented.BODY_I], m[augmented.BODY_J] = joint.i, joint.j
+    m[augmented.I_X], m[augmented.I_Y] = joint.point_i
+    m[augmented.J_X], m[augmented.J_Y] = joint.point_j
+    m[augmented.ALPHA], m[augmented.BETA] = (
         mechanism.integration.alpha,
         mechanism.integration.beta,
     )
-    m[multiplier.GRAVITY_X], m[multiplier.GRAVITY_Y] = mechanism.gravity
+    m[augmented.GRAVITY_X], m[augmented.GRAVITY_Y] = mechanism.gravity
     mass = [value for body in mechanism.bodies for value in (body.mass, body.mass, body.inertia)]
     return np.concatenate((m, mass, table.ravel()))

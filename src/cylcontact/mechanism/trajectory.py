@@ -12,8 +12,8 @@ import numpy as np
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.mechanism import contact, derived, storage, summary
 from cylcontact.mechanism.model import Mechanism
-from cylcontact.mechanism.rows import Rows, Settings, State
 from cylcontact.mechanism.slider_crank import motion, recognise
+from cylcontact.mechanism.step_history import Settings, State, StepHistory
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,7 +35,7 @@ class Trajectory:
         What was simulated.
     settings : Settings
         How: method, tolerance, largest step in s, what was done beyond the law's domain.
-    rows : Rows
+    rows : StepHistory
         The steps as the integrator gave them.
     block : array of float
         The parameter block of the compiled model.
@@ -43,7 +43,7 @@ class Trajectory:
 
     mechanism: Mechanism
     settings: Settings
-    rows: Rows
+    rows: StepHistory
     block: FloatArray
 
     @property
@@ -293,6 +293,6 @@ class Trajectory:
         return f"Trajectory of {self.mechanism.name!r}\n{rows}"
 
     def _repr_html_(self) -> str:
-        from cylcontact.card import card
+        from cylcontact.html_repr import table_html
 
-        return card(f"Trajectory of {self.mechanism.name}", summary.entries(self))
+        return table_html(f"Trajectory of {self.mechanism.name}", summary.entries(self))

@@ -15,7 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cylcontact.errors import InputError
-from cylcontact.reports.style import ACCENT, QUIET, new_figure
+from cylcontact.plots.figure import new_figure
+from cylcontact.plots.style import ACCENT, QUIET
 
 MM_PER_LINE = 3.4
 COLUMNS = ["benchmark", "case", "side", "ratio", "ratio_low", "ratio_high", "note"]

@@ -12,10 +12,9 @@ from typing import Any
 
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
+from cylcontact.plots.figure import Drawing
+from cylcontact.plots.style import JOURNAL, Choice, FigureStyle, Format, figure_style
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
-from cylcontact.reports.looks import JOURNAL, Choice, Format, Look
-from cylcontact.reports.style import figure_style
 
 DPI = 300
 # Seven significant digits: finer than any figure is read, coarser than rounding noise.
@@ -79,7 +78,7 @@ def find_recipes(bench: Bench) -> dict[str, Path]:
     return {file.stem: file for file in files}
 
 
-def draw(name: str, bench: Bench, look: Look = JOURNAL) -> Drawing:
+def draw(name: str, bench: Bench, style: FigureStyle = JOURNAL) -> Drawing:
     """Draw one figure, writing nothing.
 
     Parameters
@@ -88,7 +87,7 @@ def draw(name: str, bench: Bench, look: Look = JOURNAL) -> Drawing:
         The recipe's name, such as "fig02".
     bench : Bench
         Where the recipe and its inputs lie.
-    look : Look, optional
+    style : FigureStyle, optional
         What it is drawn for; left out, the journal.
 
     Returns
@@ -101,10 +100,10 @@ def draw(name: str, bench: Bench, look: Look = JOURNAL) -> Drawing:
         If there is no such recipe, the file is not one, or an input of it is missing.
     """
     recipe = _load_recipe(_find_recipe(name, bench))
-    with figure_style(look):
+    with figure_style(style):
         drawing = recipe(bench)
-        if look != JOURNAL:
-            # Titles and legends make do with the look's width.
+        if style != JOURNAL:
+            # Titles and legends make do with the style's width.
             drawing.figure.draw_without_rendering()
         return drawing
 
@@ -131,7 +130,7 @@ def build(
     progress : callable, optional
         Called with each figure once it is on disk.
     choice : Choice, optional
-        The look and the formats; left out, the journal's, as PNG and PDF.
+        The style and the formats; left out, the journal's, as PNG and PDF.
 
     Returns
     -------
@@ -149,8 +148,8 @@ def build(
     >>> bench.recipes_folder.mkdir()
     >>> recipe = '''
     ... import pandas as pd
-    ... from cylcontact.reports.drawing import Drawing
-    ... from cylcontact.reports.style import new_figure
+    ... from cylcontact.plots.figure import Drawing
+    ... from cylcontact.plots.figure import new_figure
     ...
     ... def draw(bench):
     ...     table = pd.DataFrame({"load_N_per_mm": [10.0]})
@@ -164,7 +163,7 @@ def build(
     target = folder or bench.figures_folder
     written = []
     for name in chosen_recipes(bench, names):
-        drawing = draw(name, bench, choice.look)
+        drawing = draw(name, bench, choice.style)
         written.append(Written(name, write(drawing, name, target, choice), drawing))
         progress(written[-1])
     return written
@@ -201,7 +200,7 @@ def write(
     folder : path
         Where to write; made if it does not exist.
     choice : Choice, optional
-        The look it was drawn in, and the formats; left out, PNG and PDF.
+        The style it was drawn in, and the formats; left out, PNG and PDF.
 
     Returns
     -------
@@ -220,7 +219,7 @@ def write(
             stack.enter_context(replacing(folder / f"{name}.{ending}")) for ending in endings
         )
         for form, picture in zip(choice.formats, pictures, strict=True):
-            _save(drawing, picture, form, choice.look)
+            _save(drawing, picture, form, choice.style)
         drawing.table.to_csv(csv, index=False, float_format=NUMBER_FORMAT, lineterminator="\n")
     return tuple(folder / f"{name}.{ending}" for ending in endings)
 
@@ -237,7 +236,7 @@ def require_programs(formats: Iterable[Format]) -> None:
         )
 
 
-def _save(drawing: Drawing, picture: Path, form: Format, look: Look) -> None:
+def _save(drawing: Drawing, picture: Path, form: Format, style: FigureStyle) -> None:
     """Write one picture, the caption inside where the format has room for it."""
     # Dates and versions off: they would change the bytes and tell the reader nothing.
     metadata: dict[Format, dict[str, str | None]] = {
@@ -251,7 +250,7 @@ def _save(drawing: Drawing, picture: Path, form: Format, look: Look) -> None:
         "svg": {"Date": None, "Creator": None, "Description": drawing.caption},
     }
     known: dict[str, Any] = {"metadata": metadata[form]} if form in metadata else {}
-    with figure_style(look):
+    with figure_style(style):
         drawing.figure.savefig(picture, format=form, dpi=DPI, **known)
 
 

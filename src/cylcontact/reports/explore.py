@@ -16,13 +16,13 @@ from matplotlib.axes import Axes
 
 from cylcontact import limits
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.card import card
 from cylcontact.errors import InputError
+from cylcontact.html_repr import table_html
 from cylcontact.laws import ContactLaw, Johnson, Persson, difference_percent
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.reports.drawing import Drawing
-from cylcontact.reports.style import ACCENT, COLOURS, QUIET, new_figure
+from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots.style import ACCENT, COLOURS, QUIET
 
 # Curves go from this share of the chosen load to this many times it.
 SPAN = (0.02, 5.0)
@@ -242,7 +242,7 @@ def as_table(found: Mapping[str, float]) -> str:
     def shown(value: float) -> object:
         return None if np.isnan(value) else "none" if np.isinf(value) else value
 
-    return card("What follows", {name: shown(value) for name, value in found.items()})
+    return table_html("What follows", {name: shown(value) for name, value in found.items()})
 
 
 def as_message(error: InputError) -> str:

@@ -15,8 +15,8 @@ from cylcontact.fitting.power_fit import fit_power
 from cylcontact.laws import Enhanced
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
+from cylcontact.plots.figure import new_figure, panel_title, plain_log, plain_number
 from cylcontact.reports.claims.power_fits import ends_spread, johnson_points
-from cylcontact.reports.style import new_figure, panel_title, plain_log, plain_number
 
 # The material about which ΔR, E and ν are varied one at a time.
 E_GPA, NU = 207.0, 0.3

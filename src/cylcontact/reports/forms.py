@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.fitting.minimax import minimise_largest
 from cylcontact.laws import Persson
-from cylcontact.reports.style import small_text
+from cylcontact.plots.style import small_text
 from cylcontact.reports.universal import PHI_MAX, PHI_MIN, UNIT_PAIR
 
 FIT_POINTS, CHECK_POINTS = 400, 4001

@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 from cylcontact.pair import Contact
+from cylcontact.plots.figure import new_figure, panel_title
+from cylcontact.plots.style import ACCENT
 from cylcontact.reports.sketch import (
     ARROW,
     OUTLINE,
@@ -22,7 +24,6 @@ from cylcontact.reports.sketch import (
     polar,
     radius,
 )
-from cylcontact.reports.style import ACCENT, new_figure, panel_title
 
 BODY_I, BODY_J, STRIP = "0.80", "0.93", "#f6bb84"
 FORCE = ARROW | {

@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import TickedStroke, withStroke
 
 from cylcontact.arrays import FloatArray
+from cylcontact.plots.figure import plain_number
+from cylcontact.plots.maps import RIM, Frame
 from cylcontact.reports.claims.domain import PRACTICAL
-from cylcontact.reports.contours import RIM, Frame
-from cylcontact.reports.style import plain_number
 
 FRAME = Frame(
     x=PRACTICAL.clearances,

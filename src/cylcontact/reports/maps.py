@@ -13,6 +13,8 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.laws import ContactLaw, Enhanced, Johnson, difference_percent, reference_law
 from cylcontact.limits import yield_load
 from cylcontact.materials import MaterialRow
+from cylcontact.plots.figure import Drawing, plain_number
+from cylcontact.plots.maps import draw_contours, label_contours, new_map
 from cylcontact.reports.claims.domain import (
     ELASTIC,
     JOHNSON_ONLY,
@@ -22,8 +24,6 @@ from cylcontact.reports.claims.domain import (
     origins,
 )
 from cylcontact.reports.claims.power_fits import TRAINING_DR
-from cylcontact.reports.contours import draw_contours, label_contours, new_map
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.map_marks import (
     FRAME,
     draw_yield_line,
@@ -33,7 +33,6 @@ from cylcontact.reports.map_marks import (
     shade_beyond_johnson,
     stack_notes,
 )
-from cylcontact.reports.style import plain_number
 
 POINTS = (161, 81)  # along ΔR and along the load
 # What the references are called beside the colour scale and in the caption, and where they end.
@@ -168,7 +167,7 @@ def _difference_map(
     )
     lines = draw_contours(axes, dR, load, difference)
     ends, yields = reference.max_load(pair), yield_load(pair)
-    stacked = stack_notes(axes, ends, yields, figure.look.narrow)
+    stacked = stack_notes(axes, ends, yields, figure.style.narrow)
     shade_beyond_johnson(axes, clearances, ends)
     mark_fitted_range(axes, fitted_from)
     draw_yield_line(axes, clearances, yields)

@@ -11,9 +11,9 @@ from matplotlib.ticker import MaxNLocator
 from cylcontact.errors import InputError
 from cylcontact.fitting.optimizer_comparison import CSV_COLUMNS
 from cylcontact.fitting.verdicts import SAME_BASIN
+from cylcontact.plots.figure import StyledFigure, new_figure, panel_title
+from cylcontact.plots.style import COLOURS, MARKERS, QUIET
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.style import COLOURS, MARKERS, QUIET, new_figure, panel_title
-from cylcontact.reports.styled_figure import StyledFigure
 
 # Excesses below this many percent are drawn as none.
 FLOOR = 1e-3

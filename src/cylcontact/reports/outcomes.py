@@ -12,9 +12,9 @@ from pathlib import Path
 from cylcontact.errors import InputError
 from cylcontact.files import remove_leftovers
 from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.plots.style import Choice
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import draw, require_programs, write
-from cylcontact.reports.looks import Choice
 
 # The stage, what is done of it, and how much there is.
 Progress = Callable[[str, int, int], None]
@@ -84,7 +84,7 @@ def draw_all(
     folder : path
         Where to write.
     choice : Choice
-        The look and the formats.
+        The style and the formats.
     jobs : int
         Worker processes; the files do not depend on it.
     progress : callable, optional
@@ -129,7 +129,7 @@ def attempt(bench: Bench, name: str, folder: Path, choice: Choice) -> Outcome:
     folder : path
         Where to write.
     choice : Choice
-        The look and the formats.
+        The style and the formats.
 
     Returns
     -------
@@ -137,7 +137,7 @@ def attempt(bench: Bench, name: str, folder: Path, choice: Choice) -> Outcome:
     """
     watched = WatchedBench(bench.root, bench.results)
     try:
-        drawing = draw(name, watched, choice.look)
+        drawing = draw(name, watched, choice.style)
         paths = write(drawing, name, folder, choice)
     except InputError as error:
         return Outcome(name, inputs=_inputs(watched, name), problem=error)

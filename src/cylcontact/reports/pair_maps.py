@@ -13,8 +13,8 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.discrepancy import RISES, DiscrepancyPair, study_discrepancy
 from cylcontact.fitting.uncertainty.likelihood import PairMap
 from cylcontact.fitting.uncertainty.study import study_noise
-from cylcontact.reports.drawing import Drawing
-from cylcontact.reports.style import ACCENT, COLOURS, new_figure, panel_title
+from cylcontact.plots.figure import Drawing, new_figure, panel_title
+from cylcontact.plots.style import ACCENT, COLOURS
 
 STYLES = ("-", "--", ":")
 # Points of a map as it is drawn.

@@ -13,7 +13,8 @@ from cylcontact.arrays import FloatArray
 from cylcontact.fitting.power_fit import PowerFit, fit_power_to_law
 from cylcontact.laws import Johnson, PowerLaw
 from cylcontact.pair import CylinderPair
-from cylcontact.reports.style import ACCENT, QUIET, new_figure, panel_title
+from cylcontact.plots.figure import new_figure, panel_title
+from cylcontact.plots.style import ACCENT, QUIET
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import pandas as pd
 
 from cylcontact.errors import InputError
 from cylcontact.fitting.result import FitResult
-from cylcontact.reports.drawing import Drawing
-from cylcontact.reports.style import ACCENT, COLOURS, new_figure
+from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots.style import ACCENT, COLOURS
 
 
 def profile_drawing(result: FitResult, name: str, label: str) -> Drawing:

@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 
 from cylcontact.arrays import FloatArray
 from cylcontact.dissipation import achieved_restitution, hysteresis_factor
-from cylcontact.reports.style import QUIET, new_figure, panel_title
+from cylcontact.plots.figure import new_figure, panel_title
+from cylcontact.plots.style import QUIET
 
 # The wanted restitutions of the table, and those that the lines are drawn through.
 WANTED: FloatArray = np.arange(1, 11) / 10

@@ -6,8 +6,8 @@ import pandas as pd
 
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.verdicts import basins
-from cylcontact.reports.drawing import Drawing
-from cylcontact.reports.style import ACCENT, COLOURS, QUIET, new_figure
+from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots.style import ACCENT, COLOURS, QUIET
 
 
 def runs_table(result: FitResult) -> pd.DataFrame:

@@ -9,8 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter
 
-from cylcontact.reports.contours import signed
-from cylcontact.reports.style import COLOURS, LINE_STYLES, new_figure, panel_title
+from cylcontact.plots.figure import new_figure, panel_title
+from cylcontact.plots.maps import signed
+from cylcontact.plots.style import COLOURS, LINE_STYLES
 from cylcontact.reports.universal import PHI_MAX, PHI_MIN, Curve
 
 LABELS = {

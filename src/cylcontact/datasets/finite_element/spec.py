@@ -19,8 +19,8 @@ from cylcontact.datasets.finite_element.setup import (
     require_room,
 )
 from cylcontact.errors import InputError
-from cylcontact.origin import spec_hash
-from cylcontact.specs import Spec, broken, parse_spec, read_toml
+from cylcontact.provenance import spec_hash
+from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
 Origin = Literal["paper", "derived", "assumed"]
 _LENGTH_REMEDY = "a number in mm above 0"

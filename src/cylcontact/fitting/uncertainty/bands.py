@@ -20,10 +20,10 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.least_squares import jacobian
 from cylcontact.fitting.measured_objective import MeasuredObjective, laws_of
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.uncertainty.noise import Noise, measured
+from cylcontact.fitting.uncertainty.residual_model import ResidualModel, measured
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import CylinderPair
-from cylcontact.specs import Spec
+from cylcontact.spec import Spec
 
 # Points of the bands in a report, and pairs that it shows.
 POINTS = 25
@@ -45,7 +45,7 @@ class Band(Spec):
 
 def predict(
     problem: Problem,
-    noise: Noise,
+    noise: ResidualModel,
     best: Mapping[str, float],
     pair: CylinderPair,
     level: float,
@@ -60,7 +60,7 @@ def predict(
     ----------
     problem : Problem
         On measurements.
-    noise : Noise
+    noise : ResidualModel
         At its optimum.
     best : mapping
         The coefficients there.
@@ -130,7 +130,7 @@ def predict(
 
 
 def bands_of_data(
-    problem: Problem, noise: Noise, best: Mapping[str, float], level: float
+    problem: Problem, noise: ResidualModel, best: Mapping[str, float], level: float
 ) -> list[Band]:
     """Return bands of both quantities for the pairs in the data, over the range of each.
 
@@ -166,7 +166,7 @@ def _log_prediction(
 
 def _noise_variance(
     objective: MeasuredObjective,
-    noise: Noise,
+    noise: ResidualModel,
     law: ContactLaw,
     at: FloatArray,
     pair: CylinderPair,

@@ -27,10 +27,10 @@ from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.profile import Profile
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.rows import rows_of
+from cylcontact.fitting.samples import samples_of
 from cylcontact.fitting.uncertainty.resampling import LeftOut
 from cylcontact.parallel import Call, Workers, call, run_calls
-from cylcontact.specs import Spec
+from cylcontact.spec import Spec
 
 Progress = Callable[[str, int, int], None]
 AXES = ("dR", "E", "nu", "load")
@@ -227,7 +227,7 @@ def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
     for dR in campaign.grid.dR:
         form = campaign.family.form(candidate, np.array([dR]))
         for block in blocks(campaign.grid, float(dR)):
-            ratio = form.log_penetration_ratio(0, rows_of(campaign.grid.contact, block))
+            ratio = form.log_penetration_ratio(0, samples_of(campaign.grid.contact, block))
             if not np.isfinite(ratio).all():
                 raise InputError(
                     campaign.source,

@@ -18,8 +18,8 @@ from scipy.optimize import brentq
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.least_squares import descend
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.uncertainty.noise import Noise
-from cylcontact.specs import Spec
+from cylcontact.fitting.uncertainty.residual_model import ResidualModel
+from cylcontact.spec import Spec
 
 # Precision of an interval's ends, relative to the distance from the optimum.
 EDGE_PRECISION = 1e-4
@@ -58,7 +58,7 @@ class PairMap(Spec):
 
 
 def ratio_held(
-    problem: Problem, noise: Noise, held: Mapping[str, float], start: Mapping[str, float]
+    problem: Problem, noise: ResidualModel, held: Mapping[str, float], start: Mapping[str, float]
 ) -> tuple[float, dict[str, float]]:
     """Return (S(θ) − S)/τ with some parameters held, and the coefficients that reach it.
 
@@ -66,7 +66,7 @@ def ratio_held(
     ----------
     problem : Problem
         On measurements.
-    noise : Noise
+    noise : ResidualModel
         At its optimum.
     held : mapping
         The parameters that are held, and where.
@@ -89,7 +89,7 @@ def ratio_held(
 
 
 def interval(
-    problem: Problem, noise: Noise, name: str, best: Mapping[str, float], level: float
+    problem: Problem, noise: ResidualModel, name: str, best: Mapping[str, float], level: float
 ) -> Interval:
     """Return the profile-likelihood interval of one parameter.
 
@@ -97,7 +97,7 @@ def interval(
     ----------
     problem : Problem
         On measurements.
-    noise : Noise
+    noise : ResidualModel
         At its optimum.
     name : str
         A free parameter.
@@ -124,7 +124,7 @@ def interval(
 
 def pair_map(
     problem: Problem,
-    noise: Noise,
+    noise: ResidualModel,
     names: tuple[str, str],
     best: Mapping[str, float],
     intervals: Mapping[str, Interval],
@@ -183,7 +183,7 @@ def _reach(problem: Problem, name: str, best: float, found: Interval, points: in
 
 def _edge(
     problem: Problem,
-    noise: Noise,
+    noise: ResidualModel,
     name: str,
     best: Mapping[str, float],
     bound: float,
@@ -218,7 +218,7 @@ def _edge(
     return best[name] + float(share) * reach, False, lowest
 
 
-def _guess(problem: Problem, noise: Noise, name: str, limit: float) -> float:
+def _guess(problem: Problem, noise: ResidualModel, name: str, limit: float) -> float:
     """Return the distance to the threshold that the covariance promises, a little more."""
     if noise.covariance is None:
         return 0.0

@@ -12,9 +12,14 @@ from scipy import special
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.likelihood import BETTER, Interval, interval
-from cylcontact.fitting.uncertainty.noise import MEDIAN_TO_SIGMA, Noise, measured, noise_at
+from cylcontact.fitting.uncertainty.residual_model import (
+    MEDIAN_TO_SIGMA,
+    ResidualModel,
+    measured,
+    residual_model_at,
+)
 from cylcontact.parallel import Workers, call, run_calls
-from cylcontact.specs import Spec
+from cylcontact.spec import Spec
 
 LEVEL = 0.95
 # Half-widths of an interval relative to the value: well, fairly, poorly determined, or not at all.
@@ -93,7 +98,7 @@ def uncertainty_of(
     Uncertainty
     """
     objective, point = measured(problem), problem.point(best)
-    noise = noise_at(problem, point)
+    noise = residual_model_at(problem, point)
     data = objective.data
     estimates = _estimates(problem, noise, best, level, jobs)
     return Uncertainty(
@@ -125,7 +130,7 @@ def _better_optima(estimates: Mapping[str, Estimate]) -> list[str]:
     ]
 
 
-def _unit(noise: Noise, is_log: bool, of_load: bool) -> str:
+def _unit(noise: ResidualModel, is_log: bool, of_load: bool) -> str:
     """Return what the residuals are measured in."""
     if noise.known:
         return "given standard deviations"
@@ -134,7 +139,7 @@ def _unit(noise: Noise, is_log: bool, of_load: bool) -> str:
 
 
 def _estimates(
-    problem: Problem, noise: Noise, best: Mapping[str, float], level: float, jobs: Workers
+    problem: Problem, noise: ResidualModel, best: Mapping[str, float], level: float, jobs: Workers
 ) -> dict[str, Estimate]:
     """Return each free parameter with its intervals."""
     names = [p.name for p in problem.free]
@@ -150,7 +155,7 @@ def _estimates(
 
 
 def _estimate(
-    value: float, noise: Noise, place: int, profile: Interval | None, level: float
+    value: float, noise: ResidualModel, place: int, profile: Interval | None, level: float
 ) -> Estimate:
     """Return one parameter with its intervals."""
     if noise.covariance is None:
@@ -191,7 +196,7 @@ def _verdict(value: float, reach: float, profile: Interval | None, per_unit: flo
     return "well" if share <= WELL else "fairly"
 
 
-def _correlation(problem: Problem, noise: Noise) -> dict[str, dict[str, float]]:
+def _correlation(problem: Problem, noise: ResidualModel) -> dict[str, dict[str, float]]:
     """Return the correlations of the free parameters; none where the data leave some open."""
     if noise.covariance is None:
         return {}
@@ -208,8 +213,8 @@ def _correlation(problem: Problem, noise: Noise) -> dict[str, dict[str, float]]:
 def _runs_test(problem: Problem, point: FloatArray) -> float | None:
     """Return the probability of so few runs of residuals of one sign (Wald and Wolfowitz 1940).
 
-    Rows are taken pair by pair and in each by load. Noise changes sign at random; a law of the
-    wrong shape does not. None for too few rows of either sign.
+    Rows are taken pair by pair, by load within each. Noise changes sign at random; the residuals of
+    a law of the wrong shape do not. None for too few rows of either sign.
     """
     objective = measured(problem)
     _, group = objective.data.groups("pair")
@@ -224,7 +229,7 @@ def _runs_test(problem: Problem, point: FloatArray) -> float | None:
     return float(special.ndtr((runs - mean) / np.sqrt(variance)))
 
 
-def _outliers(problem: Problem, noise: Noise, point: FloatArray) -> list[Outlier]:
+def _outliers(problem: Problem, noise: ResidualModel, point: FloatArray) -> list[Outlier]:
     """Return the rows far from the law, in units of the residuals' robust spread."""
     objective = measured(problem)
     r = objective.raw(problem.form(point[None, :]))[0]

@@ -18,9 +18,9 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.least_squares import descend
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.likelihood import Interval
-from cylcontact.fitting.uncertainty.noise import measured, with_rows
+from cylcontact.fitting.uncertainty.residual_model import measured, with_rows
 from cylcontact.parallel import Workers, call, run_calls
-from cylcontact.specs import Spec
+from cylcontact.spec import Spec
 
 Progress = Callable[[str, int, int], None]
 # Replicates per call, so that a worker is worth its while.

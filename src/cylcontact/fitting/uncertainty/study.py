@@ -20,12 +20,12 @@ from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.bands import Band, bands_of_data
 from cylcontact.fitting.uncertainty.likelihood import PairMap, pair_map, pairs_of
-from cylcontact.fitting.uncertainty.noise import measured, noise_at
 from cylcontact.fitting.uncertainty.report import LEVEL, Uncertainty, uncertainty_of
 from cylcontact.fitting.uncertainty.resampling import Bootstrap, LeftOut, bootstrap, leave_one_out
+from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
 from cylcontact.fitting.user_law import user_model
 from cylcontact.parallel import Workers, call, run_calls
-from cylcontact.specs import Spec
+from cylcontact.spec import Spec
 
 Progress = Callable[[str, int, int], None]
 # Levels of the contours of pairs.
@@ -148,7 +148,7 @@ def study_noise(
         If the result is not of measurements, or a grouping has one group only.
     """
     problem, best = problem_of_result(result, law), result.coefficients
-    noise = noise_at(problem, problem.point(best))
+    noise = residual_model_at(problem, problem.point(best))
     found = uncertainty_of(problem, best, level, jobs)
     chosen_seed = int(result.settings["campaign"]["seed"]) if seed is None else seed
     return NoiseStudy(
@@ -171,7 +171,7 @@ def _pairs(
     progress: Progress,
 ) -> list[PairMap]:
     """Map the likelihood over each pair that has intervals."""
-    noise = noise_at(problem, problem.point(best))
+    noise = residual_model_at(problem, problem.point(best))
     intervals = {n: e.profile for n, e in found.estimates.items() if e.profile is not None}
     pairs = [pair for pair in pairs_of(problem) if {*pair} <= {*intervals}]
     calls = [call(pair_map, problem, noise, pair, best, intervals, CONTOURS) for pair in pairs]

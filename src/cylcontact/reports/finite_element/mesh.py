@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.finite_element.mesh import Body, Mesh
-from cylcontact.reports.style import COLOURS, new_figure, panel_title
+from cylcontact.plots.figure import new_figure, panel_title
+from cylcontact.plots.style import COLOURS
 
 BODIES = {"plate": COLOURS[0], "pin": COLOURS[1]}
 

@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 from cylcontact.laws import LAWS
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
+from cylcontact.plots.figure import new_figure, panel_title, plain_log
+from cylcontact.plots.style import COLOURS, LINE_STYLES
 from cylcontact.reports.finite_element.data import LAWS_SHOWN
-from cylcontact.reports.style import COLOURS, LINE_STYLES, new_figure, panel_title, plain_log
 
 LABELS = {
     "johnson": "Johnson",

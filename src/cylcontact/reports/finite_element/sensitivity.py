@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator
 
 from cylcontact.materials import Material
-from cylcontact.reports.style import COLOURS, MARKERS, new_figure, panel_title
+from cylcontact.plots.figure import new_figure, panel_title
+from cylcontact.plots.style import COLOURS, MARKERS
 
 
 def sensitivity_table(rows: pd.DataFrame) -> pd.DataFrame:

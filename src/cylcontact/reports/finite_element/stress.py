@@ -14,7 +14,8 @@ from cylcontact import limits
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.finite_element import Solution, stress_of
 from cylcontact.laws.conformal import pressure as persson_pressure
-from cylcontact.reports.style import COLOURS, new_figure, panel_title
+from cylcontact.plots.figure import new_figure, panel_title
+from cylcontact.plots.style import COLOURS
 
 # How far the panels reach, in half-widths of Hertz's contact.
 REACH, DEPTH = 2.0, 1.6

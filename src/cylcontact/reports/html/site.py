@@ -13,6 +13,7 @@ from typing import Any
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_writable
 from cylcontact.parallel import Workers
+from cylcontact.plots.style import JOURNAL, Choice
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import find_recipes
 from cylcontact.reports.claims import (
@@ -30,7 +31,6 @@ from cylcontact.reports.html.campaigns import (
 )
 from cylcontact.reports.html.explorer import explorer_data
 from cylcontact.reports.html.figures import Figure, describe, plates
-from cylcontact.reports.looks import JOURNAL, Choice
 from cylcontact.reports.outcomes import Progress, draw_all
 
 # A symbol of one letter with an index.

@@ -9,9 +9,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cylcontact.plots.figure import new_figure, panel_title
+from cylcontact.plots.style import QUIET
 from cylcontact.reports.mechanism.hysteresis import law_look
 from cylcontact.reports.mechanism.runs import CLEARANCES, FRICTIONS, LAW_NAMES, RESTITUTIONS
-from cylcontact.reports.style import QUIET, new_figure, panel_title
 
 GROUPS = [(c, ce, cf) for c in CLEARANCES for ce in RESTITUTIONS for cf in FRICTIONS]
 LABELS = [f"{ce:g}\n{cf:g}" for _, ce, cf in GROUPS]

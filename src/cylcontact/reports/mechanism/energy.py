@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cylcontact.mechanism import Trajectory
+from cylcontact.plots.figure import new_figure, panel_title
 from cylcontact.reports.mechanism.case_panels import balance_panel
-from cylcontact.reports.style import new_figure, panel_title
 
 # Rows of the table for each revolution.
 POINTS = 180

@@ -14,8 +14,9 @@ from cylcontact.arrays import FloatArray
 from cylcontact.laws import LAWS
 from cylcontact.mechanism import Case, Trajectory
 from cylcontact.pair import CylinderPair
+from cylcontact.plots.figure import new_figure, panel_title
+from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS
 from cylcontact.reports.mechanism.runs import LAW_NAMES
-from cylcontact.reports.style import COLOURS, LINE_STYLES, MARKERS, new_figure, panel_title
 
 # Penetrations over which laws are compared: two decades, up to the deepest that is met.
 DECADES, POINTS = 2.0, 801

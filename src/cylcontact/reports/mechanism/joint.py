@@ -12,6 +12,8 @@ from matplotlib.patches import Circle, Polygon
 
 from cylcontact.arrays import FloatArray
 from cylcontact.mechanism import Trajectory
+from cylcontact.plots.figure import new_figure
+from cylcontact.plots.style import ACCENT, small_text
 from cylcontact.reports.mechanism.magnified import (
     BEARING,
     DRAWN,
@@ -20,7 +22,6 @@ from cylcontact.reports.mechanism.magnified import (
     draw_clearance_circle,
 )
 from cylcontact.reports.sketch import ARROW, OUTLINE, POINTER, THIN, Point, cross
-from cylcontact.reports.style import ACCENT, new_figure, small_text
 
 # The penetration as drawn and the global origin, in radii of the bearing.
 DRAWN_PENETRATION = 0.07

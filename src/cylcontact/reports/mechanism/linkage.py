@@ -14,8 +14,8 @@ from matplotlib.transforms import Affine2D
 from cylcontact.arrays import FloatArray
 from cylcontact.mechanism import Mechanism, Trajectory
 from cylcontact.mechanism.model import Joint
+from cylcontact.plots.style import ACCENT
 from cylcontact.reports.sketch import OUTLINE, THIN, Point
-from cylcontact.reports.style import ACCENT
 
 # What is drawn of a body, in shares of the mechanism's span.
 LINK, PIN, BLOCK, SUPPORT = 0.028, 0.011, (0.15, 0.085), 0.045

@@ -13,6 +13,7 @@ from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix
 from cylcontact.mechanism import Trajectory
+from cylcontact.plots.style import ACCENT, figure_style
 from cylcontact.reports.mechanism.linkage import Pose, draw_linkage, poses
 from cylcontact.reports.mechanism.magnified import (
     DRAWN,
@@ -21,7 +22,6 @@ from cylcontact.reports.mechanism.magnified import (
     draw_magnified,
 )
 from cylcontact.reports.mechanism.overview import draw_circle, frame, set_view
-from cylcontact.reports.style import ACCENT, figure_style
 
 Progress = Callable[[str, int, int], None]
 

@@ -10,6 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cylcontact.mechanism import Mechanism, Trajectory
+from cylcontact.plots.figure import new_figure, panel_title
+from cylcontact.plots.style import small_text
 from cylcontact.reports.mechanism.linkage import (
     CIRCLE,
     Pose,
@@ -26,7 +28,6 @@ from cylcontact.reports.mechanism.magnified import (
     draw_magnified,
 )
 from cylcontact.reports.sketch import POINTER, cross
-from cylcontact.reports.style import new_figure, panel_title, small_text
 
 # Beyond the points' span, along x and along y, in shares of that along x.
 MARGINS = (0.12, 0.08)

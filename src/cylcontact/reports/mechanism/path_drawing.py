@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from cylcontact.mechanism import Case, Trajectory
+from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.drawing import Drawing
 from cylcontact.reports.mechanism.disclosure import assumed, horizons, law_ends
 from cylcontact.reports.mechanism.paths import path_panels, path_table
 from cylcontact.reports.mechanism.runs import CASES, mechanism, simulated

@@ -13,9 +13,10 @@ from matplotlib.figure import Figure
 
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.mechanism import Case, Trajectory
+from cylcontact.plots.figure import new_figure
+from cylcontact.plots.style import ACCENT, small_text
 from cylcontact.reports.mechanism.magnified import draw_clearance_circle
 from cylcontact.reports.mechanism.runs import FRICTIONS, LAW_NAMES, RESTITUTIONS
-from cylcontact.reports.style import ACCENT, new_figure, small_text
 
 # What is left out of a path changes it by less than that, in clearances: a tenth of a line's width.
 TOLERANCE = 0.002

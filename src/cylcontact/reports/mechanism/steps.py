@@ -9,9 +9,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from cylcontact.mechanism import Case, Trajectory
-from cylcontact.reports.style import ACCENT, new_figure, panel_title
+from cylcontact.plots.figure import new_figure, panel_title
+from cylcontact.plots.style import ACCENT
 
-LOOKS = {
+STYLES = {
     "flight": {"color": "black", "marker": "s", "markerfacecolor": "black"},
     "contact": {"color": ACCENT, "marker": "o", "markerfacecolor": ACCENT},
 }
@@ -67,7 +68,7 @@ def step_panels(tables: Mapping[Case, pd.DataFrame]) -> Figure:
     )
     for number, (case, table) in enumerate(tables.items()):
         axes = panels.flat[number]
-        for mode, look in LOOKS.items():
+        for mode, look in STYLES.items():
             rows = table[table["mode"] == mode]
             axes.plot(
                 rows["revolution"], rows["step_us"], label=mode,

@@ -32,10 +32,10 @@ import numpy as np
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
-from cylcontact.compiled import callback, compiled
 from cylcontact.mechanism import contact
+from cylcontact.mechanism.cvode import RHS_SIGNATURE, ROOTS_SIGNATURE, block, values
 from cylcontact.mechanism.events import EVENTS, fill_roots
-from cylcontact.mechanism.sundials import RHS, ROOTS, block, values
+from cylcontact.numba_cache import callback, compiled
 
 # Positions in the model's part of the parameter block.
 CRANK, ROD, OFFSET, ROD_A, ROD_B, ROD_INERTIA = 0, 1, 2, 3, 4, 5
@@ -135,7 +135,7 @@ def derivatives(
     out[5], out[6] = normal_power, friction_power
 
 
-@callback(RHS)
+@callback(RHS_SIGNATURE)
 def rhs(t: float, y: Any, out: Any, data: Any) -> int:
     """CVODE's right-hand side."""
     p = block(data)
@@ -143,7 +143,7 @@ def rhs(t: float, y: Any, out: Any, data: Any) -> int:
     return 0
 
 
-@callback(ROOTS)
+@callback(ROOTS_SIGNATURE)
 def roots(t: float, y: Any, out: Any, data: Any) -> int:
     """CVODE's root functions."""
     p = block(data)

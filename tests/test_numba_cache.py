@@ -9,7 +9,7 @@ import numba
 import pytest
 
 import cylcontact
-from cylcontact.compiled import PARTS, compiled, source_hash
+from cylcontact.numba_cache import PARTS, compiled, source_hash
 
 PACKAGE = Path(cylcontact.__file__).parent
 PROGRAM = """
@@ -54,7 +54,7 @@ def test_all_compiled_functions_are_in_those_parts():
     users = {
         path.relative_to(PACKAGE).parts[0]
         for path in PACKAGE.rglob("*.py")
-        if "cylcontact.compiled import" in path.read_text(encoding="utf-8")
+        if "cylcontact.numba_cache import" in path.read_text(encoding="utf-8")
     }
     assert users == set(PARTS)
 

@@ -13,8 +13,8 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.patheffects import withStroke
 
 from cylcontact.arrays import FloatArray
-from cylcontact.reports.style import new_figure, plain_log, small_text
-from cylcontact.reports.styled_figure import StyledFigure
+from cylcontact.plots.figure import StyledFigure, new_figure, plain_log
+from cylcontact.plots.style import small_text
 
 # One set of levels (percent) and colours for every map. Blue is below zero, orange above; each
 # side darkens outwards, so in grey the sign is told by dashes and by the contours' labels.

@@ -1,20 +1,36 @@
-"""A figure that arranges itself for the look it is drawn in."""
+"""Figures that arrange themselves for the style they are drawn in, and what a recipe returns."""
 
 from __future__ import annotations
 
+import base64
+import io
 import re
 import warnings
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from html import escape
+from typing import Any, Literal
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.text import Text
+from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter
 
-from cylcontact.reports.looks import JOURNAL, Look
+from cylcontact.plots.style import (
+    JOURNAL,
+    MM_PER_INCH,
+    STYLES,
+    WIDTHS_MM,
+    FigureStyle,
+    Width,
+    current_style,
+    figure_style,
+)
 
-MM_PER_INCH = 25.4
+SCREEN_DPI = 120
 # A panel below another is at most that high, in widths of it.
 PANEL_HEIGHT = 0.68
 # Text that does not fit is made smaller step by step, down to that many points.
@@ -23,39 +39,71 @@ SMALLEST, SHRINKING = 5.0, 0.93
 LONG = 5
 
 
-class StyledFigure(Figure):
-    """A matplotlib figure whose panels, titles and legends make do with the look's width.
+@dataclass(frozen=True)
+class Drawing:
+    """A figure, the numbers drawn in it, the ones that sum it up, and its caption.
 
-    In a narrow look, panels that a recipe asks for side by side stand below one another, legends
+    Attributes
+    ----------
+    figure : matplotlib.figure.Figure
+        Made without pyplot.
+    table : pandas.DataFrame
+        The numbers drawn, one row each, units in the columns' names.
+    headline : mapping of str to float
+        The numbers that a reader takes away and a test pins.
+    caption : str
+        What is shown, with the units, the choices made and what is assumed.
+    """
+
+    figure: Figure
+    table: pd.DataFrame
+    headline: Mapping[str, float]
+    caption: str
+
+    def _repr_html_(self) -> str:
+        """Show the figure with its caption in a notebook."""
+        stream = io.BytesIO()
+        with figure_style():
+            self.figure.savefig(stream, format="png", dpi=SCREEN_DPI)
+        picture = base64.b64encode(stream.getvalue()).decode("ascii")
+        caption = escape(self.caption)
+        image = f'<img alt="{caption}" src="data:image/png;base64,{picture}">'
+        return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
+
+
+class StyledFigure(Figure):
+    """A matplotlib figure whose panels, titles and legends make do with the style's width.
+
+    In a narrow style, panels that a recipe asks for side by side stand below one another, legends
     have fewer columns and titles more lines. A recipe need not know.
 
     Parameters
     ----------
-    look : Look
+    style : FigureStyle
         What it is drawn for.
     **settings
         Those of `matplotlib.figure.Figure`.
 
     Examples
     --------
-    >>> narrow = Look("narrow", width_mm=90.0, highest_mm=240.0)
+    >>> narrow = FigureStyle("narrow", width_mm=90.0, highest_mm=240.0)
     >>> figure = StyledFigure(narrow, figsize=(90 / 25.4, 40 / 25.4), layout="constrained")
     >>> panels = figure.subplots(1, 3, sharey=True)
     >>> panels.shape, [axes.get_subplotspec().rowspan.start for axes in panels]
     ((3,), [0, 1, 2])
     """
 
-    def __init__(self, look: Look, **settings: Any) -> None:
+    def __init__(self, style: FigureStyle, **settings: Any) -> None:
         super().__init__(**settings)
-        self.look = look
+        self.style = style
 
     def subplots(self, nrows: int = 1, ncols: int = 1, **settings: Any) -> Any:
-        """Add panels as `Figure.subplots` does, in one column where the look is narrow.
+        """Add panels as `Figure.subplots` does, in one column where the style is narrow.
 
         They then follow each other column by column; with `by_rows=True`, row by row.
         """
         by_rows = settings.pop("by_rows", False)
-        if not self.look.narrow or ncols == 1:
+        if not self.style.narrow or ncols == 1:
             return super().subplots(nrows, ncols, **settings)
         squeeze = settings.pop("squeeze", True)
         self._grow(nrows, ncols)
@@ -75,8 +123,8 @@ class StyledFigure(Figure):
         return legend
 
     def draw_without_rendering(self) -> None:
-        """Settle the layout; in another look than the journal's, make the texts fit before."""
-        if self.look == JOURNAL:
+        """Settle the layout; in another style than the journal's, make the texts fit before."""
+        if self.style == JOURNAL:
             super().draw_without_rendering()
             return
         self._settles()
@@ -84,7 +132,7 @@ class StyledFigure(Figure):
         for axes in self.axes:
             _repeat_label(axes)
             _break_texts(axes, self.bbox.x1)
-        size = self.look.font_size
+        size = self.style.font_size
         while not self._settles() and size > SMALLEST:
             size *= SHRINKING
             for text in self.findobj(Text):
@@ -92,7 +140,7 @@ class StyledFigure(Figure):
 
     def _move_legend(self) -> None:
         """Put the long legend of a single narrow panel below it."""
-        legend = self.axes[0].get_legend() if len(self.axes) == 1 and self.look.narrow else None
+        legend = self.axes[0].get_legend() if len(self.axes) == 1 and self.style.narrow else None
         if legend is None or len(legend.get_texts()) < LONG:
             return
         handles = [handle for handle in legend.legend_handles if handle is not None]
@@ -114,7 +162,7 @@ class StyledFigure(Figure):
         """Make room for the panels of all columns below one another."""
         width, height = self.get_size_inches()
         one = min(height * columns, PANEL_HEIGHT * width * max(1.0, 0.75 * rows))
-        highest = (self.look.highest_mm or np.inf) / MM_PER_INCH
+        highest = (self.style.highest_mm or np.inf) / MM_PER_INCH
         self.set_size_inches(width, min(one * columns, highest))
 
     def _stack(self, rows: int, columns: int, settings: dict[str, Any], by_rows: bool) -> Any:
@@ -188,3 +236,66 @@ def broken(title: Text, room: float) -> str:
         else:
             lines.append(word)
     return "\n".join(lines)
+
+
+def new_figure(width: Width, height_mm: float, wide: bool = False) -> StyledFigure:
+    """Return an empty figure of a journal's width, apart from pyplot.
+
+    A style with a width of its own takes it instead, and the height in proportion.
+
+    Parameters
+    ----------
+    width : {"column", "middle", "full"}
+        A key of `WIDTHS_MM`.
+    height_mm : float
+        In mm.
+    wide : bool, optional
+        Whether the content needs that width whatever the style: it then spans both columns.
+
+    Returns
+    -------
+    StyledFigure
+
+    Examples
+    --------
+    >>> figure = new_figure("column", 60.0)
+    >>> print((figure.get_size_inches() * 25.4).round(3))
+    [84. 60.]
+    """
+    style = current_style()
+    if wide and style.narrow:
+        style = replace(style, width_mm=STYLES["double-column"].width_mm)
+    chosen = style.width_mm or WIDTHS_MM[width]
+    height = min(height_mm * chosen / WIDTHS_MM[width], style.highest_mm or np.inf)
+    size = (chosen / MM_PER_INCH, height / MM_PER_INCH)
+    return StyledFigure(style, figsize=size, layout="constrained")
+
+
+def panel_title(axes: Axes, number: int, text: str) -> None:
+    """Put "(a) text" above a panel, the letter from the panel's number."""
+    axes.set_title(f"({'abcdefgh'[number]}) {text}")
+
+
+def plain_log(axes: Axes, which: Literal["x", "y"], ticks: Sequence[float]) -> None:
+    """Make an axis logarithmic, with ticks at the given values, written out plainly."""
+    axes.set(**{f"{which}scale": "log"})
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    axis.set_major_locator(FixedLocator(list(ticks)))
+    axis.set_major_formatter(FixedFormatter([plain_number(tick) for tick in ticks]))
+    axis.set_minor_locator(LogLocator(subs=range(2, 10), numticks=20))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def plain_number(value: float) -> str:
+    """Write a number without an exponent, thousands set apart from 10 000 upwards.
+
+    Examples
+    --------
+    >>> plain_number(0.0075), plain_number(1000)
+    ('0.0075', '1000')
+    >>> len(plain_number(10000))
+    6
+    """
+    if abs(value) < 1e4:
+        return np.format_float_positional(value, precision=6, trim="-")
+    return f"{value:,.0f}".replace(",", "\u2009")

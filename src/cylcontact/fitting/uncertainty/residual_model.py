@@ -39,7 +39,7 @@ MEDIAN_TO_SIGMA = 1.4826
 
 
 @dataclass(frozen=True, eq=False)
-class Noise:
+class ResidualModel:
     """What the residuals at the optimum say.
 
     Attributes
@@ -124,7 +124,7 @@ def measured(problem: Problem) -> MeasuredObjective:
     return problem.objective
 
 
-def noise_at(problem: Problem, point: FloatArray) -> Noise:
+def residual_model_at(problem: Problem, point: FloatArray) -> ResidualModel:
     """Return what the residuals at an optimum say.
 
     Parameters
@@ -136,7 +136,7 @@ def noise_at(problem: Problem, point: FloatArray) -> Noise:
 
     Returns
     -------
-    Noise
+    ResidualModel
     """
     objective = measured(problem)
 
@@ -159,7 +159,7 @@ def noise_at(problem: Problem, point: FloatArray) -> Noise:
         if covariance is None and inverse is not None:
             notes = (NOT_CURVED,)
     names = [p.name for p in problem.free]
-    return Noise(
+    return ResidualModel(
         rows=r.size,
         free=point.size,
         known=known,

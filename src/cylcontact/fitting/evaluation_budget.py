@@ -12,7 +12,7 @@ class BudgetSpentError(Exception):
     """The budget of evaluations is spent: the search is over."""
 
 
-class Metered:
+class EvaluationBudget:
     """A problem with a meter, in coordinates from 0 to 1 between the bounds.
 
     Parameters

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, Material, laws
-from cylcontact.card import card, law_card
+from cylcontact.html_repr import law_html, table_html
 
 HOSTILE = "<script>alert('x')</script> & \"co\""
 
@@ -34,7 +34,7 @@ def shown(fragment):
 
 
 def test_texts_stay_texts():
-    assert shown(card(HOSTILE, {HOSTILE: HOSTILE})) == [HOSTILE] * 3
+    assert shown(table_html(HOSTILE, {HOSTILE: HOSTILE})) == [HOSTILE] * 3
 
 
 def test_material():
@@ -73,4 +73,4 @@ def test_coefficients_of_the_published_law_and_of_a_fit():
     fitted = shown(laws.Enhanced({"a": 0.1, "b": 0.2, "n": 1.1})._repr_html_())
     assert fitted[1:] == ["a", "0.1", "b", "0.2", "n", "1.1"]
     assert shown(laws.PowerLaw(n=1.25, K=3e5)._repr_html_())[1:] == ["n", "1.25", "K", "300000"]
-    assert "depth" in law_card(laws.Winkler(depth=0.8))
+    assert "depth" in law_html(laws.Winkler(depth=0.8))

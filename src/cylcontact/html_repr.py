@@ -14,7 +14,7 @@ import numpy as np
 MOST_NUMBERS = 4
 
 
-def card(title: str, rows: Mapping[str, object]) -> str:
+def table_html(title: str, rows: Mapping[str, object]) -> str:
     """Return an HTML table with a title, what each value is to the left and the value beside it.
 
     Parameters
@@ -32,7 +32,7 @@ def card(title: str, rows: Mapping[str, object]) -> str:
 
     Examples
     --------
-    >>> print(card("a < b", {"E (MPa)": 207e3}))
+    >>> print(table_html("a < b", {"E (MPa)": 207e3}))
     <table><caption style="text-align:left"><b>a &lt; b</b></caption><tbody>
     <tr><th style="text-align:left">E (MPa)</th><td>207000</td></tr>
     </tbody></table>
@@ -45,8 +45,8 @@ def card(title: str, rows: Mapping[str, object]) -> str:
     return f"<table>{caption}<tbody>\n{lines}\n</tbody></table>"
 
 
-def law_card(law: Any) -> str:
-    """Return the card of a law: the first line of its help, and its coefficients.
+def law_html(law: Any) -> str:
+    """Return a law as an HTML table: the first line of its docstring, and its coefficients.
 
     Parameters
     ----------
@@ -61,14 +61,14 @@ def law_card(law: Any) -> str:
     Examples
     --------
     >>> from cylcontact import laws
-    >>> "Johnson&#x27;s law, Eq 1" in law_card(laws.Johnson())
+    >>> "Johnson&#x27;s law, Eq 1" in law_html(laws.Johnson())
     True
     """
-    return completed_law_card(law, {})
+    return completed_law_html(law, {})
 
 
-def completed_law_card(law: Any, left_out: Mapping[Any, object]) -> str:
-    """Return the card of a law, with what stands for the coefficients that it was not given."""
+def completed_law_html(law: Any, left_out: Mapping[Any, object]) -> str:
+    """Return a law as an HTML table, with defaults for coefficients left as None."""
     rows: dict[str, object] = {}
     for field in fields(law):
         value = getattr(law, field.name)
@@ -79,7 +79,7 @@ def completed_law_card(law: Any, left_out: Mapping[Any, object]) -> str:
         else:
             rows[field.name] = value
     said = (inspect.getdoc(law) or law.name).splitlines()[0]
-    return card(f"{type(law).__name__}: {said}", rows)
+    return table_html(f"{type(law).__name__}: {said}", rows)
 
 
 def _shown(value: object) -> str:

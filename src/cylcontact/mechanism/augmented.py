@@ -20,10 +20,10 @@ import numpy as np
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
-from cylcontact.compiled import callback, compiled
 from cylcontact.mechanism import constraints, contact
+from cylcontact.mechanism.cvode import RHS_SIGNATURE, ROOTS_SIGNATURE, block, values
 from cylcontact.mechanism.events import EVENTS, fill_roots
-from cylcontact.mechanism.sundials import RHS, ROOTS, block, values
+from cylcontact.numba_cache import callback, compiled
 
 # Positions in the model's part of the parameter block; the masses and the table follow. A driver's
 # row below 0 says that there is none.
@@ -149,7 +149,7 @@ def derivatives(
     out[2 * size] = -lam[int(m[DRIVER_ROW])] * relative
 
 
-@callback(RHS)
+@callback(RHS_SIGNATURE)
 def rhs(t: float, y: Any, out: Any, data: Any) -> int:
     """CVODE's right-hand side."""
     p = block(data)
@@ -157,7 +157,7 @@ def rhs(t: float, y: Any, out: Any, data: Any) -> int:
     return 0
 
 
-@callback(ROOTS)
+@callback(ROOTS_SIGNATURE)
 def roots(t: float, y: Any, out: Any, data: Any) -> int:
     """CVODE's root functions."""
     p = block(data)

@@ -19,7 +19,7 @@ _UNIT = Material("of unit composite modulus", E=2.0, nu=0.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class Samples:
     """Samples sorted by clearance and, within one, by s.
 
     Attributes
@@ -66,13 +66,13 @@ class Rows:
         return list(zip(np.split(self.s, edges), np.split(self.j, edges), strict=True))
 
 
-def rows_of(contact: Contact, block: Block) -> Rows:
+def samples_of(contact: Contact, block: Block) -> Samples:
     """Return one block of samples as rows."""
     index = np.zeros(block.load.size, dtype=np.intp)
-    return Rows(contact, np.array([block.dR]), index, block.s, block.j)
+    return Samples(contact, np.array([block.dR]), index, block.s, block.j)
 
 
-def collect_rows(grid: Grid) -> tuple[Rows, Counts]:
+def collect_samples(grid: Grid) -> tuple[Samples, Counts]:
     """Sample a grid into memory; wholly masked clearances are left out.
 
     Parameters
@@ -82,7 +82,7 @@ def collect_rows(grid: Grid) -> tuple[Rows, Counts]:
 
     Returns
     -------
-    rows : Rows
+    rows : Samples
     counts : Counts
         Samples used and masked.
 
@@ -103,7 +103,7 @@ def collect_rows(grid: Grid) -> tuple[Rows, Counts]:
             kept.append((float(dR), s[order], j[order]))
     if not kept:
         reduce_grid(grid)  # raises the error that names the reason
-    rows = Rows(
+    rows = Samples(
         contact=grid.contact,
         dR=np.array([dR for dR, _, _ in kept]),
         index=np.repeat(np.arange(len(kept)), [s.size for _, s, _ in kept]),

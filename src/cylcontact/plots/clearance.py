@@ -14,16 +14,10 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from cylcontact.arrays import FloatArray
 from cylcontact.materials import MaterialRow
 from cylcontact.pair import CylinderPair
+from cylcontact.plots.figure import new_figure, panel_title, plain_log
+from cylcontact.plots.maps import RIM
+from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS
 from cylcontact.reports.claims.domain import clearance_pair
-from cylcontact.reports.contours import RIM
-from cylcontact.reports.style import (
-    COLOURS,
-    LINE_STYLES,
-    MARKERS,
-    new_figure,
-    panel_title,
-    plain_log,
-)
 
 # The clearances of Figs 7 to 9, in mm.
 CLEARANCES: FloatArray = np.geomspace(0.001, 2.0, 100)

@@ -36,7 +36,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Rows:
+class StepHistory:
     """The accepted steps, n of them, and counts by revolution.
 
     Attributes
@@ -62,7 +62,7 @@ class Rows:
     counts: FloatArray
 
 
-def concatenate(parts: list[Rows]) -> Rows:
+def concatenate(parts: list[StepHistory]) -> StepHistory:
     """Join rows in their order."""
-    columns = [np.concatenate([getattr(one, f.name) for one in parts]) for f in fields(Rows)]
-    return Rows(*columns)
+    columns = [np.concatenate([getattr(one, f.name) for one in parts]) for f in fields(StepHistory)]
+    return StepHistory(*columns)

@@ -1,0 +1,6 @@
+"""Figures for papers: styles, figures that arrange themselves, maps and curves over clearance."""
+
+from cylcontact.plots.figure import Drawing, StyledFigure, new_figure
+from cylcontact.plots.style import FigureStyle, figure_style
+
+__all__ = ["Drawing", "FigureStyle", "StyledFigure", "figure_style", "new_figure"]
