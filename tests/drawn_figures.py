@@ -9,13 +9,13 @@ import cloudpickle
 from cylcontact import InputError
 from cylcontact.files import replacing
 from cylcontact.locks import owning
-from cylcontact.plots.style import JOURNAL, Choice
+from cylcontact.plots.style import JOURNAL, FigureOptions
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import Written, build
 
 BENCH = Bench(Path(__file__).parents[1])
 # A picture in pixels takes as long to write as the rest, and no test looks at it.
-PDF = Choice(JOURNAL, ("pdf",))
+PDF = FigureOptions(JOURNAL, ("pdf",))
 
 
 class DrawnFigures:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import matplotlib as mpl
 import pytest
+from cylcontact.reports.outcomes import draw_all
 from matplotlib.text import Text
 from PIL import Image
 from typer.testing import CliRunner
@@ -16,11 +17,10 @@ from typer.testing import CliRunner
 from cylcontact import InputError
 from cylcontact.cli.app import app
 from cylcontact.plots.figure import StyledFigure, new_figure
-from cylcontact.plots.style import STYLES, Choice, choose, figure_style
+from cylcontact.plots.style import STYLES, FigureOptions, choose, figure_style
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build
 from cylcontact.reports.latex import latex
-from cylcontact.reports.outcomes import draw_all
 from tests.figure_files import page_mm
 from tests.programs import require_program
 
@@ -56,7 +56,7 @@ def sheet(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     """A few figures in a look that is not the journal's."""
     look = STYLES[request.param]
     folder = tmp_path_factory.mktemp(look.name)
-    return look, build(BENCH, NAMES, folder, choice=Choice(look, ("pdf",)))
+    return look, build(BENCH, NAMES, folder, choice=FigureOptions(look, ("pdf",)))
 
 
 class TestLooks:
@@ -113,7 +113,7 @@ class TestLooks:
     @pytest.mark.parametrize("look", [look for look in STYLES.values() if look.width_mm])
     def test_every_figure_draws_in_every_look(self, look, tmp_path: Path) -> None:
         names = [path.stem for path in sorted((ROOT / "reports").glob("fig*.py"))]
-        outcomes = draw_all(BENCH, names, tmp_path, Choice(look, ("pdf",)), jobs=2)
+        outcomes = draw_all(BENCH, names, tmp_path, FigureOptions(look, ("pdf",)), jobs=2)
         assert [str(outcome.problem) for outcome in outcomes if outcome.problem] == []
 
 
@@ -138,7 +138,7 @@ class TestFormats:
         seen = []
         for jobs in (1, 1, 2):
             folder = small / f"out{len(seen)}"
-            choice = Choice(STYLES["slides"], ("png", "pdf", "svg"))
+            choice = FigureOptions(STYLES["slides"], ("png", "pdf", "svg"))
             outcomes = draw_all(Bench(small), ["fig98", "fig99"], folder, choice, jobs)
             files = [path for outcome in outcomes for path in outcome.paths]
             seen.append({path.name: hashlib.sha256(path.read_bytes()).digest() for path in files})

@@ -25,7 +25,11 @@ if TYPE_CHECKING:
 
 def report(
     names: Annotated[
-        list[str] | None, typer.Argument(help="Recipes, e.g. fig10 fig10r; all by default.")
+        list[str] | None,
+        typer.Argument(
+            help="Recipes, e.g. fig10 fig10r; all by default. One that takes arguments gets them "
+            'behind it, e.g. maps material="titanium alloy" law=explicit.'
+        ),
     ] = None,
     results: Results = RESULTS,
     out: Annotated[
@@ -51,15 +55,15 @@ def report(
     """Draw the figures, each with the CSV of its numbers, or build the report around them."""
     from cylcontact.reports.bench import Bench
 
-    bench = Bench(Path(), results)
+    bench = Bench(Path(), results, jobs or cores())
     _require_one_kind(names, html, style, formats, font_size, tables)
     if html:
-        _build_site(bench, out or bench.recipes_folder / "html", jobs or cores())
+        _build_site(bench, out or bench.recipes_folder / "html")
         return
     if tables is not None:
         _write_tables(bench, names or (), tables, out or bench.recipes_folder / "tables")
         return
-    _draw(bench, names or (), (style, tuple(formats or ()), font_size), out, jobs or cores())
+    _draw(bench, names or (), (style, tuple(formats or ()), font_size), out)
 
 
 def _require_one_kind(names: object, html: bool, *choices: object) -> None:
@@ -79,35 +83,43 @@ def _draw(
     names: Sequence[str],
     wishes: tuple[str | None, tuple[str, ...], float | None],
     out: Path | None,
-    jobs: int,
 ) -> None:
     """Draw figures in the style asked for."""
     from cylcontact.plots.style import JOURNAL, choose
-    from cylcontact.reports.build import chosen_recipes
-    from cylcontact.reports.outcomes import draw_all
+    from cylcontact.reports.build import build
 
     style, formats, font_size = wishes
     choice = choose(bench.recipes_folder / "style.toml", style, formats, font_size)
     own = bench.figures_folder
     folder = out or (own if choice.style.name == JOURNAL.name else own / choice.style.name)
-    wanted = chosen_recipes(bench, names)
+    recipes, arguments = _names_and_arguments(names)
     with progress_bars() as progress:
-        outcomes = draw_all(bench, wanted, folder, choice, jobs, progress)
-    problems = [outcome.problem for outcome in outcomes if outcome.problem is not None]
+        results = build(bench, recipes, folder, choice, progress, arguments)
+    problems = [result.problem for result in results if result.problem is not None]
     for problem in problems[1:]:
         typer.echo(f"cylcontact: {problem}", err=True)
     if problems:
         raise problems[0]
-    count = len(outcomes)
+    count = len(results)
     typer.echo(f"{count} {'figure' if count == 1 else 'figures'} in {folder}")
 
 
-def _build_site(bench: Bench, folder: Path, jobs: int) -> None:
+def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+    """Split a command line into recipes and the arguments, KEY=VALUE, of a single one."""
+    recipes = [word for word in words if "=" not in word]
+    pairs = [word.partition("=") for word in words if "=" in word]
+    if pairs and len(recipes) != 1:
+        rule, remedy = "is an argument of one recipe", "name that recipe before it, and no other"
+        raise InputError("report", pairs[0][0], pairs[0][2], rule, remedy)
+    return recipes, {key: value for key, _, value in pairs}
+
+
+def _build_site(bench: Bench, folder: Path) -> None:
     """Build the report for a browser and tell what is missing in it."""
     from cylcontact.reports.html import build_site
 
     with progress_bars() as progress:
-        site = build_site(bench, folder, jobs, progress)
+        site = build_site(bench, folder, progress)
     for reason in site.missing:
         typer.echo(f"missing, {reason}", err=True)
     typer.echo(f"open {site.index}")
@@ -132,22 +144,24 @@ def claims(
     """Hold every quantitative statement of the paper against computed numbers."""
     from cylcontact.files import replacing
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.claims import full_ledger, to_csv, to_json, to_text
+    from cylcontact.reports.claims import ledger, to_csv, to_json, to_text
+    from cylcontact.reports.paper import paper_of
 
-    bench = Bench(Path(), results)
-    writers = {".csv": to_csv, ".json": to_json}
-    if out is not None and out.suffix not in writers:
+    bench = Bench(Path(), results, jobs or cores())
+    if out is not None and out.suffix not in (".csv", ".json"):
         raise InputError(
             str(out), "", None, "is neither .csv nor .json", "name the output so that it is one"
         )
     with progress_bars() as progress:
-        found = full_ledger(bench, bench.results_by_name(), jobs or cores(), progress)
+        computed = ledger(bench, progress)
+    terms = paper_of(bench).definitions
     if out is None:
-        typer.echo(to_text(found), nl=False)
+        typer.echo(to_text(computed, terms), nl=False)
         return
+    text = to_csv(computed) if out.suffix == ".csv" else to_json(computed, terms)
     with replacing(out) as temporary:
-        temporary.write_text(writers[out.suffix](found), encoding="utf-8")
-    typer.echo(f"{len(found)} claims written to {out}")
+        temporary.write_text(text, encoding="utf-8")
+    typer.echo(f"{len(computed)} claims written to {out}")
 
 
 def compare_laws(

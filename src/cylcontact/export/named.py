@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +10,6 @@ from typing import TYPE_CHECKING
 from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
 from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.enhanced import Enhanced
-from cylcontact.laws.explicit import Explicit
 from cylcontact.laws.power import PowerLaw
 from cylcontact.pair import Contact
 
@@ -21,14 +18,6 @@ if TYPE_CHECKING:
 
 # Persson's law has no closed form; it is known by name all the same, to be told so.
 EXPORTABLE = tuple(name for name in LAWS if name != "persson")
-
-
-# The laws that campaigns on grids fit, from their coefficients.
-FITTED: Mapping[str, Callable[[Mapping[str, float]], ContactLaw]] = {
-    "enhanced": lambda found: Enhanced(coefficients=found),
-    "explicit": lambda found: Explicit(coefficients=found),
-    "power": lambda found: PowerLaw(**found),
-}
 
 
 @dataclass(frozen=True)
@@ -79,6 +68,7 @@ def _exists(path: str) -> bool:
 
 def _from_result(path: str, contact: Contact | None) -> FoundLaw:
     """Return the law of a fit result."""
+    from cylcontact.fitting.law_models import law_of
     from cylcontact.fitting.result import FitResult
 
     result = FitResult.load(path)
@@ -90,25 +80,7 @@ def _from_result(path: str, contact: Contact | None) -> FoundLaw:
             f"contradicts --contact {contact}",
             "leave --contact out, or name a result for that contact",
         )
-    return FoundLaw(_law_of(result, path), result.contact, _origin(result))
-
-
-def _law_of(result: FitResult, path: str) -> ContactLaw:
-    """Return the law that a fit found, of the contact alone: the rig stays in the laboratory."""
-    from cylcontact.fitting.law_models import model_of, without_rig
-    from cylcontact.fitting.user_law import is_user_law
-
-    if result.law in FITTED:
-        return FITTED[result.law](without_rig(result.coefficients))
-    if is_user_law(result.law):
-        raise InputError(
-            path,
-            "law",
-            result.law,
-            "is a Python function of your own, which cannot be written in another language",
-            "fit a law of the package, e.g. explicit",
-        )
-    return model_of(result.law, result.contact, path).build(without_rig(result.coefficients))
+    return FoundLaw(law_of(result, path), result.contact, _origin(result))
 
 
 def _origin(result: FitResult) -> str:

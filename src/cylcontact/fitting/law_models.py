@@ -16,7 +16,7 @@ clearance_factor·ΔR in place of E* and ΔR |
 | lankarani-nikravesh | factor, n | F = factor·(4/3)·E*·√R·δⁿ |
 
 Two parameters of the rig may join those of any law, where a campaign names them: `offset`, the
-reading at first touch in mm, and `compliance` in mm per N/mm (`laws.mounted`).
+reading at first touch in mm, and `compliance` in mm per N/mm (`laws.adapters.RigCompliance`).
 
 A parameter that a campaign leaves out is searched between the bounds given here, or held at its
 nominal value where it is not free: Lambda_factor (c does the same), and clearance_factor (small
@@ -27,6 +27,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import asdict, dataclass, fields, replace
+from typing import TYPE_CHECKING
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
@@ -40,6 +41,9 @@ from cylcontact.laws.power import PowerLaw
 from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import DEPTH, Winkler
 from cylcontact.pair import CONTACTS, Contact
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.result import FitResult
 
 Coefficients = Mapping[str, float]
 
@@ -295,3 +299,43 @@ def _models() -> dict[tuple[str, Contact], LawModel]:
 
 
 MODELS = _models()
+
+
+# The laws that campaigns on grids fit, from their coefficients.
+FITTED: Mapping[str, Callable[[Mapping[str, float]], ContactLaw]] = {
+    "enhanced": lambda values: Enhanced(coefficients=values),
+    "explicit": lambda values: Explicit(coefficients=values),
+    "power": lambda values: PowerLaw(**values),
+}
+
+
+def law_of(result: FitResult, source: str = "") -> ContactLaw:
+    """Return the law that a fit found, of the contact alone: a rig's compliance is left out.
+
+    Parameters
+    ----------
+    result : FitResult
+        A fit on a grid or to measurements.
+    source : str, optional
+        The result's file, for error messages; by default its name.
+
+    Raises
+    ------
+    InputError
+        If the law is a Python function of the user's own.
+    """
+    # That module imports this one.
+    from cylcontact.fitting.user_law import is_user_law
+
+    coefficients = without_rig(result.coefficients)
+    if result.law in FITTED:
+        return FITTED[result.law](coefficients)
+    if is_user_law(result.law):
+        raise InputError(
+            source or result.name,
+            "law",
+            result.law,
+            "is a Python function of your own, and this needs a law of the package",
+            "fit a law of the package, e.g. explicit",
+        )
+    return model_of(result.law, result.contact, source or result.name).build(coefficients)

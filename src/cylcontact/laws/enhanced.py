@@ -65,6 +65,11 @@ PUBLISHED: Mapping[Contact, Coefficients] = {
     "internal": InternalCoefficients(),
     "external": ExternalCoefficients(),
 }
+# The clearances in mm that the published coefficients were fitted over.
+PUBLISHED_DR: Mapping[Contact, tuple[float, float]] = {
+    "internal": (0.05, 10.0),
+    "external": (5.0, 500.0),
+}
 
 
 def stiffness_factor(dR: ArrayLike, a: ArrayLike, b: ArrayLike) -> FloatArray:

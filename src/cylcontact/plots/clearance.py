@@ -17,7 +17,6 @@ from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import new_figure, panel_title, plain_log
 from cylcontact.plots.maps import RIM
 from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS
-from cylcontact.reports.claims.domain import clearance_pair
 
 # The clearances of Figs 7 to 9, in mm.
 CLEARANCES: FloatArray = np.geomspace(0.001, 2.0, 100)
@@ -56,15 +55,19 @@ def clearance_table(
     >>> print(table.iloc[0]["load_N_per_mm"].round(1))
     193.4
     """
+    pairs = {
+        name: CylinderPair.from_dR("internal", CLEARANCES, row.material, R_i=R_i)
+        for name, row in rows.items()
+    }
     parts = [
         pd.DataFrame(
             {
                 "material": name,
                 "dR_mm": CLEARANCES,
-                column: quantity(clearance_pair(CLEARANCES, row.material, R_i)),
+                column: quantity(pairs[name]),
             }
         )
-        for name, row in rows.items()
+        for name in rows
     ]
     return pd.concat(parts, ignore_index=True)
 

@@ -1,4 +1,4 @@
-"""What figures style like: journal columns or slides, colours, fonts, a user's own choices."""
+"""What figures look like: journal columns or slides, colours, fonts, a user's own choices."""
 
 from __future__ import annotations
 
@@ -92,11 +92,14 @@ class StyleFile(Spec):
 
 
 @dataclass(frozen=True)
-class Choice:
+class FigureOptions:
     """A style and the formats to write."""
 
     style: FigureStyle
     formats: tuple[Format, ...] = ("png", "pdf")
+
+
+DEFAULT_OPTIONS = FigureOptions(JOURNAL)
 
 
 def choose(
@@ -104,7 +107,7 @@ def choose(
     style: str | None = None,
     formats: tuple[str, ...] = (),
     font_size: float | None = None,
-) -> Choice:
+) -> FigureOptions:
     """Return the style and formats asked for; a command line's go before a file's.
 
     Parameters
@@ -120,7 +123,7 @@ def choose(
 
     Returns
     -------
-    Choice
+    FigureOptions
 
     Raises
     ------
@@ -131,7 +134,7 @@ def choose(
     Examples
     --------
     >>> choose(style="single-column", formats=("pdf",), font_size=9.0)
-    Choice(style=FigureStyle(name='single-column', width_mm=90.0, font_size=9.0, lines=1.0,
+    FigureOptions(style=FigureStyle(name='single-column', width_mm=90.0, font_size=9.0, lines=1.0,
     highest_mm=240.0, font=None), formats=('pdf',))
     """
     own = StyleFile()
@@ -151,7 +154,7 @@ def choose(
         font=own.font,
     )
     wanted = formats or tuple(own.formats or ("png", "pdf"))
-    return Choice(chosen, tuple(_as_format(form) for form in dict.fromkeys(wanted)))
+    return FigureOptions(chosen, tuple(_as_format(form) for form in dict.fromkeys(wanted)))
 
 
 def _as_format(form: str) -> Format:

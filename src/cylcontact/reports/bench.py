@@ -1,13 +1,28 @@
-"""The bench: where the specs, fit results, recipes and figures lie."""
+"""The bench: the folders that recipes and claims live in and read from, and how they are loaded."""
 
 from __future__ import annotations
 
+import importlib
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 from cylcontact.errors import InputError
 from cylcontact.fitting.result import FitResult
 from cylcontact.materials import SHIPPED, MaterialRow, known_materials, shipped_materials
+from cylcontact.parallel import Workers
+
+# The name under which the files of a bench's `reports` folder are imported. It is private, so
+# that a folder called `reports` hides nobody's package and needs no `__init__.py`.
+PACKAGE = "_cylcontact_bench"
+
+
+class MissingInputError(InputError):
+    """An input that has not been made yet: a claim that needs it cannot be tested."""
 
 
 @dataclass(frozen=True)
@@ -20,6 +35,8 @@ class Bench:
         The folder that holds `datasets`, `fitting` and `reports`.
     results : path, optional
         The folder of fit results; left out, `fitting/results` under the root.
+    jobs : int or Cluster, optional
+        Worker processes for computations that take long; the numbers do not depend on it.
 
     Examples
     --------
@@ -30,6 +47,7 @@ class Bench:
 
     root: Path
     results: Path | None = None
+    jobs: Workers = 1
 
     @property
     def results_folder(self) -> Path:
@@ -65,10 +83,24 @@ class Bench:
         """The bench's own table of materials, beside the one that ships; it may be absent."""
         return self.root / "datasets" / "materials.csv"
 
-    @property
-    def mechanism_file(self) -> Path:
-        """The spec of the slider-crank."""
-        return self.input("datasets/slider_crank.toml")
+    def module(self, name: str) -> ModuleType:
+        """Import a file of the `reports` folder, such as "maps" or "claims.section1".
+
+        Such a file imports its neighbours relatively: `from .paper import MATERIALS`. A file that
+        has changed since is read anew, and so is everything else in the folder.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> bench = Bench(Path(tempfile.mkdtemp()))
+        >>> bench.recipes_folder.mkdir()
+        >>> _ = (bench.recipes_folder / "paper.py").write_text("LOADS = (10.0, 1000.0)")
+        >>> bench.module("paper").LOADS
+        (10.0, 1000.0)
+        """
+        _open_package(self.recipes_folder.resolve())
+        with _without_bytecode():
+            return importlib.import_module(f"{PACKAGE}.{name}")
 
     def materials(self) -> dict[str, MaterialRow]:
         """Return the materials that ship and the bench's own, name → row.
@@ -120,7 +152,7 @@ class Bench:
         """
         path = self.result_file(f"{name}.json")
         if not path.is_file():
-            raise InputError(
+            raise MissingInputError(
                 str(path),
                 "",
                 None,
@@ -140,3 +172,48 @@ class Bench:
         return {
             path.stem: FitResult.load(path) for path in sorted(self.results_folder.glob("*.json"))
         }
+
+
+def call_in_bench(root: Path, module: str, function: str, *arguments: Any) -> Any:
+    """Call a function of a bench's module; what worker processes get instead of the function.
+
+    They cannot unpickle it, because the bench is not on their import path.
+
+    Parameters
+    ----------
+    root : path
+        The bench's.
+    module, function : str
+        Where it is, as for `Bench.module`, and its name.
+    *arguments
+        Those of the function.
+    """
+    return getattr(Bench(root).module(module), function)(*arguments)
+
+
+def _open_package(folder: Path) -> None:
+    """Make `PACKAGE` stand for a folder as it is now."""
+    stamp = {
+        file: (status.st_mtime_ns, status.st_size)
+        for file in folder.rglob("*.py")
+        for status in [file.stat()]
+    }
+    current: Any = sys.modules.get(PACKAGE)
+    if current is not None and current.__path__ == [str(folder)] and current.stamp == stamp:
+        return
+    for name in [name for name in sys.modules if name.partition(".")[0] == PACKAGE]:
+        del sys.modules[name]
+    package: Any = ModuleType(PACKAGE, "The files of a bench's `reports` folder.")
+    package.__path__, package.stamp = [str(folder)], stamp
+    sys.modules[PACKAGE] = package
+    importlib.invalidate_caches()
+
+
+@contextmanager
+def _without_bytecode() -> Iterator[None]:
+    """Leave no compiled files in a user's folder; they could also be older than an edit."""
+    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    try:
+        yield
+    finally:
+        sys.dont_write_bytecode = before

@@ -1,52 +1,96 @@
-"""Find the recipes of a bench, draw them, and write each figure with its numbers."""
+"""Find the recipes of a bench, draw them, and write each figure with its numbers.
+
+A recipe is a function `draw(bench) -> Drawing` in a file of the bench's `reports` folder; the
+figure is named after the file. A file that draws several figures lists them instead, in
+`FIGURES`, name → function. A function with keyword arguments draws variants on demand.
+"""
 
 from __future__ import annotations
 
-import importlib.util
-from collections.abc import Callable, Iterable
-from contextlib import ExitStack
-from dataclasses import dataclass
+import ast
+import gc
+import hashlib
+import inspect
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, field
 from pathlib import Path
 from shutil import which
 from typing import Any
 
 from cylcontact.errors import InputError
-from cylcontact.files import replacing
+from cylcontact.files import remove_leftovers, replacing
+from cylcontact.parallel import call, run_calls
 from cylcontact.plots.figure import Drawing
-from cylcontact.plots.style import JOURNAL, Choice, FigureStyle, Format, figure_style
+from cylcontact.plots.style import (
+    DEFAULT_OPTIONS,
+    JOURNAL,
+    FigureOptions,
+    FigureStyle,
+    Format,
+    figure_style,
+)
+from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
+
+__all__ = [
+    "FigureResult",
+    "build",
+    "chosen_recipes",
+    "draw",
+    "find_recipes",
+    "require_programs",
+    "write",
+]
 
 DPI = 300
 # Seven significant digits: finer than any figure is read, coarser than rounding noise.
 NUMBER_FORMAT = "%.7g"
+SOURCES = Path(__file__).parents[1]
+
+Arguments = Mapping[str, str]
 
 
 @dataclass(frozen=True)
-class Written:
-    """One figure on disk.
+class FigureResult:
+    """What became of one recipe.
 
     Attributes
     ----------
     name : str
         The recipe's name.
     paths : tuple of path
-        The pictures, by default PNG and PDF, and the CSV.
-    drawing : Drawing
-        What was drawn.
+        The pictures, in the order of the formats, and the CSV; none where it failed.
+    caption : str
+        The figure's caption.
+    headline : mapping of str to float
+        The numbers that sum it up.
+    inputs : mapping of str to str
+        The files that it was drawn from → the first twelve digits of their SHA-256.
+    size_mm : tuple of float
+        Width and height.
+    problem : InputError or None
+        Why there is no figure.
     """
 
     name: str
-    paths: tuple[Path, ...]
-    drawing: Drawing
+    paths: tuple[Path, ...] = ()
+    caption: str = ""
+    headline: Mapping[str, float] = field(default_factory=dict)
+    inputs: Mapping[str, str] = field(default_factory=dict)
+    size_mm: tuple[float, float] = (0.0, 0.0)
+    problem: InputError | None = None
 
 
 def find_recipes(bench: Bench) -> dict[str, Path]:
-    """Return the bench's recipes in alphabetical order, name → file.
+    """Return the figures that the bench can draw, in alphabetical order, name → file.
+
+    Files that only help others, such as constants, are left out.
 
     Parameters
     ----------
     bench : Bench
-        Its `reports/*.py` are the recipes.
+        Its `reports/*.py` are searched.
 
     Returns
     -------
@@ -62,12 +106,20 @@ def find_recipes(bench: Bench) -> dict[str, Path]:
     >>> import tempfile
     >>> bench = Bench(Path(tempfile.mkdtemp()))
     >>> bench.recipes_folder.mkdir()
-    >>> (bench.recipes_folder / "fig99.py").touch()
+    >>> _ = (bench.recipes_folder / "paper.py").write_text("LOADS = (10.0, 1000.0)")
+    >>> _ = (bench.recipes_folder / "fig99.py").write_text("def draw(bench): ...")
+    >>> _ = (bench.recipes_folder / "maps.py").write_text("FIGURES = {'fig97': 1, 'fig98': 2}")
     >>> list(find_recipes(bench))
-    ['fig99']
+    ['fig97', 'fig98', 'fig99']
     """
-    files = sorted(bench.recipes_folder.glob("*.py"))
-    if not files:
+    recipes: dict[str, Path] = {}
+    for file in sorted(bench.recipes_folder.glob("*.py")):
+        defined = _top_level_names(file)
+        if "draw" in defined:
+            recipes[file.stem] = file
+        if "FIGURES" in defined:
+            recipes |= dict.fromkeys(bench.module(file.stem).FIGURES, file)
+    if not recipes:
         raise InputError(
             str(bench.recipes_folder),
             "",
@@ -75,10 +127,12 @@ def find_recipes(bench: Bench) -> dict[str, Path]:
             "holds no recipe",
             "run this in a bench; cylcontact init FOLDER lays one out",
         )
-    return {file.stem: file for file in files}
+    return dict(sorted(recipes.items()))
 
 
-def draw(name: str, bench: Bench, style: FigureStyle = JOURNAL) -> Drawing:
+def draw(
+    name: str, bench: Bench, style: FigureStyle = JOURNAL, arguments: Arguments | None = None
+) -> Drawing:
     """Draw one figure, writing nothing.
 
     Parameters
@@ -86,9 +140,11 @@ def draw(name: str, bench: Bench, style: FigureStyle = JOURNAL) -> Drawing:
     name : str
         The recipe's name, such as "fig02".
     bench : Bench
-        Where the recipe and its inputs lie.
+        Where the recipe and its inputs are.
     style : FigureStyle, optional
-        What it is drawn for; left out, the journal.
+        What it is drawn for; by default the journal.
+    arguments : mapping of str to str, optional
+        For a recipe that takes some, such as `{"material": "titanium alloy"}`.
 
     Returns
     -------
@@ -97,49 +153,58 @@ def draw(name: str, bench: Bench, style: FigureStyle = JOURNAL) -> Drawing:
     Raises
     ------
     InputError
-        If there is no such recipe, the file is not one, or an input of it is missing.
+        If there is no such recipe, the file is not one, it does not take these arguments, or an
+        input of it is missing.
     """
-    recipe = _load_recipe(_find_recipe(name, bench))
+    function = _function_of(name, bench)
+    given = dict(arguments or {})
+    _require_arguments(name, function, given)
     with figure_style(style):
-        drawing = recipe(bench)
+        drawing: Drawing = function(bench, **given)
         if style != JOURNAL:
-            # Titles and legends make do with the style's width.
+            # Titles and legends must fit the style's width.
             drawing.figure.draw_without_rendering()
         return drawing
 
 
 def build(
     bench: Bench,
-    names: Iterable[str] = (),
+    names: Sequence[str] = (),
     folder: Path | None = None,
-    progress: Callable[[Written], None] = lambda _: None,
-    choice: Choice = Choice(JOURNAL),  # noqa: B008 - frozen
-) -> list[Written]:
-    """Draw figures and write NAME.png, NAME.pdf and NAME.csv of each.
+    options: FigureOptions = DEFAULT_OPTIONS,
+    progress: Progress = silent,
+    arguments: Arguments | None = None,
+) -> list[FigureResult]:
+    """Draw figures over `bench.jobs` processes, and write the pictures and the CSV of each.
 
-    A figure's files appear complete or not at all, and the same input gives the same bytes.
+    A figure's files appear complete or not at all, and the same input gives the same bytes,
+    whatever the number of processes.
 
     Parameters
     ----------
     bench : Bench
-        Where the recipes and their inputs lie.
-    names : iterable of str, optional
-        The recipes to draw; left out, all of them.
+        Where the recipes and their inputs are.
+    names : sequence of str, optional
+        The recipes to draw; by default all of them.
     folder : path, optional
-        Where to write; left out, the bench's `reports/figures`.
+        Where to write; by default the bench's `reports/figures`.
+    options : FigureOptions, optional
+        The style and the formats; by default the journal's, as PNG and PDF.
     progress : callable, optional
-        Called with each figure once it is on disk.
-    choice : Choice, optional
-        The style and the formats; left out, the journal's, as PNG and PDF.
+        Called with the stage, the number of figures done and their total.
+    arguments : mapping of str to str, optional
+        For a recipe that takes some; its files then have them in their names.
 
     Returns
     -------
-    list of Written
+    list of FigureResult
+        In the order of the names; a recipe that failed has the reason and no files.
 
     Raises
     ------
     InputError
-        If a recipe or an input of it is missing, or the folder cannot be written to.
+        If a name is unknown, a format needs a program that is absent, or a worker was ended by
+        the system.
 
     Examples
     --------
@@ -148,8 +213,7 @@ def build(
     >>> bench.recipes_folder.mkdir()
     >>> recipe = '''
     ... import pandas as pd
-    ... from cylcontact.plots.figure import Drawing
-    ... from cylcontact.plots.figure import new_figure
+    ... from cylcontact.plots import Drawing, new_figure
     ...
     ... def draw(bench):
     ...     table = pd.DataFrame({"load_N_per_mm": [10.0]})
@@ -157,37 +221,45 @@ def build(
     ... '''
     >>> _ = (bench.recipes_folder / "fig99.py").write_text(recipe)
     >>> (figure,) = build(bench)
-    >>> [path.name for path in figure.paths], figure.drawing.headline
+    >>> [path.name for path in figure.paths], figure.headline
     (['fig99.png', 'fig99.pdf', 'fig99.csv'], {'load, N/mm': 10.0})
     """
-    target = folder or bench.figures_folder
-    written = []
-    for name in chosen_recipes(bench, names):
-        drawing = draw(name, bench, choice.style)
-        written.append(Written(name, write(drawing, name, target, choice), drawing))
-        progress(written[-1])
-    return written
+    require_programs(options.formats)
+    target, chosen, given = folder or bench.figures_folder, chosen_recipes(bench, names), arguments
+    work = [call(_attempt, bench, name, target, options, given) for name in chosen]
+    results: list[FigureResult] = []
+    progress("drawing", 0, len(chosen))
+    try:
+        with closing(run_calls(work, bench.jobs)) as drawn:
+            for result in drawn:
+                results.append(result)
+                progress("drawing", len(results), len(chosen))
+    except BaseException:  # the workers have been killed, some of them while they were writing
+        for name in chosen:
+            for ending in (*options.formats, "csv"):
+                remove_leftovers(target / f"{_stem(name, given)}.{ending}")
+        raise
+    return results
 
 
 def chosen_recipes(bench: Bench, names: Iterable[str] = ()) -> list[str]:
-    """Return the recipes to draw, all where none is named.
+    """Return the recipes to draw: the ones named, or all that need no arguments.
 
     Raises
     ------
     InputError
-        If there is no such recipe; a mistyped name is told before the first figure is drawn.
+        If there is no such recipe, so that a mistyped name is reported before any work.
     """
-    chosen = list(dict.fromkeys(names)) or list(find_recipes(bench))
+    recipes = find_recipes(bench)
+    chosen = list(dict.fromkeys(names))
     for name in chosen:
-        _find_recipe(name, bench)
-    return chosen
+        if name not in recipes:
+            _refuse_unknown(name, bench, recipes)
+    return chosen or [name for name, file in recipes.items() if not _needs_arguments(name, file)]
 
 
 def write(
-    drawing: Drawing,
-    name: str,
-    folder: Path,
-    choice: Choice = Choice(JOURNAL),  # noqa: B008 - frozen
+    drawing: Drawing, name: str, folder: Path, options: FigureOptions = DEFAULT_OPTIONS
 ) -> tuple[Path, ...]:
     """Write a drawing's pictures and the CSV of its numbers, complete or not at all.
 
@@ -199,8 +271,8 @@ def write(
         The files' name without its ending.
     folder : path
         Where to write; made if it does not exist.
-    choice : Choice, optional
-        The style it was drawn in, and the formats; left out, PNG and PDF.
+    options : FigureOptions, optional
+        The style it was drawn in, and the formats; by default PNG and PDF.
 
     Returns
     -------
@@ -212,14 +284,14 @@ def write(
     InputError
         If the folder cannot be written to, or a format needs a program that is absent.
     """
-    require_programs(choice.formats)
-    endings = (*choice.formats, "csv")
+    require_programs(options.formats)
+    endings = (*options.formats, "csv")
     with ExitStack() as stack:
         *pictures, csv = (
             stack.enter_context(replacing(folder / f"{name}.{ending}")) for ending in endings
         )
-        for form, picture in zip(choice.formats, pictures, strict=True):
-            _save(drawing, picture, form, choice.style)
+        for form, picture in zip(options.formats, pictures, strict=True):
+            _save(drawing, picture, form, options.style)
         drawing.table.to_csv(csv, index=False, float_format=NUMBER_FORMAT, lineterminator="\n")
     return tuple(folder / f"{name}.{ending}" for ending in endings)
 
@@ -254,30 +326,168 @@ def _save(drawing: Drawing, picture: Path, form: Format, style: FigureStyle) -> 
         drawing.figure.savefig(picture, format=form, dpi=DPI, **known)
 
 
-def _find_recipe(name: str, bench: Bench) -> Path:
-    """Return a recipe's file, or say which recipes there are."""
+@dataclass(frozen=True)
+class _WatchedBench(Bench):
+    """A bench that records which files a recipe reads from it."""
+
+    read: list[Path] = field(default_factory=list)
+
+    def noted(self, path: Path) -> Path:
+        """Return a file that is about to be read, and record it."""
+        self.read.append(path)
+        return path
+
+
+def _attempt(
+    bench: Bench, name: str, folder: Path, options: FigureOptions, arguments: Arguments | None
+) -> FigureResult:
+    """Draw and write one figure, or return why not, also where the recipe itself is at fault."""
+    watched = _WatchedBench(bench.root, bench.results)
+    try:
+        drawing = draw(name, watched, options.style, arguments)
+        paths = write(drawing, _stem(name, arguments), folder, options)
+    except InputError as error:
+        return FigureResult(name, inputs=_inputs(watched, name), problem=error)
+    except Exception as error:
+        file = find_recipes(bench).get(name, bench.recipes_folder / f"{name}.py")
+        problem = InputError(
+            str(file),
+            "draw",
+            None,
+            f"failed with {type(error).__name__} ({error})",
+            "correct the recipe",
+        )
+        return FigureResult(name, inputs=_inputs(watched, name), problem=problem)
+    width, height = (float(inches) * 25.4 for inches in drawing.figure.get_size_inches())
+    # A figure is a web of references; left to itself it would stay until a worker seems to leak.
+    drawing.figure.clear()
+    gc.collect()
+    return FigureResult(
+        name,
+        paths,
+        drawing.caption,
+        dict(drawing.headline),
+        _inputs(watched, name),
+        (width, height),
+    )
+
+
+def _stem(name: str, arguments: Arguments | None) -> str:
+    """Return the name of a figure's files: the recipe's, then the values of its arguments."""
+    values = (value.replace(" ", "-") for value in (arguments or {}).values())
+    return "-".join([name, *values])
+
+
+def _inputs(bench: _WatchedBench, name: str) -> dict[str, str]:
+    """Return the files a figure was drawn from, each with the start of its hash."""
+    recipe = find_recipes(bench).get(name, bench.recipes_folder / f"{name}.py")
+    files = dict.fromkeys([recipe, *_imported_files(bench, recipe), *bench.read])
+    return {
+        _name_of(file, bench.root): hashlib.sha256(file.read_bytes()).hexdigest()[:12]
+        for file in files
+        if file.is_file()
+    }
+
+
+def _imported_files(bench: Bench, file: Path) -> list[Path]:
+    """Return the bench's own files that a recipe imports, directly or through others."""
+    seen: dict[Path, None] = {}
+    queue = [file]
+    while queue:
+        for name in _relative_imports(queue.pop()):
+            other = bench.recipes_folder.joinpath(*name.split(".")).with_suffix(".py")
+            if other.is_file() and other not in seen:
+                seen[other] = None
+                queue.append(other)
+    return sorted(seen)
+
+
+def _relative_imports(file: Path) -> list[str]:
+    """Return the neighbours that a file of the `reports` folder imports, "paper" for `.paper`."""
+    tree = _parsed(file)
+    nodes = [] if tree is None else [n for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)]
+    named = [node.module for node in nodes if node.level == 1 and node.module]
+    plain = [alias.name for node in nodes if node.level == 1 and not node.module
+             for alias in node.names]  # fmt: skip
+    return [*named, *plain]
+
+
+def _name_of(file: Path, root: Path) -> str:
+    """Return a file's path in the package or below the bench's root, or else the whole of it."""
+    for folder in (SOURCES.parent, root):
+        if file.is_relative_to(folder):
+            return file.relative_to(folder).as_posix()
+    return str(file)
+
+
+def _parsed(file: Path) -> ast.Module | None:
+    """Return a file's syntax tree, or None where it has a syntax error."""
+    try:
+        return ast.parse(file.read_text(encoding="utf-8"))
+    except (SyntaxError, ValueError, OSError):
+        return None
+
+
+def _top_level_names(file: Path) -> set[str]:
+    """Return what a file defines, without running it; with a syntax error it counts as a recipe."""
+    tree = _parsed(file)
+    if tree is None:
+        return {"draw"}
+    names: set[str] = set()
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            names.add(node.name)
+        elif isinstance(node, ast.Assign):
+            names |= {target.id for target in node.targets if isinstance(target, ast.Name)}
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            names.add(node.target.id)
+        elif isinstance(node, ast.ImportFrom):
+            names |= {alias.asname or alias.name for alias in node.names}
+    return names
+
+
+def _needs_arguments(name: str, file: Path) -> bool:
+    """Whether a recipe named after its file draws nothing unless it is given an argument."""
+    tree = _parsed(file) if file.stem == name else None
+    for node in tree.body if tree else ():
+        if isinstance(node, ast.FunctionDef) and node.name == "draw":
+            return None in node.args.kw_defaults
+    return False
+
+
+def _function_of(name: str, bench: Bench) -> Callable[..., Drawing]:
+    """Import a recipe's file and return the function that draws it."""
     recipes = find_recipes(bench)
     if name not in recipes:
-        raise InputError(
-            str(bench.recipes_folder),
-            "recipe",
-            name,
-            "there is no such recipe",
-            f"choose among {', '.join(recipes)}",
-        )
-    return recipes[name]
+        _refuse_unknown(name, bench, recipes)
+    module: Any = bench.module(recipes[name].stem)
+    function: Callable[..., Drawing] = getattr(module, "FIGURES", {}).get(name) or module.draw
+    return function
 
 
-def _load_recipe(file: Path) -> Callable[[Bench], Drawing]:
-    """Import a recipe by its path and return its `draw`."""
-    spec = importlib.util.spec_from_file_location(f"cylcontact_recipe_{file.stem}", file)
-    # A path ending in .py always has a loader.
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    recipe: Callable[[Bench], Drawing] | None = getattr(module, "draw", None)
-    if recipe is None:
+def _require_arguments(name: str, function: Callable[..., Any], given: Arguments) -> None:
+    """Refuse arguments that a recipe does not take, and the lack of one that it needs."""
+    keywords = [
+        parameter
+        for parameter in inspect.signature(function).parameters.values()
+        if parameter.kind is inspect.Parameter.KEYWORD_ONLY
+    ]
+    known = [parameter.name for parameter in keywords]
+    needed = [p.name for p in keywords if p.default is inspect.Parameter.empty]
+    example = " ".join(f"{key}=…" for key in needed or known[:1])
+    for key, value in given.items():
+        if key not in known:
+            rule = f"takes {', '.join(known)}" if known else "takes no arguments"
+            raise InputError(name, key, value, rule, f"write: report {name} {example}".rstrip())
+    for key in needed:
+        if key not in given:
+            raise InputError(name, key, None, "is needed", f"write: report {name} {example}")
+
+
+def _refuse_unknown(name: str, bench: Bench, recipes: Mapping[str, Path]) -> None:
+    """Raise the error for a name that is no recipe."""
+    file = bench.recipes_folder / f"{name}.py"
+    if file.is_file():
         raise InputError(
             str(file),
             "draw",
@@ -285,4 +495,10 @@ def _load_recipe(file: Path) -> Callable[[Bench], Drawing]:
             "a recipe must define this function",
             "give it draw(bench: Bench) -> Drawing",
         )
-    return recipe
+    raise InputError(
+        str(bench.recipes_folder),
+        "recipe",
+        name,
+        "there is no such recipe",
+        f"choose among {', '.join(recipes)}",
+    )

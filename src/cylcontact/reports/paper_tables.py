@@ -13,7 +13,7 @@ from cylcontact.errors import InputError
 from cylcontact.files import replacing
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import chosen_recipes, draw
-from cylcontact.reports.claims import full_ledger, to_table
+from cylcontact.reports.claims import ledger, to_table
 from cylcontact.reports.latex import latex
 
 
@@ -85,8 +85,7 @@ def coefficients_table(bench: Bench) -> pd.DataFrame:
 
 def claims_table(bench: Bench) -> pd.DataFrame:
     """Return a row for each claim: section, statement, the paper's value, ours, the verdict."""
-    claims = full_ledger(bench, bench.results_by_name())
-    return to_table(claims)[["section", "statement", "paper", "ours", "verdict"]]
+    return to_table(ledger(bench))[["section", "statement", "paper", "ours", "verdict"]]
 
 
 def _latex_table(table: pd.DataFrame) -> str:

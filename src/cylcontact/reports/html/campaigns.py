@@ -96,9 +96,9 @@ def tables(results: Mapping[str, FitResult]) -> list[Table]:
     return [_table(law, contact, members) for (law, contact), members in ordered]
 
 
-def headline(results: Mapping[str, FitResult]) -> list[Table]:
-    """Return the two main fits, each beside the published coefficients, as far as they exist."""
-    main = [results[name] for name in ("internal", "external") if name in results]
+def headline(results: Mapping[str, FitResult], names: Sequence[str]) -> list[Table]:
+    """Return the main fits, each beside the published coefficients, as far as they exist."""
+    main = [results[name] for name in names if name in results]
     return [
         replace(table, columns=tuple(replace(c, name="refit", about="") for c in table.columns))
         for table in (_table(result.law, result.contact, [result]) for result in main)

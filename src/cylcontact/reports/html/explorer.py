@@ -11,9 +11,9 @@ from cylcontact.errors import InputError
 from cylcontact.export import EXPORTABLE, export, export_named
 from cylcontact.fitting.result import FitResult
 from cylcontact.laws import LAWS
+from cylcontact.laws.enhanced import PUBLISHED_DR
 from cylcontact.materials import MaterialRow
 from cylcontact.pair import CONTACTS
-from cylcontact.reports.claims.power_fits import TRAINING_DR
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH
 
 # The parts of an exported law that a page needs to compute it.
@@ -54,7 +54,7 @@ def explorer_data(
         "laws": [*_package_laws(), *_fitted_laws(results)],
         "truth": {contact: law.name for contact, law in TRUTH.items()},
         "explicit_range": {contact: list(BOUNDED[contact]) for contact in CONTACTS},
-        "trained_dR": {contact: list(TRAINING_DR[contact]) for contact in CONTACTS},
+        "trained_dR": {contact: list(PUBLISHED_DR[contact]) for contact in CONTACTS},
         "shown": SHOWN,
     }
 

@@ -1,4 +1,4 @@
-"""What the report shows of each figure, and the checklist of the paper's nineteen."""
+"""What the report shows of each figure, and the checklist of the paper's."""
 
 from __future__ import annotations
 
@@ -8,37 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cylcontact.reports.outcomes import Outcome
+from cylcontact.reports.build import FigureResult
+from cylcontact.reports.paper import Paper
 
-# What each figure of the paper shows, in our words; a recipe figNN.py redraws it.
-PAPER: Mapping[int, str] = {
-    1: "Geometry and symbols",
-    2: "Power laws fitted to Johnson's law",
-    3: "The exponent over clearance and material",
-    4: "Finite element mesh",
-    5: "Contact stress by finite elements",
-    6: "Penetration by finite elements and by the laws",
-    7: "Load at yield",
-    8: "Largest load of Johnson's law",
-    9: "Peak pressure at Johnson's largest load",
-    10: "Enhanced against Johnson: ceramics",
-    11: "Enhanced against Johnson: high-strength steel",
-    12: "Enhanced against Johnson: low-carbon steel",
-    13: "Enhanced against Johnson: titanium alloy",
-    14: "Enhanced against Johnson: aluminium alloy",
-    15: "Revolute joint with clearance",
-    16: "Slider-crank mechanism",
-    17: "Force over penetration with dissipation",
-    18: "Path of the journal at 0.5 mm clearance",
-    19: "Path of the journal at 0.02 mm clearance",
-}
 NAME = re.compile(r"fig(\d\d)([a-z]*)")
-VARIANTS = {
-    "": "published coefficients",
-    "r": "refitted over the paper's ranges",
-    "p": "refitted over the practical domain",
-    "c": "refitted to conformal contact",
-}
 
 
 @dataclass(frozen=True)
@@ -104,28 +77,30 @@ class Plate:
         return "missing" if self.problem else "drawn"
 
 
-def describe(outcome: Outcome, recipe: Path, root: Path, page: Path) -> Figure:
-    """Return what the page says about a recipe's outcome.
+def describe(result: FigureResult, recipe: Path, root: Path, page: Path, paper: Paper) -> Figure:
+    """Return what the page says about a figure.
 
     Parameters
     ----------
-    outcome : Outcome
+    result : FigureResult
         What became of it.
     recipe : path
         Its file.
     root, page : path
         The bench's folder and the page's.
+    paper : Paper
+        What the bench says of its paper.
     """
-    found = NAME.fullmatch(outcome.name)
-    files = {path.suffix[1:]: path for path in outcome.paths}
-    width, height = (round(mm * 96 / 25.4) for mm in outcome.size_mm)
+    match = NAME.fullmatch(result.name)
+    files = {path.suffix[1:]: path for path in result.paths}
+    width, height = (round(mm * 96 / 25.4) for mm in result.size_mm)
     return Figure(
-        name=outcome.name,
+        name=result.name,
         title=first_line(recipe),
-        variant=VARIANTS.get(found[2], found[2]) if found else "",
+        variant=paper.variants.get(match[2], match[2]) if match else "",
         recipe=recipe.relative_to(root).as_posix(),
-        caption=outcome.caption,
-        problem=str(outcome.problem or ""),
+        caption=result.caption,
+        problem=str(result.problem or ""),
         picture=files["png"].relative_to(page).as_posix() if files else "",
         width=width,
         height=height,
@@ -133,44 +108,46 @@ def describe(outcome: Outcome, recipe: Path, root: Path, page: Path) -> Figure:
             Download(kind.upper(), path.relative_to(page).as_posix(), _size(path))
             for kind, path in files.items()
         ),
-        headline={name: f"{value:.6g}" for name, value in outcome.headline.items()},
-        inputs=outcome.inputs,
+        headline={name: f"{value:.6g}" for name, value in result.headline.items()},
+        inputs=result.inputs,
     )
 
 
-def plates(figures: Iterable[Figure]) -> tuple[list[Plate], list[Plate]]:
-    """Return the paper's nineteen figures in order, and the others.
+def plates(figures: Iterable[Figure], paper: Paper) -> tuple[list[Plate], list[Plate]]:
+    """Return the paper's figures in order, and the others.
 
     Parameters
     ----------
     figures : iterable of Figure
         Every recipe's.
+    paper : Paper
+        Its `figures` are the checklist.
 
     Returns
     -------
-    paper, others : list of Plate
+    numbered, others : list of Plate
         A figure of the paper without a recipe is missing, with the reason.
     """
-    numbered: dict[int, list[Figure]] = {number: [] for number in PAPER}
+    numbered: dict[int, list[Figure]] = {number: [] for number in paper.figures}
     others = []
     for figure in figures:
-        found = NAME.fullmatch(figure.name)
-        if found and int(found[1]) in numbered:
-            numbered[int(found[1])].append(figure)
+        match = NAME.fullmatch(figure.name)
+        if match and int(match[1]) in numbered:
+            numbered[int(match[1])].append(figure)
         else:
             title = figure.title or figure.name
             others.append(Plate(figure.name, None, title, (figure,), figure.problem))
-    paper = [_plate(number, numbered[number]) for number in PAPER]
-    return paper, others
+    plates = [_plate(number, numbered[number], title) for number, title in paper.figures.items()]
+    return plates, others
 
 
-def _plate(number: int, figures: Sequence[Figure]) -> Plate:
+def _plate(number: int, figures: Sequence[Figure], title: str) -> Plate:
     """Return one of the paper's figures."""
     name = f"fig{number:02d}"
     ordered = sorted(figures, key=lambda figure: "rpc".find(figure.name.removeprefix(name)[:1]))
     own = next((figure for figure in ordered if figure.name == name), None)
     problem = own.problem if own else f"there is no recipe reports/{name}.py"
-    return Plate(name, number, PAPER[number], tuple(ordered), problem)
+    return Plate(name, number, title, tuple(ordered), problem)
 
 
 def first_line(recipe: Path) -> str:

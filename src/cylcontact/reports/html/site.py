@@ -12,16 +12,11 @@ from typing import Any
 
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_writable
-from cylcontact.parallel import Workers
-from cylcontact.plots.style import JOURNAL, Choice
+from cylcontact.fitting.result import FitResult
+from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import find_recipes
-from cylcontact.reports.claims import (
-    DEFINITIONS,
-    counts,
-    full_ledger,
-)
-from cylcontact.reports.claims.claim import VERDICTS, Claim
+from cylcontact.reports.build import build, find_recipes
+from cylcontact.reports.claims import VERDICTS, Claim, counts, ledger
 from cylcontact.reports.html.campaigns import (
     Campaigns,
     headline,
@@ -31,7 +26,7 @@ from cylcontact.reports.html.campaigns import (
 )
 from cylcontact.reports.html.explorer import explorer_data
 from cylcontact.reports.html.figures import Figure, describe, plates
-from cylcontact.reports.outcomes import Progress, draw_all
+from cylcontact.reports.paper import Paper, paper_of
 
 # A symbol of one letter with an index.
 SYMBOL = re.compile(r"(?<!\w)([^\W\d_])_([A-Za-z]+|\d)(?!\w)")
@@ -57,6 +52,15 @@ class Site:
 
 
 @dataclass(frozen=True)
+class _ReadableBench(Bench):
+    """A bench that passes over fit results that cannot be read; the page lists these apart."""
+
+    def results_by_name(self) -> dict[str, FitResult]:
+        """Load every readable fit result, name → result."""
+        return dict(read_campaigns(self).results)
+
+
+@dataclass(frozen=True)
 class Ledger:
     """The claims, or why there are none."""
 
@@ -64,25 +68,18 @@ class Ledger:
     problem: str = ""
 
 
-def build_site(
-    bench: Bench,
-    folder: Path,
-    jobs: Workers = 1,
-    progress: Progress = lambda *_: None,
-) -> Site:
+def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
     """Draw all figures and write `index.html`, `explore.html` and `figures/` in a folder.
 
-    The pages need no server and no network. What cannot be had, a figure, a fit, a claim, is
-    told as missing with the reason.
+    The pages need no server and no network. A figure, a fit or a claim that cannot be had is
+    listed as missing, with the reason.
 
     Parameters
     ----------
     bench : Bench
-        Where the recipes and their inputs lie.
+        Where the recipes and their inputs are; its `jobs` draw, and run what takes long.
     folder : path
         Where to write.
-    jobs : int
-        Worker processes that draw, and that run the mechanism's cases for the claims.
     progress : callable, optional
         Called with the stage, what is done of it and its total.
 
@@ -98,13 +95,18 @@ def build_site(
     for page in PAGES:
         require_writable(folder / f"{page}.html")
     recipes = find_recipes(bench)
-    outcomes = draw_all(bench, list(recipes), folder / "figures", Choice(JOURNAL), jobs, progress)
-    figures = [describe(each, recipes[each.name], bench.root, folder) for each in outcomes]
+    drawn = build(bench, folder=folder / "figures", progress=progress)
+    paper = paper_of(bench)
+    figures = [describe(each, recipes[each.name], bench.root, folder, paper) for each in drawn]
     campaigns = read_campaigns(bench)
-    claims = _claims(bench, campaigns, jobs, progress)
-    common = {"version": version("cylcontact"), "made_with": made_with(campaigns.results)}
+    claims = _claims(bench, progress)
+    common = {
+        "version": version("cylcontact"),
+        "made_with": made_with(campaigns.results),
+        "paper": paper,
+    }
     pages = {
-        "index": _index(figures, campaigns, claims),
+        "index": _index(figures, campaigns, claims, paper),
         "explore": _explore(bench, campaigns),
     }
     for page, content in pages.items():
@@ -163,12 +165,14 @@ def _asset(name: str) -> str:
     return (files("cylcontact.reports.html") / "assets" / name).read_text(encoding="utf-8")
 
 
-def _index(figures: list[Figure], campaigns: Campaigns, claims: Ledger) -> dict[str, Any]:
+def _index(
+    figures: list[Figure], campaigns: Campaigns, claims: Ledger, paper: Paper
+) -> dict[str, Any]:
     """Return the content of the report's page."""
-    paper, others = plates(figures)
+    numbered, others = plates(figures, paper)
     return {
-        "headline": headline(campaigns.results),
-        "paper": paper,
+        "headline": headline(campaigns.results, paper.fits),
+        "numbered": numbered,
         "others": others,
         "tables": tables(campaigns.results),
         "missing_campaigns": campaigns.missing,
@@ -176,7 +180,7 @@ def _index(figures: list[Figure], campaigns: Campaigns, claims: Ledger) -> dict[
         "claims_problem": claims.problem,
         "counts": counts(claims.claims),
         "sections": sorted({claim.section for claim in claims.claims}),
-        "definitions": DEFINITIONS,
+        "definitions": paper.definitions,
         "marks": MARKS,
     }
 
@@ -192,9 +196,9 @@ def _explore(bench: Bench, campaigns: Campaigns) -> dict[str, Any]:
     return {"data": explorer_data(materials, files_of), "materials_problem": problem}
 
 
-def _claims(bench: Bench, campaigns: Campaigns, jobs: Workers, progress: Progress) -> Ledger:
-    """Return the ledger, or why there is none; claims on a fit that is missing say so."""
+def _claims(bench: Bench, progress: Progress) -> Ledger:
+    """Return the ledger, or why there is none."""
     try:
-        return Ledger(tuple(full_ledger(bench, campaigns.results, jobs, progress)))
+        return Ledger(tuple(ledger(_ReadableBench(bench.root, bench.results, bench.jobs), progress)))
     except InputError as error:
         return Ledger((), str(error))

@@ -1,9 +1,0 @@
-"""Fig 11: enhanced law against Johnson's for high-strength steel, published coefficients."""
-
-from cylcontact.plots.figure import Drawing
-from cylcontact.reports.bench import Bench
-from cylcontact.reports.maps import published_map
-
-
-def draw(bench: Bench) -> Drawing:
-    return published_map(bench.material("high-strength steel"))

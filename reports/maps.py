@@ -1,0 +1,424 @@
+"""Figs 10 to 14, and any map like them: a law's penetration against a reference's.
+
+The paper's five materials are drawn with the published coefficients (figNN), refitted over the
+paper's ranges (r), over the practical domain (p), and to conformal contact and judged by it (c).
+Any other combination goes by arguments, from the command line
+
+    cylcontact report maps material="titanium alloy" law=explicit
+
+or from Python, `difference_map(bench, "titanium alloy", law="explicit")`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib import rcParams
+from matplotlib.axes import Axes
+from matplotlib.patheffects import TickedStroke, withStroke
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.datasets.grid import grid_from
+from cylcontact.errors import InputError
+from cylcontact.fitting.law_models import law_of
+from cylcontact.laws import LAWS, ContactLaw, Enhanced, Johnson, difference_percent, reference_law
+from cylcontact.limits import yield_load
+from cylcontact.materials import MaterialRow
+from cylcontact.plots import Drawing
+from cylcontact.plots.figure import plain_number
+from cylcontact.plots.maps import RIM, Frame, draw_contours, label_contours, new_map
+from cylcontact.reports.bench import Bench
+
+from .paper import (
+    ELASTIC,
+    JOHNSON_ONLY,
+    MATERIALS,
+    PRACTICAL,
+    TRAINING_DR,
+    YIELD,
+    clearance_pair,
+    origins,
+)
+
+POINTS = (161, 81)  # along ΔR and along the load
+# What the references are called beside the colour scale and in the caption, and where they end.
+REFERENCE_WORDS = {
+    "johnson": (
+        "difference of penetration, Eq 9 (%)",
+        "Johnson's (Eq 1)",
+        "Grey: beyond the largest load of Johnson's law (Eq 8).",
+    ),
+    "persson": (
+        "difference from Persson's penetration (%)",
+        "Persson's conformal solution, its datum matched to Johnson's law at small loads,",
+        "No part is grey: Persson's solution, unlike Johnson's law, has no largest load; the "
+        "yield line stays Hertz's.",
+    ),
+}
+FRAME = Frame(
+    x=PRACTICAL.clearances,
+    y=PRACTICAL.loads,
+    x_ticks=(0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2),
+    y_ticks=(10, 20, 50, 100, 200, 500, 1000),
+    x_label=r"radial clearance $\Delta R$ (mm)",
+    y_label="load (N/mm)",
+)
+NOTE_HEIGHT = 1.025  # of the notes above the frame, in heights of it
+NOTE_LINE = 1.45  # from one line of notes to the next, in sizes of the font
+BEYOND_GREY = "0.72"
+
+# The fit behind each variant of the paper's maps, and what the title calls it.
+VARIANTS = {
+    "": ("enhanced", ""),
+    "r": ("internal", "refit coefficients"),
+    "p": ("practical", "refit in this window"),
+    "c": ("conformal", "refit to Persson"),
+}
+
+
+@dataclass(frozen=True)
+class MappedLaw:
+    """A law on a map, and how it is worded.
+
+    Attributes
+    ----------
+    law, reference : ContactLaw
+        The law, and what it is judged by.
+    name : str
+        Of the law in the caption.
+    label : str
+        Of its coefficients in the title and the caption.
+    fitted_from : float or None
+        The smallest clearance in mm of its calibration; None for a law without one.
+    coefficients : str
+        A sentence that ends the caption.
+    """
+
+    law: ContactLaw
+    reference: ContactLaw
+    name: str
+    label: str
+    fitted_from: float | None = None
+    coefficients: str = ""
+
+
+def draw(bench: Bench, *, material: str, law: str = "enhanced", reference: str = "") -> Drawing:
+    """Draw a map for a material, by arguments on the command line."""
+    return difference_map(bench, material, law, reference)
+
+
+def difference_map(
+    bench: Bench, material: str, law: str = "enhanced", reference: str = "", label: str = ""
+) -> Drawing:
+    """Map the difference of a law's penetration from a reference over clearance and load.
+
+    Parameters
+    ----------
+    bench : Bench
+        Where the material and the fit result are looked up.
+    material : str
+        Of both bodies: one that ships, or one of the bench's own table.
+    law : str, optional
+        A law's name, such as "explicit" ("enhanced" has the published coefficients), or the name
+        of a fit result for internal contact, such as "practical".
+    reference : str, optional
+        "johnson" or "persson"; by default the one that the law was fitted to, or Johnson's.
+    label : str, optional
+        What the title calls the coefficients of a fit result.
+
+    Returns
+    -------
+    Drawing
+
+    Raises
+    ------
+    InputError
+        If the material, the law or the reference is unknown, the material has no yield stress,
+        or the law is for external contact.
+
+    Examples
+    --------
+    >>> drawing = difference_map(Bench(Path()), "low-carbon steel")
+    >>> print(f"{drawing.headline['highest difference, %']:.2f} %")
+    33.68 %
+    """
+    row = bench.material(material)
+    if row.material.yield_stress is None:
+        rule, remedy = "has no yield stress, which the map needs", "add it to the table"
+        raise InputError("maps", "material", material, rule, remedy)
+    return _draw_map(row, mapped_law(bench, law, reference, label))
+
+
+def mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") -> MappedLaw:
+    """Return the law of a name or a fit result, and what a map says about it."""
+    judge = reference_law(reference or "johnson")
+    if law == "enhanced":
+        own = "the enhanced law (Eqs 5-6)"
+        fitted_from = TRAINING_DR["internal"][0]
+        return MappedLaw(Enhanced(), judge, own, "published coefficients", fitted_from)
+    if law in LAWS:
+        return MappedLaw(LAWS[law](), judge, f"the {law} law", f"{law} law")
+    result = bench.result(law)
+    if result.contact != "internal" or "dataset" not in result.settings:
+        rule, remedy = "is not a fit on a grid of internal contacts", "choose one that is"
+        raise InputError("maps", "law", law, rule, remedy)
+    values = ", ".join(f"{name} = {value:.6g}" for name, value in result.coefficients.items())
+    return MappedLaw(
+        law_of(result),
+        reference_law(reference or result.reference),
+        "the enhanced law (Eqs 5-6)" if result.law == "enhanced" else f"the {result.law} law",
+        label or f"fit {result.name!r}",
+        float(grid_from(result.settings["dataset"], result.name).dR.min()),
+        f" Coefficients of the fit {result.name!r}: {values}.",
+    )
+
+
+def map_table(
+    row: MaterialRow, law: ContactLaw, reference: ContactLaw | None = None
+) -> pd.DataFrame:
+    """Evaluate a law and its reference over the window of the maps.
+
+    Where Johnson's law is the reference and ends inside the window, the loads end there too, so
+    that the map is filled exactly to that line and the table holds no empty cells.
+
+    Parameters
+    ----------
+    row : MaterialRow
+        The material of both bodies.
+    law : ContactLaw
+        The law that is judged, for internal contact.
+    reference : ContactLaw, optional
+        The law that it is judged by; left out, Johnson's.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns dR_mm, load_N_per_mm, penetration_mm, johnson_penetration_mm (or whatever the
+        reference is), difference_percent and yield_load_N_per_mm, clearance by clearance.
+
+    Examples
+    --------
+    >>> from cylcontact import Material
+    >>> row = MaterialRow(Material("steel", 207e3, 0.3, 250.0), {}, "")
+    >>> print(map_table(row, Enhanced())["difference_percent"].abs().max().round(1))
+    31.6
+    """
+    judge = reference or Johnson()
+    along_dR, along_load = (np.linspace(0.0, 1.0, count) for count in POINTS)
+    dR, load = JOHNSON_ONLY.point(along_dR[:, np.newaxis], along_load, row.material)
+    pair = clearance_pair(dR, row.material, PRACTICAL.R_i)
+    if np.isinf(judge.max_load(pair)).all():
+        load = as_floats(np.geomspace(*FRAME.y, POINTS[1]))
+    dR, load = np.broadcast_arrays(dR, load)
+    pair = clearance_pair(dR, row.material, PRACTICAL.R_i)
+    columns = {
+        "dR_mm": dR,
+        "load_N_per_mm": load,
+        "penetration_mm": law.penetration(load, pair),
+        f"{judge.name}_penetration_mm": judge.penetration(load, pair),
+        "difference_percent": difference_percent(law, judge, load, pair),
+        "yield_load_N_per_mm": yield_load(pair),
+    }
+    return pd.DataFrame({name: values.ravel() for name, values in columns.items()})
+
+
+def _draw_map(row: MaterialRow, mapped: MappedLaw) -> Drawing:
+    """Draw the map."""
+    table = map_table(row, mapped.law, mapped.reference)
+    dR, load, difference = (
+        table[name].to_numpy().reshape(POINTS)
+        for name in ("dR_mm", "load_N_per_mm", "difference_percent")
+    )
+    clearances = dR[:, 0]
+    pair = clearance_pair(clearances, row.material, PRACTICAL.R_i)
+    fitted_from = mapped.fitted_from or FRAME.x[0]
+    scale_label = REFERENCE_WORDS[mapped.reference.name][0]
+    figure, axes = new_map(FRAME, f"{_title(row)}: {mapped.label}", scale_label)
+    lines = draw_contours(axes, dR, load, difference)
+    ends, yields = mapped.reference.max_load(pair), yield_load(pair)
+    stacked = stack_notes(axes, ends, yields, figure.style.narrow)
+    shade_beyond_johnson(axes, clearances, ends)
+    mark_fitted_range(axes, fitted_from)
+    draw_yield_line(axes, clearances, yields)
+    figure.draw_without_rendering()
+    label_contours(axes, lines, keep_clear(fitted_from))
+    label_yield_line(axes, clearances, yields, stacked)
+    return Drawing(figure, table, _headline(table, fitted_from), _caption(row, mapped))
+
+
+def _headline(table: pd.DataFrame, fitted_from: float) -> dict[str, float]:
+    """Return the extremes over the map, and over the part of it that stays elastic."""
+    difference = table["difference_percent"]
+    practical = table[table["load_N_per_mm"] <= table["yield_load_N_per_mm"]]
+    magnitude = practical["difference_percent"].abs()
+    return {
+        "lowest difference, %": float(difference.min()),
+        "highest difference, %": float(difference.max()),
+        "largest |difference| in the practical domain, %": float(magnitude.max()),
+        "share of the practical domain below 8 %": _share_below(magnitude, 8),
+        "share below 8 % in the fitted part of the practical domain": _share_below(
+            magnitude[practical["dR_mm"] >= fitted_from], 8
+        ),
+    }
+
+
+def _share_below(magnitude: pd.Series[float], bound: float) -> float:
+    """Return the share of a logarithmic map that stays below a bound."""
+    return float((magnitude < bound).mean())
+
+
+def _title(row: MaterialRow) -> str:
+    """Return the material with its elastic constants."""
+    E = plain_number(float(row.material.E) / 1e3)
+    return f"{row.material.name}, $E$ = {E} GPa, $\\nu$ = {row.material.nu:g}"
+
+
+def _caption(row: MaterialRow, mapped: MappedLaw) -> str:
+    """Return what a map shows, what was chosen and what is assumed."""
+    material = row.material
+    origin = origins({material.name: row}, (material.name,), ELASTIC, YIELD)
+    _, reference, end = REFERENCE_WORDS[mapped.reference.name]
+    return (
+        f"Penetration of {mapped.name} less {reference} at equal load, in percent "
+        "of the latter (Eq 9), against radial clearance (mm) and load per unit length (N/mm); "
+        f"internal contact, both bodies of {material.name}{_calibration(mapped)}. "
+        "Contours are solid above zero and dashed below; levels and colours are those of all "
+        f"these maps. {end} Ticked line: the peak "
+        f"pressure (Eq 7) in a hole of {PRACTICAL.R_i:g} mm radius reaches the yield stress of "
+        f"{material.yield_stress:g} MPa, ticks where it exceeds it; the radius is our choice. "
+        f"Material values that are not the paper's: {origin}.{mapped.coefficients}"
+    )
+
+
+def _calibration(mapped: MappedLaw) -> str:
+    """Return the part of the caption about the clearances of the calibration."""
+    if mapped.fitted_from is None:
+        return ""
+    extrapolated = mapped.fitted_from > FRAME.x[0]
+    return (
+        f", {mapped.label}. They were fitted at clearances from "
+        f"{plain_number(mapped.fitted_from)} mm on"
+        + ("; below, the law is extrapolated" if extrapolated else "")
+    )
+
+
+def stack_notes(axes: Axes, ends: FloatArray, yields: FloatArray, narrow: bool) -> bool:
+    """Make room for a second line of notes if two do not fit side by side; return whether so.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        A map with its title.
+    ends, yields : array of float
+        The largest load of Johnson's law and the load at yield in N/mm, along the clearances.
+    narrow : bool
+        Whether the map is a column wide.
+    """
+    ceiling = FRAME.y[1]
+    stacked = bool(ends[0] < ceiling and (narrow or not (yields < ceiling).any()))
+    if stacked:
+        room = (2 + NOTE_LINE) * rcParams["font.size"]
+        axes.set_title(axes.get_title(loc="left"), pad=room)
+    return stacked
+
+
+def shade_beyond_johnson(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
+    """Shade and label the region in which Johnson's law gives no penetration (Eq 8)."""
+    ceiling = FRAME.y[1]
+    if limit[0] >= ceiling:
+        return
+    axes.fill_between(
+        dR,
+        np.minimum(limit, ceiling),
+        ceiling,
+        facecolor=BEYOND_GREY,
+        edgecolor="0.4",
+        hatch="xxxxx",
+        linewidth=0,
+    )
+    axes.plot(dR, limit, "-", color="black", linewidth=0.8, marker="")
+    axes.annotate(
+        "beyond Johnson's law",
+        xy=(FRAME.x[0] * 1.04, ceiling * 0.96),
+        xytext=(0.05, NOTE_HEIGHT),
+        textcoords="axes fraction",
+        arrowprops={
+            "arrowstyle": "-|>",
+            "facecolor": "black",
+            "linewidth": 0.6,
+            "mutation_scale": 5,
+            "relpos": (0.0, 0.4),
+            "shrinkB": 0,
+        },
+    )
+
+
+def mark_fitted_range(axes: Axes, fitted_from: float) -> None:
+    """Mark the clearance from which on the coefficients were fitted, unless all were."""
+    if fitted_from <= FRAME.x[0]:
+        return
+    axes.axvline(fitted_from, color="0.25", linewidth=0.8, linestyle=":", marker="")
+    axes.text(
+        fitted_from * 1.03,
+        FRAME.y[0] * 1.06,
+        f"fitted from {plain_number(fitted_from)} mm on",
+        rotation=90,
+        path_effects=[RIM],
+    )
+
+
+def keep_clear(fitted_from: float) -> FloatArray:
+    """Return points along the note on the fitted range, for contour labels to avoid."""
+    loads = np.geomspace(FRAME.y[0], 3.5 * FRAME.y[0], 6)
+    return np.column_stack([np.full_like(loads, 1.06 * fitted_from), loads])
+
+
+def draw_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
+    """Draw the load at which the contact yields, ticks on the side where it does."""
+    comb = TickedStroke(spacing=6, angle=90, length=0.6, linewidth=0.8, foreground="black")
+    rim = withStroke(linewidth=3.2, foreground="white")
+    axes.plot(dR, limit, "-", color="black", linewidth=1.6, marker="", path_effects=[rim, comb])
+
+
+def label_yield_line(
+    axes: Axes, dR: FloatArray, limit: FloatArray, second_line: bool = False
+) -> None:
+    """Write along the yield line, on the side that yields, what it is; or that there is none."""
+    inside = np.flatnonzero(limit < FRAME.y[1])
+    words = "yield line" if inside.size else "no yield in this window"
+    note = rf"{words} for $R_i$ = {PRACTICAL.R_i:g} mm, $\sigma_Y$ assumed"
+    axes.annotate(
+        note,
+        xy=(1.0, NOTE_HEIGHT),
+        xycoords="axes fraction",
+        xytext=(0, NOTE_LINE * rcParams["font.size"] * second_line),
+        textcoords="offset points",
+        ha="right",
+        annotation_clip=False,
+    )
+    if inside.size == 0:
+        return
+    ends, middle = inside[[0, -1]], inside[inside.size // 2]
+    (x0, y0), (x1, y1) = axes.transData.transform(np.column_stack([dR[ends], limit[ends]]))
+    axes.annotate(
+        "yields",
+        xy=(dR[middle], limit[middle]),
+        xytext=(4, 4),
+        textcoords="offset points",
+        rotation=np.degrees(np.arctan2(y1 - y0, x1 - x0)),
+        rotation_mode="anchor",
+        ha="center",
+        va="bottom",
+        path_effects=[RIM],
+    )
+
+
+FIGURES: dict[str, Callable[[Bench], Drawing]] = {
+    f"fig{number}{variant}": partial(difference_map, material=material, law=law, label=label)
+    for number, material in enumerate(MATERIALS, start=10)
+    for variant, (law, label) in VARIANTS.items()
+}

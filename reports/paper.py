@@ -1,0 +1,290 @@
+"""The paper's constants, and the domains it speaks of without giving bounds.
+
+C. Pereira, A. Ramalho and J. Ambrósio, An enhanced cylindrical contact force model, Multibody
+System Dynamics (2015). It judges its law over "practical" conditions and "moderate" loads, and
+puts no number to either. Both get one here; every claim that rests on them says so and reports
+what other bounds would give.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import minimize_scalar
+
+from cylcontact import limits
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.laws import Enhanced, Johnson, difference_percent
+from cylcontact.laws.enhanced import PUBLISHED_DR
+from cylcontact.materials import Material, MaterialRow
+from cylcontact.pair import Contact, CylinderPair
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.paper import Paper
+
+Interval = tuple[float, float]
+
+LOADS: Interval = (10.0, 1000.0)  # N/mm, Sect. 3.4
+CLEARANCES: Interval = (0.0075, 2.0)  # mm, Sect. 3.4
+FIG7_CLEARANCES: Interval = (0.001, 2.0)  # mm, Figs 7–9
+Y_SWITCH = "0.34954"  # mm, as printed in Eq 6d
+RADII = (100.0, 10.0, 5.0)  # mm, the R_i of Figs 7 and 9
+# The middle half of the load axis of Figs 10–14, which is logarithmic.
+MODERATE_LOADS: Interval = (10**1.5, 10**2.5)
+
+# Sects 3.1 and 3.2: the case of Fig 2, and what the laws are fitted over.
+E_REFERENCE = 207e3  # MPa, Fig 2
+NU_REFERENCE = 0.3
+FIG2_DR: Mapping[Contact, float] = {"internal": 0.05, "external": 140.0}  # mm
+TRAINING_DR: Mapping[Contact, Interval] = PUBLISHED_DR  # mm
+TRAINING_E = (20.7e3, 10000e3)  # MPa
+# Sect. 3.1 fits over 10 to 1000 N/mm and does not say how the loads are spaced.
+TRAINING_LOADS = np.geomspace(10.0, 1000.0, 41)
+
+# The materials of Figs 10–14, in the order of the figures.
+MATERIALS = (
+    "ceramics",
+    "high-strength steel",
+    "low-carbon steel",
+    "titanium alloy",
+    "aluminium alloy",
+)
+Table = Mapping[str, MaterialRow]
+ELASTIC, YIELD = ("E_GPa", "nu"), ("yield_stress_MPa",)
+SYMBOLS = {"E_GPa": "E", "nu": "ν", "yield_stress_MPa": "yield stress"}
+
+
+@dataclass(frozen=True)
+class Domain:
+    """A region of the clearance–load plane for one kind of contact.
+
+    Attributes
+    ----------
+    label : str
+        What reports call it.
+    R_i : float or None
+        Radius of the hole in mm, on which the load at yield depends; None leaves yield out.
+    loads : tuple of float
+        Lowest and highest load in N/mm.
+    clearances : tuple of float
+        Lowest and highest ΔR in mm.
+    """
+
+    label: str
+    R_i: float | None
+    loads: Interval = LOADS
+    clearances: Interval = CLEARANCES
+
+    def top_load(self, dR: ArrayLike, material: Material) -> FloatArray:
+        """Return the highest load in N/mm at ΔR: the range's end, Johnson's limit or yield."""
+        pair = CylinderPair.from_dR("internal", as_floats(dR), material, R_i=self.R_i)
+        top = np.minimum(self.loads[1], limits.johnson_limit_load(pair))
+        return top if self.R_i is None else np.minimum(top, limits.yield_load(pair))
+
+    def point(
+        self, u: ArrayLike, v: ArrayLike, material: Material
+    ) -> tuple[FloatArray, FloatArray]:
+        """Map the unit square to (ΔR in mm, load in N/mm), both logarithmically.
+
+        u runs over the clearances, v from the lowest load to the highest one at that ΔR;
+        the load is NaN at clearances where the highest lies below the lowest.
+        """
+        dR = _between(self.clearances, as_floats(u))
+        low, top = self.loads[0], self.top_load(dR, material)
+        top = np.where(top >= low, top, np.nan)
+        # The bound itself, not a rounding error beyond it: Johnson's law ends there.
+        return dR, np.minimum(low * (top / low) ** as_floats(v), top)
+
+
+def _between(ends: Interval, u: FloatArray) -> FloatArray:
+    """Return the point at the fraction `u` of the way between `ends` on a logarithmic axis."""
+    return as_floats(np.clip(ends[0] * (ends[1] / ends[0]) ** u, *ends))
+
+
+PRACTICAL = Domain("practical domain", R_i=10.0)
+MODERATE = replace(PRACTICAL, label="moderate loads", loads=MODERATE_LOADS)
+JOHNSON_ONLY = Domain("up to Johnson's limit, yield ignored", R_i=None)
+
+DEFINITIONS: Mapping[str, str] = {
+    "practical domain": (
+        f"internal contact, {CLEARANCES[0]:g} mm ≤ ΔR ≤ {CLEARANCES[1]:g} mm, and from "
+        f"{LOADS[0]:g} N/mm up to the lowest of {LOADS[1]:g} N/mm, the load at which Hertz's peak "
+        f"pressure (Eq 7) reaches the yield stress with R_i = {PRACTICAL.R_i:g} mm, and Johnson's "
+        "limit (Eq 8). The ranges are those of Sect. 3.4; R_i and the yield stresses are assumed "
+        "(ours), since the paper's table of materials is missing."
+    ),
+    "moderate loads": (
+        f"{MODERATE_LOADS[0]:.1f} to {MODERATE_LOADS[1]:.0f} N/mm inside the practical domain: the "
+        "middle half of the load axis of Figs 10–14, which is logarithmic. The paper gives no "
+        "bounds; these are ours."
+    ),
+    "difference": (
+        "Eq 9, 100·(δ_enhanced − δ_Johnson)/δ_Johnson at equal load, with the published "
+        "coefficients. 'Largest' means largest in magnitude, printed with its sign."
+    ),
+    "share": "a part of the domain is measured by area on logarithmic axes of ΔR and load.",
+    "agreement": (
+        "a printed number is reproduced if ours rounds to it at its last printed digit; an "
+        "inequality, if it holds everywhere in the domain."
+    ),
+    "derived, assumed": (
+        "numbers that the text does not state: worked out from other numbers in it, or ours."
+    ),
+    "reproduced with a stated choice": (
+        "the rule is met, and something that the paper does not state was chosen by us to "
+        "compute the number; the choice stands beside it."
+    ),
+}
+
+
+# Of the report's pages.
+
+FIGURE_TITLES: Mapping[int, str] = {
+    1: "Geometry and symbols",
+    2: "Power laws fitted to Johnson's law",
+    3: "The exponent over clearance and material",
+    4: "Finite element mesh",
+    5: "Contact stress by finite elements",
+    6: "Penetration by finite elements and by the laws",
+    7: "Load at yield",
+    8: "Largest load of Johnson's law",
+    9: "Peak pressure at Johnson's largest load",
+    10: "Enhanced against Johnson: ceramics",
+    11: "Enhanced against Johnson: high-strength steel",
+    12: "Enhanced against Johnson: low-carbon steel",
+    13: "Enhanced against Johnson: titanium alloy",
+    14: "Enhanced against Johnson: aluminium alloy",
+    15: "Revolute joint with clearance",
+    16: "Slider-crank mechanism",
+    17: "Force over penetration with dissipation",
+    18: "Path of the journal at 0.5 mm clearance",
+    19: "Path of the journal at 0.02 mm clearance",
+}
+VARIANTS: Mapping[str, str] = {
+    "": "published coefficients",
+    "r": "refitted over the paper's ranges",
+    "p": "refitted over the practical domain",
+    "c": "refitted to conformal contact",
+}
+EQUATION = """
+<math displaystyle="true" aria-label="f equals open bracket a Delta R plus b close bracket times E star over Delta R times delta to the power n">
+<mi>f</mi><mo>=</mo><mo stretchy="false">(</mo><mi>a</mi><mspace width="0.15em"/><mi mathvariant="normal">Δ</mi><mi>R</mi><mo>+</mo><mi>b</mi><mo stretchy="false">)</mo>
+<mfrac><msup><mi>E</mi><mo>*</mo></msup><mrow><mi mathvariant="normal">Δ</mi><mi>R</mi></mrow></mfrac>
+<msup><mi>δ</mi><mi>n</mi></msup>
+</math>
+"""
+PAPER = Paper(
+    title="Enhanced cylindrical contact, recomputed",
+    lead=(
+        "A pin in a hole, a roller on a roller. The explicit force–penetration law of Pereira, "
+        "Ramalho and Ambrósio is calibrated once more against Johnson's law, from the equations "
+        "up; each number of the paper is held against ours, and each law is shown where it can be "
+        "trusted."
+    ),
+    equation=EQUATION,
+    citation=(
+        "The law is from C. Pereira, A. Ramalho and J. Ambrósio, An enhanced cylindrical contact "
+        "force model, Multibody System Dynamics (2015)."
+    ),
+    figures=FIGURE_TITLES,
+    variants=VARIANTS,
+    fits=("internal", "external"),
+    fits_note=(
+        "Fitted to Johnson's law by genetic search and polished, on the ranges of the paper. The "
+        "objective is the root mean square of ln(δ/δ_Johnson); no law of this form can go below "
+        "the lower bound."
+    ),
+    definitions=DEFINITIONS,
+)
+
+
+def material_rows(bench: Bench) -> dict[str, MaterialRow]:
+    """Return the materials of Figs 10–14 with the provenance of their numbers."""
+    return {name: bench.material(name) for name in MATERIALS}
+
+
+def five_materials(bench: Bench) -> dict[str, Material]:
+    """Return the materials of Figs 10–14; each has a yield stress."""
+    return {name: row.material for name, row in material_rows(bench).items()}
+
+
+def strength(material: Material) -> float:
+    """Return the yield stress in MPa of a material that has one, as the five do."""
+    return float(material.yield_stress or np.nan)
+
+
+def clearance_pair(dR: ArrayLike, material: Material, R_i: float | None = None) -> CylinderPair:
+    """Return a pin in a hole with radial clearance `dR` in mm."""
+    return CylinderPair.from_dR("internal", as_floats(dR), material, R_i=R_i)
+
+
+def difference(dR: ArrayLike, load: ArrayLike, material: Material) -> FloatArray:
+    """Return Eq 9 in percent, published enhanced law against Johnson's, internal contact."""
+    return difference_percent(Enhanced(), Johnson(), load, clearance_pair(dR, material))
+
+
+def eq1_penetration(load: ArrayLike, pair: CylinderPair) -> FloatArray:
+    """Return Johnson's Eq 1 solved for δ in mm, taken literally at any load in N/mm.
+
+    Beyond Eq 8's load the law means nothing; this is for the claims about what it does there.
+    """
+    f, dR = as_floats(load), as_floats(pair.dR)
+    return as_floats(f / (np.pi * pair.E_star) * (np.log(4 * np.pi * pair.E_star * dR / f) - 1))
+
+
+def eq1_peak_load(pair: CylinderPair) -> float:
+    """Return the load in N/mm at which Eq 1's penetration is largest, found on the curve."""
+    limit = float(limits.johnson_limit_load(pair))
+    peak = minimize_scalar(
+        lambda f: -float(eq1_penetration(f, pair)),
+        bounds=(limit / 10, 10 * limit),
+        method="bounded",
+        options={"xatol": 1e-7 * limit},
+    )
+    return float(peak.x)
+
+
+def origins(rows: Table, names: Collection[str], *groups: tuple[str, ...]) -> str:
+    """Say which of the materials' numbers are not the paper's own; empty if all are.
+
+    Parameters
+    ----------
+    rows : mapping of str to MaterialRow
+        The table of materials.
+    names : collection of str
+        The materials told about.
+    *groups : tuple of str
+        Columns of the table, those that are told together in one group.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> steel = MaterialRow(Material("steel", 207e3, 0.3), {"E_GPa": "assumed"}, "")
+    >>> origins({"steel": steel}, ("steel",), ("E_GPa",))
+    'assumed: E of steel'
+    """
+    parts = []
+    for origin in ("derived", "assumed"):
+        told = [text for group in groups for text in _owned(rows, names, group, origin)]
+        if told:
+            parts.append(f"{origin}: {', '.join(told)}")
+    return "; ".join(parts)
+
+
+def _owned(rows: Table, names: Collection[str], columns: tuple[str, ...], origin: str) -> list[str]:
+    """Return "symbols of names" for the columns of that origin, equal symbols told together."""
+    by_name = {
+        name: " and ".join(SYMBOLS[c] for c in columns if rows[name].provenance[c] == origin)
+        for name in names
+    }
+    texts = []
+    for symbols in dict.fromkeys(filter(None, by_name.values())):
+        owners = [name for name in names if by_name[name] == symbols]
+        everyone = 1 < len(owners) == len(names)
+        texts.append(f"{symbols} of {'all' if everyone else ', '.join(owners)}")
+    return texts
