@@ -4,7 +4,8 @@ from cylcontact.limits import yield_load
 from cylcontact.plots.clearance import clearance_panels
 from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims.domain import (
+
+from .paper import (
     ELASTIC,
     LOADS,
     MATERIALS,

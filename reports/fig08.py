@@ -1,6 +1,7 @@
 """Fig 8: the largest load of Johnson's law against clearance, and where it departs from truth."""
 
 from collections.abc import Mapping
+from typing import Any
 
 from matplotlib.axes import Axes
 
@@ -11,8 +12,9 @@ from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.maps import RIM
 from cylcontact.plots.style import COLOURS
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims.domain import ELASTIC, LOADS, MATERIALS, clearance_pair, origins
 from cylcontact.reports.laws_bounds import DEPARTURES, departure_number, johnson_end
+
+from .paper import ELASTIC, LOADS, MATERIALS, clearance_pair, origins
 
 # Material and clearance (mm) of the limits that Sect. 3.4 states; where their labels go.
 STATED = {
@@ -70,11 +72,11 @@ def draw(bench: Bench) -> Drawing:
 
 def _draw_departures(axes: Axes, material: Material, numbers: Mapping[float, float]) -> None:
     """Draw and label a material's loads of departure from conformal contact."""
-    E_star = clearance_pair(CLEARANCES, material).E_star
-    look = {"color": COLOURS[4], "linewidth": 0.6, "linestyle": "-", "marker": ""}
+    E_star = float(clearance_pair(1.0, material).E_star)
+    style: dict[str, Any] = {"color": COLOURS[4], "linewidth": 0.6, "linestyle": "-", "marker": ""}
     for percent, number in numbers.items():
-        axes.plot(CLEARANCES, number * E_star * CLEARANCES, **look)
-        at = (LABELS_AT / (number * E_star), LABELS_AT)
-        axes.text(*at, f"{percent:g} %", ha="center", va="center", path_effects=[RIM])
+        axes.plot(CLEARANCES, number * E_star * CLEARANCES, **style)
+        dR = float(LABELS_AT / (number * E_star))
+        axes.text(dR, LABELS_AT, f"{percent:g} %", ha="center", va="center", path_effects=[RIM])
     note = f"thin: Johnson's penetration that far below\nconformal contact's, {material.name}"
     axes.text(1.8, 2.2, note, ha="right")

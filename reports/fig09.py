@@ -4,13 +4,15 @@ from cylcontact.limits import elastic_limit_clearance, stress_at_johnson_limit
 from cylcontact.plots.clearance import clearance_panels, mark_yield
 from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims.domain import (
+
+from .paper import (
     ELASTIC,
     MATERIALS,
     RADII,
     YIELD,
     clearance_pair,
     origins,
+    strength,
 )
 
 CAPTION = (
@@ -31,7 +33,7 @@ def draw(bench: Bench) -> Drawing:
     for axes, R_i in zip(panels, RADII, strict=True):
         for number, (name, row) in enumerate(rows.items()):
             dR = float(elastic_limit_clearance(R_i, clearance_pair(R_i / 2, row.material, R_i)))
-            mark_yield(axes, dR, row.material.yield_stress, number)
+            mark_yield(axes, dR, strength(row.material), number)
             headline[f"{name}, R_i = {R_i:g} mm: dR (mm) of the star"] = dR
         axes.set_ylim(0.1, 1e6)
     panels[0].text(0.0013, 2e5, "stars: yield stress")

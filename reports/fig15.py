@@ -1,11 +1,30 @@
 """Fig 15: the joint with clearance, drawn to its definition from a step of a simulation."""
 
-from cylcontact.mechanism import simulate
-from cylcontact.plots.figure import Drawing
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
+
+from cylcontact.arrays import FloatArray
+from cylcontact.mechanism import Trajectory, simulate
+from cylcontact.mechanism.drawing import (
+    BEARING,
+    DRAWN,
+    JOURNAL,
+    RIM,
+    draw_clearance_circle,
+)
+from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots.sketch import ARROW, OUTLINE, POINTER, THIN, Point, cross
+from cylcontact.plots.style import ACCENT, small_text
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.mechanism.disclosure import assumed
-from cylcontact.reports.mechanism.joint import configuration, draw_joint
-from cylcontact.reports.mechanism.runs import mechanism
+
+from .slider_crank import assumed, mechanism
 
 REVOLUTION = 1.1
 CAPTION = (
@@ -47,3 +66,230 @@ def draw(bench: Bench) -> Drawing:
         assumed=assumed(one),
     )
     return Drawing(figure, table, headline, caption)
+
+
+# The penetration as drawn and the global origin, in radii of the bearing.
+DRAWN_PENETRATION = 0.07
+ORIGIN = (-1.75, -1.3)
+FORCE = ARROW | {
+    "arrowstyle": "-|>",
+    "mutation_scale": 8,
+    "linewidth": 1.5,
+    "facecolor": ACCENT,
+    "edgecolor": ACCENT,
+    "zorder": 9,
+}
+UNIT = POINTER | {"mutation_scale": 7, "linewidth": 1.0, "zorder": 9}
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """The joint at one step of a run in contact: lengths in mm, forces in N, angles in rad.
+
+    Attributes
+    ----------
+    R_i, R_j, clearance, penetration : float
+    normal : array of float, shape (2,)
+        n = e/|e|.
+    normal_force, friction_force, tangential_velocity : float
+        f_n, f_t along t, and v_t in m/s.
+    arm : float
+        The direction in which the bearing's body goes off.
+    revolution : float
+        When, in revolutions of the driver.
+    """
+
+    R_i: float
+    R_j: float
+    clearance: float
+    penetration: float
+    normal: FloatArray
+    normal_force: float
+    friction_force: float
+    tangential_velocity: float
+    arm: float
+    revolution: float
+
+    @property
+    def eccentricity(self) -> float:
+        """|e| = c + δ in mm (Eq 12)."""
+        return self.clearance + self.penetration
+
+
+def configuration(run: Trajectory, revolution: float) -> Configuration:
+    """Return the joint at the first step in contact from a time on.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    revolution : float
+        The time in revolutions of the driver.
+    """
+    joint = run.mechanism.clearance
+    sliding = run.in_contact & (run.penetration > 0)
+    row = int(np.flatnonzero(sliding & (run.revolution >= revolution))[0])
+    e = run.eccentricity[row] * 1e3
+    other = run.coordinates[row, joint.i, :2] - run.point(joint.i, joint.point_i)[0][row]
+    return Configuration(
+        R_i=joint.R_bearing * 1e3,
+        R_j=(joint.R_bearing - joint.radial) * 1e3,
+        clearance=joint.radial * 1e3,
+        penetration=float(run.penetration[row]) * 1e3,
+        normal=e / np.hypot(*e),
+        normal_force=float(run.normal_force[row]),
+        friction_force=float(run.friction_force[row]),
+        tangential_velocity=float(run.tangential_velocity[row]),
+        arm=float(np.arctan2(other[1], other[0])),
+        revolution=float(run.revolution[row]),
+    )
+
+
+def draw_joint(shown: Configuration) -> tuple[Figure, pd.DataFrame]:
+    """Draw bearing, journal, eccentricity, penetration, and the contact's directions and forces.
+
+    Parameters
+    ----------
+    shown : Configuration
+        In contact.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    table : pandas.DataFrame
+        Columns symbol, value_mm (as it is) and drawn_mm (a bearing of 10 mm as drawn).
+    """
+    figure = new_figure("column", 76.0)
+    axes = figure.subplots()
+    n, distance = shown.normal, DRAWN + DRAWN_PENETRATION
+    journal = _point(-distance * n)
+    _draw_bodies(axes, shown, journal)
+    draw_clearance_circle(axes, DRAWN, zorder=6)
+    _draw_vectors(axes, n, journal)
+    _draw_contact(axes, shown, n)
+    _draw_origin(axes, journal)
+    axes.set(xlim=(-1.95, 1.75), ylim=(-1.62, 1.62), aspect="equal")
+    axes.set_axis_off()
+    return figure, _table(shown)
+
+
+def _table(shown: Configuration) -> pd.DataFrame:
+    """Return the lengths as they are and as drawn."""
+    scale = shown.R_i
+    rows = {
+        "R_i": (shown.R_i, scale),
+        "R_j": (shown.R_j, (1 - DRAWN) * scale),
+        "c": (shown.clearance, DRAWN * scale),
+        "delta": (shown.penetration, DRAWN_PENETRATION * scale),
+        "|e|": (shown.eccentricity, (DRAWN + DRAWN_PENETRATION) * scale),
+    }
+    values, drawn = zip(*rows.values(), strict=True)
+    return pd.DataFrame({"symbol": list(rows), "value_mm": values, "drawn_mm": drawn})
+
+
+def _point(place: FloatArray) -> Point:
+    return (float(place[0]), float(place[1]))
+
+
+def _draw_bodies(axes: Axes, shown: Configuration, journal: Point) -> None:
+    """Draw the bearing's ring with the start of its arm, and the journal."""
+    along = np.exp(1j * shown.arm)
+    sides = [
+        complex(*pair) * along for pair in ((1.0, 0.45), (1.75, 0.4), (1.75, -0.4), (1.0, -0.45))
+    ]
+    corners = [(z.real, z.imag) for z in sides]
+    axes.add_patch(Polygon(corners, closed=False, facecolor=BEARING, zorder=1, **OUTLINE))
+    axes.add_patch(Circle((0, 0), RIM, facecolor=BEARING, zorder=0.9, **OUTLINE))
+    axes.add_patch(Circle((0, 0), RIM - 0.01, facecolor=BEARING, linewidth=0, zorder=1))
+    axes.add_patch(Circle((0, 0), 1.0, facecolor="white", zorder=2, **OUTLINE))
+    axes.add_patch(Circle(journal, 1 - DRAWN, facecolor=JOURNAL, zorder=3, **OUTLINE))
+    # The bearing's surface through the overlap.
+    axes.add_patch(
+        Circle((0, 0), 1.0, fill=False, linestyle=(0, (2, 1.5)), linewidth=0.6, zorder=4)
+    )
+    axes.text(
+        journal[0], journal[1] - 0.55, "body $j$", ha="center", zorder=9, fontsize=small_text()
+    )
+    body = _point(1.45 * np.array([along.real, along.imag]))
+    axes.text(*body, "body $i$", ha="center", va="center", zorder=9, fontsize=small_text())
+
+
+def _draw_vectors(axes: Axes, n: FloatArray, journal: Point) -> None:
+    """Draw e from the journal's centre to the bearing's, the clearance and both radii."""
+    cross(axes, (0.0, 0.0), zorder=8)
+    cross(axes, journal, zorder=8)
+    side = np.array([-n[1], n[0]])
+    axes.annotate("", xy=(0, 0), xytext=journal, arrowprops=UNIT)
+    _label(axes, 0.45 * np.array(journal) - 0.11 * side, r"$\mathbf{e}$")
+    _label(axes, 0.13 * n - 0.15 * side, "$P_i$")
+    _label(axes, np.array(journal) - 0.12 * n - 0.1 * side, "$P_j$")
+    _radius(axes, np.zeros(2), n, 15.0, DRAWN, "$c$", 0.6)
+    _radius(axes, np.zeros(2), n, -112.0, 1.0, "$R_i$", 0.78)
+    _radius(axes, np.array(journal), n, 100.0, 1 - DRAWN, "$R_j$", 0.62)
+
+
+def _radius(
+    axes: Axes, centre: FloatArray, n: FloatArray, turn: float, length: float, text: str, at: float
+) -> None:
+    """Draw a radius, its direction turned from n by so many degrees."""
+    angle = np.radians(turn)
+    way = np.array(
+        [n[0] * np.cos(angle) - n[1] * np.sin(angle), n[0] * np.sin(angle) + n[1] * np.cos(angle)]
+    )
+    axes.annotate(
+        "",
+        xy=_point(centre + length * way),
+        xytext=_point(centre),
+        arrowprops=POINTER | {"zorder": 8},
+    )
+    _label(axes, centre + at * length * way + 0.1 * np.array([-way[1], way[0]]), text)
+
+
+def _draw_contact(axes: Axes, shown: Configuration, n: FloatArray) -> None:
+    """Draw n and t at the contact, the forces on the bearing, and the penetration."""
+    t, contact = np.array([n[1], -n[0]]), -n
+    for way, text, aside in ((n, r"$\mathbf{n}$", 0.1 * t), (t, r"$\mathbf{t}$", 0.1 * n)):
+        axes.annotate("", xy=_point(contact + 0.34 * way), xytext=_point(contact), arrowprops=UNIT)
+        _label(axes, contact + 0.3 * way + aside, text)
+    sign = float(np.sign(shown.friction_force))
+    ends = (
+        (-n, 0.5, r"$-f_n\mathbf{n}$", -0.14 * t),
+        (sign * t, 0.42, r"$f_t\mathbf{t}$", 0.19 * n),
+    )
+    for way, length, text, aside in ends:
+        axes.annotate(
+            "", xy=_point(contact + length * way), xytext=_point(contact), arrowprops=FORCE
+        )
+        _label(axes, contact + 0.9 * length * way + aside, text)
+    _draw_penetration(axes, n, t)
+
+
+def _draw_penetration(axes: Axes, n: FloatArray, t: FloatArray) -> None:
+    """Measure the overlap beside the contact; it is too narrow for arrows inside."""
+    for depth, outward in ((1.0, 1.0), (1.0 + DRAWN_PENETRATION, -1.0)):
+        foot = -depth * n
+        ends = np.array([foot, foot + 0.72 * t])
+        axes.plot(*ends.T, **THIN, zorder=9)
+        tip = foot + 0.66 * t
+        tail = _point(tip + outward * 0.17 * n)
+        axes.annotate("", xy=_point(tip), xytext=tail, arrowprops=POINTER | {"zorder": 9})
+    _label(axes, -(1.0 + 0.5 * DRAWN_PENETRATION) * n + 0.81 * t, r"$\delta$")
+
+
+def _draw_origin(axes: Axes, journal: Point) -> None:
+    """Draw the global axes and both position vectors of Eq 11."""
+    x, y = ORIGIN
+    for dx, dy, text in ((0.3, 0.0, "$x$"), (0.0, 0.3, "$y$")):
+        axes.annotate("", xy=(x + dx, y + dy), xytext=ORIGIN, arrowprops=POINTER)
+        axes.text(x + 1.3 * dx, y + 1.3 * dy, text, ha="center", va="center")
+    thin = POINTER | {"linewidth": 0.5, "linestyle": (0, (4, 2)), "zorder": 7}
+    ends = (((0.0, 0.0), r"$\mathbf{r}_i^P$", 0.12), (journal, r"$\mathbf{r}_j^P$", -0.12))
+    for end, text, aside in ends:
+        axes.annotate("", xy=end, xytext=ORIGIN, arrowprops=thin)
+        way = np.subtract(end, ORIGIN)
+        normal = np.array([-way[1], way[0]]) / np.hypot(*way)
+        _label(axes, np.array(ORIGIN) + 0.2 * way + aside * normal, text)
+
+
+def _label(axes: Axes, at: FloatArray, text: str) -> None:
+    axes.text(*_point(at), text, ha="center", va="center", zorder=10)

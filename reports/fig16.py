@@ -1,11 +1,34 @@
 """Fig 16: the slider-crank, drawn from its spec in a configuration that a simulation gives."""
 
-from cylcontact.mechanism import simulate
-from cylcontact.plots.figure import Drawing
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from cylcontact.mechanism import Mechanism, Trajectory, simulate
+from cylcontact.mechanism.drawing import (
+    DRAWN,
+    Magnified,
+    Pose,
+    draw_circle,
+    draw_clearance_circle,
+    draw_linkage,
+    draw_magnified,
+    frame,
+    joint_place,
+    poses,
+    set_view,
+)
+from cylcontact.plots.figure import Drawing, new_figure, panel_title
+from cylcontact.plots.sketch import cross
+from cylcontact.plots.style import small_text
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.mechanism.disclosure import assumed
-from cylcontact.reports.mechanism.overview import draw_overview, point_table
-from cylcontact.reports.mechanism.runs import mechanism
+
+from .slider_crank import assumed, mechanism
 
 REVOLUTION = 1.15
 CAPTION = (
@@ -23,10 +46,9 @@ def draw(bench: Bench) -> Drawing:
     run = simulate(one, revolutions=2)
     figure, pose, joint = draw_overview(run, REVOLUTION)
     table = point_table(pose)
-    crank = table[table["body"] == "crank"].set_index("point")
-    reach = crank.loc["pin", ["x_mm", "y_mm"]].astype(float)
+    crank_pin = pose.points["crank"]["pin"]
     headline = {
-        "radius of the crank circle, mm": float((reach**2).sum() ** 0.5),
+        "radius of the crank circle, mm": float(np.hypot(*crank_pin)),
         "eccentricity, mm": float((pose.eccentricity[0] ** 2 + pose.eccentricity[1] ** 2) ** 0.5),
         "magnification of the clearance, -": joint.factor,
     }
@@ -43,3 +65,97 @@ def draw(bench: Bench) -> Drawing:
         assumed=assumed(one),
     )
     return Drawing(figure, table, headline, caption)
+
+
+# The clearance joint's panel against that of the mechanism.
+WIDTHS = (2.45, 1.0)
+CENTRE: dict[str, Any] = {
+    "marker": ".",
+    "color": "black",
+    "markerfacecolor": "black",
+    "zorder": 9,
+}
+
+
+def draw_overview(run: Trajectory, revolution: float) -> tuple[Figure, Pose, Magnified]:
+    """Draw a mechanism at the first step of a run from some time on, its joint beside it.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    revolution : float
+        The time in revolutions of the driver.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+    pose : Pose
+        What is drawn.
+    joint : Magnified
+        How the joint is drawn.
+    """
+    one = run.mechanism
+    row = int(np.searchsorted(run.revolution, revolution))
+    (pose,) = poses(run, run.time[row : row + 1])
+    joint = Magnified.of(one)
+    figure = new_figure("full", 62.0, wide=True)
+    left, right = figure.subplots(1, 2, width_ratios=WIDTHS)
+    view = frame(one, [pose])
+    set_view(left, view)
+    draw_linkage(left, one, pose, view[1] - view[0])
+    draw_circle(left, one, pose)
+    _name_points(left, one, pose)
+    panel_title(left, 0, one.name)
+    centre = draw_magnified(right, joint, pose.eccentricity)
+    draw_clearance_circle(right, DRAWN, zorder=5)
+    for at in ((0.0, 0.0), centre):
+        cross(right, at, zorder=6)
+    panel_title(right, 1, f"its joint, clearance × {joint.factor:g}")
+    return figure, pose, joint
+
+
+def point_table(pose: Pose) -> pd.DataFrame:
+    """Return all named points of a pose.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns body, point, x_mm, y_mm; the ground comes first.
+    """
+    rows = [
+        {"body": body, "point": point, "x_mm": x, "y_mm": y}
+        for body, points in pose.points.items()
+        for point, (x, y) in points.items()
+    ]
+    return pd.DataFrame(rows)
+
+
+def _name_points(axes: Axes, one: Mechanism, pose: Pose) -> None:
+    """Name bodies and revolute joints, and mark the centres of mass."""
+    for body in one.bodies:
+        places = np.array(list(pose.points[body.name].values()))
+        middle = complex(*pose.centres[body.name])
+        axes.plot(middle.real, middle.imag, **CENTRE)
+        along = complex(*(places[-1] - places[0])) if len(places) > 1 else 1.0
+        up = 1j * along / abs(along)
+        _name(axes, body.name, middle, up if up.imag >= 0 else -up, 19 if len(places) > 1 else 22)
+    for joint in one.joints:
+        if joint.kind == "revolute":
+            at = complex(*joint_place(one, pose, joint))
+            way = 1j if -1 in (joint.i, joint.j) else -1j
+            _name(axes, joint.name, at, way, 19, fontsize=small_text(), color="0.3")
+
+
+def _name(axes: Axes, text: str, at: complex, way: complex, distance: float, **style: Any) -> None:
+    """Write a name so many points away from what it names."""
+    axes.annotate(
+        text,
+        xy=(at.real, at.imag),
+        xytext=(distance * way.real, distance * way.imag),
+        textcoords="offset points",
+        ha="center",
+        va="center",
+        zorder=10,
+        **style,
+    )

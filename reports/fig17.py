@@ -1,16 +1,30 @@
 """Fig 17: contact force against penetration over an impact, for three laws and two clearances."""
 
-from cylcontact.mechanism import Case
-from cylcontact.plots.figure import Drawing
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from cylcontact.mechanism import Case, Trajectory
+from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.mechanism.disclosure import assumed, law_ends
-from cylcontact.reports.mechanism.hysteresis import (
+
+from .slider_crank import (
+    CLEARANCES,
+    LAW_NAMES,
+    assumed,
     crossings,
     force_ratio,
-    impact_panels,
-    impact_table,
+    law_ends,
+    law_style,
+    mechanism,
+    simulated,
+    total_force,
 )
-from cylcontact.reports.mechanism.runs import CLEARANCES, LAW_NAMES, mechanism, simulated
 
 CASES = [Case(law, clearance, 0.9, 0.0) for clearance in CLEARANCES for law in LAW_NAMES]
 CAPTION = (
@@ -29,10 +43,11 @@ def draw(bench: Bench) -> Drawing:
     table = impact_table(runs)
     headline, crossed, impacts = {}, [], []
     for clearance, rows in table.groupby("clearance_mm", sort=False):
-        case = Case("johnson", clearance, 0.9, 0.0)
-        speed = runs[case].contacts.loc[0, "impact_rate_m_per_s"]
+        case = Case("johnson", float(str(clearance)), 0.9, 0.0)
+        speed = runs[case].contacts["impact_rate_m_per_s"].iloc[0]
         impacts.append(f"{speed:.3g} m/s at {clearance:g} mm")
         pair = runs[case].mechanism.clearance.pair
+        assert pair is not None
         deepest = rows.loc[rows["law"] == case.law, "penetration_um"].max() * 1e-3
         even = crossings(force_ratio("johnson", "enhanced", pair, deepest))
         crossed.append(f"stiffer from {1e3 * even[-1]:.3g} µm on at {clearance:g} mm")
@@ -48,3 +63,76 @@ def draw(bench: Bench) -> Drawing:
         assumed=assumed(mechanism(bench)),
     )
     return Drawing(impact_panels(table, CLEARANCES), table, headline, caption)
+
+
+def impact_table(runs: Mapping[Case, Trajectory]) -> pd.DataFrame:
+    """Return force and penetration over the first contact of every run.
+
+    The runs of one clearance are alike until then, so that all laws meet the same impact.
+
+    Parameters
+    ----------
+    runs : mapping of Case to Trajectory
+        Their first contact is complete.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns law, clearance_mm, time_us since the onset, penetration_um, force_N and
+        elastic_force_N (the same without dissipation).
+    """
+    return pd.concat([_impact(case, run) for case, run in runs.items()], ignore_index=True)
+
+
+def _impact(case: Case, run: Trajectory) -> pd.DataFrame:
+    """Return one law's impact."""
+    onset, release = run.contacts[["onset_s", "release_s"]].to_numpy(dtype=float)[0]
+    rows = run.in_contact & (run.time >= onset) & (run.time <= release)
+    pair = run.mechanism.clearance.pair
+    assert pair is not None
+    # At the ends of a contact the root leaves a rounding error of either sign.
+    depth = np.maximum(run.penetration[rows], 0.0)
+    return pd.DataFrame(
+        {
+            "law": case.law,
+            "clearance_mm": case.clearance,
+            "time_us": (run.time[rows] - onset) * 1e6,
+            "penetration_um": depth * 1e6,
+            "force_N": run.normal_force[rows],
+            "elastic_force_N": total_force(case.law, depth * 1e3, pair),
+        }
+    )
+
+
+def impact_panels(table: pd.DataFrame, clearances: Sequence[float]) -> Figure:
+    """Draw force against penetration, a panel for each clearance and a loop for each law.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Of `impact_table`.
+    clearances : sequence of float
+        In mm.
+    """
+    figure = new_figure("full", 74.0)
+    panels = figure.subplots(1, len(clearances), squeeze=False)[0]
+    for number, (axes, clearance) in enumerate(zip(panels, clearances, strict=True)):
+        chosen = table[table["clearance_mm"] == clearance]
+        for law, loop in chosen.groupby("law", sort=False):
+            _draw_loop(axes, str(law), loop)
+        axes.set(xlabel="penetration δ (µm)", xlim=(0, None), ylim=(0, None))
+        panel_title(axes, number, f"radial clearance {clearance:g} mm")
+    panels[0].set_ylabel("contact force (kN)")
+    panels[0].legend(loc="upper left")
+    return figure
+
+
+def _draw_loop(axes: Axes, law: str, loop: pd.DataFrame) -> None:
+    """Draw a loop with its markers along the penetration, and the elastic curve inside it."""
+    depth, force = loop["penetration_um"].to_numpy(), loop["force_N"].to_numpy() / 1e3
+    style = law_style(law)
+    marked = np.searchsorted(depth[: depth.argmax()], np.arange(0.25, 1, 0.25) * depth.max())
+    axes.plot(depth, force, label=LAW_NAMES[law], markevery=marked.tolist(), **style)
+    order = np.argsort(depth)
+    thin = style | {"marker": "", "linewidth": 0.5, "linestyle": "-"}
+    axes.plot(depth[order], loop["elastic_force_N"].to_numpy()[order] / 1e3, **thin)

@@ -1,22 +1,32 @@
 """All laws against conformal contact over the whole domain, in the universal variables."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import asdict
+from typing import Any
 
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter
 
 from cylcontact.laws.explicit import CALIBRATED
-from cylcontact.plots.figure import Drawing
+from cylcontact.plots.figure import Drawing, new_figure, panel_title
+from cylcontact.plots.maps import signed
+from cylcontact.plots.style import COLOURS, LINE_STYLES
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.universal import (
+
+from .universal import (
     EXTERNAL_PHI,
     PHI_MAX,
     PHI_MIN,
+    Curve,
     dimensionless_curves,
     enhanced_curves,
     error_table,
     external_curve,
 )
-from cylcontact.reports.universal_panels import universal_panels
 
 REFITS = {"enhanced fit conformal": "conformal", "enhanced fit internal": "internal"}
 CAPTION = (
@@ -72,3 +82,93 @@ def draw(bench: Bench) -> Drawing:
         constants=", ".join(f"{name} = {value:g}" for name, value in constants)
     )
     return Drawing(universal_panels(laws, drawn), table, headline, caption)
+
+
+LABELS = {
+    "explicit": "explicit (3 constants)",
+    "explicit formula for the penetration": "explicit, one-line penetration",
+    "johnson": "Johnson (Eq 1)",
+    "liu": "Liu et al.",
+    "winkler": "Winkler",
+    "enhanced": "enhanced, published",
+    "enhanced fit conformal": "enhanced, refit",
+}
+# The enhanced law's two sets of coefficients, apart from the others in colour, width and marks.
+ENHANCED: tuple[dict[str, Any], ...] = (
+    {"color": "#56B4E9", "linestyle": "-", "linewidth": 0.9, "markerfacecolor": "#56B4E9"},
+    {"color": "#8C510A", "linestyle": "-", "linewidth": 0.9, "markerfacecolor": "white"},
+)
+MARKS = ("o", "s", "^")  # by clearance
+LINEAR = 0.1  # percent, within which the axis of errors is linear
+TICKS = (-100, -10, -1, -0.1, 0, 0.1, 1, 10, 100, 1000)
+
+
+def universal_panels(laws: Sequence[Curve], enhanced: Sequence[Curve]) -> Figure:
+    """Draw δ/ΔR and the error of the load against φ = f/(E*·ΔR).
+
+    Parameters
+    ----------
+    laws : sequence of Curve
+        The dimensionless laws, at most five.
+    enhanced : sequence of Curve
+        The enhanced law: clearance by clearance with one set of coefficients, then with another.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> from .universal import dimensionless_curves, enhanced_curves
+    >>> figure = universal_panels(dimensionless_curves(), enhanced_curves({}))
+    >>> [len(axes.lines) for axes in figure.axes]
+    [9, 9]
+    """
+    figure = new_figure("full", 112.0)
+    left, right = figure.subplots(1, 2, width_ratios=(4, 6))
+    left.plot(
+        laws[0].phi, laws[0].reference_d, color="0.8", linewidth=4.0, marker="", label="Persson"
+    )
+    right.axhline(0, color="0.8", linewidth=4.0, marker="", zorder=0)
+    for number, curve in enumerate(laws):
+        look = {"color": COLOURS[number], "linestyle": LINE_STYLES[number], "zorder": 3}
+        _draw_curve(left, right, curve, look)
+    groups = list(dict.fromkeys(curve.law for curve in enhanced))
+    for number, curve in enumerate(enhanced):
+        marker = MARKS[number % len(MARKS)]
+        _draw_curve(left, right, curve, ENHANCED[groups.index(curve.law)] | {"marker": marker})
+    _log_x(left)
+    _log_x(right)
+    left.set(yscale="log", ylabel=r"penetration $\delta/\Delta R$ (-)", ylim=(2e-6, 100))
+    _error_axis(right)
+    panel_title(left, 0, "penetration")
+    panel_title(right, 1, "error of the load at given penetration")
+    handles, labels = left.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    return figure
+
+
+def _draw_curve(left: Axes, right: Axes, curve: Curve, look: dict[str, Any]) -> None:
+    """Draw a law in both panels."""
+    every = max(1, curve.phi.size // 4)
+    marked = {"markevery": (every // 2, every)} if "marker" in look else {"marker": ""}
+    label = LABELS[curve.law]
+    if curve.pair != "any":
+        label += ", " + curve.pair.split("; ")[-1].replace("dR", r"$\Delta R$")
+    left.plot(curve.phi, curve.d, label=label, **look, **marked)
+    right.plot(curve.phi, curve.load_error, **look, **marked)
+
+
+def _log_x(axes: Axes) -> None:
+    """Give a panel the axis of φ."""
+    axes.set(xscale="log", xlim=(PHI_MIN, PHI_MAX), xlabel=r"load $\varphi = f/(E^*\Delta R)$ (-)")
+    axes.xaxis.set_minor_locator(LogLocator(subs=(1.0,), numticks=20))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _error_axis(axes: Axes) -> None:
+    """Make the vertical axis linear to ±0.1 % and logarithmic beyond."""
+    axes.set_yscale("symlog", linthresh=LINEAR, linscale=0.6)
+    axes.set(ylim=(-130, 400), ylabel="error of the load (%)")
+    axes.yaxis.set_major_locator(FixedLocator(TICKS))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: signed(value)))

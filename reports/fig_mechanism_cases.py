@@ -1,13 +1,28 @@
 """Contact, impacts and steps of the slider-crank, for three laws and eight cases, with scatter."""
 
-from cylcontact.plots.figure import Drawing
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from cylcontact.plots.figure import Drawing, new_figure, panel_title
+from cylcontact.plots.style import QUIET
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.mechanism.case_panels import case_panels
-from cylcontact.reports.mechanism.disclosure import assumed
-from cylcontact.reports.mechanism.runs import (
+
+from .slider_crank import (
+    CLEARANCES,
     FIRST,
+    FRICTIONS,
+    LAW_NAMES,
+    RESTITUTIONS,
     REVOLUTIONS,
     WHIRLING_REVOLUTIONS,
+    assumed,
+    law_style,
     mechanism,
     statistics_table,
 )
@@ -65,3 +80,87 @@ def draw(bench: Bench) -> Drawing:
     )
     shown = table[list(COLUMNS)].rename(columns=COLUMNS)
     return Drawing(case_panels(table), shown, headline, caption)
+
+
+GROUPS = [(c, ce, cf) for c in CLEARANCES for ce in RESTITUTIONS for cf in FRICTIONS]
+LABELS = [f"{ce:g}\n{cf:g}" for _, ce, cf in GROUPS]
+# Laws stand beside each other by so much.
+APART = 0.22
+# Room for the clearances above what is drawn.
+HEADROOM = 1.12
+BARS: dict[str, Any] = {"linestyle": "none", "capsize": 1.5, "elinewidth": 0.7, "capthick": 0.7}
+
+
+def case_panels(table: pd.DataFrame) -> Figure:
+    """Draw the share of time in contact, impacts per revolution and the mean step.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        From `statistics_table`.
+    """
+    figure = new_figure("full", 70.0)
+    panels = figure.subplots(1, 3)
+    columns = (
+        ("contact_fraction", "share of time in contact (-)"),
+        ("impacts", "impacts per revolution (-)"),
+        ("step_us", "mean step (µs)"),
+    )
+    for number, (axes, (column, label)) in enumerate(zip(panels, columns, strict=True)):
+        for law, rows in table.groupby("law", sort=False):
+            _draw_law(axes, str(law), rows, column, f"{column}_std")
+        _label_groups(axes)
+        axes.set(ylabel=label, ylim=(0, HEADROOM * axes.get_ylim()[1]))
+        panel_title(axes, number, label.partition(" (")[0])
+    _legend(figure, panels[0])
+    return figure
+
+
+def balance_panel(axes: Axes, table: pd.DataFrame, bound: float) -> None:
+    """Draw the largest error of the energy balance of every case, relative to its peak.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        To draw in.
+    table : pandas.DataFrame
+        From `statistics_table`.
+    bound : float
+        What the error is to stay below.
+    """
+    for law, rows in table.groupby("law", sort=False):
+        _draw_law(axes, str(law), rows, "energy_error", None)
+    axes.axhline(bound, color=QUIET, linewidth=0.8, linestyle=":", marker="")
+    _label_groups(axes)
+    axes.set(ylabel="largest error of the balance (-)", yscale="log", ylim=(1e-10, 1e-3))
+
+
+def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, scatter: str | None) -> None:
+    """Draw a law's cases, with bars of one standard deviation."""
+    found = rows.set_index(["clearance", "restitution", "friction"]).loc[GROUPS]
+    at = np.arange(len(GROUPS)) + APART * (list(LAW_NAMES).index(law) - 1)
+    style = law_style(law)
+    bars = None if scatter is None else found[scatter].to_numpy()
+    axes.errorbar(
+        at, found[column].to_numpy(), yerr=bars, color=style["color"], marker=style["marker"],
+        label=LAW_NAMES[law], **BARS,
+    )  # fmt: skip
+
+
+def _label_groups(axes: Axes) -> None:
+    """Write the losses below the cases, and the clearances above them."""
+    axes.set_xticks(range(len(GROUPS)), LABELS)
+    axes.tick_params(axis="x", length=0)
+    middle = len(GROUPS) / 2 - 0.5
+    axes.axvline(middle, color=QUIET, linewidth=0.6, linestyle="-", marker="")
+    for number, clearance in enumerate(CLEARANCES):
+        axes.annotate(
+            f"{clearance:g} mm", xy=(0.25 + 0.5 * number, 1.0), xycoords="axes fraction",
+            xytext=(0, -8), textcoords="offset points", ha="center", va="center",
+        )  # fmt: skip
+    axes.set_xlabel("$c_e$ (above), $c_f$ (below)")
+
+
+def _legend(figure: Figure, axes: Axes) -> None:
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)

@@ -1,11 +1,18 @@
 """The energy balance of the slider-crank: the ledgers of one run, the errors of all cases."""
 
-from cylcontact.mechanism import Case
-from cylcontact.plots.figure import Drawing
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from cylcontact.mechanism import Case, Trajectory
+from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.mechanism.disclosure import assumed
-from cylcontact.reports.mechanism.energy import energy_panels, energy_table
-from cylcontact.reports.mechanism.runs import REVOLUTIONS, mechanism, simulated, statistics_table
+
+from .fig_mechanism_cases import balance_panel
+from .slider_crank import REVOLUTIONS, assumed, mechanism, simulated, statistics_table
 
 CASE = Case("enhanced", 0.5, 0.9, 0.1)
 SHOWN = 3
@@ -41,3 +48,77 @@ def draw(bench: Bench) -> Drawing:
         assumed=assumed(one),
     )
     return Drawing(energy_panels(table, cases, BOUND), table, headline, caption)
+
+
+# Rows of the table for each revolution.
+POINTS = 180
+LEDGERS = {
+    "kinetic_J": "kinetic, less that at the start",
+    "drive_work_J": "work of the drive",
+    "normal_dissipation_J": "lost in the normal force",
+    "friction_dissipation_J": "lost in friction",
+}
+
+
+def energy_table(run: Trajectory) -> pd.DataFrame:
+    """Return the energies of a run, a few times per degree of the crank.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns revolution, kinetic_J (less that at the start), drive_work_J,
+        normal_dissipation_J, friction_dissipation_J, elastic_J, error_J; at the steps nearest
+        after evenly spaced times.
+    """
+    wanted = np.linspace(0, run.revolutions, POINTS * run.revolutions + 1)
+    rows = np.minimum(np.searchsorted(run.revolution, wanted), run.time.size - 1)
+    return pd.DataFrame(
+        {
+            "revolution": run.revolution[rows],
+            "kinetic_J": (run.kinetic_energy - run.kinetic_energy[0])[rows],
+            "drive_work_J": run.drive_work[rows],
+            "normal_dissipation_J": run.normal_dissipation[rows],
+            "friction_dissipation_J": run.friction_dissipation[rows],
+            "elastic_J": run.elastic_energy[rows],
+            "error_J": run.energy_error[rows],
+        }
+    )
+
+
+def energy_panels(table: pd.DataFrame, cases: pd.DataFrame, bound: float) -> Figure:
+    """Draw the ledgers of one run beside the errors of all.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Of `energy_table`.
+    cases : pandas.DataFrame
+        Of `runs.statistics_table`.
+    bound : float
+        What the error of the balance is to stay below, relative to the peak kinetic energy.
+    """
+    figure = new_figure("full", 74.0)
+    left, right = figure.subplots(1, 2)
+    _draw_ledgers(left, table)
+    panel_title(left, 0, "since the start")
+    balance_panel(right, cases, bound)
+    panel_title(right, 1, "error over the peak of the kinetic energy")
+    right.legend(loc="lower left", handlelength=1.2)
+    return figure
+
+
+def _draw_ledgers(axes: Axes, table: pd.DataFrame) -> None:
+    """Draw each ledger against time."""
+    for number, (column, name) in enumerate(LEDGERS.items()):
+        every = (20 + 30 * number, 120)
+        axes.plot(table["revolution"], table[column], label=name, markevery=every)
+    axes.set(xlabel="time (revolutions of the crank)", ylabel="energy (J)")
+    axes.set_xlim(0, table["revolution"].max())
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + 0.45 * (high - low))
+    axes.legend(loc="upper left", ncols=1)

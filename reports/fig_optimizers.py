@@ -1,13 +1,19 @@
 """Four optimisers on the calibration for internal contact: what each run reached."""
 
-from cylcontact.plots.figure import Drawing
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from cylcontact.errors import InputError
+from cylcontact.fitting.optimizer_comparison import CSV_COLUMNS
+from cylcontact.fitting.verdicts import SAME_BASIN
+from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title
+from cylcontact.plots.style import COLOURS, MARKERS, QUIET
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.optimizers import (
-    in_best_basin,
-    optimizer_runs,
-    waterfall_panels,
-    waterfall_table,
-)
 
 CAMPAIGN = "internal"
 CAPTION = (
@@ -30,3 +36,122 @@ def draw(bench: Bench) -> Drawing:
         runs=runs["run"].nunique(), evaluations=float(runs["evaluations"].median())
     )
     return Drawing(waterfall_panels(table), table, headline, caption)
+
+
+# Excesses below this many percent are drawn as none.
+FLOOR = 1e-3
+# Between two optimisers at one place, in places.
+APART = 0.18
+STEPS = {"searched": "after the search", "polished": "after the polish"}
+
+
+def optimizer_runs(bench: Bench, campaign: str) -> pd.DataFrame:
+    """Read the runs that `cylcontact optimizers` wrote for a campaign, timings left out.
+
+    Parameters
+    ----------
+    bench : Bench
+        Its results folder holds `optimizers-CAMPAIGN.csv`.
+    campaign : str
+        The campaign's name.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns optimizer, run, seed, searched, polished and evaluations.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or is another one.
+    """
+    path = bench.result_file(f"optimizers-{campaign}.csv")
+    remedy = f"make it with: cylcontact optimizers fitting/{campaign}.toml -o {path}"
+    _require(path.is_file(), path, "this comparison does not exist", remedy)
+    try:
+        runs = pd.read_csv(path)
+    except ValueError:
+        runs = pd.DataFrame()
+    _require(tuple(runs.columns) == CSV_COLUMNS, path, "is not a comparison of optimisers", remedy)
+    return runs.drop(columns="seconds")
+
+
+def _require(holds: bool, path: Path, rule: str, remedy: str) -> None:
+    if not holds:
+        raise InputError(str(path), "", None, rule, remedy)
+
+
+def waterfall_table(runs: pd.DataFrame) -> pd.DataFrame:
+    """Return every optimiser's runs, best first, with their excess over the best of all.
+
+    Parameters
+    ----------
+    runs : pandas.DataFrame
+        From `optimizer_runs`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns optimizer, step, place, objective and excess_percent.
+    """
+    best = runs["polished"].min()
+    tables = []
+    for optimizer in runs["optimizer"].unique():
+        for step in STEPS:
+            objective = runs.loc[runs["optimizer"] == optimizer, step].sort_values()
+            tables.append(
+                pd.DataFrame(
+                    {
+                        "optimizer": optimizer,
+                        "step": step,
+                        "place": range(1, len(objective) + 1),
+                        "objective": objective.to_numpy(),
+                        "excess_percent": 100 * (objective.to_numpy() / best - 1),
+                    }
+                )
+            )
+    return pd.concat(tables, ignore_index=True)
+
+
+def in_best_basin(runs: pd.DataFrame, step: str = "polished") -> dict[str, float]:
+    """Return the share of each optimiser's runs within 0.1 % of the best of all."""
+    limit = runs["polished"].min() * (1 + SAME_BASIN)
+    shares = (runs[step] <= limit).groupby(runs["optimizer"], sort=False).mean()
+    return {str(name): float(share) for name, share in shares.items()}
+
+
+def waterfall_panels(table: pd.DataFrame) -> StyledFigure:
+    """Draw the waterfalls of a table, one panel after the search and one after the polish."""
+    figure = new_figure("full", 70.0)
+    panels = figure.subplots(1, 2, sharey=True)
+    for number, (axes, (step, title)) in enumerate(zip(panels, STEPS.items(), strict=True)):
+        _waterfalls(axes, table[table["step"] == step])
+        panel_title(axes, number, title)
+    panels[0].set_ylabel("objective above the best found (%)")
+    panels[1].legend(loc="upper left")
+    return figure
+
+
+def _waterfalls(axes: Axes, table: pd.DataFrame) -> None:
+    """Draw every optimiser's runs, best first."""
+    optimizers = table["optimizer"].nunique()
+    axes.axhspan(0, 100 * SAME_BASIN, color="0.9", linewidth=0)
+    for number, (optimizer, runs) in enumerate(table.groupby("optimizer", sort=False)):
+        # No lines: across the axis' linear part they would invent slopes. The optimisers stand
+        # side by side at each place, or those at zero would hide each other.
+        axes.plot(
+            runs["place"] + APART * (number - (optimizers - 1) / 2),
+            runs["excess_percent"].where(runs["excess_percent"] > FLOOR, 0.0),
+            color=COLOURS[number],
+            linestyle="none",
+            marker=MARKERS[number],
+            label=str(optimizer),
+        )
+    axes.set_yscale("symlog", linthresh=FLOOR)
+    axes.set_ylim(-0.3 * FLOOR, 300)
+    axes.set_yticks(
+        [0, 1e-3, 1e-2, 0.1, 1, 10, 100], ["0", "0.001", "0.01", "0.1", "1", "10", "100"]
+    )
+    axes.axhline(0, color=QUIET, linewidth=0.5, linestyle="-", marker="")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_xlabel("run, best first")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from cylcontact.datasets.finite_element import Engine, Study, read_study, read_table
@@ -86,4 +87,31 @@ def penetrations(rows: pd.DataFrame) -> pd.DataFrame:
             "fe_mm": rows["penetration_mm"].to_numpy(),
             **columns,
         }
+    )
+
+
+def sensitivity_table(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return what each variant changes, case by case.
+
+    Parameters
+    ----------
+    rows : pandas.DataFrame
+        A study's table, its set-up as the variant "base".
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns variant, dR_mm, load_N_per_mm, change_percent of the penetration, and constant,
+        the change of the additive constant C in δ = f/(πE*)·(ln(πE*ΔR/f) + C).
+    """
+    keys = ["dR_mm", "load_N_per_mm"]
+    base = rows[rows["variant"] == "base"][[*keys, "penetration_mm"]]
+    others = rows[rows["variant"] != "base"]
+    before = others[keys].merge(base, how="left", on=keys)["penetration_mm"].to_numpy()
+    change = others["penetration_mm"].to_numpy() - before
+    material = Material("steel", 1e3 * others["E_GPa"].to_numpy(), others["nu"].to_numpy())
+    E_star = material.plane_strain_modulus / 2
+    return others[["variant", *keys]].assign(
+        change_percent=100 * change / before,
+        constant=np.pi * E_star * change / others["load_N_per_mm"].to_numpy(),
     )

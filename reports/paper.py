@@ -169,9 +169,12 @@ VARIANTS: Mapping[str, str] = {
     "c": "refitted to conformal contact",
 }
 EQUATION = """
-<math displaystyle="true" aria-label="f equals open bracket a Delta R plus b close bracket times E star over Delta R times delta to the power n">
-<mi>f</mi><mo>=</mo><mo stretchy="false">(</mo><mi>a</mi><mspace width="0.15em"/><mi mathvariant="normal">Δ</mi><mi>R</mi><mo>+</mo><mi>b</mi><mo stretchy="false">)</mo>
-<mfrac><msup><mi>E</mi><mo>*</mo></msup><mrow><mi mathvariant="normal">Δ</mi><mi>R</mi></mrow></mfrac>
+<math displaystyle="true" aria-label="f equals open bracket a Delta R plus b close bracket
+ times E star over Delta R times delta to the power n">
+<mi>f</mi><mo>=</mo><mo stretchy="false">(</mo><mi>a</mi><mspace width="0.15em"/>
+<mi mathvariant="normal">Δ</mi><mi>R</mi><mo>+</mo><mi>b</mi><mo stretchy="false">)</mo>
+<mfrac><msup><mi>E</mi><mo>*</mo></msup>
+<mrow><mi mathvariant="normal">Δ</mi><mi>R</mi></mrow></mfrac>
 <msup><mi>δ</mi><mi>n</mi></msup>
 </math>
 """
@@ -288,3 +291,8 @@ def _owned(rows: Table, names: Collection[str], columns: tuple[str, ...], origin
         everyone = 1 < len(owners) == len(names)
         texts.append(f"{symbols} of {'all' if everyone else ', '.join(owners)}")
     return texts
+
+
+def material_origins(bench: Bench, *groups: tuple[str, ...]) -> str:
+    """Return which numbers of the materials of Figs 10–14 are not the paper's own."""
+    return origins(material_rows(bench), MATERIALS, *groups)

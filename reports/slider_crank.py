@@ -7,11 +7,13 @@ from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from cylcontact.arrays import FloatArray
+from cylcontact.laws import LAWS
 from cylcontact.mechanism import (
     Case,
     Mechanism,
@@ -21,9 +23,11 @@ from cylcontact.mechanism import (
     read_mechanism,
     simulate,
 )
-from cylcontact.mechanism.system import TANGENT_FROM
 from cylcontact.mechanism.model import Body
+from cylcontact.mechanism.system import TANGENT_FROM
+from cylcontact.pair import CylinderPair
 from cylcontact.parallel import call, run_calls
+from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS
 from cylcontact.reports.bench import Bench, MissingInputError, call_in_bench
 
 # The laws, clearances (mm), restitutions and frictions of Sect. 4.3.
@@ -47,6 +51,8 @@ WHIRLING_REVOLUTIONS = 16
 # The second run of a case has the spec's tolerance times this.
 TIGHTER = 0.1
 AGAINST = "_against"
+# The penetrations at which laws are compared: decades below the deepest, and how many.
+DECADES, POINTS = 2.0, 801
 SPEC = "datasets/slider_crank.toml"
 _REMEMBERED: dict[str, pd.DataFrame] = {}
 STATISTICS = (
@@ -133,9 +139,7 @@ def statistics_table(bench: Bench) -> pd.DataFrame:
     data = json.dumps(mechanism(bench).data)
     if data not in _REMEMBERED:
         module = __name__.rpartition(".")[2]
-        calls = [
-            call(call_in_bench, bench.root, module, "run_case", data, case) for case in CASES
-        ]
+        calls = [call(call_in_bench, bench.root, module, "run_case", data, case) for case in CASES]
         with closing(run_calls(calls, bench.jobs)) as rows:
             _REMEMBERED[data] = pd.DataFrame(list(rows))
     return _REMEMBERED[data].copy()
@@ -325,3 +329,69 @@ def horizons(bench: Bench, clearance: float) -> str:
     if short.empty:
         return f"{told}."
     return f"{told}, and for {short.min():.2g} to {short.max():.2g} revolutions in the others."
+
+
+def force_ratio(one: str, other: str, pair: CylinderPair, deepest: float) -> pd.DataFrame:
+    """Compare the forces of two laws at equal penetration.
+
+    Parameters
+    ----------
+    one, other : str
+        Laws.
+    pair : CylinderPair
+        The joint.
+    deepest : float
+        The largest penetration in mm; the smallest is `DECADES` below it.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns penetration_mm and ratio, that of `one` over `other`; NaN beyond a law's domain.
+
+    Examples
+    --------
+    >>> from cylcontact import Material
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel, length=10.0)
+    >>> ratio = force_ratio("lankarani-nikravesh", "johnson", pair, 0.05)["ratio"]
+    >>> print(ratio.max().round(3))
+    0.536
+    """
+    penetration = np.geomspace(deepest * 10**-DECADES, deepest, POINTS)
+    ratio = total_force(one, penetration, pair) / total_force(other, penetration, pair)
+    return pd.DataFrame({"penetration_mm": penetration, "ratio": ratio})
+
+
+def crossings(table: pd.DataFrame) -> list[float]:
+    """Return the penetrations in mm at which the ratio of `force_ratio` passes 1.
+
+    Examples
+    --------
+    >>> crossings(pd.DataFrame({"penetration_mm": [1.0, 2.0, 3.0], "ratio": [0.5, 1.5, 2.0]}))
+    [1.5]
+    """
+    x, excess = table["penetration_mm"].to_numpy(), table["ratio"].to_numpy() - 1
+    at = np.flatnonzero(excess[:-1] * excess[1:] < 0)
+    share = excess[at] / (excess[at] - excess[at + 1])
+    return [float(value) for value in x[at] + share * (x[at + 1] - x[at])]
+
+
+def total_force(law: str, penetration: FloatArray, pair: CylinderPair) -> FloatArray:
+    """Return a law's elastic force in N at penetrations in mm, over the pair's whole length."""
+    return LAWS[law]().load(penetration, pair) * pair.contact_length("a force")
+
+
+def law_style(law: str) -> dict[str, Any]:
+    """Return the colour, line style and marker of a law.
+
+    Examples
+    --------
+    >>> law_style("johnson")["linestyle"]
+    '--'
+    """
+    number = list(LAW_NAMES).index(law)
+    return {
+        "color": COLOURS[number],
+        "linestyle": LINE_STYLES[number],
+        "marker": MARKERS[number],
+    }

@@ -12,22 +12,21 @@ from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, joined, listed, verdict_if, with_unit
-from ..paper import (
-    CLEARANCES,
-    ELASTIC,
-    LOADS,
-    MATERIALS,
-    Table,
-    clearance_pair,
-    five_materials,
-    origins,
-)
 from cylcontact.reports.laws_bounds import (
     DEPARTURES,
     departure_number,
     departures,
     johnson_end,
     johnson_shortfall,
+)
+
+from ..paper import (
+    CLEARANCES,
+    ELASTIC,
+    LOADS,
+    clearance_pair,
+    five_materials,
+    material_origins,
 )
 
 SECTION = "1"
@@ -38,9 +37,6 @@ TRUTH = (
     "judged by Persson's solution for like bodies, its free additive constant chosen so that it "
     "meets Johnson's law at small load"
 )
-
-
-
 
 
 def bearing_pair() -> CylinderPair:
@@ -54,7 +50,7 @@ def bearing_pair() -> CylinderPair:
     paper="limited",
     rule="each of them has a finite largest load",
 )
-def limited_range(bench: Bench) -> Finding:
+def limited_range(_bench: Bench) -> Finding:
     """Return the largest load of every logarithmic law."""
     pair = bearing_pair()
     found = {
@@ -65,9 +61,13 @@ def limited_range(bench: Bench) -> Finding:
     return Finding(
         f"largest load at 50 µm: {listed(found, '{:.0f} N/mm')}",
         holds=all(np.isfinite(load) for load in found.values()),
-        choice="207 GPa, ν = 0.3, R_i = L = 10 mm; the models as this package reads them, where the "
-            "literature disagrees",
-        alternatives="the largest load is Λ·E*·exp(c − 1) for all of them, so finite whatever the reading",
+        choice=(
+            "207 GPa, ν = 0.3, R_i = L = 10 mm; the models as this package reads them, where the "
+            "literature disagrees"
+        ),
+        alternatives=(
+            "the largest load is Λ·E*·exp(c − 1) for all of them, so finite whatever the reading"
+        ),
         values=with_unit(found, "N/mm"),
     )
 
@@ -76,10 +76,11 @@ def limited_range(bench: Bench) -> Finding:
     "1-johnson-needs-clearance",
     "Johnson's law is usable only for a large enough clearance and a small or medium load",
     paper="clearance large enough, load small or medium",
-    rule=f"{AGREEMENT:g} % is passed below its limit (Eq 8), at a load that grows with the "
-        "clearance",
+    rule=(
+        f"{AGREEMENT:g} % is passed below its limit (Eq 8), at a load that grows with the clearance"
+    ),
 )
-def johnson_needs_clearance(bench: Bench) -> Finding:
+def johnson_needs_clearance(_bench: Bench) -> Finding:
     """Return from which loads on Johnson's penetration is below that of conformal contact."""
     table = departures(STEEL, SHOWN)
     numbers = {f"{percent:g} %": departure_number(percent) for percent in DEPARTURES}
@@ -94,15 +95,21 @@ def johnson_needs_clearance(bench: Bench) -> Finding:
     stress = float(limits.hertz_stress(load, pair) / peak_pressure(load, pair))
     tenth = [float(table[gap].iloc[len(DEPARTURES) - 1]) for gap in SHOWN]
     return Finding(
-        "its penetration is too small by "
+        (
+            "its penetration is too small by "
             + ", ".join(f"{percent} at f = {value:.6f}·E*ΔR" for percent, value in numbers.items())
             + f", and by {johnson_shortfall(end):.1f} % at its own limit, {end:.4f}·E*ΔR; for "
             "steel the four loads are, in N/mm, "
-            + "; ".join(f"{name}: {', '.join(map(str, f))}" for name, f in loads.items()),
+            + "; ".join(f"{name}: {', '.join(map(str, f))}" for name, f in loads.items())
+        ),
         holds=number < end and tenth == sorted(tenth),
-        choice=f"{TRUTH}; {AGREEMENT:g} % is the paper's own measure of agreement; 207 GPa, ν = 0.3",
-        alternatives=f"without that constant: at {number:.4f}·E*ΔR Hertz's peak pressure, on which the law "
-            f"rests, is {100 * (1 - stress):.1f} % below Persson's",
+        choice=(
+            f"{TRUTH}; {AGREEMENT:g} % is the paper's own measure of agreement; 207 GPa, ν = 0.3"
+        ),
+        alternatives=(
+            f"without that constant: at {number:.4f}·E*ΔR Hertz's peak pressure, on which the law "
+            f"rests, is {100 * (1 - stress):.1f} % below Persson's"
+        ),
         values={
             **{f"f/(E* dR) at {percent}, -": value for percent, value in numbers.items()},
             "too small at the limit, percent": johnson_shortfall(end),
@@ -119,7 +126,7 @@ def johnson_needs_clearance(bench: Bench) -> Finding:
     paper="small clearance, large semi-angle",
     rule="reproduced if it misses Hertz's peak pressure by more than 1 % at 5° or less",
 )
-def persson_needs_conformity(bench: Bench) -> Finding:
+def persson_needs_conformity(_bench: Bench) -> Finding:
     """Return Persson's peak pressure over Hertz's for narrow contacts."""
     pair = bearing_pair()
     degrees = np.array([0.1, 1.0, 5.0, 10.0, 30.0, 60.0])
@@ -128,13 +135,17 @@ def persson_needs_conformity(bench: Bench) -> Finding:
     found = {f"{angle:g}°": float(value) for angle, value in zip(degrees, ratio, strict=True)}
     off = 100 * max(abs(value - 1) for value in ratio[degrees <= 5])
     return Finding(
-        "its peak pressure over Hertz's at a contact semi-angle of "
+        (
+            "its peak pressure over Hertz's at a contact semi-angle of "
             + listed(found, "{:.4f}")
-            + ": it goes over into Hertz's theory, so small angles do not limit it",
+            + ": it goes over into Hertz's theory, so small angles do not limit it"
+        ),
         holds=bool(off > 1),
         choice="free of any constant: pressures, not penetrations; one curve for all E*, ΔR and R",
-        alternatives="the statement is true of what Persson gives in print, which has no penetration in it: "
-            "that takes an additive constant, here taken from Johnson's law",
+        alternatives=(
+            "the statement is true of what Persson gives in print, which has no penetration in it: "
+            "that takes an additive constant, here taken from Johnson's law"
+        ),
         values=with_unit(found, "-"),
     )
 
@@ -145,7 +156,7 @@ def persson_needs_conformity(bench: Bench) -> Finding:
     paper="limited to specific conditions",
     rule=f"it misses Persson's load by more than {AGREEMENT:g} % for some 1e-6 ≤ f/(E*ΔR) ≤ 60",
 )
-def liu_is_limited(bench: Bench) -> Finding:
+def liu_is_limited(_bench: Bench) -> Finding:
     """Return Liu's load over Persson's at equal penetration."""
     pair = CylinderPair.from_dR("internal", 1.0, STEEL)
     numbers = np.array([1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0])
@@ -159,14 +170,18 @@ def liu_is_limited(bench: Bench) -> Finding:
     everywhere = ratio(scan)
     doubled = scan[np.abs(2 * everywhere - 1) <= AGREEMENT / 100]
     return Finding(
-        "its load over Persson's at equal penetration, at f/(E*ΔR) = "
+        (
+            "its load over Persson's at equal penetration, at f/(E*ΔR) = "
             + listed(found, "{:.3f}")
-            + ": it goes as δ^1.5 at small loads, where line contact is nearly linear",
+            + ": it goes as δ^1.5 at small loads, where line contact is nearly linear"
+        ),
         holds=bool(np.max(np.abs(everywhere - 1)) > AGREEMENT / 100),
         choice=f"as printed, with the paper's E*; {TRUTH}",
-        alternatives="the source's convention of E* is unverified; with twice ours the model is within "
+        alternatives=(
+            "the source's convention of E* is unverified; with twice ours the model is within "
             f"{AGREEMENT:g} % from f/(E*ΔR) = {doubled.min():.3f} to {doubled.max():.0f} and still "
-            f"too soft below {verdict_if(bool(doubled.min() > scan[0]))}",
+            f"too soft below {verdict_if(bool(doubled.min() > scan[0]))}"
+        ),
         values={
             **with_unit(found, "-"),
             "largest ratio, -": float(everywhere.max()),
@@ -179,8 +194,7 @@ def liu_is_limited(bench: Bench) -> Finding:
     "1-enhanced-goes-further",
     "the enhanced law extends the range of application beyond Johnson's",
     paper="expands the application range",
-    rule=f"within {AGREEMENT:g} % of Persson's law beyond Johnson's limit, over Sect. 3.4's "
-        "plane",
+    rule=f"within {AGREEMENT:g} % of Persson's law beyond Johnson's limit, over Sect. 3.4's plane",
 )
 def enhanced_goes_further(bench: Bench) -> Finding:
     """Return the enhanced law against Persson's where Johnson's has ended."""
@@ -198,12 +212,16 @@ def enhanced_goes_further(bench: Bench) -> Finding:
     worst = max(map(abs, found.values()), default=0.0)
     johnson = johnson_shortfall(johnson_end())
     return Finding(
-        "largest difference of its penetration from Persson's where Johnson's law has ended: "
-            + listed(found, "{:+.1f} %"),
+        (
+            "largest difference of its penetration from Persson's where Johnson's law has ended: "
+            + listed(found, "{:+.1f} %")
+        ),
         holds=worst <= AGREEMENT,
         choice=joined(TRUTH, material_origins(bench, ELASTIC)),
-        alternatives=f"before that limit the enhanced law is within {max(within):.1f} % of Persson's for "
-            f"every material, while Johnson's law itself falls {johnson:.1f} % short of it",
+        alternatives=(
+            f"before that limit the enhanced law is within {max(within):.1f} % of Persson's for "
+            f"every material, while Johnson's law itself falls {johnson:.1f} % short of it"
+        ),
         values={
             **with_unit(found, "percent"),
             "largest before Johnson's limit, percent": max(within),

@@ -14,27 +14,23 @@ from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, joined, listed, with_unit
+
 from ..paper import (
     CLEARANCES,
     ELASTIC,
     LOADS,
-    MATERIALS,
     PRACTICAL,
     Domain,
-    Table,
     clearance_pair,
     eq1_peak_load,
     eq1_penetration,
     five_materials,
-    origins,
+    material_origins,
 )
 
 SECTION = "2"
 STEEL = Material("steel of Fig 2", 207e3, 0.3)
 LENGTH = 10.0  # mm, the axial length of the slider-crank's bearing
-
-
-
 
 
 @claim(
@@ -43,7 +39,7 @@ LENGTH = 10.0  # mm, the axial length of the slider-crank's bearing
     paper="depends on both",
     rule="both exponents positive",
 )
-def johnson_limit_scaling(bench: Bench) -> Finding:
+def johnson_limit_scaling(_bench: Bench) -> Finding:
     """Return how Johnson's largest load depends on clearance and modulus."""
 
     def limit(dR: float, E: float) -> float:
@@ -65,7 +61,7 @@ def johnson_limit_scaling(bench: Bench) -> Finding:
     paper="falls",
     rule="the largest penetration of Eq 1 lies at Eq 8's load, and penetration falls past it",
 )
-def force_falls_beyond_limit(bench: Bench) -> Finding:
+def force_falls_beyond_limit(_bench: Bench) -> Finding:
     """Return what Eq 1, taken literally beyond its largest load, does."""
     pair = clearance_pair(0.05, STEEL)
     limit = float(limits.johnson_limit_load(pair))
@@ -73,9 +69,11 @@ def force_falls_beyond_limit(bench: Bench) -> Finding:
     at_limit, past_it = eq1_penetration([limit, 1.5 * limit], pair)
     beyond = float(past_it / at_limit)
     return Finding(
-        f"dδ/df changes sign at {peak:.6f} of Eq 8's load; at 1.5 times that load "
+        (
+            f"dδ/df changes sign at {peak:.6f} of Eq 8's load; at 1.5 times that load "
             f"Eq 1 gives {beyond:.3f} of the largest penetration, so on that branch load and "
-            "penetration do move in opposite directions",
+            "penetration do move in opposite directions"
+        ),
         holds=bool(abs(peak - 1) < 1e-4 and beyond < 1),
         values={"peak over limit, -": peak, "beyond over peak, -": beyond},
     )
@@ -87,7 +85,7 @@ def force_falls_beyond_limit(bench: Bench) -> Finding:
     paper="needs Newton–Raphson or the like",
     rule="reproduced if the closed inverse misses by more than 1e-12 somewhere in the domain",
 )
-def needs_iteration(bench: Bench) -> Finding:
+def needs_iteration(_bench: Bench) -> Finding:
     """Return the accuracy of the closed inverse of Johnson's law."""
     pair = clearance_pair(0.05, STEEL)
     law = Johnson()
@@ -98,8 +96,10 @@ def needs_iteration(bench: Bench) -> Finding:
     returned = law.penetration(law.load(penetration, pair), pair)
     error = float(np.max(np.abs(returned / penetration - 1)))
     return Finding(
-        "a closed inverse exists, f = πE*δ/(−W₋₁(−eδ/(4ΔR))): no iteration; penetration → "
-            f"load → penetration returns within a relative {error:.1e} up to the limit",
+        (
+            "a closed inverse exists, f = πE*δ/(−W₋₁(−eδ/(4ΔR))): no iteration; penetration → "
+            f"load → penetration returns within a relative {error:.1e} up to the limit"
+        ),
         holds=error > 1e-12,
         choice="the law is implicit only in elementary functions; Lambert's W₋₁ inverts it exactly",
         values={"round trip error, -": error},
@@ -126,17 +126,23 @@ def lankarani_softer(bench: Bench) -> Finding:
         "R_i = 10 mm, L = 1 mm": float(np.nanmax(_softness(steel, PRACTICAL, 1.0))),
     }
     return Finding(
-        "ratio of its load to Johnson's at equal penetration, in the practical domain: median "
+        (
+            "ratio of its load to Johnson's at equal penetration, in the practical domain: median "
             + listed(median, "{:.2f}")
-            + f"; largest: {max(most.values()):.2f} for each material",
+            + f"; largest: {max(most.values()):.2f} for each material"
+        ),
         holds=max(most.values()) < 1 and max(median.values()) < 0.5,
-        choice=f"R_i = {PRACTICAL.R_i:g} mm and axial length L = {LENGTH:g} mm, those of the "
+        choice=(
+            f"R_i = {PRACTICAL.R_i:g} mm and axial length L = {LENGTH:g} mm, those of the "
             "paper's bearing: Eq 2 is a total force without a length in it, so per unit length "
-            "it is F/L (its printed radii R_i·R_i read as R_i·R_j)",
-        alternatives="the largest ratio goes as R_i/L: "
+            "it is F/L (its printed radii R_i·R_i read as R_i·R_j)"
+        ),
+        alternatives=(
+            "the largest ratio goes as R_i/L: "
             + listed(others, "gives {:.2f}")
             + ". Lankarani–Nikravesh is the softer law everywhere only if L exceeds about "
-            f"{max(most.values()):.1f}·R_i; for shorter contacts not reproduced",
+            f"{max(most.values()):.1f}·R_i; for shorter contacts not reproduced"
+        ),
         values={
             **{f"{name}, median, -": value for name, value in median.items()},
             **{f"{name}, largest, -": value for name, value in most.items()},
@@ -170,17 +176,21 @@ def enhanced_beyond_johnson(bench: Bench) -> Finding:
         johnson[name] = 100 * float(np.isfinite(Johnson().penetration(load, pair)).mean())
         enhanced[name] = 100 * float(np.isfinite(Enhanced().penetration(load, pair)).mean())
     return Finding(
-        "share of Sect. 3.4's clearance–load plane in which each law gives a penetration: "
+        (
+            "share of Sect. 3.4's clearance–load plane in which each law gives a penetration: "
             f"enhanced {min(enhanced.values()):.0f} % for every material; Johnson "
             + listed(johnson, "{:.2f} %")
-            + f"; the enhanced law adds {100 - min(johnson.values()):.2f} % at most",
+            + f"; the enhanced law adds {100 - min(johnson.values()):.2f} % at most"
+        ),
         holds=min(enhanced.values()) == 100 and min(johnson.values()) < 100,
         choice=joined(
             "judged over Sect. 3.4's clearances and loads", material_origins(bench, ELASTIC)
         ),
-        alternatives="over all clearances the reverse holds: Eq 6d confines the enhanced law to "
+        alternatives=(
+            "over all clearances the reverse holds: Eq 6d confines the enhanced law to "
             f"{INTERNAL_DR_MIN:g} ≤ ΔR < {INTERNAL_DR_MAX:g} mm (Figs 7–9 start at 0.001 mm), "
-            "while Johnson's law has no limit of clearance",
+            "while Johnson's law has no limit of clearance"
+        ),
         values=with_unit(johnson, "percent"),
     )
 
@@ -191,7 +201,7 @@ def enhanced_beyond_johnson(bench: Bench) -> Finding:
     paper="confirmed",
     rule="none",
 )
-def johnson_experiment(bench: Bench) -> Finding:
+def johnson_experiment(_bench: Bench) -> Finding:
     """Return the statement on experiments, which no computation can judge."""
     return Finding(
         "—",

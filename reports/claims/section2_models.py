@@ -13,6 +13,8 @@ from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, joined, listed, verdict_if
+from cylcontact.reports.laws_bounds import departure_number, johnson_end, johnson_shortfall
+
 from ..paper import (
     ELASTIC,
     MATERIALS,
@@ -20,12 +22,10 @@ from ..paper import (
     PRACTICAL,
     YIELD,
     Domain,
-    Table,
     five_materials,
-    origins,
+    material_origins,
 )
 from .section1 import AGREEMENT, TRUTH
-from cylcontact.reports.laws_bounds import departure_number, johnson_end, johnson_shortfall
 
 SECTION = "2"
 LENGTH = 10.0  # mm, the axial length of the slider-crank's bearing
@@ -44,9 +44,6 @@ OTHERS = (
     "lankarani-nikravesh",
 )
 MISSED = 0.1  # by how much a restitution may miss
-
-
-
 
 
 def penetrations(
@@ -77,8 +74,10 @@ def _choice(bench: Bench, *more: str) -> str:
     "2-radzimovsky-comparable",
     "Johnson's and Radzimovsky's laws give comparable results, neither superior",
     paper="no relative superiority",
-    rule=f"within {AGREEMENT:g} % of Johnson's everywhere at moderate loads, for every "
-        "material, by the reading nearest to Johnson's",
+    rule=(
+        f"within {AGREEMENT:g} % of Johnson's everywhere at moderate loads, for every "
+        "material, by the reading nearest to Johnson's"
+    ),
 )
 def radzimovsky_comparable(bench: Bench) -> Finding:
     """Return Radzimovsky's penetration against Johnson's, by three readings of his formula."""
@@ -104,18 +103,22 @@ def radzimovsky_comparable(bench: Bench) -> Finding:
         for name, values in apart.items()
     }
     return Finding(
-        "Radzimovsky's penetration is larger by, at moderate loads with the softest of the "
-            f"materials: {'; '.join(told)}",
+        (
+            "Radzimovsky's penetration is larger by, at moderate loads with the softest of the "
+            f"materials: {'; '.join(told)}"
+        ),
         holds=largest[nearest] < AGREEMENT,
         choice=_choice(
             bench,
             "the literature gives three readings of the width b in Radzimovsky's formula",
             "'moderate loads' as defined above",
         ),
-        alternatives="root mean square distance from Persson's penetration, over the materials: "
+        alternatives=(
+            "root mean square distance from Persson's penetration, over the materials: "
             + listed(rms, "{}", "; ")
             + f". By the median the nearest reading is comparable "
-            f"{verdict_if(median[nearest] < AGREEMENT)}, the half-width one is not",
+            f"{verdict_if(median[nearest] < AGREEMENT)}, the half-width one is not"
+        ),
         values={
             **{f"{name}, largest, percent": value for name, value in largest.items()},
             **{f"{name}, median, percent": value for name, value in median.items()},
@@ -140,8 +143,10 @@ def others_fall_short(bench: Bench) -> Finding:
     spans = {name: f"{min(values):.1f} to {max(values):.1f} %" for name, values in apart.items()}
     best = [min(apart[name][k] for name in OTHERS) for k in range(len(MATERIALS))]
     return Finding(
-        "root mean square distance from Persson's penetration in the practical domain, over "
-            f"the materials: {listed(spans, '{}')}",
+        (
+            "root mean square distance from Persson's penetration in the practical domain, over "
+            f"the materials: {listed(spans, '{}')}"
+        ),
         holds=all(other > own for other, own in zip(best, apart["johnson"], strict=True)),
         choice=_choice(
             bench,
@@ -149,9 +154,11 @@ def others_fall_short(bench: Bench) -> Finding:
             f"axial length {LENGTH:g} mm; the models as this package reads them, where the "
             "literature disagrees",
         ),
-        alternatives="the margin is least for the aluminium alloy: "
+        alternatives=(
+            "the margin is least for the aluminium alloy: "
             f"{best[-1]:.1f} % for the nearest of the others, {apart['johnson'][-1]:.1f} % for "
-            "Johnson's. Of these models only liu and lankarani-nikravesh have no largest load",
+            "Johnson's. Of these models only liu and lankarani-nikravesh have no largest load"
+        ),
         values={
             **{f"{name}, least, percent": min(values) for name, values in apart.items()},
             **{f"{name}, most, percent": max(values) for name, values in apart.items()},
@@ -165,16 +172,20 @@ def others_fall_short(bench: Bench) -> Finding:
     paper="limited to a maximum load",
     rule=f"within {AGREEMENT:g} % of Persson's penetration up to Eq 8's load",
 )
-def johnson_good_to_its_limit(bench: Bench) -> Finding:
+def johnson_good_to_its_limit(_bench: Bench) -> Finding:
     """Return how far Johnson's penetration is off before its largest load."""
     end, number = johnson_end(), departure_number(AGREEMENT)
     low = johnson_shortfall(end)
     return Finding(
-        f"there its penetration is {low:.1f} % below that of conformal contact; "
+        (
+            f"there its penetration is {low:.1f} % below that of conformal contact; "
             f"{AGREEMENT:g} % are reached at {100 * number / end:.1f} % of that load. Eq 8 bounds "
-            "the algebra, not the physics (see 3.3-logarithm-at-least-2)",
+            "the algebra, not the physics (see 3.3-logarithm-at-least-2)"
+        ),
         holds=low <= AGREEMENT,
-        choice=f"{TRUTH}; a function of f/(E*ΔR) alone, so the same for every material and clearance",
+        choice=(
+            f"{TRUTH}; a function of f/(E*ΔR) alone, so the same for every material and clearance"
+        ),
         values={
             "too small at the limit, percent": low,
             "load at 10 % over the limit, -": number / end,
@@ -188,7 +199,7 @@ def johnson_good_to_its_limit(bench: Bench) -> Finding:
     paper="unrealistic for low coefficients",
     rule=f"the achieved restitution misses the wanted one by more than {MISSED:g} somewhere",
 )
-def low_restitution(bench: Bench) -> Finding:
+def low_restitution(_bench: Bench) -> Finding:
     """Return the restitution that Lankarani and Nikravesh's factor gives for the one wanted."""
     wanted = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
     achieved = achieved_restitution(lankarani_nikravesh(wanted))
@@ -200,16 +211,22 @@ def low_restitution(bench: Bench) -> Finding:
     below = float(scan[off > MISSED].max())
     force = float((1 + lankarani_nikravesh(0.1)) / (1 + exact_factor(0.1)))
     return Finding(
-        "restitution achieved for the one wanted: "
+        (
+            "restitution achieved for the one wanted: "
             + listed(found, "gives {:.3f}")
             + f"; it can never be below {least:.3f}, whatever the elastic law, and is more than "
-            f"{MISSED:g} too high below {below:.2f}",
+            f"{MISSED:g} too high below {below:.2f}"
+        ),
         holds=bool(off.max() > MISSED),
-        choice="forces are judged by the restitution that they lead to in an isolated impact, which "
-            "follows from the factor in closed form",
-        alternatives="what is wrong is too little dissipation: just after first touch the "
+        choice=(
+            "forces are judged by the restitution that they lead to in an isolated impact, which "
+            "follows from the factor in closed form"
+        ),
+        alternatives=(
+            "what is wrong is too little dissipation: just after first touch the "
             f"load is {force:.2f} of that with the factor that would give 0.1. At 0.9, the paper's "
-            f"mechanism, the error is {found['0.9'] - 0.9:.4f} {verdict_if(False)}",
+            f"mechanism, the error is {found['0.9'] - 0.9:.4f} {verdict_if(False)}"
+        ),
         values={
             **{f"achieved for {name}, -": value for name, value in found.items()},
             "least, -": least,

@@ -12,25 +12,14 @@ from cylcontact.arrays import FloatArray
 from cylcontact.pair import Contact
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, verdict_if
-from ..power_fits import (
-    E_REFERENCE,
-    TRAINING_DR,
-    TRAINING_E,
-    TRAINING_LOADS,
-    ends_spread,
-    fit_at,
-    johnson_points,
-    r_squared_at,
-    reference_pair,
-)
+
+from ..paper import E_REFERENCE, TRAINING_DR, TRAINING_E, TRAINING_LOADS
+from ..power_fits import ends_spread, fit_at, johnson_points, r_squared_at, reference_pair
 
 ACCEPTABLE = 0.998  # R² of Sect. 3.1
 STRICT = 0.999
 N_EXTERNAL = 1.094
 LOADS_TOLD = "loads 10–1000 N/mm spaced logarithmically, ν = 0.3"
-
-
-
 
 
 def spread_over_dR(contact: Contact) -> float:
@@ -51,7 +40,7 @@ def spread_over_E(contact: Contact, dR: float, moduli: tuple[float, float] = TRA
     paper="much lower sensitivity to the material",
     rule="the spread of n over ΔR is at least twice that over E",
 )
-def internal_sensitivity(bench: Bench) -> Finding:
+def internal_sensitivity(_bench: Bench) -> Finding:
     """Return the spreads of n over ΔR and over E for internal contact."""
     contact: Contact = "internal"
     centre = float(np.sqrt(np.prod(TRAINING_DR[contact])))
@@ -59,11 +48,13 @@ def internal_sensitivity(bench: Bench) -> Finding:
     return Finding(
         _spreads(contact, over_dR, over_E, centre),
         holds=_far_more(over_dR / over_E),
-        choice="full training ranges (the curves of Fig 3 are not named in the text), "
+        choice=(
+            "full training ranges (the curves of Fig 3 are not named in the text), "
             + LOADS_TOLD
             + ". Johnson's law knows ΔR and E only through E*·ΔR, so n takes the same change from "
             "1 % of either; which spread is wider only tells which range is wider: 200 times in "
-            "ΔR, 483 times in E",
+            "ΔR, 483 times in E"
+        ),
         alternatives=_other_ratios(contact, centre, over_dR, _far_more),
         values={"over dR, percent": over_dR, "over E, percent": over_E},
     )
@@ -75,7 +66,7 @@ def internal_sensitivity(bench: Bench) -> Finding:
     paper="equally dependent on both",
     rule="neither spread of n exceeds twice the other",
 )
-def external_sensitivity(bench: Bench) -> Finding:
+def external_sensitivity(_bench: Bench) -> Finding:
     """Return the spreads of n over ΔR and over E for external contact."""
     contact: Contact = "external"
     centre = float(np.sqrt(np.prod(TRAINING_DR[contact])))
@@ -195,16 +186,19 @@ def product_points(contact: Contact, product: float) -> tuple[FloatArray, FloatA
     paper="none does",
     rule=f"no n gives R² > {ACCEPTABLE} all over the training box",
 )
-def no_single_exponent_internal(bench: Bench, box: TrainingBox) -> Finding:
+def no_single_exponent_internal(_bench: Bench) -> Finding:
     """Return how much of the internal training box the best single exponent serves."""
+    box = TrainingBox.of("internal")
     n, served = box.n, box.served()
     best = int(np.argmax(served))
     return Finding(
         f"the best single exponent, n = {n[best]:.3f}, serves {served[best]:.0f} % of the box",
         holds=bool(served.max() < 100),
-        choice=f"'serves' means R² > {ACCEPTABLE} of ln f (the paper's figure for a very good "
+        choice=(
+            f"'serves' means R² > {ACCEPTABLE} of ln f (the paper's figure for a very good "
             "correlation) with the best factor K for that n; box of ΔR = 0.05–10 mm and "
-            "E = 20.7–10000 GPa on logarithmic axes; " + LOADS_TOLD,
+            "E = 20.7–10000 GPa on logarithmic axes; " + LOADS_TOLD
+        ),
         values={"best n, -": float(n[best]), "served, percent": float(served[best])},
     )
 
@@ -215,16 +209,19 @@ def no_single_exponent_internal(bench: Bench, box: TrainingBox) -> Finding:
     paper="most",
     rule=f"R² > {ACCEPTABLE} over more than half of the training box",
 )
-def single_exponent_external(bench: Bench, box: TrainingBox) -> Finding:
+def single_exponent_external(_bench: Bench) -> Finding:
     """Return how much of the external training box n = 1.094 serves."""
+    box = TrainingBox.of("external")
     column = int(np.argmin(np.abs(box.n - N_EXTERNAL)))
     served = float(box.served()[column])
     least = float(box.r_squared[:, column].min())
     return Finding(
         f"n = {N_EXTERNAL} serves {served:.1f} % of the box (least R² = {least:.4f})",
         holds=served > 50,
-        choice="'serves' as for internal contact, with the best K at every point; box of "
-            "ΔR = 5–500 mm and E = 20.7–10000 GPa; " + LOADS_TOLD,
+        choice=(
+            "'serves' as for internal contact, with the best K at every point; box of "
+            "ΔR = 5–500 mm and E = 20.7–10000 GPa; " + LOADS_TOLD
+        ),
         values={"served, percent": served, "least R squared, -": least},
     )
 
@@ -235,7 +232,7 @@ def single_exponent_external(bench: Bench, box: TrainingBox) -> Finding:
     paper="smallest ΔR; lowest and highest E",
     rule=f"R² ≤ {ACCEPTABLE} occurs at the smallest ΔR, at the lowest E and at the highest E",
 )
-def exceptions_external(bench: Bench) -> Finding:
+def exceptions_external(_bench: Bench) -> Finding:
     """Return where n = 1.094 fails and the exponents that the corners would want."""
     (dR_low, dR_high), (E_low, E_high) = TRAINING_DR["external"], TRAINING_E
     corners = {
@@ -248,18 +245,26 @@ def exceptions_external(bench: Bench) -> Finding:
         brentq(lambda p: _excess_r_squared(p, STRICT), dR_low * E_high, dR_high * E_high)
     )
     return Finding(
-        f"R² ≤ {ACCEPTABLE} only in the corner E·ΔR < {low_edge / 1e3:.0f} GPa·mm: E up to "
+        (
+            f"R² ≤ {ACCEPTABLE} only in the corner E·ΔR < {low_edge / 1e3:.0f} GPa·mm: E up to "
             f"{low_edge / dR_low / 1e3:.1f} GPa at {dR_low:g} mm, ΔR up to "
             f"{low_edge / E_low:.1f} mm at {E_low / 1e3:g} GPa; fitted n in the box's corners: "
-            + ", ".join(f"{n:.3f} ({name})" for name, n in corners.items()),
+            + ", ".join(f"{n:.3f} ({name})" for name, n in corners.items())
+        ),
         holds=_exceptional_corners(ACCEPTABLE),
-        choice="n depends on E*·ΔR only: small ΔR with low E wants a larger n, large ΔR with high E a "
-            "smaller one; by this measure only the former is an exception, the highest E none",
-        alternatives=f"with R² > {STRICT} as the bar the highest E becomes an exception too, though with "
+        choice=(
+            "n depends on E*·ΔR only: small ΔR with low E wants a larger n, large ΔR with high E a "
+            "smaller one; by this measure only the former is an exception, the highest E none"
+        ),
+        alternatives=(
+            f"with R² > {STRICT} as the bar the highest E becomes an exception too, though with "
             f"the largest ΔR, {strict_edge / E_high:.0f} mm and more "
-            + verdict_if(_exceptional_corners(STRICT)),
-        values={f"n at {name}, -": n for name, n in corners.items()}
-        | {"largest E·ΔR of the exceptions, N/mm": low_edge},
+            + verdict_if(_exceptional_corners(STRICT))
+        ),
+        values=(
+            {f"n at {name}, -": n for name, n in corners.items()}
+            | {"largest E·ΔR of the exceptions, N/mm": low_edge}
+        ),
     )
 
 

@@ -14,27 +14,21 @@ from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, agrees_as_printed, claim
+
 from ..paper import (
     CLEARANCES,
-    FIG7_CLEARANCES,
-    Y_SWITCH,
-    Table,
-    five_materials,
-)
-from ..power_fits import (
     E_REFERENCE,
+    FIG7_CLEARANCES,
     TRAINING_DR,
     TRAINING_E,
     TRAINING_LOADS,
-    fit_at,
-    reference_pair,
+    Y_SWITCH,
+    five_materials,
 )
+from ..power_fits import fit_at, reference_pair
 
 # Not in the paper: the stiffest unfilled plastics, and diamond, the stiffest common solid.
 E_PLASTIC, E_DIAMOND = 4.0, 1150.0  # GPa
-
-
-
 
 
 def _force_exponent(of: str, dR: float) -> float:
@@ -61,12 +55,14 @@ def _force_exponent(of: str, dR: float) -> float:
     paper="some proportionality",
     rule="exponent within 0.1 of 1",
 )
-def force_proportional_to_modulus(bench: Bench) -> Finding:
+def force_proportional_to_modulus(_bench: Bench) -> Finding:
     """Return the exponent of E* in the force at fixed penetration."""
     exponents = {f"ΔR = {dR:g} mm": _force_exponent("E", dR) for dR in TRAINING_DR["internal"]}
     return Finding(
-        "exponent of E* in Johnson's force at fixed penetration: "
-        + ", ".join(f"{value:.4f} at {name}" for name, value in exponents.items()),
+        (
+            "exponent of E* in Johnson's force at fixed penetration: "
+            + ", ".join(f"{value:.4f} at {name}" for name, value in exponents.items())
+        ),
         holds=all(abs(value - 1) < 0.1 for value in exponents.values()),
         values={f"exponent at {name}, -": value for name, value in exponents.items()},
     )
@@ -78,18 +74,24 @@ def force_proportional_to_modulus(bench: Bench) -> Finding:
     paper="some proportionality",
     rule="exponent nearer to −1 than to 0",
 )
-def force_proportional_to_inverse_clearance(bench: Bench) -> Finding:
+def force_proportional_to_inverse_clearance(_bench: Bench) -> Finding:
     """Return the exponent of ΔR in the force at fixed penetration."""
     exponents = {f"{dR:g} mm": _force_exponent("dR", dR) for dR in TRAINING_DR["internal"]}
     small, large = (_sphere_factor(dR) for dR in (0.05, 0.1))
     sphere = float(np.log2(large / small))
     return Finding(
-        "exponent of ΔR in Johnson's force at fixed penetration (that of 100 N/mm, 207 GPa): "
-            + ", ".join(f"{value:.2f} at ΔR = {name}" for name, value in exponents.items()),
+        (
+            "exponent of ΔR in Johnson's force at fixed penetration (that of 100 N/mm, 207 GPa): "
+            + ", ".join(f"{value:.2f} at ΔR = {name}" for name, value in exponents.items())
+        ),
         holds=all(value < -0.5 for value in exponents.values()),
-        choice="the force falls with ΔR far more slowly than 1/ΔR; in Eq 5 the factor aΔR + b makes "
-            "up for most of the 1/ΔR",
-        alternatives=f"Lankarani–Nikravesh at R_i = 10 mm: {sphere:.2f}, from the square root in Eq 2",
+        choice=(
+            "the force falls with ΔR far more slowly than 1/ΔR; in Eq 5 the factor aΔR + b makes "
+            "up for most of the 1/ΔR"
+        ),
+        alternatives=(
+            f"Lankarani–Nikravesh at R_i = 10 mm: {sphere:.2f}, from the square root in Eq 2"
+        ),
         values={f"exponent at {name}, -": value for name, value in exponents.items()},
     )
 
@@ -134,12 +136,13 @@ def least_worst_percent(dR: FloatArray, k_star: FloatArray) -> float:
 
 
 @claim(
-    f"3.1-K-star-linear-{contact}",
-    f"{contact}: K* of K = K*·E*/ΔR is linear in ΔR",
+    "3.1-K-star-linear-{contact}",
+    "{contact}: K* of K = K*·E*/ΔR is linear in ΔR",
     paper="assumed linear",
     rule="some straight line is within 8 % of K* over the training range",
+    cases=[{"contact": contact} for contact in TRAINING_DR],
 )
-def k_star_linear(bench: Bench, contact: Contact) -> Finding:
+def k_star_linear(_bench: Bench, contact: Contact) -> Finding:
     """Return how well a straight line follows K* of the fits at single clearances."""
     dR = np.geomspace(*TRAINING_DR[contact], 61)
     k_star = np.array([_k_star(contact, x) for x in dR])
@@ -147,15 +150,21 @@ def k_star_linear(bench: Bench, contact: Contact) -> Finding:
     power = float(np.polyfit(np.log(dR), np.log(k_star), 1)[0])
     published = PUBLISHED[contact]
     return Finding(
-        f"least squares: K* = {line.a:.3f}ΔR {line.b:+.3f} (Eq 6: {published.a:g}ΔR "
+        (
+            f"least squares: K* = {line.a:.3f}ΔR {line.b:+.3f} (Eq 6: {published.a:g}ΔR "
             f"{published.b:+g}), R² = {line.r_squared:.4f}, but off by up to "
-            f"{line.worst_percent:.0f} % of K*",
+            f"{line.worst_percent:.0f} % of K*"
+        ),
         holds=least < 8,
-        choice="K* from a fit at each of 61 clearances, 207 GPa, ν = 0.3, loads 10–1000 N/mm "
+        choice=(
+            "K* from a fit at each of 61 clearances, 207 GPa, ν = 0.3, loads 10–1000 N/mm "
             "(both logarithmic); R² is set by the largest K* and hides the small clearances. "
-            "The 8 % are Sect. 3.4's bound on the difference; it takes nearly all of an error in K*",
-        alternatives=f"no straight line stays closer than {least:.1f} % of K*; a power of ΔR with "
-            f"exponent {power:.2f} stays within {_power_misfit(dR, k_star):.0f} %",
+            "The 8 % are Sect. 3.4's bound on the difference; it takes nearly all of an error in K*"
+        ),
+        alternatives=(
+            f"no straight line stays closer than {least:.1f} % of K*; a power of ΔR with "
+            f"exponent {power:.2f} stays within {_power_misfit(dR, k_star):.0f} %"
+        ),
         values={
             "a, 1/mm": line.a,
             "b, -": line.b,
@@ -194,7 +203,7 @@ def _branches(dR: float) -> tuple[float, float]:
     rule="agreement to the printed digit",
     paper_values={"dR, mm": float(Y_SWITCH)},
 )
-def y_switch(bench: Bench) -> Finding:
+def y_switch(_bench: Bench) -> Finding:
     """Return the clearance at which the two branches of Y cross."""
     crossing = float(brentq(lambda dR: np.subtract(*_branches(dR)), 0.05, 2.0, xtol=1e-15))
     return Finding(
@@ -210,7 +219,7 @@ def y_switch(bench: Bench) -> Finding:
     paper="one value at the switch point, given to five digits",
     rule="a jump of Y no larger than the rounding of the switch point (5e-6 mm) explains",
 )
-def y_continuous(bench: Bench) -> Finding:
+def y_continuous(_bench: Bench) -> Finding:
     """Return the jump of Y, and of the penetration, at the printed switch point."""
     dR = float(Y_SWITCH)
     logarithmic, linear = _branches(dR)
@@ -224,9 +233,11 @@ def y_continuous(bench: Bench) -> Finding:
     ]
     slopes = [np.subtract(_branches(dR + 1e-6)[i], _branches(dR - 1e-6)[i]) / 2e-6 for i in (0, 1)]
     return Finding(
-        f"the branches differ by {jump:.1e} there, which moves the penetration by "
+        (
+            f"the branches differ by {jump:.1e} there, which moves the penetration by "
             f"{100 * abs(deltas[0] / deltas[1] - 1):.1e} % (100 N/mm, 207 GPa); the slope dY/dΔR "
-            f"jumps from {slopes[0]:.3f} to {slopes[1]:.4f} per mm, a kink in the law",
+            f"jumps from {slopes[0]:.3f} to {slopes[1]:.4f} per mm, a kink in the law"
+        ),
         holds=bool(jump < 5e-6 * abs(slopes[0] - slopes[1])),
         values={"jump of Y, -": jump, "slope before, 1/mm": slopes[0]},
     )
@@ -235,20 +246,24 @@ def y_continuous(bench: Bench) -> Finding:
 @claim(
     "3.1-moduli-covered",
     "the training range of E covers engineering materials from plastics to ceramics",
-    paper=f"{low:g} to {high:g} GPa",
+    paper=f"{TRAINING_E[0] / 1e3:g} to {TRAINING_E[1] / 1e3:g} GPa",
     rule="plastics, the five materials and ceramics all lie inside the range",
-    paper_values={"low, GPa": low, "high, GPa": high},
+    paper_values={"low, GPa": TRAINING_E[0] / 1e3, "high, GPa": TRAINING_E[1] / 1e3},
 )
 def moduli_covered(bench: Bench) -> Finding:
     """Return how the training range of E compares with engineering materials."""
     low, high = (E / 1e3 for E in TRAINING_E)
     moduli = [float(m.E) / 1e3 for m in five_materials(bench).values()]
     return Finding(
-        f"the five materials ({min(moduli):g}–{max(moduli):g} GPa) lie inside; plastics (up to "
-            f"{E_PLASTIC:g} GPa) lie below; {high:g} GPa is {high / E_DIAMOND:.0f} times diamond",
+        (
+            f"the five materials ({min(moduli):g}–{max(moduli):g} GPa) lie inside; plastics (up to "
+            f"{E_PLASTIC:g} GPa) lie below; {high:g} GPa is {high / E_DIAMOND:.0f} times diamond"
+        ),
         holds=low <= E_PLASTIC and low <= min(moduli) and max(moduli) <= high,
-        choice=f"assumed: unfilled plastics at most {E_PLASTIC:g} GPa, diamond {E_DIAMOND:g} GPa. The "
-            "upper end is probably 1000 GPa misprinted; plastics are outside either way",
+        choice=(
+            f"assumed: unfilled plastics at most {E_PLASTIC:g} GPa, diamond {E_DIAMOND:g} GPa. The "
+            "upper end is probably 1000 GPa misprinted; plastics are outside either way"
+        ),
         values={"plastics, GPa": E_PLASTIC, "least, GPa": min(moduli)},
     )
 
@@ -258,16 +273,20 @@ def moduli_covered(bench: Bench) -> Finding:
     "the internal training range of ΔR covers the clearances of typical machines",
     paper="0.05 to 10 mm",
     rule="the range starts at or below the smallest clearance that the paper compares",
-    paper_values={"low, mm": low},
+    paper_values={"low, mm": TRAINING_DR["internal"][0]},
 )
-def clearances_covered(bench: Bench) -> Finding:
+def clearances_covered(_bench: Bench) -> Finding:
     """Return how the training range of ΔR compares with the clearances the paper then uses."""
     low = TRAINING_DR["internal"][0]
     return Finding(
-        f"Sect. 3.4 compares from {CLEARANCES[0] * 1e3:g} µm and Sect. 3.3 counts clearances "
+        (
+            f"Sect. 3.4 compares from {CLEARANCES[0] * 1e3:g} µm and Sect. 3.3 counts clearances "
             f"from {FIG7_CLEARANCES[0] * 1e3:g} µm as typical: {low / CLEARANCES[0]:.1f} and "
-            f"{low / FIG7_CLEARANCES[0]:.0f} times below the range's lower end",
+            f"{low / FIG7_CLEARANCES[0]:.0f} times below the range's lower end"
+        ),
         holds=low <= CLEARANCES[0],
-        choice="judged by the paper's own later ranges: below 50 µm the enhanced law is extrapolated",
+        choice=(
+            "judged by the paper's own later ranges: below 50 µm the enhanced law is extrapolated"
+        ),
         values={"smallest compared, mm": CLEARANCES[0]},
     )

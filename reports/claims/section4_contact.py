@@ -9,6 +9,17 @@ import pandas as pd
 
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, listed, verdict_if, with_unit
+
+from ..slider_crank import (
+    CLEARANCES,
+    FIRST,
+    LAW_NAMES,
+    REVOLUTIONS,
+    TIGHTER,
+    WHIRLING,
+    WHIRLING_REVOLUTIONS,
+    statistics_table,
+)
 from .trends import (
     RUNS,
     Change,
@@ -18,15 +29,6 @@ from .trends import (
     shown,
     tally,
     trend,
-)
-from ..slider_crank import (
-    CLEARANCES,
-    FIRST,
-    LAW_NAMES,
-    REVOLUTIONS,
-    TIGHTER,
-    WHIRLING,
-    WHIRLING_REVOLUTIONS,
 )
 
 SPHERE, *CYLINDERS = LAW_NAMES
@@ -43,9 +45,6 @@ BASIS = (
 CONTINUOUS = 0.99
 MOSTLY = 0.5
 ROUGH: Mapping[str, Sequence[object]] = {"friction": [0.1]}
-
-
-
 
 
 def _elastic(table: pd.DataFrame, column: str, run: str = RUNS[0]) -> dict[str, list[float]]:
@@ -89,6 +88,7 @@ def _values(found: dict[str, list[float]], unit: str) -> dict[str, float]:
 )
 def longer_flights(bench: Bench) -> Finding:
     """Return the mean duration of a flight at both clearances."""
+    table = statistics_table(bench)
     found = _elastic(table, "flight_us")
     return Finding(
         f"mean duration of a flight, {SMALL:g} → {LARGE:g} mm: {_told(found, '{:.0f} µs')}",
@@ -106,14 +106,17 @@ def longer_flights(bench: Bench) -> Finding:
 )
 def shorter_contacts(bench: Bench) -> Finding:
     """Return the mean duration of a contact at both clearances."""
+    table = statistics_table(bench)
     found, share = _elastic(table, "contact_us"), _elastic(table, "contact_fraction")
     by_share = _always(table, "contact_fraction", lambda small, large: large < small)
     return Finding(
         f"mean duration of a contact, {SMALL:g} → {LARGE:g} mm: {_told(found, '{:.1f} µs')}",
         holds=_always(table, "contact_us", lambda small, large: large < small),
         choice=BASIS,
-        alternatives=f"by their share of the time, {_told(share, '{:.2f}')}, contacts are shorter "
-            f"{verdict_if(by_share)}",
+        alternatives=(
+            f"by their share of the time, {_told(share, '{:.2f}')}, contacts are shorter "
+            f"{verdict_if(by_share)}"
+        ),
         values=_values(found, "us") | _values(share, "share of time"),
     )
 
@@ -126,6 +129,7 @@ def shorter_contacts(bench: Bench) -> Finding:
 )
 def dissipation_keeps_contact(bench: Bench) -> Finding:
     """Return how many runs with dissipation are in contact nearly all the time."""
+    table = statistics_table(bench)
     lossy = table[table["restitution"] == 0.9]
     count, total = len(_at_least(lossy, CONTINUOUS)), len(lossy)
     smooth = lossy[lossy["friction"] == 0.0]
@@ -140,10 +144,14 @@ def dissipation_keeps_contact(bench: Bench) -> Finding:
         f"{count} of {total} cases with c_e = 0.9 are in contact {CONTINUOUS:.0%} of the time",
         holds=count > total / 2,
         choice=f"{BASIS}; 'continuous' is at least {CONTINUOUS:.0%} of the time",
-        alternatives=f"without friction {' and '.join(by_clearance)}; the share of time at {LARGE:g} mm is "
-            f"then {listed(shares, '{:.2f}')} {verdict_if(len(kept) > len(smooth) / 2)}",
-        values={"cases in contact, -": float(count), "cases, -": float(total)}
-        | with_unit(shares, "share of time at 0.5 mm without friction"),
+        alternatives=(
+            f"without friction {' and '.join(by_clearance)}; the share of time at {LARGE:g} mm is "
+            f"then {listed(shares, '{:.2f}')} {verdict_if(len(kept) > len(smooth) / 2)}"
+        ),
+        values=(
+            {"cases in contact, -": float(count), "cases, -": float(total)}
+            | with_unit(shares, "share of time at 0.5 mm without friction")
+        ),
     )
 
 
@@ -155,6 +163,7 @@ def dissipation_keeps_contact(bench: Bench) -> Finding:
 )
 def friction_keeps_contact(bench: Bench) -> Finding:
     """Return the share of time in contact with friction, and what friction changes."""
+    table = statistics_table(bench)
     rough = table[table["friction"] > 0]
     mostly = _at_least(rough, MOSTLY)
     found = changes(table, "contact_fraction", "friction", 0.0, 0.1)
@@ -193,6 +202,7 @@ def against_sphere(
 )
 def sphere_most_in_contact(bench: Bench) -> Finding:
     """Return whether the sphere is the longest in contact with friction."""
+    table = statistics_table(bench)
     found = against_sphere(table, "contact_fraction")
     return Finding(
         f"a cylindrical law is less in contact {tally(found, -1)}",
@@ -211,6 +221,7 @@ def sphere_most_in_contact(bench: Bench) -> Finding:
 )
 def friction_means_fewer_flights(bench: Bench) -> Finding:
     """Return impacts per revolution without and with friction, for the cylindrical laws."""
+    table = statistics_table(bench)
     found = changes(table, "impacts", "friction", 0.0, 0.1, {"law": CYLINDERS})
     lively = [change for change in found if change.before > 0]
     return Finding(
@@ -229,6 +240,7 @@ def friction_means_fewer_flights(bench: Bench) -> Finding:
 )
 def small_clearance_fewer_impacts(bench: Bench) -> Finding:
     """Return impacts per revolution at both clearances."""
+    table = statistics_table(bench)
     found = changes(table, "impacts", "clearance", LARGE, SMALL)
     share = changes(table, "contact_fraction", "clearance", LARGE, SMALL)
     return Finding(
@@ -249,6 +261,7 @@ def small_clearance_fewer_impacts(bench: Bench) -> Finding:
 )
 def flight_prevails(bench: Bench) -> Finding:
     """Return the share of time in contact without any losses."""
+    table = statistics_table(bench)
     found = _elastic(table, "contact_fraction")
     return Finding(
         f"share of time in contact, {SMALL:g} → {LARGE:g} mm: {_told(found, '{:.2f}')}",

@@ -8,6 +8,8 @@ import pandas as pd
 
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, joined, listed
+
+from ..slider_crank import AGAINST, LAW_NAMES, statistics_table
 from .section4_contact import BASIS, SMALL, against_sphere
 from .trends import (
     CERTAIN,
@@ -21,7 +23,6 @@ from .trends import (
     told_case,
     trend,
 )
-from ..slider_crank import AGAINST, LAW_NAMES
 
 # Less is no particular difference.
 DIFFERENT = 0.2
@@ -36,9 +37,6 @@ ALIKE = {
 }
 
 
-
-
-
 @claim(
     "4.3-friction-lowers-forces",
     "friction lowers the contact forces",
@@ -46,6 +44,7 @@ ALIKE = {
 )
 def friction_lowers_forces(bench: Bench) -> Finding:
     """Return forces without and with friction."""
+    table = statistics_table(bench)
     found = changes(table, FORCE, "friction", 0.0, 0.1)
     return Finding(
         f"they fall {tally(found, -1)}: {shown(found, '{:.0f} N')}",
@@ -84,6 +83,7 @@ def _unsteady(table: pd.DataFrame) -> str:
 )
 def cylinders_higher_forces(bench: Bench) -> Finding:
     """Return forces by the sphere and by the cylindrical laws, with friction."""
+    table = statistics_table(bench)
     found = against_sphere(table, FORCE)
     return Finding(
         f"higher {tally(found, 1)}: {shown(found, '{:.0f} N')}",
@@ -101,12 +101,15 @@ def cylinders_higher_forces(bench: Bench) -> Finding:
 )
 def sphere_deeper(bench: Bench) -> Finding:
     """Return penetrations by the sphere and by the cylindrical laws at the small clearance."""
+    table = statistics_table(bench)
     found = against_sphere(
         table, "mean_penetration_um", {"clearance": [SMALL], "friction": [0.0, 0.1]}
     )
     return Finding(
-        f"mean penetration with a cylindrical law is lower {tally(found, -1)}: "
-        + shown(found, "{:.2f} µm"),
+        (
+            f"mean penetration with a cylindrical law is lower {tally(found, -1)}: "
+            + shown(found, "{:.2f} µm")
+        ),
         holds=trend(found, -1),
         choice=BASIS,
         values=as_values(found, "um"),
@@ -118,11 +121,14 @@ def sphere_deeper(bench: Bench) -> Finding:
     "4.3-johnson-and-enhanced-alike",
     "otherwise Johnson's law and the enhanced one give no particular difference",
     paper="no difference",
-    rule=f"none differs {CERTAIN}, and by more than {DIFFERENT:.0%} of the larger in the mean; "
-        f"more than half are alike, within {DIFFERENT:.0%} at that confidence",
+    rule=(
+        f"none differs {CERTAIN}, and by more than {DIFFERENT:.0%} of the larger in the mean; "
+        f"more than half are alike, within {DIFFERENT:.0%} at that confidence"
+    ),
 )
 def johnson_and_enhanced_alike(bench: Bench) -> Finding:
     """Return in what the runs with Johnson's and with the enhanced law differ."""
+    table = statistics_table(bench)
     differing: dict[str, str] = {}
     values: dict[str, float] = {}
     count = alike = 0
@@ -143,9 +149,11 @@ def johnson_and_enhanced_alike(bench: Bench) -> Finding:
         for r in continued.to_dict("records")
     ]
     return Finding(
-        f"{len(differing)} of {count} numbers differ, Johnson → enhanced: "
+        (
+            f"{len(differing)} of {count} numbers differ, Johnson → enhanced: "
             + (listed(differing, "{}") or "none")
-            + f"; {alike} are alike, {count - alike - len(differing)} undecided",
+            + f"; {alike} are alike, {count - alike - len(differing)} undecided"
+        ),
         holds=not differing and alike > count / 2,
         choice=f"{BASIS}; compared are {', '.join(ALIKE.values())}",
         alternatives=f"Johnson's law had to be continued along its tangent ({'; '.join(told)})"
@@ -162,6 +170,7 @@ def johnson_and_enhanced_alike(bench: Bench) -> Finding:
 )
 def losses_lower_forces(bench: Bench) -> Finding:
     """Return forces without and with dissipation."""
+    table = statistics_table(bench)
     found = changes(table, FORCE, "restitution", 1.0, 0.9)
     return Finding(
         f"with c_e = 0.9 they are lower {tally(found, -1)}: {shown(found, '{:.0f} N')}",

@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-import pandas as pd
-
 from cylcontact.mechanism.loop import FIRST_STEP
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, listed, with_unit
+
+from ..slider_crank import LAW_NAMES, statistics_table
 from .section4_contact import BASIS, LARGE, SMALL, against_sphere
 from .trends import RUNS, as_values, changes, rule, shown, tally, trend
-from ..slider_crank import LAW_NAMES
 
 STEP = (
     "mean step over a revolution by CVODE's Adams method with contact found by root, where the "
     "paper controls the step by the penetration at onset; an event's second row is no step, but "
     f"the short ones after every event count, where the integrator starts anew at {FIRST_STEP:g} s"
 )
-CAUSES = {
-    "friction": ("4.3-friction-larger-steps", "friction", 0.0, 0.1),
-    "energy dissipation": ("4.3-dissipation-larger-steps", "restitution", 1.0, 0.9),
-    "a smaller clearance": ("4.3-small-clearance-larger-steps", "clearance", LARGE, SMALL),
-}
-
-
-
+CAUSES = [
+    {"short": "friction", "cause": "friction", "changed": ("friction", 0.0, 0.1)},
+    {"short": "dissipation", "cause": "energy dissipation", "changed": ("restitution", 1.0, 0.9)},
+    {
+        "short": "small-clearance",
+        "cause": "a smaller clearance",
+        "changed": ("clearance", LARGE, SMALL),
+    },
+]
 
 
 @claim(
@@ -34,6 +34,7 @@ CAUSES = {
 )
 def contact_needs_small_steps(bench: Bench) -> Finding:
     """Return the mean step in contact over that in flight."""
+    table = statistics_table(bench)
     chosen = table[(table["restitution"] == 1.0) & (table["friction"] == 0.0)]
     ratios = {
         f"{LAW_NAMES[r['law']]} at {r['clearance']:g} mm{told}": (
@@ -57,6 +58,7 @@ def contact_needs_small_steps(bench: Bench) -> Finding:
 )
 def cylinders_cost_more(bench: Bench) -> Finding:
     """Return the mean step by the sphere and by the cylindrical laws, without losses."""
+    table = statistics_table(bench)
     found = against_sphere(table, "step_us", {"friction": [0.0], "restitution": [1.0]})
     return Finding(
         f"smaller {tally(found, -1)}: {shown(found, '{:.2f} µs')}",
@@ -68,14 +70,15 @@ def cylinders_cost_more(bench: Bench) -> Finding:
 
 
 @claim(
-    name,
-    f"{cause} makes the integrator's steps larger",
+    "4.3-{short}-larger-steps",
+    "{cause} makes the integrator's steps larger",
     paper="larger",
+    cases=CAUSES,
 )
-def larger_steps(bench: Bench, cause: str) -> Finding:
+def larger_steps(bench: Bench, changed: tuple[str, float, float], **_texts: str) -> Finding:
     """Return the mean step without and with something that should make it larger."""
-    name, condition, before, after = CAUSES[cause]
-    found = changes(table, "step_us", condition, before, after)
+    table = statistics_table(bench)
+    found = changes(table, "step_us", *changed)
     return Finding(
         f"larger {tally(found, 1)}: {shown(found, '{:.2f} µs')}",
         holds=trend(found, 1),

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, joined, listed
-from ..paper import MODERATE, Table
+
+from ..paper import MODERATE
 from .section34_differences import (
     domain_choice,
     extremes_as_values,
@@ -12,9 +13,6 @@ from .section34_differences import (
     magnitudes,
     shares,
 )
-
-
-
 
 
 @claim(
@@ -28,10 +26,12 @@ def below_10_percent(bench: Bench) -> Finding:
     """Return the largest difference at moderate loads against the bound of the conclusions."""
     found = largest_by_material(bench, MODERATE)
     return Finding(
-        "largest difference of the enhanced law from Johnson's at moderate loads: "
+        (
+            "largest difference of the enhanced law from Johnson's at moderate loads: "
             + listed(found, "{}", "; ")
             + "; below 10 % over this share of them: "
-            + listed(shares(bench, 10.0, MODERATE), "{:.1f} %"),
+            + listed(shares(bench, 10.0, MODERATE), "{:.1f} %")
+        ),
         holds=max(magnitudes(found).values()) < 10,
         choice=joined(
             domain_choice(bench, "moderate loads"),

@@ -35,7 +35,7 @@ def animate(
     from cylcontact.files import require_writable
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism import simulate as run
-    from cylcontact.reports.mechanism.movie import film, require_film
+    from cylcontact.mechanism.movie import film, require_film
 
     require_film(out)
     require_writable(out)

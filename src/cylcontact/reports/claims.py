@@ -81,6 +81,8 @@ class Finding:
         What becomes of the number and the verdict under other reasonable choices.
     values : mapping
         Our numbers in full precision, by a name that ends in the unit.
+    paper_values : mapping
+        The paper's numbers, where these come from its constants.
     rule : str
         The rule, where its wording depends on the data.
     """
@@ -90,6 +92,7 @@ class Finding:
     choice: str = ""
     alternatives: str = ""
     values: Mapping[str, float] = field(default_factory=dict)
+    paper_values: Mapping[str, float] = field(default_factory=dict)
     rule: str = ""
 
 
@@ -213,7 +216,7 @@ def claim(
                 finding.holds,
                 finding.choice,
                 finding.alternatives,
-                {_filled(name, case): value for name, value in numbers.items()},
+                numbers | dict(finding.paper_values),
                 finding.values,
             )
 

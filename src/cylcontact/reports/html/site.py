@@ -199,6 +199,8 @@ def _explore(bench: Bench, campaigns: Campaigns) -> dict[str, Any]:
 def _claims(bench: Bench, progress: Progress) -> Ledger:
     """Return the ledger, or why there is none."""
     try:
-        return Ledger(tuple(ledger(_ReadableBench(bench.root, bench.results, bench.jobs), progress)))
+        return Ledger(
+            tuple(ledger(_ReadableBench(bench.root, bench.results, bench.jobs), progress))
+        )
     except InputError as error:
         return Ledger((), str(error))

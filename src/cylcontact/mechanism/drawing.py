@@ -1,4 +1,4 @@
-"""A mechanism drawn from its spec: bodies, joints, the driver's circle."""
+"""Drawings of a mechanism and of its clearance joint, magnified."""
 
 from __future__ import annotations
 
@@ -14,9 +14,11 @@ from matplotlib.transforms import Affine2D
 from cylcontact.arrays import FloatArray
 from cylcontact.mechanism import Mechanism, Trajectory
 from cylcontact.mechanism.model import Joint
+from cylcontact.plots.sketch import OUTLINE, POINTER, THIN, Point
 from cylcontact.plots.style import ACCENT
-from cylcontact.reports.sketch import OUTLINE, THIN, Point
 
+# Beyond the points' span, along x and along y, in shares of that along x.
+MARGINS = (0.12, 0.08)
 # What is drawn of a body, in shares of the mechanism's span.
 LINK, PIN, BLOCK, SUPPORT = 0.028, 0.011, (0.15, 0.085), 0.045
 # Guides end so far from the middle of what slides.
@@ -235,7 +237,8 @@ def joint_place(one: Mechanism, pose: Pose, joint: Joint) -> Point:
     """Return where a joint is, by the point of its first body that moves, in mm."""
     body, place = (joint.j, joint.point_j) if joint.i == -1 else (joint.i, joint.point_i)
     name = one.bodies[body].name
-    return placed(*pose.centres[name], pose.angles[name], _mm(place))
+    x, y = pose.centres[name]
+    return placed(x, y, pose.angles[name], _mm(place))
 
 
 def _draw_pin(axes: Axes, one: Mechanism, pose: Pose, joint: Joint, size: float) -> None:
@@ -246,3 +249,116 @@ def _draw_pin(axes: Axes, one: Mechanism, pose: Pose, joint: Joint, size: float)
     if open_joint:
         ring = {"fill": False, "edgecolor": ACCENT, "linewidth": 1.4}
         axes.add_patch(Circle(centre, 2.1 * PIN * size, zorder=8, **ring))
+
+
+def frame(one: Mechanism, path: list[Pose]) -> tuple[float, float, float, float]:
+    """Return a view of the mechanism in some poses, in mm: left, right, bottom, top."""
+    left, right, low, high = span(path)
+    for pose in path[:1]:
+        circle = driver_circle(one, pose)
+        if circle is not None:
+            (x, y), radius = circle
+            left, right = min(left, x - radius), max(right, x + radius)
+            low, high = min(low, y - radius), max(high, y + radius)
+    across, along = (share * (right - left) for share in MARGINS)
+    return left - across, right + across, low - along, high + along
+
+
+def set_view(axes: Axes, view: tuple[float, float, float, float]) -> None:
+    """Show a view to scale, without axes."""
+    axes.set(xlim=view[:2], ylim=view[2:], aspect="equal")
+    axes.set_axis_off()
+
+
+def draw_circle(axes: Axes, one: Mechanism, pose: Pose) -> None:
+    """Draw the driver's circle and which way it turns."""
+    from matplotlib.patches import Circle
+
+    found = driver_circle(one, pose)
+    if found is None:
+        return
+    (x, y), radius = found
+    axes.add_patch(Circle((x, y), radius, zorder=0.5, **CIRCLE))
+    turn = np.radians(np.array([118.0, 142.0])[:: int(np.sign(one.driver.speed)) or 1])
+    start, end = (
+        (float(x + radius * np.cos(angle)), float(y + radius * np.sin(angle))) for angle in turn
+    )
+    bend = 0.2 * np.sign(one.driver.speed)
+    arrow = POINTER | {"connectionstyle": f"arc3,rad={bend:g}", "zorder": 1, "linewidth": 0.9}
+    axes.annotate("", xy=end, xytext=start, arrowprops=arrow)
+
+
+# The clearance as drawn, in radii of the bearing.
+DRAWN = 0.3
+BEARING, JOURNAL = "0.80", "0.93"
+RIM = 1.22
+
+
+@dataclass(frozen=True)
+class Magnified:
+    """A joint as drawn, its centre in the bearing's and its unit the bearing's radius.
+
+    Attributes
+    ----------
+    radial : float
+        The radial clearance in mm.
+    R_bearing : float
+        In mm.
+    """
+
+    radial: float
+    R_bearing: float
+
+    @classmethod
+    def of(cls, one: Mechanism) -> Magnified:
+        """Return that of a mechanism's clearance joint."""
+        return cls(one.clearance.radial * 1e3, one.clearance.R_bearing * 1e3)
+
+    @property
+    def factor(self) -> float:
+        """How many times the clearance is magnified against the radius.
+
+        Examples
+        --------
+        >>> print(Magnified(radial=0.5, R_bearing=10.0).factor)
+        6.0
+        """
+        return DRAWN * self.R_bearing / self.radial
+
+    def journal_centre(self, eccentricity: Point | FloatArray) -> Point:
+        """Return where the journal's centre is drawn: at −e, magnified."""
+        scale = -DRAWN / self.radial
+        return (float(scale * eccentricity[0]), float(scale * eccentricity[1]))
+
+
+def draw_magnified(axes: Axes, joint: Magnified, eccentricity: Point) -> Point:
+    """Draw bearing and journal, and return where the journal's centre is.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Its unit is the bearing's radius.
+    joint : Magnified
+        What to draw.
+    eccentricity : pair of float
+        e in mm.
+    """
+    centre = joint.journal_centre(eccentricity)
+    axes.add_patch(Circle((0, 0), RIM, facecolor=BEARING, zorder=1, **OUTLINE))
+    axes.add_patch(Circle((0, 0), 1.0, facecolor="white", zorder=2, **OUTLINE))
+    axes.add_patch(Circle(centre, 1.0 - DRAWN, facecolor=JOURNAL, alpha=0.85, zorder=3, **OUTLINE))
+    axes.set(xlim=(-1.3, 1.3), ylim=(-1.3, 1.3), aspect="equal")
+    axes.set_axis_off()
+    return centre
+
+
+def draw_clearance_circle(axes: Axes, radius: float, **style: Any) -> None:
+    """Draw the circle that the journal's centre leaves when it touches the bearing."""
+    turn = np.linspace(0, 2 * np.pi, 181)
+    look: dict[str, Any] = {
+        "color": "black",
+        "linewidth": 0.7,
+        "linestyle": (0, (5, 3)),
+        "marker": "",
+    }
+    axes.plot(radius * np.cos(turn), radius * np.sin(turn), **look | style)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,17 +12,20 @@ from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix
 from cylcontact.mechanism import Trajectory
-from cylcontact.plots.style import ACCENT, figure_style
-from cylcontact.reports.mechanism.linkage import Pose, draw_linkage, poses
-from cylcontact.reports.mechanism.magnified import (
+from cylcontact.mechanism.drawing import (
     DRAWN,
     Magnified,
+    Pose,
+    draw_circle,
     draw_clearance_circle,
+    draw_linkage,
     draw_magnified,
+    frame,
+    poses,
+    set_view,
 )
-from cylcontact.reports.mechanism.overview import draw_circle, frame, set_view
-
-Progress = Callable[[str, int, int], None]
+from cylcontact.plots.style import ACCENT, figure_style
+from cylcontact.progress import Progress, silent
 
 SIZE_INCHES, DPI = (7.2, 3.2), 90
 # GIF counts time in hundredths of a second.
@@ -36,7 +38,7 @@ FORCE = {"arrowstyle": "-|>", "color": ACCENT, "linewidth": 2, "shrinkA": 0, "sh
 WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 
 
-def film(run: Trajectory, path: Path, first: int = 0, progress: Progress = lambda *_: None) -> int:
+def film(run: Trajectory, path: Path, first: int = 0, progress: Progress = silent) -> int:
     """Write a film of a run, from a revolution on.
 
     The same run gives the same bytes.
