@@ -209,6 +209,25 @@ def _yield_loads(bench: Bench, dR: float, R_i: float) -> dict[str, float]:
 
 
 @claim(
+    "3.4-low-clearance-low-load",
+    "(i) very small clearances with low loads have no practical application",
+    paper="no application",
+    rule="none",
+)
+def low_clearance_low_load(_bench: Bench) -> Finding:
+    """Return the statement on practice, for which there is no criterion."""
+    return Finding(
+        "—",
+        holds=None,
+        choice=(
+            "no mechanical limit excludes them (stress is lowest there), so the practical domain "
+            f"above keeps them: {PRACTICAL.clearances[0] * 1e3:g} µm with "
+            f"{PRACTICAL.loads[0]:g} N/mm belongs to it"
+        ),
+    )
+
+
+@claim(
     "3.4-high-clearance-high-load",
     "(ii) large clearances with high loads lie beyond yield",
     paper="yield is quickly reached",
@@ -290,22 +309,3 @@ def _clearance_at_yield(material: Material, load: float, R_i: float) -> float:
     pair = clearance_pair(1.0, material, R_i)
     constant = float(limits.yield_load(pair) / pair.R)
     return R_i**2 / (load / constant + R_i)
-
-
-@claim(
-    "3.4-low-clearance-low-load",
-    "(i) very small clearances with low loads have no practical application",
-    paper="no application",
-    rule="none",
-)
-def low_clearance_low_load(_bench: Bench) -> Finding:
-    """Return the statement on practice, for which there is no criterion."""
-    return Finding(
-        "—",
-        holds=None,
-        choice=(
-            "no mechanical limit excludes them (stress is lowest there), so the practical domain "
-            f"above keeps them: {PRACTICAL.clearances[0] * 1e3:g} µm with "
-            f"{PRACTICAL.loads[0]:g} N/mm belongs to it"
-        ),
-    )
