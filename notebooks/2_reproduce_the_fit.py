@@ -23,9 +23,8 @@
 from dataclasses import replace
 
 from cylcontact.fitting import calibrate, compare, read_campaign, verdicts
+from cylcontact.reports.fit_figures import profile_drawing, runs_drawing, runs_table
 from cylcontact.reports.notebook import live_progress, open_bench
-from cylcontact.reports.profiles import profile_drawing
-from cylcontact.reports.runs import runs_drawing, runs_table
 
 bench = open_bench()
 campaign = read_campaign(bench.root / "fitting" / "internal.toml", runs=4)

@@ -2,7 +2,7 @@
 
 from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.profiles import profile_drawing
+from cylcontact.reports.fit_figures import profile_drawing
 
 
 def draw(bench: Bench) -> Drawing:

@@ -9,7 +9,6 @@ from cylcontact.export import TARGETS
 from cylcontact.fitting.loss import LOSSES
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.mechanism import step_history, system
-from cylcontact.plots import looks, paper_tables
 
 
 @pytest.mark.parametrize(
@@ -21,9 +20,9 @@ from cylcontact.plots import looks, paper_tables
         (choices.CONTACTS, pair.CONTACTS),
         (choices.OPTIMIZERS, OPTIMIZERS),
         (choices.LOSSES, LOSSES),
-        (choices.STYLES, looks.STYLES),
-        (choices.FORMATS, looks.FORMATS),
-        (choices.TABLES, paper_tables.KINDS),
+        (choices.STYLES, style.STYLES),
+        (choices.FORMATS, style.FORMATS),
+        (choices.TABLES, tables.KINDS),
         (choices.TARGETS, TARGETS),
     ],
 )

@@ -20,7 +20,7 @@ from cylcontact.plots.figure import StyledFigure, new_figure
 from cylcontact.plots.style import STYLES, FigureOptions, choose, figure_style
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build
-from cylcontact.reports.latex import latex
+from cylcontact.reports.tables import latex
 from tests.figure_files import page_mm
 from tests.programs import require_program
 

@@ -11,6 +11,7 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
+from cylcontact.reports.exponents import ExponentStudy, exponent_table
 from matplotlib.text import Text
 
 from cylcontact import InputError
@@ -19,8 +20,7 @@ from cylcontact.laws import PUBLISHED
 from cylcontact.plots.style import WIDTHS_MM
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, draw, find_recipes
-from cylcontact.reports.exponents import ExponentStudy, exponent_table
-from cylcontact.reports.profiles import profile_drawing
+from cylcontact.reports.fit_figures import profile_drawing
 from tests.drawn_figures import DrawnFigures
 from tests.figure_files import page_mm, read_columns, significant_digits
 

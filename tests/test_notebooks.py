@@ -10,7 +10,7 @@ import pytest
 
 from cylcontact import InputError, Material, laws
 from cylcontact.reports import explore, notebook
-from cylcontact.reports.runs import runs_drawing, runs_table
+from cylcontact.reports.fit_figures import runs_drawing, runs_table
 
 ROOT = Path(__file__).resolve().parents[1]
 SCRIPTS = sorted((ROOT / "notebooks").glob("*.py"))

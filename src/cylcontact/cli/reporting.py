@@ -127,7 +127,7 @@ def _build_site(bench: Bench, folder: Path) -> None:
 
 def _write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -> None:
     """Write the tables for a paper and the captions of the figures."""
-    from cylcontact.reports.paper_tables import write_tables
+    from cylcontact.reports.tables import write_tables
 
     written = write_tables(bench, names, kind, folder)
     count = len(written)

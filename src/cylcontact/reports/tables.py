@@ -1,4 +1,4 @@
-"""Tables and captions for a paper, as LaTeX, CSV or HTML."""
+"""Coefficients, claims and captions as LaTeX, CSV or HTML, to be input by a manuscript."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from cylcontact.files import replacing
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import chosen_recipes, draw
 from cylcontact.reports.claims import ledger, to_table
-from cylcontact.reports.latex import latex
 
 
 def write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -> list[Path]:
@@ -157,3 +156,53 @@ KINDS: Mapping[str, Kind] = {
     "csv": ("csv", _csv_table, _csv_captions),
     "html": ("html", _html_table, _html_captions),
 }
+
+
+# LaTeX's own characters, and those beyond ASCII that our texts use.
+LATEX = {
+    "\\": r"\textbackslash{}",
+    **{mark: f"\\{mark}" for mark in "&%$#_{}"},
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\ensuremath{<}",
+    ">": r"\ensuremath{>}",
+    "|": r"\ensuremath{|}",
+    **{
+        letter: rf"\ensuremath{{\{name}}}"
+        for letter, name in {
+            **{"α": "alpha", "β": "beta", "δ": "delta", "Δ": "Delta", "ε": "varepsilon"},
+            **{"κ": "kappa", "Λ": "Lambda", "λ": "lambda", "μ": "mu", "ν": "nu", "π": "pi"},
+            **{"σ": "sigma", "φ": "varphi", "χ": "chi", "θ": "theta", "τ": "tau", "Σ": "Sigma"},
+            **{"ω": "omega", "·": "cdot", "×": "times", "≤": "leq", "≥": "geq", "∞": "infty"},
+            **{"≈": "approx", "→": "to", "±": "pm", "′": "prime", "√": "surd", "∝": "propto"},
+        }.items()
+    },
+    "µ": r"\ensuremath{\mu}",
+    "−": r"\ensuremath{-}",
+    "°": r"\ensuremath{^\circ}",
+    "…": r"\dots{}",
+    "–": "--",
+    "—": "---",
+    "\u2009": r"\,",
+    **{
+        raised: rf"\ensuremath{{^{{{plain}}}}}"
+        for raised, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻ⁿ⁺", (*"0123456789-n+",), strict=True)
+    },
+    **{
+        lowered: rf"\ensuremath{{_{{{plain}}}}}"
+        for lowered, plain in zip("₀₁₂₃₄₅₆₇₈₉₋ₙᵢⱼ", (*"0123456789-nij",), strict=True)
+    },
+}
+
+
+def latex(text: str) -> str:
+    r"""Return a text as LaTeX that shows it.
+
+    None of it is a command; characters that are not listed stay as they are, in UTF-8.
+
+    Examples
+    --------
+    >>> print(latex("ΔR_i < 50 % of R², {x}"))
+    \ensuremath{\Delta}R\_i \ensuremath{<} 50 \% of R\ensuremath{^{2}}, \{x\}
+    """
+    return "".join(LATEX.get(mark, mark) for mark in text)
