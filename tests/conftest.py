@@ -11,9 +11,12 @@ from cylcontact import CylinderPair, Material, cli
 from cylcontact.fitting import Campaign, FitResult, calibrate, read_campaign
 from tests import programs
 from tests.browser import chromium
-from tests.drawn_figures import DrawnFigures
+from tests.drawn_figures import BENCH, DrawnFigures
 from tests.html_bench import build_small_site
 from tests.spec_files import write_bench
+
+# Makes the bench's own modules importable: from _cylcontact_bench.paper import MATERIALS.
+BENCH.module("paper")
 
 # The same examples on every run and machine; mpmath and first imports make times uneven.
 settings.register_profile("reproducible", derandomize=True, deadline=None)

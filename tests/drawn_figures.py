@@ -2,6 +2,7 @@
 
 import pickle
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 import cloudpickle
@@ -9,13 +10,23 @@ import cloudpickle
 from cylcontact import InputError
 from cylcontact.files import replacing
 from cylcontact.locks import owning
+from cylcontact.plots.figure import Drawing
 from cylcontact.plots.style import JOURNAL, FigureOptions
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import Written, build
+from cylcontact.reports.build import draw, write
 
 BENCH = Bench(Path(__file__).parents[1])
 # A picture in pixels takes as long to write as the rest, and no test looks at it.
 PDF = FigureOptions(JOURNAL, ("pdf",))
+
+
+@dataclass(frozen=True)
+class DrawnFigure:
+    """A figure on disk, its PDF and its CSV, and what was drawn."""
+
+    name: str
+    paths: tuple[Path, ...]
+    drawing: Drawing
 
 
 class DrawnFigures:
@@ -29,14 +40,14 @@ class DrawnFigures:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._loaded: dict[str, Written] = {}
+        self._loaded: dict[str, DrawnFigure] = {}
 
-    def __getitem__(self, name: str) -> Written:
+    def __getitem__(self, name: str) -> DrawnFigure:
         if name not in self._loaded:
             self._loaded[name] = self._load(self._folder / f"{name}.pickle")
         return self._loaded[name]
 
-    def _load(self, file: Path) -> Written:
+    def _load(self, file: Path) -> DrawnFigure:
         """Return a figure from the folder, where this worker or another one has put it."""
         while not file.exists():
             try:
@@ -50,7 +61,8 @@ class DrawnFigures:
         return pickle.loads(file.read_bytes())
 
     def _draw(self, file: Path) -> None:
-        (written,) = build(BENCH, [file.stem], self._folder, choice=PDF)
+        drawing = draw(file.stem, BENCH)
+        paths = write(drawing, file.stem, self._folder, PDF)
         with replacing(file) as temporary:
             # A map's axis holds functions without a name, which plain pickle refuses.
-            temporary.write_bytes(cloudpickle.dumps(written))
+            temporary.write_bytes(cloudpickle.dumps(DrawnFigure(file.stem, paths, drawing)))

@@ -9,6 +9,8 @@ from cylcontact.export import TARGETS
 from cylcontact.fitting.loss import LOSSES
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.mechanism import step_history, system
+from cylcontact.plots import style
+from cylcontact.reports import tables
 
 
 @pytest.mark.parametrize(

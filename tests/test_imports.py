@@ -20,6 +20,7 @@ LAYERS = (
         "locks",
         "numba_cache",
         "parallel",
+        "progress",
         "provenance",
         "spec",
         "units",
