@@ -95,7 +95,9 @@ def lines(text):
 def run_line(line, monkeypatch):
     """Run one command, or see that it would be understood; return what it printed."""
     command = shlex.split(line, comments=True)
-    if command[0] == "make":
+    if command[0] == "cd":
+        monkeypatch.chdir(command[1])
+    elif command[0] == "make":
         require_targets([word for word in command[1:] if "=" not in word])
     elif command[:3] == ["python3", "-m", "venv"] or command[0] == "mine/bin/pip":
         pass  # minutes, and a network; .ci/run does it

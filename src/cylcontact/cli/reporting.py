@@ -161,7 +161,8 @@ def claims(
     text = to_csv(computed) if out.suffix == ".csv" else to_json(computed, terms)
     with replacing(out) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    typer.echo(f"{len(computed)} claims written to {out}")
+    count = len(computed)
+    typer.echo(f"{count} {'claim' if count == 1 else 'claims'} written to {out}")
 
 
 def compare_laws(
