@@ -1,10 +1,10 @@
 """Fig 7: the load at which Hertz's peak pressure reaches the yield stress, against clearance."""
 
 from cylcontact.limits import yield_load
-from cylcontact.plots.clearance import clearance_panels
 from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
 
+from .clearance import clearance_panels
 from .paper import (
     ELASTIC,
     LOADS,

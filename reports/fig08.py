@@ -7,13 +7,13 @@ from matplotlib.axes import Axes
 
 from cylcontact.limits import johnson_limit_load
 from cylcontact.materials import Material
-from cylcontact.plots.clearance import CLEARANCES, clearance_table, draw_materials, mark_point
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.maps import RIM
 from cylcontact.plots.style import COLOURS
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.laws_bounds import DEPARTURES, departure_number, johnson_end
 
+from .clearance import CLEARANCES, clearance_table, draw_materials, mark_point
 from .paper import ELASTIC, LOADS, MATERIALS, clearance_pair, origins
 
 # Material and clearance (mm) of the limits that Sect. 3.4 states; where their labels go.

@@ -1,10 +1,10 @@
 """Fig 9: Hertz's peak pressure at Johnson's largest load, with each material's yield stress."""
 
 from cylcontact.limits import elastic_limit_clearance, stress_at_johnson_limit
-from cylcontact.plots.clearance import clearance_panels, mark_yield
 from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
 
+from .clearance import clearance_panels, mark_yield
 from .paper import (
     ELASTIC,
     MATERIALS,

@@ -1,4 +1,4 @@
-"""Curves against clearance, one line per material: Figs 7, 8 and 9."""
+"""Figs 7 to 9 share this: curves over clearance, one line per material."""
 
 from __future__ import annotations
 
@@ -18,8 +18,10 @@ from cylcontact.plots.figure import new_figure, panel_title, plain_log
 from cylcontact.plots.maps import RIM
 from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS
 
-# The clearances of Figs 7 to 9, in mm.
-CLEARANCES: FloatArray = np.geomspace(0.001, 2.0, 100)
+from .paper import FIG7_CLEARANCES
+
+# Where the curves are evaluated, in mm.
+CLEARANCES: FloatArray = np.geomspace(*FIG7_CLEARANCES, 100)
 CLEARANCE_TICKS = (0.001, 0.01, 0.1, 1)
 CLEARANCE_LABEL = r"radial clearance $\Delta R$ (mm)"
 
@@ -137,20 +139,20 @@ def draw_materials(axes: Axes, table: pd.DataFrame, column: str) -> None:
         # Markers are set apart from line to line, so that none hides another's.
         dR, values = lines["dR_mm"].to_numpy(), lines[column].to_numpy()
         every = (2 + 4 * number % 25, 25)
-        axes.plot(dR, values, label=str(name), markevery=every, **line_look(number))
+        axes.plot(dR, values, label=str(name), markevery=every, **line_style(number))
     plain_log(axes, "x", CLEARANCE_TICKS)
     axes.set(xlabel=CLEARANCE_LABEL, xlim=(CLEARANCES[0], CLEARANCES[-1]))
     decades_log(axes)
 
 
-def line_look(number: int) -> dict[str, Any]:
+def line_style(number: int) -> dict[str, Any]:
     """Return the colour, line style and marker of a material's line: no two of 25 are alike.
 
     Examples
     --------
-    >>> line_look(0)["color"] == line_look(5)["color"]
+    >>> line_style(0)["color"] == line_style(5)["color"]
     True
-    >>> line_look(0)["linestyle"] == line_look(5)["linestyle"]
+    >>> line_style(0)["linestyle"] == line_style(5)["linestyle"]
     False
     """
     colour, turn = number % len(COLOURS), number // len(COLOURS)
@@ -182,8 +184,8 @@ def mark_point(
 
 def mark_yield(axes: Axes, dR: float, stress: float, number: int) -> None:
     """Mark where the line of material `number` reaches its yield stress (MPa), at `dR` (mm)."""
-    look = line_look(number)
-    colour = look["color"]
+    style = line_style(number)
+    colour = style["color"]
     ends = ([CLEARANCES[0], dR], [stress, stress])
-    axes.plot(*ends, **look | {"marker": ""}, linewidth=0.5)
+    axes.plot(*ends, **style | {"marker": ""}, linewidth=0.5)
     axes.plot(dR, stress, marker="*", color=colour, markerfacecolor=colour, markersize=6, zorder=5)
