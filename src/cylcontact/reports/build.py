@@ -14,6 +14,7 @@ import inspect
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from shutil import which
 from typing import Any
@@ -422,9 +423,16 @@ def _name_of(file: Path, root: Path) -> str:
 
 def _parsed(file: Path) -> ast.Module | None:
     """Return a file's syntax tree, or None where it has a syntax error."""
+    status = file.stat()
+    return _parsed_as_it_is(file, status.st_mtime_ns, status.st_size)
+
+
+@lru_cache(maxsize=256)
+def _parsed_as_it_is(file: Path, _time: int, _size: int) -> ast.Module | None:
+    """Parse a file, once as long as its time and size are the same."""
     try:
         return ast.parse(file.read_text(encoding="utf-8"))
-    except (SyntaxError, ValueError, OSError):
+    except (SyntaxError, ValueError):
         return None
 
 
