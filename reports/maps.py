@@ -155,6 +155,9 @@ def difference_map(
 
 def mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") -> MappedLaw:
     """Return the law of a name or a fit result, and what a map says about it."""
+    if reference and reference not in REFERENCE_WORDS:
+        remedy = f"choose {', '.join(REFERENCE_WORDS)}"
+        raise InputError("maps", "reference", reference, "is not a reference of the maps", remedy)
     judge = reference_law(reference or "johnson")
     if law == "enhanced":
         own = "the enhanced law (Eqs 5-6)"
@@ -162,6 +165,9 @@ def mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") -> 
         return MappedLaw(Enhanced(), judge, own, "published coefficients", fitted_from)
     if law in LAWS:
         return MappedLaw(LAWS[law](), judge, f"the {law} law", f"{law} law")
+    if not bench.result_file(f"{law}.json").is_file():
+        rule = f"is neither a law nor a fit result in {bench.results_folder}"
+        raise InputError("maps", "law", law, rule, f"choose {', '.join(LAWS)}, or fit it")
     result = bench.result(law)
     if result.contact != "internal" or "dataset" not in result.settings:
         rule, remedy = "is not a fit on a grid of internal contacts", "choose one that is"

@@ -11,10 +11,11 @@ import ast
 import gc
 import hashlib
 import inspect
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from shutil import which
 from typing import Any
@@ -157,8 +158,7 @@ def draw(
         If there is no such recipe, the file is not one, it does not take these arguments, or an
         input of it is missing.
     """
-    function = _function_of(name, bench)
-    given = dict(arguments or {})
+    function, given = _function_of(name, bench), dict(arguments or {})
     _require_arguments(name, function, given)
     with figure_style(style):
         drawing: Drawing = function(bench, **given)
@@ -375,7 +375,7 @@ def _attempt(
 
 def _stem(name: str, arguments: Arguments | None) -> str:
     """Return the name of a figure's files: the recipe's, then the values of its arguments."""
-    values = (value.replace(" ", "-") for value in (arguments or {}).values())
+    values = (re.sub(r"[^\w.+-]+", "-", value) for value in (arguments or {}).values())
     return "-".join([name, *values])
 
 
@@ -475,11 +475,10 @@ def _function_of(name: str, bench: Bench) -> Callable[..., Drawing]:
 
 def _require_arguments(name: str, function: Callable[..., Any], given: Arguments) -> None:
     """Refuse arguments that a recipe does not take, and the lack of one that it needs."""
-    keywords = [
-        parameter
-        for parameter in inspect.signature(function).parameters.values()
-        if parameter.kind is inspect.Parameter.KEYWORD_ONLY
-    ]
+    # The functions of FIGURES are bound to their arguments; only a file's `draw` takes others.
+    bound = isinstance(function, partial)
+    parameters = {} if bound else inspect.signature(function).parameters
+    keywords = [p for p in parameters.values() if p.kind is inspect.Parameter.KEYWORD_ONLY]
     known = [parameter.name for parameter in keywords]
     needed = [p.name for p in keywords if p.default is inspect.Parameter.empty]
     example = " ".join(f"{key}=…" for key in needed or known[:1])
