@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from cylcontact.errors import InputError
 
+__all__ = ["BoolArray", "FloatArray", "as_floats", "inside_or_nan", "require", "same_fields"]
+
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 

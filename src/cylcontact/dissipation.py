@@ -39,6 +39,24 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.errors import InputError
 
+__all__ = [
+    "FACTORS",
+    "IMPACT_RATE_FLOOR",
+    "HysteresisFactor",
+    "achieved_restitution",
+    "dissipative_load",
+    "exact_factor",
+    "flores",
+    "gonthier",
+    "herbert_mcwhannell",
+    "hu_guo",
+    "hunt_crossley",
+    "hysteresis_factor",
+    "lankarani_nikravesh",
+    "lee_wang",
+    "zhiying_qishao",
+]
+
 HysteresisFactor = Callable[[ArrayLike], FloatArray]
 
 # Assumed: the slowest impact, in mm/s, that dissipates as its factor says. The impacts of a
@@ -46,7 +64,7 @@ HysteresisFactor = Callable[[ArrayLike], FloatArray]
 IMPACT_RATE_FLOOR = 1.0
 
 # Newton's method meets machine precision after four steps in the worst case.
-NEWTON_STEPS = 5
+_NEWTON_STEPS = 5
 
 
 def dissipative_load(
@@ -143,7 +161,7 @@ def achieved_restitution(chi: ArrayLike) -> FloatArray:
     """
     factor = _hysteresis(chi)
     p = np.minimum(factor, (1 + factor) / 2)
-    for _ in range(NEWTON_STEPS):
+    for _ in range(_NEWTON_STEPS):
         L, complement, _ = _langevin(p)
         reached = p * (1 + L)
         p = p - (reached - factor) / (complement * (1 + reached))
@@ -190,7 +208,7 @@ def exact_factor(restitution: ArrayLike) -> FloatArray:
     e = _restitution(restitution)
     r, target = (1 - e) / (1 + e), (1 - e) / (2 * e)
     p = r * (3 - (6 * r**2 + r**4 - 2 * r**6) / 5) * (1 + e) / (2 * e * (1 + r))
-    for _ in range(NEWTON_STEPS):
+    for _ in range(_NEWTON_STEPS):
         L, complement, slope = _langevin(p)
         p = p - (L / complement - target) / slope
     return as_floats(2 * p / (1 + e))

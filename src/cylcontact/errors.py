@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+__all__ = ["InputError", "short"]
+
 
 class InputError(ValueError):
     """Bad input, told in one line: where, what, the rule it breaks and the remedy.

@@ -12,6 +12,15 @@ from pathlib import Path
 
 from cylcontact.errors import InputError
 
+__all__ = [
+    "folder_of",
+    "remove_leftovers",
+    "replacing",
+    "require_suffix",
+    "require_writable",
+    "unwritable",
+]
+
 
 @contextmanager
 def replacing(path: Path | str) -> Iterator[Path]:

@@ -17,6 +17,8 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 
+__all__ = ["dynamic_correction", "friction_load"]
+
 
 def friction_load(
     normal_load: ArrayLike,

@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 
+__all__ = ["completed_law_html", "law_html", "table_html"]
+
 # More numbers than these in one cell are shown by their range.
-MOST_NUMBERS = 4
+_MOST_NUMBERS = 4
 
 
 def table_html(title: str, rows: Mapping[str, object]) -> str:
@@ -91,6 +93,6 @@ def _shown(value: object) -> str:
     numbers = np.asarray(value)
     if numbers.dtype.kind not in "fiu":
         return str(value)
-    if numbers.size > MOST_NUMBERS:
+    if numbers.size > _MOST_NUMBERS:
         return f"{numbers.min():.6g} to {numbers.max():.6g} ({numbers.size} values)"
     return ", ".join(f"{number:.6g}" for number in numbers.ravel())

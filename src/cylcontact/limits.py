@@ -9,8 +9,20 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.laws import Johnson, conformal
 from cylcontact.pair import CylinderPair
 
+__all__ = [
+    "conformal_yield_load",
+    "elastic_limit_clearance",
+    "hertz_half_width",
+    "hertz_pressure",
+    "hertz_stress",
+    "johnson_limit_load",
+    "johnson_limit_penetration",
+    "stress_at_johnson_limit",
+    "yield_load",
+]
+
 # Each step cuts the error of ln f at least to a third: enough for every digit from any start.
-CONFORMAL_STEPS = 40
+_CONFORMAL_STEPS = 40
 
 
 def hertz_stress(load: ArrayLike, pair: CylinderPair) -> FloatArray:
@@ -179,7 +191,7 @@ def conformal_yield_load(pair: CylinderPair, yield_stress: float | None = None) 
     """
     stress = _yield_stress(pair, yield_stress)
     load = yield_load(pair, stress)
-    for _ in range(CONFORMAL_STEPS):
+    for _ in range(_CONFORMAL_STEPS):
         load = load * (stress / conformal.peak_pressure(load, pair)) ** (4 / 3)
     return as_floats(load)
 

@@ -12,12 +12,23 @@ from cylcontact.arrays import FloatArray, as_floats, require, same_fields
 from cylcontact.errors import InputError
 from cylcontact.html_repr import table_html
 
+__all__ = [
+    "COLUMNS",
+    "PROVENANCES",
+    "SHIPPED",
+    "Material",
+    "MaterialRow",
+    "known_materials",
+    "read_materials",
+    "shipped_materials",
+]
+
 PROVENANCES = ("paper", "derived", "assumed")
-NUMBER_COLUMNS = {"E_GPa": "E_provenance", "nu": "nu_provenance"}
-YIELD_COLUMNS = {"yield_stress_MPa": "yield_provenance"}
+_NUMBER_COLUMNS = {"E_GPa": "E_provenance", "nu": "nu_provenance"}
+_YIELD_COLUMNS = {"yield_stress_MPa": "yield_provenance"}
 COLUMNS = (
     "name",
-    *(c for pair in (NUMBER_COLUMNS | YIELD_COLUMNS).items() for c in pair),
+    *(c for pair in (_NUMBER_COLUMNS | _YIELD_COLUMNS).items() for c in pair),
     "note",
 )
 # The only table that ships; a table of one's own adds to it.
@@ -271,11 +282,11 @@ def _parse_row(source: str, row: dict[str, str]) -> MaterialRow:
         raise InputError(source, "name", None, "is required", "name the material")
     numbers = {
         column: _number(source, column, row[column])
-        for column in (*NUMBER_COLUMNS, *YIELD_COLUMNS)
-        if column in NUMBER_COLUMNS or row[column]
+        for column in (*_NUMBER_COLUMNS, *_YIELD_COLUMNS)
+        if column in _NUMBER_COLUMNS or row[column]
     }
     provenance = {
-        column: _provenance(source, (NUMBER_COLUMNS | YIELD_COLUMNS)[column], row)
+        column: _provenance(source, (_NUMBER_COLUMNS | _YIELD_COLUMNS)[column], row)
         for column in numbers
     }
     try:

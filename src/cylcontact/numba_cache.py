@@ -20,8 +20,10 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+__all__ = ["PACKAGE", "PARTS", "callback", "compiled", "source_hash"]
+
 # Read and set by attribute; numba declares none of them to a type checker.
-SETTINGS: Any = numba.config
+_SETTINGS: Any = numba.config
 
 PACKAGE = Path(__file__).parent
 # The packages with compiled functions, and with the constants in them.
@@ -67,12 +69,12 @@ def _own_cache() -> Iterator[bool]:
     numba asks where its cache is when a function is declared, not when it is compiled.
     """
     folder = _folder()
-    before = SETTINGS.CACHE_DIR
-    SETTINGS.CACHE_DIR = str(folder or "")
+    before = _SETTINGS.CACHE_DIR
+    _SETTINGS.CACHE_DIR = str(folder or "")
     try:
         yield folder is not None
     finally:
-        SETTINGS.CACHE_DIR = before
+        _SETTINGS.CACHE_DIR = before
 
 
 @cache
@@ -83,8 +85,8 @@ def _folder() -> Path | None:
     """
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser())
     bases = [PACKAGE / "__pycache__", home / "cylcontact"]
-    if SETTINGS.CACHE_DIR:
-        bases.insert(0, Path(SETTINGS.CACHE_DIR))
+    if _SETTINGS.CACHE_DIR:
+        bases.insert(0, Path(_SETTINGS.CACHE_DIR))
     for base in bases:
         folder = base / f"compiled-{source_hash(PACKAGE)[:16]}"
         try:

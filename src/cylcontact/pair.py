@@ -12,6 +12,8 @@ from cylcontact.errors import InputError, short
 from cylcontact.html_repr import table_html
 from cylcontact.materials import Material
 
+__all__ = ["CONTACTS", "Contact", "CylinderPair", "Length"]
+
 Contact = Literal["internal", "external"]
 CONTACTS: tuple[Contact, ...] = ("internal", "external")
 

@@ -11,8 +11,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+__all__ = ["made_with", "spec_hash"]
+
 # Every file of the repository but results.
-SOURCES = ("--", ":/", ":(top,exclude,glob)**/results/**")
+_SOURCES = ("--", ":/", ":(top,exclude,glob)**/results/**")
 
 
 def made_with(
@@ -68,7 +70,7 @@ def _git_commit(folder: Path) -> str | None:
     """
     try:
         commit = _git(folder, "rev-parse", "HEAD")
-        changed = _git(folder, "status", "--porcelain", "--untracked-files=no", *SOURCES)
+        changed = _git(folder, "status", "--porcelain", "--untracked-files=no", *_SOURCES)
     except (OSError, subprocess.SubprocessError):
         return None
     return f"{commit}-dirty" if changed else commit

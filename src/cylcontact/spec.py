@@ -13,6 +13,8 @@ from pydantic_core import PydanticCustomError
 
 from cylcontact.errors import InputError
 
+__all__ = ["Spec", "broken", "parse_spec", "read_toml", "require_other_kind"]
+
 
 class Spec(BaseModel):
     """A table of a spec file: unknown keys are refused and nothing is converted silently.
@@ -23,10 +25,10 @@ class Spec(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-SpecType = TypeVar("SpecType", bound=Spec)
+_SpecType = TypeVar("_SpecType", bound=Spec)
 
 # What a file is, by keys that stand in every file of its kind and together in no other; in order.
-KINDS = (
+_KINDS = (
     ("a fit result", {"coefficients"}),
     ("a fit result", {"settings"}),
     ("a mechanism", {"bodies", "joints"}),
@@ -35,7 +37,7 @@ KINDS = (
     ("a campaign", {"data", "law"}),
     ("a grid spec", {"contact", "reference"}),
 )
-TABLES = (".csv", ".parquet")
+_TABLES = (".csv", ".parquet")
 
 # Pydantic's rules about types in the words of TOML and JSON.
 _PLAIN_RULES = {
@@ -85,15 +87,15 @@ def read_toml(path: Path | str) -> dict[str, Any]:
         ) from error
 
 
-def kind_of(keys: Container[str]) -> str:
+def _kind_of(keys: Container[str]) -> str:
     """Say what the file is that has these keys at its top; nothing where that cannot be told.
 
     Examples
     --------
-    >>> kind_of({"contact": "internal", "reference": "johnson", "axes": {}})
+    >>> _kind_of({"contact": "internal", "reference": "johnson", "axes": {}})
     'a grid spec'
     """
-    return next((kind for kind, marks in KINDS if all(key in keys for key in marks)), "")
+    return next((kind for kind, marks in _KINDS if all(key in keys for key in marks)), "")
 
 
 def require_other_kind(path: Path | str, wanted: str) -> None:
@@ -104,14 +106,14 @@ def require_other_kind(path: Path | str, wanted: str) -> None:
     InputError
         If the file is a table, or TOML or JSON of a known kind.
     """
-    if Path(path).suffix in TABLES:
+    if Path(path).suffix in _TABLES:
         raise _other_kind(str(path), "a table", wanted)
     for parse in (tomllib.loads, json.loads):
         try:
             data = parse(Path(path).read_text(encoding="utf-8-sig"))
         except (OSError, ValueError, RecursionError):
             continue
-        kind = kind_of(data) if isinstance(data, dict) else ""
+        kind = _kind_of(data) if isinstance(data, dict) else ""
         if kind:
             raise _other_kind(str(path), kind, wanted)
 
@@ -121,7 +123,7 @@ def _other_kind(source: str, kind: str, wanted: str) -> InputError:
     return InputError(source, "", None, f"is {kind}, not {wanted}", f"name {wanted}")
 
 
-def parse_spec(model: type[SpecType], data: dict[str, Any], source: str) -> SpecType:
+def parse_spec(model: type[_SpecType], data: dict[str, Any], source: str) -> _SpecType:
     """Check `data` against `model`.
 
     Parameters
@@ -146,8 +148,8 @@ def parse_spec(model: type[SpecType], data: dict[str, Any], source: str) -> Spec
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        kind = kind_of(data) if isinstance(data, dict) else ""
-        wanted = kind_of(model.model_fields)
+        kind = _kind_of(data) if isinstance(data, dict) else ""
+        wanted = _kind_of(model.model_fields)
         if kind and wanted and kind != wanted:
             raise _other_kind(source, kind, wanted) from None
         raise _as_input_error(error, model, source) from None

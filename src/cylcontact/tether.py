@@ -11,6 +11,8 @@ import signal
 import sys
 from collections.abc import Sequence
 
+__all__ = ["tethered"]
+
 _PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
 
 

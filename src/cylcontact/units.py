@@ -4,25 +4,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+__all__ = ["LABELS", "QUANTITIES", "Column", "column_named", "spellings"]
+
 # Of each kind of quantity, the suffixes of its columns and their size in mm, N and MPa.
-LENGTHS = {"nm": 1e-6, "um": 1e-3, "mm": 1.0, "m": 1e3}
-LINE_LOADS = {"N_per_mm": 1.0, "N_per_m": 1e-3, "kN_per_m": 1.0}
-FORCES = {"N": 1.0, "kN": 1e3}
-MODULI = {"Pa": 1e-6, "MPa": 1.0, "GPa": 1e3}
-PURE: dict[str, float] = {"": 1.0}
+_LENGTHS = {"nm": 1e-6, "um": 1e-3, "mm": 1.0, "m": 1e3}
+_LINE_LOADS = {"N_per_mm": 1.0, "N_per_m": 1e-3, "kN_per_m": 1.0}
+_FORCES = {"N": 1.0, "kN": 1e3}
+_MODULI = {"Pa": 1e-6, "MPa": 1.0, "GPa": 1e3}
+_PURE: dict[str, float] = {"": 1.0}
 
 QUANTITIES: dict[str, dict[str, float]] = {
-    "load": LINE_LOADS | FORCES,
-    "load_std": LINE_LOADS | FORCES,
-    "penetration": LENGTHS,
-    "penetration_std": LENGTHS,
-    "dR": LENGTHS,
-    "R_i": LENGTHS,
-    "R_j": LENGTHS,
-    "length": LENGTHS,
-    **{f"E{body}": MODULI for body in ("", "_i", "_j")},
-    **{f"nu{body}": PURE for body in ("", "_i", "_j")},
-    "weight": PURE,
+    "load": _LINE_LOADS | _FORCES,
+    "load_std": _LINE_LOADS | _FORCES,
+    "penetration": _LENGTHS,
+    "penetration_std": _LENGTHS,
+    "dR": _LENGTHS,
+    "R_i": _LENGTHS,
+    "R_j": _LENGTHS,
+    "length": _LENGTHS,
+    **{f"E{body}": _MODULI for body in ("", "_i", "_j")},
+    **{f"nu{body}": _PURE for body in ("", "_i", "_j")},
+    "weight": _PURE,
 }
 # Columns of words.
 LABELS = ("material", "material_i", "material_j", "group")
@@ -68,7 +70,7 @@ def column_named(name: str) -> Column | None:
     for quantity, units in QUANTITIES.items():
         for unit, factor in units.items():
             if plain == (f"{quantity}_{unit}" if unit else quantity):
-                return Column(name, quantity, factor, units is not PURE and unit in FORCES)
+                return Column(name, quantity, factor, units is not _PURE and unit in _FORCES)
     return None
 
 

@@ -18,6 +18,8 @@ from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
+__all__ = ["AxesSpec", "AxisSpec", "Grid", "GridSpec", "grid_from", "read_grid", "read_grid_data"]
+
 _POSITIVE_AXES = ("E", "dR", "load")
 _UNITS = {"E": "GPa", "nu": "dimensionless", "dR": "mm", "load": "N/mm"}
 # In these units no contact lies beyond; within them no law overflows.

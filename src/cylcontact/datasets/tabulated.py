@@ -12,6 +12,8 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.pair import CylinderPair
 
+__all__ = ["FINITE_ELEMENT", "TabulatedReference", "with_table"]
+
 # The reference that stands for such a table in grid specs.
 FINITE_ELEMENT = "finite-element"
 # How the axes of a grid are called in a table.

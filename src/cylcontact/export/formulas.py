@@ -30,11 +30,13 @@ from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import DEPTH, Winkler
 from cylcontact.pair import Contact
 
-MM_N_MPA = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
+__all__ = ["formula_of"]
+
+_MM_N_MPA = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
 
 # Of each logarithmic law, its reach Lambda in mm and the arguments this needs.
-RADII = ("R_i", "R_j")
-REACHES: Mapping[type[LogarithmicLaw], tuple[str, tuple[str, ...]]] = {
+_RADII = ("R_i", "R_j")
+_REACHES: Mapping[type[LogarithmicLaw], tuple[str, tuple[str, ...]]] = {
     Johnson: ("4 * pi * dR", ()),
     variants.RoarkYoung: ("4 * pi * dR", ()),
     variants.Radzimovsky: ("4 * pi * dR", ()),
@@ -42,9 +44,9 @@ REACHES: Mapping[type[LogarithmicLaw], tuple[str, tuple[str, ...]]] = {
     variants.Esdu78035: ("4 * pi * dR", ()),
     variants.DubowskyFreudenstein: (
         "pi * (length * length) / (R_i * R_j / dR)",
-        (*RADII, "length"),
+        (*_RADII, "length"),
     ),
-    variants.Goldsmith: ("pi * (R_i * R_j / dR)", RADII),
+    variants.Goldsmith: ("pi * (R_i * R_j / dR)", _RADII),
     variants.HertzCylinder: ("pi * dR", ()),
 }
 
@@ -160,7 +162,7 @@ def formula_of(law: ContactLaw, contact: Contact | None) -> Formula:
     >>> formula_of(Liu(), "internal").equation
     'f = pi/2*E_star*d*sqrt(d/(2*(dR + d))) with the penetration d'
     """
-    for kind, build in BUILDERS.items():
+    for kind, build in _BUILDERS.items():
         if isinstance(law, kind):
             return build(law, contact)
     raise InputError(
@@ -214,7 +216,7 @@ def _enhanced(law: Enhanced, contact: Contact | None) -> Formula:
         constants=numbers,
         conditions=conditions,
         domain="a*dR + b > 0, n > 0",
-        remark=MM_N_MPA,
+        remark=_MM_N_MPA,
         origin="published, Pereira, Ramalho and Ambrosio 2015" if law.coefficients is None else "",
     )
 
@@ -251,13 +253,13 @@ def _power(law: PowerLaw, contact: Contact | None) -> Formula:
         text=line + _POWER_STEPS.lstrip(),
         coefficients=numbers,
         constants=numbers,
-        remark=MM_N_MPA + ("" if scales else " For the one pair that it was fitted to."),
+        remark=_MM_N_MPA + ("" if scales else " For the one pair that it was fitted to."),
     )
 
 
 def _logarithmic(law: LogarithmicLaw, contact: Contact | None) -> Formula:
     """Return the inverse of d = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c)."""
-    reach, extra = REACHES[type(law)]
+    reach, extra = _REACHES[type(law)]
     return Formula(
         name=_named(law.name, None),
         law=law.name,
@@ -393,7 +395,7 @@ def _lankarani_nikravesh(law: LankaraniNikravesh, contact: Contact | None) -> Fo
         text=_LANKARANI_NIKRAVESH_STEPS + _POWER_STEPS.lstrip(),
         coefficients=numbers,
         constants=numbers,
-        extra=(*RADII, "length"),
+        extra=(*_RADII, "length"),
         remark=(
             "The law gives the total force f*length of a point contact, whatever the length; "
             "f is that force per unit length."
@@ -402,7 +404,7 @@ def _lankarani_nikravesh(law: LankaraniNikravesh, contact: Contact | None) -> Fo
     )
 
 
-BUILDERS: Mapping[type, Callable[[Any, Contact | None], Formula]] = {
+_BUILDERS: Mapping[type, Callable[[Any, Contact | None], Formula]] = {
     Enhanced: _enhanced,
     PowerLaw: _power,
     LogarithmicLaw: _logarithmic,

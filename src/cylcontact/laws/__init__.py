@@ -57,6 +57,11 @@ __all__ = [
     "reference_law",
 ]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
+
 # Every law that needs no numbers of its own, by the name that specs and commands use.
 LAWS: dict[str, Callable[[], ContactLaw]] = {
     "johnson": Johnson,

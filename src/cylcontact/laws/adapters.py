@@ -12,11 +12,13 @@ from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.logarithmic import LogarithmicLaw
 from cylcontact.pair import CylinderPair
 
+__all__ = ["RigCompliance", "ScaledLaw", "adjusted_logarithmic"]
+
 # Newton's method takes some eight steps, more only near the end of a law's domain.
-STEPS = 100
-ROUNDING = 4e-15
+_STEPS = 100
+_ROUNDING = 4e-15
 # Where a law ends its stiffness may be infinite; the search stays this share short of it.
-SHORT_OF_THE_END = 1e-13
+_SHORT_OF_THE_END = 1e-13
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,7 @@ class RigCompliance:
         last = end + self.compliance * self.base.max_load(pair)
         inside = np.asarray((depth >= 0) & (depth <= last))
         alone = self._contact_alone(
-            np.where(inside, depth, 0.0), end * (1 - SHORT_OF_THE_END), pair
+            np.where(inside, depth, 0.0), end * (1 - _SHORT_OF_THE_END), pair
         )
         return inside_or_nan(self.base.load(alone, pair), inside)
 
@@ -120,13 +122,13 @@ class RigCompliance:
         """
         low, high = np.zeros_like(depth), np.minimum(depth, end) + np.zeros_like(depth)
         d = high
-        for _ in range(STEPS):
+        for _ in range(_STEPS):
             excess = d + self.compliance * self.base.load(d, pair) - depth
             low, high = np.where(excess < 0, d, low), np.where(excess < 0, high, d)
             with np.errstate(invalid="ignore"):  # a stiffness may be infinite at no penetration
                 step = d - excess / (1 + self.compliance * self.base.stiffness(d, pair))
             new = np.where((step >= low) & (step <= high), step, (low + high) / 2)
-            if np.all(np.abs(new - d) <= ROUNDING * d):
+            if np.all(np.abs(new - d) <= _ROUNDING * d):
                 break
             d = new
         return as_floats(d)

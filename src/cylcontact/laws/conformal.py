@@ -17,6 +17,8 @@ from cylcontact.html_repr import law_html
 from cylcontact.laws import persson
 from cylcontact.pair import CylinderPair
 
+__all__ = ["Persson", "contact_angle", "in_units_of", "load_at_angle", "peak_pressure", "pressure"]
+
 
 @dataclass(frozen=True)
 class Persson:

@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray
 from cylcontact.pair import CylinderPair
 
+__all__ = ["ContactLaw"]
+
 
 class ContactLaw(Protocol):
     """Load per unit length against penetration for a pair of parallel cylinders.

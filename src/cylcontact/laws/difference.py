@@ -9,6 +9,8 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import CylinderPair
 
+__all__ = ["difference_percent"]
+
 
 def difference_percent(
     law: ContactLaw, reference: ContactLaw, load: ArrayLike, pair: CylinderPair

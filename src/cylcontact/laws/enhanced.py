@@ -16,6 +16,21 @@ from cylcontact.html_repr import completed_law_html
 from cylcontact.laws.power import PowerShaped
 from cylcontact.pair import Contact, CylinderPair
 
+__all__ = [
+    "INTERNAL_DR_MAX",
+    "INTERNAL_DR_MIN",
+    "PUBLISHED",
+    "PUBLISHED_DR",
+    "Coefficients",
+    "Enhanced",
+    "ExternalCoefficients",
+    "InternalCoefficients",
+    "coefficients_from",
+    "internal_Y",
+    "internal_exponent",
+    "stiffness_factor",
+]
+
 # Eq 6d defines Y for internal contact on [0.005, 10[ mm.
 INTERNAL_DR_MIN = 0.005
 INTERNAL_DR_MAX = 10.0
@@ -187,7 +202,7 @@ class Enhanced(PowerShaped):
         Both are NaN where the law is undefined, for 1ⁿ is 1 even where n is NaN.
         """
         chosen, dR = self._coefficients_for(pair), as_floats(pair.dR)
-        inside = in_range(dR, pair.contact)
+        inside = _in_range(dR, pair.contact)
         K_star = stiffness_factor(dR, chosen.a, chosen.b)
         n = chosen.exponent(np.where(inside, dR, 1.0))
         defined = inside & (K_star > 0) & (n > 0)
@@ -209,7 +224,7 @@ class Enhanced(PowerShaped):
         return chosen
 
 
-def in_range(dR: FloatArray, contact: Contact) -> BoolArray:
+def _in_range(dR: FloatArray, contact: Contact) -> BoolArray:
     """Tell where ΔR lies in the range that Eq 6 states for the contact."""
     if contact == "internal":
         return np.asarray((dR >= INTERNAL_DR_MIN) & (dR < INTERNAL_DR_MAX))

@@ -26,8 +26,10 @@ from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.html_repr import completed_law_html
 from cylcontact.pair import Contact, CylinderPair
 
+__all__ = ["CALIBRATED", "Explicit", "ExplicitCoefficients", "explicit_penetration", "is_defined"]
+
 # From the start below, whose error is under half a percent, to full precision.
-NEWTON_STEPS = 5
+_NEWTON_STEPS = 5
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,7 @@ class Explicit:
         positive = f > 0
         phi = np.where(positive, f, 1.0) / (pair.E_star * dR)
         d = _start(phi)
-        for _ in range(NEWTON_STEPS):
+        for _ in range(_NEWTON_STEPS):
             L, slope = self._logarithms(d, pair.contact)
             d = d * np.exp(-np.log(np.pi * d / (L * phi)) / (1 - slope / L))
         return inside_or_nan(np.where(positive, d * dR, 0.0), f >= 0)

@@ -33,6 +33,19 @@ from cylcontact.laws.tabulated import cubic, tabulate
 from cylcontact.numba_cache import compiled
 from cylcontact.pair import CylinderPair
 
+__all__ = [
+    "EXPLICIT",
+    "LIU",
+    "LOGARITHMIC",
+    "POWER",
+    "TABLE",
+    "Kernel",
+    "branch_distance",
+    "kernel",
+    "kernel_load",
+    "kernel_stiffness",
+]
+
 LOGARITHMIC, POWER, LIU, EXPLICIT, TABLE = range(5)
 
 

@@ -19,6 +19,8 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 
+__all__ = ["CHUNK", "START", "branch_distance", "to_load_fraction"]
+
 # The start of the one correction: w = r(a + r(b + cr))/(1 + dr) with r = √(−ln p), of which w is
 # a smooth function. Fitted for every positive double; the relative error is 5e-4, below
 # 1.5e-4 for w < 5.

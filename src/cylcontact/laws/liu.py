@@ -13,6 +13,8 @@ from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
 from cylcontact.pair import CylinderPair
 
+__all__ = ["Liu"]
+
 
 @dataclass(frozen=True)
 class Liu:

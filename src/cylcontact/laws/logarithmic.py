@@ -24,6 +24,8 @@ from cylcontact.html_repr import law_html
 from cylcontact.laws.lambert import branch_distance, to_load_fraction
 from cylcontact.pair import CylinderPair
 
+__all__ = ["Johnson", "LogarithmicLaw"]
+
 
 @dataclass(frozen=True)
 class LogarithmicLaw(ABC):

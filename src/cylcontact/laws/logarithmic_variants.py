@@ -23,6 +23,16 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.laws.logarithmic import LogarithmicLaw
 from cylcontact.pair import CylinderPair
 
+__all__ = [
+    "DubowskyFreudenstein",
+    "Esdu78035",
+    "Goldsmith",
+    "HertzCylinder",
+    "Radzimovsky",
+    "RadzimovskyRadii",
+    "RoarkYoung",
+]
+
 
 def _clearance_reach(pair: CylinderPair) -> FloatArray:
     """Return 4π·ΔR in mm, the reach that most of the laws share with Johnson's."""

@@ -50,17 +50,32 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
 
+__all__ = [
+    "LIMIT_ANGLE",
+    "Arc",
+    "U",
+    "approach",
+    "arc_of_angle",
+    "arc_of_load",
+    "arc_of_penetration",
+    "arc_of_spread",
+    "compliance",
+    "contact_angle",
+    "load_number",
+    "pressure_number",
+]
+
 # The root of 2 − 2u² − ln(1 + u), and the contact semi-angle that goes with it, 84.83°.
 U = 0.8346152454776572
 LIMIT_ANGLE = 2 * float(np.arctan(np.sqrt(U)))
 
 # The ratio t/φ of an arc that vanishes and of one that is complete: n/(2π(1 + u)) at 0 and U.
-T_PER_PHI_SMALL = 1 / (np.pi * U)
-T_PER_PHI_LARGE = (4 * U + 1 / (1 + U)) / (2 * np.pi * (1 + U))
+_T_PER_PHI_SMALL = 1 / (np.pi * U)
+_T_PER_PHI_LARGE = (4 * U + 1 / (1 + U)) / (2 * np.pi * (1 + U))
 
 # Stand-ins for zero and infinity where a logarithm or a ratio has to stay a number.
-TINY = float(np.finfo(np.float64).tiny)
-SMALL, HUGE = 1e-300, 1e300
+_TINY = float(np.finfo(np.float64).tiny)
+_SMALL, _HUGE = 1e-300, 1e300
 
 
 class Arc(NamedTuple):
@@ -77,7 +92,7 @@ def arc_of_spread(t: FloatArray) -> Arc:
     left = U / (1 + t)
     u = t * left
     # N = N(u) − N(U), divided by U − u before the difference is lost to rounding.
-    ratio = np.maximum(left / (1 + u), TINY)
+    ratio = np.maximum(left / (1 + u), _TINY)
     n = 2 * (U + u) + np.log1p(ratio) / (ratio * (1 + u))
     return Arc(t, u, np.log1p(u), n)
 
@@ -85,7 +100,7 @@ def arc_of_spread(t: FloatArray) -> Arc:
 def arc_of_angle(angle: FloatArray) -> Arc:
     """Return the arc that reaches from −`angle` to `angle`, in radians below the limit angle."""
     u = np.tan(angle / 2) ** 2
-    return arc_of_spread(u / np.maximum(U - u, TINY))
+    return arc_of_spread(u / np.maximum(U - u, _TINY))
 
 
 def arc_of_load(phi: FloatArray) -> Arc:
@@ -102,8 +117,8 @@ def arc_of_load(phi: FloatArray) -> Arc:
     >>> print(np.degrees(contact_angle(arc)).round(4))
     [19.7811 77.5704 84.8279]
     """
-    phi = np.minimum(phi, HUGE)
-    t = phi * (T_PER_PHI_LARGE + (T_PER_PHI_SMALL - T_PER_PHI_LARGE) / (1 + 0.796 * phi))
+    phi = np.minimum(phi, _HUGE)
+    t = phi * (_T_PER_PHI_LARGE + (_T_PER_PHI_SMALL - _T_PER_PHI_LARGE) / (1 + 0.796 * phi))
     for _ in range(2):
         arc = arc_of_spread(t)
         t = t + (phi * _t_per_phi(arc) - t) / _load_exponent(arc)
@@ -126,7 +141,7 @@ def arc_of_penetration(d: FloatArray) -> Arc:
     >>> print((load_number(arc) * approach(arc) / (np.pi * d)).round(13))
     [1. 1. 1.]
     """
-    d = np.clip(d, SMALL, HUGE)
+    d = np.clip(d, _SMALL, _HUGE)
     t = 1.2102 * d / (1.6387 + np.log1p(0.4045 / d * (np.log1p(0.9256 / d) + 0.7692)))
     for _ in range(2):
         arc = arc_of_spread(t)
@@ -148,7 +163,7 @@ def contact_angle(arc: Arc) -> FloatArray:
 
 def approach(arc: Arc) -> FloatArray:
     """Return Z = π·E*·δ/f."""
-    u = np.maximum(arc.u, TINY)
+    u = np.maximum(arc.u, _TINY)
     return as_floats(_common(arc) + arc.log / (2 * u * (1 + u)))
 
 
@@ -175,7 +190,7 @@ def pressure_number(y: FloatArray, arc: Arc) -> FloatArray:
     """
     b, B = np.sqrt(arc.u), np.sqrt(1 + arc.u)
     s = np.sqrt(np.maximum((b - y) * (b + y), 0.0))
-    u = np.maximum(arc.u, TINY)
+    u = np.maximum(arc.u, _TINY)
     even = 2 * s / (np.pi * B * (1 + y**2))
     return as_floats(even + np.arctanh(s / B) / (np.pi * u * (1 + u)))
 
@@ -183,7 +198,7 @@ def pressure_number(y: FloatArray, arc: Arc) -> FloatArray:
 def _common(arc: Arc) -> FloatArray:
     """Return G, the part that Z and S share."""
     v = 1 + arc.u
-    return as_floats(np.log(4) + arc.log - np.log(np.maximum(arc.u, TINY)) - (2 - 0.5 / v) / v)
+    return as_floats(np.log(4) + arc.log - np.log(np.maximum(arc.u, _TINY)) - (2 - 0.5 / v) / v)
 
 
 def _t_per_phi(arc: Arc) -> FloatArray:

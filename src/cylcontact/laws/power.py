@@ -14,6 +14,8 @@ from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
 from cylcontact.pair import CylinderPair
 
+__all__ = ["PowerLaw", "PowerShaped"]
+
 
 class PowerShaped(ABC):
     """The common form f = K·δⁿ at each pair; a law supplies K and n."""

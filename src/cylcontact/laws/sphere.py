@@ -11,6 +11,8 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.laws.power import PowerShaped
 from cylcontact.pair import CylinderPair
 
+__all__ = ["LankaraniNikravesh"]
+
 
 @dataclass(frozen=True)
 class LankaraniNikravesh(PowerShaped):

@@ -10,20 +10,22 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import CylinderPair
 
+__all__ = ["DEEPEST", "TABLE_ERROR", "cubic", "tabulate"]
+
 _Number = TypeVar("_Number", float, FloatArray)
 
 # The relative error of a load from the table, checked within every interval as it is made.
 TABLE_ERROR = 1e-10
 # The table's ends in units of ΔR, unless the law ends before.
-SHALLOWEST, DEEPEST = 1e-30, 1e3
+_SHALLOWEST, DEEPEST = 1e-30, 1e3
 
-FIRST_NODES = 257
-MOST_NODES = 200_000
+_FIRST_NODES = 257
+_MOST_NODES = 200_000
 # No interval of ln δ is made shorter: next to a limit with a vertical tangent, or to a jump in
 # slope, the error of the table is that of one such step.
-SHORTEST = 1e-12
+_SHORTEST = 1e-12
 # Where an interval is checked, as parts of its length.
-CHECKED = (0.25, 0.5, 0.75)
+_CHECKED = (0.25, 0.5, 0.75)
 
 
 def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
@@ -43,7 +45,7 @@ def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
         before. A law without an end, such as Persson's, is not undefined beyond; only the table
         is at its end. Then at N nodes ln δ, ln f and
         dln f/dln δ. Read as a cubic between nodes, and by the first slope below them, it gives
-        the load to a relative `TABLE_ERROR` from 1e-30·ΔR on, except closer than `SHORTEST`
+        the load to a relative `TABLE_ERROR` from 1e-30·ΔR on, except closer than `_SHORTEST`
         to a limit with a vertical tangent or a jump in slope.
 
     Raises
@@ -61,7 +63,7 @@ def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
     """
     dR = float(np.asarray(pair.dR))
     end = min(float(law.max_penetration(pair)), DEEPEST * dR)
-    x = np.linspace(np.log(SHALLOWEST * dR), np.log(end), FIRST_NODES)
+    x = np.linspace(np.log(_SHALLOWEST * dR), np.log(end), _FIRST_NODES)
     while True:
         y, slope = _logarithms(law, pair, x, end)
         coarse = _coarse(law, pair, x, y, slope, end)
@@ -69,11 +71,11 @@ def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
             return np.concatenate([[end], x, y, slope])
         x = np.insert(x, coarse + 1, (x[coarse] + x[coarse + 1]) / 2)
         require(
-            x.size <= MOST_NODES,
+            x.size <= _MOST_NODES,
             "tabulate",
             "law",
             law.name,
-            f"its load is not smooth: {MOST_NODES} nodes do not give it to {TABLE_ERROR:g}",
+            f"its load is not smooth: {_MOST_NODES} nodes do not give it to {TABLE_ERROR:g}",
             "check its load and stiffness",
         )
 
@@ -143,8 +145,8 @@ def _coarse(
     width = np.diff(x)
     rise = np.diff(y) / width
     bad = np.zeros(width.size, dtype=bool)
-    for part in CHECKED:
+    for part in _CHECKED:
         exact, _ = _logarithms(law, pair, x[:-1] + part * width, end)
         above, _ = cubic(np.full_like(width, part), width, rise, slope[:-1], slope[1:])
         bad |= np.abs(y[:-1] + above - exact) > TABLE_ERROR / 4
-    return np.flatnonzero(bad & (width > SHORTEST))
+    return np.flatnonzero(bad & (width > _SHORTEST))

@@ -13,12 +13,14 @@ from cylcontact.html_repr import law_html
 from cylcontact.laws.conformal import in_units_of
 from cylcontact.pair import CylinderPair
 
+__all__ = ["DEPTH", "Winkler"]
+
 # Half of Z = π·E*·δ/f of Persson's law at complete contact: with it the two laws have the same
 # slope there.
 DEPTH = 0.715238076324212
 
 # Beyond these a power would underflow or overflow; the law is a pure power below, linear above.
-SMALL, LARGE = 1e-200, 1e200
+_SMALL, _LARGE = 1e-200, 1e200
 
 
 @dataclass(frozen=True)
@@ -131,7 +133,7 @@ def _penetration_number(g: FloatArray) -> FloatArray:
     The seed, the sum of the laws for small and for large loads, is within 54 %; five steps of
     Newton's method take that to machine precision, from above, as the load is convex in d.
     """
-    inner = np.clip(g, SMALL, LARGE)
+    inner = np.clip(g, _SMALL, _LARGE)
     d = (1.5 * inner) ** (2 / 3) / 2 + 2 / np.pi * inner
     for _ in range(5):
         value, slope = _load_and_slope(d)

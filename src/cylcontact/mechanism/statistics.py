@@ -15,9 +15,11 @@ from cylcontact.mechanism.step_history import StepHistory
 if TYPE_CHECKING:
     import pandas as pd
 
-PERCENTILES = (50, 95, 99)
+__all__ = ["Statistics", "statistics"]
+
+_PERCENTILES = (50, 95, 99)
 # The last states of every model, see `StepHistory`.
-LEDGERS = {"drive_work_J": -3, "normal_dissipation_J": -2, "friction_dissipation_J": -1}
+_LEDGERS = {"drive_work_J": -3, "normal_dissipation_J": -2, "friction_dissipation_J": -1}
 
 
 @dataclass(frozen=True)
@@ -120,9 +122,9 @@ def _one_revolution(
         "mean_step_contact_us": _average(dt[inside & moving]) * 1e6,
         "mean_step_flight_us": _average(dt[~inside & moving]) * 1e6,
     }
-    for percent, value in zip(PERCENTILES, _percentiles(dt, force, inside), strict=True):
+    for percent, value in zip(_PERCENTILES, _percentiles(dt, force, inside), strict=True):
         numbers[f"force_p{percent}_N"] = value
-    for name, state in LEDGERS.items():
+    for name, state in _LEDGERS.items():
         ledger = rows.values[span, state]
         numbers[name] = float(ledger[-1] - ledger[0])
     return numbers
@@ -143,7 +145,7 @@ def _percentiles(dt: FloatArray, values: FloatArray, inside: BoolArray) -> list[
     """Return percentiles over the time inside; NaN where there is none."""
     weight, middle = dt[inside], 0.5 * (values[1:] + values[:-1])[inside]
     if not weight.sum() > 0:
-        return [float("nan")] * len(PERCENTILES)
+        return [float("nan")] * len(_PERCENTILES)
     order = np.argsort(middle, kind="stable")
     share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
-    return [float(np.interp(percent / 100, share, middle[order])) for percent in PERCENTILES]
+    return [float(np.interp(percent / 100, share, middle[order])) for percent in _PERCENTILES]

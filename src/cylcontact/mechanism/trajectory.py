@@ -26,10 +26,12 @@ from cylcontact.provenance import made_with
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = ["Trajectory"]
+
 # The key of the schema's metadata with everything but the states.
-METADATA = b"cylcontact.trajectory"
-LIBRARIES = ("numpy", "numba", "scikit-sundae", "pyarrow")
-WIDTH = 98
+_METADATA = b"cylcontact.trajectory"
+_LIBRARIES = ("numpy", "numba", "scikit-sundae", "pyarrow")
+_WIDTH = 98
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -346,10 +348,10 @@ class Trajectory:
             "counts": rows.counts.tolist(),
             "assumptions": mechanism.assumptions,
             "provenance": made_with(
-                Path(mechanism.source).parent, {"mechanism": mechanism.data}, LIBRARIES
+                Path(mechanism.source).parent, {"mechanism": mechanism.data}, _LIBRARIES
             ),
         }
-        table = pa.table(columns).replace_schema_metadata({METADATA: json.dumps(metadata)})
+        table = pa.table(columns).replace_schema_metadata({_METADATA: json.dumps(metadata)})
         with replacing(path) as temporary:
             pq.write_table(table, temporary, compression="zstd")
 
@@ -367,7 +369,7 @@ class Trajectory:
 
         try:
             table = pq.read_table(path)
-            metadata = json.loads((table.schema.metadata or {})[METADATA])
+            metadata = json.loads((table.schema.metadata or {})[_METADATA])
         except (OSError, pa.ArrowException) as error:
             reason = getattr(error, "strerror", None) or "not a Parquet file"
             raise InputError(
@@ -405,7 +407,7 @@ class Trajectory:
             "",
             "Assumed, not from the paper:",
             *textwrap.wrap(
-                "; ".join(self.assumptions), WIDTH, initial_indent="  ", subsequent_indent="  "
+                "; ".join(self.assumptions), _WIDTH, initial_indent="  ", subsequent_indent="  "
             ),
         ]
         return "\n".join(lines) + "\n"

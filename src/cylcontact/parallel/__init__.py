@@ -10,3 +10,7 @@ from cylcontact.parallel.cluster import Cluster
 from cylcontact.parallel.run import Workers, run_calls
 
 __all__ = ["Call", "Cluster", "Workers", "call", "run_calls"]
+
+
+def __dir__() -> list[str]:
+    return __all__

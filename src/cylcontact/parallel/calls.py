@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+__all__ = ["Call", "call"]
+
 # A function with its arguments, as joblib takes it.
 Call = tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]
 

@@ -18,11 +18,13 @@ from cylcontact.errors import InputError
 from cylcontact.parallel.calls import Call
 from cylcontact.parallel.local import as_generator, give_up
 
+__all__ = ["CONNECTING", "DESERTED", "Cluster", "on_cluster"]
+
 # Seconds to find the scheduler and a first worker, and to wait for others once all are gone.
 CONNECTING = 10.0
 DESERTED = 30.0
 # Results agree to the bit only where these agree.
-SAME_VERSIONS = ("python", "cylcontact", "numpy", "scipy", "pygad")
+_SAME_VERSIONS = ("python", "cylcontact", "numpy", "scipy", "pygad")
 _ADDRESS = re.compile(
     r"((tcp|tls|ws|wss|ucx|ucxx)://)?(\[[0-9A-Fa-f:.]+\]|[^\s:/\[\]]+):[0-9]{1,5}"
 )
@@ -133,7 +135,7 @@ def _require_workers(client: Any, cluster: Cluster) -> None:
     """Refuse a cluster without workers, or with workers of other versions."""
     try:
         client.wait_for_workers(1, timeout=CONNECTING)
-        found = client.get_versions(packages=list(SAME_VERSIONS[1:]))
+        found = client.get_versions(packages=list(_SAME_VERSIONS[1:]))
     except (TimeoutError, OSError) as error:
         raise InputError(
             "--scheduler",
@@ -145,7 +147,7 @@ def _require_workers(client: Any, cluster: Cluster) -> None:
     own = found["client"]["packages"]
     for worker, described in found["workers"].items():
         theirs = described["packages"]
-        for name in SAME_VERSIONS:
+        for name in _SAME_VERSIONS:
             if theirs.get(name) != own.get(name):
                 raise InputError(
                     "--scheduler",

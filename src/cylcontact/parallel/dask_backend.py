@@ -10,6 +10,8 @@ from typing import Any
 
 from joblib._dask import DaskDistributedBackend
 
+__all__ = ["ClusterBackend", "Watch"]
+
 
 class ClusterBackend(DaskDistributedBackend):  # type: ignore[misc]
     """A backend that leaves nothing to this process and hands every failure on.

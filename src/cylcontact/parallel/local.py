@@ -17,10 +17,12 @@ from typing import Any
 from cylcontact.errors import InputError
 from cylcontact.parallel.calls import Call, call
 
+__all__ = ["SETTLING", "as_generator", "give_up", "in_processes", "in_threads"]
+
 # Seconds after which the thread that feeds new workers has done so; it breaks if stopped before.
 SETTLING = 0.2
 # Seconds between two checks of a worker that its parent is alive.
-POLLING = 0.2
+_POLLING = 0.2
 
 
 def in_processes(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Generator[Any]:
@@ -109,7 +111,7 @@ def _watch(parent: int) -> None:
     A call that holds the interpreter's lock, as some compiled code does, delays it.
     """
     while os.getppid() == parent:
-        time.sleep(POLLING)
+        time.sleep(_POLLING)
     os._exit(1)
 
 

@@ -9,6 +9,8 @@ from cylcontact.parallel.calls import Call
 from cylcontact.parallel.cluster import Cluster, on_cluster
 from cylcontact.parallel.local import in_processes, in_threads
 
+__all__ = ["Workers", "run_calls"]
+
 # A number of workers on this machine, or a cluster.
 Workers = int | Cluster
 

@@ -30,3 +30,7 @@ __all__ = [
     "stress_of",
     "write_table",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

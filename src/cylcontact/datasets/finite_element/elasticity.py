@@ -11,6 +11,8 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.finite_element.mesh import Body, IntArray
 from cylcontact.datasets.finite_element.setup import Setup
 
+__all__ = ["Elastic", "Stress", "factorise", "spread_load", "stress_of"]
+
 
 @dataclass(frozen=True, eq=False)
 class Elastic:
@@ -59,7 +61,7 @@ class Stress:
         return as_floats(np.sqrt(differences / 2 + 3 * self.xy**2))
 
 
-def mesh_of(body: Body) -> Any:
+def _mesh_of(body: Body) -> Any:
     """Return scikit-fem's mesh of a body."""
     import skfem
 
@@ -67,11 +69,11 @@ def mesh_of(body: Body) -> Any:
     return skfem.MeshQuad(points, quads)
 
 
-def displacement_basis(body: Body, order: int) -> Any:
+def _displacement_basis(body: Body, order: int) -> Any:
     """Return scikit-fem's basis of bilinear displacements on a body, with its quadrature."""
     import skfem
 
-    return skfem.Basis(mesh_of(body), skfem.ElementVector(skfem.ElementQuad1()), intorder=order)
+    return skfem.Basis(_mesh_of(body), skfem.ElementVector(skfem.ElementQuad1()), intorder=order)
 
 
 def factorise(body: Body, E: float, nu: float, held: IntArray) -> Elastic:
@@ -90,7 +92,7 @@ def factorise(body: Body, E: float, nu: float, held: IntArray) -> Elastic:
     from skfem import asm
     from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-    basis = displacement_basis(body, order=3)
+    basis = _displacement_basis(body, order=3)
     stiffness = asm(linear_elasticity(*lame_parameters(E, nu)), basis).tocsc()
     free = np.setdiff1d(np.arange(basis.N), held)
     symmetric = {"SymmetricMode": True}
@@ -117,7 +119,7 @@ def spread_load(pin: Body, centre: FloatArray, radius: float) -> FloatArray:
     """
     import skfem
 
-    basis = skfem.Basis(mesh_of(pin), skfem.ElementQuad1(), intorder=4)
+    basis = skfem.Basis(_mesh_of(pin), skfem.ElementQuad1(), intorder=4)
 
     def inside(v: Any, w: Any) -> Any:
         return v * (np.hypot(w.x[0] - centre[0], w.x[1] - centre[1]) <= radius)
@@ -155,7 +157,7 @@ def stress_of(body: Body, displacements: FloatArray, setup: Setup) -> Stress:
     [207.] [0.] [207.]
     """
     E, nu = setup.equivalent
-    basis = displacement_basis(body, order=1)
+    basis = _displacement_basis(body, order=1)
     gradient = np.asarray(basis.interpolate(displacements.ravel()).grad).mean(axis=-1)
     xx, yy = gradient[0, 0], gradient[1, 1]
     mu, lame = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))

@@ -22,6 +22,8 @@ from cylcontact.errors import InputError
 from cylcontact.provenance import spec_hash
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
+__all__ = ["Origin", "Study", "StudySpec", "read_study", "study_from"]
+
 Origin = Literal["paper", "derived", "assumed"]
 _LENGTH_REMEDY = "a number in mm above 0"
 
