@@ -1,4 +1,4 @@
-"""Small helpers shared by everything that takes arrays."""
+"""Array types, and helpers of the functions that take arrays."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def as_floats(values: object) -> FloatArray:
 
 
 def inside_or_nan(values: FloatArray, inside: BoolArray) -> FloatArray:
-    """Keep `values` where `inside` holds and put NaN elsewhere.
+    """Return `values` where `inside` is true and NaN elsewhere.
 
     Examples
     --------
@@ -42,9 +42,9 @@ def require(
         raise InputError(source, key, value, rule, remedy)
 
 
-def same_fields(one: Any, other: object) -> bool:
-    """Compare two dataclass instances field by field, arrays by value."""
-    names = [field.name for field in fields(one)]
-    return type(one) is type(other) and all(
-        np.array_equal(getattr(one, name), getattr(other, name)) for name in names
+def same_fields(instance: Any, other: object) -> bool:
+    """Return whether two dataclass instances are equal, arrays compared by value."""
+    names = [field.name for field in fields(instance)]
+    return type(instance) is type(other) and all(
+        np.array_equal(getattr(instance, name), getattr(other, name)) for name in names
     )

@@ -88,7 +88,9 @@ def with_table(data: dict[str, Any], source: Path) -> dict[str, Any]:
         )
     if "axes" in data or "penetrations" in data:
         key = "axes" if "axes" in data else "penetrations"
-        raise InputError(str(source), key, None, "stands beside table", "keep one of the two")
+        raise InputError(
+            str(source), key, None, "cannot be combined with table", "keep one of the two"
+        )
     rows = read_table(source.parent / name).rows
     rows = rows[rows["variant"] == "base"]
     axes = {axis: {"values": sorted(set(rows[column]))} for axis, column in _AXES.items()}

@@ -93,7 +93,7 @@ def check_provenance(data: Mapping[str, Any]) -> None:
             )
     for key in listed:
         if listed.count(key) > 1:
-            raise broken("provenance", key, "stands twice", "keep one of them")
+            raise broken("provenance", key, "is listed twice", "keep one of them")
         if not any(one == key or one.startswith(f"{key}.") for one in keys) and key not in texts:
             raise broken("provenance", key, "covers nothing in the file", "correct or remove it")
 

@@ -143,7 +143,7 @@ def require_same_inputs(path: Path, study: Study) -> None:
     try:
         before = read_table(path).header
     except InputError as error:
-        rule = "stands where the table would go and is none that can be read"
+        rule = "exists and is not a readable table of finite elements"
         raise InputError(str(path), "", None, rule, remedy) from error
     if before["set-up"] != study.key:
         rule = f"holds a table that came from another set-up, not from {study.source} as it is now"
