@@ -10,8 +10,8 @@ import pytest
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.export import EXPORTABLE, TARGETS, export, export_named
 from cylcontact.export.formulas import formula_of
-from cylcontact.export.named import FITTED
 from cylcontact.fitting import FitResult
+from cylcontact.fitting.law_models import FITTED
 from cylcontact.fitting.parameters import FAMILIES
 from cylcontact.laws.lambert import branch_distance
 from tests import programs

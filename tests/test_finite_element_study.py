@@ -77,9 +77,9 @@ class TestSpec:
             ({"origin.clamp": "paper"}, "origin.clamp: is not a key of this file"),
             ({"origin.E": "guessed"}, "origin.E = 'guessed': must be 'paper', 'derived'"),
             ({"variants": [{"cells": 8}]}, "variants.0: name: is required"),
-            ({"variants": [{"name": "a,b"}]}, "must do without commas, quotes and #"),
+            ({"variants": [{"name": "a,b"}]}, "must not contain commas, quotes or #"),
             ({"variants": [{"name": "a", "dR": [1.0]}]}, "dR = [1.0]: cannot vary"),
-            ({"variants": [{"name": "a"}, {"name": "a"}]}, "'a': stands twice"),
+            ({"variants": [{"name": "a"}, {"name": "a"}]}, "'a': is used twice"),
             ({"variants": [{"name": "a", "cells": 1}]}, "cells = 1: must be at least 4"),
         ],
     )
@@ -323,7 +323,7 @@ class TestReference:
         [
             ({"table": DROP}, 'table: is required with reference = "finite-element"'),
             ({"table": "none.csv"}, "cannot be read"),
-            ({"axes": {}}, "axes: stands beside table"),
+            ({"axes": {}}, "axes: cannot be combined with table"),
             ({"contact": "external"}, "contact = 'external': must be internal"),
         ],
     )

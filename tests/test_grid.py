@@ -216,8 +216,14 @@ BAD_INPUT = [
         ({"axes.nu.values": values}, "axes.nu.values", values, "increasing", "drop repeats")
         for values in ([], [0.3, 0.2], [0.3, 0.3])
     ),
-    ({"axes.nu.min": 0.1}, "axes.nu.min", None, "stands beside values", "keep either"),
-    ({"axes.nu.spacing": "log"}, "axes.nu.spacing", None, "stands beside values", "keep either"),
+    ({"axes.nu.min": 0.1}, "axes.nu.min", None, "cannot be combined with values", "keep either"),
+    (
+        {"axes.nu.spacing": "log"},
+        "axes.nu.spacing",
+        None,
+        "cannot be combined with values",
+        "keep either",
+    ),
     # physics
     *(
         ({f"axes.{axis}": {"values": [value, 9.0]}}, f"axes.{axis}", value, rule, f"in {unit}")

@@ -45,7 +45,7 @@ MISTAKES = [
     ({"provenance.paper": ["clearance"], "provenance.assumed": ["gravity"]},
      "provenance = 'ground.points.pivot': has no provenance; list it under paper, derived"),
     ({"provenance.derived": ["bodies.flywheel"]}, "'bodies.flywheel': covers nothing in the file"),
-    ({"provenance.derived": ["bodies"]}, "provenance = 'bodies': stands twice"),
+    ({"provenance.derived": ["bodies"]}, "provenance = 'bodies': is listed twice"),
 ]  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Files that appear complete or not at all."""
+"""Atomic writing of files, and checks of output paths."""
 
 from __future__ import annotations
 
@@ -12,13 +12,22 @@ from pathlib import Path
 
 from cylcontact.errors import InputError
 
+__all__ = [
+    "folder_of",
+    "remove_leftovers",
+    "replacing",
+    "require_suffix",
+    "require_writable",
+    "unwritable",
+]
+
 
 @contextmanager
 def replacing(path: Path | str) -> Iterator[Path]:
-    """Give a temporary path beside `path` and rename it to `path` when the block succeeds.
+    """Yield a temporary path next to `path` and rename it to `path` when the block succeeds.
 
-    Missing folders are made. If the block fails or is interrupted, `path` is as it was before
-    and nothing else is left, no folder either.
+    Missing folders are created. If the block fails or is interrupted, `path` is unchanged, and
+    the temporary file and the new folders are removed.
 
     Parameters
     ----------
@@ -62,18 +71,18 @@ def replacing(path: Path | str) -> Iterator[Path]:
             raise unwritable(target, error) from error
         finally:
             if temporary is not None:
-                with suppress(OSError):  # the error that is told of is the first
+                with suppress(OSError):  # report the first error, not this one
                     temporary.unlink(missing_ok=True)
 
 
 @contextmanager
 def folder_of(target: Path) -> Iterator[None]:
-    """Make the folder of a file, and remove what was made if nothing has come into it.
+    """Create the folder of a file, and remove the folders created if they stay empty.
 
     Raises
     ------
     InputError
-        If the folder cannot be made.
+        If the folder cannot be created.
     """
     parents = (target.parent, *target.parent.parents)
     made = list(takewhile(lambda folder: not folder.exists(), parents))
@@ -85,12 +94,12 @@ def folder_of(target: Path) -> Iterator[None]:
         yield
     finally:
         for folder in made:
-            with suppress(OSError):  # it holds something
+            with suppress(OSError):  # not empty
                 folder.rmdir()
 
 
 def remove_leftovers(target: Path) -> None:
-    """Remove what a killed process had half-written of the same output."""
+    """Remove the temporary files that a killed process left of the same output."""
     name = re.compile(rf"\.{re.escape(target.stem)}-[a-z0-9_]{{8}}{re.escape(target.suffix)}")
     with suppress(OSError):
         for file in target.parent.iterdir():
@@ -99,7 +108,7 @@ def remove_leftovers(target: Path) -> None:
 
 
 def unwritable(path: Path, error: OSError) -> InputError:
-    """Return the error that tells of a file that could not be written."""
+    """Return the error for a file that could not be written."""
     return InputError(
         str(path),
         "",
@@ -110,18 +119,18 @@ def unwritable(path: Path, error: OSError) -> InputError:
 
 
 def _to_disk(path: Path) -> None:
-    """Wait until a file is on the disk, so that no crash leaves an empty one under its name."""
+    """Flush a file to disk, so that a crash cannot leave an empty file under the final name."""
     with path.open("rb+") as file:
         os.fsync(file.fileno())
 
 
 def require_suffix(path: Path | str, *suffixes: str) -> str:
-    """Return the suffix of an output, one or two of which are possible; refuse another one.
+    """Return the suffix of an output path, one or two of which are allowed.
 
     Raises
     ------
     InputError
-        If the name ends otherwise.
+        If the path has another suffix.
 
     Examples
     --------
@@ -138,9 +147,9 @@ def require_suffix(path: Path | str, *suffixes: str) -> str:
 
 
 def require_writable(path: Path | str) -> None:
-    """Raise `InputError` now if `path` could not be written later, and leave no trace.
+    """Raise `InputError` if `path` cannot be written; create nothing.
 
-    Long work calls this first, so that it does not fail at its end.
+    Call it before long computations, so that they do not fail when they write their result.
     """
     target = Path(path)
     try:
@@ -158,7 +167,7 @@ def require_writable(path: Path | str) -> None:
 
 
 def _obstacle(target: Path) -> str:
-    """Say what stands in the way of writing a file, in a few words; nothing where nothing does."""
+    """Return why a file cannot be written, in a few words; empty if it can be."""
     if any("\ud800" <= character <= "\udfff" for character in str(target)):
         return "its name is not text"
     if target.is_dir():
@@ -172,7 +181,7 @@ def _obstacle(target: Path) -> str:
 
 
 def _umask() -> int:
-    """Return the process's umask, which can only be read by setting it."""
+    """Return the umask of the process, which can only be read by setting it."""
     mask = os.umask(0)
     os.umask(mask)
     return mask

@@ -84,7 +84,6 @@ def simulate(
     from cylcontact.files import require_suffix
     from cylcontact.locks import owning
     from cylcontact.mechanism import read_mechanism
-    from cylcontact.mechanism.report import to_text
     from cylcontact.mechanism.simulate import settings_for
 
     changes = {
@@ -103,7 +102,7 @@ def simulate(
         run = _run(mechanism, settings, revolutions, earlier, out)
         if out is not None:
             run.save(out)
-    typer.echo(to_text(run), nl=False)
+    typer.echo(run.to_text(), nl=False)
     if out is not None:
         typer.echo(f"\nwritten to {out}")
 

@@ -15,3 +15,7 @@ __all__ = [
     "reduce_grid",
     "write_samples",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -18,6 +18,8 @@ from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
+__all__ = ["AxesSpec", "AxisSpec", "Grid", "GridSpec", "grid_from", "read_grid", "read_grid_data"]
+
 _POSITIVE_AXES = ("E", "dR", "load")
 _UNITS = {"E": "GPa", "nu": "dimensionless", "dR": "mm", "load": "N/mm"}
 # In these units no contact lies beyond; within them no law overflows.
@@ -78,7 +80,9 @@ class AxisSpec(Spec):
 def _check_values(values: tuple[float, ...], others: list[str]) -> None:
     """Refuse an empty or unordered list, and one beside a range."""
     if others:
-        raise broken(others[0], None, "stands beside values", "keep either the range or the values")
+        raise broken(
+            others[0], None, "cannot be combined with values", "keep either the range or the values"
+        )
     if not values or any(b <= a for a, b in pairwise(values)):
         raise broken(
             "values", list(values), "must be a list of increasing numbers", "sort it, drop repeats"

@@ -20,6 +20,8 @@ from cylcontact.datasets.moments import Moments
 from cylcontact.laws.logarithmic import LogarithmicLaw
 from cylcontact.pair import CylinderPair
 
+__all__ = ["TILE", "row_moments"]
+
 # Samples treated at a time: their logarithms, half a MiB, stay within a core's cache.
 TILE = 1 << 16
 

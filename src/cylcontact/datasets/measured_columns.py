@@ -16,8 +16,10 @@ from cylcontact.pair import Contact
 from cylcontact.spec import Spec
 from cylcontact.units import LABELS, column_named, spellings
 
+__all__ = ["Constants", "MeasuredData", "read_measured"]
+
 Constants = Mapping[str, float | str]
-BODIES = ("i", "j")
+_BODIES = ("i", "j")
 
 
 class MeasuredData(Spec):
@@ -150,8 +152,8 @@ def _add_materials(
     rows: dict[str, MaterialRow] = {}
     if any(name in labels for name in ("material", "material_i", "material_j")):
         rows = known_materials(materials)
-    taken = [_one_body(source, body, numbers, labels, rows, materials) for body in BODIES]
-    for body, (E, nu) in zip(BODIES, taken, strict=True):
+    taken = [_one_body(source, body, numbers, labels, rows, materials) for body in _BODIES]
+    for body, (E, nu) in zip(_BODIES, taken, strict=True):
         numbers[f"E_{body}"], numbers[f"nu_{body}"] = E, nu
     for quantity in ("E", "nu"):
         numbers.pop(quantity, None)

@@ -14,9 +14,11 @@ from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
 from cylcontact.units import LABELS, Column, column_named
 
+__all__ = ["MAX_ROWS", "MeasuredTable", "read_table"]
+
 # All rows are held in memory and go into the result.
 MAX_ROWS = 200_000
-SUFFIXES = (".csv", ".parquet")
+_SUFFIXES = (".csv", ".parquet")
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +76,7 @@ def read_table(path: Path | str, ignored: Sequence[str] = ()) -> MeasuredTable:
     """
     source = str(path)
     suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
+    if suffix not in _SUFFIXES:
         raise InputError(source, "", None, "is neither .csv nor .parquet", "name a table")
     try:
         digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()

@@ -16,12 +16,14 @@ from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.units import spellings
 
-POSITIVE = (
+__all__ = ["Indices", "Measurements", "measurements_of"]
+
+_POSITIVE = (
     *("load", "penetration", "E_i", "E_j", "dR", "R_i", "R_j", "length"),
     *("load_std", "penetration_std", "weight"),
 )
-KNOWN = (*POSITIVE, "nu_i", "nu_j")
-GROUPINGS = ("rows", "material", "dR", "pair", "group")
+_KNOWN = (*_POSITIVE, "nu_i", "nu_j")
+_GROUPINGS = ("rows", "material", "dR", "pair", "group")
 Indices = NDArray[np.intp]
 
 
@@ -70,7 +72,7 @@ class Measurements:
     @cached_property
     def pair(self) -> CylinderPair:
         """The pair of each row."""
-        return pair_of(self.contact, self.columns)
+        return _pair_of(self.contact, self.columns)
 
     def take(self, rows: Indices) -> Measurements:
         """Return the measurements at these places, possibly repeated."""
@@ -98,9 +100,9 @@ class Measurements:
         InputError
             If the grouping is unknown, or the table has no column `group`.
         """
-        if over not in GROUPINGS:
+        if over not in _GROUPINGS:
             raise InputError(
-                "grouping", "over", over, "is unknown", f"choose {', '.join(GROUPINGS)}"
+                "grouping", "over", over, "is unknown", f"choose {', '.join(_GROUPINGS)}"
             )
         if over == "group" and "group" not in self.data.labels:
             raise InputError(
@@ -178,7 +180,7 @@ def measurements_of(data: MeasuredData, source: str) -> Measurements:
     for name in ("load", "penetration", "E_i", "E_j", "nu_i", "nu_j"):
         if name not in columns:
             raise InputError(source, name, None, "is required", f"add {spellings(name)}")
-    for name in POSITIVE:
+    for name in _POSITIVE:
         if name in columns:
             rule = "must be positive and finite"
             _require(data, source, name, columns[name], columns[name] > 0, rule)
@@ -189,7 +191,7 @@ def measurements_of(data: MeasuredData, source: str) -> Measurements:
     return Measurements(data, np.arange(size), columns)
 
 
-def pair_of(contact: Contact, columns: dict[str, FloatArray]) -> CylinderPair:
+def _pair_of(contact: Contact, columns: dict[str, FloatArray]) -> CylinderPair:
     """Return the array-valued pair that columns describe."""
     # Laws broadcast a length like everything else; one number is what most pairs have.
     length = cast("float | None", columns.get("length"))
@@ -202,7 +204,7 @@ def pair_of(contact: Contact, columns: dict[str, FloatArray]) -> CylinderPair:
 def _require_shapes(data: MeasuredData, size: int, source: str) -> None:
     """Refuse columns that are unknown or of another length; only a damaged result has them."""
     for name, values in data.numbers.items():
-        if name not in KNOWN or len(values) not in (1, size):
+        if name not in _KNOWN or len(values) not in (1, size):
             rule = f"is not a known column of 1 or {size} rows"
             raise InputError(source, f"numbers.{name}", None, rule, "redo the fit")
     for name, words in data.labels.items():

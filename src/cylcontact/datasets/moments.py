@@ -20,6 +20,8 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray, require
 
+__all__ = ["Moments", "concatenate", "merge"]
+
 
 @dataclass(frozen=True, eq=False)
 class Moments:

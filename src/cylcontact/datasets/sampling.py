@@ -30,6 +30,19 @@ from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.parallel import Workers, call, run_calls
 
+__all__ = [
+    "BLOCK",
+    "COLUMNS",
+    "PIECE",
+    "Block",
+    "Counts",
+    "IndexArray",
+    "Progress",
+    "blocks",
+    "reduce_grid",
+    "write_samples",
+]
+
 # Samples per block: a block's dozen temporaries stay within a core's cache (some 0.5 MiB each).
 BLOCK = 1 << 16
 # Samples per call of a worker, at least, where a clearance has that many.

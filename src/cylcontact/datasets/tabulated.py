@@ -12,6 +12,8 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.pair import CylinderPair
 
+__all__ = ["FINITE_ELEMENT", "TabulatedReference", "with_table"]
+
 # The reference that stands for such a table in grid specs.
 FINITE_ELEMENT = "finite-element"
 # How the axes of a grid are called in a table.
@@ -86,7 +88,9 @@ def with_table(data: dict[str, Any], source: Path) -> dict[str, Any]:
         )
     if "axes" in data or "penetrations" in data:
         key = "axes" if "axes" in data else "penetrations"
-        raise InputError(str(source), key, None, "stands beside table", "keep one of the two")
+        raise InputError(
+            str(source), key, None, "cannot be combined with table", "keep one of the two"
+        )
     rows = read_table(source.parent / name).rows
     rows = rows[rows["variant"] == "base"]
     axes = {axis: {"values": sorted(set(rows[column]))} for axis, column in _AXES.items()}

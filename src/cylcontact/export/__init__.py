@@ -18,6 +18,11 @@ from cylcontact.pair import CONTACTS, Contact
 
 __all__ = ["EXPORTABLE", "TARGETS", "export", "export_named"]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
+
 SOURCES: Mapping[str, Callable[[Formula], str]] = {
     "c": to_c,
     "fortran": to_fortran,

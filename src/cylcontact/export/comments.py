@@ -9,6 +9,8 @@ from textwrap import wrap
 
 from cylcontact.export.formula import MEANINGS, RESULTS, Formula
 
+__all__ = ["WIDTH", "comment_lines", "domain"]
+
 WIDTH = 90
 
 
@@ -25,10 +27,10 @@ def comment_lines(formula: Formula, mark: str) -> str:
     return "\n".join(f"{mark} {line}".rstrip() for line in _description(formula))
 
 
-def provenance(formula: Formula) -> str:
+def _provenance(formula: Formula) -> str:
     """Return the package's version and where the coefficients come from."""
     origin = formula.origin or "given by the caller"
-    return f"exported by cylcontact {version('cylcontact')}; coefficients: {plain(origin)}"
+    return f"exported by cylcontact {version('cylcontact')}; coefficients: {_plain(origin)}"
 
 
 def domain(formula: Formula) -> str:
@@ -36,12 +38,12 @@ def domain(formula: Formula) -> str:
     return "; ".join(filter(None, (", ".join(formula.requirements), formula.domain)))
 
 
-def plain(text: str) -> str:
+def _plain(text: str) -> str:
     """Return text that is safe in a comment of any language: ASCII on one line, no specials.
 
     Examples
     --------
-    >>> plain("fit result 'ΔR */ #1'")
+    >>> _plain("fit result 'ΔR */ #1'")
     "fit result '_R __ _1'"
     """
     return re.sub(r"[^\w '.,:;=()+-]", "_", text, flags=re.ASCII)
@@ -58,7 +60,7 @@ def _description(formula: Formula) -> list[str]:
         "",
         *_paragraph("Formula", formula.equation),
         *_paragraph("Remark", formula.remark),
-        *_paragraph("Provenance", provenance(formula)),
+        *_paragraph("Provenance", _provenance(formula)),
         *(f"  {name} = {value!r}" for name, value in formula.coefficients.items()),
         "",
         "Arguments, in this order:",

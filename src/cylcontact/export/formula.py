@@ -8,8 +8,10 @@ from dataclasses import dataclass
 
 from cylcontact.pair import Contact
 
+__all__ = ["MEANINGS", "RESULTS", "Formula", "Step", "expression", "names_in"]
+
 # What every exported function takes first, and what some laws need besides, with units.
-ALWAYS = ("penetration", "E_star", "dR")
+_ALWAYS = ("penetration", "E_star", "dR")
 MEANINGS: Mapping[str, tuple[str, str]] = {
     "penetration": ("mm", "penetration of the surfaces, not negative"),
     "E_star": ("MPa", "composite modulus, 1/E_star = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j"),
@@ -93,7 +95,7 @@ class Formula:
     @property
     def arguments(self) -> tuple[str, ...]:
         """The function's arguments, in order."""
-        return ALWAYS + self.extra
+        return _ALWAYS + self.extra
 
     @property
     def steps(self) -> tuple[Step, ...]:

@@ -16,6 +16,8 @@ from cylcontact.pair import Contact
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
 
+__all__ = ["EXPORTABLE", "FoundLaw", "find_law"]
+
 # Persson's law has no closed form; it is known by name all the same, to be told so.
 EXPORTABLE = tuple(name for name in LAWS if name != "persson")
 

@@ -8,8 +8,10 @@ from dataclasses import dataclass, field
 
 from cylcontact.export.formula import expression
 
+__all__ = ["Dialect"]
+
 # How tightly operators bind, the same in all targets.
-OR, AND, COMPARISON, SUM, PRODUCT, POWER, ATOM = range(7)
+_OR, _AND, _COMPARISON, _SUM, _PRODUCT, _POWER, _ATOM = range(7)
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ class Dialect:
         return [self.render(expression(text)) for text in texts]
 
 
-PLAIN: Mapping[type[ast.AST], str] = {
+_PLAIN: Mapping[type[ast.AST], str] = {
     ast.Add: "+",
     ast.Sub: "-",
     ast.Mult: "*",
@@ -64,12 +66,12 @@ class _Renderer:
         """Return the text of any node of the notation."""
         match node:
             case ast.Constant(value=int() | float() as value):
-                return self.dialect.number(float(value)), ATOM
+                return self.dialect.number(float(value)), _ATOM
             case ast.Name(id=name):
-                return self.dialect.names.get(name, name), ATOM
+                return self.dialect.names.get(name, name), _ATOM
             case ast.Call(func=ast.Name(id=name), args=args):
                 inside = ", ".join(self.text(arg)[0] for arg in args)
-                return f"{self.dialect.names.get(name, name)}({inside})", ATOM
+                return f"{self.dialect.names.get(name, name)}({inside})", _ATOM
         return self.operation(node)
 
     def operation(self, node: ast.expr) -> tuple[str, int]:
@@ -77,17 +79,17 @@ class _Renderer:
         match node:
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 # In parentheses: Fortran allows no two operators in a row.
-                return f"(-{self.above(operand, PRODUCT)})", ATOM
+                return f"(-{self.above(operand, _PRODUCT)})", _ATOM
             case ast.BinOp(op=ast.Pow(), left=left, right=right):
                 return self.power(left, right)
             case ast.BinOp(op=op, left=left, right=right):
-                level = SUM if isinstance(op, ast.Add | ast.Sub) else PRODUCT
+                level = _SUM if isinstance(op, ast.Add | ast.Sub) else _PRODUCT
                 text = f"{self.above(left, level - 1)} {self.symbol(op)} {self.above(right, level)}"
                 return text, level
             case ast.Compare(left=left, ops=[op], comparators=[right]):
-                return f"{self.text(left)[0]} {self.symbol(op)} {self.text(right)[0]}", COMPARISON
+                return f"{self.text(left)[0]} {self.symbol(op)} {self.text(right)[0]}", _COMPARISON
             case ast.BoolOp(op=op, values=values):
-                level = AND if isinstance(op, ast.And) else OR
+                level = _AND if isinstance(op, ast.And) else _OR
                 return f" {self.symbol(op)} ".join(self.above(v, level) for v in values), level
         raise NotImplementedError(ast.unparse(node))
 
@@ -98,10 +100,10 @@ class _Renderer:
 
     def power(self, left: ast.expr, right: ast.expr) -> tuple[str, int]:
         """Return x to the power of y, both in parentheses unless they are plain."""
-        x, y = self.above(left, POWER), self.above(right, POWER)
-        return self.dialect.power.format(x=x, y=y), POWER
+        x, y = self.above(left, _POWER), self.above(right, _POWER)
+        return self.dialect.power.format(x=x, y=y), _POWER
 
     def symbol(self, operator: ast.AST) -> str:
         """Return an operator in this language."""
         kind = type(operator)
-        return self.dialect.symbols.get(kind) or PLAIN[kind]
+        return self.dialect.symbols.get(kind) or _PLAIN[kind]

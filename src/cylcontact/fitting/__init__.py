@@ -23,3 +23,7 @@ __all__ = [
     "read_plan",
     "verdicts",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

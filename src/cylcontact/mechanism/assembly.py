@@ -18,16 +18,18 @@ from cylcontact.errors import InputError
 from cylcontact.mechanism import constraints
 from cylcontact.mechanism.model import Joint, Mechanism
 
-ITERATIONS = 50
+__all__ = ["assemble", "evaluate", "joint_table"]
+
+_ITERATIONS = 50
 # In m and rad: some units in the last place of a mechanism of a metre.
-CLOSED = 1e-15
+_CLOSED = 1e-15
 # What Newton's method must reach at least before rounding stops it.
-ASSEMBLED = 1e-13
+_ASSEMBLED = 1e-13
 
 # Of the driver in rad, between one Newton iteration and the next.
-DRIVER_STEP = 0.1
+_DRIVER_STEP = 0.1
 
-KINDS = {
+_KINDS = {
     "revolute": constraints.REVOLUTE,
     "prismatic": constraints.PRISMATIC,
     "driver": constraints.DRIVER,
@@ -43,7 +45,7 @@ def joint_table(joints: tuple[Joint, ...]) -> FloatArray:
             "prismatic": (joint.direction, joint.angle),
             "driver": (joint.angle, joint.speed),
         }[joint.kind]
-        rows.append((KINDS[joint.kind], joint.i, joint.j, *joint.point_i, *joint.point_j, *last))
+        rows.append((_KINDS[joint.kind], joint.i, joint.j, *joint.point_i, *joint.point_j, *last))
     return np.array(rows, dtype=np.float64)
 
 
@@ -93,7 +95,7 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     guessed = q[3 * int(driver[2]) + 2] - (q[3 * int(driver[1]) + 2] if driver[1] >= 0 else 0.0)
     wanted, speed = driver[7] + driver[8] * t, driver[8]
     driver[8] = 0.0
-    steps = max(2, math.ceil(abs(wanted - guessed) / DRIVER_STEP) + 1)
+    steps = max(2, math.ceil(abs(wanted - guessed) / _DRIVER_STEP) + 1)
     for angle in np.linspace(guessed, wanted, steps):
         driver[7] = angle
         q = _close(mechanism, table, q)
@@ -107,13 +109,13 @@ def _close(mechanism: Mechanism, table: FloatArray, q: FloatArray) -> FloatArray
     """Close all joints by Newton's method, the driver at rest where it is."""
     still = np.zeros_like(q)
     gap = np.inf
-    for _ in range(ITERATIONS):
+    for _ in range(_ITERATIONS):
         value, _, jacobian, _ = evaluate(table, 0.0, q, still)
         gap = float(np.abs(value).max())
-        if gap <= CLOSED:
+        if gap <= _CLOSED:
             break
         q = q - _solve(mechanism, jacobian, value)
-    if not gap <= ASSEMBLED:
+    if not gap <= _ASSEMBLED:
         raise InputError(
             mechanism.source,
             "bodies",

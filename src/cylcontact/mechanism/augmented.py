@@ -25,6 +25,31 @@ from cylcontact.mechanism.cvode import RHS_SIGNATURE, ROOTS_SIGNATURE, block, va
 from cylcontact.mechanism.events import EVENTS, fill_roots
 from cylcontact.numba_cache import callback, compiled
 
+__all__ = [
+    "ALPHA",
+    "BETA",
+    "BODIES",
+    "BODY_I",
+    "BODY_J",
+    "DRIVER_I",
+    "DRIVER_J",
+    "DRIVER_ROW",
+    "GRAVITY_X",
+    "GRAVITY_Y",
+    "I_X",
+    "I_Y",
+    "JOINTS",
+    "J_X",
+    "J_Y",
+    "MODEL_HEADER",
+    "ROWS",
+    "contact_on_bodies",
+    "derivatives",
+    "eccentricity",
+    "rhs",
+    "roots",
+]
+
 # Positions in the model's part of the parameter block; the masses and the table follow. A driver's
 # row below 0 says that there is none.
 BODIES, JOINTS, ROWS, DRIVER_ROW, DRIVER_I, DRIVER_J = 0, 1, 2, 3, 4, 5
@@ -58,7 +83,7 @@ def _apply(force: NDArray[np.float64], body: int, f_x: float, f_y: float, moment
 
 
 @compiled
-def solve_positive(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> None:
+def _solve_positive(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> None:
     """Solve a symmetric positive definite system in place, by Cholesky."""
     n = right.size
     for k in range(n):
@@ -133,7 +158,7 @@ def derivatives(
             for k in range(size):
                 product += jacobian[r, k] * jacobian[s, k] / mass[k]
             matrix[r, s] = product
-    solve_positive(matrix, lam)
+    _solve_positive(matrix, lam)
 
     for k in range(size):
         total = force[k]

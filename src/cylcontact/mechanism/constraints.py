@@ -22,6 +22,8 @@ from numpy.typing import NDArray
 
 from cylcontact.numba_cache import compiled
 
+__all__ = ["COLUMNS", "CONSTRAINTS", "DRIVER", "PRISMATIC", "REVOLUTE", "evaluate", "point"]
+
 REVOLUTE, PRISMATIC, DRIVER = 0.0, 1.0, 2.0
 COLUMNS = 9
 CONSTRAINTS = {REVOLUTE: 2, PRISMATIC: 2, DRIVER: 1}

@@ -27,6 +27,38 @@ from numpy.typing import NDArray
 from cylcontact.laws.kernels import kernel_load
 from cylcontact.numba_cache import compiled
 
+__all__ = [
+    "ALLOWED_PENETRATION",
+    "CHI",
+    "CLEARANCE",
+    "CONTACT",
+    "FREE",
+    "FRICTION",
+    "HEADER",
+    "IMPACT_RATE",
+    "KERNEL",
+    "KERNEL_SIZE",
+    "KERNEL_START",
+    "LAST_LOAD",
+    "LAST_PENETRATION",
+    "LAST_SLOPE",
+    "LAYOUT",
+    "LENGTH",
+    "MODE",
+    "MODEL_START",
+    "RATE_FLOOR",
+    "R_BEARING",
+    "R_JOURNAL",
+    "SIZE",
+    "STATES",
+    "STOP_PENETRATION",
+    "V0",
+    "V1",
+    "contact_force",
+    "elastic_force",
+    "friction_force",
+]
+
 # What the parameter block of a compiled right-hand side holds, by position. It is one array of
 # floats because that is what CVODE can hand on to a compiled callback.
 SIZE, LAYOUT, STATES, MODE, IMPACT_RATE = 0, 1, 2, 3, 4

@@ -11,6 +11,16 @@ from cylcontact.mechanism.assembly import joint_table
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.numba_cache import compiled
 
+__all__ = [
+    "NODES",
+    "WEIGHTS",
+    "changes",
+    "drift",
+    "elastic_energy",
+    "joint_forces",
+    "kinetic_and_potential",
+]
+
 # Nodes and weights on [0, 1] of ∫ f(x) dx, for x = s²: f ~ xⁿ with n ≥ 1 is then smooth enough.
 _s, _w = np.polynomial.legendre.leggauss(24)
 NODES, WEIGHTS = (_s + 1) ** 2 / 4, _w * (_s + 1) / 2

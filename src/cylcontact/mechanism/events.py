@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from cylcontact.mechanism import contact
 from cylcontact.numba_cache import compiled
 
+__all__ = ["CROSSING", "EVENTS", "LIMIT", "TURNING", "directions", "fill_roots"]
+
 CROSSING, TURNING, LIMIT = 0, 1, 2
 EVENTS = 3
 

@@ -19,8 +19,10 @@ from cylcontact.mechanism.step_history import StepHistory
 from cylcontact.mechanism.system import System, law_block
 from cylcontact.pair import CylinderPair
 
+__all__ = ["Impact", "isolated_impact"]
+
 # Time to reach the bearing, and as often again for the impact and the way back.
-CROSSINGS = 3
+_CROSSINGS = 3
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,7 @@ def isolated_impact(
     scale = np.array([p[contact.CLEARANCE]] * 3 + [speed] * 3 + [mass * speed**2] * 3)
     system = System(augmented, p, start, scale, True, "isolated_impact", law.name)
     flight = p[contact.CLEARANCE] / speed
-    rows, _ = advance(Run.start(system, tolerance, flight), CROSSINGS * flight)
+    rows, _ = advance(Run.start(system, tolerance, flight), _CROSSINGS * flight)
     return _impact(rows, p[contact.CLEARANCE])
 
 

@@ -20,12 +20,14 @@ from cylcontact.mechanism.cvode import Integrator
 from cylcontact.mechanism.step_history import State, StepHistory, concatenate
 from cylcontact.mechanism.system import System
 
+__all__ = ["FIRST_STEP", "LawDomainError", "Run", "advance", "one_row"]
+
 # Assumed: the first step after an event in s, three orders below the duration of an impact.
 FIRST_STEP = 1e-9
 # Of absolute positions and angles nothing but the absolute tolerance may count.
-NOT_RELATIVE = 1e-15
+_NOT_RELATIVE = 1e-15
 # An interval that takes more stretches than these is not getting anywhere.
-MAX_STRETCHES = 100_000
+_MAX_STRETCHES = 100_000
 
 
 class LawDomainError(InputError):
@@ -46,7 +48,7 @@ class Run:
         cls, system: System, tolerance: float, max_step: float, state: State | None = None
     ) -> Run:
         """Return a run at the system's start, or at another state."""
-        relative = tolerance if system.relative else NOT_RELATIVE
+        relative = tolerance if system.relative else _NOT_RELATIVE
         absolute = tolerance * system.scale
         integrator = Integrator(
             system.model, system.block, relative, absolute, max_step, FIRST_STEP
@@ -86,12 +88,12 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[StepHistory, int]:
         If the steps collapse.
     """
     parts, evaluations = [], 0
-    for _ in range(MAX_STRETCHES):
+    for _ in range(_MAX_STRETCHES):
         _set_mode(run)
         run.integrator.restart(run.state.time, run.state.values)
         stretch = run.integrator.advance(end)
         evaluations += run.integrator.evaluations
-        parts.append(label_rows(run.state, stretch.times, stretch.states, label))
+        parts.append(_label_rows(run.state, stretch.times, stretch.states, label))
         run.state = replace(run.state, time=stretch.times[-1], values=stretch.states[-1])
         if stretch.flag < 0 or not np.isfinite(run.state.values).all():
             raise _collapsed(run, stretch.flag)
@@ -108,10 +110,10 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[StepHistory, int]:
 
 def one_row(state: State, label: int) -> StepHistory:
     """Return a state as a single row."""
-    return label_rows(state, np.array([state.time]), state.values[None, :], label)
+    return _label_rows(state, np.array([state.time]), state.values[None, :], label)
 
 
-def label_rows(state: State, times: FloatArray, values: FloatArray, label: int) -> StepHistory:
+def _label_rows(state: State, times: FloatArray, values: FloatArray, label: int) -> StepHistory:
     """Return steps as rows in the mode of `state`."""
     return StepHistory(
         time=times,

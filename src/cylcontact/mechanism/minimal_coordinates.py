@@ -37,6 +37,32 @@ from cylcontact.mechanism.cvode import RHS_SIGNATURE, ROOTS_SIGNATURE, block, va
 from cylcontact.mechanism.events import EVENTS, fill_roots
 from cylcontact.numba_cache import callback, compiled
 
+__all__ = [
+    "ANGLE",
+    "CRANK",
+    "CRANK_A",
+    "CRANK_B",
+    "CRANK_MASS",
+    "GRAVITY_X",
+    "GRAVITY_Y",
+    "MODEL_SIZE",
+    "OFFSET",
+    "OMEGA",
+    "ROD",
+    "ROD_A",
+    "ROD_B",
+    "ROD_INERTIA",
+    "ROD_MASS",
+    "SIDE",
+    "SLIDER_MASS",
+    "STATES",
+    "derivatives",
+    "eccentricity",
+    "ideal_reaction",
+    "rhs",
+    "roots",
+]
+
 # Positions in the model's part of the parameter block.
 CRANK, ROD, OFFSET, ROD_A, ROD_B, ROD_INERTIA = 0, 1, 2, 3, 4, 5
 ROD_MASS, SLIDER_MASS, OMEGA, ANGLE, SIDE, GRAVITY_X, GRAVITY_Y = 6, 7, 8, 9, 10, 11, 12
@@ -58,7 +84,7 @@ def eccentricity(
 
 
 @compiled
-def rod_motion(
+def _rod_motion(
     t: float, y: NDArray[np.float64], m: NDArray[np.float64]
 ) -> tuple[float, float, float, float, float, float, float]:
     """Return A and its velocity, and sin φ, cos φ and φ̇ of the rod."""
@@ -73,7 +99,7 @@ def rod_motion(
 @compiled
 def ideal_reaction(t: float, y: NDArray[np.float64], m: NDArray[np.float64]) -> tuple[float, float]:
     """Return the force on the slider that keeps E as it is, the reaction of an ideal joint in N."""
-    A_x, A_y, _, _, sine, cosine, spin = rod_motion(t, y, m)
+    A_x, A_y, _, _, sine, cosine, spin = _rod_motion(t, y, m)
     omega, length, square = m[OMEGA], m[ROD], spin * spin
     a_x, a_y = -omega * omega * A_x, -omega * omega * A_y
     alpha = (length * sine * square - a_y) / (length * cosine)
@@ -91,7 +117,7 @@ def derivatives(
     """Write dy/dt, seven numbers, to `out`."""
     start = int(p[contact.MODEL_START])
     m = p[start : start + MODEL_SIZE]
-    A_x, A_y, _, _, sine, cosine, spin = rod_motion(t, y, m)
+    A_x, A_y, _, _, sine, cosine, spin = _rod_motion(t, y, m)
     omega, length = m[OMEGA], m[ROD]
     a_x, a_y = -omega * omega * A_x, -omega * omega * A_y
 

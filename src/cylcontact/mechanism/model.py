@@ -17,17 +17,29 @@ from cylcontact.mechanism.spec import MechanismSpec
 from cylcontact.pair import CylinderPair
 from cylcontact.spec import parse_spec, read_toml
 
+__all__ = [
+    "GROUND",
+    "Body",
+    "Clearance",
+    "Integration",
+    "Joint",
+    "Mechanism",
+    "Point",
+    "mechanism_from",
+    "read_mechanism",
+]
+
 GROUND = -1
 Point = tuple[float, float]
 
 # What no spec says.
-ASSUMED = (
+_ASSUMED = (
     "start: the journal centred in its bearing and at rest in it",
     f"slowest impact that dissipates as its factor says = {IMPACT_RATE_FLOOR} mm/s",
 )
 
 # What commands may set, and where it stands in a spec.
-OVERRIDES = {
+_OVERRIDES = {
     "law": "clearance.law",
     "clearance": "clearance.radial",
     "restitution": "clearance.restitution",
@@ -153,7 +165,7 @@ class Mechanism:
     @property
     def assumptions(self) -> tuple[str, ...]:
         """Everything that is assumed, as "key = value": what the spec says, and what it cannot."""
-        return (*assumptions(self.data), *ASSUMED)
+        return (*assumptions(self.data), *_ASSUMED)
 
 
 def read_mechanism(path: Path | str, **changes: Any) -> Mechanism:
@@ -190,10 +202,10 @@ def mechanism_from(data: dict[str, Any], source: str = "mechanism", **changes: A
     changed = copy.deepcopy(data)
     law = changes.pop("law", None)
     for key, value in {**changes, "law": law if isinstance(law, str) else None}.items():
-        if key not in OVERRIDES:
-            raise InputError(source, key, value, "cannot be set", f"choose {', '.join(OVERRIDES)}")
+        if key not in _OVERRIDES:
+            raise InputError(source, key, value, "cannot be set", f"choose {', '.join(_OVERRIDES)}")
         if value is not None:
-            _set(changed, OVERRIDES[key], value)
+            _set(changed, _OVERRIDES[key], value)
     spec = parse_spec(MechanismSpec, changed, source)
     chosen = LAWS[spec.clearance.law]() if law is None or isinstance(law, str) else law
     if chosen is law:

@@ -21,6 +21,8 @@ from cylcontact.mechanism.step_history import Beyond, Method, Settings, StepHist
 from cylcontact.mechanism.system import BEYOND, METHODS, build
 from cylcontact.mechanism.trajectory import Trajectory
 
+__all__ = ["Interrupted", "Progress", "settings_for", "simulate"]
+
 Progress = Callable[[str, int, int], None]
 
 
@@ -137,7 +139,7 @@ def settings_for(
     allowed_penetration: float | None = None,
 ) -> Settings:
     """Return the settings of a run, checked and with defaults filled in; see `simulate`."""
-    method = default_method(mechanism) if method is None else method
+    method = _default_method(mechanism) if method is None else method
     for key, value, known in (("method", method, METHODS), ("beyond", beyond, BEYOND)):
         if value not in known:
             raise InputError("simulate", key, value, "is not known", f"choose {', '.join(known)}")
@@ -155,13 +157,13 @@ def settings_for(
     return Settings(method, tolerance, max_step, beyond, allowed_penetration)
 
 
-def default_method(mechanism: Mechanism) -> Method:
+def _default_method(mechanism: Mechanism) -> Method:
     """Return "minimal" where it fits, else "multiplier".
 
     Examples
     --------
     >>> from cylcontact.mechanism import read_mechanism
-    >>> [default_method(read_mechanism(f"datasets/{name}.toml"))
+    >>> [_default_method(read_mechanism(f"datasets/{name}.toml"))
     ...  for name in ("slider_crank", "four_bar")]
     ['minimal', 'multiplier']
     """

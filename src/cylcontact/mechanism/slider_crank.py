@@ -12,6 +12,8 @@ from cylcontact.errors import InputError
 from cylcontact.mechanism.assembly import assemble
 from cylcontact.mechanism.model import GROUND, Body, Joint, Mechanism, Point
 
+__all__ = ["SliderCrank", "masses", "motion", "recognise"]
+
 
 @dataclass(frozen=True)
 class SliderCrank:

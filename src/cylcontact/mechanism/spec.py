@@ -11,8 +11,18 @@ from cylcontact.laws import LAWS
 from cylcontact.mechanism.provenance import check_provenance
 from cylcontact.spec import Spec, broken
 
+__all__ = [
+    "BodySpec",
+    "ClearanceSpec",
+    "GroundSpec",
+    "IntegrationSpec",
+    "JointSpec",
+    "MechanismSpec",
+    "ProvenanceSpec",
+]
+
 # TOML has lists only.
-Pair = Annotated[tuple[float, float], Strict(False)]
+_Pair = Annotated[tuple[float, float], Strict(False)]
 
 
 class BodySpec(Spec):
@@ -20,7 +30,7 @@ class BodySpec(Spec):
 
     mass: float = Field(gt=0, description="the mass in kg")
     inertia: float = Field(gt=0, description="the moment of inertia about the centre, kg m²")
-    points: dict[str, Pair] = Field(
+    points: dict[str, _Pair] = Field(
         description="named points in m from the centre, {pin = [x, y]}", strict=False
     )
     guess: tuple[float, float, float] = Field(
@@ -31,7 +41,9 @@ class BodySpec(Spec):
 class GroundSpec(Spec):
     """What does not move."""
 
-    points: dict[str, Pair] = Field(description="named points in m, {pivot = [x, y]}", strict=False)
+    points: dict[str, _Pair] = Field(
+        description="named points in m, {pivot = [x, y]}", strict=False
+    )
 
 
 class JointSpec(Spec):
@@ -118,7 +130,7 @@ class MechanismSpec(Spec):
     """A mechanism's file."""
 
     name: str = Field(description="the mechanism's name")
-    gravity: Pair = Field(description="the acceleration of gravity in m/s², [x, y]", strict=False)
+    gravity: _Pair = Field(description="the acceleration of gravity in m/s², [x, y]", strict=False)
     ground: GroundSpec = Field(description="a table [ground.points]")
     bodies: dict[str, BodySpec] = Field(min_length=1, description="a table [bodies.NAME] for each")
     joints: dict[str, JointSpec] = Field(description="a table [joints.NAME] for each")

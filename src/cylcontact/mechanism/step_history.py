@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from cylcontact.arrays import BoolArray, FloatArray
 
+__all__ = ["Beyond", "Method", "Settings", "State", "StepHistory", "concatenate"]
+
 Method = Literal["minimal", "multiplier"]
 Beyond = Literal["stop", "tangent"]
 

@@ -14,6 +14,8 @@ from cylcontact.mechanism.trajectory import Trajectory
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = ["AGREEMENT", "eccentricity_at", "horizon", "tolerance_table"]
+
 # Assumed: two runs agree while their eccentricities differ by less than this share of the
 # clearance. What parts does so fast, so that another share moves the horizon little.
 AGREEMENT = 0.01

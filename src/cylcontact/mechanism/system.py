@@ -16,6 +16,8 @@ from cylcontact.mechanism.cvode import library
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import masses, recognise
 
+__all__ = ["BEYOND", "METHODS", "TANGENT_FROM", "System", "build", "law_block"]
+
 METHODS = ("minimal", "multiplier")
 BEYOND = ("stop", "tangent")
 # Assumed: where the straight line of "tangent" takes over, as a fraction of the law's largest
@@ -24,7 +26,7 @@ TANGENT_FROM = 0.9
 
 # What the tolerance is relative to. A state of the size of the clearance moves at some metres per
 # second; energies are of some joules.
-LENGTH_SCALE, SPEED_SCALE, ENERGY_SCALE = 1e-4, 1.0, 1e2
+_LENGTH_SCALE, _SPEED_SCALE, _ENERGY_SCALE = 1e-4, 1.0, 1e2
 
 
 @dataclass(frozen=True)
@@ -86,11 +88,11 @@ def build(
     model: ModuleType
     if method == "minimal":
         numbers, start = _minimal_numbers(mechanism), np.zeros(minimal.STATES)
-        scale = [LENGTH_SCALE] * 2 + [SPEED_SCALE] * 2 + [ENERGY_SCALE] * 3
+        scale = [_LENGTH_SCALE] * 2 + [_SPEED_SCALE] * 2 + [_ENERGY_SCALE] * 3
         model = minimal
     else:
         numbers, start = _augmented_numbers(mechanism), np.concatenate((q, v, np.zeros(3)))
-        scale = [LENGTH_SCALE] * q.size + [SPEED_SCALE] * v.size + [ENERGY_SCALE] * 3
+        scale = [_LENGTH_SCALE] * q.size + [_SPEED_SCALE] * v.size + [_ENERGY_SCALE] * 3
         model = augmented
     block = _block(mechanism, numbers, start.size, beyond)
     block[contact.ALLOWED_PENETRATION] = allowed_penetration or 0.0
@@ -98,7 +100,7 @@ def build(
     return System(model, block, start, np.array(scale), method == "minimal", mechanism.source, law)
 
 
-def joint_kernel(mechanism: Mechanism) -> Kernel | None:
+def _joint_kernel(mechanism: Mechanism) -> Kernel | None:
     """Return the compiled law of the clearance joint; None where the joint is ideal."""
     joint = mechanism.clearance
     return None if joint.pair is None else kernel(joint.law, joint.pair)
@@ -107,7 +109,7 @@ def joint_kernel(mechanism: Mechanism) -> Kernel | None:
 def _block(mechanism: Mechanism, numbers: FloatArray, states: int, beyond: str) -> FloatArray:
     """Return the parameter block of a mechanism."""
     joint = mechanism.clearance
-    p = law_block(joint_kernel(mechanism), numbers, states, beyond)
+    p = law_block(_joint_kernel(mechanism), numbers, states, beyond)
     p[contact.IMPACT_RATE] = p[contact.RATE_FLOOR] = joint.rate_floor
     p[contact.CHI], p[contact.FRICTION] = joint.chi, joint.friction
     p[contact.V0], p[contact.V1] = joint.v0, joint.v1

@@ -18,11 +18,13 @@ from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.errors import InputError
 from cylcontact.tether import tethered
 
-PROGRAM = "ccx"
+__all__ = ["SolverError", "find_program", "read_results", "run_case", "version"]
+
+_PROGRAM = "ccx"
 # Lines of a failed run that are shown.
-TAIL = 12
+_TAIL = 12
 # The two steps of a deck agree to this, relatively, where contact has settled.
-SETTLED = 2e-4
+_SETTLED = 2e-4
 
 
 class SolverError(Exception):
@@ -50,13 +52,13 @@ def find_program() -> str:
     InputError
         If it is not installed.
     """
-    path = shutil.which(PROGRAM)
+    path = shutil.which(_PROGRAM)
     if path is None:
         raise InputError(
             "CalculiX",
             "",
             None,
-            f"there is no program '{PROGRAM}' on the path",
+            f"there is no program '{_PROGRAM}' on the path",
             "on Debian and Ubuntu: apt install calculix-ccx; or use --engine embedded",
         )
     return path
@@ -106,11 +108,11 @@ def run_case(
     """
     mesh = setup.mesh(dR, loads)
     deck = make_deck(setup, dR, load, mesh)
-    penetration, peak = read_results(run_deck(deck, program, scratch), deck)
+    penetration, peak = read_results(_run_deck(deck, program, scratch), deck)
     return Case(dR, load, penetration, np.nan, peak, mesh.cells)
 
 
-def run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
+def _run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
     """Run a deck in a folder of its own and return the text of its results.
 
     Raises
@@ -134,7 +136,7 @@ def run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
             check=False,
         )
         lines = [line.strip() for line in done.stdout.splitlines() if line.strip()]
-        last = tuple(lines[-TAIL:])
+        last = tuple(lines[-_TAIL:])
         if done.returncode < 0:
             raise SolverError(f"was killed by signal {-done.returncode}", last)
         if done.returncode > 0:
@@ -163,7 +165,7 @@ def read_results(text: str, deck: Deck) -> tuple[float, float]:
         elif block.startswith(" stresses"):
             # Cell, integration point, σxx, σyy, ...
             top = float(np.mean([float(row[3]) for row in rows]))
-    if len(steps) < 2 or abs(steps[-2] / steps[-1] - 1) > SETTLED:
+    if len(steps) < 2 or abs(steps[-2] / steps[-1] - 1) > _SETTLED:
         told = ", ".join(f"{1e3 * step:.6g} µm" for step in steps)
         raise SolverError(f"has not settled: its steps give {told}")
     return steps[-1], -top

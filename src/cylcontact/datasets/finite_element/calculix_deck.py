@@ -21,12 +21,14 @@ from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.datasets.finite_element.solve import clamped_nodes, node_shares
 from cylcontact.laws import Persson
 
+__all__ = ["Deck", "make_deck"]
+
 # Overlap at the start, in Persson's penetrations.
-OVERLAP = 0.5
+_OVERLAP = 0.5
 # The contact's stiffness in MPa/mm: the surfaces overlap by pressure over this.
-STIFFNESS = 1e9
+_STIFFNESS = 1e9
 # The two steps.
-STEP = """*STEP
+_STEP = """*STEP
 *STATIC,DIRECT
 1.,1.
 {loads}*NODE PRINT,NSET=CENTRE
@@ -76,7 +78,7 @@ def make_deck(setup: Setup, dR: float, load: float, mesh: Mesh) -> Deck:
     >>> [line for line in deck.text.splitlines() if "CPE4" in line]
     ['*ELEMENT,TYPE=CPE4,ELSET=ALL']
     """
-    overlap = OVERLAP * float(Persson().penetration(load, setup.pair(dR)))
+    overlap = _OVERLAP * float(Persson().penetration(load, setup.pair(dR)))
     shift = len(mesh.plate.points)
     on_hole = _faces(mesh.plate, mesh.plate.surface[: mesh.pairs.count])
     on_pin = _faces(mesh.pin, mesh.pin.surface[: mesh.pairs.count])
@@ -88,7 +90,7 @@ def make_deck(setup: Setup, dR: float, load: float, mesh: Mesh) -> Deck:
         *_surface("PIN", on_pin, len(mesh.plate.quads)),
         "*SURFACE INTERACTION,NAME=CONTACT",
         "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR",
-        f"{STIFFNESS:.6e}",
+        f"{_STIFFNESS:.6e}",
         "*CONTACT PAIR,INTERACTION=CONTACT,TYPE=SURFACE TO SURFACE",
         "PIN,HOLE",
         "*BOUNDARY",
@@ -103,7 +105,7 @@ def make_deck(setup: Setup, dR: float, load: float, mesh: Mesh) -> Deck:
     loads = "".join(
         f"{node + 1 + shift},2,{share:.12e}\n" for node, share in enumerate(shares) if share
     )
-    text = "\n".join(lines) + "\n" + STEP.format(loads="*CLOAD\n" + loads) + STEP.format(loads="")
+    text = "\n".join(lines) + "\n" + _STEP.format(loads="*CLOAD\n" + loads) + _STEP.format(loads="")
     return Deck(text, overlap)
 
 

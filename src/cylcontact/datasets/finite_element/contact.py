@@ -18,10 +18,12 @@ import numpy as np
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.errors import InputError
 
+__all__ = ["Condensed"]
+
 # The set settles within about ten rounds on any mesh tried.
-ROUNDS = 100
+_ROUNDS = 100
 # Pairs that touch in the first guess.
-FIRST = 5
+_FIRST = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +47,7 @@ class Condensed:
     cosines: FloatArray
     gap: FloatArray
 
-    def touch(self, load: float, rounds: int = ROUNDS) -> tuple[FloatArray, float]:
+    def touch(self, load: float, rounds: int = _ROUNDS) -> tuple[FloatArray, float]:
         """Return the forces λ of the pairs in N/mm and the penetration δ in mm.
 
         Raises
@@ -61,7 +63,7 @@ class Condensed:
         >>> springs._system(np.array([True, True]), 8.0)[0].round(12)
         array([1., 3.])
         """
-        active: BoolArray = np.arange(self.gap.size) < FIRST
+        active: BoolArray = np.arange(self.gap.size) < _FIRST
         opened = self.gap + self.load_opening * load
         for _ in range(rounds):
             forces, depth = self._system(active, load)

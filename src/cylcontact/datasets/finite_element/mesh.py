@@ -16,11 +16,13 @@ from numpy.typing import NDArray
 
 from cylcontact.arrays import FloatArray
 
+__all__ = ["Body", "Grading", "IntArray", "Mesh", "Pairs", "make_mesh"]
+
 IntArray = NDArray[np.intp]
 
 # Half-width of the pin's square core, in radii.
-CORE = 0.35
-QUARTER = np.pi / 4
+_CORE = 0.35
+_QUARTER = np.pi / 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +128,7 @@ class Grading:
     reach: float = 0.0
 
 
-def graded(length: float, grading: Grading, radius: float = 1.0) -> FloatArray:
+def _graded(length: float, grading: Grading, radius: float = 1.0) -> FloatArray:
     """Return points from 0 to `length` whose distances grow from the grading's size.
 
     Parameters
@@ -144,7 +146,7 @@ def graded(length: float, grading: Grading, radius: float = 1.0) -> FloatArray:
 
     Examples
     --------
-    >>> print(graded(1.0, Grading(size=0.1, even=0.0, growth=1.5, largest=0.3)).round(3))
+    >>> print(_graded(1.0, Grading(size=0.1, even=0.0, growth=1.5, largest=0.3)).round(3))
     [0.    0.093 0.233 0.442 0.721 1.   ]
     """
     points, size = [0.0], grading.size
@@ -179,7 +181,7 @@ def make_mesh(hole_radius: float, dR: float, outer_radius: float, grading: Gradi
     pin_radius = hole_radius - dR
     top, right = _pin_angles(pin_radius, grading)
     inwards = replace(grading, even=0.0)
-    depth = graded((1 - CORE) * pin_radius, inwards, pin_radius)
+    depth = _graded((1 - _CORE) * pin_radius, inwards, pin_radius)
     pin, centre = _pin(pin_radius, dR, top, right, depth / depth[-1])
     # Contact stays below 85° whatever the load; the pairs go to 79°.
     facing = np.concatenate([top, right[1 : 3 * (right.size // 8) + 1]])
@@ -190,9 +192,9 @@ def make_mesh(hole_radius: float, dR: float, outer_radius: float, grading: Gradi
 
 def _pin_angles(radius: float, grading: Grading) -> tuple[FloatArray, FloatArray]:
     """Return the pin's angles from 0 to 45° and, in multiples of 8, from 45° to 135°."""
-    top = graded(QUARTER * radius, grading, radius) / radius
-    eighths = int(np.ceil(QUARTER / 4 / (top[-1] - top[-2])))
-    return top, np.linspace(QUARTER, 3 * QUARTER, 8 * eighths + 1)
+    top = _graded(_QUARTER * radius, grading, radius) / radius
+    eighths = int(np.ceil(_QUARTER / 4 / (top[-1] - top[-2])))
+    return top, np.linspace(_QUARTER, 3 * _QUARTER, 8 * eighths + 1)
 
 
 def _plate(
@@ -200,12 +202,12 @@ def _plate(
 ) -> tuple[Body, IntArray]:
     """Mesh the plate: a ring, its first angles given by `rays`."""
     onwards = replace(grading, size=(rays[-1] - rays[-2]) * radius)
-    to_side = graded((np.pi / 2 - rays[-1]) * radius, onwards, radius) / radius
+    to_side = _graded((np.pi / 2 - rays[-1]) * radius, onwards, radius) / radius
     below = np.linspace(np.pi / 2, np.pi, int(np.ceil(np.pi / 2 / grading.largest)) + 1)
     # A node stands exactly where the upper half of the boundary ends.
     theta = np.concatenate([rays, rays[-1] + to_side[1:-1], below])
     outwards = replace(grading, largest=2 * grading.largest)
-    r = radius + graded(outer_radius - radius, outwards, radius)
+    r = radius + _graded(outer_radius - radius, outwards, radius)
     points = _polar(r[:, None], theta[None, :])
     nodes = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
     # θ runs clockwise, so with r outwards the corners turn counter-clockwise in this order.
@@ -221,11 +223,11 @@ def _pin(
 
     `depth` runs from 0 at the surface to 1 at the core.
     """
-    bottom = np.linspace(3 * QUARTER, np.pi, top.size)
+    bottom = np.linspace(3 * _QUARTER, np.pi, top.size)
     theta = np.concatenate([top, right[1:], bottom[1:]])
     surface = _polar(np.array(radius), theta)
     reach = np.maximum(np.abs(np.cos(theta)), np.abs(np.sin(theta)))
-    around = surface * (CORE / reach)[:, None]
+    around = surface * (_CORE / reach)[:, None]
     layers = surface + depth[:, None, None] * (around - surface)
     ring = np.arange(depth.size * theta.size).reshape(depth.size, theta.size)
     # The core's rows go down from its top side to its bottom side, its columns outwards.

@@ -17,8 +17,10 @@ from cylcontact.datasets.finite_element.solve import solve
 from cylcontact.errors import InputError
 from cylcontact.laws.logarithmic import Johnson
 
+__all__ = ["mean_offset", "outer_ratio_like_johnson"]
+
 # Between these the ratio is looked for, and found to this part of itself.
-BOUNDS, XTOL = (2.0, 10.0), 2e-3
+_BOUNDS, _XTOL = (2.0, 10.0), 2e-3
 
 
 def outer_ratio_like_johnson(
@@ -55,15 +57,15 @@ def outer_ratio_like_johnson(
         # Nearly linear in the logarithm, as the displacement of a plane body is.
         return mean_offset(replace(setup, outer_ratio=float(np.exp(log_ratio))), dR, loads)
 
-    low, high = map(float, np.log(BOUNDS))
+    low, high = map(float, np.log(_BOUNDS))
     try:
-        return float(np.exp(brentq(offset, low, high, xtol=XTOL)))
+        return float(np.exp(brentq(offset, low, high, xtol=_XTOL)))
     except ValueError as error:
         raise InputError(
             "finite elements",
             "outer_ratio",
             None,
-            f"between {BOUNDS[0]:g} and {BOUNDS[1]:g} never gives Johnson's penetration",
+            f"between {_BOUNDS[0]:g} and {_BOUNDS[1]:g} never gives Johnson's penetration",
             "choose clearances and loads outside the conformal range, the load on the pin",
         ) from error
 

@@ -14,6 +14,8 @@ from cylcontact.laws.conformal import contact_angle
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 
+__all__ = ["FEWEST_CELLS", "Clamp", "LoadOn", "Plane", "Setup", "require_room"]
+
 Plane = Literal["strain", "stress"]
 LoadOn = Literal["pin", "disc", "centre"]
 Clamp = Literal["upper half", "whole"]
@@ -21,7 +23,7 @@ Clamp = Literal["upper half", "whole"]
 # Fewer cells over the contact's half-width tell nothing about its pressure.
 FEWEST_CELLS = 4
 # With a size of one's own: cells that keep it, and how they grow beyond.
-EVEN_CELLS, GROWTH, LARGEST = 24, 1.1, 0.1
+_EVEN_CELLS, _GROWTH, _LARGEST = 24, 1.1, 0.1
 
 
 @dataclass(frozen=True)
@@ -114,9 +116,9 @@ class Setup:
             grading = Grading(narrow / self.cells, 1.1 * narrow, 1 + share, share)
         else:
             _require_fine(self.size, narrow, dR, float(loads.min()))
-            even = min(1.1 * narrow, EVEN_CELLS * self.size)
+            even = min(1.1 * narrow, _EVEN_CELLS * self.size)
             fine = np.inf if self.contact_size is None else self.contact_size
-            grading = Grading(self.size, even, GROWTH, LARGEST, fine, 1.1 * wide)
+            grading = Grading(self.size, even, _GROWTH, _LARGEST, fine, 1.1 * wide)
         return make_mesh(self.hole_radius, dR, self.outer_radius, grading)
 
 

@@ -13,6 +13,8 @@ from cylcontact.datasets.finite_element.elasticity import Elastic, factorise, sp
 from cylcontact.datasets.finite_element.mesh import IntArray, Mesh
 from cylcontact.datasets.finite_element.setup import Setup
 
+__all__ = ["Solution", "clamped_nodes", "node_shares", "solve"]
+
 
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -111,7 +113,7 @@ def solve(setup: Setup, dR: float, loads: Sequence[float] | FloatArray) -> list[
                 dR=dR,
                 load=load,
                 penetration=depth,
-                half_width=edge(mesh.pairs.arc, pressure),
+                half_width=_edge(mesh.pairs.arc, pressure),
                 arc=mesh.pairs.arc,
                 pressure=pressure,
                 mesh=mesh,
@@ -140,7 +142,7 @@ def node_shares(setup: Setup, dR: float, mesh: Mesh) -> FloatArray:
     return spread_load(mesh.pin, mesh.pin.points[mesh.centre], radius)
 
 
-def edge(arc: FloatArray, pressure: FloatArray) -> float:
+def _edge(arc: FloatArray, pressure: FloatArray) -> float:
     """Return where the pressure ends, in mm: the root of a line through p² over arc².
 
     Hertz's p² is such a line. It is drawn through the points between 30 and 90 % of the peak,
@@ -150,7 +152,7 @@ def edge(arc: FloatArray, pressure: FloatArray) -> float:
     Examples
     --------
     >>> x = np.linspace(0, 1.2, 25)
-    >>> print(round(edge(x, 100 * np.sqrt(np.maximum(1 - x**2, 0))), 12))
+    >>> print(round(_edge(x, 100 * np.sqrt(np.maximum(1 - x**2, 0))), 12))
     1.0
     """
     share = pressure / pressure.max()

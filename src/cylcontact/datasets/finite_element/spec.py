@@ -22,6 +22,8 @@ from cylcontact.errors import InputError
 from cylcontact.provenance import spec_hash
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
+__all__ = ["Origin", "Study", "StudySpec", "read_study", "study_from"]
+
 Origin = Literal["paper", "derived", "assumed"]
 _LENGTH_REMEDY = "a number in mm above 0"
 
@@ -142,7 +144,7 @@ def study_from(data: dict[str, Any], name: str, source: str) -> Study:
     for number, variant in enumerate(spec.variants):
         label, changed = _variant(data, variant, f"{source}, variants.{number}")
         if label in setups:
-            raise InputError(source, f"variants.{number}.name", label, "stands twice", "rename it")
+            raise InputError(source, f"variants.{number}.name", label, "is used twice", "rename it")
         setups[label] = changed
     for setup in setups.values():
         for dR in spec.dR:
@@ -160,7 +162,7 @@ def _variant(data: dict[str, Any], variant: dict[str, Any], source: str) -> tupl
     if not isinstance(label, str) or not label:
         raise InputError(source, "name", label, "is required", "give the variant a name")
     if not label.isprintable() or set(label) & set(',"#'):
-        rule = "stands in a table and must do without commas, quotes and #"
+        rule = "must not contain commas, quotes or #"
         raise InputError(source, "name", label, rule, "rename it")
     for key in ("dR", "load", "origin", "variants"):
         if key in changes:

@@ -22,12 +22,21 @@ if TYPE_CHECKING:
     from cylcontact.datasets.finite_element.kept import Row
     from cylcontact.datasets.finite_element.spec import Study
 
+__all__ = [
+    "COLUMNS",
+    "KEYS",
+    "FiniteElementTable",
+    "read_table",
+    "require_same_inputs",
+    "write_table",
+]
+
 COLUMNS = (
     *("variant", "E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm", "half_width_mm"),
     *("peak_pressure_MPa", "hole_radius_mm", "outer_radius_mm", "cells"),
 )
 # Finer than either engine's error, coarser than the rounding of different processors.
-DIGITS = 7
+_DIGITS = 7
 KEYS = ("study", "set-up", "engine", "calibrated", "sha256")
 
 
@@ -134,7 +143,7 @@ def require_same_inputs(path: Path, study: Study) -> None:
     try:
         before = read_table(path).header
     except InputError as error:
-        rule = "stands where the table would go and is none that can be read"
+        rule = "exists and is not a readable table of finite elements"
         raise InputError(str(path), "", None, rule, remedy) from error
     if before["set-up"] != study.key:
         rule = f"holds a table that came from another set-up, not from {study.source} as it is now"
@@ -149,7 +158,7 @@ def _line(row: Row) -> str:
         *(setup.E / 1e3, setup.nu, case.dR, case.load, case.penetration, case.half_width),
         *(case.peak_pressure, setup.hole_radius, setup.outer_radius, case.cells),
     )
-    cells = ("" if number != number else f"{number:.{DIGITS}g}" for number in numbers)  # noqa: PLR0124
+    cells = ("" if number != number else f"{number:.{_DIGITS}g}" for number in numbers)  # noqa: PLR0124
     return ",".join([row.variant, *cells])
 
 
