@@ -18,7 +18,6 @@ LAYERS = (
         "files",
         "html_repr",
         "journal",
-        "locks",
         "numba_cache",
         "parallel",
         "progress",

@@ -16,9 +16,8 @@ from pathlib import Path
 import pytest
 
 from cylcontact import InputError
-from cylcontact.files import replacing
+from cylcontact.files import owning, replacing
 from cylcontact.fitting import calibrate, read_campaign
-from cylcontact.locks import owning
 from cylcontact.tether import tethered
 from tests import killable
 from tests.spec_files import assert_told, tree, write_bench
