@@ -8,8 +8,7 @@ from pathlib import Path
 import cloudpickle
 
 from cylcontact import InputError
-from cylcontact.files import replacing
-from cylcontact.locks import owning
+from cylcontact.files import owning, replacing
 from cylcontact.plots.figure import Drawing
 from cylcontact.plots.style import JOURNAL, FigureOptions
 from cylcontact.reports.bench import Bench

@@ -211,16 +211,22 @@ class TestCommand:
         whole = table.read_bytes()
         kept = bench / "small-embedded.csv.partial"
         study = read_study("small.toml")
-        run_study(study, kept=kept)
+        run_study(study, checkpoint=kept)
         lines = kept.read_text().splitlines(keepends=True)
         assert len(lines) == 5
-        kept.write_text("".join(lines[:3]) + lines[3][:20])  # a kill cuts a line short
-        counts = []
-        rows, _ = run_study(
-            study, progress=lambda _, done, __: counts.append(done), kept=kept, resume=True
-        )
-        assert counts == [2, 4]
-        assert len(rows) == 4
+        # A kill cuts a line short, be it the first or the second of two loads solved together.
+        for complete in (3, 2):
+            kept.write_text("".join(lines[:complete]) + lines[complete][:20])
+            counts = []
+            rows, _ = run_study(
+                study,
+                "embedded",
+                1,
+                lambda _, done, __, to=counts: to.append(done),
+                kept,
+                resume=True,
+            )
+            assert (counts[0], counts[-1], len(rows)) == (complete - 1, 4, 4)
         kept.write_text("".join(lines[:3]))
         table.unlink()
         assert run("finite-element", "small.toml", "--resume", "-j", 1)[0] == 0
@@ -232,8 +238,8 @@ class TestCommand:
         kept.write_text(json.dumps({"study": "another"}) + "\n")
         code, _, err = run("finite-element", "small.toml", "--resume")
         assert code == 2
-        assert "keeps the cases of another set-up or engine; run without --resume" in err
-        run_study(read_study("small.toml"), kept=kept)
+        assert "belongs to another study or to other settings; run without --resume" in err
+        run_study(read_study("small.toml"), checkpoint=kept)
         kept.write_text(kept.read_text() + "{}\n")
         code, _, err = run("finite-element", "small.toml", "--resume")
         assert (code, err.count("\n")) == (2, 1)

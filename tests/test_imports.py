@@ -17,7 +17,7 @@ LAYERS = (
         "arrays",
         "files",
         "html_repr",
-        "locks",
+        "journal",
         "numba_cache",
         "parallel",
         "progress",

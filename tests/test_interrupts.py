@@ -16,9 +16,8 @@ from pathlib import Path
 import pytest
 
 from cylcontact import InputError
-from cylcontact.files import replacing
+from cylcontact.files import owning, replacing
 from cylcontact.fitting import calibrate, read_campaign
-from cylcontact.locks import owning
 from cylcontact.tether import tethered
 from tests import killable
 from tests.spec_files import assert_told, tree, write_bench
@@ -98,7 +97,7 @@ def test_killed_again_and_again_it_arrives_in_the_end(uninterrupted, tmp_path):
 
 @pytest.mark.slow
 def test_killed_before_every_single_operation_on_a_file(tmp_path):
-    """Three runs: the lock, the checkpoint, the result, and what is removed in the end."""
+    """Three runs: the lock, the journal, the result, and what is removed in the end."""
     whole = bench(tmp_path, "whole", FEW)
     assert killable.run(whole, *FIT) == 0
     operations = 0
@@ -282,7 +281,7 @@ def test_a_disk_that_fills_up_keeps_the_complete_runs(tmp_path, monkeypatch, mou
         with pytest.raises(InputError) as caught:
             calibrate(campaign, 1, stopping(disk.fill, 3), kept)
         rule = "cannot be written (No space left on device)"
-        assert_told(caught, kept, "", None, rule, "runs already in it are kept")
+        assert_told(caught, kept, "", None, rule, "the parts already in it are kept")
         assert kept.read_bytes().count(b"\n") > 3
         disk.free()
         resumed = calibrate(campaign, 1, checkpoint=kept, resume=True)
@@ -310,7 +309,7 @@ def test_a_full_disk_leaves_the_result_of_before(tmp_path, small_result, monkeyp
 
 @pytest.mark.parametrize(("size", "file"), [(1500, ".partial"), (6000, "")])
 def test_a_file_that_may_not_grow_stops_the_fit_which_resumes(uninterrupted, tmp_path, size, file):
-    """The system's limit on the size of files stands for any disk: first in the checkpoint."""
+    """The system's limit on the size of files stands for any disk: first in the journal."""
     folder = bench(tmp_path)
     (folder / RESULT).parent.mkdir()
     before = (uninterrupted / RESULT).read_bytes()
@@ -361,13 +360,13 @@ def test_a_folder_that_is_closed_on_the_way(small_campaign, small_result, tmp_pa
     assert tree(folder) == before
 
 
-def test_a_checkpoint_removed_on_the_way(small_campaign, tmp_path):
+def test_a_journal_removed_on_the_way(small_campaign, tmp_path):
     kept = tmp_path / "results/kept.partial"
     for action in (lambda: shutil.rmtree(kept.parent), lambda: replace_file(kept)):
         with pytest.raises(InputError) as caught:
             calibrate(small_campaign, 1, stopping(action, 1), kept)
-        rule = "was removed or replaced while the fit was running"
-        assert_told(caught, kept, "", None, rule, "start the fit again, and leave its folder alone")
+        rule = "was removed or replaced while in use"
+        assert_told(caught, kept, "", None, rule, "start again, and leave its folder alone")
 
 
 def replace_file(path):
@@ -392,7 +391,7 @@ def test_a_folder_removed_during_a_fit_is_told_of(tmp_path):
     fit.join()
     assert fit.exitcode == 2
     said = killable.said(folder)
-    assert f"{RESULT}.partial: was removed or replaced while the fit was running; start" in said
+    assert f"{RESULT}.partial: was removed or replaced while in use; start" in said
     assert len(said.splitlines()) == 1
     assert not (folder / RESULT).parent.exists()
 

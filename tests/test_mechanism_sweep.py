@@ -11,8 +11,8 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.cli.mechanism import PAPER
+from cylcontact.journal import Journal
 from cylcontact.mechanism import Case, Plan, Trajectory, cases, simulate, sweep
-from cylcontact.mechanism.kept import Kept
 from cylcontact.mechanism.studies import tolerance_table
 from tests.mechanism_cases import CASES, ROOT, slider_crank
 
@@ -69,20 +69,20 @@ def test_a_second_tolerance_gives_the_horizon_and_what_lies_beyond():
 
 
 def test_an_interrupted_sweep_keeps_its_cases_and_goes_on(table, tmp_path):
-    kept = tmp_path / "cases.partial"
+    path = tmp_path / "cases.partial"
 
     def stop(_, done, __):
         if done == 2:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        sweep(slider_crank(), WANTED, PLAN, progress=stop, kept=kept)
-    assert len(kept.read_text().splitlines()) == 3
-    with kept.open("a") as file:
+        sweep(slider_crank(), WANTED, PLAN, progress=stop, checkpoint=path)
+    assert len(path.read_text().splitlines()) == 3
+    with path.open("a") as file:
         file.write('{"case": {"law"')  # cut short by a kill
     told = []
     again = sweep(
-        slider_crank(), WANTED, PLAN, kept=kept, resume=True,
+        slider_crank(), WANTED, PLAN, checkpoint=path, resume=True,
         progress=lambda _, done, __: told.append(done),
     )  # fmt: skip
     assert told == [2, 3, 4]
@@ -90,17 +90,17 @@ def test_an_interrupted_sweep_keeps_its_cases_and_goes_on(table, tmp_path):
 
 
 def test_cases_of_another_sweep_are_refused(tmp_path):
-    kept = tmp_path / "cases.partial"
-    sweep(slider_crank(), WANTED[:1], PLAN, kept=kept)
-    with pytest.raises(InputError, match="keeps cases of another sweep or of other settings"):
-        sweep(slider_crank(), WANTED, Plan(revolutions=3), kept=kept, resume=True)
-    lines = kept.read_text().splitlines()
-    kept.write_text(f"{lines[0]}\nnonsense\n")
+    path = tmp_path / "cases.partial"
+    sweep(slider_crank(), WANTED[:1], PLAN, checkpoint=path)
+    with pytest.raises(InputError, match="belongs to another sweep or to other settings"):
+        sweep(slider_crank(), WANTED, Plan(revolutions=3), checkpoint=path, resume=True)
+    lines = path.read_text().splitlines()
+    path.write_text(f"{lines[0]}\nnonsense\n")
     with pytest.raises(InputError, match="has a damaged line; run without --resume"):
-        sweep(slider_crank(), WANTED, PLAN, kept=kept, resume=True)
+        sweep(slider_crank(), WANTED, PLAN, checkpoint=path, resume=True)
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match="cannot be written"):
-        Kept(tmp_path / "file" / "x", "key").add({})
+        Journal(tmp_path / "file" / "x", "sweep", "key").add({})
 
 
 @pytest.mark.parametrize(

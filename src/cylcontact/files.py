@@ -1,12 +1,14 @@
-"""Atomic writing of files, and checks of output paths."""
+"""Files that appear complete or not at all, each written by one process at a time."""
 
 from __future__ import annotations
 
 import os
 import re
+import socket
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from itertools import takewhile
 from pathlib import Path
 
@@ -73,6 +75,84 @@ def replacing(path: Path | str) -> Iterator[Path]:
             if temporary is not None:
                 with suppress(OSError):  # report the first error, not this one
                     temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def owning(path: Path | str) -> Iterator[Path]:
+    """Lock an output for this process, from before the work until it is written.
+
+    The operating system locks the file NAME.lock beside the output, which names its holder. The
+    lock ends with the process: a lock file that a killed process left is used again.
+
+    Parameters
+    ----------
+    path : path
+        The file that will be written.
+
+    Yields
+    ------
+    Path
+        The same.
+
+    Raises
+    ------
+    InputError
+        If another process holds the lock, or the file could not be written.
+
+    Examples
+    --------
+    >>> path = Path(tempfile.mkdtemp()) / "result.json"
+    >>> with owning(path):
+    ...     with owning(path):
+    ...         pass
+    Traceback (most recent call last):
+    ...
+    cylcontact.errors.InputError: ...result.json: is being written by process ...
+    """
+    from filelock import FileLock, Timeout
+
+    target = Path(path)
+    require_writable(target)
+    file = target.with_name(target.name + ".lock")
+    lock = FileLock(file, blocking=False, on_acquired=partial(_write_holder, file))
+    with folder_of(target):
+        try:
+            lock.acquire()
+        except Timeout:
+            raise InputError(
+                str(target),
+                "",
+                None,
+                f"is being written by {_holder(file)}",
+                "wait for it to end, or choose another output with -o",
+            ) from None
+        except OSError as error:
+            raise unwritable(file, error) from error
+        try:
+            remove_leftovers(target)
+            yield target
+        finally:
+            with suppress(OSError):  # Windows lets filelock alone remove it
+                file.unlink()
+            lock.release()
+
+
+def _write_holder(lock: Path, handle: int) -> None:
+    """Write into an open lock file who holds the lock; remove it if the disk is full."""
+    try:
+        os.truncate(handle, 0)
+        os.write(handle, f"process {os.getpid()} on {socket.gethostname()}\n".encode())
+    except OSError:
+        lock.unlink(missing_ok=True)
+        raise
+
+
+def _holder(lock: Path) -> str:
+    """Return who holds a lock, from its file, which Windows lets nobody else read."""
+    holder = ""
+    with suppress(OSError):
+        holder = lock.read_text(encoding="utf-8", errors="replace").strip()
+    return holder or "another process"
 
 
 @contextmanager

@@ -9,6 +9,7 @@ import typer
 
 from cylcontact.cli.mechanism import Beyond, Method, SpecFile, Tolerance
 from cylcontact.cli.terminal import integer_from, progress_bars
+from cylcontact.files import require_writable
 
 
 def animate(
@@ -32,7 +33,6 @@ def animate(
     beyond: Beyond = "stop",
 ) -> None:
     """Film a mechanism with a clearance joint, the journal magnified beside it."""
-    from cylcontact.files import require_writable
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism import simulate as run
     from cylcontact.mechanism.movie import film, require_film

@@ -22,6 +22,7 @@ from cylcontact.cli.terminal import (
     workers,
 )
 from cylcontact.errors import InputError
+from cylcontact.files import owning, replacing, require_suffix
 
 
 def sample(
@@ -30,7 +31,6 @@ def sample(
 ) -> None:
     """Sample a reference law over a grid, in bounded memory."""
     from cylcontact.datasets import read_grid, write_samples
-    from cylcontact.locks import owning
 
     grid = read_grid(spec)
     with owning(out), progress_bars() as progress:
@@ -81,7 +81,6 @@ def fit(
     """Calibrate a law to a reference, or to a table of measurements."""
     from cylcontact.fitting import calibrate
     from cylcontact.fitting.result import require_same_inputs
-    from cylcontact.locks import owning
 
     options = measured.TableOptions(
         law=law,
@@ -135,9 +134,7 @@ def optimizers(
     scheduler: Scheduler = None,
 ) -> None:
     """Run a campaign with every optimiser on the same budget, and compare what they find."""
-    from cylcontact.files import replacing, require_suffix
     from cylcontact.fitting import optimizer_comparison, read_campaign
-    from cylcontact.locks import owning
 
     for name in names or ():
         read_campaign(campaign, optimizer=name)  # refuses an unknown one

@@ -11,6 +11,7 @@ from cylcontact.cli import choices
 from cylcontact.cli.keeping import interrupted, kept_beside
 from cylcontact.cli.terminal import Force, Jobs, cores, progress_bars
 from cylcontact.errors import InputError
+from cylcontact.files import owning
 
 
 def finite_element(
@@ -31,7 +32,6 @@ def finite_element(
     from cylcontact.datasets.finite_element import ENGINES, read_study, run_study, write_table
     from cylcontact.datasets.finite_element.study import engine_name
     from cylcontact.datasets.finite_element.table import require_same_inputs
-    from cylcontact.locks import owning
 
     study = read_study(spec)
     chosen = next((name for name in ENGINES if name == engine), None)

@@ -21,6 +21,7 @@ from cylcontact.cli.terminal import (
     workers,
 )
 from cylcontact.errors import InputError
+from cylcontact.files import replacing, require_suffix, require_writable
 
 if TYPE_CHECKING:
     from cylcontact.fitting.planning import AnyCampaign
@@ -253,8 +254,6 @@ def _require_study(
     result: Path, out: Path | None, level: float, bootstrap: int | None, over: str | None
 ) -> None:
     """Refuse options that do not go together, before any work is done."""
-    from cylcontact.files import require_suffix, require_writable
-
     if not 0.5 <= level < 1:
         raise InputError(
             str(result), "--level", level, "must be from 0.5 to below 1", "0.95 is common"
@@ -268,8 +267,6 @@ def _require_study(
 
 def _write(study: Any, out: Path | None) -> None:
     """Write a study as JSON."""
-    from cylcontact.files import replacing
-
     if out is None:
         return
     with replacing(out) as temporary:

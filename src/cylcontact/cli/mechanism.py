@@ -13,6 +13,7 @@ from cylcontact.cli import choices
 from cylcontact.cli.keeping import interrupted, kept_beside
 from cylcontact.cli.terminal import Jobs, Scheduler, integer_from, progress_bars, workers
 from cylcontact.errors import InputError
+from cylcontact.files import owning, require_suffix
 
 if TYPE_CHECKING:
     from cylcontact.mechanism import Mechanism, Settings, Trajectory
@@ -81,8 +82,6 @@ def simulate(
     ] = False,
 ) -> None:
     """Simulate a mechanism with a clearance joint, and print what comes out."""
-    from cylcontact.files import require_suffix
-    from cylcontact.locks import owning
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism.simulate import settings_for
 
@@ -186,7 +185,6 @@ def sweep(
     resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted sweep.")] = False,
 ) -> None:
     """Simulate laws × clearances × restitutions × frictions into one table."""
-    from cylcontact.locks import owning
     from cylcontact.mechanism import Plan, cases, read_mechanism
     from cylcontact.mechanism import sweep as run
     from cylcontact.mechanism.sweep import require_table_name, write_table
@@ -228,7 +226,6 @@ def tolerances(
     scheduler: Scheduler = None,
 ) -> None:
     """Tabulate energy balance and drift by tolerance, over the paper's 24 cases in both forms."""
-    from cylcontact.locks import owning
     from cylcontact.mechanism import Plan, cases, read_mechanism
     from cylcontact.mechanism import sweep as run
     from cylcontact.mechanism.studies import tolerance_table

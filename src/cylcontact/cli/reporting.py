@@ -18,6 +18,7 @@ from cylcontact.cli.terminal import (
     progress_bars,
 )
 from cylcontact.errors import InputError
+from cylcontact.files import replacing
 
 if TYPE_CHECKING:
     from cylcontact.reports.bench import Bench
@@ -142,7 +143,6 @@ def claims(
     jobs: Jobs = None,
 ) -> None:
     """Hold every quantitative statement of the paper against computed numbers."""
-    from cylcontact.files import replacing
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.claims import ledger, to_csv, to_json, to_text
     from cylcontact.reports.paper import paper_of
@@ -199,7 +199,6 @@ def export(
 ) -> None:
     """Write a law as a function in another language, for a multibody code."""
     from cylcontact.export import export_named
-    from cylcontact.files import replacing
 
     source = export_named(what, contact, target)
     if out is None:

@@ -37,7 +37,6 @@ __all__ = [
     "Block",
     "Counts",
     "IndexArray",
-    "Progress",
     "blocks",
     "reduce_grid",
     "write_samples",
@@ -50,7 +49,6 @@ PIECE = 1 << 21
 
 COLUMNS = ("E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm")
 
-Progress = Callable[[int], None]
 IndexArray = NDArray[np.intp]
 
 
@@ -165,7 +163,7 @@ def _masked_block(
 
 
 def reduce_grid(
-    grid: Grid, jobs: Workers = 1, progress: Progress | None = None
+    grid: Grid, jobs: Workers = 1, progress: Callable[[int], None] | None = None
 ) -> tuple[Moments, Counts]:
     """Reduce a grid of any size to moments, holding only a block of it per worker.
 
@@ -242,7 +240,9 @@ def _reduce_rows(grid: Grid, dR: float, first: int, last: int) -> Moments:
     return merge(parts)
 
 
-def write_samples(grid: Grid, path: Path | str, progress: Progress | None = None) -> Counts:
+def write_samples(
+    grid: Grid, path: Path | str, progress: Callable[[int], None] | None = None
+) -> Counts:
     """Sample a grid into a table, in bounded memory.
 
     Parameters

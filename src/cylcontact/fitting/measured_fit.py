@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 
@@ -29,8 +28,8 @@ from cylcontact.fitting.uncertainty.report import uncertainty_of
 from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA, measured
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.progress import Progress, silent
 
-Progress = Callable[[str, int, int], None]
 # Rounds that find the scale of a robust loss from the residuals.
 SCALE_ROUNDS = 5
 MEASURED = "measurements"
@@ -39,7 +38,7 @@ TRIED = 256
 
 
 def fit_measurements(
-    campaign: MeasuredCampaign, jobs: Workers = 1, progress: Progress = lambda *_: None
+    campaign: MeasuredCampaign, jobs: Workers = 1, progress: Progress = silent
 ) -> FitResult:
     r"""Fit a law to measurements.
 

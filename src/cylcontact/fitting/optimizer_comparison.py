@@ -8,13 +8,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 
-from cylcontact.fitting.calibrate import Progress, problem_of, search_all, silent
+from cylcontact.fitting.calibrate import problem_of, search_all
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed
 from cylcontact.fitting.run import RunRecord
 from cylcontact.fitting.summary import text_table
 from cylcontact.fitting.verdicts import SAME_BASIN, same_basin
 from cylcontact.parallel import Workers
+from cylcontact.progress import Progress, silent
 
 CSV_COLUMNS = ("optimizer", "run", "seed", "searched", "polished", "evaluations", "seconds")
 _TEXT_COLUMNS = (

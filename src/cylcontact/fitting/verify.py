@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from cylcontact.fitting.calibrate import Progress, calibrate, problem_of
+from cylcontact.fitting.calibrate import calibrate, problem_of
 from cylcontact.fitting.planning import plan_from_settings
 from cylcontact.fitting.result import FitResult
 from cylcontact.parallel import Workers
+from cylcontact.progress import Progress
 
 # A fresh fit may end in a neighbouring kink of Y on another processor: 0.1 % covers those.
 OBJECTIVE_TOLERANCE = 1e-3

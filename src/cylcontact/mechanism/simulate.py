@@ -8,7 +8,6 @@ was never interrupted, to the bit.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -20,10 +19,9 @@ from cylcontact.mechanism.slider_crank import recognise
 from cylcontact.mechanism.step_history import Beyond, Method, Settings, StepHistory, concatenate
 from cylcontact.mechanism.system import BEYOND, METHODS, build
 from cylcontact.mechanism.trajectory import Trajectory
+from cylcontact.progress import Progress, silent
 
-__all__ = ["Interrupted", "Progress", "settings_for", "simulate"]
-
-Progress = Callable[[str, int, int], None]
+__all__ = ["Interrupted", "settings_for", "simulate"]
 
 
 class Interrupted(KeyboardInterrupt):
@@ -40,7 +38,7 @@ def simulate(
     revolutions: int | None = None,
     tolerance: float | None = None,
     beyond: Beyond = "stop",
-    progress: Progress | None = None,
+    progress: Progress = silent,
     resume: Trajectory | None = None,
     allowed_penetration: float | None = None,
 ) -> Trajectory:
@@ -107,8 +105,7 @@ def simulate(
     done = 0 if resume is None else resume.revolutions
     try:
         for index in range(done, wanted):
-            if progress is not None:
-                progress("revolutions", index, wanted)
+            progress("revolutions", index, wanted)
             parts.append(_revolution(run, index, mechanism.period))
     except KeyboardInterrupt:
         rows = concatenate(parts)
@@ -116,8 +113,7 @@ def simulate(
             Trajectory(mechanism, settings, rows, system.block.copy()) if rows.counts.size else None
         )
         raise Interrupted(complete) from None
-    if progress is not None:
-        progress("revolutions", wanted, wanted)
+    progress("revolutions", wanted, wanted)
     return Trajectory(mechanism, settings, concatenate(parts), system.block.copy())
 
 

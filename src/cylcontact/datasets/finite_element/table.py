@@ -19,7 +19,7 @@ from cylcontact.files import replacing
 if TYPE_CHECKING:
     import pandas as pd
 
-    from cylcontact.datasets.finite_element.kept import Row
+    from cylcontact.datasets.finite_element.cases import Row
     from cylcontact.datasets.finite_element.spec import Study
 
 __all__ = [

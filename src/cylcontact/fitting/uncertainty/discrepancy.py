@@ -8,7 +8,7 @@ noticeably worse, alone or with another, and what the coefficients owe to each p
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from itertools import combinations
@@ -21,7 +21,7 @@ from cylcontact.arrays import FloatArray
 from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.sampling import blocks
 from cylcontact.errors import InputError
-from cylcontact.fitting.calibrate import problem_of, silent
+from cylcontact.fitting.calibrate import problem_of
 from cylcontact.fitting.campaign import Campaign, campaign_from_settings
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
@@ -30,9 +30,9 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import samples_of
 from cylcontact.fitting.uncertainty.resampling import LeftOut
 from cylcontact.parallel import Call, Workers, call, run_calls
+from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
 
-Progress = Callable[[str, int, int], None]
 AXES = ("dR", "E", "nu", "load")
 PRECISION = 1e-10
 PAIR_POINTS = 21

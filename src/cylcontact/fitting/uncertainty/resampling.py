@@ -7,7 +7,7 @@ others predict it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import closing
 
 import numpy as np
@@ -20,9 +20,9 @@ from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.likelihood import Interval
 from cylcontact.fitting.uncertainty.residual_model import measured, with_rows
 from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
 
-Progress = Callable[[str, int, int], None]
 # Replicates per call, so that a worker is worth its while.
 BATCH = 25
 # With fewer groups than this their resampling says little.
@@ -69,7 +69,7 @@ def bootstrap(
     seed: int,
     level: float,
     jobs: Workers = 1,
-    progress: Progress = lambda *_: None,
+    progress: Progress = silent,
 ) -> Bootstrap:
     """Refit to resampled rows or groups.
 
@@ -152,7 +152,7 @@ def leave_one_out(
     best: Mapping[str, float],
     over: str,
     jobs: Workers = 1,
-    progress: Progress = lambda *_: None,
+    progress: Progress = silent,
 ) -> list[LeftOut]:
     """Fit without each group in turn, and judge the group by that fit.
 

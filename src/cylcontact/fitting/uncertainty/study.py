@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -25,9 +24,9 @@ from cylcontact.fitting.uncertainty.resampling import Bootstrap, LeftOut, bootst
 from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
 from cylcontact.fitting.user_law import user_model
 from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
 
-Progress = Callable[[str, int, int], None]
 # Levels of the contours of pairs.
 CONTOURS = (0.68, 0.95)
 
@@ -111,7 +110,7 @@ def study_noise(
     law: str | None = None,
     seed: int | None = None,
     jobs: Workers = 1,
-    progress: Progress = lambda *_: None,
+    progress: Progress = silent,
 ) -> NoiseStudy:
     """Ask how sure the coefficients of a fit to measurements are.
 
