@@ -245,12 +245,12 @@ NOT_JSON = (b"", b"{", b"[]", b"null", b"3", b'"x"', b"[" * 5000, b"NaN")
 COMMANDS = """
 ; nonsense; --nonsense; sample; fit; compare; export; simulate; sweep; finite-element; optimizers;
 uncertainty; sample datasets/small.toml; sample datasets/small.toml -o out.xlsx;
-sample . -o out.csv; sample fitting/small.toml -o out.csv; sample good.json -o out.csv; sample elements.toml -o out.csv;
-fit good.json; fit table.csv; fit mechanism.toml; fit fitting/small.toml --optimizer;
-fit fitting/small.toml --optimizer simplex; fit fitting/small.toml --jobs 0;
-fit fitting/small.toml --seed x; fit fitting/small.toml --scheduler nowhere;
-fit fitting/small.toml --scheduler tcp://x:y; fit fitting/small.toml -o fitting;
-fit fitting/small.toml --scheduler tcp://127.0.0.1:9 --jobs 2;
+sample . -o out.csv; sample fitting/small.toml -o out.csv; sample good.json -o out.csv;
+sample elements.toml -o out.csv; fit good.json; fit table.csv; fit mechanism.toml;
+fit fitting/small.toml --optimizer; fit fitting/small.toml --optimizer simplex;
+fit fitting/small.toml --jobs 0; fit fitting/small.toml --seed x;
+fit fitting/small.toml --scheduler nowhere; fit fitting/small.toml --scheduler tcp://x:y;
+fit fitting/small.toml -o fitting; fit fitting/small.toml --scheduler tcp://127.0.0.1:9 --jobs 2;
 fit fitting/small.toml -o good.json/x.json; fit table.csv --law hertz --contact internal;
 fit table.csv --law power --contact x;
 fit table.csv --law os:system --contact internal -o out.json;
@@ -258,19 +258,19 @@ fit table.csv --law power --contact internal --loss steep -o out.json;
 fit table.csv --law power --contact internal --bound n -o out.json;
 fit table.csv --law power --contact internal --fix n=x -o out.json;
 fit table.csv --law nomodule:f --contact internal -o out.json;
-optimizers fitting/small.toml simplex; optimizers fitting/small.toml -o out.json; optimizers no.toml;
-optimizers fitting/small.toml -o .; optimizers datasets/small.toml; compare no.json;
-compare fitting/small.toml; compare datasets; compare table.csv; compare mechanism.toml;
-verify table.csv; export good.json; export good.json --to cobol; export nonsense --to c;
-export johnson --to c --contact sideways; export no.json --to c; laws --E -1; laws --nu 2;
-laws --dR 0; laws --load x; laws --contact sideways; claims -o out.txt; claims --results nosuch;
-report nonsense; report fig12 --results nosuch; report fig12 --results good.json;
-simulate no.toml; simulate good.json; simulate datasets/small.toml; simulate fitting/small.toml;
-simulate mechanism.toml --law nonsense; simulate mechanism.toml --revolutions 0;
-simulate mechanism.toml --clearance -1; simulate mechanism.toml --restitution 2;
-simulate mechanism.toml --method magic; simulate mechanism.toml --tolerance x; sweep no.toml;
-sweep mechanism.toml --jobs 0; finite-element no.toml; finite-element mechanism.toml;
-finite-element elements.toml --engine abaqus
+optimizers fitting/small.toml simplex; optimizers fitting/small.toml -o out.json;
+optimizers no.toml; optimizers fitting/small.toml -o .; optimizers datasets/small.toml;
+compare no.json; compare fitting/small.toml; compare datasets; compare table.csv;
+compare mechanism.toml; verify table.csv; export good.json; export good.json --to cobol;
+export nonsense --to c; export johnson --to c --contact sideways; export no.json --to c;
+laws --E -1; laws --nu 2; laws --dR 0; laws --load x; laws --contact sideways; claims -o out.txt;
+claims --results nosuch; report nonsense; report fig12 --results nosuch;
+report fig12 --results good.json; simulate no.toml; simulate good.json;
+simulate datasets/small.toml; simulate fitting/small.toml; simulate mechanism.toml --law nonsense;
+simulate mechanism.toml --revolutions 0; simulate mechanism.toml --clearance -1;
+simulate mechanism.toml --restitution 2; simulate mechanism.toml --method magic;
+simulate mechanism.toml --tolerance x; sweep no.toml; sweep mechanism.toml --jobs 0;
+finite-element no.toml; finite-element mechanism.toml; finite-element elements.toml --engine abaqus
 """
 
 

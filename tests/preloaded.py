@@ -2,6 +2,8 @@
 
 import cylcontact.cli
 import cylcontact.cli.app
+import cylcontact.datasets.finite_element
 import cylcontact.fitting
 import cylcontact.fitting.profile
-import cylcontact.locks  # noqa: F401
+import cylcontact.locks
+import cylcontact.mechanism  # noqa: F401

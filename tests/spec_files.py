@@ -44,6 +44,18 @@ CAMPAIGN = {
     },
 }
 
+ELEMENTS = {
+    "hole_radius": 2.245,
+    "outer_ratio": 3.3,
+    "E": 207.0,
+    "nu": 0.3,
+    "cells": 6,
+    "dR": [0.05, 0.5],
+    "load": [20.0, 40.0],
+    "origin": dict.fromkeys(("outer_ratio", "cells", "dR", "load"), "assumed")
+    | dict.fromkeys(("hole_radius", "E", "nu"), "paper"),
+}
+
 
 def changed(spec: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
     """Return a copy of a spec with values set by dotted key, or dropped."""
