@@ -11,6 +11,7 @@ from math import inf, nan
 from pathlib import Path
 from typing import NamedTuple
 
+from cylcontact import InputError
 from cylcontact.datasets.finite_element.spec import StudySpec
 from cylcontact.datasets.grid import GridSpec
 from cylcontact.fitting import FitResult
@@ -37,6 +38,9 @@ dR_um,E_GPa,nu,load_N_per_mm,penetration_um
 """
 OWN_MATERIALS = f"{','.join(COLUMNS)}\nbronze,110,paper,0.34,paper,220,assumed,a note\n"
 STEEL = "dR_um,load_N_per_mm,penetration_um\n50,10,0.21\n50,100,1.7\n50,1000,13.2\n"
+# Without `data` a campaign on measurements reads as one on a grid, and `contact` is blamed; a
+# `table` that is no string is called missing.
+UNTOLD = {"data", "table"}
 STYLE = {
     **{"style": "slides", "width_mm": 100.0, "font_size": 9.0, "lines": 1.5},
     **{"font": "DejaVu Sans", "formats": ["png"]},
@@ -44,13 +48,13 @@ STYLE = {
 
 
 class Case(NamedTuple):
-    """A command line, a file that it reads, what that file holds, and the key to blame."""
+    """A command line, a file that it reads, what that file holds, and what is said of it."""
 
     name: str
     arguments: tuple[str, ...]
     path: str = ""
     contents: bytes = b""
-    key: str = ""
+    line: str = ""
 
 
 # --- the good files, and the commands that read them --------------------------------------------
@@ -112,71 +116,107 @@ def document(spec):
 
 # --- by schema ----------------------------------------------------------------------------------
 
-# A value of each type, in the words of JSON's schemas, and one that only TOML has.
+# A value of each type in the words of JSON's schemas, and one that only TOML has; null only JSON.
 SAMPLES = {
-    **{"number": 0.5, "string": "nonsense", "boolean": True, "array": [[1.0]], "object": {}},
-    "date": date(2015, 1, 1),
+    **{"number": 3.0, "string": "3", "boolean": True, "array": [[1.0]], "object": {}},
+    **{"date": date(2015, 1, 1), "null": None},
 }
-# Without `data` a campaign on measurements reads as one on a grid, and `contact` is blamed.
-UNTOLD = {(MeasuredSpec, "data", repr(DROP))}
+RULES = {
+    **{"number": "must be a number", "integer": "must be an integer", "array": "must be a list"},
+    **{"string": "must be a string", "boolean": "must be true or false"},
+    "object": "must be a table",
+}
+# Of each bound: how far beyond it a value is refused, and the rule.
+BOUNDS = {
+    "minimum": (-1, "must be at least"),
+    "exclusiveMinimum": (0, "must be greater than"),
+    "maximum": (1, "must be less than or equal to"),
+    "exclusiveMaximum": (0, "must be less than"),
+}
+
+
+class Mistake(NamedTuple):
+    """A value at some keys, the rule that it breaks and the remedy; "" if no schema says them."""
+
+    keys: tuple[str | int, ...]
+    value: object
+    rule: str = ""
+    remedy: str = ""
 
 
 def by_schema(files):
     """Yield a case for each key of each spec and all its schema rules out; no case twice."""
-    seen = set(UNTOLD)
+    seen = set()
     for path, model, arguments in specs(files):
         root = model.model_json_schema()
         is_toml = path.endswith(".toml")
         spec = tomllib.loads(files[path].decode()) if is_toml else json.loads(files[path])
-        for keys, value in mistakes(root, spec, root):
+        for keys, value, rule, remedy in mistakes(root, spec, root):
             key = ".".join(map(str, keys))
             case = (model, key, repr(value))
-            if case in seen or (isinstance(value, date) and not is_toml):
+            if case in seen or (value is None if is_toml else isinstance(value, date)):
                 continue
             seen.add(case)
             broken = put(spec, keys, value)
             contents = document(broken) if is_toml else json.dumps(broken).encode()
-            yield Case(f"{path}: {key} = {value!r}", arguments, path, contents, key)
+            given = None if value is DROP else value
+            line = f"cylcontact: {InputError(path, key, given, rule, remedy) if rule else path}"
+            yield Case(f"{path}: {key} = {value!r}", arguments, path, contents, line)
 
 
-def mistakes(schema, value, root, keys=()):
-    """Yield the keys of each place in a value, and what its schema does not allow there."""
+def mistakes(schema, value, root, keys=(), description=""):
+    """Yield the mistakes that a value's schema rules out, in it and in all that it holds."""
     forms = [resolved(form, root) for form in resolved(schema, root).get("anyOf", [schema])]
-    accepted = {form.get("type") for form in forms}
-    if keys and None not in accepted:
-        yield from ((keys, wrong) for name, wrong in SAMPLES.items() if name not in accepted)
+    nullable = {"type": "null"} in forms
+    forms = [form for form in forms if form.get("type") != "null"]
+    remedy = f"give {description}"
     for form in forms:
-        yield from ((keys, wrong) for wrong in beyond(form))
-        if form.get("type") == "object" and isinstance(value, dict):
-            yield from mistakes_in_table(form, value, root, keys)
+        rule = rule_of(form)
+        if keys and len(forms) == 1 and "type" in form:
+            allowed = {form["type"]} | ({"null"} if nullable else set())
+            wrong = [sample for name, sample in SAMPLES.items() if name not in allowed]
+            wrong += ["nonsense"] if "enum" in form else []
+            yield from (Mistake(keys, sample, rule, remedy) for sample in wrong)
+        if form.get("type") == "number":
+            finite = "must be a finite number"
+            yield from (Mistake(keys, number, finite, remedy) for number in (nan, inf, -inf))
+            yield Mistake(keys, 10**400)
+        for bound, (step, words) in BOUNDS.items():
+            if bound in form:
+                yield Mistake(keys, form[bound] + step, f"{words} {form[bound]:g}", remedy)
+        if form.get("type") == "object":
+            yield from mistakes_in_table(form, value, root, keys, description)
         if form.get("type") == "array" and value:
-            if form.get("default", schema.get("default")) != []:
-                yield keys, []
+            if schema.get("default") != []:
+                yield Mistake(keys, [])
             if form.get("minItems", 0) > 1:
-                yield from ((keys, wrong) for wrong in (value[:-1], [*value, value[-1]]))
+                yield from (Mistake(keys, wrong) for wrong in (value[:-1], [*value, value[-1]]))
             item = form.get("prefixItems", [form.get("items", {})])[0]
-            yield from mistakes(item, value[0], root, (*keys, 0))
+            yield from mistakes(item, value[0], root, (*keys, 0), description)
 
 
-def mistakes_in_table(form, value, root, keys):
+def mistakes_in_table(form, value, root, keys, description):
     """Yield the mistakes in a table: missing and unknown keys, and those in what it holds."""
     inner = form.get("properties", {})
     others = form.get("additionalProperties", {})
-    yield from (((*keys, key), DROP) for key in form.get("required", ()) if key in value)
+    for key in [key for key in form.get("required", ()) if key in value and key not in UNTOLD]:
+        yield Mistake((*keys, key), DROP, "is required", f"add {inner[key]['description']}")
     if others is False:
-        yield (*keys, "colour"), 1
+        known = f"known keys here: {', '.join(inner)}"
+        yield Mistake((*keys, "colour"), 1, "is not a known key", known)
     for key, part in value.items():
         schema = inner.get(key, others)
-        if isinstance(schema, dict):
-            yield from mistakes(schema, part, root, (*keys, key))
+        if isinstance(schema, dict) and part is not None and key not in UNTOLD:
+            own = inner.get(key, {}).get("description", description)
+            yield from mistakes(schema, part, root, (*keys, key), own)
 
 
-def beyond(form):
-    """Return what a form's bounds and choices rule out."""
-    wrong = ["nonsense"] if {"enum", "const"} & form.keys() else []
-    wrong += [nan, inf, -inf, 10**400] if form.get("type") == "number" else []
-    bounds = {"minimum": -1, "exclusiveMinimum": 0, "maximum": 1, "exclusiveMaximum": 0}
-    return wrong + [form[name] + step for name, step in bounds.items() if name in form]
+def rule_of(form):
+    """Return the rule that a value of another type breaks."""
+    if "enum" not in form:
+        return RULES.get(form.get("type"), "")
+    *most, last = map(repr, form["enum"])
+    return f"must be {', '.join(most)} or {last}"
 
 
 def resolved(schema, root):

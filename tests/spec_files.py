@@ -57,6 +57,11 @@ ELEMENTS = {
 }
 
 
+def golden(name: str) -> Any:
+    """Return the numbers that a file in tests/golden holds."""
+    return json.loads((Path(__file__).parent / f"golden/{name}.json").read_text(encoding="utf-8"))
+
+
 def changed(spec: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
     """Return a copy of a spec with values set by dotted key, or dropped."""
     result = copy.deepcopy(spec)
