@@ -48,7 +48,7 @@ STYLE = {
 
 
 class Case(NamedTuple):
-    """A command line, a file that it reads, what that file holds, and what is said of it."""
+    """A command line, a file that it reads, what that file holds, and a pattern of what is said."""
 
     name: str
     arguments: tuple[str, ...]
@@ -160,7 +160,8 @@ def by_schema(files):
             broken = put(spec, keys, value)
             contents = document(broken) if is_toml else json.dumps(broken).encode()
             given = None if value is DROP else value
-            line = f"cylcontact: {InputError(path, key, given, rule, remedy) if rule else path}"
+            line = str(InputError(path, key, given, rule, remedy)) if rule else path
+            line = re.escape(f"cylcontact: {line}")
             yield Case(f"{path}: {key} = {value!r}", arguments, path, contents, line)
 
 
@@ -278,9 +279,23 @@ REPLACED = {
         (OWN_MATERIALS, OWN_MATERIALS + OWN_MATERIALS.splitlines()[1] + "\n"),
     ],
 }
-NOT_TEXT = (b"\xff\xfe", b"\x89PNG\xff\xfe", 'name = "ä"'.encode("latin-1"))
-NOT_TOML = (b"contact = internal", b"a = 1\na = 2", b"a = " + b"[" * 5000, b"a = " + b"9" * 5000)
-NOT_JSON = (b"", b"{", b"[]", b"null", b"3", b'"x"', b"[" * 5000, b"NaN")
+# What is said, as a pattern, of texts in a spec's place.
+NOT_TEXT = (b"\xff\xfe", b"\x89PNG\r\n\x1a\n\0\0", b"PAR1\x80\0", 'name = "ä"'.encode("latin-1"))
+NOT_TOML = {
+    "is not a text file; give a TOML file in UTF-8": NOT_TEXT,
+    r"is not valid TOML \(.*\); correct the line it names": (
+        *(b"contact = internal", b"a = 1\na = 2", b"name = ["),
+        *(b"a = " + b"[" * 5000, b"a = " + b"9" * 5000),
+    ),
+}
+NOT_JSON = {
+    "is not a text file; name a result, a JSON file": NOT_TEXT,
+    r"is not JSON \(.*\); name a result, or redo the fit": (
+        *(b"", b"{", b"[" * 100_000, b"9" * 5000, b'{"name": "small", "law"'),
+        b"[axes.E]\nmin = 69\n",
+    ),
+    "is not a result; name one that a fit has written": (b"[]", b"null", b"3", b'"x"', b"NaN"),
+}
 # Separated by semicolons; the first one is empty.
 COMMANDS = """
 ; nonsense; --nonsense; sample; fit; compare; export; simulate; sweep; finite-element; optimizers;
@@ -325,9 +340,18 @@ def by_rule(files):
     for keys, value in itertools.product(places, (DROP, "x", [1, 2], 10**400)):
         contents = json.dumps(put(json.loads(files[result]), keys, value)).encode()
         yield Case(f"{result}: {keys} = {value!r}", READERS[result], result, contents)
-    for path, model, arguments in specs(files):
-        for text in (*NOT_TEXT, *(NOT_JSON if model is FitResult else NOT_TOML)):
-            yield Case(f"{path}: {text[:24]!r}", arguments, path, text)
+    for path, model, arguments in {spec[1]: spec for spec in specs(files)}.values():
+        for rule, texts in (NOT_JSON if model is FitResult else NOT_TOML).items():
+            line = f"cylcontact: {re.escape(path)}: {rule}"
+            yield from (Case(f"{path}: {t[:24]!r}", arguments, path, t, line) for t in texts)
+        for other, reason in (("no.toml", "No such file or directory"), (".", "Is a directory")):
+            line = rf"cylcontact: {re.escape(other)}: cannot be read \({reason}\); check the path"
+            words = tuple(other if word == path else word for word in arguments)
+            if words != arguments:
+                yield Case(f"{other} for {path}", words, line=line)
+    path = "datasets/small.toml"
+    line = rf'cylcontact: {path}: contact: is required; add "internal" or "external" \(2 more mist'
+    yield Case("an empty file", READERS[path], path, b"", line)
     for path, (old, new) in ((name, pair) for name in REPLACED for pair in REPLACED[name]):
         contents = files[path].replace(old.encode(), new.encode())
         yield Case(f"{path}: {new!r} for {old!r}", READERS[path], path, contents)

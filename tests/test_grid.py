@@ -220,30 +220,3 @@ def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     with pytest.raises(InputError) as caught:
         read_grid(path)
     assert_told(caught, path, key, value, rule, remedy)
-
-
-@pytest.mark.parametrize(
-    ("contents", "rule", "remedy"),
-    [
-        (b"", "is required", 'add "internal" or "external"'),
-        (b"contact = internal", "is not valid TOML (Invalid value (at line 1", "the line it names"),
-        (b'contact = "internal"\ncontact = "internal"', "is not valid TOML", "the line it names"),
-        (b"a = " + b"[" * 5000, "is not valid TOML", "the line it names"),
-        (b"a = " + b"9" * 5000, "is not valid TOML", "the line it names"),
-        (b"\x89PNG\r\n\x1a\n\0\0", "is not a text file", "TOML file in UTF-8"),
-        ('contact = "ä"'.encode("latin-1"), "is not a text file", "TOML file in UTF-8"),
-    ],
-)
-def test_a_file_that_is_no_spec_is_refused(tmp_path, contents, rule, remedy):
-    path = tmp_path / "g.toml"
-    path.write_bytes(contents)
-    with pytest.raises(InputError) as caught:
-        read_grid(path)
-    assert_told(caught, path, caught.value.key, DROP, rule, remedy)
-
-
-def test_a_missing_file_and_a_folder_are_told_apart(tmp_path):
-    for path, reason in ((tmp_path / "no.toml", "No such file"), (tmp_path, "Is a directory")):
-        with pytest.raises(InputError) as caught:
-            read_grid(path)
-        assert_told(caught, path, "", None, f"cannot be read ({reason}", "check the path")

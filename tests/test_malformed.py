@@ -1,5 +1,6 @@
 """Every malformed input gets one clear line and exit code 2, and nothing is written."""
 
+import re
 import subprocess
 import sys
 
@@ -58,7 +59,7 @@ def refused(bench, run):
             and "Traceback" not in errors
             and (out == "" or not case.arguments)  # without a command, help is shown as well
             and after == before
-            and errors.startswith(case.line or "cylcontact: ")
+            and re.match(case.line or "cylcontact: ", errors)
         )
         return "" if clear else f"exit code {code}: {errors!r}, not {case.line!r}"
 

@@ -177,43 +177,12 @@ def test_coefficients_of_a_run_are_checked_too(tmp_path):
         FitResult.load(tmp_path / "r.json")
 
 
-@pytest.mark.parametrize(
-    ("contents", "rule", "remedy"),
-    [
-        (b"", "is not JSON (Expecting value", "name a result, or redo the fit"),
-        (b'contact = "internal"\n[axes.E]\nmin = 69\n', "is not JSON", "name a result"),
-        (b'{"name": "small", "law"', "is not JSON", "redo the fit"),
-        (b"[" * 100_000, "is not JSON", "redo the fit"),
-        (b"9" * 5000, "is not JSON", "redo the fit"),
-        (b"\x89PNG\r\n\x1a\n\0\0", "is not a text file", "name a result, a JSON file"),
-        (b"PAR1\x80\0", "is not a text file", "name a result, a JSON file"),
-        (b"[]", "is not a result", "name one that a fit has written"),
-        (b"3", "is not a result", "name one that a fit has written"),
-        (b"null", "is not a result", "name one that a fit has written"),
-    ],
-    ids=range(10),
-)
-def test_a_file_that_is_no_result_is_refused(tmp_path, contents, rule, remedy):
-    path = tmp_path / "r.json"
-    path.write_bytes(contents)
-    with pytest.raises(InputError) as caught:
-        FitResult.load(path)
-    assert_told(caught, path, "", None, rule, remedy)
-
-
 def test_a_foreign_table_is_refused_by_its_first_unknown_key(tmp_path):
     path = tmp_path / "package.json"
     path.write_text('{"name": "x", "dependencies": {}}')
     with pytest.raises(InputError) as caught:
         FitResult.load(path)
     assert_told(caught, path, "dependencies", {}, "is not a known key", "name, law, contact")
-
-
-def test_a_missing_file_and_a_folder_are_told_apart(tmp_path):
-    for path, reason in ((tmp_path / "no.json", "No such file"), (tmp_path, "Is a directory")):
-        with pytest.raises(InputError) as caught:
-            FitResult.load(path)
-        assert_told(caught, path, "", None, f"cannot be read ({reason}", "check the path")
 
 
 def test_a_result_that_loads_can_be_reported(tmp_path, small_result):
