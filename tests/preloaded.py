@@ -4,5 +4,7 @@ import filelock  # noqa: F401
 
 import cylcontact.cli
 import cylcontact.cli.app
+import cylcontact.datasets.finite_element
 import cylcontact.fitting
-import cylcontact.fitting.profile  # noqa: F401
+import cylcontact.fitting.profile
+import cylcontact.mechanism  # noqa: F401

@@ -1,10 +1,5 @@
 """Sweeps and the commands: one tidy table, the same whatever the workers, taken up when stopped."""
 
-import os
-import signal
-import threading
-import time
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -256,48 +251,3 @@ def test_sweep_writes_a_table_and_tells_what_stopped(run, tmp_path):
     run("sweep", SPEC, "-o", parquet, *options, "--frictions", 0.1, "--revolutions", 1, "-j", 1)
     read = pd.read_csv(out).fillna({"message": ""})
     pd.testing.assert_frame_equal(pd.read_parquet(parquet), read, check_dtype=False)
-
-
-@pytest.fixture
-def interrupt_when():
-    """Send Ctrl-C to this process as soon as a condition holds."""
-    threads = []
-
-    def arrange(condition):
-        def watch():
-            deadline = time.monotonic() + 60
-            while not condition() and time.monotonic() < deadline:
-                time.sleep(0.01)
-            os.kill(os.getpid(), signal.SIGINT)
-
-        threads.append(threading.Thread(target=watch))
-        threads[-1].start()
-
-    yield arrange
-    for thread in threads:
-        thread.join()
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
-def test_an_interrupted_simulation_keeps_its_revolutions(run, tmp_path, interrupt_when):
-    simulate(slider_crank(), revolutions=1)  # compiled, so that what follows is integration
-    out, begun = tmp_path / "run.parquet", time.monotonic()
-    interrupt_when(lambda: time.monotonic() > begun + 3)
-    code, _, err = run("simulate", SPEC, "-o", out, "--revolutions", "5000")
-    assert code == 130
-    kept = Trajectory.load(out).revolutions
-    assert f"interrupted; {kept} complete revolutions are kept in {out}" in err
-    assert kept >= 1
-    assert list(tmp_path.iterdir()) == [out]
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
-def test_an_interrupted_sweep_command_keeps_its_cases(run, tmp_path, interrupt_when):
-    out, partial = tmp_path / "table.csv", tmp_path / "table.csv.partial"
-    interrupt_when(lambda: partial.exists() and partial.read_bytes().count(b"\n") > 1)
-    arguments = ("sweep", SPEC, "-o", out, "--revolutions", "20", "--beyond", "tangent", "-j", 1)
-    code, _, err = run(*arguments)
-    assert code == 130
-    assert "kept in" in err
-    assert "the same command with --resume goes on from there" in err
-    assert list(tmp_path.iterdir()) == [partial]

@@ -191,7 +191,7 @@ def _innermost(model: type[Spec], location: list[str]) -> tuple[type[Spec], str]
         if part in table.model_fields:  # else a key of a mapping, or an index of a list
             field = table.model_fields[part]
             description = field.description or description
-            table = _inner_spec(field.annotation) or table
+            table = _inner_spec(field.annotation) or Spec  # a plain mapping has keys of its own
     return table, description
 
 
