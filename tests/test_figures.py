@@ -11,7 +11,7 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
-from cylcontact.reports.exponents import ExponentStudy, exponent_table
+from _cylcontact_bench.fig03 import ExponentStudy, exponent_table
 from matplotlib.text import Text
 
 from cylcontact import InputError
@@ -19,22 +19,13 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.laws import PUBLISHED
 from cylcontact.plots.style import WIDTHS_MM
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import build, draw, find_recipes
+from cylcontact.reports.build import build, chosen_recipes, draw, find_recipes
 from cylcontact.reports.fit_figures import profile_drawing
 from tests.drawn_figures import DrawnFigures
 from tests.figure_files import page_mm, read_columns, significant_digits
 
 BENCH = Bench(Path(__file__).parents[1])
-NAMES = (
-    *("fig01", "fig02", "fig03", "fig07", "fig08", "fig09"),
-    *("fig04", "fig05", "fig06", "fig_fe_sensitivity"),
-    *("fig15", "fig16", "fig17", "fig18", "fig19"),
-    *("fig_mechanism_steps", "fig_mechanism_cases", "fig_mechanism_energy"),
-    *("fig10", "fig10r", "fig11", "fig11r", "fig12", "fig12r", "fig13", "fig13r"),
-    *("fig14", "fig14r", "fig_profile_b", "fig_explicit", "fig_forms"),
-    *("fig10c", "fig11c", "fig12c", "fig13c", "fig14c"),
-    *("fig10p", "fig11p", "fig12p", "fig13p", "fig14p"),
-)
+NAMES = chosen_recipes(BENCH)
 # One simulates 24 cases of the mechanism when it is drawn.
 SLOW = ("fig_mechanism_cases",)
 EACH = [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in NAMES]
