@@ -129,7 +129,7 @@ def test_texts_of_users_stay_text(site, index):
 
 def test_same_bytes_again(site, tmp_path):
     bench = Bench(site.index.parents[2])
-    again = build_site(bench, tmp_path / "html", jobs=1)
+    again = build_site(bench, tmp_path / "html")
     for file in sorted(again.index.parent.rglob("*")):
         if file.is_file():
             other = site.index.parent / file.relative_to(again.index.parent)
