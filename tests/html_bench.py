@@ -20,6 +20,7 @@ def draw(bench):
     table = pd.DataFrame({{"load_N_per_mm": [1 / 3]}})
     return Drawing(figure, table, {{{EVIL!r}: 1 / 3}}, "Caption " + {EVIL!r})
 '''
+CACHES = shutil.ignore_patterns("__pycache__")
 FEW_MAPS = """
 FIGURES = {name: FIGURES[name] for name in ("fig12", "fig12r", "fig12p")}
 """
@@ -47,7 +48,10 @@ def build_small_site(root):
     (results / "evil.json").write_text(evil, encoding="utf-8")
     (results / "broken.json").write_text("{}", encoding="utf-8")
     (root / "fitting" / "never-run.toml").write_text("")
-    shutil.copy(ROOT / "reports" / "paper.py", root / "reports")
+    shutil.copytree(ROOT / "reports" / "claims", root / "reports" / "claims", ignore=CACHES)
+    for file in (ROOT / "reports").glob("*.py"):
+        if not file.stem.startswith("fig") and file.stem not in {"maps", "paths"}:
+            shutil.copy(file, root / "reports")
     maps = (ROOT / "reports" / "maps.py").read_text(encoding="utf-8") + FEW_MAPS
     (root / "reports" / "maps.py").write_text(maps, encoding="utf-8")
     (root / "reports" / "fig03.py").write_text("def draw(bench):\n    return 1 / 0\n")

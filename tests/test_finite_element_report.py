@@ -120,8 +120,12 @@ class TestClaims:
         )
         assert "as the paper names none" in claim.choice
 
-    def test_a_bench_without_finite_elements_has_none(self, tmp_path):
-        assert finite_element_claims(Bench(tmp_path)) == []
+    def test_a_bench_without_finite_elements_cannot_test_them(self, tmp_path):
+        untested = finite_element_claims(Bench(tmp_path))
+        assert len(untested) == 6
+        for claim in untested:
+            assert claim.verdict == "not testable"
+            assert "recommended.toml: this set-up does not exist" in claim.choice
 
     def test_a_table_of_an_older_set_up_is_refused(self, tmp_path):
         folder = tmp_path / "datasets" / "finite_element"
