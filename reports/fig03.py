@@ -50,31 +50,28 @@ def exponent_table(
 ) -> pd.DataFrame:
     """Fit a power law to Johnson's law pair by pair.
 
-        Parameters
-        ----------
-        study : ExponentStudy
-            The contact and the values of ΔR.
-        moduli : sequence of float
-            Young's moduli in GPa.
-        ratios : sequence of float
-            Poisson's ratios.
-        loads : array of float
-            Loads in N/mm; at each pair those beyond the law's domain are left out.
+    Parameters
+    ----------
+    study : ExponentStudy
+        The contact and the values of ΔR.
+    moduli : sequence of float
+        Young's moduli in GPa.
+    ratios : sequence of float
+        Poisson's ratios.
+    loads : array of float
+        Loads in N/mm; at each pair those beyond the law's domain are left out.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Columns contact, E_GPa, nu, dR_mm, points (loads left), n, K_N_per_mm_n, R2.
+    Returns
+    -------
+    pandas.DataFrame
+        Columns contact, E_GPa, nu, dR_mm, points (loads left), n, K_N_per_mm_n, R2.
 
-        Examples
-        --------
-        >>> from collections.abc import Mapping
-
-    import numpy as np
-        >>> study = ExponentStudy("external", np.array([140.0]), (140.0,))
-        >>> table = exponent_table(study, [207.0], [0.3], np.geomspace(10.0, 1000.0, 41))
-        >>> print(table["n"].round(4).item())
-        1.0805
+    Examples
+    --------
+    >>> study = ExponentStudy("external", np.array([140.0]), (140.0,))
+    >>> table = exponent_table(study, [207.0], [0.3], np.geomspace(10.0, 1000.0, 41))
+    >>> print(table["n"].round(4).item())
+    1.0805
     """
     rows = []
     for E, nu, dR in product(moduli, ratios, study.dR):

@@ -8,16 +8,25 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from _cylcontact_bench.paths import path_table
+from _cylcontact_bench.slider_crank import (
+    CASES,
+    SPEC,
+    assumed,
+    case_row,
+    horizons,
+    law_ends,
+    law_limit,
+    mechanism,
+    simulated,
+)
 from PIL import Image
 
 from cylcontact import InputError, cli
 from cylcontact.mechanism import Case, read_mechanism, simulate
+from cylcontact.mechanism.drawing import driver_circle, poses
+from cylcontact.mechanism.movie import FRAMES_PER_REVOLUTION, film, require_film
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.mechanism.disclosure import assumed, horizons, law_ends
-from cylcontact.reports.mechanism.linkage import driver_circle, poses
-from cylcontact.reports.mechanism.movie import FRAMES_PER_REVOLUTION, film, require_film
-from cylcontact.reports.mechanism.paths import path_table
-from cylcontact.reports.mechanism.runs import CASES, case_row, law_limit, mechanism, simulated
 
 ROOT = Path(__file__).parents[1]
 BENCH = Bench(ROOT)
@@ -53,7 +62,7 @@ class TestCases:
 
     def test_runs_are_remembered_and_those_of_the_spec(self, settled):
         assert simulated(BENCH, SETTLED, 3) is settled
-        one = read_mechanism(BENCH.mechanism_file, **vars(SETTLED))
+        one = read_mechanism(ROOT / SPEC, **vars(SETTLED))
         again = simulate(one, revolutions=3)
         assert np.array_equal(again.time, settled.time)
 
@@ -211,7 +220,7 @@ class TestFilm:
             require_film(tmp_path / "x.avi")
 
     def test_film_is_short_enough_and_the_same_again(self, tmp_path, settled, monkeypatch):
-        monkeypatch.setattr("cylcontact.reports.mechanism.movie.FRAMES_PER_REVOLUTION", 6)
+        monkeypatch.setattr("cylcontact.mechanism.movie.FRAMES_PER_REVOLUTION", 6)
         calls = []
         for name in ("a.gif", "b.gif"):
             frames = film(settled, tmp_path / name, 2, lambda *call: calls.append(call))
@@ -231,7 +240,7 @@ class TestAnimate:
     @pytest.fixture
     def run(self, monkeypatch, capsys):
         """Run the command line in this process; return its exit code, output and errors."""
-        monkeypatch.setattr("cylcontact.reports.mechanism.movie.FRAMES_PER_REVOLUTION", 4)
+        monkeypatch.setattr("cylcontact.mechanism.movie.FRAMES_PER_REVOLUTION", 4)
 
         def run(*arguments):
             monkeypatch.setattr(sys, "argv", ["cylcontact", "animate", *map(str, arguments)])
