@@ -100,13 +100,16 @@ def _by_pair(differences: Differences) -> str:
 def same_trend(bench: Bench) -> Finding:
     """Return over how many steps of clearance each model's penetration falls, load by load."""
     rows = penetrations(table(bench, "recommended")).pivot(index="dR_mm", columns="load_N_per_mm")
+    loads = rows.columns.unique("load_N_per_mm")
     falls: dict[str, dict[str, float]] = {}
     alike = []
     for model in ("fe", "johnson", "enhanced"):
         # A row for each step to the next clearance, a column for each load.
-        falling = ~(rows[f"{model}_mm"].diff().iloc[1:] > 0)
-        falls[MODELS[model]] = {f"{load:g} N/mm": float(n) for load, n in falling.sum().items()}
-        alike.append((falling.nunique(axis=1) == 1).all())
+        falling = ~(np.diff(rows[f"{model}_mm"].to_numpy(), axis=0) > 0)
+        falls[MODELS[model]] = {
+            f"{load:g} N/mm": float(n) for load, n in zip(loads, falling.sum(axis=0), strict=True)
+        }
+        alike.append(bool((falling == falling[:, :1]).all()))
     return Finding(
         "; ".join(
             f"{model}: of {len(rows) - 1} steps to the next clearance "
