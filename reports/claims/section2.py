@@ -18,22 +18,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, joined, listed, verdict_if, with_unit
 from cylcontact.reports.laws_bounds import departure_number, johnson_end, johnson_shortfall
 
-from ..paper import (
-    BEARING_LENGTH,
-    COMPARED_CLEARANCES,
-    ELASTIC,
-    LOADS,
-    MODERATE,
-    PRACTICAL,
-    STEEL,
-    YIELD,
-    Domain,
-    clearance_pair,
-    eq1_peak_load,
-    eq1_penetration,
-    five_materials,
-    material_origins,
-)
+from .. import paper
 from .section1 import AGREEMENT, TRUTH
 
 # The readings of Radzimovsky's formula, nearest to Johnson's law first.
@@ -63,7 +48,7 @@ def limit_depends_on_clearance_and_material() -> Finding:
     """Return the exponents of ΔR and E in Johnson's largest load."""
 
     def limit(dR: float, E: float) -> float:
-        return float(limits.johnson_limit_load(clearance_pair(dR, replace(STEEL, E=E))))
+        return float(limits.johnson_limit_load(paper.clearance_pair(dR, replace(paper.STEEL, E=E))))
 
     base = limit(0.05, 207e3)
     by_dR, by_E = np.log2(limit(0.1, 207e3) / base), np.log2(limit(0.05, 414e3) / base)
@@ -82,10 +67,10 @@ def limit_depends_on_clearance_and_material() -> Finding:
 )
 def force_falls_beyond_limit() -> Finding:
     """Return Eq 1's penetration, taken literally, at and beyond its largest load."""
-    pair = clearance_pair(0.05, STEEL)
+    pair = paper.clearance_pair(0.05, paper.STEEL)
     limit = float(limits.johnson_limit_load(pair))
-    peak = eq1_peak_load(pair) / limit
-    at_limit, past_it = eq1_penetration([limit, 1.5 * limit], pair)
+    peak = paper.eq1_peak_load(pair) / limit
+    at_limit, past_it = paper.eq1_penetration([limit, 1.5 * limit], pair)
     beyond = float(past_it / at_limit)
     return Finding(
         f"dδ/df changes sign at {peak:.6f} of Eq 8's load; at 1.5 times that load "
@@ -104,7 +89,7 @@ def force_falls_beyond_limit() -> Finding:
 )
 def johnson_needs_iteration() -> Finding:
     """Return the relative error of the closed inverse of Johnson's law."""
-    pair, law = clearance_pair(0.05, STEEL), Johnson()
+    pair, law = paper.clearance_pair(0.05, paper.STEEL), Johnson()
     # Fractions of the largest load. Near the limit df/dδ is infinite, so the error is
     # measured in the penetration, which is well conditioned there.
     fraction = np.concatenate([np.geomspace(1e-9, 1, 2001), 1 - 2.0 ** -np.arange(1, 53)])
@@ -130,12 +115,12 @@ def lankarani_nikravesh_softer(bench: Bench) -> Finding:
     """Return Lankarani–Nikravesh's load over Johnson's at equal penetration."""
 
     def ratio(material: Material, R_i: float, length: float) -> FloatArray:
-        domain = replace(PRACTICAL, R_i=R_i)
+        domain = replace(paper.PRACTICAL, R_i=R_i)
         pair, load = _grid(material, domain, (401, 201), length)
         return LankaraniNikravesh().load(Johnson().penetration(load, pair), pair) / load
 
-    materials = five_materials(bench)
-    ratios = {name: ratio(m, 10, BEARING_LENGTH) for name, m in materials.items()}
+    materials = paper.five_materials(bench)
+    ratios = {name: ratio(m, 10, paper.BEARING_LENGTH) for name, m in materials.items()}
     median = {name: float(np.nanmedian(ratio)) for name, ratio in ratios.items()}
     largest = {name: float(np.nanmax(ratio)) for name, ratio in ratios.items()}
     steel = materials["low-carbon steel"]
@@ -149,9 +134,10 @@ def lankarani_nikravesh_softer(bench: Bench) -> Finding:
         + listed(median, "{:.2f}")
         + f"; largest: {max(largest.values()):.2f} for each material",
         holds=max(largest.values()) < 1 and max(median.values()) < 0.5,
-        choice=f"R_i = {PRACTICAL.R_i:g} mm and axial length L = {BEARING_LENGTH:g} mm, those of "
-        "the paper's bearing: Eq 2 is a total force without a length in it, so per unit length "
-        "it is F/L (its printed radii R_i·R_i read as R_i·R_j)",
+        choice=f"R_i = {paper.PRACTICAL.R_i:g} mm and axial length L = "
+        f"{paper.BEARING_LENGTH:g} mm, those of the paper's bearing: Eq 2 is a total force "
+        "without a length in it, so per unit length it is F/L (its printed radii R_i·R_i read as "
+        "R_i·R_j)",
         alternatives="the largest ratio goes as R_i/L: "
         + listed(others, "gives {:.2f}")
         + ". Lankarani–Nikravesh is the softer law everywhere only if L exceeds about "
@@ -172,12 +158,13 @@ def lankarani_nikravesh_softer(bench: Bench) -> Finding:
 )
 def enhanced_covers_more(bench: Bench) -> Finding:
     """Return the percentage of Sect. 3.4's plane that each law covers."""
-    dR = np.geomspace(*COMPARED_CLEARANCES, 1201)[:, None]
-    load = np.geomspace(*LOADS, 1201)[None, :]
+    dR = np.geomspace(*paper.COMPARED_CLEARANCES, 1201)[:, None]
+    load = np.geomspace(*paper.LOADS, 1201)[None, :]
     johnson, enhanced = (
         {
-            name: 100 * float(np.isfinite(law.penetration(load, clearance_pair(dR, m))).mean())
-            for name, m in five_materials(bench).items()
+            name: 100
+            * float(np.isfinite(law.penetration(load, paper.clearance_pair(dR, m))).mean())
+            for name, m in paper.five_materials(bench).items()
         }
         for law in (Johnson(), Enhanced())
     )
@@ -188,7 +175,8 @@ def enhanced_covers_more(bench: Bench) -> Finding:
         + f"; the enhanced law adds {100 - min(johnson.values()):.2f} % at most",
         holds=min(enhanced.values()) == 100 and min(johnson.values()) < 100,
         choice=joined(
-            "judged over Sect. 3.4's clearances and loads", material_origins(bench, ELASTIC)
+            "judged over Sect. 3.4's clearances and loads",
+            paper.material_origins(bench, paper.ELASTIC),
         ),
         alternatives="over all clearances the reverse holds: Eq 6d confines the enhanced law to "
         f"{INTERNAL_DR_MIN:g} ≤ ΔR < {INTERNAL_DR_MAX:g} mm (Figs 7–9 start at 0.001 mm), "
@@ -218,14 +206,14 @@ def johnson_experiment() -> Finding:
 def radzimovsky_comparable(bench: Bench) -> Finding:
     """Return how far three readings of Radzimovsky's formula are from Johnson's law."""
     largest, median = dict.fromkeys(RADZIMOVSKY, 0.0), dict.fromkeys(RADZIMOVSKY, 0.0)
-    for material in five_materials(bench).values():
-        pair, load = _grid(material, MODERATE)
+    for material in paper.five_materials(bench).values():
+        pair, load = _grid(material, paper.MODERATE)
         for name in RADZIMOVSKY:
             ratio = LAWS[name]().penetration(load, pair) / Johnson().penetration(load, pair)
             off = 100 * np.abs(ratio - 1)
             largest[name] = max(largest[name], float(np.nanmax(off)))
             median[name] = max(median[name], float(np.nanmedian(off)))
-    distances = _distances(bench, ("johnson", *RADZIMOVSKY), MODERATE)
+    distances = _distances(bench, ("johnson", *RADZIMOVSKY), paper.MODERATE)
     nearest = next(iter(RADZIMOVSKY))
     return Finding(
         "Radzimovsky's penetration is larger by, at moderate loads with the softest of the "
@@ -239,7 +227,7 @@ def radzimovsky_comparable(bench: Bench) -> Finding:
             "the literature gives three readings of the width b in Radzimovsky's formula",
             "'moderate loads' as defined above",
             "'practical domain' as defined above",
-            material_origins(bench, ELASTIC, YIELD),
+            paper.material_origins(bench, paper.ELASTIC, paper.YIELD),
         ),
         alternatives="root mean square distance from Persson's penetration, over the materials: "
         + "; ".join(
@@ -264,7 +252,7 @@ def radzimovsky_comparable(bench: Bench) -> Finding:
 )
 def other_models_fall_short(bench: Bench) -> Finding:
     """Return the distance of the other models from conformal contact, and Johnson's."""
-    distances = _distances(bench, ("johnson", *OTHER_LAWS), PRACTICAL)
+    distances = _distances(bench, ("johnson", *OTHER_LAWS), paper.PRACTICAL)
     johnson = distances["johnson"]
     nearest = np.min([distances[name] for name in OTHER_LAWS], axis=0)
     spans = {
@@ -277,10 +265,10 @@ def other_models_fall_short(bench: Bench) -> Finding:
         holds=bool(np.all(nearest > johnson)),
         choice=joined(
             TRUTH,
-            f"axial length {BEARING_LENGTH:g} mm; the models as this package reads them, where "
-            "the literature disagrees",
+            f"axial length {paper.BEARING_LENGTH:g} mm; the models as this package reads them, "
+            "where the literature disagrees",
             "'practical domain' as defined above",
-            material_origins(bench, ELASTIC, YIELD),
+            paper.material_origins(bench, paper.ELASTIC, paper.YIELD),
         ),
         alternatives="the margin is least for the aluminium alloy: "
         f"{nearest[-1]:.1f} % for the nearest of the others, {johnson[-1]:.1f} % for "
@@ -292,10 +280,10 @@ def other_models_fall_short(bench: Bench) -> Finding:
     )
 
 
-def _distances(bench: Bench, laws: Iterable[str], domain: Domain) -> dict[str, list[float]]:
+def _distances(bench: Bench, laws: Iterable[str], domain: paper.Domain) -> dict[str, list[float]]:
     """Return each law's rms of ln(δ/δ_Persson) over a domain in percent, by material."""
     distances: dict[str, list[float]] = {law: [] for law in laws}
-    for material in five_materials(bench).values():
+    for material in paper.five_materials(bench).values():
         pair, load = _grid(material, domain)
         truth = Persson().penetration(load, pair)
         for law, percents in distances.items():
@@ -306,9 +294,9 @@ def _distances(bench: Bench, laws: Iterable[str], domain: Domain) -> dict[str, l
 
 def _grid(
     material: Material,
-    domain: Domain,
+    domain: paper.Domain,
     shape: tuple[int, int] = (201, 101),
-    length: float = BEARING_LENGTH,
+    length: float = paper.BEARING_LENGTH,
 ) -> tuple[CylinderPair, FloatArray]:
     """Return pairs of axial length in mm, and loads in N/mm, on a grid over a domain."""
     u, v = (np.linspace(0, 1, count) for count in shape)

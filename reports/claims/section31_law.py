@@ -15,19 +15,7 @@ from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, agrees_as_printed, claim
 
-from ..paper import (
-    BEARING_LENGTH,
-    BEARING_RADIUS,
-    COMPARED_CLEARANCES,
-    E_REFERENCE,
-    FIG7_CLEARANCES,
-    STEEL,
-    TRAINING_DR,
-    TRAINING_E,
-    TRAINING_LOADS,
-    Y_SWITCH,
-    five_materials,
-)
+from .. import paper
 from ..power_fits import fit_at, reference_pair
 
 # Not in the paper: the stiffest unfilled plastics, and diamond, the stiffest common solid.
@@ -53,10 +41,10 @@ def force_proportional_to_modulus() -> Finding:
     exponents = {
         f"ΔR = {dR:g} mm": force_exponent(
             reference_pair("internal", dR),
-            reference_pair("internal", dR, E_REFERENCE / STEP),
-            reference_pair("internal", dR, E_REFERENCE * STEP),
+            reference_pair("internal", dR, paper.E_REFERENCE / STEP),
+            reference_pair("internal", dR, paper.E_REFERENCE * STEP),
         )
-        for dR in TRAINING_DR["internal"]
+        for dR in paper.TRAINING_DR["internal"]
     }
     return Finding(
         "exponent of E* in Johnson's force at fixed penetration: "
@@ -78,10 +66,12 @@ def force_proportional_to_inverse_clearance() -> Finding:
         f"{at:g} mm": force_exponent(
             *(reference_pair("internal", x) for x in (at, at / STEP, at * STEP))
         )
-        for at in TRAINING_DR["internal"]
+        for at in paper.TRAINING_DR["internal"]
     }
     dR = np.array([0.05, 0.1])
-    bearing = CylinderPair.from_dR("internal", dR, STEEL, BEARING_LENGTH, R_i=BEARING_RADIUS)
+    bearing = CylinderPair.from_dR(
+        "internal", dR, paper.STEEL, paper.BEARING_LENGTH, R_i=paper.BEARING_RADIUS
+    )
     small, large = LankaraniNikravesh().factor(bearing)
     return Finding(
         "exponent of ΔR in Johnson's force at fixed penetration (that of 100 N/mm, 207 GPa): "
@@ -100,12 +90,12 @@ def force_proportional_to_inverse_clearance() -> Finding:
     "{contact}: K* of K = K*·E*/ΔR is linear in ΔR",
     paper="assumed linear",
     rule="some straight line is within 8 % of K* over the training range",
-    cases=[{"contact": contact} for contact in TRAINING_DR],
+    cases=[{"contact": contact} for contact in paper.TRAINING_DR],
 )
 def k_star_linear(contact: Contact) -> Finding:
     """Return how well a straight line follows K* = K·ΔR/E* of the fits at single clearances."""
-    dR = np.geomspace(*TRAINING_DR[contact], 61)
-    K = np.array([fit_at(contact, x, E_REFERENCE, TRAINING_LOADS).K for x in dR])
+    dR = np.geomspace(*paper.TRAINING_DR[contact], 61)
+    K = np.array([fit_at(contact, x, paper.E_REFERENCE, paper.TRAINING_LOADS).K for x in dR])
     k_star = K * dR / reference_pair(contact, 1.0).E_star
     a, b = np.polyfit(dR, k_star, 1)
     residual = k_star - (a * dR + b)
@@ -160,16 +150,16 @@ def y_branches(dR: float) -> tuple[float, float]:
 @claim(
     "3.1-Y-switch",
     "Y passes from its logarithmic to its linear branch at this clearance (Eq 6d)",
-    paper=f"{Y_SWITCH} mm",
+    paper=f"{paper.Y_SWITCH} mm",
     rule="agreement to the printed digit",
-    paper_values={"dR, mm": float(Y_SWITCH)},
+    paper_values={"dR, mm": float(paper.Y_SWITCH)},
 )
 def y_switch() -> Finding:
     """Return the clearance in mm at which the two branches of Y cross."""
     crossing = float(brentq(lambda dR: np.subtract(*y_branches(dR)), 0.05, 2.0, xtol=1e-15))
     return Finding(
         f"the branches cross at {crossing:.7f} mm",
-        holds=agrees_as_printed(crossing, Y_SWITCH),
+        holds=agrees_as_printed(crossing, paper.Y_SWITCH),
         values={"dR, mm": crossing},
     )
 
@@ -182,7 +172,7 @@ def y_switch() -> Finding:
 )
 def y_continuous() -> Finding:
     """Return the jump of Y, and of the penetration, at the printed switch point."""
-    dR, c = float(Y_SWITCH), InternalCoefficients()
+    dR, c = float(paper.Y_SWITCH), InternalCoefficients()
     pair = reference_pair("internal", dR)
     branches = y_branches(dR)
     jump = abs(branches[0] - branches[1])
@@ -203,14 +193,14 @@ def y_continuous() -> Finding:
 @claim(
     "3.1-moduli-covered",
     "the training range of E covers engineering materials from plastics to ceramics",
-    paper=f"{TRAINING_E[0] / 1e3:g} to {TRAINING_E[1] / 1e3:g} GPa",
+    paper=f"{paper.TRAINING_E[0] / 1e3:g} to {paper.TRAINING_E[1] / 1e3:g} GPa",
     rule="plastics, the five materials and ceramics all lie inside the range",
-    paper_values={"low, GPa": TRAINING_E[0] / 1e3, "high, GPa": TRAINING_E[1] / 1e3},
+    paper_values={"low, GPa": paper.TRAINING_E[0] / 1e3, "high, GPa": paper.TRAINING_E[1] / 1e3},
 )
 def moduli_covered(bench: Bench) -> Finding:
     """Return the moduli of the five materials and of plastics in GPa."""
-    low, high = (E / 1e3 for E in TRAINING_E)
-    moduli = [float(m.E) / 1e3 for m in five_materials(bench).values()]
+    low, high = (E / 1e3 for E in paper.TRAINING_E)
+    moduli = [float(m.E) / 1e3 for m in paper.five_materials(bench).values()]
     return Finding(
         f"the five materials ({min(moduli):g}–{max(moduli):g} GPa) lie inside; plastics (up to "
         f"{E_PLASTIC:g} GPa) lie below; {high:g} GPa is {high / E_DIAMOND:.0f} times diamond",
@@ -226,11 +216,15 @@ def moduli_covered(bench: Bench) -> Finding:
     "the internal training range of ΔR covers the clearances of typical machines",
     paper="0.05 to 10 mm",
     rule="the range starts at or below the smallest clearance that the paper compares",
-    paper_values={"low, mm": TRAINING_DR["internal"][0]},
+    paper_values={"low, mm": paper.TRAINING_DR["internal"][0]},
 )
 def clearances_covered() -> Finding:
     """Return the smallest clearance in mm that the paper compares."""
-    low, compared, typical = TRAINING_DR["internal"][0], COMPARED_CLEARANCES[0], FIG7_CLEARANCES[0]
+    low, compared, typical = (
+        paper.TRAINING_DR["internal"][0],
+        paper.COMPARED_CLEARANCES[0],
+        paper.FIG7_CLEARANCES[0],
+    )
     return Finding(
         f"Sect. 3.4 compares from {compared * 1e3:g} µm and Sect. 3.3 counts clearances "
         f"from {typical * 1e3:g} µm as typical: {low / compared:.1f} and {low / typical:.0f} "

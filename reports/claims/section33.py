@@ -12,32 +12,22 @@ from cylcontact.materials import Material
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, joined, listed, with_unit
 
-from ..paper import (
-    FIG2_DR,
-    FIG7_CLEARANCES,
-    RADII,
-    YIELD,
-    clearance_pair,
-    eq1_peak_load,
-    five_materials,
-    material_origins,
-    strength,
-)
+from .. import paper
 
-DR = FIG2_DR["internal"]  # where a single number is given
-CLEARANCES = np.geomspace(*FIG7_CLEARANCES, 401)
-SIZES = {f"R_i = {R_i:g} mm": R_i for R_i in RADII}
+DR = paper.FIG2_DR["internal"]  # where a single number is given
+CLEARANCES = np.geomspace(*paper.FIG7_CLEARANCES, 401)
+SIZES = {f"R_i = {R_i:g} mm": R_i for R_i in paper.RADII}
 
 
 def yield_load(dR: float | FloatArray, material: Material, R_i: float) -> FloatArray:
     """Return the load at yield in N/mm."""
-    return limits.yield_load(clearance_pair(dR, material, R_i))
+    return limits.yield_load(paper.clearance_pair(dR, material, R_i))
 
 
 def steel(bench: Bench) -> tuple[Material, str]:
     """Return the steel that single numbers are given for, and its name with the yield stress."""
     row = bench.material("low-carbon steel")
-    stress, origin = strength(row.material), row.provenance["yield_stress_MPa"]
+    stress, origin = paper.strength(row.material), row.provenance["yield_stress_MPa"]
     return row.material, f"{row.material.name} (yield stress {stress:g} MPa, {origin})"
 
 
@@ -59,8 +49,8 @@ def yield_load_against_clearance(bench: Bench) -> Finding:
         + listed(growth, "{:.0f} times"),
         holds=all(
             np.all(np.diff(yield_load(CLEARANCES, m, R_i)) < 0)
-            for m in five_materials(bench).values()
-            for R_i in RADII
+            for m in paper.five_materials(bench).values()
+            for R_i in paper.RADII
         ),
         values=with_unit(growth, "-"),
     )
@@ -79,8 +69,8 @@ def yield_load_against_radius(bench: Bench) -> Finding:
     return Finding(
         f"{name} at {DR * 1e3:g} µm: {listed(loads, '{:.0f} N/mm')}",
         holds=all(
-            np.all(np.diff([yield_load(CLEARANCES, m, R_i) for R_i in RADII], axis=0) < 0)
-            for m in five_materials(bench).values()
+            np.all(np.diff([yield_load(CLEARANCES, m, R_i) for R_i in paper.RADII], axis=0) < 0)
+            for m in paper.five_materials(bench).values()
         ),
         values=with_unit(loads, "N/mm"),
     )
@@ -95,14 +85,14 @@ def yield_load_against_radius(bench: Bench) -> Finding:
 def yield_load_against_contact_area(bench: Bench) -> Finding:
     """Return the width of contact in mm and the load in N/mm at yield."""
     (material, name), dR = steel(bench), float(CLEARANCES[-1])
-    loads = [float(yield_load(dR, material, R_i)) for R_i in RADII]
+    loads = [float(yield_load(dR, material, R_i)) for R_i in paper.RADII]
     # Hertz's peak pressure is p = 4f/(π·width).
     widths = [
-        4 * f / (np.pi * float(limits.hertz_stress(f, clearance_pair(dR, material, R_i))))
-        for f, R_i in zip(loads, RADII, strict=True)
+        4 * f / (np.pi * float(limits.hertz_stress(f, paper.clearance_pair(dR, material, R_i))))
+        for f, R_i in zip(loads, paper.RADII, strict=True)
     ]
     # The ΔR at which the width at yield, 4σ_Y·R/E*, is the hole's diameter.
-    stiffness = float(clearance_pair(DR, material).E_star / (2 * strength(material)))
+    stiffness = float(paper.clearance_pair(DR, material).E_star / (2 * paper.strength(material)))
     formal = {size: 1e3 * R_i / (1 + stiffness) for size, R_i in SIZES.items()}
     return Finding(
         f"{name} at ΔR = {dR:g} mm, width of contact and load at yield: "
@@ -115,7 +105,8 @@ def yield_load_against_contact_area(bench: Bench) -> Finding:
         alternatives="at small clearances Fig 7 is formal: the width that Hertz gives at yield "
         "exceeds the hole's diameter below ΔR of " + listed(formal, "{:.0f} µm"),
         values={
-            f"width at R_i {R:g} mm, mm": width for R, width in zip(RADII, widths, strict=True)
+            f"width at R_i {R:g} mm, mm": width
+            for R, width in zip(paper.RADII, widths, strict=True)
         },
     )
 
@@ -128,8 +119,8 @@ def yield_load_against_contact_area(bench: Bench) -> Finding:
 )
 def size_matters_most(bench: Bench) -> Finding:
     """Return the ratio of the loads at yield over radii, over materials, and over E*."""
-    materials = five_materials(bench).values()
-    loads = np.array([[float(yield_load(DR, m, R)) for R in RADII] for m in materials])
+    materials = paper.five_materials(bench).values()
+    loads = np.array([[float(yield_load(DR, m, R)) for R in paper.RADII] for m in materials])
     by_size = float(loads[0].max() / loads[0].min())
     by_material = float(loads[:, 0].max() / loads[:, 0].min())
     moduli = [float(m.plane_strain_modulus) for m in materials]
@@ -138,7 +129,7 @@ def size_matters_most(bench: Bench) -> Finding:
         f"R_i from 5 to 100 mm: {by_size:.0f} times; over the five materials: "
         f"{by_material:.1f} times ({by_modulus:.1f} times through E* alone)",
         holds=by_size > by_material,
-        choice=joined(f"at ΔR = {DR * 1e3:g} µm", material_origins(bench, YIELD)),
+        choice=joined(f"at ΔR = {DR * 1e3:g} µm", paper.material_origins(bench, paper.YIELD)),
         values={"by size, -": by_size, "by material, -": by_material, "by E*, -": by_modulus},
     )
 
@@ -174,8 +165,8 @@ def elastic_constants_matter() -> Finding:
 )
 def logarithm_at_least_2(bench: Bench) -> Finding:
     """Return the logarithm in Eq 1 at its largest penetration."""
-    pair = clearance_pair(DR, steel(bench)[0])
-    number = eq1_peak_load(pair) / float(pair.E_star * DR)
+    pair = paper.clearance_pair(DR, steel(bench)[0])
+    number = paper.eq1_peak_load(pair) / float(pair.E_star * DR)
     logarithm = float(np.log(4 * np.pi / number))
     return Finding(
         f"penetration peaks at ln = {logarithm:.6f}, f = {number:.4f}·E*ΔR. This bounds the "
@@ -194,8 +185,10 @@ def logarithm_at_least_2(bench: Bench) -> Finding:
 def limit_independent_of_radii(bench: Bench) -> Finding:
     """Return Johnson's limit in N/mm at one clearance, and its spread over three radii."""
     loads = {
-        name: [float(limits.johnson_limit_load(clearance_pair(DR, m, R))) for R in RADII]
-        for name, m in five_materials(bench).items()
+        name: [
+            float(limits.johnson_limit_load(paper.clearance_pair(DR, m, R))) for R in paper.RADII
+        ]
+        for name, m in paper.five_materials(bench).items()
     }
     spread = np.ptp(list(loads.values()), axis=1).max()
     first = {name: row[0] for name, row in loads.items()}
@@ -217,15 +210,15 @@ def stress_at_limit_against_size(bench: Bench) -> Finding:
     """Return Hertz's stress in MPa at Johnson's limit for the three radii of Fig 9."""
 
     def stress(dR: float | FloatArray, material: Material, R_i: float) -> FloatArray:
-        return limits.stress_at_johnson_limit(clearance_pair(dR, material, R_i))
+        return limits.stress_at_johnson_limit(paper.clearance_pair(dR, material, R_i))
 
     material, _ = steel(bench)
     stresses = {size: float(stress(DR, material, R_i)) for size, R_i in SIZES.items()}
     return Finding(
         f"σ_H = (2/e)·E*ΔR/√(R_i·R_j); low-carbon steel at 50 µm: {listed(stresses, '{:.0f} MPa')}",
         holds=all(
-            np.all(np.diff([stress(CLEARANCES, m, R_i) for R_i in RADII], axis=0) > 0)
-            for m in five_materials(bench).values()
+            np.all(np.diff([stress(CLEARANCES, m, R_i) for R_i in paper.RADII], axis=0) > 0)
+            for m in paper.five_materials(bench).values()
         ),
         values=with_unit(stresses, "MPa"),
     )
@@ -241,15 +234,15 @@ def plastic_before_limit(bench: Bench) -> Finding:
     """Return the clearances in µm above which a contact yields before Johnson's law ends."""
 
     def crossing(material: Material, R_i: float) -> float:
-        pair = clearance_pair(DR, material)
+        pair = paper.clearance_pair(DR, material)
         return 1e3 * float(limits.elastic_limit_clearance(R_i, pair))
 
-    materials = five_materials(bench)
+    materials = paper.five_materials(bench)
     large, medium, small = (
-        {name: crossing(m, R_i) for name, m in materials.items()} for R_i in RADII
+        {name: crossing(m, R_i) for name, m in materials.items()} for R_i in paper.RADII
     )
     weak = {
-        name: crossing(replace(m, yield_stress=strength(m) / 2), 10.0)
+        name: crossing(replace(m, yield_stress=paper.strength(m) / 2), 10.0)
         for name, m in materials.items()
     }
     steel = "low-carbon steel"
@@ -265,7 +258,7 @@ def plastic_before_limit(bench: Bench) -> Finding:
         choice=joined(
             "the paper's sentence can be read as a growing yield stress making yield likelier; "
             "the sensible reading, a falling one, is taken",
-            material_origins(bench, YIELD),
+            paper.material_origins(bench, paper.YIELD),
         ),
         values=with_unit(medium, "um"),
     )

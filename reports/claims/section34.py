@@ -17,35 +17,21 @@ from cylcontact.reports.claims import (
     with_unit,
 )
 
-from ..paper import (
-    COMPARED_CLEARANCES,
-    ELASTIC,
-    JOHNSON_LIMITS,
-    LOADS,
-    MATERIALS,
-    PRACTICAL,
-    YIELD,
-    clearance_pair,
-    eq1_penetration,
-    five_materials,
-    material_origins,
-    material_rows,
-    origins,
-)
+from .. import paper
 
-SMALLEST, LARGEST = COMPARED_CLEARANCES
-LOWEST, HIGHEST = LOADS
+SMALLEST, LARGEST = paper.COMPARED_CLEARANCES
+LOWEST, HIGHEST = paper.LOADS
 PLASTIC = Material("plastic", E=3e3, nu=0.4)  # assumed: a common unfilled plastic
 
 
 def limit(material: Material, dR: float) -> float:
     """Return Johnson's limit in N/mm."""
-    return float(limits.johnson_limit_load(clearance_pair(dR, material)))
+    return float(limits.johnson_limit_load(paper.clearance_pair(dR, material)))
 
 
 def yield_load(material: Material, dR: float, R_i: float = 10.0) -> float:
     """Return the load at yield in N/mm."""
-    return float(limits.yield_load(clearance_pair(dR, material, R_i)))
+    return float(limits.yield_load(paper.clearance_pair(dR, material, R_i)))
 
 
 @claim(
@@ -55,13 +41,13 @@ def yield_load(material: Material, dR: float, R_i: float = 10.0) -> float:
     rule="agreement to the printed digit",
     cases=[
         {"short": name.split()[0], "name": name, "dR_um": 1e3 * dR, "dR": dR, "printed": printed}
-        for (name, dR), printed in JOHNSON_LIMITS.items()
+        for (name, dR), printed in paper.JOHNSON_LIMITS.items()
     ],
 )
 def johnson_limit(bench: Bench, name: str, dR: float, printed: str) -> Finding:
     """Return Johnson's limit load in N/mm of one material at one clearance."""
     row = bench.material(name)
-    load, sources = limit(row.material, dR), origins({name: row}, (name,), ELASTIC)
+    load, sources = limit(row.material, dR), paper.origins({name: row}, (name,), paper.ELASTIC)
     circular = " (from these limits themselves, so this is a check of consistency only)"
     return Finding(
         f"{load:.2f} N/mm",
@@ -80,12 +66,12 @@ def johnson_limit(bench: Bench, name: str, dR: float, printed: str) -> Finding:
 )
 def valid_at_1000(bench: Bench) -> Finding:
     """Return Johnson's limit at 7.5 µm in N/mm of every material."""
-    loads = {name: limit(m, SMALLEST) for name, m in five_materials(bench).items()}
+    loads = {name: limit(m, SMALLEST) for name, m in paper.five_materials(bench).items()}
     valid = {name: load for name, load in loads.items() if load >= HIGHEST}
     return Finding(
         f"limits at {SMALLEST * 1e3:g} µm: {listed(loads, '{:.0f} N/mm')}",
-        holds=valid.keys() == set(MATERIALS[:3]),
-        choice=material_origins(bench, ELASTIC),
+        holds=valid.keys() == set(paper.MATERIALS[:3]),
+        choice=paper.material_origins(bench, paper.ELASTIC),
         alternatives=f"for these three the law would hold to {min(valid.values(), default=0):.0f} "
         "N/mm, so 1000 is a round number rather than the largest valid load",
         values=with_unit(loads, "N/mm"),
@@ -101,10 +87,10 @@ def valid_at_1000(bench: Bench) -> Finding:
 def penetration_falls(bench: Bench) -> Finding:
     """Return Eq 1's penetration at 1000 N/mm over that at its limit."""
     ratios = {}
-    for name, dR in JOHNSON_LIMITS:
+    for name, dR in paper.JOHNSON_LIMITS:
         material = bench.material(name).material
         loads = [limit(material, dR), HIGHEST]
-        at_limit, at_top = eq1_penetration(loads, clearance_pair(dR, material))
+        at_limit, at_top = paper.eq1_penetration(loads, paper.clearance_pair(dR, material))
         ratios[f"{name} at {dR * 1e3:g} µm"] = float(at_top / at_limit)
     return Finding(
         "Eq 1's penetration at 1000 N/mm over that at the limit: " + listed(ratios, "{:.3f}"),
@@ -193,8 +179,8 @@ def low_clearance_low_load() -> Finding:
         "—",
         holds=None,
         choice="no mechanical limit excludes them (stress is lowest there), so the practical "
-        f"domain above keeps them: {PRACTICAL.clearances[0] * 1e3:g} µm with "
-        f"{PRACTICAL.loads[0]:g} N/mm belongs to it",
+        f"domain above keeps them: {paper.PRACTICAL.clearances[0] * 1e3:g} µm with "
+        f"{paper.PRACTICAL.loads[0]:g} N/mm belongs to it",
     )
 
 
@@ -207,17 +193,17 @@ def low_clearance_low_load() -> Finding:
 def high_clearance_high_load(bench: Bench) -> Finding:
     """Return the load at yield in N/mm at the largest clearance."""
     loads = {
-        R_i: {name: yield_load(m, LARGEST, R_i) for name, m in five_materials(bench).items()}
+        R_i: {name: yield_load(m, LARGEST, R_i) for name, m in paper.five_materials(bench).items()}
         for R_i in (5.0, 10.0, 100.0)
     }
     below = {R_i: sum(f < HIGHEST for f in row.values()) for R_i, row in loads.items()}
     return Finding(
         f"load at yield at {LARGEST:g} mm, R_i = 10 mm: {listed(loads[10.0], '{:.0f} N/mm')}",
-        holds=below[10.0] == len(MATERIALS),
-        choice=joined("R_i = 10 mm", material_origins(bench, YIELD)),
+        holds=below[10.0] == len(paper.MATERIALS),
+        choice=joined("R_i = 10 mm", paper.material_origins(bench, paper.YIELD)),
         alternatives=f"with R_i = 5 mm {below[5.0]} of the five yield below 1000 N/mm, the last at "
-        f"{max(loads[5.0].values()):.0f} N/mm {verdict_if(below[5.0] == len(MATERIALS))}; with "
-        f"R_i = 100 mm {below[100.0]} do {verdict_if(below[100.0] == len(MATERIALS))}",
+        f"{max(loads[5.0].values()):.0f} N/mm {verdict_if(below[5.0] == len(paper.MATERIALS))}; "
+        f"with R_i = 100 mm {below[100.0]} do {verdict_if(below[100.0] == len(paper.MATERIALS))}",
         values=with_unit(loads[10.0], "N/mm"),
     )
 
@@ -241,7 +227,9 @@ def hard_material_small_load(bench: Bench) -> Finding:
         f"ceramics under {LOWEST:g} N/mm: stress up to {100 * ratio:.0f} % of the strength (at "
         "2 mm, R_i = 10 mm)",
         holds=ratio >= 1,
-        choice=joined("R_i = 10 mm", origins(material_rows(bench), ("ceramics",), YIELD)),
+        choice=joined(
+            "R_i = 10 mm", paper.origins(paper.material_rows(bench), ("ceramics",), paper.YIELD)
+        ),
         alternatives=f"with R_i = 5 mm up to {100 * small:.0f} % {verdict_if(small >= 1)}",
         values={"stress over strength, -": ratio},
     )
@@ -265,6 +253,8 @@ def soft_material_high_load(bench: Bench) -> Finding:
         f"{name} under {HIGHEST:g} N/mm: up to {ratio:.1f} times the yield stress, reached from "
         f"ΔR = {edge:.2f} mm upwards (R_i = 10 mm)",
         holds=ratio >= 1,
-        choice=joined("R_i = 10 mm", origins(material_rows(bench), (name,), YIELD)),
+        choice=joined(
+            "R_i = 10 mm", paper.origins(paper.material_rows(bench), (name,), paper.YIELD)
+        ),
         values={"stress over yield stress, -": ratio, "dR at yield, mm": edge},
     )

@@ -14,22 +14,8 @@ from cylcontact.materials import Material
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, joined, listed, verdict_if, with_unit
 
-from ..paper import (
-    COMPARED_CLEARANCES,
-    ELASTIC,
-    JOHNSON_ONLY,
-    LOADS,
-    MODERATE,
-    MODERATE_LOADS,
-    PRACTICAL,
-    YIELD,
-    Domain,
-    clearance_pair,
-    difference,
-    five_materials,
-    material_origins,
-)
-from .extremes import Extreme, best_load, largest_difference, lowest_difference, share_below
+from .. import paper
+from ..extremes import Extreme, best_load, largest_difference, lowest_difference, share_below
 
 Extremes = Mapping[str, Extreme]
 T = TypeVar("T")
@@ -37,20 +23,22 @@ T = TypeVar("T")
 
 def each_material(bench: Bench, function: Callable[[Material], T]) -> dict[str, T]:
     """Return a function's value for each material of Figs 10–14."""
-    return {name: function(material) for name, material in five_materials(bench).items()}
+    return {name: function(material) for name, material in paper.five_materials(bench).items()}
 
 
 def domain_choice(bench: Bench, term: str) -> str:
     """Return what a claim over one of the domains rests on."""
-    return joined(f"'{term}' as defined above", material_origins(bench, ELASTIC, YIELD))
+    return joined(
+        f"'{term}' as defined above", paper.material_origins(bench, paper.ELASTIC, paper.YIELD)
+    )
 
 
-def largest_by_material(bench: Bench, domain: Domain) -> Extremes:
+def largest_by_material(bench: Bench, domain: paper.Domain) -> Extremes:
     """Return each material's largest difference over a domain."""
     return each_material(bench, lambda m: largest_difference(m, domain))
 
 
-def shares(bench: Bench, percent: float, domain: Domain) -> dict[str, float]:
+def shares(bench: Bench, percent: float, domain: paper.Domain) -> dict[str, float]:
     """Return the percentage of a domain, per material, where the difference is below a bound."""
     return each_material(bench, lambda m: share_below(percent, m, domain))
 
@@ -70,7 +58,7 @@ def as_values(extremes: Extremes) -> dict[str, float]:
     return values
 
 
-def alternative(bench: Bench, bound: float, domain: Domain, label: str) -> str:
+def alternative(bench: Bench, bound: float, domain: paper.Domain, label: str) -> str:
     """Return the least and the largest difference among materials over another domain, judged."""
     percents = magnitudes(largest_by_material(bench, domain))
     return f"{label}: {min(percents):.1f}–{max(percents):.1f} % {verdict_if(max(percents) < bound)}"
@@ -85,19 +73,21 @@ def alternative(bench: Bench, bound: float, domain: Domain, label: str) -> str:
 )
 def below_8_percent(bench: Bench) -> Finding:
     """Return the largest difference over the practical domain."""
-    largest = largest_by_material(bench, PRACTICAL)
+    largest = largest_by_material(bench, paper.PRACTICAL)
     others = {
-        "R_i = 5 mm": replace(PRACTICAL, R_i=5.0),
-        "R_i = 100 mm": replace(PRACTICAL, R_i=100.0),
-        JOHNSON_ONLY.label: JOHNSON_ONLY,
-        "only ΔR ≥ 50 µm, where it was calibrated": replace(PRACTICAL, clearances=(0.05, 2.0)),
-        "moderate loads only": MODERATE,
+        "R_i = 5 mm": replace(paper.PRACTICAL, R_i=5.0),
+        "R_i = 100 mm": replace(paper.PRACTICAL, R_i=100.0),
+        paper.JOHNSON_ONLY.label: paper.JOHNSON_ONLY,
+        "only ΔR ≥ 50 µm, where it was calibrated": replace(
+            paper.PRACTICAL, clearances=(0.05, 2.0)
+        ),
+        "moderate loads only": paper.MODERATE,
     }
     return Finding(
         "largest difference over the practical domain: "
         + listed(largest, "{}", "; ")
         + "; it stays below 8 % over this share of the domain: "
-        + listed(shares(bench, 8.0, PRACTICAL), "{:.0f} %"),
+        + listed(shares(bench, 8.0, paper.PRACTICAL), "{:.0f} %"),
         holds=max(magnitudes(largest)) < 8,
         choice=domain_choice(bench, "practical domain"),
         alternatives="largest difference, from the least to the most affected material — "
@@ -115,17 +105,17 @@ def below_8_percent(bench: Bench) -> Finding:
 )
 def below_4_percent(bench: Bench) -> Finding:
     """Return the largest difference at moderate loads."""
-    largest = largest_by_material(bench, MODERATE)
-    best = each_material(bench, lambda m: best_load(m, PRACTICAL))
+    largest = largest_by_material(bench, paper.MODERATE)
+    best = each_material(bench, lambda m: best_load(m, paper.PRACTICAL))
     others = {
-        "20–100 N/mm, the loads of Sect. 3.2": replace(MODERATE, loads=(20.0, 100.0)),
-        "moderate loads, ΔR ≥ 50 µm": replace(MODERATE, clearances=(0.05, 2.0)),
+        "20–100 N/mm, the loads of Sect. 3.2": replace(paper.MODERATE, loads=(20.0, 100.0)),
+        "moderate loads, ΔR ≥ 50 µm": replace(paper.MODERATE, clearances=(0.05, 2.0)),
     }
     return Finding(
         "largest difference at moderate loads: "
         + listed(largest, "{}", "; ")
         + "; it stays below 4 % over this share of them: "
-        + listed(shares(bench, 4.0, MODERATE), "{:.0f} %"),
+        + listed(shares(bench, 4.0, paper.MODERATE), "{:.0f} %"),
         holds=max(magnitudes(largest)) < 4,
         choice=domain_choice(bench, "moderate loads"),
         alternatives="; ".join(
@@ -147,7 +137,7 @@ def below_4_percent(bench: Bench) -> Finding:
 
 def at_clearance(bench: Bench, dR: float) -> dict[str, float]:
     """Return the largest difference in percent at moderate loads and one clearance in mm."""
-    extremes = largest_by_material(bench, replace(MODERATE, clearances=(dR, dR)))
+    extremes = largest_by_material(bench, replace(paper.MODERATE, clearances=(dR, dR)))
     return {name: extreme.percent for name, extreme in extremes.items()}
 
 
@@ -186,7 +176,7 @@ def about_8_percent_at_25um(bench: Bench) -> Finding:
 )
 def peak_near_25um(bench: Bench) -> Finding:
     """Return depth and place of the trough of the difference at small clearances."""
-    troughs = each_material(bench, lambda m: lowest_difference(m, PRACTICAL))
+    troughs = each_material(bench, lambda m: lowest_difference(m, paper.PRACTICAL))
     first = next(iter(troughs.values()))
     loads = {name: trough.load for name, trough in troughs.items()}
     return Finding(
@@ -216,14 +206,14 @@ def peak_near_25um(bench: Bench) -> Finding:
 def other_materials() -> Finding:
     """Return the largest differences of the softest and the stiffest material of Sect. 3.4."""
     softest, stiffest = Material("", 69e3, 0.24), Material("", 600e3, 0.34)
-    domain = replace(JOHNSON_ONLY, loads=MODERATE_LOADS)
+    domain = replace(paper.JOHNSON_ONLY, loads=paper.MODERATE_LOADS)
     largest = {
         "69 GPa, ν = 0.24": largest_difference(softest, domain),
         "600 GPa, ν = 0.34": largest_difference(stiffest, domain),
     }
-    trough = lowest_difference(softest, JOHNSON_ONLY)
+    trough = lowest_difference(softest, paper.JOHNSON_ONLY)
     per_modulus = trough.load / (float(softest.plane_strain_modulus) / 2)
-    low, high = (load / per_modulus / 1e3 for load in JOHNSON_ONLY.loads)
+    low, high = (load / per_modulus / 1e3 for load in paper.JOHNSON_ONLY.loads)
     return Finding(
         f"the trough of {trough.percent:.1f} % lies at f = {per_modulus:.2e}·E* and so inside "
         f"10–1000 N/mm for every E* from {low:.0f} to {high:.0f} GPa; at moderate loads the "
@@ -235,8 +225,8 @@ def other_materials() -> Finding:
     )
 
 
-SMALLEST = COMPARED_CLEARANCES[0]
-LOWEST, HIGHEST = LOADS
+SMALLEST = paper.COMPARED_CLEARANCES[0]
+LOWEST, HIGHEST = paper.LOADS
 GROWTH_CHOICE = "high load: from half the highest load to all of it, 1000 N/mm or Johnson's limit"
 GROWTH_BELOW = 0.25  # mm, where the paper sees the difference grow
 VALID_FOR_ALL = 0.020  # mm, from where Johnson's law holds at 1000 N/mm for all five materials
@@ -244,19 +234,19 @@ VALID_FOR_ALL = 0.020  # mm, from where Johnson's law holds at 1000 N/mm for all
 
 def highest_load(material: Material) -> float:
     """Return the highest load in N/mm at the smallest clearance: 1000 or Johnson's limit."""
-    return min(HIGHEST, float(limits.johnson_limit_load(clearance_pair(SMALLEST, material))))
+    return min(HIGHEST, float(limits.johnson_limit_load(paper.clearance_pair(SMALLEST, material))))
 
 
 def at_half_and_all(material: Material) -> tuple[float, float]:
     """Return the differences in percent at 7.5 µm under half the highest load and all of it."""
     load = highest_load(material)
-    half, all_of_it = difference(SMALLEST, [load / 2, load], material)
+    half, all_of_it = paper.difference(SMALLEST, [load / 2, load], material)
     return float(half), float(all_of_it)
 
 
 def from_stiff_to_soft(bench: Bench) -> dict[str, Material]:
     """Return the materials of Figs 10–14, the stiffest first."""
-    materials = five_materials(bench).items()
+    materials = paper.five_materials(bench).items()
     return dict(sorted(materials, key=lambda item: -float(item[1].plane_strain_modulus)))
 
 
@@ -274,7 +264,7 @@ def growth_at_low_clearance(bench: Bench) -> Finding:
         "at 7.5 µm, from half the highest load to all of it: "
         + ", ".join(f"{name} {half:+.1f} → {end:+.1f} %" for name, (half, end) in percents.items()),
         holds=all(abs(end) > abs(half) for half, end in percents.values()),
-        choice=joined(GROWTH_CHOICE, material_origins(bench, ELASTIC)),
+        choice=joined(GROWTH_CHOICE, paper.material_origins(bench, paper.ELASTIC)),
         values={
             f"{name} at {load} load, percent": value
             for name, pair in percents.items()
@@ -293,13 +283,13 @@ def growth_with_falling_stiffness(bench: Bench) -> Finding:
     """Return the difference at 7.5 µm and one load, from stiff to soft."""
     materials = from_stiff_to_soft(bench)
     load = min(highest_load(m) for m in materials.values())
-    percents = {name: float(difference(SMALLEST, load, m)) for name, m in materials.items()}
+    percents = {name: float(paper.difference(SMALLEST, load, m)) for name, m in materials.items()}
     return Finding(
         f"at 7.5 µm and {load:.0f} N/mm: {listed(percents, '{:+.1f} %')}",
         holds=bool(np.all(np.diff(np.abs(list(percents.values()))) > 0)),
         choice=joined(
             "compared at the highest load that Johnson's law carries for all five",
-            material_origins(bench, ELASTIC),
+            paper.material_origins(bench, paper.ELASTIC),
         ),
         values=with_unit(percents, "percent"),
     )
@@ -315,11 +305,11 @@ def ceramics_exception(bench: Bench) -> Finding:
     """Return the differences for ceramics at 7.5 µm under half the highest load and all of it."""
     material = bench.material("ceramics").material
     half, end = at_half_and_all(material)
-    low = float(difference(SMALLEST, LOWEST, material))
+    low = float(paper.difference(SMALLEST, LOWEST, material))
     return Finding(
         f"ceramics at 7.5 µm: {half:+.1f} → {end:+.1f} % from 500 to 1000 N/mm",
         holds=abs(end) <= abs(half),
-        choice=joined(GROWTH_CHOICE, material_origins(bench, ELASTIC)),
+        choice=joined(GROWTH_CHOICE, paper.material_origins(bench, paper.ELASTIC)),
         alternatives=f"at the low end ceramics are the worst of all instead: {low:+.1f} % at "
         "7.5 µm and 10 N/mm",
         values={"half load, percent": half, "highest load, percent": end},
@@ -328,7 +318,7 @@ def ceramics_exception(bench: Bench) -> Finding:
 
 def rise(dR: float, material: Material) -> float:
     """Return the change of the signed difference from 500 to 1000 N/mm, in percentage points."""
-    half, end = difference(dR, [HIGHEST / 2, HIGHEST], material)
+    half, end = paper.difference(dR, [HIGHEST / 2, HIGHEST], material)
     return float(end - half)
 
 
@@ -336,7 +326,7 @@ def end_of_growth(material: Material) -> float:
     """Return the ΔR in mm from which the magnitude no longer grows from 500 to 1000 N/mm."""
     # The magnitudes are equal where the signed differences cancel.
     loads = [HIGHEST / 2, HIGHEST]
-    return float(brentq(lambda dR: float(difference(dR, loads, material).sum()), 0.1, 0.8))
+    return float(brentq(lambda dR: float(paper.difference(dR, loads, material).sum()), 0.1, 0.8))
 
 
 @claim(
@@ -358,7 +348,7 @@ def growth_below_quarter_mm(bench: Bench) -> Finding:
         choice=joined(
             "signed as Eq 9 defines it; 'very high' is 500 to 1000 N/mm; from 20 µm, where "
             "Johnson's law carries 1000 N/mm for all five",
-            material_origins(bench, ELASTIC),
+            paper.material_origins(bench, paper.ELASTIC),
         ),
         alternatives="in magnitude, with the sign left out, growth ends at ΔR of "
         f"{listed(ends, '{:.2f} mm')} {verdict_if(min(ends.values()) >= GROWTH_BELOW)}",
@@ -384,7 +374,7 @@ def growth_below_quarter_mm_against_modulus(bench: Bench) -> Finding:
     return Finding(
         f"rise from 500 to 1000 N/mm at 0.1 mm: {listed(at_tenth, '{:+.1f}')} percentage points",
         holds=bool(np.all(np.diff(rises, axis=0) > 0)),
-        choice=joined("as for the growth itself", material_origins(bench, ELASTIC)),
+        choice=joined("as for the growth itself", paper.material_origins(bench, paper.ELASTIC)),
         values=with_unit(at_tenth, "percentage points"),
     )
 
@@ -398,12 +388,12 @@ def growth_below_quarter_mm_against_modulus(bench: Bench) -> Finding:
 )
 def below_10_percent(bench: Bench) -> Finding:
     """Return the largest difference at moderate loads."""
-    largest = largest_by_material(bench, MODERATE)
+    largest = largest_by_material(bench, paper.MODERATE)
     return Finding(
         "largest difference of the enhanced law from Johnson's at moderate loads: "
         + listed(largest, "{}", "; ")
         + "; below 10 % over this share of them: "
-        + listed(shares(bench, 10.0, MODERATE), "{:.1f} %"),
+        + listed(shares(bench, 10.0, paper.MODERATE), "{:.1f} %"),
         holds=max(magnitudes(largest)) < 10,
         choice=joined(
             domain_choice(bench, "moderate loads"),

@@ -21,7 +21,7 @@ from ..slider_crank import (
     WHIRLING_REVOLUTIONS,
     statistics_table,
 )
-from .trends import (
+from ..trends import (
     CERTAIN,
     CONDITIONS,
     RUNS,

@@ -1,4 +1,4 @@
-"""How a number of the mechanism's runs changes with one condition while all others stay the same."""
+"""How a number of the mechanism's runs changes with one condition, all others being equal."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from typing import Any, cast
 
 import numpy as np
 import pandas as pd
+from scipy.special import stdtrit
 
+from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.reports.claims import Finding
 
-from ..paper import JOINT_LAWS
-from ..slider_crank import AGAINST
+from .paper import JOINT_LAWS
+from .slider_crank import AGAINST
 
 # Endings of the table's columns: at the spec's tolerance, and at a tighter one.
 RUNS = ("", AGAINST)
@@ -30,33 +32,6 @@ FORMS = {"clearance": "{:g} mm", "restitution": "c_e = {:g}", "friction": "c_f =
 
 
 @dataclass(frozen=True)
-class Pair:
-    """A number under two conditions, from runs at one tolerance.
-
-    Attributes
-    ----------
-    before, after : float
-        Means over the revolutions.
-    error : float
-        The standard error of their difference, if revolutions are independent.
-    """
-
-    before: float
-    after: float
-    error: float
-
-    @property
-    def scale(self) -> float:
-        """The larger of both values."""
-        return max(abs(self.before), abs(self.after))
-
-    @property
-    def relative(self) -> float:
-        """The change as a share of the larger value, from −1 to 1 for numbers above 0."""
-        return (self.after - self.before) / self.scale if self.scale else 0.0
-
-
-@dataclass(frozen=True)
 class Change:
     """A number under two conditions, from runs at several tolerances.
 
@@ -64,48 +39,49 @@ class Change:
     ----------
     name : str
         The conditions that both have in common.
-    pairs : tuple of Pair
-        One for each tolerance.
+    by_run : array of float
+        Before and after, the means over the revolutions, and the standard error of their
+        difference if revolutions are independent; a column for each tolerance.
     freedom : float
         Degrees of freedom of the errors: the fewest revolutions of a mean, less one.
     """
 
     name: str
-    pairs: tuple[Pair, ...]
+    by_run: FloatArray
     freedom: float
 
     @property
     def before(self) -> float:
         """The first value, averaged over the tolerances."""
-        return float(np.mean([pair.before for pair in self.pairs]))
+        return float(self.by_run[0].mean())
 
     @property
     def after(self) -> float:
         """The second value, averaged over the tolerances."""
-        return float(np.mean([pair.after for pair in self.pairs]))
+        return float(self.by_run[1].mean())
+
+    @property
+    def shares(self) -> FloatArray:
+        """The change and its standard error as shares of the larger value, by tolerance."""
+        before, after, error = self.by_run
+        scale = np.maximum(np.abs(before), np.abs(after))
+        return as_floats(np.array([after - before, error]) / np.where(scale > 0, scale, np.inf))
 
     @property
     def relative(self) -> float:
         """The change as a share of the larger value, averaged over the tolerances."""
-        return float(np.mean([pair.relative for pair in self.pairs]))
-
-    @property
-    def error(self) -> float:
-        """The standard error of `relative` at one tolerance.
-
-        The largest of those from the scatter between revolutions and of that from the difference
-        between the tolerances.
-        """
-        within = [pair.error / pair.scale for pair in self.pairs if pair.scale]
-        between = float(np.std([pair.relative for pair in self.pairs], ddof=1))
-        return max(*within, between) if within else between
+        return float(self.shares[0].mean())
 
     @property
     def margin(self) -> float:
-        """The half-width of the confidence interval of `relative`."""
-        from scipy.special import stdtrit
+        """The half-width of the confidence interval of `relative`.
 
-        return float(stdtrit(self.freedom, 0.5 + CONFIDENCE / 2)) * self.error
+        The error is the largest of those from the scatter between revolutions and of that from
+        the difference between the tolerances.
+        """
+        changes, errors = self.shares
+        error = max(*errors, np.std(changes, ddof=1))
+        return float(stdtrit(self.freedom, 0.5 + CONFIDENCE / 2) * error)
 
     @property
     def sign(self) -> int:
@@ -113,13 +89,14 @@ class Change:
 
         Examples
         --------
-        >>> sure, small = Pair(1.0, 2.0, 0.1), Pair(1.0, 1.1, 0.1)
-        >>> Change("", (sure, sure), 4).sign, Change("", (sure, small), 4).sign
+        >>> sure = Change("", np.array([[1.0, 1.0], [2.0, 2.0], [0.1, 0.1]]), 4)
+        >>> small = Change("", np.array([[1.0, 1.0], [2.0, 1.1], [0.1, 0.1]]), 4)
+        >>> sure.sign, small.sign
         (1, 0)
         """
-        least = max(FLOOR, self.margin)
-        signs = {np.sign(p.relative) if abs(p.relative) > least else 0 for p in self.pairs}
-        return int(signs.pop()) if len(signs) == 1 else 0
+        changes = self.shares[0]
+        signs = np.sign(changes) * (np.abs(changes) > max(FLOOR, self.margin))
+        return int(signs[0]) if np.all(signs == signs[0]) else 0
 
 
 def compare(
@@ -149,8 +126,8 @@ def compare(
     -------
     list of Change
     """
-    for key, values in (among or {}).items():
-        table = table[table[key].isin(list(values))]
+    for name, values in (among or {}).items():
+        table = table[table[name].isin(list(values))]
     others = [name for name in CONDITIONS if name != condition]
     first, second = (
         table[table[condition] == value].set_index(others).to_dict("index")
@@ -158,17 +135,16 @@ def compare(
     )
     changes = []
     for key, one in first.items():
-        other = second[key]
-        pairs = tuple(_pair(one, other, column, run) for run in RUNS)
-        name = case_name(dict(zip(others, cast(tuple[Any, ...], key), strict=True)))
-        changes.append(Change(name, pairs, min(one["counted"], other["counted"]) - 1))
+        pair = one, second[key]
+        values = [[row[column + run] for run in RUNS] for row in pair]
+        errors = [
+            [row[f"{column}_std{run}"] / np.sqrt(row["counted"]) for run in RUNS] for row in pair
+        ]
+        case = dict(zip(others, cast(tuple[Any, ...], key), strict=True))
+        by_run = np.array([*values, np.hypot(*errors)], float)
+        freedom = min(row["counted"] for row in pair) - 1
+        changes.append(Change(case_name(case), by_run, freedom))
     return changes
-
-
-def _pair(one: Mapping[Any, Any], other: Mapping[Any, Any], column: str, run: str) -> Pair:
-    """Return a number of two rows at one tolerance."""
-    errors = [row[f"{column}_std{run}"] / np.sqrt(row["counted"]) for row in (one, other)]
-    return Pair(float(one[column + run]), float(other[column + run]), float(np.hypot(*errors)))
 
 
 def case_name(conditions: Mapping[str, Any]) -> str:
@@ -190,7 +166,7 @@ def rule(changes: Sequence[Change]) -> str:
 
     Examples
     --------
-    >>> print(rule([Change("", (Pair(1, 2, 0.1),) * 2, 4)] * 12))
+    >>> print(rule([Change("", np.ones((3, 2)), 4)] * 12))
     in more than half of the 12 pairs by over 5% and beyond 95% confidence (Student's t) at both
     tolerances, the reverse in none
     """
@@ -202,7 +178,7 @@ def is_trend(changes: Sequence[Change], sign: int) -> bool:
 
     Examples
     --------
-    >>> up, flat = (Change("", (Pair(1, after, 0.1),) * 2, 4) for after in (2, 1))
+    >>> up, flat = (Change("", np.array([[1, 1], [to, to], [0.1, 0.1]]), 4) for to in (2, 1))
     >>> is_trend([up, flat, up], 1)
     True
     """
@@ -215,8 +191,8 @@ def tally(changes: Sequence[Change], sign: int) -> str:
 
     Examples
     --------
-    >>> pairs = {"a": Pair(1, 2, 0.1), "b": Pair(1, 0.5, 0.1), "c": Pair(1, 1, 0.1)}
-    >>> tally([Change(name, (pair, pair), 4) for name, pair in pairs.items()], 1)
+    >>> values = {"a": (1, 2), "b": (2, 1), "c": (1, 1)}
+    >>> tally([Change(n, np.array([[x, x], [y, y], [0, 0]]), 4) for n, (x, y) in values.items()], 1)
     'in 1 of 3 pairs; the reverse in 1 (b); undecided in 1 (c)'
     """
     parts = [f"in {sum(c.sign == sign for c in changes)} of {len(changes)} pairs"]
@@ -231,7 +207,7 @@ def values_or_ratios(changes: Sequence[Change], form: str) -> str:
 
     Examples
     --------
-    >>> values_or_ratios([Change("Johnson", (Pair(1.0, 2.0, 0.1),) * 2, 4)], "{:.1f} µs")
+    >>> values_or_ratios([Change("Johnson", np.array([[1.0], [2.0], [0.1]]), 4)], "{:.1f} µs")
     'Johnson 1.0 µs → 2.0 µs'
     """
     if len(changes) <= FEW:
