@@ -13,9 +13,8 @@ from cylcontact.mechanism import Case, Trajectory
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.reports.bench import Bench
 
+from .paper import JOINT_CLEARANCES, JOINT_LAWS
 from .slider_crank import (
-    CLEARANCES,
-    LAW_NAMES,
     assumed,
     crossings,
     force_ratio,
@@ -26,7 +25,7 @@ from .slider_crank import (
     total_force,
 )
 
-CASES = [Case(law, clearance, 0.9, 0.0) for clearance in CLEARANCES for law in LAW_NAMES]
+CASES = [Case(law, clearance, 0.9, 0.0) for clearance in JOINT_CLEARANCES for law in JOINT_LAWS]
 CAPTION = (
     "Contact force against penetration over the first impact of the slider-crank, without friction "
     "and with c_e = 0.9; before it the runs are alike, so that all laws meet the same impact, and "
@@ -62,7 +61,7 @@ def draw(bench: Bench) -> Drawing:
         ends=law_ends(list(runs.values())),
         assumed=assumed(mechanism(bench)),
     )
-    return Drawing(impact_panels(table, CLEARANCES), table, headline, caption)
+    return Drawing(impact_panels(table, JOINT_CLEARANCES), table, headline, caption)
 
 
 def impact_table(runs: Mapping[Case, Trajectory]) -> pd.DataFrame:
@@ -132,7 +131,7 @@ def _draw_loop(axes: Axes, law: str, loop: pd.DataFrame) -> None:
     depth, force = loop["penetration_um"].to_numpy(), loop["force_N"].to_numpy() / 1e3
     style = law_style(law)
     marked = np.searchsorted(depth[: depth.argmax()], np.arange(0.25, 1, 0.25) * depth.max())
-    axes.plot(depth, force, label=LAW_NAMES[law], markevery=marked.tolist(), **style)
+    axes.plot(depth, force, label=JOINT_LAWS[law], markevery=marked.tolist(), **style)
     order = np.argsort(depth)
     thin = style | {"marker": "", "linewidth": 0.5, "linestyle": "-"}
     axes.plot(depth[order], loop["elastic_force_N"].to_numpy()[order] / 1e3, **thin)

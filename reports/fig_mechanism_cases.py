@@ -13,12 +13,9 @@ from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import QUIET
 from cylcontact.reports.bench import Bench
 
+from .paper import FRICTIONS, JOINT_CLEARANCES, JOINT_LAWS, RESTITUTIONS
 from .slider_crank import (
-    CLEARANCES,
     FIRST,
-    FRICTIONS,
-    LAW_NAMES,
-    RESTITUTIONS,
     REVOLUTIONS,
     WHIRLING_REVOLUTIONS,
     assumed,
@@ -82,7 +79,7 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(case_panels(table), shown, headline, caption)
 
 
-GROUPS = [(c, ce, cf) for c in CLEARANCES for ce in RESTITUTIONS for cf in FRICTIONS]
+GROUPS = [(c, ce, cf) for c in JOINT_CLEARANCES for ce in RESTITUTIONS for cf in FRICTIONS]
 LABELS = [f"{ce:g}\n{cf:g}" for _, ce, cf in GROUPS]
 # Laws stand beside each other by so much.
 APART = 0.22
@@ -138,12 +135,12 @@ def balance_panel(axes: Axes, table: pd.DataFrame, bound: float) -> None:
 def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, scatter: str | None) -> None:
     """Draw a law's cases, with bars of one standard deviation."""
     found = rows.set_index(["clearance", "restitution", "friction"]).loc[GROUPS]
-    at = np.arange(len(GROUPS)) + APART * (list(LAW_NAMES).index(law) - 1)
+    at = np.arange(len(GROUPS)) + APART * (list(JOINT_LAWS).index(law) - 1)
     style = law_style(law)
     bars = None if scatter is None else found[scatter].to_numpy()
     axes.errorbar(
         at, found[column].to_numpy(), yerr=bars, color=style["color"], marker=style["marker"],
-        label=LAW_NAMES[law], **BARS,
+        label=JOINT_LAWS[law], **BARS,
     )  # fmt: skip
 
 
@@ -153,7 +150,7 @@ def _label_groups(axes: Axes) -> None:
     axes.tick_params(axis="x", length=0)
     middle = len(GROUPS) / 2 - 0.5
     axes.axvline(middle, color=QUIET, linewidth=0.6, linestyle="-", marker="")
-    for number, clearance in enumerate(CLEARANCES):
+    for number, clearance in enumerate(JOINT_CLEARANCES):
         axes.annotate(
             f"{clearance:g} mm", xy=(0.25 + 0.5 * number, 1.0), xycoords="axes fraction",
             xytext=(0, -8), textcoords="offset points", ha="center", va="center",

@@ -13,11 +13,12 @@ from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import ACCENT
 from cylcontact.reports.bench import Bench
 
-from .slider_crank import CLEARANCES, assumed, mechanism, simulated
+from .paper import JOINT_CLEARANCES
+from .slider_crank import assumed, mechanism, simulated
 
 REVOLUTION = 3
 LOSSES = ((1.0, 0.0), (0.9, 0.1))
-CASES = [Case("enhanced", c, *losses) for c in CLEARANCES for losses in LOSSES]
+CASES = [Case("enhanced", c, *losses) for c in JOINT_CLEARANCES for losses in LOSSES]
 CAPTION = (
     "Accepted steps (µs) of the integrator, CVODE's Adams method at a tolerance of {tolerance:g}, "
     "over revolution {revolution} of the slider-crank with the enhanced law, by radial clearance "

@@ -10,7 +10,7 @@ import numpy as np
 from cylcontact.arrays import FloatArray
 from cylcontact.materials import Material
 
-from ..paper import Y_SWITCH, Domain, difference
+from .paper import Y_SWITCH, Domain, difference
 
 Score = Callable[[FloatArray, FloatArray], FloatArray]
 FIRST_GRID = 401
@@ -32,19 +32,7 @@ class Extreme:
 
 
 def largest_difference(material: Material, domain: Domain) -> Extreme:
-    """Return the difference of largest magnitude (Eq 9) over `domain`.
-
-    Parameters
-    ----------
-    material : Material
-        The material of both bodies.
-    domain : Domain
-        Clearances and loads.
-
-    Returns
-    -------
-    Extreme
-    """
+    """Return the difference of largest magnitude (Eq 9) over `domain`."""
     return _extreme(material, domain, np.abs)
 
 
