@@ -1,4 +1,4 @@
-"""The JSON target: the law as data, with values to check a port against."""
+"""The JSON target: the law as data, with values to test a port against."""
 
 from __future__ import annotations
 
@@ -74,19 +74,19 @@ def to_json(formula: Formula, law: ContactLaw) -> str:
 
 
 def _check_values(law: ContactLaw, formula: Formula) -> Iterator[dict[str, float | str]]:
-    """Yield arguments and results of a law, inside its domain and outside.
+    """Yield arguments and results of a law, inside and outside its domain.
 
     Parameters
     ----------
     law : ContactLaw
         The law.
     formula : Formula
-        Its formula, which says for which contact and with which arguments.
+        Its formula, which determines the contact and the arguments.
 
     Yields
     ------
     dict
-        Each argument and result by name; NaN as text, as JSON knows none.
+        Each argument and result by name; NaN as text, because JSON has no NaN.
 
     Examples
     --------
@@ -100,9 +100,9 @@ def _check_values(law: ContactLaw, formula: Formula) -> Iterator[dict[str, float
     lengths = _LENGTHS if "length" in formula.extra else _LENGTHS[:1]
     for material, radii, length in product(_MATERIALS, _RADII[contact], lengths):
         pair = _pair(contact, radii, material, length)
-        given = _arguments(pair)
+        arguments = _arguments(pair)
         for penetration in _penetrations(law, pair):
-            values = {"penetration": penetration, **given}
+            values = {"penetration": penetration, **arguments}
             row: dict[str, float | str] = {name: values[name] for name in formula.arguments}
             row["load"] = _plain(law.load(penetration, pair))
             row["stiffness"] = _plain(law.stiffness(penetration, pair))
@@ -118,7 +118,7 @@ def _pair(
 
 
 def _arguments(pair: CylinderPair) -> dict[str, float]:
-    """Return what exported functions may ask about a pair."""
+    """Return the arguments of exported functions that depend on the pair."""
     R_i, R_j = pair.radii("the export")
     return {
         "E_star": float(pair.E_star),
@@ -130,7 +130,7 @@ def _arguments(pair: CylinderPair) -> dict[str, float]:
 
 
 def _penetrations(law: ContactLaw, pair: CylinderPair) -> list[float]:
-    """Return penetrations in mm over a law's domain and a little beyond."""
+    """Return penetrations in mm over the domain of a law and slightly beyond."""
     largest = float(law.max_penetration(pair))
     if math.isfinite(largest):
         return [largest * part for part in _OF_LARGEST]

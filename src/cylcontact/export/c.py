@@ -92,7 +92,7 @@ def to_c(formula: Formula) -> str:
 
 
 def _value(step: Step) -> str:
-    """Return what a step assigns; a condition evaluates one side only."""
+    """Return the value of a step; a condition evaluates one side only."""
     if not isinstance(step.value, ast.IfExp):
         return _DIALECT.render(step.value)
     condition, yes, no = map(_DIALECT.render, (step.value.test, step.value.body, step.value.orelse))

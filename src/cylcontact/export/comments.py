@@ -1,4 +1,4 @@
-"""What an exported file says about itself: law, units, domain and provenance, in plain ASCII."""
+"""The comment of an exported file: law, units, domain and provenance, in plain ASCII."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ WIDTH = 90
 
 
 def comment_lines(formula: Formula, mark: str) -> str:
-    """Return the comment at the top of a file, each line behind the language's `mark`.
+    """Return the comment at the top of a file, each line prefixed by the language's `mark`.
 
     Examples
     --------
@@ -28,18 +28,18 @@ def comment_lines(formula: Formula, mark: str) -> str:
 
 
 def _provenance(formula: Formula) -> str:
-    """Return the package's version and where the coefficients come from."""
+    """Return the version of the package and the origin of the coefficients."""
     origin = formula.origin or "given by the caller"
     return f"exported by cylcontact {version('cylcontact')}; coefficients: {_plain(origin)}"
 
 
 def domain(formula: Formula) -> str:
-    """Return where the law is defined."""
+    """Return the domain of the law in words."""
     return "; ".join(filter(None, (", ".join(formula.requirements), formula.domain)))
 
 
 def _plain(text: str) -> str:
-    """Return text that is safe in a comment of any language: ASCII on one line, no specials.
+    """Return text that is safe in a comment of any language: one line of plain ASCII.
 
     Examples
     --------

@@ -34,7 +34,7 @@ __all__ = ["formula_of"]
 
 _MM_N_MPA = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
 
-# Of each logarithmic law, its reach Lambda in mm and the arguments this needs.
+# For each logarithmic law, its reach Lambda in mm and the arguments that the reach needs.
 _RADII = ("R_i", "R_j")
 _REACHES: Mapping[type[LogarithmicLaw], tuple[str, tuple[str, ...]]] = {
     Johnson: ("4 * pi * dR", ()),
@@ -71,8 +71,8 @@ K_geometry = a * dR + b
 factor = K_geometry * E_star / dR if K_geometry > 0 and n > 0 else nan
 """
 
-# Lambert's W in the variables of laws/lambert.py. Every condition sends NaN to the regular case,
-# and the regular case is kept away from p = 0 and p = 1.
+# Lambert's W in the variables of laws/lambert.py. The conditions are written so that NaN takes the
+# regular branch, which p = 0 and p = 1 do not enter.
 _LOGARITHMIC_STEPS = """
 f_max = ({reach}) * E_star * peak
 compliance = kappa / (pi * E_star)
@@ -118,7 +118,7 @@ _LANKARANI_NIKRAVESH_STEPS = """
 factor = 4 / 3 * E_star * sqrt(R_i * R_j / dR) / length
 """
 
-# x - sin x by its power series where the difference loses digits, as in laws/winkler.py.
+# x - sin x by a power series where the difference loses digits, as in laws/winkler.py.
 _WINKLER_STEPS = """
 d = penetration / dR
 x = 2 * atan(sqrt(d) * sqrt(2 + d))
@@ -146,7 +146,7 @@ def formula_of(law: ContactLaw, contact: Contact | None) -> Formula:
     law : ContactLaw
         One of the package's laws that has a closed form for the load.
     contact : {"internal", "external"} or None
-        The contact; None will do for laws that are the same for both.
+        The contact; may be None for laws that are the same for both.
 
     Returns
     -------
@@ -155,7 +155,7 @@ def formula_of(law: ContactLaw, contact: Contact | None) -> Formula:
     Raises
     ------
     InputError
-        If the law has no closed form, or needs another contact.
+        If the law has no closed form or is for the other contact.
 
     Examples
     --------
@@ -180,7 +180,7 @@ def _named(law: str, contact: Contact | None) -> str:
 
 
 def _required(contact: Contact | None, law: str) -> Contact:
-    """Return the contact, or say that the law's coefficients depend on it."""
+    """Return the contact; raise `InputError` if it is None."""
     if contact is None:
         raise InputError(
             "export",
@@ -222,7 +222,7 @@ def _enhanced(law: Enhanced, contact: Contact | None) -> Formula:
 
 
 def _enhanced_coefficients(law: Enhanced, contact: Contact | None) -> Coefficients:
-    """Return the coefficients of a law, or refuse a contact that they are not for."""
+    """Return the coefficients of a law; raise `InputError` if they are for the other contact."""
     own = law.coefficients
     if own is None:
         return PUBLISHED[_required(contact, law.name)]
@@ -286,7 +286,7 @@ def _logarithmic(law: LogarithmicLaw, contact: Contact | None) -> Formula:
 
 
 def _scaled(law: ScaledLaw, contact: Contact | None) -> Formula:
-    """Return a logarithmic law with other constants, or a law of which nothing is stretched."""
+    """Return a scaled logarithmic law, or the base law if both factors are 1."""
     B, D = law.load_factor, law.penetration_factor
     if isinstance(law.base, LogarithmicLaw):
         kappa, shift = law.base.kappa * D / B, law.base.shift + float(np.log(B))
@@ -333,7 +333,7 @@ def _explicit(law: Explicit, contact: Contact | None) -> Formula:
 
 
 def _require_internal(contact: Contact | None, law: str) -> None:
-    """Refuse rollers."""
+    """Raise `InputError` for external contact."""
     if contact == "external":
         raise InputError(
             "export",

@@ -77,8 +77,7 @@ $helpers
 end module ${name}_law
 """)
 
-# Fortran has no log1p. atanh keeps the digits of small x, without a trick that a compiler which
-# rearranges sums would undo.
+# Fortran has no log1p. atanh is accurate for small x, also with a compiler that reorders sums.
 _LOG1P = """
     elemental function log1p(x) result(y)
         real(wp), intent(in) :: x
@@ -123,7 +122,7 @@ def to_fortran(formula: Formula) -> str:
 
 
 def _assignment(step: Step) -> str:
-    """Return a step; a condition evaluates one side only."""
+    """Return the assignment of a step; a condition evaluates one side only."""
     if not isinstance(step.value, ast.IfExp):
         return f"{step.name} = {_DIALECT.render(step.value)}"
     condition, yes, no = map(_DIALECT.render, (step.value.test, step.value.body, step.value.orelse))

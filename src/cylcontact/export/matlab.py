@@ -18,7 +18,7 @@ _DIALECT = Dialect(
     symbols={ast.And: "&", ast.Or: "|", ast.Mult: ".*", ast.Div: "./"},
 )
 
-# Only elements inside the domain are computed with, so that no logarithm or power turns complex.
+# Only elements inside the domain are used, so that no logarithm or power becomes complex.
 _FILE = Template("""\
 function [f, k] = $name($arguments)
 $comment
@@ -75,12 +75,12 @@ def to_matlab(formula: Formula) -> str:
 
 
 def _target(step: Step) -> str:
-    """Return what a step assigns to: the results only where they are defined."""
+    """Return the target of an assignment; the results are assigned inside the domain only."""
     return f"{step.name}(inside)" if step.name in {"f", "k"} else step.name
 
 
 def _value(step: Step) -> str:
-    """Return what a step assigns."""
+    """Return the value of a step."""
     if not isinstance(step.value, ast.IfExp):
         return _DIALECT.render(step.value)
     sides = map(_DIALECT.render, (step.value.test, step.value.body, step.value.orelse))

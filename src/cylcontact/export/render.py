@@ -10,24 +10,24 @@ from cylcontact.export.formula import expression
 
 __all__ = ["Dialect"]
 
-# How tightly operators bind, the same in all targets.
+# Operator precedence, the same in all targets.
 _OR, _AND, _COMPARISON, _SUM, _PRODUCT, _POWER, _ATOM = range(7)
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """What a language writes differently.
+    """The syntax of a language, where it differs.
 
     Attributes
     ----------
     number : callable
-        From a number to a literal of double precision.
+        Returns the literal of a number in double precision.
     power : str
-        x to the power of y, as a format of `x` and `y`.
+        Format string of x to the power of y.
     names : mapping
-        Names and functions that are called otherwise, such as pi and nan.
+        Names and functions with another spelling, such as pi and nan.
     symbols : mapping
-        Operators that are written otherwise, by Python's node type.
+        Operators with another spelling, by Python's node type.
     """
 
     number: Callable[[float], str]
@@ -57,7 +57,7 @@ _PLAIN: Mapping[type[ast.AST], str] = {
 
 
 class _Renderer:
-    """Renders a node to its text and how tightly that binds."""
+    """Renders a node to its text and its precedence."""
 
     def __init__(self, dialect: Dialect) -> None:
         self.dialect = dialect
@@ -78,7 +78,7 @@ class _Renderer:
         """Return the text of a node that is an operation."""
         match node:
             case ast.UnaryOp(op=ast.USub(), operand=operand):
-                # In parentheses: Fortran allows no two operators in a row.
+                # In parentheses, because Fortran does not allow two operators in a row.
                 return f"(-{self.above(operand, _PRODUCT)})", _ATOM
             case ast.BinOp(op=ast.Pow(), left=left, right=right):
                 return self.power(left, right)
@@ -99,7 +99,7 @@ class _Renderer:
         return text if binding > level else f"({text})"
 
     def power(self, left: ast.expr, right: ast.expr) -> tuple[str, int]:
-        """Return x to the power of y, both in parentheses unless they are plain."""
+        """Return x to the power of y, with operands in parentheses unless they are atoms."""
         x, y = self.above(left, _POWER), self.above(right, _POWER)
         return self.dialect.power.format(x=x, y=y), _POWER
 

@@ -1,10 +1,9 @@
-"""Assembly: positions and velocities that satisfy every joint, the clearance closed.
+"""Assembly: positions and velocities that satisfy every joint, with the clearance closed.
 
-The start of a simulation. The journal is centred in its bearing and at rest relative to it, as if
-the joint were ideal. Newton's method on the constraints finds the positions: first near the spec's
-rough guess, with the driver where the guess has it, then along with the driver in small steps to
-where it starts, so that the mechanism stays in the configuration of the guess. The velocities
-follow from one linear system.
+This is the start of a simulation: the journal is centred in its bearing and at rest relative to it,
+as if the joint were ideal. Newton's method on the constraints finds the positions, first at the
+driver angle of the spec's guess. The driver then moves in small steps to its initial angle, so that
+the mechanism stays in the configuration of the guess. The velocities follow from one linear system.
 """
 
 from __future__ import annotations
@@ -21,12 +20,12 @@ from cylcontact.mechanism.model import Joint, Mechanism
 __all__ = ["assemble", "evaluate", "joint_table"]
 
 _ITERATIONS = 50
-# In m and rad: some units in the last place of a mechanism of a metre.
+# In m and rad: a few units in the last place for a mechanism of a metre.
 _CLOSED = 1e-15
-# What Newton's method must reach at least before rounding stops it.
+# The largest gap that is accepted when rounding stops Newton's method, in m and rad.
 _ASSEMBLED = 1e-13
 
-# Of the driver in rad, between one Newton iteration and the next.
+# Rotation of the driver between two solutions, in rad.
 _DRIVER_STEP = 0.1
 
 _KINDS = {
@@ -66,7 +65,7 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     Parameters
     ----------
     mechanism : Mechanism
-        The mechanism; its clearance is taken as closed.
+        The mechanism; its clearance joint is treated as ideal.
     t : float
         Time in s.
 
@@ -78,8 +77,7 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     Raises
     ------
     InputError
-        If the bodies cannot be brought together, or the joints leave them free to move or hold
-        them twice.
+        If the joints cannot be closed, or they under- or overconstrain the bodies.
 
     Examples
     --------
@@ -93,20 +91,20 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     _require_square(mechanism, table, q.size)
     driver = next(row for row in table if row[0] == constraints.DRIVER)
     guessed = q[3 * int(driver[2]) + 2] - (q[3 * int(driver[1]) + 2] if driver[1] >= 0 else 0.0)
-    wanted, speed = driver[7] + driver[8] * t, driver[8]
+    initial, speed = driver[7] + driver[8] * t, driver[8]
     driver[8] = 0.0
-    steps = max(2, math.ceil(abs(wanted - guessed) / _DRIVER_STEP) + 1)
-    for angle in np.linspace(guessed, wanted, steps):
+    steps = max(2, math.ceil(abs(initial - guessed) / _DRIVER_STEP) + 1)
+    for angle in np.linspace(guessed, initial, steps):
         driver[7] = angle
         q = _close(mechanism, table, q)
     driver[8] = speed
-    driver[7] = wanted - speed * t
+    driver[7] = initial - speed * t
     _, rate, jacobian, _ = evaluate(table, t, q, np.zeros_like(q))
     return q, -_solve(mechanism, jacobian, rate)
 
 
 def _close(mechanism: Mechanism, table: FloatArray, q: FloatArray) -> FloatArray:
-    """Close all joints by Newton's method, the driver at rest where it is."""
+    """Return the coordinates that close all joints, by Newton's method with the driver at rest."""
     still = np.zeros_like(q)
     gap = np.inf
     for _ in range(_ITERATIONS):
@@ -127,7 +125,7 @@ def _close(mechanism: Mechanism, table: FloatArray, q: FloatArray) -> FloatArray
 
 
 def _require_square(mechanism: Mechanism, table: FloatArray, coordinates: int) -> None:
-    """Refuse a mechanism whose joints are too few or too many."""
+    """Raise `InputError` unless there are as many constraints as coordinates."""
     rows = sum(constraints.CONSTRAINTS[kind] for kind in table[:, 0])
     if rows != coordinates:
         raise InputError(
@@ -140,7 +138,7 @@ def _require_square(mechanism: Mechanism, table: FloatArray, coordinates: int) -
 
 
 def _solve(mechanism: Mechanism, jacobian: FloatArray, right: FloatArray) -> FloatArray:
-    """Solve for a step or for velocities; singular at dead centres and with double joints."""
+    """Solve for a step or for velocities; raise `InputError` if the system is singular."""
     try:
         return as_floats(np.linalg.solve(jacobian, right))
     except np.linalg.LinAlgError as error:

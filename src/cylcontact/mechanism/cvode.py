@@ -1,12 +1,12 @@
-"""SUNDIALS CVODE as scikit-sundae ships it, called with compiled functions.
+"""SUNDIALS CVODE from scikit-sundae, called with compiled functions.
 
-scikit-sundae's own interface calls Python for every right-hand side, which costs some eight
-microseconds, and a revolution of the crank takes five to fifty thousand of them. CVODE itself
-takes the address of a C function. The library is the one that scikit-sundae has loaded: looking a
-symbol up in its extension module searches what that module is linked to, so no file name is
-guessed. The callbacks are numba's C functions; the parameter block goes to them as user data.
+scikit-sundae's own interface calls Python for every right-hand side. Each call costs about eight
+microseconds, and a revolution of the crank takes five to fifty thousand of them. CVODE itself takes
+the address of a C function. This module uses the library that scikit-sundae has loaded: a symbol
+lookup in the extension module also searches its linked libraries, so no file name is guessed. The
+callbacks are C functions from numba and receive the parameter block as user data.
 
-Adams' formulas of variable step and order with functional iteration: no Jacobian, no linear
+The method is Adams' with variable step and order and functional iteration: no Jacobian, no linear
 algebra, the predictor–corrector of the paper.
 """
 
@@ -42,7 +42,7 @@ __all__ = [
     "values",
 ]
 
-# Symbols used, with their arguments; pointers travel as integers of their size.
+# The symbols used, with their arguments; pointers are passed as integers of their size.
 _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "SUNContext_Create": (c_int, c_ssize_t),
     "SUNContext_Free": (c_ssize_t,),
@@ -75,7 +75,7 @@ _RETURNING_POINTERS = ("CVodeCreate", "SUNNonlinSol_FixedPoint", "N_VMake_Serial
 
 @dataclass(frozen=True)
 class Library:
-    """The loaded library: its functions, and where an N_Vector keeps its data."""
+    """The loaded library: its functions, and the offset of the data in an N_Vector in words."""
 
     functions: dict[str, Any]
     data_words: int
@@ -84,18 +84,18 @@ class Library:
         return self.functions[name]
 
     def address(self, name: str) -> int:
-        """Return where a function is."""
+        """Return the address of a function."""
         return int(ctypes.cast(self.functions[name], ctypes.c_void_p).value or 0)
 
 
 @cache
 def library() -> Library:
-    """Find SUNDIALS in what scikit-sundae has loaded.
+    """Return SUNDIALS as loaded by scikit-sundae.
 
     Raises
     ------
     InputError
-        If this build of scikit-sundae cannot be called in this way.
+        If this build of scikit-sundae cannot be called with compiled functions.
     """
     from sksundae import _cy_cvode
     from sksundae._cy_common import config
@@ -122,7 +122,7 @@ def library() -> Library:
 
 _types: Any = numba_types
 _VECTOR_POINTER, _DOUBLES = _types.CPointer(_types.intp), _types.CPointer(_types.float64)
-# A C function of CVODE's gets the addresses of two N_Vectors, or of one and of the roots.
+# The callbacks get the addresses of two N_Vectors, or of one N_Vector and the roots.
 RHS_SIGNATURE = _types.int32(_types.float64, _VECTOR_POINTER, _VECTOR_POINTER, _DOUBLES)
 ROOTS_SIGNATURE = _types.int32(_types.float64, _VECTOR_POINTER, _DOUBLES, _DOUBLES)
 
@@ -145,17 +145,17 @@ _pointer_to_words, _pointer_to_doubles = _pointer_to(_VECTOR_POINTER), _pointer_
 def _function_at(result: Any, *arguments: Any) -> Any:
     """Return an intrinsic that calls the C function at an address.
 
-    The address is an argument and no constant, so that what is compiled can be kept on disk.
+    The address is an argument, not a constant, so that the compiled code can be cached on disk.
     """
 
-    def generate(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, passed: Any) -> Any:
         kinds = [context.get_value_type(kind) for kind in arguments]
         function = ir.FunctionType(context.get_value_type(result), kinds)
         values = [
-            context.cast(builder, builder.extract_value(given[1], k), signature.args[1][k], kind)
+            context.cast(builder, builder.extract_value(passed[1], k), signature.args[1][k], kind)
             for k, kind in enumerate(arguments)
         ]
-        return builder.call(builder.inttoptr(given[0], function.as_pointer()), values)
+        return builder.call(builder.inttoptr(passed[0], function.as_pointer()), values)
 
     def declare(typing_context: Any, address: Any, values: Any) -> Any:  # noqa: ARG001
         return result(_types.intp, values), generate
@@ -173,7 +173,7 @@ _call_roots = _function_at(_int, _double, _word, _word, _word)
 
 @compiled
 def block(data: Any) -> NDArray[np.float64]:
-    """Return the parameter block that a callback's user data point to."""
+    """Return the parameter block from the user data of a callback."""
     return carray(data, (int(carray(data, (1,))[contact.SIZE]),))
 
 
@@ -189,9 +189,8 @@ _ONE_STEP = 2
 _ROOT_RETURN = 2
 _BISECTIONS = 60
 
-# Where things are, by position in an array of addresses: CVODE's functions, the model's roots,
-# CVODE's memory, the two N_Vectors, the time, the flags of the roots, a place for roots, and
-# the parameter block.
+# Positions in the array of addresses: CVODE's functions, the model's roots, CVODE's memory, the two
+# N_Vectors, the time, the flags of the roots, the values of the roots, and the parameter block.
 _CVODE, _INTERPOLATE, _WHICH, _CURRENT_TIME, _ROOTS = 0, 1, 2, 3, 4
 _MEMORY, _VECTOR, _OTHER, _CLOCK, _FLAGS, _SCRATCH, _BLOCK = 5, 6, 7, 8, 9, 10, 11
 _ADDRESSES = 12
@@ -203,32 +202,32 @@ def _step(
     y: FloatArray,
     other: FloatArray,
     now: FloatArray,
-    found: NDArray[np.int32],
+    flags: NDArray[np.int32],
     scratch: FloatArray,
     p: FloatArray,
     end: float,
     times: FloatArray,
     states: FloatArray,
 ) -> tuple[int, int]:
-    """Step until the buffers are full, the time `end` is reached or an event is found.
+    """Step until the buffers are full, the time `end` is reached or an event occurs.
 
     Parameters
     ----------
     at : array of int
         The addresses.
-    y, other, now, found, scratch : array
-        What stands at `_VECTOR`, `_OTHER`, `_CLOCK`, `_FLAGS` and `_SCRATCH`.
+    y, other, now, flags, scratch : array
+        The arrays at `_VECTOR`, `_OTHER`, `_CLOCK`, `_FLAGS` and `_SCRATCH`.
     p : array of float
         The parameter block.
     end : float
         In s.
     times, states : array of float
-        To fill, one row for each step.
+        Output, one row for each step.
 
     Returns
     -------
     rows, flag : int
-        Rows filled and CVODE's flag; an event is in `found`, by `events`.
+        Rows filled and CVODE's flag; an event is in `flags`, by the numbers in `events`.
     """
     in_contact = p[contact.MODE] == contact.CONTACT
     for n in range(times.size):
@@ -237,17 +236,17 @@ def _step(
         times[n], states[n] = now[0], y
         if flag == _ROOT_RETURN:
             _call_two(at[_WHICH], (at[_MEMORY], at[_FLAGS]))
-            if found[events.CROSSING] != 0:
+            if flags[events.CROSSING] != 0:
                 if p[contact.ALLOWED_PENETRATION] > 0.0 and not in_contact:
                     times[n] = _onset_in_step(at, now, scratch, p, before)
                     states[n] = other
-            elif found[events.TURNING] != 0:
+            elif flags[events.TURNING] != 0:
                 delta = _gap(at, now[0], at[_VECTOR], scratch)
                 if (delta > 0.0) != in_contact:
-                    # On the wrong side of the circle: a crossing was leapt over.
+                    # On the wrong side of the circle: the step has skipped a crossing.
                     times[n] = _bisect(at, scratch, p, before, now[0], 0.0)
-                    states[n], found[events.CROSSING] = other, 1
-            if found[events.CROSSING] != 0 or found[events.LIMIT] != 0:
+                    states[n], flags[events.CROSSING] = other, 1
+            if flags[events.CROSSING] != 0 or flags[events.LIMIT] != 0:
                 return n + 1, flag
         elif flag != 0:
             return n + 1, flag
@@ -277,7 +276,7 @@ def _bisect(
     after: float,
     high: float,
 ) -> float:
-    """Find a time with 0 ≤ δ ≤ high; δ passes there upwards in flight, downwards in contact."""
+    """Return a time with 0 ≤ δ ≤ high; δ increases in flight and decreases in contact."""
     rising = p[contact.MODE] == contact.FREE
     for _ in range(_BISECTIONS):
         middle = 0.5 * (before + after)
@@ -296,7 +295,7 @@ def _bisect(
 def _onset_in_step(
     at: NDArray[np.intp], now: FloatArray, scratch: FloatArray, p: FloatArray, before: float
 ) -> float:
-    """Halve the step until contact begins shallow enough, the paper's control."""
+    """Return the onset of contact with the paper's control: halve the step until it is shallow."""
     _call_two(at[_CURRENT_TIME], (at[_MEMORY], at[_CLOCK]))
     allowed = p[contact.ALLOWED_PENETRATION]
     if _inside(at, now[0], scratch) > allowed:
@@ -305,17 +304,17 @@ def _onset_in_step(
 
 
 _ADAMS = 1
-# What the compiled loop calls, in the order of its addresses.
+# The functions that the compiled loop calls, in the order of their addresses.
 _STEPPING = ("CVode", "CVodeGetDky", "CVodeGetRootInfo", "CVodeGetCurrentTime")
-# Steps that are taken between two looks at the keyboard.
+# Steps between two checks for Ctrl-C.
 _BUFFER = 4096
-# CVODE counts the steps towards one output; ours may be far away.
+# CVODE limits the number of steps to one output, which may be far away here.
 _MAX_STEPS = 10_000_000
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """What one call gave: the accepted steps, and why it ended.
+    """The accepted steps of one call, and why it ended.
 
     `event` is `events.CROSSING`, `events.LIMIT`, or None at the end of the interval.
     """
@@ -334,7 +333,7 @@ class Integrator:
     model : module
         `minimal_coordinates` or `augmented`: the callbacks and the eccentricity.
     p : array of float
-        The parameter block, read by the callbacks at every evaluation.
+        The parameter block; the callbacks read it at every evaluation.
     rtol : float
         Relative tolerance.
     atol : array of float
@@ -356,7 +355,7 @@ class Integrator:
         size = atol.size
         self._y, self._other, self._atol = np.zeros(size), np.zeros(size), atol.copy()
         self._now, self._scratch = np.zeros(1), np.zeros(events.EVENTS)
-        self._found = np.zeros(events.EVENTS, dtype=np.int32)
+        self._flags = np.zeros(events.EVENTS, dtype=np.int32)
         self._direction = events.directions(in_contact=False)
         self._buffers = np.empty(_BUFFER), np.empty((_BUFFER, size))
         self._create(model, rtol, max_step, first_step)
@@ -379,7 +378,7 @@ class Integrator:
         self._at[_ROOTS], self._at[_MEMORY] = model.roots.address, memory
         self._at[_VECTOR], self._at[_OTHER] = vectors[:2]
         self._at[_CLOCK:] = [
-            array.ctypes.data for array in (self._now, self._found, self._scratch, self.p)
+            array.ctypes.data for array in (self._now, self._flags, self._scratch, self.p)
         ]
         lib.CVodeInit(memory, model.rhs.address, 0.0, vectors[0])
         lib.CVodeSVtolerances(memory, rtol, vectors[2])
@@ -394,7 +393,7 @@ class Integrator:
         weakref.finalize(self, _free, memory, solver, vectors, ctx)
 
     def restart(self, t: float, y: FloatArray) -> None:
-        """Start anew from a state, in the mode that the parameter block says."""
+        """Restart from a state, in the mode of the parameter block."""
         lib = library()
         self._y[:] = y
         self._now[0] = t
@@ -408,16 +407,16 @@ class Integrator:
         times, states, flag = [], [], 0
         buffer_t, buffer_y = self._buffers
         while flag == 0:
-            self._found[:] = 0
+            self._flags[:] = 0
             count, flag = _step(
-                self._at, self._y, self._other, self._now, self._found, self._scratch,
+                self._at, self._y, self._other, self._now, self._flags, self._scratch,
                 self.p, end, buffer_t, buffer_y,
             )  # fmt: skip
             times.append(buffer_t[:count].copy())
             states.append(buffer_y[:count].copy())
         event = None
         if flag == _ROOT_RETURN:
-            event = events.LIMIT if self._found[events.LIMIT] else events.CROSSING
+            event = events.LIMIT if self._flags[events.LIMIT] else events.CROSSING
         return Stretch(np.concatenate(times), np.concatenate(states), event, flag)
 
     @property
@@ -429,7 +428,7 @@ class Integrator:
 
 
 def _free(memory: int, solver: int, vectors: list[int], context: int) -> None:
-    """Give CVODE's memory back, in the order that SUNDIALS wants."""
+    """Free CVODE's memory, in the order that SUNDIALS requires."""
     lib = library()
     lib.CVodeFree(np.array([memory], dtype=np.intp).ctypes.data)
     lib.SUNNonlinSolFree(solver)

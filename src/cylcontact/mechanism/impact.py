@@ -1,7 +1,7 @@
-"""An isolated impact: a journal flies against its bearing, and nothing else acts.
+"""An isolated impact of a free journal against its bearing.
 
-It runs through the same equations, events and integrator as a mechanism, with no joint and no
-drive, so that its restitution can be held against the closed form of `cylcontact.dissipation`.
+It uses the same equations, events and integrator as a mechanism, without joints and drive, so that
+its restitution can be compared with the closed form of `cylcontact.dissipation`.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from cylcontact.pair import CylinderPair
 
 __all__ = ["Impact", "isolated_impact"]
 
-# Time to reach the bearing, and as often again for the impact and the way back.
+# Simulated time, in units of the time to reach the bearing.
 _CROSSINGS = 3
 
 
 @dataclass(frozen=True)
 class Impact:
-    """What an impact came to.
+    """Result of an isolated impact.
 
     Attributes
     ----------
     restitution : float
-        Speed after by speed before.
+        Speed after the impact over speed before.
     duration : float
-        In s.
+        Duration of contact in s.
     max_penetration : float
-        In m.
+        Largest penetration in m.
     dissipated : float
-        In J.
+        Dissipated energy in J.
     """
 
     restitution: float
@@ -55,7 +55,7 @@ def isolated_impact(
     speed: float,
     tolerance: float = 1e-10,
 ) -> Impact:
-    """Let a journal fly from the centre of a fixed bearing against it.
+    """Simulate the impact of a journal that flies from the centre of a fixed bearing against it.
 
     Parameters
     ----------
@@ -66,11 +66,11 @@ def isolated_impact(
     chi : float
         Hysteresis factor χ.
     mass : float
-        Of the journal in kg.
+        Mass of the journal in kg.
     speed : float
-        In m/s.
+        Its initial speed in m/s.
     tolerance : float
-        Of the integrator.
+        Tolerance of the integrator.
 
     Returns
     -------
@@ -79,7 +79,7 @@ def isolated_impact(
     Raises
     ------
     InputError
-        If the pair lacks what a joint needs, or the law ends before the journal turns back.
+        If the pair has no radii or length, or the law ends before the journal turns back.
 
     Examples
     --------
@@ -114,7 +114,7 @@ def isolated_impact(
 
 
 def _impact(rows: StepHistory, clearance: float) -> Impact:
-    """Read the first contact off the rows."""
+    """Return the result for the first contact in the rows."""
     time, values = rows.time, rows.values
     begins, ends = derived.changes(rows.in_contact)
     if not (begins.size and ends.size):

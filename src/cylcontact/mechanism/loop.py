@@ -1,8 +1,7 @@
-"""The time loop: stretches of one mode between events.
+"""The time loop: integration between events in one of two modes, free and contact.
 
-Two modes, free and contact. Onset and release are roots of δ, located by CVODE; at an onset the
-penetration rate δ̇⁽⁻⁾ is taken at the root itself. After each event the integrator starts anew with
-a short step.
+Onset and release are roots of δ, located by CVODE. The penetration rate δ̇⁽⁻⁾ of an onset is the
+rate at the root. After each event the integrator restarts with a short step.
 """
 
 from __future__ import annotations
@@ -22,21 +21,21 @@ from cylcontact.mechanism.system import System
 
 __all__ = ["FIRST_STEP", "LawDomainError", "Run", "advance", "one_row"]
 
-# Assumed: the first step after an event in s, three orders below the duration of an impact.
+# Assumed: the first step after an event in s, a thousandth of the duration of an impact.
 FIRST_STEP = 1e-9
-# Of absolute positions and angles nothing but the absolute tolerance may count.
+# Relative tolerance where only the absolute one shall apply: absolute positions and angles.
 _NOT_RELATIVE = 1e-15
-# An interval that takes more stretches than these is not getting anywhere.
+# An interval with more stretches than this makes no progress.
 _MAX_STRETCHES = 100_000
 
 
 class LawDomainError(InputError):
-    """A contact law has left its domain during a run."""
+    """The penetration has reached the end of the contact law's domain during a run."""
 
 
 @dataclass
 class Run:
-    """A system under way: its integrator and its present state."""
+    """A run in progress: a system, its integrator and its present state."""
 
     system: System
     integrator: Integrator
@@ -67,18 +66,18 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[StepHistory, int]:
     Parameters
     ----------
     run : Run
-        Is left at the end.
+        The run; its state is advanced.
     end : float
         In s.
     label : int
-        The number that the rows get as their revolution.
+        The revolution of the rows.
 
     Returns
     -------
     rows : StepHistory
-        From the first accepted step on.
+        The accepted steps.
     evaluations : int
-        Of the right-hand side.
+        Number of evaluations of the right-hand side.
 
     Raises
     ------
@@ -126,14 +125,14 @@ def _label_rows(state: State, times: FloatArray, values: FloatArray, label: int)
 
 
 def _set_mode(run: Run) -> None:
-    """Tell the compiled model which mode it is in."""
+    """Set the mode in the parameter block of the compiled model."""
     p = run.system.block
     p[contact.MODE] = contact.CONTACT if run.state.in_contact else contact.FREE
     p[contact.IMPACT_RATE] = max(run.state.impact_rate, p[contact.RATE_FLOOR])
 
 
 def _switch(run: Run) -> None:
-    """Go over to the other mode, with δ̇⁽⁻⁾ at the root."""
+    """Change to the other mode, with δ̇⁽⁻⁾ at the root."""
     if run.state.in_contact:
         run.state = replace(run.state, in_contact=False, impact_rate=0.0)
     else:
@@ -152,7 +151,7 @@ def _gap(run: Run) -> tuple[float, float]:
 
 def _law_left(run: Run) -> LawDomainError:
     limit = run.system.block[contact.STOP_PENETRATION]
-    # A law without a formula to compile may go on where its table ends.
+    # A tabulated law may be defined beyond its table.
     of_table = ", the end of its table" if run.system.block[contact.KERNEL] == TABLE else ""
     return LawDomainError(
         run.system.source,

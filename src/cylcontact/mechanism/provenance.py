@@ -1,4 +1,4 @@
-"""Where each number of a spec comes from: the paper, a derivation, or us."""
+"""The provenance of each number in a spec: paper, derived, assumed or chosen."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from cylcontact.spec import broken
 
 __all__ = ["PROVENANCES", "assumptions", "check_provenance"]
 
-# "chosen" is what a command or a caller has put in place of the spec's value.
+# "chosen" marks a value that a command or a caller has set.
 PROVENANCES = ("paper", "derived", "assumed", "chosen")
 
 
 def _leaves(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the dotted key and value of every entry of nested tables.
+    """Yield the dotted key and value of every entry in nested tables.
 
     Examples
     --------
@@ -29,7 +29,7 @@ def _leaves(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, An
 
 
 def _numbers(data: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the dotted key and value of every number, or list of numbers, of nested tables.
+    """Yield the dotted key and value of every number, or list of numbers, in nested tables.
 
     Examples
     --------
@@ -43,9 +43,9 @@ def _numbers(data: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def assumptions(data: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return "key = value" for everything in a spec that is assumed.
+    """Return "key = value" for every assumed value of a spec.
 
-    Numbers are found by the tables they stand in, other values only where they are listed.
+    Numbers inherit the provenance of their table; other values must be listed themselves.
 
     Examples
     --------
@@ -63,7 +63,7 @@ def assumptions(data: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _provenance_of(key: str, table: Mapping[str, Any]) -> str | None:
-    """Return the provenance of a key: that of the longest key in `table` that it is, or is under.
+    """Return the provenance of a key: that of the longest key in `table` that is a prefix of it.
 
     Examples
     --------
@@ -81,7 +81,7 @@ def _provenance_of(key: str, table: Mapping[str, Any]) -> str | None:
 
 
 def check_provenance(data: Mapping[str, Any]) -> None:
-    """Refuse a spec with a number of unknown provenance, or a provenance of no number."""
+    """Raise an error for a number without provenance, or a provenance without a value."""
     table = data["provenance"]
     keys = [key for key, _ in _numbers(data)]
     texts = dict(_leaves(data))
@@ -94,7 +94,8 @@ def check_provenance(data: Mapping[str, Any]) -> None:
     for key in listed:
         if listed.count(key) > 1:
             raise broken("provenance", key, "is listed twice", "keep one of them")
-        if not any(one == key or one.startswith(f"{key}.") for one in keys) and key not in texts:
+        covered = any(number == key or number.startswith(f"{key}.") for number in keys)
+        if not covered and key not in texts:
             raise broken("provenance", key, "covers nothing in the file", "correct or remove it")
 
 

@@ -1,4 +1,4 @@
-"""A run in numbers: one value for each revolution, their means and their scatter."""
+"""Statistics of a run: values for each revolution, their means and their scatter."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LEDGERS = {"drive_work_J": -3, "normal_dissipation_J": -2, "friction_dissipatio
 
 @dataclass(frozen=True)
 class Statistics:
-    """Numbers by revolution.
+    """Statistics by revolution.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Statistics:
         - `force_p50_N`, `force_p95_N`, `force_p99_N`, `max_force_N`: percentiles of the normal
           force over the time in contact;
         - `drive_work_J`, `normal_dissipation_J`, `friction_dissipation_J`: in that revolution;
-        - `mean_step_contact_us`, `mean_step_flight_us`: of the integrator;
+        - `mean_step_contact_us`, `mean_step_flight_us`: mean steps of the integrator;
         - `steps`, `evaluations`.
     """
 
@@ -94,7 +94,7 @@ def statistics(
     onsets, _ = changes(rows.in_contact)
     records = []
     for index in range(first, revolutions):
-        # From the last row of the revolution before.
+        # From the last row of the previous revolution.
         span = slice(max(int(starts[index]) - 1, 0), int(starts[index + 1]))
         impacts = np.count_nonzero((onsets >= starts[index]) & (onsets < starts[index + 1]))
         steps, evaluations, _ = rows.counts[index].astype(int)
@@ -112,7 +112,7 @@ def _one_revolution(
 ) -> dict[str, float]:
     """Return the numbers of one revolution."""
     touching, dt = rows.in_contact[span], np.diff(rows.time[span])
-    # A step belongs to the mode of the row that it ends in: an onset's second row has dt = 0.
+    # A step has the mode of its last row; the second row of an onset has dt = 0.
     inside, moving = touching[1:], dt > 0
     numbers = {
         "contact_fraction": float(dt[inside].sum() / dt.sum()),

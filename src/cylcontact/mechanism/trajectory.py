@@ -38,18 +38,18 @@ _WIDTH = 98
 class Trajectory:
     """The motion of a mechanism with a clearance joint, over whole revolutions.
 
-    Every array has one element, or one row, for every accepted step of the integrator (n
-    of them), in SI units: m, s, rad, N, J. An onset or a release of contact has two rows at the
-    same time, one in either mode.
+    Every array has one element or row for each of the n accepted steps of the integrator, in SI
+    units: m, s, rad, N, J. An onset or release of contact has two rows at the same time, one in
+    each mode.
 
     Parameters
     ----------
     mechanism : Mechanism
-        What was simulated.
+        The mechanism.
     settings : Settings
-        How: method, tolerance, largest step in s, what was done beyond the law's domain.
+        Method, tolerance, longest step in s, and continuation beyond the law's domain.
     rows : StepHistory
-        The steps as the integrator gave them.
+        The steps as returned by the integrator.
     block : array of float
         The parameter block of the compiled model.
     """
@@ -81,7 +81,7 @@ class Trajectory:
 
     @property
     def end(self) -> State:
-        """The last state: all that the rest of a run depends on."""
+        """The last state, from which a run can be resumed."""
         r = self.rows
         return State(
             float(r.time[-1]), r.values[-1], bool(r.in_contact[-1]), float(r.impact_rate[-1])
@@ -108,7 +108,7 @@ class Trajectory:
 
     @cached_property
     def _eccentricity(self) -> tuple[FloatArray, FloatArray]:
-        """e and its rate in global axes; from minimal coordinates without loss of digits."""
+        """e and its rate in global axes; minimal coordinates give them without cancellation."""
         if self.settings.method == "minimal":
             shape, values = recognise(self.mechanism), self.rows.values
             turn = shape.side * np.exp(1j * shape.slide)
@@ -119,20 +119,20 @@ class Trajectory:
         i, j = self.point(joint.i, joint.point_i), self.point(joint.j, joint.point_j)
         return i[0] - j[0], i[1] - j[1]
 
-    def point(self, body: int, place: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-        """Return position and velocity of a body's point, each of shape (n, 2).
+    def point(self, body: int, local: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+        """Return position in m and velocity in m/s of a point of a body, shapes (n, 2).
 
         Parameters
         ----------
         body : int
             Its index; −1 is the ground.
-        place : pair of float
-            In m, in the body's own axes from its centre of mass.
+        local : pair of float
+            The point in m, relative to the centre of mass in the axes of the body.
         """
         if body < 0:
-            return np.tile(place, (self.time.size, 1)), np.zeros((self.time.size, 2))
+            return np.tile(local, (self.time.size, 1)), np.zeros((self.time.size, 2))
         q, v = self.coordinates[:, body], self.velocities[:, body]
-        arm = np.exp(1j * q[:, 2]) * complex(*place)
+        arm = np.exp(1j * q[:, 2]) * complex(*local)
         rate = 1j * v[:, 2] * arm
         return (
             q[:, :2] + np.column_stack((arm.real, arm.imag)),
@@ -223,12 +223,12 @@ class Trajectory:
 
     @cached_property
     def potential_energy(self) -> FloatArray:
-        """Energy of position in J, 0 without gravity, shape (n,)."""
+        """Potential energy in J, 0 without gravity, shape (n,)."""
         return derived.kinetic_and_potential(self.mechanism, *self._motion)[1]
 
     @cached_property
     def elastic_energy(self) -> FloatArray:
-        """Energy stored in the contact in J, a quadrature of the law itself, shape (n,)."""
+        """Energy stored in the contact in J, by quadrature of the law, shape (n,)."""
         if self.mechanism.ideal:
             return np.zeros_like(self.time)
         energy: FloatArray = derived.elastic_energy(
@@ -241,7 +241,7 @@ class Trajectory:
 
     @cached_property
     def energy_error(self) -> FloatArray:
-        """Energy stored and dissipated less the drive's work, since the start, in J, shape (n,)."""
+        """Energy stored and dissipated minus the drive's work since the start in J, shape (n,)."""
         stored = self.kinetic_energy + self.potential_energy + self.elastic_energy
         total = stored + self.normal_dissipation + self.friction_dissipation - self.drive_work
         return as_floats(total - total[0])

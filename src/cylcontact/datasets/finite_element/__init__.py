@@ -1,8 +1,8 @@
-"""Finite elements for a pin in a hole: an embedded solver and CalculiX, and the tables they give.
+"""Finite elements for a pin in a hole: an embedded solver, CalculiX, and tables of results.
 
-Half of the plane problem, structured four-node quads, contact without friction. Two-dimensional
-bodies have no absolute approach: how the penetration depends on load and clearance is computed,
-its additive constant is set by the plate's outer radius.
+The model is half of the plane problem, with structured four-node quads and frictionless contact.
+Two-dimensional bodies have no absolute approach: the dependence of the penetration on load and
+clearance is computed, and its additive constant is set by the outer radius of the plate.
 """
 
 from cylcontact.datasets.finite_element.elasticity import Stress, stress_of

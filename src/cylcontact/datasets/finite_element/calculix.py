@@ -1,4 +1,4 @@
-"""Run CalculiX on a deck and read its results back."""
+"""Run CalculiX on a deck and read its results."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from cylcontact.tether import tethered
 __all__ = ["SolverError", "find_program", "read_results", "run_case", "version"]
 
 _PROGRAM = "ccx"
-# Lines of a failed run that are shown.
+# Number of lines of a failed run in the error.
 _TAIL = 12
-# The two steps of a deck agree to this, relatively, where contact has settled.
+# Largest relative difference between the two steps of a deck if contact has settled.
 _SETTLED = 2e-4
 
 
 class SolverError(Exception):
-    """CalculiX gave no result for a case.
+    """CalculiX returned no result for a case.
 
     Parameters
     ----------
     reason : str
         What happened, in a few words.
     lines : tuple of str
-        The last lines that it printed.
+        The last lines of its output.
     """
 
     def __init__(self, reason: str, lines: tuple[str, ...] = ()) -> None:
@@ -65,13 +65,13 @@ def find_program() -> str:
 
 
 def version(program: str) -> str:
-    """Return the version that CalculiX states, such as "2.20"; "unknown" if it states none."""
+    """Return the version of CalculiX, such as "2.20", or "unknown"."""
     try:
         done = subprocess.run([program, "-v"], capture_output=True, text=True, check=False)
     except OSError:
         return "unknown"
-    found = re.search(r"Version\s+(\S+)", done.stdout)
-    return found[1] if found else "unknown"
+    match = re.search(r"Version\s+(\S+)", done.stdout)
+    return match[1] if match else "unknown"
 
 
 def run_case(
@@ -87,15 +87,15 @@ def run_case(
     Parameters
     ----------
     setup : Setup
-        What is solved.
+        The set-up.
     dR, load : float
         Clearance in mm and load in N/mm.
     loads : array of float
-        All loads at this clearance, which the mesh is made for.
+        All loads at this clearance, to which the mesh is adapted.
     program : str
         The path of CalculiX.
     scratch : str, optional
-        Where it works, in a folder of its own; the system's place for temporary files.
+        Parent of its working folder; by default the folder for temporary files.
 
     Returns
     -------
@@ -113,7 +113,7 @@ def run_case(
 
 
 def _run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
-    """Run a deck in a folder of its own and return the text of its results.
+    """Run a deck in a temporary folder and return the text of its results.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def _run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
     with tempfile.TemporaryDirectory(prefix="cylcontact-ccx-", dir=scratch) as name:
         folder = Path(name)
         (folder / "case.inp").write_text(deck.text, encoding="ascii")
-        # One thread: cases run side by side, and the result does not depend on the machine.
+        # One thread: cases run in parallel, and the result does not depend on the machine.
         done = subprocess.run(
             tethered([program, "-i", "case"]),
             cwd=folder,
@@ -149,7 +149,7 @@ def _run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
 
 
 def read_results(text: str, deck: Deck) -> tuple[float, float]:
-    """Read the penetration in mm and the peak pressure in MPa.
+    """Return the penetration in mm and the peak pressure in MPa.
 
     Raises
     ------
@@ -166,6 +166,6 @@ def read_results(text: str, deck: Deck) -> tuple[float, float]:
             # Cell, integration point, σxx, σyy, ...
             top = float(np.mean([float(row[3]) for row in rows]))
     if len(steps) < 2 or abs(steps[-2] / steps[-1] - 1) > _SETTLED:
-        told = ", ".join(f"{1e3 * step:.6g} µm" for step in steps)
-        raise SolverError(f"has not settled: its steps give {told}")
+        penetrations = ", ".join(f"{1e3 * step:.6g} µm" for step in steps)
+        raise SolverError(f"has not settled: its steps give {penetrations}")
     return steps[-1], -top

@@ -20,7 +20,7 @@ class Case:
     load : float
         In N/mm.
     penetration : float
-        Of the pin's centre, in mm.
+        Penetration of the pin's centre in mm.
     half_width : float
         Half-width of the contact along the hole's surface, in mm; NaN from CalculiX.
     peak_pressure : float

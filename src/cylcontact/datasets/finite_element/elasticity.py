@@ -16,16 +16,16 @@ __all__ = ["Elastic", "Stress", "factorise", "spread_load", "stress_of"]
 
 @dataclass(frozen=True, eq=False)
 class Elastic:
-    """A body's stiffness, with the supports that hold it, ready to be solved.
+    """The factorised stiffness of a supported body.
 
     Attributes
     ----------
     free : array of int
-        Degrees of freedom that are not held; node i has 2i (x) and 2i + 1 (y).
+        Unconstrained degrees of freedom; node i has 2i (x) and 2i + 1 (y).
     factors : object
-        What `scipy.sparse.linalg.splu` gives.
+        Result of `scipy.sparse.linalg.splu`.
     size : int
-        Number of all degrees of freedom.
+        Total number of degrees of freedom.
     """
 
     free: IntArray
@@ -70,14 +70,14 @@ def _mesh_of(body: Body) -> Any:
 
 
 def _displacement_basis(body: Body, order: int) -> Any:
-    """Return scikit-fem's basis of bilinear displacements on a body, with its quadrature."""
+    """Return scikit-fem's basis of bilinear displacements with quadrature of an order."""
     import skfem
 
     return skfem.Basis(_mesh_of(body), skfem.ElementVector(skfem.ElementQuad1()), intorder=order)
 
 
 def factorise(body: Body, E: float, nu: float, held: IntArray) -> Elastic:
-    """Assemble a body's stiffness in plane strain and factorise it without the held freedoms.
+    """Assemble and factorise the stiffness of a body in plane strain.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def factorise(body: Body, E: float, nu: float, held: IntArray) -> Elastic:
     E, nu : float
         In MPa and -.
     held : array of int
-        Degrees of freedom that are zero.
+        Constrained degrees of freedom, with zero displacement.
     """
     from scipy.sparse.linalg import splu
     from skfem import asm
@@ -106,7 +106,7 @@ def factorise(body: Body, E: float, nu: float, held: IntArray) -> Elastic:
 
 
 def spread_load(pin: Body, centre: FloatArray, radius: float) -> FloatArray:
-    """Return the nodes' shares of a load spread evenly over a disc, shape (N,), their sum 1.
+    """Return the shares of the nodes in a load spread evenly over a disc, shape (N,), sum 1.
 
     Parameters
     ----------
