@@ -106,8 +106,8 @@ def dissipative_load(
     an impact slower than the floor has the factor χ·δ̇⁽⁻⁾/floor instead of χ. It dissipates
     less, and e → 1 as the impact gets slower, as for real bodies.
 
-    The load is clipped at zero, because contact does not pull. An isolated impact never reaches
-    the clip; one in which other forces pull the bodies apart can.
+    The load is clipped at zero, because contact does not pull. Clipping does not occur in an
+    isolated impact, but can occur when other forces pull the bodies apart.
 
     Examples
     --------

@@ -397,7 +397,7 @@ def _lankarani_nikravesh(law: LankaraniNikravesh, contact: Contact | None) -> Fo
         constants=numbers,
         extra=(*_RADII, "length"),
         remark=(
-            "The law gives the total force f*length of a point contact, whatever the length; "
+            "The law gives the total force f*length of a point contact, independent of the length; "
             "f is that force per unit length."
         ),
         origin="the law's own",

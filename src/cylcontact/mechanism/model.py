@@ -241,11 +241,11 @@ def _set(data: dict[str, Any], key: str, value: Any) -> None:
 
 
 def _joint(spec: MechanismSpec, name: str, names: dict[str, int]) -> Joint:
-    """Return a joint with its bodies and points looked up."""
+    """Return a joint with the indices of its bodies and the coordinates of its points."""
     joint = spec.joints[name]
     bodies, points = [], []
-    for place in joint.between:
-        body, _, point = place.partition(".")
+    for end in joint.between:
+        body, _, point = end.partition(".")
         bodies.append(names[body])
         owner = spec.ground if body == "ground" else spec.bodies[body]
         points.append(owner.points[point] if point else (0.0, 0.0))
