@@ -16,6 +16,7 @@ from cylcontact.errors import InputError
 
 __all__ = [
     "folder_of",
+    "owning",
     "remove_leftovers",
     "replacing",
     "require_suffix",

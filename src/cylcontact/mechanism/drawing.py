@@ -18,18 +18,7 @@ from cylcontact.plots.sketch import OUTLINE, POINTER, THIN, Point
 from cylcontact.plots.style import ACCENT
 
 __all__ = [
-    "BEARING",
-    "BLOCK",
-    "CIRCLE",
     "DRAWN",
-    "FILLS",
-    "GUIDE",
-    "JOURNAL",
-    "LINK",
-    "MARGINS",
-    "PIN",
-    "RIM",
-    "SUPPORT",
     "Magnified",
     "Pose",
     "draw_circle",

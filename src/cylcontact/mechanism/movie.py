@@ -27,18 +27,7 @@ from cylcontact.mechanism.drawing import (
 from cylcontact.plots.style import ACCENT, figure_style
 from cylcontact.progress import Progress, silent
 
-__all__ = [
-    "ARROW",
-    "DPI",
-    "FORCE",
-    "FRAMES_PER_REVOLUTION",
-    "FRAMES_PER_SECOND",
-    "SIZE_INCHES",
-    "TRAIL",
-    "WRITERS",
-    "film",
-    "require_film",
-]
+__all__ = ["FRAMES_PER_REVOLUTION", "film", "require_film"]
 
 SIZE_INCHES, DPI = (7.2, 3.2), 90
 # GIF counts time in hundredths of a second.

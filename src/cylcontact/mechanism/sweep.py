@@ -26,6 +26,8 @@ from cylcontact.provenance import spec_hash
 if TYPE_CHECKING:
     import pandas as pd
 
+__all__ = ["Case", "Plan", "cases", "require_table_name", "run_case", "sweep", "write_table"]
+
 
 @dataclass(frozen=True)
 class Case:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from cylcontact.datasets.finite_element.setup import Setup
 
-__all__ = ["Case"]
+__all__ = ["Case", "Row"]
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,8 @@ from cylcontact.journal import Journal
 from cylcontact.parallel import call, run_calls
 from cylcontact.progress import Progress, silent
 
+__all__ = ["ENGINES", "Engine", "Failure", "engine_name", "run_study"]
+
 Engine = Literal["embedded", "calculix"]
 ENGINES: tuple[Engine, ...] = ("embedded", "calculix")
 
