@@ -134,10 +134,10 @@ class Family:
     parents, process groups and sessions, or by having been seen as a child of one of them.
     """
 
-    def __init__(self, command, said, terminal=False, **environment):
+    def __init__(self, command, said, folder=ROOT, terminal=False, **environment):
         name, value = "CYLCONTACT_TEST_FAMILY", str(uuid.uuid4())
         self._mark = f"{name}={value}"
-        self._seen = set()
+        self._seen, self.said = set(), said
         command, self._terminals = [*map(str, command)], ()
         if terminal:
             # As the leader of a session, the shell makes the terminal its own by opening it.
@@ -147,7 +147,7 @@ class Family:
         with said.open("w") as errors:
             self.process = subprocess.Popen(
                 tethered(command),
-                cwd=ROOT,
+                cwd=folder,
                 env={**os.environ, **environment, name: value},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
@@ -208,9 +208,9 @@ def processes():
 
 
 @contextlib.contextmanager
-def family(command, said, **options):
+def family(command, said, folder=ROOT, **options):
     """Start a command; whatever it leaves is killed in the end."""
-    started = Family(command, said, **options)
+    started = Family(command, said, folder, **options)
     try:
         yield started
     finally:

@@ -57,6 +57,14 @@ ELEMENTS = {
 }
 
 
+def labels(cases: list[tuple[Any, ...]]) -> list[str]:
+    """Return a name for each case, from the changes to a spec that it begins with."""
+    return [
+        ", ".join(f"{key}={value if value is not DROP else ''}" for key, value in case[0].items())
+        for case in cases
+    ]
+
+
 def golden(name: str) -> Any:
     """Return the numbers that a file in tests/golden holds."""
     return json.loads((Path(__file__).parent / f"golden/{name}.json").read_text(encoding="utf-8"))

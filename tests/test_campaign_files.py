@@ -16,6 +16,7 @@ from tests.spec_files import (
     GRID,
     assert_told,
     changed,
+    labels,
     write_bench,
     write_toml,
 )
@@ -212,9 +213,7 @@ BAD_INPUT = [
 @pytest.mark.parametrize(
     ("changes", "key", "value", "rule", "remedy"),
     BAD_INPUT,
-    ids=[
-        ", ".join(f"{k}={v if v is not DROP else ''}" for k, v in c[0].items()) for c in BAD_INPUT
-    ],
+    ids=labels(BAD_INPUT),
 )
 def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     tmp_path, changes, key, value, rule, remedy

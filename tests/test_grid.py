@@ -11,7 +11,7 @@ from cylcontact import InputError
 from cylcontact.datasets import Grid, read_grid
 from cylcontact.laws import REFERENCES
 from cylcontact.provenance import spec_hash
-from tests.spec_files import DROP, GRID, assert_told, changed, write_toml
+from tests.spec_files import DROP, GRID, assert_told, changed, labels, write_toml
 
 ROOT = Path(__file__).resolve().parents[1]
 # The mechanisms in the same folder are no grids.
@@ -215,9 +215,7 @@ BAD_INPUT = [
 @pytest.mark.parametrize(
     ("changes", "key", "value", "rule", "remedy"),
     BAD_INPUT,
-    ids=[
-        ", ".join(f"{k}={v if v is not DROP else ''}" for k, v in c[0].items()) for c in BAD_INPUT
-    ],
+    ids=labels(BAD_INPUT),
 )
 def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     tmp_path, changes, key, value, rule, remedy

@@ -26,7 +26,7 @@ from cylcontact.tether import tethered
 from tests import killable
 from tests.killable import ROOT, family, wait_until
 from tests.programs import fake_program, require_program
-from tests.spec_files import ELEMENTS, assert_told, tree, write_bench, write_toml
+from tests.spec_files import ELEMENTS, GRID, assert_told, changed, tree, write_bench, write_toml
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL")
 in_proc = pytest.mark.skipif(
@@ -36,8 +36,10 @@ in_proc = pytest.mark.skipif(
 # Quick but for the runs: a fit spends most of its time between the first and the last of them.
 FEW = {"parameters.n": {"value": 1.2, "fixed": True}}
 RUNS = FEW | {"genetic.runs": 12, "genetic.generations": 60, "genetic.populations": [16]}
+LONGER = RUNS | {"genetic.generations": 200}
 LONG = {"genetic.runs": 50, "genetic.generations": 3000, "genetic.populations": [16]}
 FIT = ("fit", "fitting/small.toml", "--jobs", "1")
+AS_USER = (sys.executable, "-m", "cylcontact.cli")
 RESULT = "fitting/results/small.json"
 ROOT_USER = hasattr(os, "geteuid") and os.geteuid() == 0
 NOBODY = 65534
@@ -227,22 +229,72 @@ def test_killed_before_every_single_operation_on_a_file(tmp_path):
     assert operations > 15
 
 
+@pytest.fixture(scope="module")
+def longer(tmp_path_factory):
+    """A bench whose fit took long enough for worker processes to start, and ran through."""
+    folder = bench(tmp_path_factory.mktemp("longer"), campaign=LONGER)
+    assert killable.run(folder, *FIT) == 0
+    return folder
+
+
 @in_proc
-def test_killed_with_worker_processes_under_way(tmp_path):
+@pytest.mark.parametrize("how", ["SIGKILL", "SIGINT"])
+def test_stopped_with_worker_processes_under_way_it_resumes(longer, tmp_path, how):
     """As a user runs it: processes of its own, and all of them gone soon after."""
-    longer = RUNS | {"genetic.generations": 300}
-    folder = bench(tmp_path, campaign=longer)
-    command = [sys.executable, "-m", "cylcontact.cli", "fit", folder / "fitting/small.toml"]
-    with family([*command, "-o", folder / RESULT, "--jobs", "2"], tmp_path / "stderr") as fit:
-        wait_until((folder / f"{RESULT}.partial").exists)
-        fit.end("SIGKILL")
+    folder = bench(tmp_path, campaign=LONGER)
+    with family([*AS_USER, *FIT[:2], "--jobs", "2"], tmp_path / "stderr", folder) as fit:
+        wait_until(lambda: COMMANDS["fit"].is_in_the_middle(folder))
+        fit.end(how)
         fit.wait_until_gone()
-    lines = (folder / f"{RESULT}.partial").read_text().splitlines()
-    assert 2 <= len(lines) < 13
+    complete = (folder / f"{RESULT}.partial").read_bytes().count(b"\n") - 1
+    assert 1 <= complete < 12
+    if how == "SIGINT":
+        assert_interrupted(
+            fit, f"interrupted; {complete} complete runs? .* kept in {RESULT}.partial; .*"
+        )
+        assert [path.name for path in (folder / RESULT).parent.iterdir()] == ["small.json.partial"]
     assert killable.run(folder, *FIT, "--resume") == 0, killable.said(folder)
-    again = bench(tmp_path, "again", longer)
-    assert killable.run(again, *FIT) == 0
-    assert_complete(folder, again)
+    assert_complete(folder, longer)
+
+
+@in_proc
+def test_a_fit_interrupted_while_its_workers_start_keeps_nothing_and_says_so(tmp_path):
+    folder = bench(tmp_path, campaign=LONG)
+    before = tree(folder)
+    command = [*AS_USER, "fit", "fitting/small.toml", "-o", "new/r.json", "--jobs", "2"]
+    with family(command, tmp_path / "stderr", folder) as fit:
+        wait_until(fit.has_workers)
+        fit.end("SIGINT")
+        fit.wait_until_gone()
+    assert_interrupted(fit, "interrupted before a run was complete; nothing is kept")
+    assert tree(folder) == before
+
+
+def assert_interrupted(started, message):
+    """A command ended by Ctrl-C, and said so in one line.
+
+    Python itself ends by the signal, whatever code it was given, when Ctrl-C falls into the `exec`
+    of a string, as a dataclass is made. Rarely, joblib's tracker of resources warns of one that has
+    just been removed.
+    """
+    errors = started.said.read_text()
+    assert started.process.returncode in (130, -signal.SIGINT), errors
+    lines = re.sub(r".*resource_tracker.*\n( .*\n)?", "", errors)
+    assert re.fullmatch(rf"cylcontact: {message}\n", lines), errors
+
+
+def test_an_interrupted_table_leaves_nothing(tmp_path):
+    folder = bench(tmp_path)
+    large = {"axes.E.points": 300, "axes.dR.points": 1000, "axes.load.points": 300}
+    write_toml(folder / "datasets/large.toml", changed(GRID, large))
+    before = tree(folder)
+    process = killable.start(folder, "sample", "datasets/large.toml", "-o", "new/large.parquet")
+    wait_until(lambda: list(folder.glob("new/.large-*.parquet")))
+    os.kill(process.pid, signal.SIGINT)
+    process.join()
+    assert process.exitcode == 130
+    assert killable.said(folder) == "cylcontact: interrupted; nothing is left half-written\n"
+    assert tree(folder) == before
 
 
 # --- no process outlives its command ------------------------------------------------------------
@@ -261,7 +313,7 @@ def end_one(folder, name, how, moment):
     script = "case $1 in -v) echo This is Version 9.9 ;; *) exec sleep 600 ;; esac"
     ccx = fake_program(folder / "bin", "ccx", script)
     arguments = [part.format(out=out) for part in COMMANDS[name].long]
-    command = [sys.executable, "-m", "cylcontact.cli", *arguments, "--jobs", "2"]
+    command = [*AS_USER, *arguments, "--jobs", "2"]
     environment = {"PATH": f"{ccx.parent}:{os.environ['PATH']}", "TMPDIR": str(scratch)}
     with family(command, said, terminal=how == "closed terminal", **environment) as started:
         if moment == "early":
@@ -273,16 +325,12 @@ def end_one(folder, name, how, moment):
         numbers = [*started.members()]
         started.end(how)
         seconds = started.wait_until_gone()
-        code = started.process.returncode
     assert shared_memory(numbers, shared) == []
     if how != "SIGKILL":
         assert [path for path in set(tree(out)) - before if is_half_written(path)] == []
         assert tree(scratch) == {}
     if how in ("SIGINT", "SIGTERM") and moment != "early":
-        assert code == 130, said.read_text()
-        # Rarely, joblib's tracker of resources warns of one that has just been removed.
-        lines = re.sub(r".*resource_tracker.*\n( .*\n)?", "", said.read_text())
-        assert re.fullmatch(r"cylcontact: interrupted.*\n", lines)
+        assert_interrupted(started, "interrupted.*")
     return seconds
 
 

@@ -1,7 +1,7 @@
 """The numbers behind Figs 15 to 19 and their companions, and the film."""
 
+import functools
 import math
-import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -22,7 +22,7 @@ from _cylcontact_bench.slider_crank import (
 )
 from PIL import Image
 
-from cylcontact import InputError, cli
+from cylcontact import InputError
 from cylcontact.mechanism import Case, read_mechanism, simulate
 from cylcontact.mechanism.drawing import driver_circle, poses
 from cylcontact.mechanism.movie import FRAMES_PER_REVOLUTION, film, require_film
@@ -238,18 +238,10 @@ class TestFilm:
 
 class TestAnimate:
     @pytest.fixture
-    def run(self, monkeypatch, capsys):
-        """Run the command line in this process; return its exit code, output and errors."""
+    def run(self, run, monkeypatch):
+        """Run `cylcontact animate` in this process, with few frames."""
         monkeypatch.setattr("cylcontact.mechanism.movie.FRAMES_PER_REVOLUTION", 4)
-
-        def run(*arguments):
-            monkeypatch.setattr(sys, "argv", ["cylcontact", "animate", *map(str, arguments)])
-            with pytest.raises(SystemExit) as caught:
-                cli.main()
-            written = capsys.readouterr()
-            return caught.value.code, written.out, written.err
-
-        return run
+        return functools.partial(run, "animate")
 
     def test_writes_a_film_and_tells_what_is_assumed(self, run, tmp_path):
         out = tmp_path / "four-bar.gif"

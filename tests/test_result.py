@@ -11,7 +11,7 @@ import pytest
 from cylcontact import InputError
 from cylcontact.fitting import FitResult, compare, read_campaign, verdicts
 from cylcontact.fitting.provenance import provenance
-from tests.spec_files import DROP, assert_told, changed, tree, write_bench
+from tests.spec_files import DROP, assert_told, changed, labels, tree, write_bench
 
 COMMITTED = sorted((Path(__file__).resolve().parents[1] / "fitting/results").glob("*.json"))
 EXTERNAL = next(path for path in COMMITTED if path.stem == "external")
@@ -147,9 +147,7 @@ BAD_INPUT = [
 @pytest.mark.parametrize(
     ("changes", "where", "key", "value", "rule", "remedy"),
     BAD_INPUT,
-    ids=[
-        ", ".join(f"{k}={v if v is not DROP else ''}" for k, v in c[0].items()) for c in BAD_INPUT
-    ],
+    ids=labels(BAD_INPUT),
 )
 def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     tmp_path, changes, where, key, value, rule, remedy
