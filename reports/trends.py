@@ -126,24 +126,24 @@ def compare(
     -------
     list of Change
     """
-    for name, values in (among or {}).items():
-        table = table[table[name].isin(list(values))]
+    for key, chosen in (among or {}).items():
+        table = table[table[key].isin(list(chosen))]
     others = [name for name in CONDITIONS if name != condition]
     first, second = (
         table[table[condition] == value].set_index(others).to_dict("index")
         for value in (before, after)
     )
     changes = []
-    for key, one in first.items():
-        pair = one, second[key]
+    for case, one in first.items():
+        pair = one, second[case]
         values = [[row[column + run] for run in RUNS] for row in pair]
         errors = [
             [row[f"{column}_std{run}"] / np.sqrt(row["counted"]) for run in RUNS] for row in pair
         ]
-        case = dict(zip(others, cast(tuple[Any, ...], key), strict=True))
-        by_run = np.array([*values, np.hypot(*errors)], float)
+        name = case_name(dict(zip(others, cast(tuple[Any, ...], case), strict=True)))
+        by_run = as_floats([*values, np.hypot(errors[0], errors[1])])
         freedom = min(row["counted"] for row in pair) - 1
-        changes.append(Change(case_name(case), by_run, freedom))
+        changes.append(Change(name, by_run, freedom))
     return changes
 
 

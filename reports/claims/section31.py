@@ -217,11 +217,11 @@ def training_box(contact: Contact) -> tuple[FloatArray, FloatArray]:
     E is sampled along that product, from corner to corner. R² has the shape (product, n); the
     parts, on logarithmic axes, sum to 100 %.
     """
-    sides = np.log([paper.TRAINING_DR[contact], paper.TRAINING_E])
-    low, high = sides.sum(axis=0)
+    sides = np.array([paper.TRAINING_DR[contact], paper.TRAINING_E])
+    low, high = np.log(sides.prod(axis=0))
     s = np.linspace(low, high, 2001)
     # The lengths of the lines ln E + ln ΔR = s inside the rectangle: a trapezium.
-    length = np.minimum(np.minimum(s - low, high - s), np.diff(sides).min())
+    length = np.minimum(np.minimum(s - low, high - s), np.diff(np.log(sides)).min())
     r_squared = [r_squared_at(N_TRIED, *product_points(contact, product)) for product in np.exp(s)]
     return np.array(r_squared), 100 * length / length.sum()
 

@@ -219,6 +219,7 @@ def claim(
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> @claim("2-{name}-is-even", "{name} is even", paper="even", rule="2 divides it",
     ...        cases=[{"name": "four", "number": 4}, {"name": "seven", "number": 7}])
     ... def is_even(number):
