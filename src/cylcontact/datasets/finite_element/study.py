@@ -6,10 +6,11 @@ from contextlib import closing
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Literal
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from cylcontact.choices import Engine
 from cylcontact.datasets.finite_element import calculix
 from cylcontact.datasets.finite_element.cases import Case, Row
 from cylcontact.datasets.finite_element.setup import Setup
@@ -19,9 +20,6 @@ from cylcontact.errors import InputError
 from cylcontact.journal import Journal
 from cylcontact.parallel import call, run_calls
 from cylcontact.progress import Progress, silent
-
-Engine = Literal["embedded", "calculix"]
-ENGINES: tuple[Engine, ...] = ("embedded", "calculix")
 
 
 @dataclass(frozen=True)
