@@ -16,12 +16,10 @@ from cylcontact.mechanism.cvode import library
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import masses, recognise
 
-__all__ = ["BEYOND", "METHODS", "TANGENT_FROM", "System", "build", "law_block"]
+__all__ = ["TANGENT_FROM", "System", "build", "law_block"]
 
-METHODS = ("minimal", "multiplier")
-BEYOND = ("stop", "tangent")
-# Assumed: start of the straight line of "tangent", as a fraction of the law's largest penetration.
-# At the limit itself Johnson's law is infinitely stiff.
+# Assumed: where the straight line of "tangent" takes over, as a fraction of the law's largest
+# penetration. At the limit itself Johnson's law is infinitely stiff.
 TANGENT_FROM = 0.9
 
 # Scales of the absolute tolerances in m, m/s and J: states of the size of the clearance, speeds of
