@@ -38,9 +38,6 @@ dR_um,E_GPa,nu,load_N_per_mm,penetration_um
 """
 OWN_MATERIALS = f"{','.join(COLUMNS)}\nbronze,110,paper,0.34,paper,220,assumed,a note\n"
 STEEL = "dR_um,load_N_per_mm,penetration_um\n50,10,0.21\n50,100,1.7\n50,1000,13.2\n"
-# Without `data` a campaign on measurements reads as one on a grid, and `contact` is blamed; a
-# `table` that is no string is called missing.
-UNTOLD = {"data", "table"}
 STYLE = {
     **{"style": "slides", "width_mm": 100.0, "font_size": 9.0, "lines": 1.5},
     **{"font": "DejaVu Sans", "formats": ["png"]},
@@ -200,14 +197,16 @@ def mistakes_in_table(form, value, root, keys, description):
     """Yield the mistakes in a table: missing and unknown keys, and those in what it holds."""
     inner = form.get("properties", {})
     others = form.get("additionalProperties", {})
-    for key in [key for key in form.get("required", ()) if key in value and key not in UNTOLD]:
+    # Without `data` a campaign on measurements reads as one on a grid, and `contact` is blamed.
+    for key in [key for key in form.get("required", ()) if key in value and key != "data"]:
         yield Mistake((*keys, key), DROP, "is required", f"add {inner[key]['description']}")
     if others is False:
         known = f"known keys here: {', '.join(inner)}"
         yield Mistake((*keys, "colour"), 1, "is not a known key", known)
     for key, part in value.items():
         schema = inner.get(key, others)
-        if isinstance(schema, dict) and part is not None and key not in UNTOLD:
+        # A grid's `table` that is no string is called missing.
+        if isinstance(schema, dict) and part is not None and key != "table":
             own = inner.get(key, {}).get("description", description)
             yield from mistakes(schema, part, root, (*keys, key), own)
 
