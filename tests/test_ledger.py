@@ -691,4 +691,4 @@ def test_no_length_fits_if_the_lengths_are_further_apart_than_both_margins(claim
 def test_without_a_mechanism_its_claims_are_not_testable(tmp_path):
     for claim in compute(section4, section4_runs, bench=Bench(tmp_path)).values():
         assert claim.verdict == NONE
-        assert "slider_crank.toml this spec does not exist" in claim.choice
+        assert "slider_crank.toml: this spec does not exist" in claim.choice
