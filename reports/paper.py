@@ -1,9 +1,9 @@
-"""The paper's constants, and the domains it speaks of without giving bounds.
+"""The paper's constants and printed values, and the domains that it names without bounds.
 
 C. Pereira, A. Ramalho and J. Ambrósio, An enhanced cylindrical contact force model, Multibody
-System Dynamics (2015). It judges its law over "practical" conditions and "moderate" loads, and
-puts no number to either. Both get one here; every claim that rests on them says so and reports
-what other bounds would give.
+System Dynamics (2015). It judges its law over "practical" conditions and "moderate" loads without
+giving numbers. Ours are here; every claim that rests on them says so and reports the results for
+other bounds.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ FIG6_WIDE = 0.445  # mm, from where on the paper states 3 %
 FIG7_CLEARANCES: Interval = (0.001, 2.0)  # mm, Figs 7–9
 Y_SWITCH = "0.34954"  # mm, as printed in Eq 6d
 RADII = (100.0, 10.0, 5.0)  # mm, the R_i of Figs 7 and 9
-# The middle half of the load axis of Figs 10–14, which is logarithmic.
+# The middle half of the logarithmic load axis of Figs 10–14; the paper gives no bounds.
 MODERATE_LOADS: Interval = (10**1.5, 10**2.5)
 
 # Sects 3.1 and 3.2: the case of Fig 2, and what the laws are fitted over.
@@ -258,16 +258,16 @@ def difference(dR: ArrayLike, load: ArrayLike, material: Material) -> FloatArray
 
 
 def eq1_penetration(load: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return Johnson's Eq 1 solved for δ in mm, taken literally at any load in N/mm.
+    """Return δ in mm by Johnson's Eq 1, taken literally at any load in N/mm.
 
-    Beyond Eq 8's load the law means nothing; this is for the claims about what it does there.
+    Beyond Eq 8's load the law is meaningless; the claims about Eq 1 beyond it need the values.
     """
     f, dR = as_floats(load), as_floats(pair.dR)
     return as_floats(f / (np.pi * pair.E_star) * (np.log(4 * np.pi * pair.E_star * dR / f) - 1))
 
 
 def eq1_peak_load(pair: CylinderPair) -> float:
-    """Return the load in N/mm at which Eq 1's penetration is largest, found on the curve."""
+    """Return the load in N/mm at which Eq 1's penetration is largest, by a search on the curve."""
     limit = float(limits.johnson_limit_load(pair))
     peak = minimize_scalar(
         lambda f: -float(eq1_penetration(f, pair)),
@@ -279,16 +279,16 @@ def eq1_peak_load(pair: CylinderPair) -> float:
 
 
 def origins(rows: Table, names: Collection[str], *groups: tuple[str, ...]) -> str:
-    """Say which of the materials' numbers are not the paper's own; empty if all are.
+    """Return which of the materials' numbers are not the paper's own; empty if all are.
 
     Parameters
     ----------
     rows : mapping of str to MaterialRow
         The table of materials.
     names : collection of str
-        The materials told about.
+        The materials to include.
     *groups : tuple of str
-        Columns of the table, those that are told together in one group.
+        Columns of the table; those of one group are listed together.
 
     Returns
     -------
@@ -302,14 +302,14 @@ def origins(rows: Table, names: Collection[str], *groups: tuple[str, ...]) -> st
     """
     parts = []
     for origin in ("derived", "assumed"):
-        told = [text for group in groups for text in _owned(rows, names, group, origin)]
-        if told:
-            parts.append(f"{origin}: {', '.join(told)}")
+        texts = [text for group in groups for text in _owned(rows, names, group, origin)]
+        if texts:
+            parts.append(f"{origin}: {', '.join(texts)}")
     return "; ".join(parts)
 
 
 def _owned(rows: Table, names: Collection[str], columns: tuple[str, ...], origin: str) -> list[str]:
-    """Return "symbols of names" for the columns of that origin, equal symbols told together."""
+    """Return "symbols of names" for the columns of that origin, once for equal symbols."""
     by_name = {
         name: " and ".join(SYMBOLS[c] for c in columns if rows[name].provenance[c] == origin)
         for name in names

@@ -177,6 +177,7 @@ def case_row(run: Trajectory, first: int = FIRST) -> dict[str, float]:
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> bench = Bench(Path())
     >>> case = Case("enhanced", clearance=0.02, restitution=0.9, friction=0.1)
     >>> row = case_row(simulated(bench, case, revolutions=4))
@@ -208,6 +209,7 @@ def law_limit(one: Mechanism) -> float:
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> one = mechanism(Bench(Path()), Case("johnson", 0.02, 0.9, 0.1))
     >>> print(f"{law_limit(one):.5f}")
     0.01083
@@ -307,6 +309,7 @@ def horizons(bench: Bench, clearance: float) -> str:
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> horizons(Bench(Path("nowhere")), 0.5)
     'How long two tolerances agree, make mechanism finds out.'
     """

@@ -13,6 +13,7 @@ from cylcontact import InputError, limits
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
+from cylcontact.reports.claims import ClaimFunction
 
 BENCH = Bench(Path(__file__).parents[1])
 STEEL = Material("steel", 207e3, 0.3)
@@ -21,7 +22,7 @@ NO, CHOICE = "not reproduced", "reproduced with a stated choice"
 
 def finite_element_claims(bench):
     """Compute the claims of Section 3.2 from a bench's tables."""
-    functions = [each for each in vars(section32).values() if getattr(each, "is_claim", False)]
+    functions = [each for each in vars(section32).values() if isinstance(each, ClaimFunction)]
     return [claim for function in functions for claim in function(bench)]
 
 

@@ -32,12 +32,7 @@ from _cylcontact_bench.paper import (
     difference,
 )
 from _cylcontact_bench.power_fits import fit_at
-from _cylcontact_bench.slider_crank import (
-    AGAINST,
-    mechanism,
-    revolutions_of,
-    statistics_table,
-)
+from _cylcontact_bench.slider_crank import AGAINST, mechanism, revolutions_of, statistics_table
 from _cylcontact_bench.trends import Change, compare, is_trend, rule, tally, values_or_ratios
 from scipy.optimize import minimize
 
@@ -269,10 +264,7 @@ def fractions(count: int) -> list[float]:
 @pytest.mark.parametrize("name", MATERIALS)
 @pytest.mark.parametrize(
     ("claim_id", "lowest", "highest"),
-    [
-        ("3.4-below-8-percent", 10.0, 1000.0),
-        ("3.4-below-4-percent", 10**1.5, 10**2.5),
-    ],
+    [("3.4-below-8-percent", 10.0, 1000.0), ("3.4-below-4-percent", 10**1.5, 10**2.5)],
 )
 def test_largest_differences_from_the_equations(claims, name, claim_id, lowest, highest):
     material = ROWS[name].material
@@ -691,4 +683,4 @@ def test_no_length_fits_if_the_lengths_are_further_apart_than_both_margins(claim
 def test_without_a_mechanism_its_claims_are_not_testable(tmp_path):
     for claim in compute(section4, section4_runs, bench=Bench(tmp_path)).values():
         assert claim.verdict == NONE
-        assert "slider_crank.toml this spec does not exist" in claim.choice
+        assert "slider_crank.toml: this spec does not exist" in claim.choice

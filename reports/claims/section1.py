@@ -181,8 +181,5 @@ def enhanced_goes_further(bench: Bench) -> Finding:
         alternatives=f"before that limit the enhanced law is within {before:.1f} % of Persson's "
         "for every material, while Johnson's law itself falls "
         f"{johnson_shortfall(johnson_end()):.1f} % short of it",
-        values={
-            **with_unit(beyond, "percent"),
-            "largest before Johnson's limit, percent": before,
-        },
+        values={**with_unit(beyond, "percent"), "largest before Johnson's limit, percent": before},
     )

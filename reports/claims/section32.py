@@ -134,7 +134,7 @@ def same_trend(bench: Bench) -> Finding:
 )
 def mesh_refinement(bench: Bench) -> Finding:
     """Return the change of penetration and peak pressure on a finer mesh, in percent."""
-    rows = table(bench, "convergence")
+    choice, rows = choices(bench), table(bench, "convergence")
     coarse, fine = rows[rows["variant"] == f"cells {REFINED}"], rows[rows["variant"] == "base"]
     changes = {
         name: float(100 * np.abs(fine[column].to_numpy() / coarse[column].to_numpy() - 1).max())
@@ -153,7 +153,7 @@ def mesh_refinement(bench: Bench) -> Finding:
         ", ".join(f"{name} changes by {value:.2f} %" for name, value in changes.items())
         + f" at most from {REFINED} to {FINEST} cells over the contact's half-width",
         holds=max(changes.values()) < MESH_PERCENT,
-        choice=choices(bench),
+        choice=choice,
         alternatives="with the load on the centre node, as the paper has it, the penetration "
         f"changes by {at_node:+.1f} % at most from 16 to 32 cells "
         f"{verdict_if(abs(at_node) < MESH_PERCENT)}",
