@@ -302,7 +302,7 @@ BAD_INPUT = [
     ),
     (
         (*FIT, "--resume", "-o", "foreign"),
-        "foreign.partial: keeps the runs of another campaign or of other settings; run without",
+        "foreign.partial: belongs to another campaign or to other settings; run without",
     ),
 ]
 

@@ -13,10 +13,10 @@ from cylcontact.cli.app import app
 from cylcontact.fitting.calibrate import problem_of
 from cylcontact.fitting.measured_fit import fit_measurements
 from cylcontact.fitting.polish import polish
+from cylcontact.fitting.report import discrepancy_text
 from cylcontact.fitting.samples import collect_samples
 from cylcontact.fitting.uncertainty.discrepancy import study_discrepancy
 from cylcontact.fitting.uncertainty.study import study_noise
-from cylcontact.fitting.uncertainty.text import discrepancy_text
 from tests.measured_files import measured_campaign
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -15,6 +15,7 @@ LAYERS = (
     {"errors", "tether"},
     {
         "arrays",
+        "choices",
         "files",
         "html_repr",
         "journal",

@@ -181,7 +181,7 @@ def test_weights_count_like_repeated_rows(tmp_path):
     ]
     assert found[1].coefficients == pytest.approx(found[0].coefficients, rel=1e-6)
     assert len(found[0].uncertainty.duplicates) == 5
-    assert any("say exactly the same" in sentence for sentence in verdicts(found[0]))
+    assert any("identical rows" in sentence for sentence in verdicts(found[0]))
 
 
 # --- laws -------------------------------------------------------------------------------------

@@ -17,20 +17,20 @@ from cylcontact.fitting.measured_fit import fit_measurements
 from cylcontact.fitting.measured_objective import MeasuredObjective
 from cylcontact.fitting.parameters import Parameter, PowerForm
 from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.report import noise_text
 from cylcontact.fitting.uncertainty.bands import bands_of_data, predict
+from cylcontact.fitting.uncertainty.estimates import uncertainty_of
 from cylcontact.fitting.uncertainty.likelihood import (
     Interval,
+    fixed_ratio,
     interval,
     pair_map,
     pairs_of,
-    ratio_held,
 )
-from cylcontact.fitting.uncertainty.report import uncertainty_of
 from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
 from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
-from cylcontact.fitting.uncertainty.text import noise_text
-from cylcontact.fitting.uncertainty.wording import noise_verdicts
+from cylcontact.fitting.verdicts import noise_verdicts
 from tests.measured_files import STEEL, TRUTHS, measured_campaign
 from tests.spec_files import golden
 from tests.test_measured_fit import user_campaign
@@ -182,7 +182,7 @@ def test_a_linear_problem_has_the_textbook_intervals(tmp_path):
     # ln δ of a power law is linear in ln K_star and 1/n; K_star and n themselves are not, but
     # with n held ln K_star is a mean, whose interval is Student's.
     problem, best, _ = best_of(measured_campaign(tmp_path, "power", noise=NOISE))
-    held = problem.holding("n", 1.1)
+    held = problem.fixing("n", 1.1)
     point, _, _ = descend(held, held.point(best))
     noise = residual_model_at(held, point)
     r = measured(held).raw(held.form(point[None, :]))[0]
@@ -227,7 +227,7 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
         errors = noise.half_width(LEVEL) * np.sqrt(np.diag(noise.covariance))
         hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
         for name in names:
-            ratio, _ = ratio_held(again, noise, {name: truth[name]}, best)
+            ratio, _ = fixed_ratio(again, noise, {name: truth[name]}, best)
             hits["profile"].append(ratio <= noise.threshold(LEVEL))
         band = predict(again, noise, best, ahead, LEVEL, load=[20.0])
         depth = float(law.penetration(20.0, ahead)[0])
@@ -441,7 +441,7 @@ def test_a_verdict_does_not_depend_on_where_zero_is(tmp_path):
     verdicts = []
     for shift in (0.0, 0.5, -2.0):
         problem, best, noise = best_of(measured_campaign(tmp_path, noise=NOISE))
-        moved = problem.holding("Lambda_factor", float(np.exp(-shift)))
+        moved = problem.fixing("Lambda_factor", float(np.exp(-shift)))
         shifted = {**best, "c": best["c"] + shift, "Lambda_factor": float(np.exp(-shift))}
         assert moved.value_of(shifted) == pytest.approx(problem.value_of(best), rel=1e-9)
         found = uncertainty_of(moved, shifted, LEVEL)
@@ -473,7 +473,7 @@ def test_an_effect_is_the_relative_change_of_the_prediction(tmp_path, objective)
 
 def test_a_profile_says_when_it_finds_a_better_fit(noisy):
     problem, best, _ = noisy
-    short = problem.holding("kappa", best["kappa"] * 1.02)
+    short = problem.fixing("kappa", best["kappa"] * 1.02)
     point, _, _ = descend(short, short.point(best))
     found = uncertainty_of(problem, short.coefficients(point), LEVEL)
     assert found.estimates["c"].profile.lowest < -1e-3
@@ -521,7 +521,7 @@ def test_the_sandwich_is_the_spread_of_repeated_experiments(tmp_path, loss, scal
     # is all there is to refit, and many experiments of a thousand rows are quick.
     campaign = measured_campaign(tmp_path, "power")
     truth = TRUTHS["power", "internal"]
-    problem = campaign.problem().holding("n", truth["n"])
+    problem = campaign.problem().fixing("n", truth["n"])
     data = measured(problem).data
     data = data.take(np.tile(np.arange(len(data)), 28))
     exact = campaign.model.build(truth).penetration(data.load, data.pair)

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import PydanticCustomError
 
+from cylcontact.choices import TABLE_SUFFIXES
 from cylcontact.errors import InputError
 
 __all__ = ["Spec", "broken", "parse_spec", "read_toml", "require_other_kind"]
@@ -37,7 +38,6 @@ _KINDS = (
     ("a campaign", {"data", "law"}),
     ("a grid spec", {"contact", "reference"}),
 )
-_TABLES = (".csv", ".parquet")
 
 # Pydantic's type rules in the terms of TOML and JSON.
 _PLAIN_RULES = {
@@ -106,7 +106,7 @@ def require_other_kind(path: Path | str, wanted: str) -> None:
     InputError
         If the file is a table, or TOML or JSON of a known kind.
     """
-    if Path(path).suffix in _TABLES:
+    if Path(path).suffix in TABLE_SUFFIXES:
         raise _other_kind(str(path), "a table", wanted)
     for parse in (tomllib.loads, json.loads):
         try:

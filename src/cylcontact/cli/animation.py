@@ -8,8 +8,11 @@ from typing import Annotated
 import typer
 
 from cylcontact.cli.mechanism import Beyond, Method, SpecFile, Tolerance
-from cylcontact.cli.terminal import integer_from, progress_bars
+from cylcontact.cli.options import integer_from
+from cylcontact.cli.terminal import progress_bars
 from cylcontact.files import require_writable
+
+__all__ = ["animate"]
 
 
 def animate(

@@ -15,6 +15,8 @@ from cylcontact.cli import (
     reporting,
 )
 
+__all__ = ["app"]
+
 
 def _version(wanted: bool) -> None:
     """Show the version and end."""
@@ -32,7 +34,7 @@ app = typer.Typer(
 
 
 @app.callback()
-def common(
+def _common(
     version: Annotated[
         bool,
         typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),

@@ -8,21 +8,14 @@ from typing import Annotated
 
 import typer
 
+from cylcontact.choices import OPTIMIZERS, listed
 from cylcontact.cli import measured
-from cylcontact.cli.choices import OPTIMIZERS, listed
-from cylcontact.cli.keeping import interrupted, kept_beside
-from cylcontact.cli.terminal import (
-    RESULTS,
-    Force,
-    Jobs,
-    Runs,
-    Scheduler,
-    Seed,
-    progress_bars,
-    workers,
-)
+from cylcontact.cli.options import RESULTS, Force, Jobs, Runs, Scheduler, Seed, resumable
+from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
 from cylcontact.files import owning, replacing, require_suffix
+
+__all__ = ["compare", "fit", "optimizers", "sample", "verify"]
 
 
 def sample(
@@ -107,16 +100,12 @@ def fit(
     with owning(target):
         if out is None and not force:
             require_same_inputs(target, planned)
-        kept = kept_beside(target)
-        if resume and not kept.exists():
-            typer.echo(f"cylcontact: no runs are kept in {kept}; all are run", err=True)
-        try:
+        with resumable(target, "run") as journal:
+            if resume and not journal.exists():
+                typer.echo(f"cylcontact: no runs are kept in {journal}; all are run", err=True)
             with progress_bars() as progress:
-                result = calibrate(planned, where, progress, kept, resume)
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(interrupted(kept, "run")) from None
-        result.save(target)
-        kept.unlink(missing_ok=True)
+                result = calibrate(planned, where, progress, journal, resume)
+            result.save(target)
     typer.echo(f"{result}\n\nwritten to {target}")
 
 

@@ -16,9 +16,11 @@ import cylcontact
 from cylcontact.errors import InputError
 from cylcontact.files import folder_of, require_writable, unwritable
 
+__all__ = ["FOLDERS", "copy_files", "init", "shipped_files"]
+
 FOLDERS = ("datasets", "fitting", "notebooks", "reports")
 # What commands and readers add to the folders of a checkout; a wheel has none of it.
-NOT_SHIPPED = (
+_NOT_SHIPPED = (
     *("__pycache__", ".*", "figures", "generated", "html", "tables"),
     *("mine*", "materials.csv", "*.lock", "*.partial"),
 )
@@ -30,7 +32,7 @@ def init(
     ] = Path(),
 ) -> None:
     """Lay out a bench: datasets, campaigns with their results, figures' recipes, notebooks."""
-    source = shipped_bench()
+    source = _shipped_bench()
     names = shipped_files(source)
     copy_files(source, folder, _missing(source, folder, names))
     typer.echo(
@@ -39,7 +41,7 @@ def init(
     )
 
 
-def shipped_bench() -> Path:
+def _shipped_bench() -> Path:
     """Return the folder of the bench that ships: in the package, or the checkout around it."""
     package = Path(cylcontact.__file__).parent
     return package / "bench" if (package / "bench").is_dir() else package.parents[1]
@@ -47,7 +49,7 @@ def shipped_bench() -> Path:
 
 def shipped_files(source: Path) -> list[Path]:
     """Return the files of the bench that ships, relative to its folder."""
-    ignore = shutil.ignore_patterns(*NOT_SHIPPED)
+    ignore = shutil.ignore_patterns(*_NOT_SHIPPED)
     names = []
     for top in FOLDERS:
         for folder, folders, files in os.walk(source / top):

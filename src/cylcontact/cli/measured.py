@@ -10,24 +10,41 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cylcontact.cli.choices import CONTACTS, LOSSES, listed
-from cylcontact.cli.terminal import (
-    Jobs,
-    Scheduler,
-    Seed,
-    integer_from,
-    modulus_in_MPa,
-    progress_bars,
-    workers,
-)
+from cylcontact.choices import TABLE_SUFFIXES, listed
+from cylcontact.cli.options import LOSSES, Jobs, Scheduler, Seed, integer_from, modulus_in_MPa
+from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix, require_writable
+from cylcontact.pair import CONTACTS
 
 if TYPE_CHECKING:
     from cylcontact.fitting.planning import AnyCampaign
 
-TABLES = (".csv", ".parquet")
-PANEL = "For a table of measurements"
+__all__ = [
+    "CONSTANTS",
+    "Bounds",
+    "Clearance",
+    "ContactKind",
+    "Held",
+    "Ignored",
+    "Law",
+    "Length",
+    "LossName",
+    "MaterialI",
+    "MaterialJ",
+    "MaterialName",
+    "Materials",
+    "Modulus",
+    "Objective",
+    "Poisson",
+    "RadiusI",
+    "RadiusJ",
+    "TableOptions",
+    "plan",
+    "uncertainty",
+]
+
+_PANEL = "For a table of measurements"
 
 
 def _option(
@@ -35,7 +52,7 @@ def _option(
 ) -> Any:
     """Return an option of the panel for tables."""
     return typer.Option(
-        *names, help=help, metavar=metavar, callback=callback, rich_help_panel=PANEL
+        *names, help=help, metavar=metavar, callback=callback, rich_help_panel=_PANEL
     )
 
 
@@ -120,7 +137,7 @@ def plan(
 
     given = {f.name: getattr(options, f.name) for f in fields(options)}
     given = {name: value for name, value in given.items() if value not in (None, [])}
-    if path.suffix.lower() not in TABLES:
+    if path.suffix.lower() not in TABLE_SUFFIXES:
         if given:
             raise InputError(
                 str(path),
@@ -210,9 +227,9 @@ def uncertainty(
 ) -> None:
     """Say how sure a fit's coefficients are: noise of measurements, or discrepancy of laws."""
     from cylcontact.fitting import FitResult
+    from cylcontact.fitting.report import discrepancy_text, noise_text
     from cylcontact.fitting.uncertainty.discrepancy import DiscrepancyStudy, study_discrepancy
     from cylcontact.fitting.uncertainty.study import NoiseStudy, study_noise
-    from cylcontact.fitting.uncertainty.text import discrepancy_text, noise_text
 
     _require_study(result, out, level, bootstrap, over)
     found = FitResult.load(result)

@@ -9,14 +9,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cylcontact.cli import choices
-from cylcontact.cli.keeping import interrupted, kept_beside
-from cylcontact.cli.terminal import Jobs, Scheduler, integer_from, progress_bars, workers
+from cylcontact import choices
+from cylcontact.choices import BEYOND, METHODS, listed
+from cylcontact.cli.options import Jobs, Scheduler, integer_from, resumable
+from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
 from cylcontact.files import owning, require_suffix
 
 if TYPE_CHECKING:
     from cylcontact.mechanism import Mechanism, Settings, Trajectory
+
+__all__ = ["PAPER", "Beyond", "Method", "SpecFile", "Tolerance", "simulate", "sweep", "tolerances"]
 
 # What Sect. 4.3 varies: laws, clearances in mm, restitutions, friction coefficients.
 PAPER = (
@@ -35,7 +38,7 @@ def _listed(values: Iterable[object]) -> str:
 SpecFile = Annotated[
     Path, typer.Argument(help="A mechanism's spec, e.g. datasets/slider_crank.toml.")
 ]
-Revolutions = Annotated[
+_Revolutions = Annotated[
     int | None,
     typer.Option(
         parser=integer_from(1), metavar="INTEGER", help="Revolutions in all; the spec's by default."
@@ -45,17 +48,17 @@ Tolerance = Annotated[float | None, typer.Option(help="Of the integrator; the sp
 Method = Annotated[
     choices.Method | None,
     typer.Option(
-        parser=choices.unchecked,
+        parser=str,
         metavar="METHOD",
-        help=f"{choices.listed(choices.METHODS)}; the first is the faster, and taken if it fits.",
+        help=f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
     ),
 ]
 Beyond = Annotated[
     choices.Beyond,
     typer.Option(
-        parser=choices.unchecked,
+        parser=str,
         metavar="WHAT",
-        help=f"Where the contact law ends: {choices.listed(choices.BEYOND)} (go on along it).",
+        help=f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
     ),
 ]
 
@@ -66,7 +69,7 @@ def simulate(
     clearance: Annotated[float | None, typer.Option(help="Radial clearance, mm.")] = None,
     restitution: Annotated[float | None, typer.Option(help="Restitution, (0, 1].")] = None,
     friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None,
-    revolutions: Revolutions = None,
+    revolutions: _Revolutions = None,
     method: Method = None,
     tolerance: Tolerance = None,
     beyond: Beyond = "stop",
@@ -166,7 +169,7 @@ def sweep(
     clearances: Annotated[str, typer.Option(help="Radial clearances, mm.")] = _listed(PAPER[1]),
     restitutions: Annotated[str, typer.Option(help="Restitutions.")] = _listed(PAPER[2]),
     frictions: Annotated[str, typer.Option(help="Friction coefficients.")] = _listed(PAPER[3]),
-    revolutions: Revolutions = None,
+    revolutions: _Revolutions = None,
     first: Annotated[
         int,
         typer.Option(
@@ -200,15 +203,10 @@ def sweep(
     turns = revolutions or mechanism.integration.revolutions
     plan = Plan(turns, first, method, tolerance, beyond, against)
     where = workers(jobs, scheduler)
-    with owning(out):
-        kept = kept_beside(out)
-        try:
-            with progress_bars() as progress:
-                table = run(mechanism, wanted, plan, where, progress, kept, resume)
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(interrupted(kept, "case")) from None
+    with owning(out), resumable(out, "case") as journal:
+        with progress_bars() as progress:
+            table = run(mechanism, wanted, plan, where, progress, journal, resume)
         write_table(table, out)
-        kept.unlink(missing_ok=True)
     stopped = table[table["status"] != "complete"]
     typer.echo(f"{out}: {len(table)} cases, {len(stopped)} of them stopped")
     for message in stopped["message"]:
@@ -221,7 +219,7 @@ def tolerances(
     values: Annotated[
         str, typer.Option("--tolerances", help="Separated by commas.")
     ] = "1e-5,1e-6,1e-7,1e-8,1e-9,1e-10,1e-11",
-    revolutions: Revolutions = None,
+    revolutions: _Revolutions = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
 ) -> None:
@@ -238,7 +236,7 @@ def tolerances(
     where = workers(jobs, scheduler)
     plans = [
         Plan(turns, method=method, tolerance=value, beyond="tangent")
-        for method in choices.METHODS
+        for method in METHODS
         for value in _numbers("--tolerances", values)
     ]
     with owning(out), progress_bars() as progress:

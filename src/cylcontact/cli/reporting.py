@@ -8,20 +8,25 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cylcontact.cli.choices import CONTACTS, FORMATS, STYLES, TABLES, TARGETS, listed
-from cylcontact.cli.terminal import (
+from cylcontact.choices import FORMATS, listed
+from cylcontact.cli.options import (
     RESULTS,
+    STYLES,
+    TABLES,
+    TARGETS,
     Jobs,
     Results,
-    cores,
     modulus_in_MPa,
-    progress_bars,
 )
+from cylcontact.cli.terminal import cores, progress_bars
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
+from cylcontact.pair import CONTACTS
 
 if TYPE_CHECKING:
     from cylcontact.reports.bench import Bench
+
+__all__ = ["claims", "compare_laws", "export", "report"]
 
 
 def report(

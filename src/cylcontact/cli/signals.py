@@ -9,8 +9,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+__all__ = ["stopped_by_signals"]
+
 # Seconds after which an interruption is raised again if it was lost.
-INSISTING = 1.0
+_INSISTING = 1.0
 
 
 @contextmanager
@@ -30,7 +32,7 @@ def stopped_by_signals() -> Iterator[None]:
         if number != signal.SIGINT:  # a terminal that closes may send its signal twice
             signal.signal(number, signal.SIG_IGN)
         _leave_lost_terminal()
-        signal.setitimer(signal.ITIMER_REAL, INSISTING, INSISTING)
+        signal.setitimer(signal.ITIMER_REAL, _INSISTING, _INSISTING)
         raise KeyboardInterrupt
 
     ending = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)

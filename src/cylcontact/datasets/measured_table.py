@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from cylcontact.arrays import FloatArray
+from cylcontact.choices import TABLE_SUFFIXES
 from cylcontact.errors import InputError
 from cylcontact.units import LABELS, Column, column_named
 
@@ -18,7 +19,6 @@ __all__ = ["MAX_ROWS", "MeasuredTable", "read_table"]
 
 # All rows are held in memory and stored in the result.
 MAX_ROWS = 200_000
-_SUFFIXES = (".csv", ".parquet")
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ def read_table(path: Path | str, ignored: Sequence[str] = ()) -> MeasuredTable:
     """
     source = str(path)
     suffix = Path(path).suffix.lower()
-    if suffix not in _SUFFIXES:
+    if suffix not in TABLE_SUFFIXES:
         raise InputError(source, "", None, "is neither .csv nor .parquet", "name a table")
     try:
         digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()

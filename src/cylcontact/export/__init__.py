@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from cylcontact.choices import listed
 from cylcontact.errors import InputError
 from cylcontact.export.as_json import to_json
 from cylcontact.export.c import to_c
@@ -111,8 +112,9 @@ def export_named(what: str, contact: str | None, target: str) -> str:
 def _require_target(target: str) -> None:
     """Raise `InputError` for an unknown target."""
     if target not in TARGETS:
-        known = f"{', '.join(TARGETS[:-1])} or {TARGETS[-1]}"
-        raise InputError("export", "--to", target, "is not a known target", f"choose {known}")
+        raise InputError(
+            "export", "--to", target, "is not a known target", f"choose {listed(TARGETS)}"
+        )
 
 
 def _contact(contact: str | None) -> Contact | None:
@@ -123,5 +125,5 @@ def _contact(contact: str | None) -> Contact | None:
     if contact is None:
         return None
     raise InputError(
-        "export", "--contact", contact, "is not a contact", f"choose {' or '.join(CONTACTS)}"
+        "export", "--contact", contact, "is not a contact", f"choose {listed(CONTACTS)}"
     )

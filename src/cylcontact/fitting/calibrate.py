@@ -1,4 +1,4 @@
-"""Run a campaign: sample, search, polish, profile, and put the result together."""
+"""Run a campaign: sample the grid, search, polish and profile."""
 
 from __future__ import annotations
 
@@ -33,8 +33,10 @@ from cylcontact.parallel import Workers, call, run_calls
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import parse_spec
 
-# Every worker holds all samples in memory, 24 bytes each.
-MAX_ROWS = 20_000_000
+__all__ = ["calibrate", "problem_of", "search_all"]
+
+# Every worker keeps all samples in memory, 24 bytes each.
+_MAX_ROWS = 20_000_000
 
 
 def calibrate(
@@ -54,7 +56,7 @@ def calibrate(
     jobs : int or Cluster
         Worker processes, or a Dask cluster; the result does not depend on it.
     progress : callable, optional
-        Called with the stage, the number of its parts done and their total.
+        Called with the stage, how many of its parts are done, and their number.
     checkpoint : path, optional
         The journal of finished runs; the caller removes it once the result is saved.
     resume : bool
@@ -72,7 +74,7 @@ def calibrate(
 
     Examples
     --------
-    Samples of the published external law give its coefficients back:
+    Samples of the published external law recover its coefficients:
 
     >>> from cylcontact.fitting.campaign import campaign_from_settings
     >>> span = {"points": 4, "spacing": "log"}
@@ -124,7 +126,7 @@ def calibrate(
 
 
 def problem_of(campaign: AnyCampaign, jobs: Workers, progress: Progress) -> tuple[Problem, Counts]:
-    """Return what a campaign minimises, and how many samples its grid gave.
+    """Return the problem of a campaign and the number of its samples.
 
     Parameters
     ----------
@@ -154,16 +156,16 @@ def problem_of(campaign: AnyCampaign, jobs: Workers, progress: Progress) -> tupl
 def _data(
     campaign: Campaign, jobs: Workers, progress: Progress
 ) -> tuple[Moments | Samples, Counts]:
-    """Sample the campaign's grid to what its objective needs."""
+    """Sample the campaign's grid: moments where the objective allows, else rows."""
     grid = campaign.grid
     if campaign.family.is_power_law and campaign.spec.objective not in ON_ROWS:
         return reduce_grid(grid, jobs, lambda done: progress("sampling", done, grid.dR.size))
-    if grid.size > MAX_ROWS:
+    if grid.size > _MAX_ROWS:
         raise InputError(
             campaign.source,
             "objective",
             campaign.spec.objective,
-            f"keeps every sample in memory and the grid has {grid.size} (at most {MAX_ROWS})",
+            f"keeps every sample in memory and the grid has {grid.size} (at most {_MAX_ROWS})",
             "thin the grid, or use rms-log-penetration, which needs only moments",
         )
     return collect_samples(grid)
@@ -177,7 +179,7 @@ def search_all(
     journal: Journal | None = None,
     resume: bool = False,
 ) -> list[RunRecord]:
-    """Run what the journal does not hold, record each run as it ends, return all in order.
+    """Execute the runs that the journal lacks, record each, and return all in order.
 
     Parameters
     ----------
@@ -186,7 +188,7 @@ def search_all(
     campaign, jobs, progress
         As for `calibrate`.
     journal : Journal, optional
-        Of finished runs.
+        The finished runs.
     resume : bool
         Whether to take the runs already in the journal from there.
 

@@ -11,12 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from cylcontact.choices import BEYOND, METHODS, Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.mechanism.loop import Run, advance, one_row
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import recognise
-from cylcontact.mechanism.step_history import Beyond, Method, Settings, StepHistory, concatenate
-from cylcontact.mechanism.system import BEYOND, METHODS, build
+from cylcontact.mechanism.step_history import Settings, StepHistory, concatenate
+from cylcontact.mechanism.system import build
 from cylcontact.mechanism.trajectory import Trajectory
 from cylcontact.progress import Progress, silent
 

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cylcontact.arrays import BoolArray, FloatArray
+from cylcontact.choices import Beyond, Method
 
-__all__ = ["Beyond", "Method", "Settings", "State", "StepHistory", "concatenate"]
-
-Method = Literal["minimal", "multiplier"]
-Beyond = Literal["stop", "tangent"]
+__all__ = ["Settings", "State", "StepHistory", "concatenate"]
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cylcontact.choices import TABLE_SUFFIXES, Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.journal import Journal
 from cylcontact.mechanism.model import Mechanism, mechanism_from
 from cylcontact.mechanism.simulate import simulate
-from cylcontact.mechanism.step_history import Beyond, Method
 from cylcontact.mechanism.studies import horizon
 from cylcontact.mechanism.trajectory import Trajectory
 from cylcontact.parallel import Workers, call, run_calls
@@ -245,4 +245,4 @@ def require_table_name(path: Path) -> None:
     """Refuse a name that is neither .csv nor .parquet."""
     from cylcontact.files import require_suffix
 
-    require_suffix(path, ".csv", ".parquet")
+    require_suffix(path, *TABLE_SUFFIXES)

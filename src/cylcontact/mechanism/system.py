@@ -16,10 +16,8 @@ from cylcontact.mechanism.cvode import library
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import masses, recognise
 
-__all__ = ["BEYOND", "METHODS", "TANGENT_FROM", "System", "build", "law_block"]
+__all__ = ["TANGENT_FROM", "System", "build", "law_block"]
 
-METHODS = ("minimal", "multiplier")
-BEYOND = ("stop", "tangent")
 # Assumed: start of the straight line of "tangent", as a fraction of the law's largest penetration.
 # At the limit itself Johnson's law is infinitely stiff.
 TANGENT_FROM = 0.9

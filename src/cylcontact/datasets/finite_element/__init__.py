@@ -5,12 +5,13 @@ Two-dimensional bodies have no absolute approach: the dependence of the penetrat
 clearance is computed, and its additive constant is set by the outer radius of the plate.
 """
 
+from cylcontact.choices import ENGINES, Engine
 from cylcontact.datasets.finite_element.elasticity import Stress, stress_of
 from cylcontact.datasets.finite_element.outer_ratio import outer_ratio_like_johnson
 from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.datasets.finite_element.solve import Solution, solve
 from cylcontact.datasets.finite_element.spec import Study, read_study
-from cylcontact.datasets.finite_element.study import ENGINES, Engine, Failure, run_study
+from cylcontact.datasets.finite_element.study import Failure, run_study
 from cylcontact.datasets.finite_element.table import FiniteElementTable, read_table, write_table
 
 __all__ = [

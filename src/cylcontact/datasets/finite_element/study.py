@@ -6,10 +6,11 @@ from contextlib import closing
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Literal
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from cylcontact.choices import Engine
 from cylcontact.datasets.finite_element import calculix
 from cylcontact.datasets.finite_element.cases import Case, Row
 from cylcontact.datasets.finite_element.setup import Setup
@@ -20,10 +21,7 @@ from cylcontact.journal import Journal
 from cylcontact.parallel import call, run_calls
 from cylcontact.progress import Progress, silent
 
-__all__ = ["ENGINES", "Engine", "Failure", "engine_name", "run_study"]
-
-Engine = Literal["embedded", "calculix"]
-ENGINES: tuple[Engine, ...] = ("embedded", "calculix")
+__all__ = ["Failure", "engine_name", "run_study"]
 
 
 @dataclass(frozen=True)
