@@ -265,7 +265,7 @@ BAD_INPUT = [
         )
     ),
     (("compare", "good.json", "half.json"), "half.json: is not JSON ("),
-    (("verify",), "fitting/results: holds no results; name some, or lay out a bench with"),
+    (("verify",), "fitting/results: has no results; name some, or lay out a bench with"),
     # files of another kind
     (("fit", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a campaign; name a"),
     (

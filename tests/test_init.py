@@ -57,7 +57,7 @@ def test_nothing_is_overwritten(tmp_path, monkeypatch, run):
     code, out, err = run("init", ".")
     assert (code, out) == (2, "")
     assert err == (
-        "cylcontact: .: has files of its own as datasets/internal.toml, reports/maps.py, and "
+        "cylcontact: .: has other files named datasets/internal.toml, reports/maps.py, and "
         "nothing is overwritten; choose an empty folder, or move these away\n"
     )
     assert tree(tmp_path) == before

@@ -127,7 +127,7 @@ BAD_INPUT = [
     ({"coefficients": {"a": 0.4, "b": 0.9}}, "", "coefficients", ["a", "b"], NAMES, REDO),
     ({"coefficients.m": 1.0}, "", "coefficients", ["a", "b", "m", "n"], NAMES, REDO),
     ({"published.coefficients": {}}, "", "published.coefficients", [], NAMES, REDO),
-    ({"profiles.a.values": [0.4]}, "", "profiles.a", None, "equally many", REDO),
+    ({"profiles.a.values": [0.4]}, "", "profiles.a", None, "as many values as", REDO),
     ({"settings": {}}, "", "settings", None, "lacks the campaign or the dataset", REDO),
     (
         {"settings.campaign.seed": "1"},
@@ -163,7 +163,7 @@ def test_a_profile_of_no_coefficient_is_refused(tmp_path):
     data = json.loads(EXTERNAL.read_text("utf-8"))
     data["profiles"]["m"] = data["profiles"]["a"]
     (tmp_path / "r.json").write_text(json.dumps(data))
-    with pytest.raises(InputError, match=r"profiles\.m: must be a coefficient's"):
+    with pytest.raises(InputError, match=r"profiles\.m: must be that of a coefficient"):
         FitResult.load(tmp_path / "r.json")
 
 

@@ -288,14 +288,14 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
     assert set(found.only_together) == {"c", "Lambda_factor"}
     assert {e.verdict for e in found.estimates.values()} == {"not"}
     assert found.correlation == {}
-    assert "c and Lambda_factor apart" in noise_verdicts(found)[1]
+    assert "c and Lambda_factor are not identifiable" in noise_verdicts(found)[1]
     study = study_noise(result, with_pairs=True)
     assert (study.bands, study.pairs) == ([], [])
-    assert "apart" in noise_text(study)
+    assert "not identifiable" in noise_text(study)
     problem = problem_of_result(result)
     noise = residual_model_at(problem, problem.point(result.coefficients))
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
-    with pytest.raises(InputError, match="are not determined one by one"):
+    with pytest.raises(InputError, match="are not identifiable one by one"):
         predict(problem, noise, result.coefficients, pair, LEVEL, load=[1.0])
 
 
@@ -329,7 +329,7 @@ def test_refits_that_cannot_start_are_left_out_and_counted(noisy):
     load = np.array([1e9, 1e9])
     lost = lost.with_values(load=load, penetration=lost.penetration)
     nowhere = replace(problem, objective=MeasuredObjective(lost, "rms-log-penetration"))
-    with pytest.raises(InputError, match="refits gave 0 with the law defined"):
+    with pytest.raises(InputError, match="refits left the law defined in 0"):
         bootstrap(nowhere, best, "rows", 5, 1, LEVEL)
 
 
@@ -636,7 +636,7 @@ def test_the_command_reports_noise(saved, tmp_path):
     )
     assert found.exit_code == 0, found.output
     few = "30 refits give standard errors, and 90 % intervals from 40"
-    for part in ("given the noise", "90 %, bootstrap", few, "3 are few", "ΔR = 0.3 mm", "new ±%"):
+    for part in ("from the noise", "90 %, bootstrap", few, "3 are few", "ΔR = 0.3 mm", "new ±%"):
         assert part in " ".join(found.output.split()), part
     study = json.loads(out.read_text("utf-8"))
     assert study["kind"] == "noise"

@@ -1,4 +1,4 @@
-"""The command that films a mechanism: animate."""
+"""The command `animate`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The program and its commands; a command's heavy imports wait until it runs."""
+"""The program and its commands. Commands import slow libraries when they run."""
 
 from typing import Annotated
 
@@ -19,7 +19,7 @@ __all__ = ["app"]
 
 
 def _version(wanted: bool) -> None:
-    """Show the version and end."""
+    """Print the version and exit."""
     if wanted:
         typer.echo(f"cylcontact {cylcontact.__version__}")
         raise typer.Exit

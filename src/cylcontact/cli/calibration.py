@@ -1,4 +1,4 @@
-"""The commands around a calibration: sample, fit, optimizers, compare, verify."""
+"""The commands `sample`, `fit`, `optimizers`, `compare` and `verify`."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def fit(
         typer.Option(help=f"{listed(OPTIMIZERS)}."),
     ] = None,
     scheduler: Scheduler = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted fit.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Resume an interrupted fit.")] = False,
     force: Force = False,
     law: measured.Law = None,
     contact: measured.ContactKind = None,
@@ -69,7 +69,7 @@ def fit(
     loss: measured.LossName = None,
     ignore: measured.Ignored = None,
     bound: measured.Bounds = None,
-    fix: measured.Held = None,
+    fix: measured.Fixed = None,
 ) -> None:
     """Calibrate a law to a reference, or to a table of measurements."""
     from cylcontact.fitting import calibrate
@@ -122,7 +122,7 @@ def optimizers(
     seed: Seed = None,
     scheduler: Scheduler = None,
 ) -> None:
-    """Run a campaign with every optimiser on the same budget, and compare what they find."""
+    """Run a campaign with every optimiser, with the same budget, and compare them."""
     from cylcontact.fitting import optimizer_comparison, read_campaign
 
     for name in names or ():
@@ -146,7 +146,7 @@ def compare(
         list[Path], typer.Argument(help="Result files, e.g. fitting/results/*.json.")
     ],
 ) -> None:
-    """Show results side by side, with the published coefficients."""
+    """Compare results with each other and with the published coefficients."""
     from cylcontact import fitting
 
     typer.echo(fitting.compare([fitting.FitResult.load(path) for path in results]))
@@ -159,7 +159,7 @@ def verify(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
 ) -> None:
-    """Redo committed fits with their own settings and compare; exit code 1 where one differs."""
+    """Redo committed fits with their own settings; exit code 1 if one differs."""
     from cylcontact.fitting.verify import verify as verify_one
 
     paths = results or sorted(RESULTS.glob("*.json"))
@@ -168,7 +168,7 @@ def verify(
             str(RESULTS),
             "",
             None,
-            "holds no results",
+            "has no results",
             "name some, or lay out a bench with: cylcontact init FOLDER",
         )
     failed = 0

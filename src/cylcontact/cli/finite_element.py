@@ -27,7 +27,7 @@ def finite_element(
         typer.Option("-o", "--out", help="The table; SPEC-ENGINE.csv beside the set-up."),
     ] = None,
     jobs: Jobs = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted study.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Resume an interrupted study.")] = False,
     force: Force = False,
 ) -> None:
     """Solve a pin in a hole by finite elements, for each clearance and load of a set-up."""

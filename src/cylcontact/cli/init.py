@@ -1,4 +1,4 @@
-"""The command that lays out a bench: init."""
+"""The command `init`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cylcontact.files import folder_of, require_writable, unwritable
 __all__ = ["FOLDERS", "copy_files", "init", "shipped_files"]
 
 FOLDERS = ("datasets", "fitting", "notebooks", "reports")
-# What commands and readers add to the folders of a checkout; a wheel has none of it.
+# Files that commands and users add to a checkout; a wheel has none of them.
 _NOT_SHIPPED = (
     *("__pycache__", ".*", "figures", "generated", "html", "tables"),
     *("mine*", "materials.csv", "*.lock", "*.partial"),
@@ -42,13 +42,13 @@ def init(
 
 
 def _shipped_bench() -> Path:
-    """Return the folder of the bench that ships: in the package, or the checkout around it."""
+    """Return the folder of the shipped bench: in the package, or the checkout around it."""
     package = Path(cylcontact.__file__).parent
     return package / "bench" if (package / "bench").is_dir() else package.parents[1]
 
 
 def shipped_files(source: Path) -> list[Path]:
-    """Return the files of the bench that ships, relative to its folder."""
+    """Return the files of the shipped bench, relative to its folder."""
     ignore = shutil.ignore_patterns(*_NOT_SHIPPED)
     names = []
     for top in FOLDERS:
@@ -61,7 +61,7 @@ def shipped_files(source: Path) -> list[Path]:
 
 
 def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
-    """Copy files with their folders; none of them appears before all are copied.
+    """Copy files with their folders; none appears before all are copied.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
 
 
 def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:
-    """Return the files that are not in a folder yet; refuse one where others are in the way."""
+    """Return the files missing in a folder; refuse a folder with other files of these names."""
     require_writable(folder / "any")
     present = [name for name in names if os.path.lexists(folder / name)]
     taken = [str(name) for name in present if not _is_copy(folder / name, source / name)]
@@ -99,7 +99,7 @@ def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:
             str(folder),
             "",
             None,
-            f"has files of its own as {', '.join(taken[:3])}{more}, and nothing is overwritten",
+            f"has other files named {', '.join(taken[:3])}{more}, and nothing is overwritten",
             "choose an empty folder, or move these away",
         )
     return [name for name in names if name not in present]

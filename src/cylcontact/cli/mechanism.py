@@ -1,4 +1,4 @@
-"""The commands around a mechanism: simulate, sweep, tolerances."""
+"""The commands `simulate`, `sweep` and `tolerances`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["PAPER", "Beyond", "Method", "SpecFile", "Tolerance", "simulate", "sweep", "tolerances"]
 
-# What Sect. 4.3 varies: laws, clearances in mm, restitutions, friction coefficients.
+# The cases of Sect. 4.3: laws, clearances in mm, restitutions, friction coefficients.
 PAPER = (
     ("lankarani-nikravesh", "johnson", "enhanced"),
     (0.5, 0.02),
@@ -30,8 +30,8 @@ PAPER = (
 )
 
 
-def _listed(values: Iterable[object]) -> str:
-    """Return values as an option takes them."""
+def _joined(values: Iterable[object]) -> str:
+    """Return values separated by commas."""
     return ",".join(f"{value}" for value in values)
 
 
@@ -84,7 +84,7 @@ def simulate(
         bool, typer.Option("--resume", help="Go on from what --out holds, with its settings.")
     ] = False,
 ) -> None:
-    """Simulate a mechanism with a clearance joint, and print what comes out."""
+    """Simulate a mechanism with a clearance joint, and print a summary."""
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism.simulate import settings_for
 
@@ -110,7 +110,7 @@ def simulate(
 
 
 def _earlier(mechanism: Mechanism, settings: Settings, out: Path | None) -> Trajectory | None:
-    """Return the run to go on from, refused if it is another one."""
+    """Return the run to resume; refuse one of another mechanism or other options."""
     from cylcontact.mechanism import Trajectory
 
     if out is None:
@@ -134,7 +134,7 @@ def _run(
     earlier: Trajectory | None,
     out: Path | None,
 ) -> Trajectory:
-    """Simulate, and keep the complete revolutions of an interrupted run."""
+    """Simulate; save the complete revolutions of an interrupted run."""
     from cylcontact.mechanism import Interrupted
     from cylcontact.mechanism import simulate as run
 
@@ -150,12 +150,13 @@ def _run(
                 earlier,
                 settings.allowed_penetration,
             )
-    except Interrupted as stop:
-        if out is None or stop.trajectory is None:
+    except Interrupted as interruption:
+        if out is None or interruption.trajectory is None:
             raise KeyboardInterrupt from None
-        stop.trajectory.save(out)
+        interruption.trajectory.save(out)
+        count = interruption.trajectory.revolutions
         raise KeyboardInterrupt(
-            f"interrupted; {stop.trajectory.revolutions} complete revolutions are kept in {out}; "
+            f"interrupted; {count} complete revolutions are kept in {out}; "
             "the same command with --resume goes on from there"
         ) from None
 
@@ -163,12 +164,12 @@ def _run(
 def sweep(
     spec: SpecFile,
     out: Annotated[Path, typer.Option("-o", "--out", help="The .csv or .parquet table to write.")],
-    laws: Annotated[str, typer.Option(help="Contact laws, separated by commas.")] = _listed(
+    laws: Annotated[str, typer.Option(help="Contact laws, separated by commas.")] = _joined(
         PAPER[0]
     ),
-    clearances: Annotated[str, typer.Option(help="Radial clearances, mm.")] = _listed(PAPER[1]),
-    restitutions: Annotated[str, typer.Option(help="Restitutions.")] = _listed(PAPER[2]),
-    frictions: Annotated[str, typer.Option(help="Friction coefficients.")] = _listed(PAPER[3]),
+    clearances: Annotated[str, typer.Option(help="Radial clearances, mm.")] = _joined(PAPER[1]),
+    restitutions: Annotated[str, typer.Option(help="Restitutions.")] = _joined(PAPER[2]),
+    frictions: Annotated[str, typer.Option(help="Friction coefficients.")] = _joined(PAPER[3]),
     revolutions: _Revolutions = None,
     first: Annotated[
         int,
@@ -185,7 +186,7 @@ def sweep(
     ] = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted sweep.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Resume an interrupted sweep.")] = False,
 ) -> None:
     """Simulate laws × clearances × restitutions × frictions into one table."""
     from cylcontact.mechanism import Plan, cases, read_mechanism

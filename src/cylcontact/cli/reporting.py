@@ -1,4 +1,4 @@
-"""The commands that show and hand on: report, claims, laws, export."""
+"""The commands `report`, `claims`, `laws` and `export`."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def report(
 
 
 def _require_one_kind(names: object, html: bool, *choices: object) -> None:
-    """Refuse options that do not go with the report in a browser."""
+    """Refuse options that conflict with --html."""
     if html and (names or any(choice is not None for choice in choices)):
         raise InputError(
             "report",
@@ -90,7 +90,7 @@ def _draw(
     wishes: tuple[str | None, tuple[str, ...], float | None],
     out: Path | None,
 ) -> None:
-    """Draw figures in the style asked for."""
+    """Draw figures in the requested style."""
     from cylcontact.plots.style import JOURNAL, choose
     from cylcontact.reports.build import build
 
@@ -121,7 +121,7 @@ def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str
 
 
 def _build_site(bench: Bench, folder: Path) -> None:
-    """Build the report for a browser and tell what is missing in it."""
+    """Build the report for a browser and print what is missing in it."""
     from cylcontact.reports.html import build_site
 
     with progress_bars() as progress:
