@@ -490,9 +490,9 @@ def test_a_table_is_fitted_from_the_command_line(tmp_path):
 BAD_LINES = [
     (("--contact", "internal"), "--law", "is required for a table"),
     (("--law", "johnson"), "--contact", "is required for a table"),
-    (("--law", "johnson", "--contact", "internal", "--bound", "c=1"), "--bound", "not understood"),
-    (("--law", "johnson", "--contact", "internal", "--bound", "c=x:2"), "--bound", "understood"),
-    (("--law", "johnson", "--contact", "internal", "--fix", "=1"), "--fix", "not understood"),
+    (("--law", "johnson", "--contact", "internal", "--bound", "c=1"), "--bound", "not valid"),
+    (("--law", "johnson", "--contact", "internal", "--bound", "c=x:2"), "--bound", "not valid"),
+    (("--law", "johnson", "--contact", "internal", "--fix", "=1"), "--fix", "not valid"),
     (
         ("--law", "johnson", "--contact", "internal", "--fix", "c=1", "--bound", "c=1:2"),
         "--fix",

@@ -61,11 +61,11 @@ def finite_element(
 
 def _incomplete(spec: Path, failed: int, solved: int, journal: Path) -> InputError:
     """Return the error for a study with unsolved cases."""
-    kept = f"the {solved} others are kept in {journal}, and --resume solves only what is missing"
+    remedy = f"the {solved} others are kept in {journal}, and --resume solves only what is missing"
     return InputError(
         str(spec),
         "",
         None,
         f"{failed} of {failed + solved} cases have no solution, for the reasons above",
-        kept if solved else "correct the set-up",
+        remedy if solved else "correct the set-up",
     )
