@@ -31,32 +31,7 @@ Quantity = Callable[[CylinderPair], FloatArray]
 def clearance_table(
     rows: Mapping[str, MaterialRow], quantity: Quantity, column: str, R_i: float | None = None
 ) -> pd.DataFrame:
-    """Evaluate a quantity over the clearances of Figs 7 to 9 for every material.
-
-    Parameters
-    ----------
-    rows : mapping of str to MaterialRow
-        The table of materials.
-    quantity : callable
-        From an internal pair to an array, one value per clearance.
-    column : str
-        The name of the quantity's column, with its unit.
-    R_i : float, optional
-        Radius of the hole in mm; left out for quantities that depend on ΔR only.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns material, dR_mm and `column`.
-
-    Examples
-    --------
-    >>> from cylcontact import Material, limits
-    >>> rows = {"steel": MaterialRow(Material("steel", E=207e3, nu=0.3), {}, "")}
-    >>> table = clearance_table(rows, limits.johnson_limit_load, "load_N_per_mm")
-    >>> print(table.iloc[0]["load_N_per_mm"].round(1))
-    193.4
-    """
+    """Evaluate a quantity over the clearances of Figs 7 to 9 for every material."""
     pairs = {
         name: CylinderPair.from_dR("internal", CLEARANCES, row.material, R_i=R_i)
         for name, row in rows.items()
@@ -81,38 +56,7 @@ def clearance_panels(
     radii: Sequence[float],
     label: str,
 ) -> tuple[Figure, list[Axes], pd.DataFrame]:
-    """Draw a quantity against clearance, a panel per radius of the hole and a line per material.
-
-    Parameters
-    ----------
-    rows : mapping of str to MaterialRow
-        The table of materials.
-    quantity : callable
-        From an internal pair to an array, one value per clearance.
-    column : str
-        The name of the quantity's column in the table, with its unit.
-    radii : sequence of float
-        Radii of the hole in mm.
-    label : str
-        What stands beside the vertical axis, with the unit.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-    panels : list of matplotlib.axes.Axes
-    table : pandas.DataFrame
-        Those of `clearance_table`, with a column R_i_mm.
-
-    Examples
-    --------
-    >>> from cylcontact import Material, limits
-    >>> rows = {"steel": MaterialRow(Material("steel", 207e3, 0.3, 1000.0), {}, "")}
-    >>> figure, panels, table = clearance_panels(
-    ...     rows, limits.yield_load, "load_N_per_mm", (100.0, 10.0), "load at yield (N/mm)"
-    ... )
-    >>> table.groupby("R_i_mm")["load_N_per_mm"].min().round().to_dict()
-    {10.0: 1105.0, 100.0: 135346.0}
-    """
+    """Draw a quantity against clearance, a panel per radius of the hole and a line per material."""
     figure = new_figure("full", 72.0)
     panels = list(figure.subplots(1, len(radii), sharey=True, squeeze=False).flat)
     tables = []
@@ -146,15 +90,7 @@ def draw_materials(axes: Axes, table: pd.DataFrame, column: str) -> None:
 
 
 def line_style(number: int) -> dict[str, Any]:
-    """Return the colour, line style and marker of a material's line: no two of 25 are alike.
-
-    Examples
-    --------
-    >>> line_style(0)["color"] == line_style(5)["color"]
-    True
-    >>> line_style(0)["linestyle"] == line_style(5)["linestyle"]
-    False
-    """
+    """Return the colour, line style and marker of a material's line: no two of 25 are alike."""
     colour, turn = number % len(COLOURS), number // len(COLOURS)
     other = (colour + turn) % len(COLOURS)
     return {"color": COLOURS[colour], "linestyle": LINE_STYLES[other], "marker": MARKERS[other]}

@@ -23,6 +23,7 @@ CAPTION = (
     "where the contact is. The smallest cells are {smallest:.2f} µm long, {cells} to the "
     "half-width of the contact at 20 N/mm; the paper gives 1.31 to 6.63 µm. {choices}"
 )
+BODIES = {"plate": COLOURS[0], "pin": COLOURS[1]}
 
 
 def draw(bench: Bench) -> Drawing:
@@ -38,38 +39,6 @@ def draw(bench: Bench) -> Drawing:
     }
     caption = CAPTION.format(smallest=smallest, cells=setup.cells, choices=choices(bench))
     return Drawing(mesh_panels(mesh, setup.hole_radius, (0.8, 0.08)), table, headline, caption)
-
-
-BODIES = {"plate": COLOURS[0], "pin": COLOURS[1]}
-
-
-def mesh_panels(mesh: Mesh, hole_radius: float, windows: tuple[float, float]) -> Figure:
-    """Draw a mesh whole, and magnified in two windows (mm wide) at the top of the hole."""
-    figure = new_figure("full", 84.0)
-    panels = figure.subplots(1, 3, width_ratios=(0.62, 1, 1))
-    extent = float(mesh.plate.points[:, 1].max())
-    titles = ("whole", f"{windows[0]:g} mm wide", f"{1e3 * windows[1]:g} µm wide")
-    widths = (np.inf, *windows)
-    for number, (axes, width) in enumerate(zip(panels, widths, strict=True)):
-        for name, colour in BODIES.items():
-            _draw(axes, getattr(mesh, name), colour, 0.25 if number else 0.1)
-        axes.set_aspect("equal")
-        axes.set_xlabel("x (mm)")
-        panel_title(axes, number, titles[number])
-        if number == 0:
-            axes.set(xlim=(-0.15, extent + 0.15), ylim=(-extent - 0.15, extent + 0.15))
-            axes.set_ylabel("y (mm)")
-        else:
-            axes.set(xlim=(0, width), ylim=(hole_radius - width / 2, hole_radius + width / 2))
-    return figure
-
-
-def _draw(axes: Axes, body: Body, colour: str, linewidth: float) -> None:
-    """Draw a body's cells."""
-    outlines = list(body.points[body.quads])
-    axes.add_collection(
-        PolyCollection(outlines, facecolor="none", edgecolor=colour, linewidth=linewidth)
-    )
 
 
 def mesh_table(mesh: Mesh) -> pd.DataFrame:
@@ -102,3 +71,32 @@ def _first_cell(body: Body) -> float:
     """Return the length in mm of the surface's first cell, on the axis."""
     one, other = body.points[body.surface[:2]]
     return float(np.hypot(*(other - one)))
+
+
+def mesh_panels(mesh: Mesh, hole_radius: float, windows: tuple[float, float]) -> Figure:
+    """Draw a mesh whole, and magnified in two windows (mm wide) at the top of the hole."""
+    figure = new_figure("full", 84.0)
+    panels = figure.subplots(1, 3, width_ratios=(0.62, 1, 1))
+    extent = float(mesh.plate.points[:, 1].max())
+    titles = ("whole", f"{windows[0]:g} mm wide", f"{1e3 * windows[1]:g} µm wide")
+    widths = (np.inf, *windows)
+    for number, (axes, width) in enumerate(zip(panels, widths, strict=True)):
+        for name, colour in BODIES.items():
+            _draw(axes, getattr(mesh, name), colour, 0.25 if number else 0.1)
+        axes.set_aspect("equal")
+        axes.set_xlabel("x (mm)")
+        panel_title(axes, number, titles[number])
+        if number == 0:
+            axes.set(xlim=(-0.15, extent + 0.15), ylim=(-extent - 0.15, extent + 0.15))
+            axes.set_ylabel("y (mm)")
+        else:
+            axes.set(xlim=(0, width), ylim=(hole_radius - width / 2, hole_radius + width / 2))
+    return figure
+
+
+def _draw(axes: Axes, body: Body, colour: str, linewidth: float) -> None:
+    """Draw a body's cells."""
+    outlines = list(body.points[body.quads])
+    axes.add_collection(
+        PolyCollection(outlines, facecolor="none", edgecolor=colour, linewidth=linewidth)
+    )

@@ -32,6 +32,8 @@ CAPTION = (
     "one value per cell; x, y in mm. (c, d) Pressure (MPa) at the pairs of nodes, beside Hertz's "
     "ellipse and Persson's conformal solution. {choices}"
 )
+# How far the panels reach, in half-widths of Hertz's contact.
+REACH, DEPTH = 2.0, 1.6
 
 
 def draw(bench: Bench) -> Drawing:
@@ -45,32 +47,6 @@ def draw(bench: Bench) -> Drawing:
             headline[key] = largest_departure(table, dR, theory)
     caption = CAPTION.format(load_choice=STRESS_LOAD_CHOICE, choices=choices(bench))
     return Drawing(stress_panels(solutions), table, headline, caption)
-
-
-# How far the panels reach, in half-widths of Hertz's contact.
-REACH, DEPTH = 2.0, 1.6
-
-
-def stress_panels(solutions: Sequence[Solution]) -> Figure:
-    """Draw stress maps above pressure profiles, a column for each solution."""
-    figure = new_figure("full", 116.0)
-    panels = figure.subplots(2, len(solutions), squeeze=False, by_rows=True)
-    for column, solution in enumerate(solutions):
-        _stress_map(figure, panels[0, column], solution)
-        panel_title(
-            panels[0, column],
-            column,
-            rf"$\Delta R$ = {solution.dR:g} mm, {solution.load:g} N/mm",
-        )
-        _profile(panels[1, column], solution)
-        panel_title(
-            panels[1, column],
-            len(solutions) + column,
-            rf"pressure on the surface, $\Delta R$ = {solution.dR:g} mm",
-        )
-    handles, labels = panels[1, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
-    return figure
 
 
 def profile_table(solutions: Sequence[Solution]) -> pd.DataFrame:
@@ -95,11 +71,9 @@ def profile_table(solutions: Sequence[Solution]) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-def largest_departure(table: pd.DataFrame, dR: float, theory: str) -> float:
-    """Return the largest |pressure − theory| at one clearance, in percent of the theory's peak."""
-    rows = table[table["dR_mm"] == dR]
-    off = (rows["pressure_MPa"] - rows[f"{theory}_MPa"]).abs().max()
-    return float(100 * off / rows[f"{theory}_MPa"].max())
+def _hertz_width(solution: Solution) -> float:
+    """Return the half-width of Hertz's contact in mm."""
+    return float(limits.hertz_half_width(solution.load, solution.setup.pair(solution.dR)))
 
 
 def _theories(solution: Solution, arc: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -112,9 +86,33 @@ def _theories(solution: Solution, arc: FloatArray) -> tuple[FloatArray, FloatArr
     return hertz, persson_pressure(angle, solution.load, pair)
 
 
-def _hertz_width(solution: Solution) -> float:
-    """Return the half-width of Hertz's contact in mm."""
-    return float(limits.hertz_half_width(solution.load, solution.setup.pair(solution.dR)))
+def largest_departure(table: pd.DataFrame, dR: float, theory: str) -> float:
+    """Return the largest |pressure − theory| at one clearance, in percent of the theory's peak."""
+    rows = table[table["dR_mm"] == dR]
+    off = (rows["pressure_MPa"] - rows[f"{theory}_MPa"]).abs().max()
+    return float(100 * off / rows[f"{theory}_MPa"].max())
+
+
+def stress_panels(solutions: Sequence[Solution]) -> Figure:
+    """Draw stress maps above pressure profiles, a column for each solution."""
+    figure = new_figure("full", 116.0)
+    panels = figure.subplots(2, len(solutions), squeeze=False, by_rows=True)
+    for column, solution in enumerate(solutions):
+        _stress_map(figure, panels[0, column], solution)
+        panel_title(
+            panels[0, column],
+            column,
+            rf"$\Delta R$ = {solution.dR:g} mm, {solution.load:g} N/mm",
+        )
+        _profile(panels[1, column], solution)
+        panel_title(
+            panels[1, column],
+            len(solutions) + column,
+            rf"pressure on the surface, $\Delta R$ = {solution.dR:g} mm",
+        )
+    handles, labels = panels[1, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    return figure
 
 
 def _stress_map(figure: Figure, axes: Axes, solution: Solution) -> None:

@@ -26,6 +26,13 @@ CAPTION = (
     "percent, interpolated between the clearances computed; grey, the 3 % that the paper states "
     "above 0.445 mm, and lines at its 10 %. {choices}"
 )
+LABELS = {
+    "johnson": "Johnson",
+    "enhanced": "enhanced",
+    "explicit": "explicit (ours)",
+    "persson": "Persson",
+}
+TICKS = (0.005, 0.05, 0.5)
 
 
 def draw(bench: Bench) -> Drawing:
@@ -43,23 +50,8 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(penetration_panels(numbers), numbers, headline, caption)
 
 
-LABELS = {
-    "johnson": "Johnson",
-    "enhanced": "enhanced",
-    "explicit": "explicit (ours)",
-    "persson": "Persson",
-}
-TICKS = (0.005, 0.05, 0.5)
-
-
 def penetration_panels(table: pd.DataFrame) -> Figure:
-    """Draw penetration above, and the laws' difference from finite elements below, by load.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        Columns dR_mm, load_N_per_mm, E_GPa, nu, embedded_mm, calculix_mm.
-    """
+    """Draw penetration above, and the laws' difference from finite elements below, by load."""
     loads = sorted(table["load_N_per_mm"].unique())
     figure = new_figure("full", 112.0)
     panels = figure.subplots(2, len(loads), sharex=True, sharey="row", height_ratios=(1.15, 1))
@@ -76,6 +68,19 @@ def penetration_panels(table: pd.DataFrame) -> Figure:
     return figure
 
 
+def _penetrations(axes: Axes, rows: pd.DataFrame) -> None:
+    """Draw every model's penetration."""
+    dR, curves = _curves(rows)
+    for number, (name, curve) in enumerate(curves.items()):
+        axes.plot(dR, 1e3 * curve, label=LABELS[name], **_style(number))
+    marks: dict[str, Any] = {"linestyle": "none", "color": COLOURS[0]}
+    for column, name, marker in (("embedded", "embedded", "o"), ("calculix", "CalculiX", "x")):
+        depths = 1e3 * rows[f"{column}_mm"]
+        axes.plot(rows["dR_mm"], depths, marker=marker, label=f"finite elements, {name}", **marks)
+    plain_log(axes, "x", TICKS)
+    axes.set(xlim=(0.004, 2.0), ylim=(0, 2.8))
+
+
 def _curves(rows: pd.DataFrame) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Return clearances in mm and the laws' penetrations in mm at the rows' load."""
     dR = np.geomspace(rows["dR_mm"].min(), rows["dR_mm"].max(), 300)
@@ -89,19 +94,6 @@ def _curves(rows: pd.DataFrame) -> tuple[np.ndarray, dict[str, np.ndarray]]:
 def _style(number: int) -> dict[str, Any]:
     """Return how the curve of a law is drawn."""
     return {"color": COLOURS[number], "linestyle": LINE_STYLES[number], "marker": ""}
-
-
-def _penetrations(axes: Axes, rows: pd.DataFrame) -> None:
-    """Draw every model's penetration."""
-    dR, curves = _curves(rows)
-    for number, (name, curve) in enumerate(curves.items()):
-        axes.plot(dR, 1e3 * curve, label=LABELS[name], **_style(number))
-    marks: dict[str, Any] = {"linestyle": "none", "color": COLOURS[0]}
-    for column, name, marker in (("embedded", "embedded", "o"), ("calculix", "CalculiX", "x")):
-        depths = 1e3 * rows[f"{column}_mm"]
-        axes.plot(rows["dR_mm"], depths, marker=marker, label=f"finite elements, {name}", **marks)
-    plain_log(axes, "x", TICKS)
-    axes.set(xlim=(0.004, 2.0), ylim=(0, 2.8))
 
 
 def _differences(axes: Axes, rows: pd.DataFrame) -> None:

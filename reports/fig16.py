@@ -39,6 +39,14 @@ CAPTION = (
     "the right with its clearance of {c:g} mm magnified {scale:g} times against the bearing's "
     "radius of {R_i:g} mm. {assumed}"
 )
+# The clearance joint's panel against that of the mechanism.
+WIDTHS = (2.45, 1.0)
+CENTRE: dict[str, Any] = {
+    "marker": ".",
+    "color": "black",
+    "markerfacecolor": "black",
+    "zorder": 9,
+}
 
 
 def draw(bench: Bench) -> Drawing:
@@ -67,34 +75,8 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(figure, table, headline, caption)
 
 
-# The clearance joint's panel against that of the mechanism.
-WIDTHS = (2.45, 1.0)
-CENTRE: dict[str, Any] = {
-    "marker": ".",
-    "color": "black",
-    "markerfacecolor": "black",
-    "zorder": 9,
-}
-
-
 def draw_overview(run: Trajectory, revolution: float) -> tuple[Figure, Pose, Magnified]:
-    """Draw a mechanism at the first step of a run from some time on, its joint beside it.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    revolution : float
-        The time in revolutions of the driver.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-    pose : Pose
-        What is drawn.
-    joint : Magnified
-        How the joint is drawn.
-    """
+    """Draw a mechanism at the first step of a run from some time on, its joint beside it."""
     one = run.mechanism
     row = int(np.searchsorted(run.revolution, revolution))
     (pose,) = poses(run, run.time[row : row + 1])
@@ -113,22 +95,6 @@ def draw_overview(run: Trajectory, revolution: float) -> tuple[Figure, Pose, Mag
         cross(right, at, zorder=6)
     panel_title(right, 1, f"its joint, clearance × {joint.factor:g}")
     return figure, pose, joint
-
-
-def point_table(pose: Pose) -> pd.DataFrame:
-    """Return all named points of a pose.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns body, point, x_mm, y_mm; the ground comes first.
-    """
-    rows = [
-        {"body": body, "point": point, "x_mm": x, "y_mm": y}
-        for body, points in pose.points.items()
-        for point, (x, y) in points.items()
-    ]
-    return pd.DataFrame(rows)
 
 
 def _name_points(axes: Axes, one: Mechanism, pose: Pose) -> None:
@@ -159,3 +125,13 @@ def _name(axes: Axes, text: str, at: complex, way: complex, distance: float, **s
         zorder=10,
         **style,
     )
+
+
+def point_table(pose: Pose) -> pd.DataFrame:
+    """Return all named points of a pose."""
+    rows = [
+        {"body": body, "point": point, "x_mm": x, "y_mm": y}
+        for body, points in pose.points.items()
+        for point, (x, y) in points.items()
+    ]
+    return pd.DataFrame(rows)

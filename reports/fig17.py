@@ -69,17 +69,6 @@ def impact_table(runs: Mapping[Case, Trajectory]) -> pd.DataFrame:
     """Return force and penetration over the first contact of every run.
 
     The runs of one clearance are alike until then, so that all laws meet the same impact.
-
-    Parameters
-    ----------
-    runs : mapping of Case to Trajectory
-        Their first contact is complete.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns law, clearance_mm, time_us since the onset, penetration_um, force_N and
-        elastic_force_N (the same without dissipation).
     """
     return pd.concat([_impact(case, run) for case, run in runs.items()], ignore_index=True)
 
@@ -105,15 +94,7 @@ def _impact(case: Case, run: Trajectory) -> pd.DataFrame:
 
 
 def impact_panels(table: pd.DataFrame, clearances: Sequence[float]) -> Figure:
-    """Draw force against penetration, a panel for each clearance and a loop for each law.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        Of `impact_table`.
-    clearances : sequence of float
-        In mm.
-    """
+    """Draw force against penetration, a panel for each clearance and a loop for each law."""
     figure = new_figure("full", 74.0)
     panels = figure.subplots(1, len(clearances), squeeze=False)[0]
     for number, (axes, clearance) in enumerate(zip(panels, clearances, strict=True)):

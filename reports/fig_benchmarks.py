@@ -26,6 +26,8 @@ CAPTION = (
     "cost of one on this grid. The power and the logarithm do less than the workbench: they are "
     "limits. Measured by `make bench`; docs/speed.md has the numbers, the machine and the versions."
 )
+MM_PER_LINE = 3.4
+COLUMNS = ["benchmark", "case", "side", "ratio", "ratio_low", "ratio_high", "note"]
 
 
 def draw(bench: Bench) -> Drawing:
@@ -38,49 +40,8 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(ratio_panel(table), table, headline, CAPTION + left_out(table))
 
 
-MM_PER_LINE = 3.4
-COLUMNS = ["benchmark", "case", "side", "ratio", "ratio_low", "ratio_high", "note"]
-
-
-@dataclass(frozen=True)
-class Group:
-    """Cases of the results shown together: words in the names of the case and of our side."""
-
-    benchmark: str
-    case: str
-    ours: str
-
-
-GROUPS: dict[str, Group] = {
-    "Johnson's load, 1,000,000 values at once": Group("law", "array, 1,000,000", "Johnson"),
-    "Johnson's load, compiled, one value": Group("law", "compiled", "Johnson"),
-    "Johnson's load, called from Python": Group("law", "called", "Johnson"),
-    "Sampling 100,000,000 to moments": Group("sampling", "100,000,000", "threads"),
-    "Genetic search, 120 candidates": Group("search", "120 candidates", "genetic"),
-    "Calibration to 0.1 %, 1,001,925 samples": Group("calibration", "1,001,925", "cylcontact"),
-    "Slider-crank, one revolution": Group("mechanism", "accuracy", "1e-08"),
-}
-
-
 def ratios_of(results: Path) -> pd.DataFrame:
-    """Return the ratios of the benchmarks' sides to ours.
-
-    Parameters
-    ----------
-    results : path
-        What `make bench` wrote.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns group, side, ratio, ratio_low, ratio_high (dimensionless) and computed. Groups
-        whose benchmark was skipped have no rows.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, or lacks a group whose benchmark was not skipped.
-    """
+    """Return the ratios of the benchmarks' sides to ours."""
     try:
         data = json.loads(results.read_text(encoding="utf-8"))
         rows, skipped = pd.DataFrame(data["rows"], columns=COLUMNS), data["skipped"]
@@ -107,31 +68,36 @@ def ratios_of(results: Path) -> pd.DataFrame:
     return table[["group", "side", "ratio", "ratio_low", "ratio_high", "computed"]]
 
 
-def left_out(table: pd.DataFrame) -> str:
-    """Return a sentence for the caption on the groups that a table lacks, if there are any.
+@dataclass(frozen=True)
+class Group:
+    """Cases of the results shown together: words in the names of the case and of our side."""
 
-    Parameters
-    ----------
-    table : DataFrame
-        From `ratios_of`.
+    benchmark: str
+    case: str
+    ours: str
 
-    Examples
-    --------
-    >>> left_out(pd.DataFrame({"group": list(GROUPS)[:-1]}))
-    ' Not measured (docs/speed.md says why): Slider-crank, one revolution.'
-    """
-    groups = [name for name in GROUPS if name not in set(table["group"])]
-    return f" Not measured (docs/speed.md says why): {'; '.join(groups)}." if groups else ""
+
+GROUPS: dict[str, Group] = {
+    "Johnson's load, 1,000,000 values at once": Group("law", "array, 1,000,000", "Johnson"),
+    "Johnson's load, compiled, one value": Group("law", "compiled", "Johnson"),
+    "Johnson's load, called from Python": Group("law", "called", "Johnson"),
+    "Sampling 100,000,000 to moments": Group("sampling", "100,000,000", "threads"),
+    "Genetic search, 120 candidates": Group("search", "120 candidates", "genetic"),
+    "Calibration to 0.1 %, 1,001,925 samples": Group("calibration", "1,001,925", "cylcontact"),
+    "Slider-crank, one revolution": Group("mechanism", "accuracy", "1e-08"),
+}
+
+
+def _relative_to(ours: float, others: pd.DataFrame) -> pd.DataFrame:
+    """Return sides with their ratios to ours, which itself may not be a case's first side."""
+    columns = ["ratio", "ratio_low", "ratio_high"]
+    relative = others[["side", *columns]].copy()
+    relative[columns] = relative[columns] / ours
+    return relative.assign(computed=others["note"].str.startswith("computed"))
 
 
 def ratio_panel(table: pd.DataFrame) -> Figure:
-    """Draw the ratios, a line for each side, group below group.
-
-    Parameters
-    ----------
-    table : DataFrame
-        From `ratios_of`.
-    """
+    """Draw the ratios, a line for each side, group below group."""
     lines = len(table) + table["group"].nunique()
     figure = new_figure("full", MM_PER_LINE * lines + 14)
     axes = figure.subplots()
@@ -182,19 +148,11 @@ def _draw_line(axes: Axes, place: int, row: dict[Hashable, Any]) -> None:
 
 
 def _short(ratio: float) -> str:
-    """Return a ratio to two digits, without an exponent.
-
-    Examples
-    --------
-    >>> print(_short(0.0823), _short(1.26), _short(17432.0))
-    0.082 1.3 17,000
-    """
+    """Return a ratio to two digits, without an exponent."""
     return f"{float(f'{ratio:.2g}'):,.10g}"
 
 
-def _relative_to(ours: float, others: pd.DataFrame) -> pd.DataFrame:
-    """Return sides with their ratios to ours, which itself may not be a case's first side."""
-    columns = ["ratio", "ratio_low", "ratio_high"]
-    relative = others[["side", *columns]].copy()
-    relative[columns] = relative[columns] / ours
-    return relative.assign(computed=others["note"].str.startswith("computed"))
+def left_out(table: pd.DataFrame) -> str:
+    """Return a sentence for the caption on the groups that a table lacks, if there are any."""
+    groups = [name for name in GROUPS if name not in set(table["group"])]
+    return f" Not measured (docs/speed.md says why): {'; '.join(groups)}." if groups else ""

@@ -45,6 +45,23 @@ CAPTION = (
     "every law's largest and RMS error by decade of φ, the fit 'internal' (to Johnson) and the "
     "explicit law for external contact, judged by Johnson's law, among them."
 )
+LABELS = {
+    "explicit": "explicit (3 constants)",
+    "explicit formula for the penetration": "explicit, one-line penetration",
+    "johnson": "Johnson (Eq 1)",
+    "liu": "Liu et al.",
+    "winkler": "Winkler",
+    "enhanced": "enhanced, published",
+    "enhanced fit conformal": "enhanced, refit",
+}
+# The enhanced law's two sets of coefficients, apart from the others in colour, width and marks.
+ENHANCED: tuple[dict[str, Any], ...] = (
+    {"color": "#56B4E9", "linestyle": "-", "linewidth": 0.9, "markerfacecolor": "#56B4E9"},
+    {"color": "#8C510A", "linestyle": "-", "linewidth": 0.9, "markerfacecolor": "white"},
+)
+MARKS = ("o", "s", "^")  # by clearance
+LINEAR = 0.1  # percent, within which the axis of errors is linear
+TICKS = (-100, -10, -1, -0.1, 0, 0.1, 1, 10, 100, 1000)
 
 
 def draw(bench: Bench) -> Drawing:
@@ -84,46 +101,8 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(universal_panels(laws, drawn), table, headline, caption)
 
 
-LABELS = {
-    "explicit": "explicit (3 constants)",
-    "explicit formula for the penetration": "explicit, one-line penetration",
-    "johnson": "Johnson (Eq 1)",
-    "liu": "Liu et al.",
-    "winkler": "Winkler",
-    "enhanced": "enhanced, published",
-    "enhanced fit conformal": "enhanced, refit",
-}
-# The enhanced law's two sets of coefficients, apart from the others in colour, width and marks.
-ENHANCED: tuple[dict[str, Any], ...] = (
-    {"color": "#56B4E9", "linestyle": "-", "linewidth": 0.9, "markerfacecolor": "#56B4E9"},
-    {"color": "#8C510A", "linestyle": "-", "linewidth": 0.9, "markerfacecolor": "white"},
-)
-MARKS = ("o", "s", "^")  # by clearance
-LINEAR = 0.1  # percent, within which the axis of errors is linear
-TICKS = (-100, -10, -1, -0.1, 0, 0.1, 1, 10, 100, 1000)
-
-
 def universal_panels(laws: Sequence[Curve], enhanced: Sequence[Curve]) -> Figure:
-    """Draw δ/ΔR and the error of the load against φ = f/(E*·ΔR).
-
-    Parameters
-    ----------
-    laws : sequence of Curve
-        The dimensionless laws, at most five.
-    enhanced : sequence of Curve
-        The enhanced law: clearance by clearance with one set of coefficients, then with another.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Examples
-    --------
-    >>> from .universal import dimensionless_curves, enhanced_curves
-    >>> figure = universal_panels(dimensionless_curves(), enhanced_curves({}))
-    >>> [len(axes.lines) for axes in figure.axes]
-    [9, 9]
-    """
+    """Draw δ/ΔR and the error of the load against φ = f/(E*·ΔR)."""
     figure = new_figure("full", 112.0)
     left, right = figure.subplots(1, 2, width_ratios=(4, 6))
     left.plot(

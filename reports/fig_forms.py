@@ -31,6 +31,22 @@ CAPTION = (
     "constants, which costs a little. The forms tried are our choice; each has at most four "
     "constants."
 )
+FIT_POINTS, CHECK_POINTS = 400, 4001
+# Where the constants are sought; D alone may be negative.
+LOW, HIGH = 0.02, 12.0
+D_LOW, D_HIGH = -2.0, 2.0
+UNDEFINED = 1e3  # percent, of a form that has no value
+Given = Literal["penetration", "load"]
+TITLES: dict[Given, str] = {
+    "penetration": "load explicit: $L(d)$ =",
+    "load": r"penetration explicit: $L(\varphi)$ =",
+}
+BARS: dict[Given, dict[str, Any]] = {
+    "penetration": {"facecolor": "#f6bb84", "height": 0.66},
+    "load": {"facecolor": "#a8cee7", "height": 0.66, "hatch": "////"},
+}
+CHOSEN = "c + ln(1 + A/d [c + ln(1 + A/d ln(B/d))])"
+SIMPLEST = "c + ln(1 + A/φ)"
 
 
 def draw(_bench: Bench) -> Drawing:
@@ -54,40 +70,29 @@ def draw(_bench: Bench) -> Drawing:
     return Drawing(figure, table, headline, CAPTION)
 
 
-FIT_POINTS, CHECK_POINTS = 400, 4001
-# Where the constants are sought; D alone may be negative.
-LOW, HIGH = 0.02, 12.0
-D_LOW, D_HIGH = -2.0, 2.0
-UNDEFINED = 1e3  # percent, of a form that has no value
-
-Given = Literal["penetration", "load"]
-TITLES: dict[Given, str] = {
-    "penetration": "load explicit: $L(d)$ =",
-    "load": r"penetration explicit: $L(\varphi)$ =",
-}
-BARS: dict[Given, dict[str, Any]] = {
-    "penetration": {"facecolor": "#f6bb84", "height": 0.66},
-    "load": {"facecolor": "#a8cee7", "height": 0.66, "hatch": "////"},
-}
+def forms_table() -> pd.DataFrame:
+    """Fit every form and list them, the least accurate first, load-explicit forms before others."""
+    rows = []
+    for form in FORMS:
+        constants, largest = fit_form(form)
+        rows.append(
+            {
+                "form": form.text,
+                "given": form.given,
+                "constants": len(constants),
+                "logarithms": form.logarithms,
+                "largest_error_percent": largest,
+                "fitted": " ".join(f"{name}={value:.6g}" for name, value in constants.items()),
+            }
+        )
+    return pd.DataFrame(rows).sort_values(
+        ["given", "largest_error_percent"], ascending=False, ignore_index=True
+    )
 
 
 @dataclass(frozen=True)
 class Form:
-    """A candidate for L.
-
-    Attributes
-    ----------
-    text : str
-        The form in plain text, an argument after "ln" without a sign between them.
-    given : {"penetration", "load"}
-        What L is a function of: d, or φ.
-    function : callable
-        From d or φ and the constants to L.
-    start : mapping of str to float
-        The constants by name, where the fit starts.
-    logarithms : int
-        How many of them one evaluation takes.
-    """
+    """A candidate for L."""
 
     text: str
     given: Given
@@ -96,12 +101,6 @@ class Form:
     logarithms: int
 
 
-def _ln1(x: FloatArray) -> FloatArray:
-    return as_floats(np.log1p(x))
-
-
-CHOSEN = "c + ln(1 + A/d [c + ln(1 + A/d ln(B/d))])"
-SIMPLEST = "c + ln(1 + A/φ)"
 FORMS = (
     Form(
         "c + k ln(1 + B/d^m)",
@@ -198,28 +197,12 @@ FORMS = (
 )
 
 
+def _ln1(x: FloatArray) -> FloatArray:
+    return as_floats(np.log1p(x))
+
+
 def fit_form(form: Form) -> tuple[dict[str, float], float]:
-    """Fit a form minimax, and measure its largest error on a finer grid.
-
-    Parameters
-    ----------
-    form : Form
-        The candidate.
-
-    Returns
-    -------
-    constants : dict of str to float
-    largest : float
-        The largest magnitude of the error in percent, of the load at given penetration or of
-        the penetration at given load.
-
-    Examples
-    --------
-    >>> (simplest,) = [form for form in FORMS if form.text == SIMPLEST]
-    >>> constants, largest = fit_form(simplest)
-    >>> print({name: round(value, 4) for name, value in constants.items()}, f"{largest:.3f} %")
-    {'c': 1.4232, 'A': 1.0942} 0.363 %
-    """
+    """Fit a form minimax, and measure its largest error on a finer grid."""
     low = np.array([D_LOW if name == "D" else LOW for name in form.start])
     high = np.array([D_HIGH if name == "D" else HIGH for name in form.start])
     coarse, fine = _samples(FIT_POINTS), _samples(CHECK_POINTS)
@@ -233,31 +216,21 @@ def fit_form(form: Form) -> tuple[dict[str, float], float]:
     return constants, float(np.abs(_errors(form, point[None, :], *fine)).max())
 
 
-def forms_table() -> pd.DataFrame:
-    """Fit every form and list them, the least accurate first, load-explicit forms before others.
+def _samples(count: int) -> tuple[FloatArray, FloatArray]:
+    """Return φ, spaced logarithmically, and Persson's d."""
+    phi = as_floats(np.geomspace(PHI_MIN, PHI_MAX, count))
+    return phi, Persson().penetration(phi, UNIT_PAIR)
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns form, given, constants, logarithms, largest_error_percent and fitted
-        (the constants and their values).
-    """
-    rows = []
-    for form in FORMS:
-        constants, largest = fit_form(form)
-        rows.append(
-            {
-                "form": form.text,
-                "given": form.given,
-                "constants": len(constants),
-                "logarithms": form.logarithms,
-                "largest_error_percent": largest,
-                "fitted": " ".join(f"{name}={value:.6g}" for name, value in constants.items()),
-            }
-        )
-    return pd.DataFrame(rows).sort_values(
-        ["given", "largest_error_percent"], ascending=False, ignore_index=True
-    )
+
+def _errors(form: Form, points: FloatArray, phi: FloatArray, d: FloatArray) -> FloatArray:
+    """Return the errors in percent of every set of constants, shape (P, k) to (P, q)."""
+    constants = points.T[:, :, None]
+    with np.errstate(all="ignore"):  # where a form is undefined it counts as very wrong
+        if form.given == "penetration":
+            ratio = np.pi * d / form.function(d, *constants) / phi
+        else:
+            ratio = phi / np.pi * form.function(phi, *constants) / d
+        return np.nan_to_num(100 * (ratio - 1), nan=UNDEFINED, posinf=UNDEFINED, neginf=-UNDEFINED)
 
 
 def draw_forms(axes: Axes, table: pd.DataFrame) -> None:
@@ -289,29 +262,6 @@ def draw_forms(axes: Axes, table: pd.DataFrame) -> None:
 
 
 def mathtext(form: str) -> str:
-    r"""Write a form for matplotlib, without dollar signs.
-
-    Examples
-    --------
-    >>> print(mathtext("c + ln(1 + A/d ln(B/φ))"))
-    c + \ln(1 + A/d\,\ln(B/\varphi ))
-    """
+    r"""Write a form for matplotlib, without dollar signs."""
     spaced = form.replace("φ", r"\varphi ").replace(" [", r"\,[")
     return re.sub(r"\bln", r"\\ln", re.sub(r"(?<=[dk]) ln", r"\\,ln", spaced))
-
-
-def _samples(count: int) -> tuple[FloatArray, FloatArray]:
-    """Return φ, spaced logarithmically, and Persson's d."""
-    phi = as_floats(np.geomspace(PHI_MIN, PHI_MAX, count))
-    return phi, Persson().penetration(phi, UNIT_PAIR)
-
-
-def _errors(form: Form, points: FloatArray, phi: FloatArray, d: FloatArray) -> FloatArray:
-    """Return the errors in percent of every set of constants, shape (P, k) to (P, q)."""
-    constants = points.T[:, :, None]
-    with np.errstate(all="ignore"):  # where a form is undefined it counts as very wrong
-        if form.given == "penetration":
-            ratio = np.pi * d / form.function(d, *constants) / phi
-        else:
-            ratio = phi / np.pi * form.function(phi, *constants) / d
-        return np.nan_to_num(100 * (ratio - 1), nan=UNDEFINED, posinf=UNDEFINED, neginf=-UNDEFINED)

@@ -55,6 +55,13 @@ CAPTION = (
     "largest penetration: {continued:.0f} of {onsets:.0f} of its contacts, {left:.0f} of them "
     "beyond its end, all at 0.02 mm without dissipation. {assumed}"
 )
+GROUPS = [(c, ce, cf) for c in CLEARANCES for ce in RESTITUTIONS for cf in FRICTIONS]
+LABELS = [f"{ce:g}\n{cf:g}" for _, ce, cf in GROUPS]
+# Laws stand beside each other by so much.
+APART = 0.22
+# Room for the clearances above what is drawn.
+HEADROOM = 1.12
+BARS: dict[str, Any] = {"linestyle": "none", "capsize": 1.5, "elinewidth": 0.7, "capthick": 0.7}
 
 
 def draw(bench: Bench) -> Drawing:
@@ -82,23 +89,8 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(case_panels(table), shown, headline, caption)
 
 
-GROUPS = [(c, ce, cf) for c in CLEARANCES for ce in RESTITUTIONS for cf in FRICTIONS]
-LABELS = [f"{ce:g}\n{cf:g}" for _, ce, cf in GROUPS]
-# Laws stand beside each other by so much.
-APART = 0.22
-# Room for the clearances above what is drawn.
-HEADROOM = 1.12
-BARS: dict[str, Any] = {"linestyle": "none", "capsize": 1.5, "elinewidth": 0.7, "capthick": 0.7}
-
-
 def case_panels(table: pd.DataFrame) -> Figure:
-    """Draw the share of time in contact, impacts per revolution and the mean step.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        From `statistics_table`.
-    """
+    """Draw the share of time in contact, impacts per revolution and the mean step."""
     figure = new_figure("full", 70.0)
     panels = figure.subplots(1, 3)
     columns = (
@@ -114,25 +106,6 @@ def case_panels(table: pd.DataFrame) -> Figure:
         panel_title(axes, number, label.partition(" (")[0])
     _legend(figure, panels[0])
     return figure
-
-
-def balance_panel(axes: Axes, table: pd.DataFrame, bound: float) -> None:
-    """Draw the largest error of the energy balance of every case, relative to its peak.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        To draw in.
-    table : pandas.DataFrame
-        From `statistics_table`.
-    bound : float
-        What the error is to stay below.
-    """
-    for law, rows in table.groupby("law", sort=False):
-        _draw_law(axes, str(law), rows, "energy_error", None)
-    axes.axhline(bound, color=QUIET, linewidth=0.8, linestyle=":", marker="")
-    _label_groups(axes)
-    axes.set(ylabel="largest error of the balance (-)", yscale="log", ylim=(1e-10, 1e-3))
 
 
 def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, scatter: str | None) -> None:
@@ -164,3 +137,12 @@ def _label_groups(axes: Axes) -> None:
 def _legend(figure: Figure, axes: Axes) -> None:
     handles, labels = axes.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
+
+
+def balance_panel(axes: Axes, table: pd.DataFrame, bound: float) -> None:
+    """Draw the largest error of the energy balance of every case, relative to its peak."""
+    for law, rows in table.groupby("law", sort=False):
+        _draw_law(axes, str(law), rows, "energy_error", None)
+    axes.axhline(bound, color=QUIET, linewidth=0.8, linestyle=":", marker="")
+    _label_groups(axes)
+    axes.set(ylabel="largest error of the balance (-)", yscale="log", ylim=(1e-10, 1e-3))

@@ -25,6 +25,14 @@ CAPTION = (
     "the peak of the kinetic energy, {peak:.3g} J, for three laws and eight cases at a tolerance "
     "of {tolerance:g}; dotted: the bound that we set, {bound:g}. {assumed}"
 )
+# Rows of the table for each revolution.
+POINTS = 180
+LEDGERS = {
+    "kinetic_J": "kinetic, less that at the start",
+    "drive_work_J": "work of the drive",
+    "normal_dissipation_J": "lost in the normal force",
+    "friction_dissipation_J": "lost in friction",
+}
 
 
 def draw(bench: Bench) -> Drawing:
@@ -50,31 +58,8 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(energy_panels(table, cases, BOUND), table, headline, caption)
 
 
-# Rows of the table for each revolution.
-POINTS = 180
-LEDGERS = {
-    "kinetic_J": "kinetic, less that at the start",
-    "drive_work_J": "work of the drive",
-    "normal_dissipation_J": "lost in the normal force",
-    "friction_dissipation_J": "lost in friction",
-}
-
-
 def energy_table(run: Trajectory) -> pd.DataFrame:
-    """Return the energies of a run, a few times per degree of the crank.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns revolution, kinetic_J (less that at the start), drive_work_J,
-        normal_dissipation_J, friction_dissipation_J, elastic_J, error_J; at the steps nearest
-        after evenly spaced times.
-    """
+    """Return the energies of a run, a few times per degree of the crank."""
     wanted = np.linspace(0, run.revolutions, POINTS * run.revolutions + 1)
     rows = np.minimum(np.searchsorted(run.revolution, wanted), run.time.size - 1)
     return pd.DataFrame(
@@ -91,17 +76,7 @@ def energy_table(run: Trajectory) -> pd.DataFrame:
 
 
 def energy_panels(table: pd.DataFrame, cases: pd.DataFrame, bound: float) -> Figure:
-    """Draw the ledgers of one run beside the errors of all.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        Of `energy_table`.
-    cases : pandas.DataFrame
-        Of `runs.statistics_table`.
-    bound : float
-        What the error of the balance is to stay below, relative to the peak kinetic energy.
-    """
+    """Draw the ledgers of one run beside the errors of all."""
     figure = new_figure("full", 74.0)
     left, right = figure.subplots(1, 2)
     _draw_ledgers(left, table)

@@ -25,6 +25,10 @@ CAPTION = (
     "contact is found by root and followed by a short first step, which makes the combs. The "
     "paper's largest step is 100 µs. {assumed}"
 )
+STYLES = {
+    "flight": {"color": "black", "marker": "s", "markerfacecolor": "black"},
+    "contact": {"color": ACCENT, "marker": "o", "markerfacecolor": ACCENT},
+}
 
 
 def draw(bench: Bench) -> Drawing:
@@ -44,30 +48,8 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(step_panels(tables), table, headline, caption)
 
 
-STYLES = {
-    "flight": {"color": "black", "marker": "s", "markerfacecolor": "black"},
-    "contact": {"color": ACCENT, "marker": "o", "markerfacecolor": ACCENT},
-}
-
-
 def step_table(case: Case, run: Trajectory, revolution: int) -> pd.DataFrame:
-    """Return every step of one revolution.
-
-    Parameters
-    ----------
-    case : Case
-        What the rows are marked with.
-    run : Trajectory
-        The run.
-    revolution : int
-        From 0.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns law, clearance_mm, restitution, friction, revolution (at the step's end), step_us
-        and mode, "contact" or "flight".
-    """
+    """Return every step of one revolution."""
     length, touching = np.diff(run.time) * 1e6, run.in_contact[1:]
     at = run.revolution[1:]
     # An onset or a release has two rows at one time.
@@ -86,13 +68,7 @@ def step_table(case: Case, run: Trajectory, revolution: int) -> pd.DataFrame:
 
 
 def step_panels(tables: Mapping[Case, pd.DataFrame]) -> Figure:
-    """Draw step against time, a row of panels for each clearance.
-
-    Parameters
-    ----------
-    tables : mapping of Case to pandas.DataFrame
-        Those of `step_table`, as many for each clearance.
-    """
+    """Draw step against time, a row of panels for each clearance."""
     clearances = list(dict.fromkeys(case.clearance for case in tables))
     figure = new_figure("full", 96.0)
     panels = figure.subplots(

@@ -24,6 +24,11 @@ CAPTION = (
     "basin. Least squares and CMA-ES start anew where they have converged, until the budget is "
     "spent. Budgets and settings are ours; the paper used a genetic search only."
 )
+# Excesses below this many percent are drawn as none.
+FLOOR = 1e-3
+# Between two optimisers at one place, in places.
+APART = 0.18
+STEPS = {"searched": "after the search", "polished": "after the polish"}
 
 
 def draw(bench: Bench) -> Drawing:
@@ -38,33 +43,8 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(waterfall_panels(table), table, headline, caption)
 
 
-# Excesses below this many percent are drawn as none.
-FLOOR = 1e-3
-# Between two optimisers at one place, in places.
-APART = 0.18
-STEPS = {"searched": "after the search", "polished": "after the polish"}
-
-
 def optimizer_runs(bench: Bench, campaign: str) -> pd.DataFrame:
-    """Read the runs that `cylcontact optimizers` wrote for a campaign, timings left out.
-
-    Parameters
-    ----------
-    bench : Bench
-        Its results folder holds `optimizers-CAMPAIGN.csv`.
-    campaign : str
-        The campaign's name.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns optimizer, run, seed, searched, polished and evaluations.
-
-    Raises
-    ------
-    InputError
-        If the file is missing or is another one.
-    """
+    """Read the runs that `cylcontact optimizers` wrote for a campaign, timings left out."""
     path = bench.result_file(f"optimizers-{campaign}.csv")
     remedy = f"make it with: cylcontact optimizers fitting/{campaign}.toml -o {path}"
     _require(path.is_file(), path, "this comparison does not exist", remedy)
@@ -82,18 +62,7 @@ def _require(holds: bool, path: Path, rule: str, remedy: str) -> None:
 
 
 def waterfall_table(runs: pd.DataFrame) -> pd.DataFrame:
-    """Return every optimiser's runs, best first, with their excess over the best of all.
-
-    Parameters
-    ----------
-    runs : pandas.DataFrame
-        From `optimizer_runs`.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns optimizer, step, place, objective and excess_percent.
-    """
+    """Return every optimiser's runs, best first, with their excess over the best of all."""
     best = runs["polished"].min()
     tables = []
     for optimizer in runs["optimizer"].unique():

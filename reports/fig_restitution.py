@@ -30,6 +30,21 @@ CAPTION = (
     "χ(1 + e) = ln[(1 + χ)/(1 − χe)], which achieves what is wanted. Dotted: 0.9, the value of the "
     "paper's mechanism. Mind the two scales of the errors below."
 )
+# The wanted restitutions of the table, and those that the lines are drawn through.
+WANTED: FloatArray = np.arange(1, 11) / 10
+LINE: FloatArray = np.arange(5, 101) / 100
+MARKED = (5, 10)  # where WANTED stands in LINE: the first one, and the step to the next
+# What the legend calls a factor.
+LABELS = {
+    "hunt-crossley": "Hunt–Crossley",
+    "herbert-mcwhannell": "Herbert–McWhannell",
+    "lee-wang": "Lee–Wang",
+    "lankarani-nikravesh": "Lankarani–Nikravesh",
+    "gonthier": "Gonthier et al.",
+    "zhiying-qishao": "Zhiying–Qishao",
+    "flores": "Flores et al.",
+    "hu-guo": "Hu–Guo",
+}
 
 
 def draw(_bench: Bench) -> Drawing:
@@ -48,46 +63,8 @@ def draw(_bench: Bench) -> Drawing:
     return Drawing(restitution_panels(GROUPS), table, headline, CAPTION)
 
 
-# The wanted restitutions of the table, and those that the lines are drawn through.
-WANTED: FloatArray = np.arange(1, 11) / 10
-LINE: FloatArray = np.arange(5, 101) / 100
-MARKED = (5, 10)  # where WANTED stands in LINE: the first one, and the step to the next
-
-# What the legend calls a factor.
-LABELS = {
-    "hunt-crossley": "Hunt–Crossley",
-    "herbert-mcwhannell": "Herbert–McWhannell",
-    "lee-wang": "Lee–Wang",
-    "lankarani-nikravesh": "Lankarani–Nikravesh",
-    "gonthier": "Gonthier et al.",
-    "zhiying-qishao": "Zhiying–Qishao",
-    "flores": "Flores et al.",
-    "hu-guo": "Hu–Guo",
-}
-
-
 def restitution_table(names: Sequence[str], wanted: FloatArray = WANTED) -> pd.DataFrame:
-    """Tabulate wanted against achieved restitution.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Hysteresis factors, by the names of `cylcontact.dissipation.FACTORS`.
-    wanted : array of float, optional
-        Wanted coefficients of restitution.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns factor, wanted_restitution, chi, achieved_restitution and error (achieved less
-        wanted), all dimensionless.
-
-    Examples
-    --------
-    >>> table = restitution_table(["lankarani-nikravesh", "exact"], np.array([0.5, 0.9]))
-    >>> print(table["achieved_restitution"].round(4).tolist())
-    [0.7252, 0.9132, 0.5, 0.9]
-    """
+    """Tabulate wanted against achieved restitution."""
     parts = []
     for name in names:
         chi = hysteresis_factor(name)(wanted)
@@ -108,23 +85,7 @@ def restitution_table(names: Sequence[str], wanted: FloatArray = WANTED) -> pd.D
 
 
 def restitution_panels(groups: Sequence[tuple[str, Sequence[str]]]) -> Figure:
-    """Draw achieved against wanted restitution, and below it the error, a column per group.
-
-    Parameters
-    ----------
-    groups : sequence of (str, sequence of str)
-        A title and the factors of each column, at most five of them.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Examples
-    --------
-    >>> figure = restitution_panels([("early", ["hunt-crossley"]), ("late", ["hu-guo"])])
-    >>> len(figure.axes)
-    4
-    """
+    """Draw achieved against wanted restitution, and below it the error, a column per group."""
     figure = new_figure("full", 118.0)
     grid = figure.subplots(2, len(groups), sharex="col", height_ratios=(5, 3), squeeze=False)
     for number, (title, names) in enumerate(groups):

@@ -19,6 +19,10 @@ from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import ACCENT, COLOURS
 from cylcontact.reports.bench import Bench
 
+STYLES = ("-", "--", ":")
+# Points of a map as it is drawn.
+FINE = 241
+
 
 def draw(bench: Bench) -> Drawing:
     measured = calibrate(read_plan(bench.input("fitting/examples/pin-in-hole.toml")))
@@ -26,31 +30,10 @@ def draw(bench: Bench) -> Drawing:
     return uncertainty_drawing(measured, bench.result("external"), ("b", "n"), labels)
 
 
-STYLES = ("-", "--", ":")
-# Points of a map as it is drawn.
-FINE = 241
-
-
 def uncertainty_drawing(
     measured: FitResult, reference: FitResult, names: tuple[str, str], labels: Sequence[str]
 ) -> Drawing:
-    """Draw a pair of coefficients of a fit to data, and one of a fit to a reference law.
-
-    Parameters
-    ----------
-    measured : FitResult
-        A fit to measurements with two free parameters.
-    reference : FitResult
-        A fit to a reference law.
-    names : tuple of str
-        The two coefficients of the second one, in the order of its law.
-    labels : sequence of str
-        What stands on the four axes, with the units: x and y of the first panel, then the second.
-
-    Returns
-    -------
-    Drawing
-    """
+    """Draw a pair of coefficients of a fit to data, and one of a fit to a reference law."""
     noise = study_noise(measured, with_pairs=True).pairs[0]
     pairs = study_discrepancy(reference, with_pairs=True).pairs
     discrepancy = next(pair for pair in pairs if pair.names == names)
@@ -79,15 +62,6 @@ def _draw_noise(axes: Axes, result: FitResult, pair: PairMap) -> None:
     _mark(axes, result, pair.names)
 
 
-def _draw_discrepancy(axes: Axes, result: FitResult, pair: DiscrepancyPair) -> None:
-    """Draw by how much the best attainable objective rises."""
-    x, y, height_map = _smooth(pair.x, pair.y, pair.rise)
-    for style, colour, height in zip(STYLES, COLOURS, RISES, strict=False):
-        axes.contour(x, y, height_map, [np.sqrt(height)], colors=[colour], linestyles=[style])
-        axes.plot([], [], style, color=colour, marker="", label=f"objective +{100 * height:g} %")
-    _mark(axes, result, pair.names)
-
-
 def _smooth(
     x: list[float], y: list[float], heights: list[list[float | None]]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -113,6 +87,15 @@ def _mark(axes: Axes, result: FitResult, names: tuple[str, str]) -> None:
         x, y = (result.published.coefficients[n] for n in names)
         if limits[0] <= x <= limits[1] and limits[2] <= y <= limits[3]:
             axes.plot(x, y, "o", color=COLOURS[1], label="published")
+
+
+def _draw_discrepancy(axes: Axes, result: FitResult, pair: DiscrepancyPair) -> None:
+    """Draw by how much the best attainable objective rises."""
+    x, y, height_map = _smooth(pair.x, pair.y, pair.rise)
+    for style, colour, height in zip(STYLES, COLOURS, RISES, strict=False):
+        axes.contour(x, y, height_map, [np.sqrt(height)], colors=[colour], linestyles=[style])
+        axes.plot([], [], style, color=colour, marker="", label=f"objective +{100 * height:g} %")
+    _mark(axes, result, pair.names)
 
 
 def _table(noise: PairMap, discrepancy: DiscrepancyPair) -> pd.DataFrame:

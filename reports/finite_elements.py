@@ -36,13 +36,7 @@ def study(bench: Bench, name: str) -> Study:
 
 
 def table(bench: Bench, name: str, engine: Engine = "embedded") -> pd.DataFrame:
-    """Return the cases of `NAME-ENGINE.csv`.
-
-    Raises
-    ------
-    InputError
-        If it is missing, was edited by hand, or was made from another set-up than `NAME.toml`.
-    """
+    """Return the cases of `NAME-ENGINE.csv`."""
     planned = study(bench, name)
     path = bench.input(FOLDER / f"{name}-{engine}.csv")
     found = read_table(path)
@@ -63,19 +57,7 @@ def choices(bench: Bench, name: str = "recommended") -> str:
 
 
 def penetrations(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return clearance, load and every model's penetration in mm, for the rows of a table.
-
-    Parameters
-    ----------
-    rows : pandas.DataFrame
-        Rows of one variant.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns dR_mm, load_N_per_mm, fe_mm, and NAME_mm of each of `LAWS_SHOWN`; NaN outside a
-        law's domain.
-    """
+    """Return clearance, load and every model's penetration in mm, for the rows of a table."""
     material = Material("steel", rows["E_GPa"].to_numpy() * 1e3, rows["nu"].to_numpy())
     pair = CylinderPair.from_dR("internal", rows["dR_mm"].to_numpy(), material)
     load = rows["load_N_per_mm"].to_numpy()
@@ -91,19 +73,7 @@ def penetrations(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def sensitivity_table(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return what each variant changes, case by case.
-
-    Parameters
-    ----------
-    rows : pandas.DataFrame
-        A study's table, its set-up as the variant "base".
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns variant, dR_mm, load_N_per_mm, change_percent of the penetration, and constant,
-        the change of the additive constant C in δ = f/(πE*)·(ln(πE*ΔR/f) + C).
-    """
+    """Return what each variant changes, case by case."""
     keys = ["dR_mm", "load_N_per_mm"]
     base = rows[rows["variant"] == "base"][[*keys, "penetration_mm"]]
     others = rows[rows["variant"] != "base"]

@@ -46,20 +46,15 @@ CAPTION = (
     "{share}. {whirls}{horizons} Beyond that a path is one of many, and only its statistics are of "
     "use. Which revolutions the paper draws is not said. {ends} {assumed}"
 )
+# What is left out of a path changes it by less than that, in clearances: a tenth of a line's width.
+TOLERANCE = 0.002
+FLIGHT: dict[str, Any] = {"color": "0.6", "linewidth": 0.35, "linestyle": "-", "marker": ""}
+TOUCH: dict[str, Any] = {"color": ACCENT, "linewidth": 0.7, "linestyle": "-", "marker": ""}
+CIRCLE: dict[str, Any] = {"linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 4}
 
 
 def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
-    """Draw the journal's paths at one clearance, for all laws, restitutions and frictions.
-
-    Parameters
-    ----------
-    bench : Bench
-        Where the mechanism's spec lies.
-    clearance : float
-        In mm, one of `slider_crank.CLEARANCES`.
-    revolutions : int
-        How many are drawn, from `FIRST` on.
-    """
+    """Draw the journal's paths at one clearance, for all laws, restitutions and frictions."""
     chosen = [case for case in CASES if case.clearance == clearance]
     runs = {case: simulated(bench, case, FIRST + revolutions) for case in chosen}
     paths = {case: path_table(case, run, FIRST) for case, run in runs.items()}
@@ -84,61 +79,8 @@ def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
     return Drawing(path_panels(paths), table, headline, caption)
 
 
-def _whirls(runs: Mapping[Case, Trajectory], clearance: float) -> str:
-    """Return a sentence on the runs that go in deeper than the clearance, or nothing.
-
-    What drives them is read off the runs: how often the journal's centre goes around the bearing's
-    per revolution of the crank.
-    """
-    deep = {
-        case: run
-        for case, run in runs.items()
-        if run.statistics(FIRST).mean["max_penetration_um"] > 1e3 * clearance
-    }
-    if not deep:
-        return ""
-    turns = [_turns(run) for run in deep.values()]
-    held = sorted({(case.restitution, case.friction) for case in deep})
-    named = " and ".join(f"c_e = {c_e:g}, c_f = {c_f:g}" for c_e, c_f in held)
-    return (
-        f"At {named} the penetration exceeds the clearance in {len(deep)} runs: the journal's "
-        f"centre whirls about the bearing's, {min(turns):.2g} to {max(turns):.2g} turns per "
-        "revolution of the crank, both senses counted, and its inertia presses it outwards. "
-    )
-
-
-def _turns(run: Trajectory) -> float:
-    """Return the turns of the journal's centre about the bearing's per revolution, without sign."""
-    rows = run.revolution >= FIRST
-    angle = np.unwrap(np.arctan2(*run.eccentricity[rows].T[::-1]))
-    return float(np.abs(np.diff(angle)).sum() / (2 * np.pi) / np.ptp(run.revolution[rows]))
-
-
-# What is left out of a path changes it by less than that, in clearances: a tenth of a line's width.
-TOLERANCE = 0.002
-FLIGHT: dict[str, Any] = {"color": "0.6", "linewidth": 0.35, "linestyle": "-", "marker": ""}
-TOUCH: dict[str, Any] = {"color": ACCENT, "linewidth": 0.7, "linestyle": "-", "marker": ""}
-CIRCLE: dict[str, Any] = {"linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 4}
-
-
 def path_table(case: Case, run: Trajectory, first: int) -> pd.DataFrame:
-    """Return the journal centre's way from a revolution on, without the steps that do not show.
-
-    Parameters
-    ----------
-    case : Case
-        What the rows are marked with.
-    run : Trajectory
-        The run.
-    first : int
-        The first revolution, from 0.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns law, clearance_mm, restitution, friction, revolution, x_um and y_um of the
-        journal's centre from the bearing's (−e), and mode, "contact" or "flight".
-    """
+    """Return the journal centre's way from a revolution on, without the steps that do not show."""
     rows = run.revolution >= first
     places = -run.eccentricity[rows] * 1e6
     touching = run.in_contact[rows]
@@ -188,14 +130,38 @@ def _distances(places: FloatArray, start: FloatArray, end: FloatArray) -> FloatA
     return distances
 
 
-def path_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
-    """Draw the paths of one clearance, a row for each law and a column for each dissipation.
+def _whirls(runs: Mapping[Case, Trajectory], clearance: float) -> str:
+    """Return a sentence on the runs that go in deeper than the clearance, or nothing.
 
-    Parameters
-    ----------
-    paths : mapping of Case to pandas.DataFrame
-        Those of `path_table`.
+    What drives them is read off the runs: how often the journal's centre goes around the bearing's
+    per revolution of the crank.
     """
+    deep = {
+        case: run
+        for case, run in runs.items()
+        if run.statistics(FIRST).mean["max_penetration_um"] > 1e3 * clearance
+    }
+    if not deep:
+        return ""
+    turns = [_turns(run) for run in deep.values()]
+    held = sorted({(case.restitution, case.friction) for case in deep})
+    named = " and ".join(f"c_e = {c_e:g}, c_f = {c_f:g}" for c_e, c_f in held)
+    return (
+        f"At {named} the penetration exceeds the clearance in {len(deep)} runs: the journal's "
+        f"centre whirls about the bearing's, {min(turns):.2g} to {max(turns):.2g} turns per "
+        "revolution of the crank, both senses counted, and its inertia presses it outwards. "
+    )
+
+
+def _turns(run: Trajectory) -> float:
+    """Return the turns of the journal's centre about the bearing's per revolution, without sign."""
+    rows = run.revolution >= FIRST
+    angle = np.unwrap(np.arctan2(*run.eccentricity[rows].T[::-1]))
+    return float(np.abs(np.diff(angle)).sum() / (2 * np.pi) / np.ptp(run.revolution[rows]))
+
+
+def path_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
+    """Draw the paths of one clearance, a row for each law and a column for each dissipation."""
     columns = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
     figure = new_figure("full", 118.0, wide=True)
     panels = figure.subplots(len(LAW_NAMES), len(columns), sharex=True, sharey=True)

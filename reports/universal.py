@@ -46,24 +46,7 @@ EXAMPLE_LOADS = (1.0, 1e4)  # N/mm
 
 @dataclass(frozen=True)
 class Curve:
-    """A law in the universal variables, beside its reference.
-
-    Attributes
-    ----------
-    law : str
-        Its name.
-    pair : str
-        The pair that it holds for; "any" for a dimensionless law.
-    phi : array of float
-        Loads, logarithmically spaced.
-    d : array of float
-        The law's penetration; NaN where it has none.
-    reference_d : array of float
-        The reference's penetration.
-    load_error, penetration_error : array of float
-        In percent of the reference: of the load at the reference's penetration, and of the
-        penetration at the load.
-    """
+    """A law in the universal variables, beside its reference."""
 
     law: str
     pair: str
@@ -82,31 +65,7 @@ def law_curve(
     ends: tuple[float, float] = (PHI_MIN, PHI_MAX),
     pair_label: str = "any",
 ) -> Curve:
-    """Evaluate a law and its reference at `PER_DECADE` loads to the decade.
-
-    Parameters
-    ----------
-    law, reference : ContactLaw
-        The law judged and the one it is judged by.
-    label : str
-        What the table calls the law.
-    pair : CylinderPair, optional
-        The pair; left out, the internal one whose E* and ΔR are 1.
-    ends : tuple of float, optional
-        Lowest and highest φ.
-    pair_label : str, optional
-        What the table calls the pair.
-
-    Returns
-    -------
-    Curve
-
-    Examples
-    --------
-    >>> curve = law_curve(Johnson(), "johnson", Persson(), ends=(1e-6, 0.052804))
-    >>> print(curve.penetration_error[[0, -1]].round(3))
-    [-0. -1.]
-    """
+    """Evaluate a law and its reference at `PER_DECADE` loads to the decade."""
     unit = float(pair.E_star * pair.dR)
     phi = _loads(ends, _last_loads(law, reference, pair) / unit)
     load, depth = phi * unit, reference.penetration(phi * unit, pair)
@@ -146,18 +105,7 @@ def dimensionless_curves() -> list[Curve]:
 
 
 def enhanced_curves(refits: dict[str, FitResult]) -> list[Curve]:
-    """Return the enhanced law for the pairs of `EXAMPLE`, published and refitted.
-
-    Parameters
-    ----------
-    refits : mapping of str to FitResult
-        What the table calls a refit, and the refit.
-
-    Returns
-    -------
-    list of Curve
-        Law by law, clearance by clearance.
-    """
+    """Return the enhanced law for the pairs of `EXAMPLE`, published and refitted."""
     laws = {"enhanced": Enhanced()}
     laws |= {name: Enhanced(result.coefficients) for name, result in refits.items()}
     return [
@@ -171,33 +119,7 @@ def external_curve() -> Curve:
 
 
 def error_table(curves: list[Curve], contact: str, reference: str) -> pd.DataFrame:
-    """List each curve's errors, decade by decade and over the whole of its range.
-
-    Parameters
-    ----------
-    curves : list of Curve
-        The laws.
-    contact, reference : str
-        What they are for and judged by.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns law, contact, reference, pair, error_of, range, phi_from, phi_to,
-        largest_error_percent and rms_error_percent. The last two are over loads spaced
-        logarithmically from phi_from to phi_to, which is as much of the range as the law covers.
-
-    Examples
-    --------
-    >>> curve = law_curve(Johnson(), "johnson", Persson(), ends=(0.01, 0.1))
-    >>> table = error_table([curve], "internal", "persson")
-    >>> print(table[["error_of", "range", "largest_error_percent"]].round(3).to_string(index=False))
-       error_of range  largest_error_percent
-           load   all                  2.976
-           load 1e-02                  2.976
-    penetration   all                  2.141
-    penetration 1e-02                  2.141
-    """
+    """List each curve's errors, decade by decade and over the whole of its range."""
     rows = []
     for curve in curves:
         errors = {"load": curve.load_error, "penetration": curve.penetration_error}
