@@ -1,4 +1,4 @@
-"""Figs 7 to 9 share this: curves over clearance, one line per material."""
+"""Curves over clearance, one line per material, for Figs 7 to 9."""
 
 from __future__ import annotations
 
@@ -32,20 +32,11 @@ def clearance_table(
     rows: Mapping[str, MaterialRow], quantity: Quantity, column: str, R_i: float | None = None
 ) -> pd.DataFrame:
     """Evaluate a quantity over the clearances of Figs 7 to 9 for every material."""
-    pairs = {
-        name: CylinderPair.from_dR("internal", CLEARANCES, row.material, R_i=R_i)
-        for name, row in rows.items()
-    }
-    parts = [
-        pd.DataFrame(
-            {
-                "material": name,
-                "dR_mm": CLEARANCES,
-                column: quantity(pairs[name]),
-            }
-        )
-        for name in rows
-    ]
+    parts = []
+    for name, row in rows.items():
+        pair = CylinderPair.from_dR("internal", CLEARANCES, row.material, R_i=R_i)
+        values = {"material": name, "dR_mm": CLEARANCES, column: quantity(pair)}
+        parts.append(pd.DataFrame(values))
     return pd.concat(parts, ignore_index=True)
 
 
@@ -80,23 +71,23 @@ def clearance_panels(
 def draw_materials(axes: Axes, table: pd.DataFrame, column: str) -> None:
     """Draw one line per material on logarithmic axes."""
     for number, (name, lines) in enumerate(table.groupby("material", sort=False)):
-        # Markers are set apart from line to line, so that none hides another's.
+        # Staggered, so that no marker hides another line's.
         dR, values = lines["dR_mm"].to_numpy(), lines[column].to_numpy()
         every = (2 + 4 * number % 25, 25)
-        axes.plot(dR, values, label=str(name), markevery=every, **line_style(number))
+        axes.plot(dR, values, label=str(name), markevery=every, **_line_style(number))
     plain_log(axes, "x", CLEARANCE_TICKS)
     axes.set(xlabel=CLEARANCE_LABEL, xlim=(CLEARANCES[0], CLEARANCES[-1]))
-    decades_log(axes)
+    _decades_log(axes)
 
 
-def line_style(number: int) -> dict[str, Any]:
-    """Return the colour, line style and marker of a material's line: no two of 25 are alike."""
+def _line_style(number: int) -> dict[str, Any]:
+    """Return the colour, line style and marker of a material's line, unique up to 25 lines."""
     colour, turn = number % len(COLOURS), number // len(COLOURS)
     other = (colour + turn) % len(COLOURS)
     return {"color": COLOURS[colour], "linestyle": LINE_STYLES[other], "marker": MARKERS[other]}
 
 
-def decades_log(axes: Axes) -> None:
+def _decades_log(axes: Axes) -> None:
     """Make the vertical axis logarithmic with a tick at every decade, labelled as room allows."""
     axes.set_yscale("log")
     axes.yaxis.set_minor_locator(LogLocator(subs=(1.0,), numticks=20))
@@ -120,7 +111,7 @@ def mark_point(
 
 def mark_yield(axes: Axes, dR: float, stress: float, number: int) -> None:
     """Mark where the line of material `number` reaches its yield stress (MPa), at `dR` (mm)."""
-    style = line_style(number)
+    style = _line_style(number)
     colour = style["color"]
     ends = ([CLEARANCES[0], dR], [stress, stress])
     axes.plot(*ends, **style | {"marker": ""}, linewidth=0.5)

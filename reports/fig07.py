@@ -40,5 +40,5 @@ def draw(bench: Bench) -> Drawing:
         for R_i in RADII
         for name, row in rows.items()
     }
-    told = origins(rows, rows, ELASTIC, YIELD)
-    return Drawing(figure, table, headline, CAPTION.format(told=told))
+    caption = CAPTION.format(told=origins(rows, rows, ELASTIC, YIELD))
+    return Drawing(figure, table, headline, caption)

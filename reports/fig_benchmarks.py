@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Hashable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,20 +27,27 @@ CAPTION = (
 )
 MM_PER_LINE = 3.4
 COLUMNS = ["benchmark", "case", "side", "ratio", "ratio_low", "ratio_high", "note"]
+# What the figure compares: the benchmark, and words in the names of the case and of our side.
+GROUPS = {
+    "Johnson's load, 1,000,000 values at once": ("law", "array, 1,000,000", "Johnson"),
+    "Johnson's load, compiled, one value": ("law", "compiled", "Johnson"),
+    "Johnson's load, called from Python": ("law", "called", "Johnson"),
+    "Sampling 100,000,000 to moments": ("sampling", "100,000,000", "threads"),
+    "Genetic search, 120 candidates": ("search", "120 candidates", "genetic"),
+    "Calibration to 0.1 %, 1,001,925 samples": ("calibration", "1,001,925", "cylcontact"),
+    "Slider-crank, one revolution": ("mechanism", "accuracy", "1e-08"),
+}
 
 
 def draw(bench: Bench) -> Drawing:
-    table = ratios_of(bench.input("datasets/benchmarks.json"))
-    headline = {
-        f"{group}: {side}": ratio
-        for group in GROUPS
-        for side, ratio in table.loc[table["group"] == group, ["side", "ratio"]].to_numpy()
-    }
-    return Drawing(ratio_panel(table), table, headline, CAPTION + left_out(table))
+    table = _ratios(bench.input("datasets/benchmarks.json"))
+    ratios = table[["group", "side", "ratio"]].to_numpy()
+    headline = {f"{group}: {side}": ratio for group, side, ratio in ratios}
+    return Drawing(_draw_ratios(table), table, headline, CAPTION + _skipped_groups(table))
 
 
-def ratios_of(results: Path) -> pd.DataFrame:
-    """Return the ratios of the benchmarks' sides to ours."""
+def _ratios(results: Path) -> pd.DataFrame:
+    """Return the ratios of the other sides to ours, without the benchmarks that were skipped."""
     try:
         data = json.loads(results.read_text(encoding="utf-8"))
         rows, skipped = pd.DataFrame(data["rows"], columns=COLUMNS), data["skipped"]
@@ -50,53 +56,26 @@ def ratios_of(results: Path) -> pd.DataFrame:
             str(results), "", None, "cannot be read", "make bench writes it"
         ) from error
     parts = []
-    for name, group in GROUPS.items():
-        if group.benchmark in skipped:
+    for name, (benchmark, case, our_side) in GROUPS.items():
+        if benchmark in skipped:
             continue
-        chosen = rows[
-            (rows["benchmark"] == group.benchmark)
-            & rows["case"].str.contains(group.case, regex=False)
+        sides = rows[
+            (rows["benchmark"] == benchmark) & rows["case"].str.contains(case, regex=False)
         ]
-        ours = chosen[
-            chosen["side"].str.contains(group.ours) & chosen["side"].str.contains("cylcontact")
+        ours = sides[
+            sides["side"].str.contains(our_side) & sides["side"].str.contains("cylcontact")
         ]
         if ours.empty:
             raise InputError(str(results), "rows", name, "is not in the file", "redo make bench")
-        others = chosen[~chosen["side"].str.startswith("cylcontact")]
-        parts.append(_relative_to(float(ours["ratio"].iloc[0]), others).assign(group=name))
+        others = sides[~sides["side"].str.startswith("cylcontact")]
+        ratios = others[["ratio", "ratio_low", "ratio_high"]] / float(ours["ratio"].iloc[0])
+        computed = others["note"].str.startswith("computed")
+        parts.append(ratios.assign(group=name, side=others["side"], computed=computed))
     table = pd.concat(parts, ignore_index=True)
     return table[["group", "side", "ratio", "ratio_low", "ratio_high", "computed"]]
 
 
-@dataclass(frozen=True)
-class Group:
-    """Cases of the results shown together: words in the names of the case and of our side."""
-
-    benchmark: str
-    case: str
-    ours: str
-
-
-GROUPS: dict[str, Group] = {
-    "Johnson's load, 1,000,000 values at once": Group("law", "array, 1,000,000", "Johnson"),
-    "Johnson's load, compiled, one value": Group("law", "compiled", "Johnson"),
-    "Johnson's load, called from Python": Group("law", "called", "Johnson"),
-    "Sampling 100,000,000 to moments": Group("sampling", "100,000,000", "threads"),
-    "Genetic search, 120 candidates": Group("search", "120 candidates", "genetic"),
-    "Calibration to 0.1 %, 1,001,925 samples": Group("calibration", "1,001,925", "cylcontact"),
-    "Slider-crank, one revolution": Group("mechanism", "accuracy", "1e-08"),
-}
-
-
-def _relative_to(ours: float, others: pd.DataFrame) -> pd.DataFrame:
-    """Return sides with their ratios to ours, which itself may not be a case's first side."""
-    columns = ["ratio", "ratio_low", "ratio_high"]
-    relative = others[["side", *columns]].copy()
-    relative[columns] = relative[columns] / ours
-    return relative.assign(computed=others["note"].str.startswith("computed"))
-
-
-def ratio_panel(table: pd.DataFrame) -> Figure:
+def _draw_ratios(table: pd.DataFrame) -> Figure:
     """Draw the ratios, a line for each side, group below group."""
     lines = len(table) + table["group"].nunique()
     figure = new_figure("full", MM_PER_LINE * lines + 14)
@@ -134,7 +113,7 @@ def _draw_line(axes: Axes, place: int, row: dict[Hashable, Any]) -> None:
     axes.plot([row["ratio_low"], row["ratio_high"]], [place, place], "-", color=colour, marker="")
     face = "white" if row["computed"] else colour
     axes.plot(row["ratio"], place, "o", color=colour, markerfacecolor=face)
-    # Numbers keep away from the line at 1.
+    # The number is on the side away from the line at 1.
     shorter = row["ratio"] < 1
     axes.annotate(
         _short(row["ratio"]),
@@ -152,7 +131,7 @@ def _short(ratio: float) -> str:
     return f"{float(f'{ratio:.2g}'):,.10g}"
 
 
-def left_out(table: pd.DataFrame) -> str:
+def _skipped_groups(table: pd.DataFrame) -> str:
     """Return a sentence for the caption on the groups that a table lacks, if there are any."""
     groups = [name for name in GROUPS if name not in set(table["group"])]
     return f" Not measured (docs/speed.md says why): {'; '.join(groups)}." if groups else ""
