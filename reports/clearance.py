@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from cylcontact.plots.figure import new_figure, panel_title, plain_log
 from cylcontact.plots.maps import RIM
 from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS
 
-from .paper import FIG7_CLEARANCES
+from .paper import FIG7_CLEARANCES, RADII
 
 # Where the curves are evaluated, in mm.
 CLEARANCES: FloatArray = np.geomspace(*FIG7_CLEARANCES, 100)
@@ -44,14 +44,13 @@ def clearance_panels(
     rows: Mapping[str, MaterialRow],
     quantity: Quantity,
     column: str,
-    radii: Sequence[float],
     label: str,
 ) -> tuple[Figure, list[Axes], pd.DataFrame]:
     """Draw a quantity against clearance, a panel per radius of the hole and a line per material."""
     figure = new_figure("full", 72.0)
-    panels = list(figure.subplots(1, len(radii), sharey=True, squeeze=False).flat)
+    panels = list(figure.subplots(1, len(RADII), sharey=True))
     tables = []
-    for number, (axes, R_i) in enumerate(zip(panels, radii, strict=True)):
+    for number, (axes, R_i) in enumerate(zip(panels, RADII, strict=True)):
         table = clearance_table(rows, quantity, column, R_i)
         draw_materials(axes, table, column)
         panel_title(axes, number, f"$R_i$ = {R_i:g} mm")

@@ -44,10 +44,8 @@ def draw(bench: Bench) -> Drawing:
     headline = {}
     for load, group in numbers.groupby("load_N_per_mm"):
         for law in ("johnson", "enhanced", "explicit", "calculix"):
-            difference = 100 * (group[f"{law}_mm"] / group["embedded_mm"] - 1)
-            headline[f"{load:g} N/mm: {law} less finite elements, largest, %"] = (
-                difference.abs().max()
-            )
+            difference = (100 * (group[f"{law}_mm"] / group["embedded_mm"] - 1)).abs().max()
+            headline[f"{load:g} N/mm: {law} less finite elements, largest, %"] = difference
     caption = CAPTION.format(choices=choices(bench))
     return Drawing(_draw_panels(numbers), numbers, headline, caption)
 

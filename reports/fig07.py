@@ -27,7 +27,7 @@ CAPTION = (
 def draw(bench: Bench) -> Drawing:
     rows = {name: bench.material(name) for name in MATERIALS}
     figure, panels, table = clearance_panels(
-        rows, yield_load, "load_N_per_mm", RADII, "load at yield (N/mm)"
+        rows, yield_load, "load_N_per_mm", "load at yield (N/mm)"
     )
     for axes in panels:
         axes.axhspan(*LOADS, color="0.88", zorder=0, linewidth=0)
