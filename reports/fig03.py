@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
@@ -42,40 +43,49 @@ CAPTION = (
 
 
 def draw(_bench: Bench) -> Drawing:
-    tables = {contact: _exponents(contact) for contact in TICKS}
-    table = pd.concat(tables.values(), ignore_index=True)
-    return Drawing(_draw_panels(tables), table, _spreads(table), CAPTION)
+    studies = [
+        ExponentStudy(contact, np.geomspace(*TRAINING_DR[contact], 47), ticks)
+        for contact, ticks in TICKS.items()
+    ]
+    tables = [exponent_table(study, MODULI_GPA, RATIOS, TRAINING_LOADS) for study in studies]
+    table = pd.concat(tables, ignore_index=True)
+    return Drawing(_draw_panels(studies, tables), table, _spreads(table), CAPTION)
 
 
-def _exponents(contact: Contact) -> pd.DataFrame:
-    """Fit a power law to Johnson's law pair by pair."""
+@dataclass(frozen=True)
+class ExponentStudy:
+    """One panel: ΔR in mm, and the values that its axis labels."""
+
+    contact: Contact
+    dR: FloatArray
+    ticks: tuple[float, ...]
+
+
+def exponent_table(
+    study: ExponentStudy, moduli: Sequence[float], ratios: Sequence[float], loads: FloatArray
+) -> pd.DataFrame:
+    """Fit a power law to Johnson's law pair by pair; moduli in GPa, loads in N/mm."""
     rows = []
-    for E, nu, dR in product(MODULI_GPA, RATIOS, _clearances(contact)):
-        pair = CylinderPair.from_dR(contact, dR, Material("any", E * 1e3, nu))
-        inside, penetration = johnson_points(TRAINING_LOADS, pair)
+    for E, nu, dR in product(moduli, ratios, study.dR):
+        pair = CylinderPair.from_dR(study.contact, dR, Material("any", E * 1e3, nu))
+        inside, penetration = johnson_points(loads, pair)
         fit = fit_power(inside, penetration)
-        rows.append((contact, E, nu, dR, inside.size, fit.n, fit.K, fit.r_squared))
+        rows.append((study.contact, E, nu, dR, inside.size, fit.n, fit.K, fit.r_squared))
     names = ("contact", "E_GPa", "nu", "dR_mm", "points", "n", "K_N_per_mm_n", "R2")
     return pd.DataFrame(rows, columns=names)
 
 
-def _clearances(contact: Contact) -> FloatArray:
-    """Return the values of ΔR in mm."""
-    return np.geomspace(*TRAINING_DR[contact], 47)
-
-
-def _draw_panels(tables: Mapping[Contact, pd.DataFrame]) -> Figure:
+def _draw_panels(studies: Sequence[ExponentStudy], tables: Sequence[pd.DataFrame]) -> Figure:
     """Draw n against ΔR: a line per modulus, the spread over ν, the published n."""
     figure = new_figure("full", 80.0)
-    panels = figure.subplots(1, len(tables))
-    for number, (axes, (contact, table)) in enumerate(zip(panels, tables.items(), strict=True)):
-        dR = _clearances(contact)
+    panels = figure.subplots(1, len(studies))
+    for number, (axes, study, table) in enumerate(zip(panels, studies, tables, strict=True)):
         _draw_moduli(axes, table)
         _draw_ratios(axes, table)
-        _draw_published(axes, contact, dR)
-        plain_log(axes, "x", TICKS[contact])
-        axes.set(xlabel=r"$\Delta R$ (mm)", xlim=(dR[0], dR[-1]))
-        panel_title(axes, number, f"{contact} contact")
+        _draw_published(axes, study)
+        plain_log(axes, "x", study.ticks)
+        axes.set(xlabel=r"$\Delta R$ (mm)", xlim=(study.dR[0], study.dR[-1]))
+        panel_title(axes, number, f"{study.contact} contact")
     panels[0].set_ylabel("exponent $n$ (-)")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4)
@@ -104,11 +114,11 @@ def _draw_ratios(axes: Axes, table: pd.DataFrame) -> None:
     )
 
 
-def _draw_published(axes: Axes, contact: Contact, dR: FloatArray) -> None:
+def _draw_published(axes: Axes, study: ExponentStudy) -> None:
     """Draw the published exponent, which depends on ΔR only."""
-    n = Enhanced().exponent(CylinderPair.from_dR(contact, dR, Material("any", 1.0, 0.0)))
+    pair = CylinderPair.from_dR(study.contact, study.dR, Material("any", 1.0, 0.0))
     style: dict[str, Any] = {"marker": "", "color": "0.6", "linewidth": 2.2, "zorder": 1}
-    axes.plot(dR, n, "-", label="published $n$ (Eq 6c)", **style)
+    axes.plot(study.dR, Enhanced().exponent(pair), "-", label="published $n$ (Eq 6c)", **style)
 
 
 def _spreads(table: pd.DataFrame) -> dict[str, float]:

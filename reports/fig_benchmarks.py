@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Hashable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -27,26 +27,35 @@ CAPTION = (
 )
 MM_PER_LINE = 3.4
 COLUMNS = ["benchmark", "case", "side", "ratio", "ratio_low", "ratio_high", "note"]
-# What the figure compares: the benchmark, and words in the names of the case and of our side.
+
+
+class Group(NamedTuple):
+    """A benchmark, and words in the names of the cases and of our side."""
+
+    benchmark: str
+    case: str
+    ours: str
+
+
 GROUPS = {
-    "Johnson's load, 1,000,000 values at once": ("law", "array, 1,000,000", "Johnson"),
-    "Johnson's load, compiled, one value": ("law", "compiled", "Johnson"),
-    "Johnson's load, called from Python": ("law", "called", "Johnson"),
-    "Sampling 100,000,000 to moments": ("sampling", "100,000,000", "threads"),
-    "Genetic search, 120 candidates": ("search", "120 candidates", "genetic"),
-    "Calibration to 0.1 %, 1,001,925 samples": ("calibration", "1,001,925", "cylcontact"),
-    "Slider-crank, one revolution": ("mechanism", "accuracy", "1e-08"),
+    "Johnson's load, 1,000,000 values at once": Group("law", "array, 1,000,000", "Johnson"),
+    "Johnson's load, compiled, one value": Group("law", "compiled", "Johnson"),
+    "Johnson's load, called from Python": Group("law", "called", "Johnson"),
+    "Sampling 100,000,000 to moments": Group("sampling", "100,000,000", "threads"),
+    "Genetic search, 120 candidates": Group("search", "120 candidates", "genetic"),
+    "Calibration to 0.1 %, 1,001,925 samples": Group("calibration", "1,001,925", "cylcontact"),
+    "Slider-crank, one revolution": Group("mechanism", "accuracy", "1e-08"),
 }
 
 
 def draw(bench: Bench) -> Drawing:
-    table = _ratios(bench.input("datasets/benchmarks.json"))
+    table = ratios_of(bench.input("datasets/benchmarks.json"))
     ratios = table[["group", "side", "ratio"]].to_numpy()
     headline = {f"{group}: {side}": ratio for group, side, ratio in ratios}
-    return Drawing(_draw_ratios(table), table, headline, CAPTION + _skipped_groups(table))
+    return Drawing(ratio_panel(table), table, headline, CAPTION + left_out(table))
 
 
-def _ratios(results: Path) -> pd.DataFrame:
+def ratios_of(results: Path) -> pd.DataFrame:
     """Return the ratios of the other sides to ours, without the benchmarks that were skipped."""
     try:
         data = json.loads(results.read_text(encoding="utf-8"))
@@ -56,14 +65,15 @@ def _ratios(results: Path) -> pd.DataFrame:
             str(results), "", None, "cannot be read", "make bench writes it"
         ) from error
     parts = []
-    for name, (benchmark, case, our_side) in GROUPS.items():
-        if benchmark in skipped:
+    for name, group in GROUPS.items():
+        if group.benchmark in skipped:
             continue
         sides = rows[
-            (rows["benchmark"] == benchmark) & rows["case"].str.contains(case, regex=False)
+            (rows["benchmark"] == group.benchmark)
+            & rows["case"].str.contains(group.case, regex=False)
         ]
         ours = sides[
-            sides["side"].str.contains(our_side) & sides["side"].str.contains("cylcontact")
+            sides["side"].str.contains(group.ours) & sides["side"].str.contains("cylcontact")
         ]
         if ours.empty:
             raise InputError(str(results), "rows", name, "is not in the file", "redo make bench")
@@ -75,7 +85,7 @@ def _ratios(results: Path) -> pd.DataFrame:
     return table[["group", "side", "ratio", "ratio_low", "ratio_high", "computed"]]
 
 
-def _draw_ratios(table: pd.DataFrame) -> Figure:
+def ratio_panel(table: pd.DataFrame) -> Figure:
     """Draw the ratios, a line for each side, group below group."""
     lines = len(table) + table["group"].nunique()
     figure = new_figure("full", MM_PER_LINE * lines + 14)
@@ -131,7 +141,7 @@ def _short(ratio: float) -> str:
     return f"{float(f'{ratio:.2g}'):,.10g}"
 
 
-def _skipped_groups(table: pd.DataFrame) -> str:
+def left_out(table: pd.DataFrame) -> str:
     """Return a sentence for the caption on the groups that a table lacks, if there are any."""
     groups = [name for name in GROUPS if name not in set(table["group"])]
     return f" Not measured (docs/speed.md says why): {'; '.join(groups)}." if groups else ""

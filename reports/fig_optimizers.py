@@ -32,7 +32,7 @@ STEPS = {"searched": "after the search", "polished": "after the polish"}
 
 
 def draw(bench: Bench) -> Drawing:
-    runs = _read_runs(bench)
+    runs = optimizer_runs(bench, CAMPAIGN)
     table = _table(runs)
     headline = {"best objective": float(runs["polished"].min())}
     for optimizer, share in _in_best_basin(runs).items():
@@ -43,10 +43,10 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(_draw_panels(table), table, headline, caption)
 
 
-def _read_runs(bench: Bench) -> pd.DataFrame:
+def optimizer_runs(bench: Bench, campaign: str) -> pd.DataFrame:
     """Read the runs that `cylcontact optimizers` wrote, without the timings."""
-    path = bench.result_file(f"optimizers-{CAMPAIGN}.csv")
-    remedy = f"make it with: cylcontact optimizers fitting/{CAMPAIGN}.toml -o {path}"
+    path = bench.result_file(f"optimizers-{campaign}.csv")
+    remedy = f"make it with: cylcontact optimizers fitting/{campaign}.toml -o {path}"
     _require(path.is_file(), path, "this comparison does not exist", remedy)
     try:
         runs = pd.read_csv(path)

@@ -57,7 +57,7 @@ def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
     """Draw the journal's paths at one clearance, for all laws, restitutions and frictions."""
     drawn = [case for case in CASES if case.clearance == clearance]
     runs = {case: simulated(bench, case, FIRST + revolutions) for case in drawn}
-    paths = {case: _path(case, run) for case, run in runs.items()}
+    paths = {case: path_table(case, run, FIRST) for case, run in runs.items()}
     means = {case: run.statistics(FIRST).mean for case, run in runs.items()}
     headline = {
         f"{case.law}, c_e = {case.restitution:g}, c_f = {case.friction:g}: {text}": mean[column]
@@ -79,9 +79,9 @@ def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
     return Drawing(_draw_panels(paths), table, headline, caption)
 
 
-def _path(case: Case, run: Trajectory) -> pd.DataFrame:
+def path_table(case: Case, run: Trajectory, first: int) -> pd.DataFrame:
     """Return the path of the journal's centre (−e), without the points that a line needs not."""
-    rows = run.revolution >= FIRST
+    rows = run.revolution >= first
     places = -run.eccentricity[rows] * 1e6
     touching = run.in_contact[rows]
     drawn = _simplified(places, touching, TOLERANCE * run.mechanism.clearance.radial * 1e6)

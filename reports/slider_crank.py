@@ -98,7 +98,7 @@ def revolutions_of(case: Case) -> int:
 def statistics_table(bench: Bench) -> pd.DataFrame:
     """Run all 24 cases at two tolerances and return their statistics, which are cached.
 
-    The columns are those of `Case`, the values of `_case_row` at the spec's tolerance, and the same
+    The columns are those of `Case`, the values of `case_row` at the spec's tolerance, and the same
     at the tighter one (names end in `AGAINST`).
     """
     data = json.dumps(mechanism(bench).data)
@@ -115,27 +115,27 @@ def run_case(data: str, case: Case) -> dict[str, object]:
     model = mechanism_from(json.loads(data), "mechanism", **vars(case))
     revolutions, tolerance = revolutions_of(case), model.integration.tolerance
     row, second = (
-        _case_row(simulate(model, revolutions=revolutions, tolerance=value, beyond="tangent"))
+        case_row(simulate(model, revolutions=revolutions, tolerance=value, beyond="tangent"))
         for value in (tolerance, TIGHTER * tolerance)
     )
     return vars(case) | row | {f"{name}{AGAINST}": value for name, value in second.items()}
 
 
-def _case_row(run: Trajectory) -> dict[str, float]:
-    """Return a run's numbers: means over the revolutions from `FIRST` on, and their scatter.
+def case_row(run: Trajectory, first: int = FIRST) -> dict[str, float]:
+    """Return a run's numbers: means over the revolutions from `first` on, and their scatter.
 
     Besides `STATISTICS` and their standard deviations (`_std`): the number of revolutions
     `counted`; the mean step; the mean durations of a contact and a flight (NaN where there is
     none); over the whole run the `onsets`, the contacts `continued` along the law's tangent and
     those that `left` its domain; and `energy_error`, relative to the peak kinetic energy.
     """
-    statistics = run.statistics(FIRST)
+    statistics = run.statistics(first)
     steps = run.mechanism.period * 1e6 / statistics.by_revolution["steps"]
     row = {name: float(statistics.mean[name]) for name in STATISTICS}
     row |= {f"{name}_std": float(statistics.scatter[name]) for name in STATISTICS}
     deepest = run.contacts["max_penetration_m"].to_numpy() * 1e3
-    limit = _law_limit(run.mechanism)
-    inside, outside = _durations(run, FIRST * run.mechanism.period)
+    limit = law_limit(run.mechanism)
+    inside, outside = _durations(run, first * run.mechanism.period)
     return row | {
         "counted": float(len(statistics.by_revolution)),
         "step_us": float(steps.mean()),
@@ -149,7 +149,7 @@ def _case_row(run: Trajectory) -> dict[str, float]:
     }
 
 
-def _law_limit(mechanism: Mechanism) -> float:
+def law_limit(mechanism: Mechanism) -> float:
     """Return the largest penetration of the mechanism's contact law in mm, inf without one."""
     joint = mechanism.clearance
     return np.inf if joint.pair is None else float(joint.law.max_penetration(joint.pair))
@@ -204,7 +204,7 @@ def law_ends(runs: list[Trajectory]) -> str:
 def _continued_contacts(run: Trajectory) -> str:
     """Return the number of contacts of a run that were continued, as text, or nothing."""
     deepest = run.contacts["max_penetration_m"].to_numpy() * 1e3
-    limit = _law_limit(run.mechanism)
+    limit = law_limit(run.mechanism)
     continued = int((deepest > TANGENT_FROM * limit).sum())
     if not continued:
         return ""
