@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cylcontact.reports.benchmarks import GROUPS, left_out, ratio_panel, ratios_of
 
 from benchmarks import harness, peers
 from benchmarks.__main__ import BENCHMARKS, PAGE
@@ -25,7 +26,6 @@ from benchmarks.search import problem_of
 from cylcontact import InputError
 from cylcontact.fitting.run import execute, plan_runs
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.benchmarks import GROUPS, left_out, ratio_panel, ratios_of
 from cylcontact.reports.build import draw
 from tests.programs import require_program
 

@@ -6,9 +6,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-
-from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import ledger, mechanism_claims
 from cylcontact.reports.claims.section4_contact import claims as contact_claims
 from cylcontact.reports.claims.section4_forces import claims as force_claims
 from cylcontact.reports.claims.section4_steps import claims as step_claims
@@ -21,6 +18,9 @@ from cylcontact.reports.mechanism.runs import (
     simulate,
     statistics_table,
 )
+
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.claims import ledger, mechanism_claims
 
 BENCH = Bench(Path(__file__).parents[1])
 CHOICE, NO = "reproduced with a stated choice", "not reproduced"

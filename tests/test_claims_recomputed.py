@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from cylcontact.reports.claims.domain import JOHNSON_ONLY, MODERATE, PRACTICAL, difference
+from cylcontact.reports.claims.extremes import best_load, largest_difference, share_below
+from cylcontact.reports.claims.power_fits import TRAINING_LOADS, fit_at
 from scipy.optimize import minimize
 
 from cylcontact.materials import shipped_materials
 from cylcontact.reports.claims import Claim, ledger
-from cylcontact.reports.claims.domain import JOHNSON_ONLY, MODERATE, PRACTICAL, difference
-from cylcontact.reports.claims.extremes import best_load, largest_difference, share_below
-from cylcontact.reports.claims.power_fits import TRAINING_LOADS, fit_at
 
 ROWS = shipped_materials()
 MATERIALS = {name: row.material for name, row in ROWS.items()}

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cylcontact.reports.forms import CHOSEN, SIMPLEST
 from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.forms import CHOSEN, SIMPLEST
 from tests.drawn_figures import DrawnFigures
 
 BENCH = Bench(Path(__file__).parents[1])

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from cylcontact.reports.finite_element.data import table
 
 from cylcontact import InputError, limits
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import finite_element_claims
-from cylcontact.reports.finite_element.data import table
 
 BENCH = Bench(Path(__file__).parents[1])
 STEEL = Material("steel", 207e3, 0.3)

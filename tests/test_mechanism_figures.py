@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from PIL import Image
-
-from cylcontact import InputError, cli
-from cylcontact.mechanism import Case, read_mechanism, simulate
-from cylcontact.reports.bench import Bench
 from cylcontact.reports.mechanism.disclosure import assumed, horizons, law_ends
 from cylcontact.reports.mechanism.linkage import driver_circle, poses
 from cylcontact.reports.mechanism.movie import FRAMES_PER_REVOLUTION, film, require_film
 from cylcontact.reports.mechanism.paths import path_table
 from cylcontact.reports.mechanism.runs import CASES, case_row, law_limit, mechanism, simulated
+from PIL import Image
+
+from cylcontact import InputError, cli
+from cylcontact.mechanism import Case, read_mechanism, simulate
+from cylcontact.reports.bench import Bench
 
 ROOT = Path(__file__).parents[1]
 BENCH = Bench(ROOT)

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
+from cylcontact.reports.restitution import LABELS, WANTED
 from mpmath import mp
 
 from cylcontact.dissipation import FACTORS
-from cylcontact.reports.restitution import LABELS, WANTED
 
 # Largest |achieved − wanted| at wanted 0.1, 0.2, … 1, as the figure shows it.
 LARGEST_ERROR = {
