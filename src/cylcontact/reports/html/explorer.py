@@ -20,7 +20,7 @@ __all__ = ["explorer_data"]
 
 # The parts of an exported law that the page computes it from.
 NEEDED = ("constants", "steps", "conditions")
-SHOWN = ("johnson", "persson", "enhanced", "explicit", "fit:internal", "fit:external")
+INITIAL_LAWS = ("johnson", "persson", "enhanced", "explicit", "fit:internal", "fit:external")
 # For each slider: its ends and its initial value.
 CONTROLS: Mapping[str, Mapping[str, Any]] = {
     "internal": {"dR": (0.001, 10.0, 0.05), "load": (1.0, 10000.0, 100.0)},
@@ -57,7 +57,7 @@ def explorer_data(
         "truth": {contact: law.name for contact, law in TRUTH.items()},
         "explicit_range": {contact: list(BOUNDED[contact]) for contact in CONTACTS},
         "trained_dR": {contact: list(PUBLISHED_DR[contact]) for contact in CONTACTS},
-        "shown": SHOWN,
+        "initial_laws": INITIAL_LAWS,
     }
 
 
