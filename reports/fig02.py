@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import pandas as pd
@@ -12,19 +12,14 @@ from matplotlib.figure import Figure
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.power_fit import PowerFit, fit_power_to_law
 from cylcontact.laws import Johnson, PowerLaw
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import ACCENT, QUIET
 from cylcontact.reports.bench import Bench
 
-from .paper import FIG2_DR
+from .paper import FIG2_DR, FIG2_FITS, GOOD_CORRELATION
 from .power_fits import FIG2_LOADS, reference_pair
 
-# K, n and R² as the paper prints them.
-STATED: Mapping[Contact, tuple[str, str, str]] = {
-    "internal": ("312148", "1.2370", "> 0.998"),
-    "external": ("44935", "1.0935", "> 0.998"),
-}
 CAPTION = (
     "Load per unit length (N/mm) against penetration (µm): points of Johnson's law (Eq 1) and the "
     "line f = K δⁿ (Eq 3; K in N/mm per mmⁿ) fitted to them by least squares in ln δ and ln f; "
@@ -37,8 +32,12 @@ CAPTION = (
 
 def draw(_bench: Bench) -> Drawing:
     cases = [
-        PowerCase(reference_pair(contact, FIG2_DR[contact]), FIG2_LOADS[contact], stated)
-        for contact, stated in STATED.items()
+        PowerCase(
+            reference_pair(contact, FIG2_DR[contact]),
+            FIG2_LOADS[contact],
+            (*stated, f"> {GOOD_CORRELATION}"),
+        )
+        for contact, stated in FIG2_FITS.items()
     ]
     tables = [_fit_table(case) for case in cases]
     headline: dict[str, float] = {}

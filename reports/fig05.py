@@ -24,8 +24,8 @@ from .finite_elements import (
     choices,
     study,
 )
+from .paper import FIG5_CLEARANCES
 
-CLEARANCES = (1.0, 0.01)  # mm, the paper's
 CAPTION = (
     "Contact stress by finite elements at ΔR = 1 mm and 0.01 mm, f = 20 N/mm; {load_choice}. "
     "(a, b) Stress along the load in MPa, compression positive, "
@@ -38,10 +38,10 @@ REACH, DEPTH = 2.0, 1.6
 
 def draw(bench: Bench) -> Drawing:
     setup = study(bench, "recommended").setups["base"]
-    solutions = [solve(setup, dR, [STRESS_LOAD])[0] for dR in CLEARANCES]
+    solutions = [solve(setup, dR, [STRESS_LOAD])[0] for dR in FIG5_CLEARANCES]
     table = _table(solutions)
     headline = {}
-    for dR in CLEARANCES:
+    for dR in FIG5_CLEARANCES:
         for theory in ("hertz", "persson"):
             key = f"{dR:g} mm: largest departure from {theory.capitalize()}, % of its peak"
             headline[key] = _largest_departure(table, dR, theory)

@@ -11,9 +11,8 @@ from cylcontact.mechanism import Case, Trajectory
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.reports.bench import Bench
 
+from .paper import JOINT_CLEARANCES, JOINT_LAWS
 from .slider_crank import (
-    CLEARANCES,
-    LAW_NAMES,
     assumed,
     crossings,
     force_ratio,
@@ -24,7 +23,7 @@ from .slider_crank import (
     total_force,
 )
 
-CASES = [Case(law, clearance, 0.9, 0.0) for clearance in CLEARANCES for law in LAW_NAMES]
+CASES = [Case(law, clearance, 0.9, 0.0) for clearance in JOINT_CLEARANCES for law in JOINT_LAWS]
 CAPTION = (
     "Contact force against penetration over the first impact of the slider-crank, without friction "
     "and with c_e = 0.9; before it the runs are alike, so that all laws meet the same impact, and "
@@ -86,8 +85,8 @@ def _impact(case: Case, run: Trajectory) -> pd.DataFrame:
 def _draw_panels(table: pd.DataFrame) -> Figure:
     """Draw force against penetration, a panel for each clearance and a loop for each law."""
     figure = new_figure("full", 74.0)
-    panels = figure.subplots(1, len(CLEARANCES))
-    for number, (axes, clearance) in enumerate(zip(panels, CLEARANCES, strict=True)):
+    panels = figure.subplots(1, len(JOINT_CLEARANCES))
+    for number, (axes, clearance) in enumerate(zip(panels, JOINT_CLEARANCES, strict=True)):
         impacts = table[table["clearance_mm"] == clearance]
         for law, loop in impacts.groupby("law", sort=False):
             _draw_loop(axes, str(law), loop)
@@ -103,7 +102,7 @@ def _draw_loop(axes: Axes, law: str, loop: pd.DataFrame) -> None:
     depth, force = loop["penetration_um"].to_numpy(), loop["force_N"].to_numpy() / 1e3
     style = law_style(law)
     marked = np.searchsorted(depth[: depth.argmax()], np.arange(0.25, 1, 0.25) * depth.max())
-    axes.plot(depth, force, label=LAW_NAMES[law], markevery=marked.tolist(), **style)
+    axes.plot(depth, force, label=JOINT_LAWS[law], markevery=marked.tolist(), **style)
     order = np.argsort(depth)
     thin = style | {"marker": "", "linewidth": 0.5, "linestyle": "-"}
     axes.plot(depth[order], loop["elastic_force_N"].to_numpy()[order] / 1e3, **thin)

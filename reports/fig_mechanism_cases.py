@@ -13,12 +13,9 @@ from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import QUIET
 from cylcontact.reports.bench import Bench
 
+from .paper import FRICTIONS, JOINT_CLEARANCES, JOINT_LAWS, RESTITUTIONS
 from .slider_crank import (
-    CLEARANCES,
     FIRST,
-    FRICTIONS,
-    LAW_NAMES,
-    RESTITUTIONS,
     REVOLUTIONS,
     WHIRLING_REVOLUTIONS,
     assumed,
@@ -55,7 +52,7 @@ CAPTION = (
     "largest penetration: {continued:.0f} of {onsets:.0f} of its contacts, {left:.0f} of them "
     "beyond its end, all at 0.02 mm without dissipation. {assumed}"
 )
-GROUPS = [(c, ce, cf) for c in CLEARANCES for ce in RESTITUTIONS for cf in FRICTIONS]
+GROUPS = [(c, ce, cf) for c in JOINT_CLEARANCES for ce in RESTITUTIONS for cf in FRICTIONS]
 LABELS = [f"{ce:g}\n{cf:g}" for _, ce, cf in GROUPS]
 # From one law to the next within a group, in groups.
 APART = 0.22
@@ -112,12 +109,12 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
 def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, scatter: str | None) -> None:
     """Draw a law's cases, with bars of one standard deviation."""
     cases = rows.set_index(["clearance", "restitution", "friction"]).loc[GROUPS]
-    at = np.arange(len(GROUPS)) + APART * (list(LAW_NAMES).index(law) - 1)
+    at = np.arange(len(GROUPS)) + APART * (list(JOINT_LAWS).index(law) - 1)
     style = law_style(law)
     bars = None if scatter is None else cases[scatter].to_numpy()
     axes.errorbar(
         at, cases[column].to_numpy(), yerr=bars, color=style["color"], marker=style["marker"],
-        label=LAW_NAMES[law], **BARS,
+        label=JOINT_LAWS[law], **BARS,
     )  # fmt: skip
 
 
@@ -127,7 +124,7 @@ def _label_groups(axes: Axes) -> None:
     axes.tick_params(axis="x", length=0)
     middle = len(GROUPS) / 2 - 0.5
     axes.axvline(middle, color=QUIET, linewidth=0.6, linestyle="-", marker="")
-    for number, clearance in enumerate(CLEARANCES):
+    for number, clearance in enumerate(JOINT_CLEARANCES):
         axes.annotate(
             f"{clearance:g} mm", xy=(0.25 + 0.5 * number, 1.0), xycoords="axes fraction",
             xytext=(0, -8), textcoords="offset points", ha="center", va="center",

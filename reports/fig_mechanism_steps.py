@@ -13,11 +13,12 @@ from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import ACCENT
 from cylcontact.reports.bench import Bench
 
-from .slider_crank import CLEARANCES, assumed, mechanism, simulated
+from .paper import JOINT_CLEARANCES
+from .slider_crank import assumed, mechanism, simulated
 
 REVOLUTION = 3  # from 0
 LOSSES = ((1.0, 0.0), (0.9, 0.1))
-CASES = [Case("enhanced", c, *losses) for c in CLEARANCES for losses in LOSSES]
+CASES = [Case("enhanced", c, *losses) for c in JOINT_CLEARANCES for losses in LOSSES]
 CAPTION = (
     "Accepted steps (µs) of the integrator, CVODE's Adams method at a tolerance of {tolerance:g}, "
     "over revolution {revolution} of the slider-crank with the enhanced law, by radial clearance "
@@ -72,7 +73,7 @@ def _steps(case: Case, run: Trajectory) -> pd.DataFrame:
 def _draw_panels(tables: Mapping[Case, pd.DataFrame]) -> Figure:
     """Draw step against time, a row of panels for each clearance."""
     figure = new_figure("full", 96.0)
-    panels = figure.subplots(len(CLEARANCES), len(LOSSES), sharex=True, sharey=True)
+    panels = figure.subplots(len(JOINT_CLEARANCES), len(LOSSES), sharex=True, sharey=True)
     for number, (case, table) in enumerate(tables.items()):
         axes = panels.flat[number]
         for mode, style in STYLES.items():

@@ -94,6 +94,9 @@ class MappedLaw:
 
 def draw(bench: Bench, *, material: str, law: str = "enhanced", reference: str = "") -> Drawing:
     """Draw a map for a material, by arguments on the command line."""
+    if law not in LAWS and not bench.result_file(f"{law}.json").is_file():
+        rule = f"is neither a law nor a fit result in {bench.results_folder}"
+        raise InputError("maps", "law", law, rule, f"choose {', '.join(LAWS)}, or fit it")
     return difference_map(bench, material, law, reference)
 
 
@@ -145,9 +148,6 @@ def _mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") ->
         return MappedLaw(Enhanced(), default, own, "published coefficients", fitted_from)
     if law in LAWS:
         return MappedLaw(LAWS[law](), default, f"the {law} law", f"{law} law")
-    if not bench.result_file(f"{law}.json").is_file():
-        rule = f"is neither a law nor a fit result in {bench.results_folder}"
-        raise InputError("maps", "law", law, rule, f"choose {', '.join(LAWS)}, or fit it")
     result = bench.result(law)
     if result.contact != "internal" or "dataset" not in result.settings:
         rule, remedy = "is not a fit on a grid of internal contacts", "choose one that is"

@@ -1,9 +1,9 @@
-"""The paper's constants, and the domains it speaks of without giving bounds.
+"""The paper's constants and printed values, and the domains that it names without bounds.
 
 C. Pereira, A. Ramalho and J. Ambrósio, An enhanced cylindrical contact force model, Multibody
-System Dynamics (2015). It judges its law over "practical" conditions and "moderate" loads, and
-puts no number to either. Both get one here; every claim that rests on them says so and reports
-what other bounds would give.
+System Dynamics (2015). It judges its law over "practical" conditions and "moderate" loads without
+giving numbers. Ours are here; every claim that rests on them says so and reports the results for
+other bounds.
 """
 
 from __future__ import annotations
@@ -26,22 +26,50 @@ from cylcontact.reports.paper import Paper
 
 Interval = tuple[float, float]
 
-LOADS: Interval = (10.0, 1000.0)  # N/mm, Sect. 3.4
-CLEARANCES: Interval = (0.0075, 2.0)  # mm, Sect. 3.4
+# Sects 3.4 and 5: where the two laws are compared (Figs 10–14).
+LOADS: Interval = (10.0, 1000.0)  # N/mm
+COMPARED_CLEARANCES: Interval = (0.0075, 2.0)  # mm
+FIG5_CLEARANCES = (1.0, 0.01)  # mm, of the contact stress
+FIG6_WIDE = 0.445  # mm, from where on the paper states 3 %
 FIG7_CLEARANCES: Interval = (0.001, 2.0)  # mm, Figs 7–9
 Y_SWITCH = "0.34954"  # mm, as printed in Eq 6d
 RADII = (100.0, 10.0, 5.0)  # mm, the R_i of Figs 7 and 9
-# The middle half of the load axis of Figs 10–14, which is logarithmic.
+# The middle half of the logarithmic load axis of Figs 10–14; the paper gives no bounds.
 MODERATE_LOADS: Interval = (10**1.5, 10**2.5)
 
 # Sects 3.1 and 3.2: the case of Fig 2, and what the laws are fitted over.
 E_REFERENCE = 207e3  # MPa, Fig 2
 NU_REFERENCE = 0.3
+STEEL = Material("steel of Fig 2", E_REFERENCE, NU_REFERENCE)
 FIG2_DR: Mapping[Contact, float] = {"internal": 0.05, "external": 140.0}  # mm
+# Its K in N/mm per mmⁿ and its n, as printed.
+FIG2_FITS: Mapping[Contact, tuple[str, str]] = {
+    "internal": ("312148", "1.2370"),
+    "external": ("44935", "1.0935"),
+}
+GOOD_CORRELATION = 0.998  # R², Sect. 3.1
 TRAINING_DR: Mapping[Contact, Interval] = PUBLISHED_DR  # mm
 TRAINING_E = (20.7e3, 10000e3)  # MPa
 # Sect. 3.1 fits over 10 to 1000 N/mm and does not say how the loads are spaced.
 TRAINING_LOADS = np.geomspace(10.0, 1000.0, 41)
+
+# Johnson's limit in N/mm as Sect. 3.4 prints it, by material and ΔR in mm.
+JOHNSON_LIMITS = {
+    ("aluminium alloy", 0.0075): "494",
+    ("aluminium alloy", 0.010): "658",
+    ("titanium alloy", 0.0075): "865",
+}
+
+# Sect. 4: the joint of the slider-crank, its laws and cases.
+BEARING_RADIUS = BEARING_LENGTH = 10.0  # mm
+JOINT_LAWS: Mapping[str, str] = {
+    "lankarani-nikravesh": "Lankarani–Nikravesh",
+    "johnson": "Johnson",
+    "enhanced": "enhanced",
+}
+JOINT_CLEARANCES = (0.5, 0.02)  # mm
+RESTITUTIONS = (1.0, 0.9)
+FRICTIONS = (0.0, 0.1)
 
 # The materials of Figs 10–14, in the order of the figures.
 MATERIALS = (
@@ -75,7 +103,7 @@ class Domain:
     label: str
     R_i: float | None
     loads: Interval = LOADS
-    clearances: Interval = CLEARANCES
+    clearances: Interval = COMPARED_CLEARANCES
 
     def top_load(self, dR: ArrayLike, material: Material) -> FloatArray:
         """Return the highest load in N/mm at ΔR: the range's end, Johnson's limit or yield."""
@@ -109,7 +137,8 @@ JOHNSON_ONLY = Domain("up to Johnson's limit, yield ignored", R_i=None)
 
 DEFINITIONS: Mapping[str, str] = {
     "practical domain": (
-        f"internal contact, {CLEARANCES[0]:g} mm ≤ ΔR ≤ {CLEARANCES[1]:g} mm, and from "
+        "internal contact, "
+        f"{COMPARED_CLEARANCES[0]:g} mm ≤ ΔR ≤ {COMPARED_CLEARANCES[1]:g} mm, and from "
         f"{LOADS[0]:g} N/mm up to the lowest of {LOADS[1]:g} N/mm, the load at which Hertz's peak "
         f"pressure (Eq 7) reaches the yield stress with R_i = {PRACTICAL.R_i:g} mm, and Johnson's "
         "limit (Eq 8). The ranges are those of Sect. 3.4; R_i and the yield stresses are assumed "
@@ -229,16 +258,16 @@ def difference(dR: ArrayLike, load: ArrayLike, material: Material) -> FloatArray
 
 
 def eq1_penetration(load: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return Johnson's Eq 1 solved for δ in mm, taken literally at any load in N/mm.
+    """Return δ in mm by Johnson's Eq 1, taken literally at any load in N/mm.
 
-    Beyond Eq 8's load the law means nothing; this is for the claims about what it does there.
+    Beyond Eq 8's load the law is meaningless; the claims about Eq 1 beyond it need the values.
     """
     f, dR = as_floats(load), as_floats(pair.dR)
     return as_floats(f / (np.pi * pair.E_star) * (np.log(4 * np.pi * pair.E_star * dR / f) - 1))
 
 
 def eq1_peak_load(pair: CylinderPair) -> float:
-    """Return the load in N/mm at which Eq 1's penetration is largest, found on the curve."""
+    """Return the load in N/mm at which Eq 1's penetration is largest, by a search on the curve."""
     limit = float(limits.johnson_limit_load(pair))
     peak = minimize_scalar(
         lambda f: -float(eq1_penetration(f, pair)),
@@ -250,16 +279,16 @@ def eq1_peak_load(pair: CylinderPair) -> float:
 
 
 def origins(rows: Table, names: Collection[str], *groups: tuple[str, ...]) -> str:
-    """Say which of the materials' numbers are not the paper's own; empty if all are.
+    """Return which of the materials' numbers are not the paper's own; empty if all are.
 
     Parameters
     ----------
     rows : mapping of str to MaterialRow
         The table of materials.
     names : collection of str
-        The materials told about.
+        The materials to include.
     *groups : tuple of str
-        Columns of the table, those that are told together in one group.
+        Columns of the table; those of one group are listed together.
 
     Returns
     -------
@@ -273,14 +302,14 @@ def origins(rows: Table, names: Collection[str], *groups: tuple[str, ...]) -> st
     """
     parts = []
     for origin in ("derived", "assumed"):
-        told = [text for group in groups for text in _owned(rows, names, group, origin)]
-        if told:
-            parts.append(f"{origin}: {', '.join(told)}")
+        texts = [text for group in groups for text in _owned(rows, names, group, origin)]
+        if texts:
+            parts.append(f"{origin}: {', '.join(texts)}")
     return "; ".join(parts)
 
 
 def _owned(rows: Table, names: Collection[str], columns: tuple[str, ...], origin: str) -> list[str]:
-    """Return "symbols of names" for the columns of that origin, equal symbols told together."""
+    """Return "symbols of names" for the columns of that origin, once for equal symbols."""
     by_name = {
         name: " and ".join(SYMBOLS[c] for c in columns if rows[name].provenance[c] == origin)
         for name in names

@@ -19,11 +19,9 @@ from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.style import ACCENT, small_text
 from cylcontact.reports.bench import Bench
 
+from .paper import FRICTIONS, JOINT_LAWS, RESTITUTIONS
 from .slider_crank import (
     CASES,
-    FRICTIONS,
-    LAW_NAMES,
-    RESTITUTIONS,
     assumed,
     horizons,
     law_ends,
@@ -160,13 +158,13 @@ def _draw_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
     """Draw the paths of one clearance, a row for each law and a column for each dissipation."""
     columns = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
     figure = new_figure("full", 118.0, wide=True)
-    panels = figure.subplots(len(LAW_NAMES), len(columns), sharex=True, sharey=True)
+    panels = figure.subplots(len(JOINT_LAWS), len(columns), sharex=True, sharey=True)
     clearance = next(iter(paths)).clearance * 1e3
     farthest = max(float(np.hypot(path["x_um"], path["y_um"]).max()) for path in paths.values())
     reach = 1.06 * max(farthest, clearance)
     for case, path in paths.items():
         row, column = (
-            list(LAW_NAMES).index(case.law),
+            list(JOINT_LAWS).index(case.law),
             columns.index((case.restitution, case.friction)),
         )
         axes = panels[row, column]
@@ -176,8 +174,8 @@ def _draw_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
         if row == 0:
             axes.set_title(rf"$c_e$ = {case.restitution:g}, $c_f$ = {case.friction:g}")
         if column == 0:
-            axes.set_ylabel(f"{LAW_NAMES[case.law]}\n$-e_y$ (µm)", fontsize=small_text())
-        if row == len(LAW_NAMES) - 1:
+            axes.set_ylabel(f"{JOINT_LAWS[case.law]}\n$-e_y$ (µm)", fontsize=small_text())
+        if row == len(JOINT_LAWS) - 1:
             axes.set_xlabel("$-e_x$ (µm)", fontsize=small_text())
     return figure
 

@@ -1,4 +1,4 @@
-"""The power-law fits that Sect. 3.1's statements are about."""
+"""The power-law fits of Sect. 3.1."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def stepped_loads(first: float, step: float, last: float) -> FloatArray:
     return np.concatenate([[first], step * np.arange(1, round(last / step) + 1)])
 
 
-# The recipes for Fig 2. The internal one was identified by its digits; the external one is
-# the same with a load range ten times as wide.
+# The loads of Fig 2. The internal list is the one that gives every printed digit; the external
+# list is the same over a range ten times as wide.
 FIG2_LOADS: dict[Contact, FloatArray] = {
     "internal": stepped_loads(1, 10, 1000),
     "external": stepped_loads(1, 100, 10000),
@@ -37,30 +37,30 @@ def reference_pair(contact: Contact, dR: float, E: float = E_REFERENCE) -> Cylin
 
 
 def johnson_points(load: FloatArray, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
-    """Return the loads that Johnson's law can carry and their penetrations in mm."""
+    """Return the loads up to Johnson's limit and their penetrations in mm."""
     inside = load[load <= Johnson().max_load(pair)]
     return inside, Johnson().penetration(inside, pair)
 
 
 def fit_at(contact: Contact, dR: float, E: float, load: FloatArray) -> PowerFit:
-    """Fit f = K·δⁿ to Johnson's law at ΔR in mm and E in MPa over the loads it can carry."""
+    """Fit f = K·δⁿ to Johnson's law at ΔR in mm and E in MPa over the loads up to its limit."""
     return fit_power(*johnson_points(load, reference_pair(contact, dR, E)))
 
 
 def fig2_fit(contact: Contact, load: FloatArray | None = None) -> PowerFit:
-    """Fit Fig 2's case over its loads, or over others."""
+    """Fit f = K·δⁿ to Johnson's law in Fig 2's case, over its loads unless others are given."""
     chosen = FIG2_LOADS[contact] if load is None else load
     return fit_power_to_law(Johnson(), chosen, reference_pair(contact, FIG2_DR[contact]))
 
 
 def r_squared_in_force(fit: PowerFit, load: FloatArray, penetration: FloatArray) -> float:
-    """Return R² of f itself, not of ln f, about the fitted power law."""
+    """Return R² of f, not of ln f, about the fitted power law."""
     residual = load - fit.K * penetration**fit.n
     return float(1 - residual @ residual / np.sum((load - load.mean()) ** 2))
 
 
 def r_squared_at(n: ArrayLike, load: FloatArray, penetration: FloatArray) -> FloatArray:
-    """Return R² of ln f about the best line of given slope n, for each n."""
+    """Return R² of ln f about the best line of each slope n."""
     y, x = np.log(load), np.log(penetration)
     y, x = y - y.mean(), x - x.mean()
     slope = as_floats(n)
@@ -69,22 +69,20 @@ def r_squared_at(n: ArrayLike, load: FloatArray, penetration: FloatArray) -> Flo
 
 @cache
 def closest_external_window(n_printed: float, K_printed: float) -> tuple[str, PowerFit]:
-    """Return the load list that comes closest to Fig 2's external K among those that give its n.
+    """Return the loads whose fit is closest to Fig 2's external K among those that give its n.
 
-    Searches the lists 1, s, 2s, …, m·s N/mm for the searched s and m, the family that the
-    internal case belongs to.
+    The lists searched are 1, s, 2s, …, m·s N/mm, as in the internal case.
     """
-    best: tuple[str, PowerFit] | None = None
-    for step in SEARCHED_STEPS:
-        for last in (step * count for count in SEARCHED_COUNTS):
-            fit = fig2_fit("external", stepped_loads(1, step, last))
-            if round(fit.n, 4) != n_printed:
-                continue
-            if best is None or abs(fit.K - K_printed) < abs(best[1].K - K_printed):
-                best = f"1, {step}, {2 * step}, …, {last} N/mm", fit
-    if best is None:  # cannot happen with the printed values; keeps the type honest
-        raise LookupError("no load list gives the printed exponent")
-    return best
+    fits = {
+        (step, step * count): fig2_fit("external", stepped_loads(1, step, step * count))
+        for step in SEARCHED_STEPS
+        for count in SEARCHED_COUNTS
+    }
+    step, last = min(
+        (loads for loads, fit in fits.items() if round(fit.n, 4) == n_printed),
+        key=lambda loads: abs(fits[loads].K - K_printed),
+    )
+    return f"1, {step}, {2 * step}, …, {last} N/mm", fits[step, last]
 
 
 def ends_spread(values: tuple[float, float]) -> float:

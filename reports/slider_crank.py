@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import replace
 from functools import lru_cache
@@ -30,23 +29,17 @@ from cylcontact.parallel import call, run_calls
 from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS
 from cylcontact.reports.bench import Bench, MissingInputError, call_in_bench
 
-# The laws, clearances (mm), restitutions and frictions of Sect. 4.3.
-LAW_NAMES: Mapping[str, str] = {
-    "lankarani-nikravesh": "Lankarani–Nikravesh",
-    "johnson": "Johnson",
-    "enhanced": "enhanced",
-}
-CLEARANCES = (0.5, 0.02)
-RESTITUTIONS = (1.0, 0.9)
-FRICTIONS = (0.0, 0.1)
-CASES = tuple(cases(LAW_NAMES, CLEARANCES, RESTITUTIONS, FRICTIONS))
+from .paper import FRICTIONS, JOINT_CLEARANCES, JOINT_LAWS, RESTITUTIONS
+
+# The cases of Sect. 4.3.
+CASES = tuple(cases(JOINT_LAWS, JOINT_CLEARANCES, RESTITUTIONS, FRICTIONS))
 
 # Statistics omit the first revolutions: the journal starts at rest in the centre, and impacts make
 # two tolerances diverge, if at all, within 1.5 revolutions (datasets/mechanism/cases.csv).
 REVOLUTIONS, FIRST = 8, 3
 # Without dissipation, friction drives the journal round along the wall of a small clearance. The
 # number of revolutions until that stops depends on every digit.
-WHIRLING = Case("", min(CLEARANCES), 1.0, 0.1)
+WHIRLING = Case("", min(JOINT_CLEARANCES), 1.0, 0.1)
 WHIRLING_REVOLUTIONS = 16
 # Tolerance of a case's second run, relative to the spec's.
 TIGHTER = 0.1
@@ -255,7 +248,7 @@ def total_force(law: str, penetration: FloatArray, pair: CylinderPair) -> FloatA
 
 def law_style(law: str) -> dict[str, Any]:
     """Return the colour, line style and marker of a law."""
-    number = list(LAW_NAMES).index(law)
+    number = list(JOINT_LAWS).index(law)
     return {
         "color": COLOURS[number],
         "linestyle": LINE_STYLES[number],

@@ -1,10 +1,12 @@
 """Fixtures shared by the tests: a material, pairs of cylinders, a small campaign, commands."""
 
+import functools
 import signal
 import sys
 
 import numpy as np
 import pytest
+import typer
 from hypothesis import settings
 
 from cylcontact import CylinderPair, Material, cli
@@ -17,6 +19,9 @@ from tests.spec_files import write_bench
 
 # Makes the bench's own modules importable: from _cylcontact_bench.paper import MATERIALS.
 BENCH.module("paper")
+
+# Typer takes most of a short command's time to build it; the tests build it once.
+build_command = functools.cache(typer.main.get_command)
 
 # The same examples on every run and machine; mpmath and first imports make times uneven.
 settings.register_profile("reproducible", derandomize=True, deadline=None)
@@ -108,6 +113,7 @@ def browser():
 @pytest.fixture
 def run(monkeypatch, capsys):
     """Run the command line in this process; return its exit code, output and errors."""
+    monkeypatch.setattr(typer.main, "get_command", build_command)
 
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["cylcontact", *map(str, arguments)])

@@ -1,8 +1,12 @@
-"""What the tests of figures read from the files that were written."""
+"""Pinned numbers of figures, and what tests read from the files that were written."""
 
 import csv
+import json
 import re
 from pathlib import Path
+
+# Pinned numbers of figures to six digits, by the figure.
+GOLDEN = json.loads((Path(__file__).parent / "golden" / "figures.json").read_text("utf-8"))
 
 
 def page_mm(pdf: Path) -> tuple[float, float]:

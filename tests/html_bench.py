@@ -20,6 +20,10 @@ def draw(bench):
     table = pd.DataFrame({{"load_N_per_mm": [1 / 3]}})
     return Drawing(figure, table, {{{EVIL!r}: 1 / 3}}, "Caption " + {EVIL!r})
 '''
+CACHES = shutil.ignore_patterns("__pycache__")
+FEW_MAPS = """
+FIGURES = {name: FIGURES[name] for name in ("fig12", "fig12r", "fig12p")}
+"""
 
 
 def build_small_site(root):
@@ -44,8 +48,12 @@ def build_small_site(root):
     (results / "evil.json").write_text(evil, encoding="utf-8")
     (results / "broken.json").write_text("{}", encoding="utf-8")
     (root / "fitting" / "never-run.toml").write_text("")
-    for name in ("fig12", "fig12r", "fig12p"):
-        shutil.copy(ROOT / "reports" / f"{name}.py", root / "reports")
+    shutil.copytree(ROOT / "reports" / "claims", root / "reports" / "claims", ignore=CACHES)
+    for file in (ROOT / "reports").glob("*.py"):
+        if not file.stem.startswith("fig") and file.stem not in {"maps", "paths"}:
+            shutil.copy(file, root / "reports")
+    maps = (ROOT / "reports" / "maps.py").read_text(encoding="utf-8") + FEW_MAPS
+    (root / "reports" / "maps.py").write_text(maps, encoding="utf-8")
     (root / "reports" / "fig03.py").write_text("def draw(bench):\n    return 1 / 0\n")
     (root / "reports" / "fig_evil.py").write_text(EVIL_RECIPE)
-    return build_site(Bench(root), root / "reports" / "html", jobs=2)
+    return build_site(Bench(root, jobs=2), root / "reports" / "html")

@@ -1,4 +1,4 @@
-"""Malformed inputs: good files broken by rule, and good files broken by chance, always the same."""
+"""Malformed inputs: good files broken by schema, by rule and by chance, always the same."""
 
 import copy
 import itertools
@@ -7,10 +7,19 @@ import random
 import re
 import tomllib
 from datetime import date
+from math import inf, nan
 from pathlib import Path
 from typing import NamedTuple
 
+from cylcontact import InputError
+from cylcontact.datasets.finite_element.spec import StudySpec
+from cylcontact.datasets.grid import GridSpec
+from cylcontact.fitting import FitResult
+from cylcontact.fitting.campaign import CampaignSpec
+from cylcontact.fitting.measured_spec import MeasuredSpec
 from cylcontact.materials import COLUMNS
+from cylcontact.mechanism.spec import MechanismSpec
+from cylcontact.plots.style import StyleFile
 from tests.spec_files import CAMPAIGN, DROP, GRID, changed, toml
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -27,49 +36,74 @@ dR_um,E_GPa,nu,load_N_per_mm,penetration_um
 100,207,0.3,10,0.23
 100,207,0.3,100,1.9
 """
+OWN_MATERIALS = f"{','.join(COLUMNS)}\nbronze,110,paper,0.34,paper,220,assumed,a note\n"
+STEEL = "dR_um,load_N_per_mm,penetration_um\n50,10,0.21\n50,100,1.7\n50,1000,13.2\n"
+STYLE = {
+    **{"style": "slides", "width_mm": 100.0, "font_size": 9.0, "lines": 1.5},
+    **{"font": "DejaVu Sans", "formats": ["png"]},
+}
 
 
 class Case(NamedTuple):
-    """A command line and a file that it reads, with what that file holds."""
+    """A command line, a file that it reads, what that file holds, and a pattern of what is said."""
 
     name: str
     arguments: tuple[str, ...]
     path: str = ""
     contents: bytes = b""
+    line: str = ""
 
 
 # --- the good files, and the commands that read them --------------------------------------------
 
+OUT = ("-j", "1", "-o", "out.json")
+POWER = ("--law", "power", "--contact", "internal", *OUT)
+# Small files, which are run in full.
 READERS = {
-    "fitting/small.toml": ("fit", "fitting/small.toml", "-j", "1", "-o", "out.json"),
+    "fitting/small.toml": ("fit", "fitting/small.toml", *OUT),
     "datasets/small.toml": ("sample", "datasets/small.toml", "-o", "out.csv"),
     "good.json": ("compare", "good.json"),
-    "table.csv": ("fit", "table.csv", "--law", "power", "--contact", "internal", "-o", "out.json"),
-    "datasets/materials.csv": ("export", "johnson"),
-    "mechanism.toml": ("simulate", "mechanism.toml", "--revolutions", "1"),
-    "elements.toml": ("finite-element", "elements.toml", "-j", "1", "-o", "out.csv"),
+    "table.csv": ("fit", "table.csv", *POWER),
+    "materials.csv": (
+        *("fit", "steel.csv", *POWER, "--material", "bronze", "--materials", "materials.csv"),
+    ),
 }
-MATERIALS = ("fit", "steel.csv", "--law", "power", "--contact", "internal", "-o", "out.json")
-READERS["datasets/materials.csv"] = (
-    *MATERIALS,
-    *("--material", "bronze", "--materials", "datasets/materials.csv"),
+# The shipped specs, each under the first pattern that it matches.
+SPECS = (
+    ("datasets/slider_crank.toml", MechanismSpec, ("simulate", "{}", "--revolutions", "1")),
+    ("datasets/four_bar.toml", MechanismSpec, ("simulate", "{}", "--revolutions", "1")),
+    ("datasets/finite_element/*.toml", StudySpec, ("finite-element", "{}", "-o", "out.csv")),
+    ("datasets/*.toml", GridSpec, ("sample", "{}", "-o", "out.csv")),
+    ("fitting/examples/*.toml", MeasuredSpec, ("fit", "{}", *OUT)),
+    ("fitting/*.toml", CampaignSpec, ("fit", "{}", *OUT)),
+    ("reports/style.toml", StyleFile, ("report", "fig12")),
+    ("good.json", FitResult, READERS["good.json"]),
 )
-OWN_MATERIALS = f"{','.join(COLUMNS)}\nbronze,110,paper,0.34,paper,220,assumed,a note\n"
-STEEL = "dR_um,load_N_per_mm,penetration_um\n50,10,0.21\n50,100,1.7\n50,1000,13.2\n"
 
 
 def good_files(result):
-    """Every file of a bench that all commands accept, name → contents, for a saved result."""
-    return {
+    """Return every file of a bench that all commands accept, name → contents."""
+    shipped = (path for pattern, *_ in SPECS for path in ROOT.glob(pattern))
+    return {path.relative_to(ROOT).as_posix(): path.read_bytes() for path in shipped} | {
         "fitting/small.toml": document(QUICK),
         "datasets/small.toml": document(GRID),
         "good.json": result,
         "table.csv": TABLE.encode(),
         "steel.csv": STEEL.encode(),
-        "datasets/materials.csv": OWN_MATERIALS.encode(),
+        "materials.csv": OWN_MATERIALS.encode(),
+        "reports/style.toml": document(STYLE),
         "mechanism.toml": (ROOT / "datasets/slider_crank.toml").read_bytes(),
         "elements.toml": (ROOT / "datasets/finite_element/recommended.toml").read_bytes(),
     }
+
+
+def specs(files):
+    """Yield the specs among the files, each with its model and the command that reads it."""
+    remaining = list(files)
+    for pattern, model, command in SPECS:
+        for path in [path for path in remaining if Path(path).match(pattern)]:
+            remaining.remove(path)
+            yield path, model, tuple(word.format(path) for word in command)
 
 
 def document(spec):
@@ -77,27 +111,117 @@ def document(spec):
     return "".join(f"{key} = {toml(value)}\n" for key, value in spec.items()).encode()
 
 
-# --- by rule ------------------------------------------------------------------------------------
+# --- by schema ----------------------------------------------------------------------------------
 
-# What no key of any spec takes.
-WRONG = {"date": date(2015, 1, 1), "table": {}, "nested": [[1.0]], "nan": float("nan")}
+# A value of each type in the words of JSON's schemas, and one that only TOML has; null only JSON.
+SAMPLES = {
+    **{"number": 3.0, "string": "3", "boolean": True, "array": [[1.0]], "object": {}},
+    **{"date": date(2015, 1, 1), "null": None},
+}
+RULES = {
+    **{"number": "must be a number", "integer": "must be an integer", "array": "must be a list"},
+    **{"string": "must be a string", "boolean": "must be true or false"},
+    "object": "must be a table",
+}
+# Of each bound: how far beyond it a value is refused, and the rule.
+BOUNDS = {
+    "minimum": (-1, "must be at least"),
+    "exclusiveMinimum": (0, "must be greater than"),
+    "maximum": (1, "must be less than or equal to"),
+    "exclusiveMaximum": (0, "must be less than"),
+}
 
 
-def leaves(spec, prefix=()):
-    """Yield the keys of everything in a spec that is not a table."""
-    for key, value in spec.items():
-        if isinstance(value, dict) and value:
-            yield from leaves(value, (*prefix, key))
-        else:
-            yield (*prefix, key)
+class Mistake(NamedTuple):
+    """A value at some keys, the rule that it breaks and the remedy; "" if no schema says them."""
+
+    keys: tuple[str | int, ...]
+    value: object
+    rule: str = ""
+    remedy: str = ""
 
 
-def tables(spec, prefix=()):
-    """Yield the keys of every table in a spec, its own first."""
-    yield prefix
-    for key, value in spec.items():
-        if isinstance(value, dict) and value:
-            yield from tables(value, (*prefix, key))
+def by_schema(files):
+    """Yield a case for each key of each spec and all its schema rules out; no case twice."""
+    seen = set()
+    for path, model, arguments in specs(files):
+        root = model.model_json_schema()
+        is_toml = path.endswith(".toml")
+        spec = tomllib.loads(files[path].decode()) if is_toml else json.loads(files[path])
+        for keys, value, rule, remedy in mistakes(root, spec, root):
+            key = ".".join(map(str, keys))
+            case = (model, key, repr(value))
+            if case in seen or (value is None if is_toml else isinstance(value, date)):
+                continue
+            seen.add(case)
+            broken = put(spec, keys, value)
+            contents = document(broken) if is_toml else json.dumps(broken).encode()
+            given = None if value is DROP else value
+            line = str(InputError(path, key, given, rule, remedy)) if rule else path
+            line = re.escape(f"cylcontact: {line}")
+            yield Case(f"{path}: {key} = {value!r}", arguments, path, contents, line)
+
+
+def mistakes(schema, value, root, keys=(), description=""):
+    """Yield the mistakes that a value's schema rules out, in it and in all that it holds."""
+    forms = [resolved(form, root) for form in resolved(schema, root).get("anyOf", [schema])]
+    nullable = {"type": "null"} in forms
+    forms = [form for form in forms if form.get("type") != "null"]
+    remedy = f"give {description}"
+    for form in forms:
+        rule = rule_of(form)
+        if keys and len(forms) == 1 and "type" in form:
+            allowed = {form["type"]} | ({"null"} if nullable else set())
+            wrong = [sample for name, sample in SAMPLES.items() if name not in allowed]
+            wrong += ["nonsense"] if "enum" in form else []
+            yield from (Mistake(keys, sample, rule, remedy) for sample in wrong)
+        if form.get("type") == "number":
+            finite = "must be a finite number"
+            yield from (Mistake(keys, number, finite, remedy) for number in (nan, inf, -inf))
+            yield Mistake(keys, 10**400)
+        for bound, (step, words) in BOUNDS.items():
+            if bound in form:
+                yield Mistake(keys, form[bound] + step, f"{words} {form[bound]:g}", remedy)
+        if form.get("type") == "object":
+            yield from mistakes_in_table(form, value, root, keys, description)
+        if form.get("type") == "array" and value:
+            if schema.get("default") != []:
+                yield Mistake(keys, [])
+            if form.get("minItems", 0) > 1:
+                yield from (Mistake(keys, wrong) for wrong in (value[:-1], [*value, value[-1]]))
+            item = form.get("prefixItems", [form.get("items", {})])[0]
+            yield from mistakes(item, value[0], root, (*keys, 0), description)
+
+
+def mistakes_in_table(form, value, root, keys, description):
+    """Yield the mistakes in a table: missing and unknown keys, and those in what it holds."""
+    inner = form.get("properties", {})
+    others = form.get("additionalProperties", {})
+    # Without `data` a campaign on measurements reads as one on a grid, and `contact` is blamed.
+    for key in [key for key in form.get("required", ()) if key in value and key != "data"]:
+        yield Mistake((*keys, key), DROP, "is required", f"add {inner[key]['description']}")
+    if others is False:
+        known = f"known keys here: {', '.join(inner)}"
+        yield Mistake((*keys, "colour"), 1, "is not a known key", known)
+    for key, part in value.items():
+        schema = inner.get(key, others)
+        # A grid's `table` that is no string is called missing.
+        if isinstance(schema, dict) and part is not None and key != "table":
+            own = inner.get(key, {}).get("description", description)
+            yield from mistakes(schema, part, root, (*keys, key), own)
+
+
+def rule_of(form):
+    """Return the rule that a value of another type breaks."""
+    if "enum" not in form:
+        return RULES.get(form.get("type"), "")
+    *most, last = map(repr, form["enum"])
+    return f"must be {', '.join(most)} or {last}"
+
+
+def resolved(schema, root):
+    """Return a schema, or the definition that it refers to."""
+    return root["$defs"][schema["$ref"].rpartition("/")[2]] if "$ref" in schema else schema
 
 
 def put(spec, keys, value):
@@ -114,201 +238,131 @@ def put(spec, keys, value):
     return result
 
 
-def broken_specs(path, spec, wrong=tuple(WRONG), unknown=True):
-    """Break a spec at every key in every way."""
-    for keys, kind in itertools.product(leaves(spec), wrong):
-        contents = document(put(spec, keys, WRONG[kind]))
-        yield Case(f"{path}: {'.'.join(keys)} is a {kind}", READERS[path], path, contents)
-    for keys in tables(spec) if unknown else ():
-        contents = document(put(spec, (*keys, "colour"), 1))
-        yield Case(f"{path}: {'.'.join((*keys, 'colour'))}", READERS[path], path, contents)
+# --- by rule: what no schema can know -----------------------------------------------------------
 
-
-REQUIRED = {
-    "fitting/small.toml": ("dataset", "law", "parameters", "parameters.K_star"),
-    "datasets/small.toml": ("contact", "reference", "axes", "axes.E", "axes.nu", "axes.dR.points"),
-}
 VALUES = {
     "fitting/small.toml": {
         "dataset": ["", "no.toml", "fitting", "a\0b", "../../../no.toml"],
         "law": ["", "hertz", "Power"],
         "objective": ["", "rms", "max"],
-        "seed": [-1, 1.5, "7"],
         "optimizer": ["", "simplex"],
-        "parameters.K_star.low": [10.0, 11.0, 1e999],
+        "parameters.K_star": [DROP],
+        "parameters.K_star.low": [10.0, 11.0],
         "parameters.n": [{"value": 1.2}, {"fixed": True}, {"low": 1.0}, {"low": 2, "high": 1}],
-        "genetic.runs": [0, -1, 10**9],
-        "genetic.populations": [[], [3], [8, 1], [10**9], 8],
-        "genetic.generations": [0, -5],
-        "genetic.crossovers": [[], ["none"], "blend"],
+        "genetic.populations": [[3], [8, 1], [10**9]],
+        "genetic.crossovers": [["none"]],
     },
     "datasets/small.toml": {
-        "contact": ["", "Internal", "inside"],
         "reference": ["", "hertz", "lankarani-nikravesh"],
         "axes.E.min": [0, -1, 600.0, 700.0, 1e-300],
-        "axes.E.points": [0, 1, -3, 2.5, 10**9],
-        "axes.E.spacing": ["", "cubic"],
-        "axes.nu.values": [[], [0.3, 0.3], [0.5, 0.6], [-0.1], 0.3, [0.3, "x"]],
+        "axes.E.points": [0, 1, -3, 10**9],
+        "axes.nu.values": [[0.3, 0.3], [0.5, 0.6], [-0.1], [0.3, "x"]],
         "axes.load": [{"values": [1e9]}, {"values": [0.0]}, {"min": 1, "max": 2}],
         "axes.dR": [{"values": [1e13]}, {"values": [1.0], "min": 1}, {}],
+        "axes.dR.points": [DROP],
     },
 }
-
-
-def broken_values():
-    """Values of the right kind that break a rule, and keys that are missing."""
-    good = {"fitting/small.toml": QUICK, "datasets/small.toml": GRID}
-    for path, spec in good.items():
-        changes = [(key, DROP) for key in REQUIRED[path]]
-        changes += [(key, value) for key, values in VALUES[path].items() for value in values]
-        for key, value in changes:
-            shown = "missing" if value is DROP else repr(value)
-            contents = document(changed(spec, {key: value}))
-            yield Case(f"{path}: {key} {shown}", READERS[path], path, contents)
-
-
-def broken_results(result):
-    """Results with parts missing, of another kind, or contradicting one another."""
-    data = json.loads(result)
-    for keys in [(key,) for key in data] + [("objective", "value"), ("settings", "campaign")]:
-        for value in (DROP, "x", [1, 2], 10**400):
-            if (keys, value) == (("name",), "x"):
-                continue  # a name is free
-            contents = json.dumps(put(data, keys, value)).encode()
-            shown = "missing" if value is DROP else repr(value)
-            yield Case(
-                f"result: {'.'.join(keys)} {shown}", READERS["good.json"], "good.json", contents
-            )
-    for text in (b"", b"{", b"[]", b"null", b"3", b'"x"', b"\xff\xfe", b"[" * 5000, b"NaN"):
-        yield Case(f"result: {text[:8]!r}", READERS["good.json"], "good.json", text)
-
-
-def broken_tables():
-    """Tables of measurements with columns, cells and rows that cannot be."""
-    lines = TABLE.splitlines()
-    broken = {
-        "nothing": "",
-        "no rows": lines[1],
-        "unknown column": TABLE.replace("dR_um", "gap_um"),
-        "unknown unit": TABLE.replace("dR_um", "dR_furlong"),
-        "no unit": TABLE.replace("dR_um", "dR"),
-        "doubled column": TABLE.replace("nu,", "E_GPa,"),
-        "no load": TABLE.replace("load_N_per_mm", "weight"),
-        "word": TABLE.replace("0.21", "small"),
-        "empty cell": TABLE.replace("0.21", ""),
-        "nan": TABLE.replace("0.21", "nan"),
-        "infinite": TABLE.replace("0.21", "inf"),
-        "negative load": TABLE.replace(",100,", ",-100,"),
-        "zero penetration": TABLE.replace("0.21", "0"),
-        "impossible nu": TABLE.replace("0.3,", "0.7,"),
-        "negative modulus": TABLE.replace("207", "-207"),
-        "more cells": TABLE.replace("0.21", "0.21,1"),
-        "fewer cells": TABLE.replace(",0.21", ""),
-        "open quote": TABLE.replace("0.21", '"0.21'),
-        "binary": "\0\0\0\0",
-    }
-    for name, text in broken.items():
-        yield Case(f"table: {name}", READERS["table.csv"], "table.csv", text.encode())
-    yield Case("table: not text", READERS["table.csv"], "table.csv", b"\x89PNG\xff\xfe")
-
-
-def broken_materials():
-    """Tables of materials with wrong columns, numbers and provenances."""
-    text = OWN_MATERIALS
-    broken = {
-        "nothing": "",
-        "no column": text.replace("E_GPa,", "", 1),
-        "other column": text.replace("E_GPa", "E_MPa", 1),
-        "word": text.replace(",110,", ",hard,"),
-        "negative": text.replace(",110,", ",-110,"),
-        "nu": text.replace(",0.34,paper", ",0.90,paper"),
-        "provenance": text.replace("paper", "rumour"),
-        "no name": text.replace("bronze", ""),
-        "short row": text + "steel,200\n",
-        "name that ships": text.replace("bronze", "ceramics"),
-        "twice": text + text.splitlines()[1] + "\n",
-        "binary": "\0",
-    }
-    path = "datasets/materials.csv"
-    for name, changed_text in broken.items():
-        yield Case(f"materials: {name}", READERS[path], path, changed_text.encode())
-
-
-COMMANDS = (
-    *("", "nonsense", "--nonsense", "sample", "fit", "compare", "export", "simulate", "sweep"),
-    *("finite-element", "optimizers", "uncertainty", "fit good.json", "fit table.csv"),
-    *("sample datasets/small.toml", "sample datasets/small.toml -o out.xlsx"),
-    *("sample fitting/small.toml -o out.csv", "sample good.json -o out.csv", "sample . -o out.csv"),
-    *("fit fitting/small.toml --optimizer", "fit fitting/small.toml --optimizer simplex"),
-    *("fit fitting/small.toml --jobs 0", "fit fitting/small.toml --seed x"),
-    *("fit fitting/small.toml --scheduler nowhere", "fit fitting/small.toml --scheduler tcp://x:y"),
-    "fit fitting/small.toml --scheduler tcp://127.0.0.1:9 --jobs 2",
-    *("fit fitting/small.toml -o fitting", "fit fitting/small.toml -o good.json/x.json"),
-    *("optimizers fitting/small.toml simplex", "optimizers fitting/small.toml -o out.json"),
-    *("optimizers datasets/small.toml", "optimizers no.toml", "optimizers fitting/small.toml -o ."),
-    *("compare no.json", "compare fitting/small.toml", "compare datasets", "verify table.csv"),
-    *("export good.json", "export good.json --to cobol", "export nonsense --to c"),
-    *("export johnson --to c --contact sideways", "export no.json --to c"),
-    *("laws --E -1", "laws --nu 2", "laws --dR 0", "laws --load x", "laws --contact sideways"),
-    *("claims -o out.txt", "report nonsense", "simulate no.toml", "simulate good.json"),
-    *(
-        "claims --results nosuch",
-        "report fig12 --results nosuch",
-        "report fig12 --results good.json",
+# Of tables: a text, and what takes its place.
+REPLACED = {
+    "table.csv": [
+        *(("dR_um", "gap_um"), ("dR_um", "dR_furlong"), ("dR_um", "dR"), ("nu,", "E_GPa,")),
+        *(("load_N_per_mm", "weight"), (",100,", ",-100,"), ("0.3,", "0.7,"), ("207", "-207")),
+        *(("0.21", new) for new in ("small", "", "nan", "inf", "0", "0.21,1", '"0.21')),
+        *((",0.21", ""), (TABLE, ""), (TABLE, TABLE.splitlines()[1]), (TABLE, "\0\0\0\0")),
+    ],
+    "materials.csv": [
+        *(("E_GPa,", ""), ("E_GPa", "E_MPa"), (",110,", ",hard,"), (",110,", ",-110,")),
+        *((",0.34,paper", ",0.90,paper"), ("paper", "rumour"), ("bronze", "")),
+        *(("bronze", "ceramics"), (OWN_MATERIALS, ""), (OWN_MATERIALS, "\0")),
+        (OWN_MATERIALS, OWN_MATERIALS + "steel,200\n"),
+        (OWN_MATERIALS, OWN_MATERIALS + OWN_MATERIALS.splitlines()[1] + "\n"),
+    ],
+}
+# What is said, as a pattern, of texts in a spec's place.
+NOT_TEXT = (b"\xff\xfe", b"\x89PNG\r\n\x1a\n\0\0", b"PAR1\x80\0", 'name = "ä"'.encode("latin-1"))
+NOT_TOML = {
+    "is not a text file; give a TOML file in UTF-8": NOT_TEXT,
+    r"is not valid TOML \(.*\); correct the line it names": (
+        *(b"contact = internal", b"a = 1\na = 2", b"name = ["),
+        *(b"a = " + b"[" * 5000, b"a = " + b"9" * 5000),
     ),
-    *("fit mechanism.toml", "simulate datasets/small.toml", "simulate fitting/small.toml"),
-    *("compare table.csv", "compare mechanism.toml", "sample elements.toml -o out.csv"),
-    *("simulate mechanism.toml --law nonsense", "simulate mechanism.toml --revolutions 0"),
-    *("simulate mechanism.toml --clearance -1", "simulate mechanism.toml --restitution 2"),
-    *("simulate mechanism.toml --method magic", "simulate mechanism.toml --tolerance x"),
-    *("sweep mechanism.toml --jobs 0", "sweep no.toml", "finite-element no.toml"),
-    *("finite-element elements.toml --engine abaqus", "finite-element mechanism.toml"),
-    *("fit table.csv --law hertz --contact internal", "fit table.csv --law power --contact x"),
-    *("fit table.csv --law power --contact internal --loss steep -o out.json",),
-    *("fit table.csv --law power --contact internal --bound n -o out.json",),
-    *("fit table.csv --law power --contact internal --fix n=x -o out.json",),
-    *("fit table.csv --law os:system --contact internal -o out.json",),
-    *("fit table.csv --law nomodule:f --contact internal -o out.json",),
-)
+}
+NOT_JSON = {
+    "is not a text file; name a result, a JSON file": NOT_TEXT,
+    r"is not JSON \(.*\); name a result, or redo the fit": (
+        *(b"", b"{", b"[" * 100_000, b"9" * 5000, b'{"name": "small", "law"'),
+        b"[axes.E]\nmin = 69\n",
+    ),
+    "is not a result; name one that a fit has written": (b"[]", b"null", b"3", b'"x"', b"NaN"),
+}
+# Separated by semicolons; the first one is empty.
+COMMANDS = """
+; nonsense; --nonsense; sample; fit; compare; export; simulate; sweep; finite-element; optimizers;
+uncertainty; sample datasets/small.toml; sample datasets/small.toml -o out.xlsx;
+sample . -o out.csv; sample fitting/small.toml -o out.csv; sample good.json -o out.csv;
+sample elements.toml -o out.csv; fit good.json; fit table.csv; fit mechanism.toml;
+fit fitting/small.toml --optimizer; fit fitting/small.toml --optimizer simplex;
+fit fitting/small.toml --jobs 0; fit fitting/small.toml --seed x;
+fit fitting/small.toml --scheduler nowhere; fit fitting/small.toml --scheduler tcp://x:y;
+fit fitting/small.toml -o fitting; fit fitting/small.toml --scheduler tcp://127.0.0.1:9 --jobs 2;
+fit fitting/small.toml -o good.json/x.json; fit table.csv --law hertz --contact internal;
+fit table.csv --law power --contact x;
+fit table.csv --law os:system --contact internal -o out.json;
+fit table.csv --law power --contact internal --loss steep -o out.json;
+fit table.csv --law power --contact internal --bound n -o out.json;
+fit table.csv --law power --contact internal --fix n=x -o out.json;
+fit table.csv --law nomodule:f --contact internal -o out.json;
+optimizers fitting/small.toml simplex; optimizers fitting/small.toml -o out.json;
+optimizers no.toml; optimizers fitting/small.toml -o .; optimizers datasets/small.toml;
+compare no.json; compare fitting/small.toml; compare datasets; compare table.csv;
+compare mechanism.toml; verify table.csv; export good.json; export good.json --to cobol;
+export nonsense --to c; export johnson --to c --contact sideways; export no.json --to c;
+laws --E -1; laws --nu 2; laws --dR 0; laws --load x; laws --contact sideways; claims -o out.txt;
+claims --results nosuch; report nonsense; report fig12 --results nosuch;
+report fig12 --results good.json; simulate no.toml; simulate good.json;
+simulate datasets/small.toml; simulate fitting/small.toml; simulate mechanism.toml --law nonsense;
+simulate mechanism.toml --revolutions 0; simulate mechanism.toml --clearance -1;
+simulate mechanism.toml --restitution 2; simulate mechanism.toml --method magic;
+simulate mechanism.toml --tolerance x; sweep no.toml; sweep mechanism.toml --jobs 0;
+finite-element no.toml; finite-element mechanism.toml; finite-element elements.toml --engine abaqus
+"""
 
 
-def by_rule(result):
-    """Return every case that breaks a known rule, given the bytes of a good result."""
-    mechanism = tomllib.loads((ROOT / "datasets/slider_crank.toml").read_text(encoding="utf-8"))
-    elements = (ROOT / "datasets/finite_element/recommended.toml").read_text(encoding="utf-8")
-    return [
-        *broken_specs("fitting/small.toml", QUICK),
-        *broken_specs("datasets/small.toml", GRID),
-        *broken_values(),
-        *broken_results(result),
-        *broken_tables(),
-        *broken_materials(),
-        *broken_specs("mechanism.toml", mechanism, ("date",)),
-        *broken_specs("elements.toml", tomllib.loads(elements), ("date", "table")),
-        *(Case(f"cylcontact {line}", tuple(line.split())) for line in COMMANDS),
-    ]
+def by_rule(files):
+    """Yield every case that breaks a known rule, given the good files."""
+    good = {"fitting/small.toml": QUICK, "datasets/small.toml": GRID}
+    for path, key, value in ((p, k, v) for p in VALUES for k in VALUES[p] for v in VALUES[p][k]):
+        contents = document(changed(good[path], {key: value}))
+        yield Case(f"{path}: {key} = {value!r}", READERS[path], path, contents)
+    result = "good.json"  # whose parts contradict one another
+    places = (("settings", "campaign"), ("coefficients",), ("law",), ("reference",))
+    for keys, value in itertools.product(places, (DROP, "x", [1, 2], 10**400)):
+        contents = json.dumps(put(json.loads(files[result]), keys, value)).encode()
+        yield Case(f"{result}: {keys} = {value!r}", READERS[result], result, contents)
+    for path, model, arguments in {spec[1]: spec for spec in specs(files)}.values():
+        for rule, texts in (NOT_JSON if model is FitResult else NOT_TOML).items():
+            line = f"cylcontact: {re.escape(path)}: {rule}"
+            yield from (Case(f"{path}: {t[:24]!r}", arguments, path, t, line) for t in texts)
+        for other, reason in (("no.toml", "No such file or directory"), (".", "Is a directory")):
+            line = rf"cylcontact: {re.escape(other)}: cannot be read \({reason}\); check the path"
+            words = tuple(other if word == path else word for word in arguments)
+            if words != arguments:
+                yield Case(f"{other} for {path}", words, line=line)
+    path = "datasets/small.toml"
+    line = rf'cylcontact: {path}: contact: is required; add "internal" or "external" \(2 more mist'
+    yield Case("an empty file", READERS[path], path, b"", line)
+    for path, (old, new) in ((name, pair) for name in REPLACED for pair in REPLACED[name]):
+        contents = files[path].replace(old.encode(), new.encode())
+        yield Case(f"{path}: {new!r} for {old!r}", READERS[path], path, contents)
+    yield Case("table.csv: not text", READERS["table.csv"], "table.csv", NOT_TEXT[1])
+    yield from (Case(f"cylcontact {line}", tuple(line.split())) for line in COMMANDS.split(";"))
 
 
 # --- by chance ----------------------------------------------------------------------------------
 
 # Nothing in it is a digit: a number made longer by chance would only make a long calculation.
 JUNK = (
-    "\0",
-    "\x1b[31m",
-    '"',
-    "'",
-    "[",
-    "]]",
-    "{",
-    "=",
-    ",",
-    ";",
-    "#",
-    "\n",
-    "é",
-    "١",
-    "-",
-    "e",
+    *("\0", "\x1b[31m", '"', "'", "[", "]]", "{", "=", ",", ";", "#", "\n", "é", "١", "-", "e"),
     "x" * 300,
 )
 NUMBERS = ("-1", "1e999", "nan", "inf", "-inf", "''", "1e-300", "true", "0x1F", "--", "1_")
@@ -317,14 +371,11 @@ NUMBERS = ("-1", "1e999", "nan", "inf", "-inf", "''", "1e-300", "true", "0x1F", 
 def by_chance(files, number, seed=20150101):
     """Return cases of good files, each broken in one place; a few remain good."""
     chance = random.Random(seed)
-    found = []
-    for path, arguments in READERS.items():
-        if path in {"mechanism.toml", "elements.toml"}:
-            continue  # what is left good would take seconds to run
-        for count in range(number):
-            contents = _break(files[path], chance)
-            found.append(Case(f"{path} #{count}", arguments, path, contents))
-    return found
+    return [
+        Case(f"{path} #{count}", arguments, path, _break(files[path], chance))
+        for path, arguments in READERS.items()
+        for count in range(number)
+    ]
 
 
 def _break(contents, chance):
@@ -344,11 +395,6 @@ def _break(contents, chance):
         lines = text.splitlines(keepends=True)
         lines.insert(chance.randrange(len(lines)), chance.choice(lines))
         return "".join(lines).encode()
-    pieces = _numbers(text)
-    begin, end = chance.choice(pieces)
+    numbers = [match.span() for match in re.finditer(r"(?<![\w.])\d+(\.\d+)?(?![\w.])", text)]
+    begin, end = chance.choice(numbers)
     return (text[:begin] + chance.choice(NUMBERS) + text[end:]).encode()
-
-
-def _numbers(text):
-    """Return where the numbers of a text begin and end."""
-    return [match.span() for match in re.finditer(r"(?<![\w.])\d+(\.\d+)?(?![\w.])", text)]

@@ -1,7 +1,10 @@
 """What the processes of tests/killable.py have imported before they start."""
 
+import filelock  # noqa: F401
+
 import cylcontact.cli
 import cylcontact.cli.app
+import cylcontact.datasets.finite_element
 import cylcontact.fitting
 import cylcontact.fitting.profile
-import cylcontact.locks  # noqa: F401
+import cylcontact.mechanism  # noqa: F401

@@ -30,3 +30,12 @@ def require_program(name):
             pytest.fail(absent)
         pytest.skip(absent)
     return path
+
+
+def fake_program(folder, name, script):
+    """Make a shell script that stands for a program, and return its path."""
+    folder.mkdir(exist_ok=True)
+    path = folder / name
+    path.write_text(f"#!/bin/sh\n{script}\n")
+    path.chmod(0o755)
+    return path

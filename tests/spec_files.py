@@ -44,6 +44,31 @@ CAMPAIGN = {
     },
 }
 
+ELEMENTS = {
+    "hole_radius": 2.245,
+    "outer_ratio": 3.3,
+    "E": 207.0,
+    "nu": 0.3,
+    "cells": 6,
+    "dR": [0.05, 0.5],
+    "load": [20.0, 40.0],
+    "origin": dict.fromkeys(("outer_ratio", "cells", "dR", "load"), "assumed")
+    | dict.fromkeys(("hole_radius", "E", "nu"), "paper"),
+}
+
+
+def labels(cases: list[tuple[Any, ...]]) -> list[str]:
+    """Return a name for each case, from the changes to a spec that it begins with."""
+    return [
+        ", ".join(f"{key}={value if value is not DROP else ''}" for key, value in case[0].items())
+        for case in cases
+    ]
+
+
+def golden(name: str) -> Any:
+    """Return the numbers that a file in tests/golden holds."""
+    return json.loads((Path(__file__).parent / f"golden/{name}.json").read_text(encoding="utf-8"))
+
 
 def changed(spec: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
     """Return a copy of a spec with values set by dotted key, or dropped."""

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cylcontact.reports.benchmarks import GROUPS, left_out, ratio_panel, ratios_of
+from _cylcontact_bench.fig_benchmarks import GROUPS, left_out, ratio_panel, ratios_of
 
 from benchmarks import harness, peers
 from benchmarks.__main__ import BENCHMARKS, PAGE

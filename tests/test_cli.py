@@ -3,17 +3,15 @@
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
 import cylcontact
 from cylcontact import cli
-from cylcontact.fitting import FitResult, calibrate, read_campaign
+from cylcontact.fitting import FitResult, calibrate
 from cylcontact.tether import tethered
 from tests.spec_files import CAMPAIGN, GRID, changed, tree, write_bench, write_toml
 
@@ -267,7 +265,7 @@ BAD_INPUT = [
         )
     ),
     (("compare", "good.json", "half.json"), "half.json: is not JSON ("),
-    (("verify",), "fitting/results: holds no results; name some, or lay out a bench with"),
+    (("verify",), "fitting/results: has no results; name some, or lay out a bench with"),
     # files of another kind
     (("fit", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a campaign; name a"),
     (
@@ -304,7 +302,7 @@ BAD_INPUT = [
     ),
     (
         (*FIT, "--resume", "-o", "foreign"),
-        "foreign.partial: keeps the runs of another campaign or of other settings; run without",
+        "foreign.partial: belongs to another campaign or to other settings; run without",
     ),
 ]
 
@@ -387,76 +385,6 @@ def test_a_mistake_of_ours_is_not_hidden(bench, monkeypatch):
 
 
 # --- interruption -----------------------------------------------------------------------------
-
-
-def wait_for(condition, process, seconds=60.0):
-    """Wait until something has happened while a process runs."""
-    deadline = time.monotonic() + seconds
-    while not condition():
-        assert process.poll() is None, process.communicate()
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
-
-
-def interrupt(process):
-    """Press Ctrl-C, which a terminal sends to the whole group; return code, output and errors.
-
-    The code is the one that a shell reports. Python itself ends by the signal, whatever code it
-    was given, when Ctrl-C falls into the `exec` of a string, as a dataclass is made.
-    """
-    os.killpg(process.pid, signal.SIGINT)
-    said, errors = process.communicate(timeout=30)
-    code = process.returncode
-    return 128 - code if code < 0 else code, said, errors
-
-
-@posix
-@pytest.mark.parametrize("jobs", [1, 2])
-def test_an_interrupted_fit_says_what_it_kept_and_resumes(bench, run, jobs):
-    longer = {"genetic.runs": 30, "genetic.generations": 300, "genetic.populations": [16]}
-    path = write_toml(bench / "fitting/longer.toml", changed(CAMPAIGN, longer))
-    kept = bench / "new/r.json.partial"
-    process = start("fit", path, "-o", "new/r.json", "--jobs", jobs)
-    wait_for(lambda: kept.exists() and kept.read_bytes().count(b"\n") > 3, process)
-    code, said, errors = interrupt(process)
-    complete = kept.read_bytes().count(b"\n") - 1
-    assert 3 <= complete < 30
-    assert (code, said) == (130, "")
-    assert errors == (
-        f"cylcontact: interrupted; {complete} complete runs are kept in new/r.json.partial; "
-        "the same command with --resume goes on from there\n"
-    )
-    assert [file.name for file in kept.parent.iterdir()] == [kept.name]
-    assert run("fit", path, "-o", "new/r.json", "--jobs", "2", "--resume")[0] == 0
-    assert [file.name for file in kept.parent.iterdir()] == ["r.json"]
-    uninterrupted = calibrate(read_campaign(path), jobs=2)
-    assert FitResult.load(bench / "new/r.json").repeatable() == uninterrupted.repeatable()
-
-
-@posix
-@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="children are found in /proc")
-def test_a_fit_interrupted_while_its_workers_start_keeps_nothing_and_says_so(bench):
-    before = tree(bench)
-    process = start("fit", "fitting/small.toml", "-o", "new/r.json", "--runs", "50", "--jobs", "2")
-    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-    wait_for(lambda: len(children.read_text().split()) >= 2, process)
-    code, said, errors = interrupt(process)
-    assert (code, said) == (130, "")
-    assert errors == "cylcontact: interrupted before a run was complete; nothing is kept\n"
-    assert tree(bench) == before
-
-
-@posix
-def test_an_interrupted_table_leaves_nothing(bench):
-    large = {"axes.E.points": 300, "axes.dR.points": 1000, "axes.load.points": 300}
-    write_toml(bench / "datasets/large.toml", changed(GRID, large))
-    before = tree(bench)
-    process = start("sample", "datasets/large.toml", "-o", "new/large.parquet")
-    wait_for(lambda: list(bench.glob("new/.large-*.parquet")), process)
-    code, said, errors = interrupt(process)
-    assert (code, said) == (130, "")
-    assert errors == "cylcontact: interrupted; nothing is left half-written\n"
-    assert tree(bench) == before
 
 
 @pytest.mark.parametrize("runs", [0, 1, 2])

@@ -74,5 +74,5 @@ def test_a_modulus_that_may_be_in_gpa_is_noted(run, modulus, noted):
     code, out, err = run("laws", "--E", modulus, "--load", "0.1")
     assert code == 0
     assert out.startswith("internal contact")
-    expected = "cylcontact: --E = 210 is taken in MPa; GPa would be 210e3\n" if noted else ""
+    expected = "cylcontact: --E is in MPa; did you mean 210e3?\n" if noted else ""
     assert err == expected

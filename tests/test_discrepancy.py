@@ -13,10 +13,10 @@ from cylcontact.cli.app import app
 from cylcontact.fitting.calibrate import problem_of
 from cylcontact.fitting.measured_fit import fit_measurements
 from cylcontact.fitting.polish import polish
+from cylcontact.fitting.report import discrepancy_text
 from cylcontact.fitting.samples import collect_samples
 from cylcontact.fitting.uncertainty.discrepancy import study_discrepancy
 from cylcontact.fitting.uncertainty.study import study_noise
-from cylcontact.fitting.uncertainty.text import discrepancy_text
 from tests.measured_files import measured_campaign
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -96,7 +96,7 @@ def test_what_cannot_be_left_out_is_refused(small_result, axis, rule):
 
 def test_the_two_kinds_are_not_confused(tmp_path, small_result):
     measured = fit_measurements(measured_campaign(tmp_path, noise=0.01, starts=1))
-    with pytest.raises(InputError, match="was fitted to measurements; ask for its noise"):
+    with pytest.raises(InputError, match="was fitted to measurements; study its noise"):
         study_discrepancy(measured)
     small_result.save(tmp_path / "r.json")
     found = CliRunner().invoke(app, ["uncertainty", str(tmp_path / "r.json"), "--bootstrap", "9"])
@@ -109,7 +109,7 @@ def test_coefficients_that_define_no_law_are_refused(tmp_path, small_result):
         study_discrepancy(wrong)
     measured = fit_measurements(measured_campaign(tmp_path, noise=0.01, starts=1))
     changed = {**measured.coefficients, "kappa": -1.0}
-    with pytest.raises(InputError, match="leave the law undefined for some of its data"):
+    with pytest.raises(InputError, match="leave the law undefined for some of the data"):
         study_noise(measured.model_copy(update={"coefficients": changed}))
 
 

@@ -19,7 +19,7 @@ from tests.dask_cluster import LoopbackCluster, kill
 from tests.spec_files import assert_told, tree, write_bench
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="SIGKILL ends the processes")
-RESUME = "start it again; fit --resume goes on from the runs that are kept"
+RESUME = "start it again; fit --resume continues from the saved runs"
 
 
 @pytest.fixture(scope="module")
@@ -179,7 +179,7 @@ def test_calls_that_end_every_worker_they_meet(tmp_path):
         calls = [call(_end_this_process), *(call(time.sleep, 0.1) for _ in range(5))]
         with pytest.raises(InputError) as caught:
             list(run_calls(calls, Cluster(started.address)))
-    assert_told(caught, "--scheduler", "", started.address, "was lost on the way (", RESUME)
+    assert_told(caught, "--scheduler", "", started.address, "was lost during the run (", RESUME)
 
 
 def _end_this_process():
@@ -201,7 +201,7 @@ def test_a_scheduler_lost_on_the_way_keeps_the_complete_runs(short_lived, small_
     with pytest.raises(InputError) as caught:
         calibrate(campaign, Cluster(short_lived.address), kill_scheduler, kept)
     assert caught.value.value == short_lived.address
-    assert re.match(r"was lost on the way \(|has had no scheduler or no", caught.value.rule)
+    assert re.match(r"was lost during the run \(|has had no scheduler or no", caught.value.rule)
     assert caught.value.remedy == RESUME
     assert len(kept.read_text().splitlines()) >= 2
     resumed = calibrate(campaign, 2, checkpoint=kept, resume=True)

@@ -135,7 +135,7 @@ def test_links_and_files_of_the_site_exist(site):
 def test_reference_shows_the_docstrings(site):
     text = (site / "reference" / "laws.html").read_text(encoding="utf-8")
     assert "The paper solves it for the load by iteration" in text
-    assert "exact where the contact arc is no longer small" in text
+    assert "exact for large contact arcs as well" in text
 
 
 def test_git_ignores_the_site():

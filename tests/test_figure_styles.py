@@ -9,7 +9,6 @@ from pathlib import Path
 
 import matplotlib as mpl
 import pytest
-from cylcontact.reports.outcomes import draw_all
 from matplotlib.text import Text
 from PIL import Image
 from typer.testing import CliRunner
@@ -19,7 +18,7 @@ from cylcontact.cli.app import app
 from cylcontact.plots.figure import StyledFigure, new_figure
 from cylcontact.plots.style import STYLES, FigureOptions, choose, figure_style
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import build
+from cylcontact.reports.build import build, chosen_recipes, draw, write
 from cylcontact.reports.tables import latex
 from tests.figure_files import page_mm
 from tests.programs import require_program
@@ -51,38 +50,44 @@ def small(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.fixture(scope="module", params=[look for look in STYLES if look != "journal"])
+@pytest.fixture(scope="module", params=[name for name in STYLES if name != "journal"])
 def sheet(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory):
-    """A few figures in a look that is not the journal's."""
-    look = STYLES[request.param]
-    folder = tmp_path_factory.mktemp(look.name)
-    return look, build(BENCH, NAMES, folder, choice=FigureOptions(look, ("pdf",)))
+    """A few figures in a style that is not the journal's: the drawing and the PDF of each."""
+    options = FigureOptions(STYLES[request.param], ("pdf",))
+    folder = tmp_path_factory.mktemp(request.param)
+    drawings = [draw(name, BENCH, options.style) for name in NAMES]
+    files = [
+        write(drawing, name, folder, options)[0]
+        for drawing, name in zip(drawings, NAMES, strict=True)
+    ]
+    return options.style, drawings, files
 
 
-class TestLooks:
+class TestStyles:
     def test_pages_have_the_styles_width_and_stay_below_its_height(self, sheet) -> None:
-        look, written = sheet
-        for each in written:
-            width, height = page_mm(each.paths[0])
-            assert width == pytest.approx(look.width_mm, abs=0.01)
-            assert height <= look.highest_mm + 0.01
+        style, _, files = sheet
+        for file in files:
+            width, height = page_mm(file)
+            assert width == pytest.approx(style.width_mm, abs=0.01)
+            assert height <= style.highest_mm + 0.01
 
     def test_fonts_are_embedded(self, sheet) -> None:
-        for each in sheet[1]:
-            pdf = each.paths[0].read_bytes()
+        _, _, files = sheet
+        for file in files:
+            pdf = file.read_bytes()
             assert b"/FontFile2" in pdf
             assert b"/Type3" not in pdf
 
     def test_texts_are_inside_the_page_and_have_the_styles_sizes(self, sheet) -> None:
-        look, written = sheet
-        for figure in (each.drawing.figure for each in written):
+        style, drawings, _ = sheet
+        for figure in (drawing.figure for drawing in drawings):
             drawn, page = figure.get_tightbbox(), figure.bbox_inches
             assert min(drawn.x0, drawn.y0) >= 0
             assert drawn.x1 <= page.x1
             assert drawn.y1 <= page.y1
             sizes = [text.get_fontsize() for text in figure.findobj(Text) if text.get_text()]
-            assert max(sizes) == pytest.approx(look.font_size)
-            assert min(sizes) == pytest.approx(look.font_size * 7 / 8)
+            assert max(sizes) == pytest.approx(style.font_size)
+            assert min(sizes) == pytest.approx(style.font_size * 7 / 8)
 
     def test_content_that_needs_the_width_spans_both_columns(self) -> None:
         with figure_style(STYLES["single-column"]):
@@ -110,11 +115,11 @@ class TestLooks:
             assert mpl.rcParams["font.size"] == 8.0
 
     @pytest.mark.long
-    @pytest.mark.parametrize("look", [look for look in STYLES.values() if look.width_mm])
-    def test_every_figure_draws_in_every_look(self, look, tmp_path: Path) -> None:
-        names = [path.stem for path in sorted((ROOT / "reports").glob("fig*.py"))]
-        outcomes = draw_all(BENCH, names, tmp_path, FigureOptions(look, ("pdf",)), jobs=2)
-        assert [str(outcome.problem) for outcome in outcomes if outcome.problem] == []
+    @pytest.mark.parametrize("style", [style for style in STYLES.values() if style.width_mm])
+    def test_every_figure_draws_in_every_style(self, style, tmp_path: Path) -> None:
+        figures = build(Bench(ROOT, jobs=2), (), tmp_path, FigureOptions(style, ("pdf",)))
+        assert len(figures) == len(chosen_recipes(BENCH))
+        assert [str(figure.problem) for figure in figures if figure.problem] == []
 
 
 class TestFormats:
@@ -135,21 +140,21 @@ class TestFormats:
 
     def test_same_bytes_again_and_in_other_processes(self, small: Path) -> None:
         (small / "reports" / "fig98.py").write_text(SIMPLE)
-        seen = []
-        for jobs in (1, 1, 2):
-            folder = small / f"out{len(seen)}"
-            choice = FigureOptions(STYLES["slides"], ("png", "pdf", "svg"))
-            outcomes = draw_all(Bench(small), ["fig98", "fig99"], folder, choice, jobs)
-            files = [path for outcome in outcomes for path in outcome.paths]
-            seen.append({path.name: hashlib.sha256(path.read_bytes()).digest() for path in files})
-        assert seen[0] == seen[1] == seen[2]
+        hashes = []
+        for number, jobs in enumerate((1, 1, 2)):
+            options = FigureOptions(STYLES["slides"], ("png", "pdf", "svg"))
+            figures = build(Bench(small, jobs=jobs), (), small / f"out{number}", options)
+            files = [path for figure in figures for path in figure.paths]
+            hashes.append({path.name: hashlib.sha256(path.read_bytes()).digest() for path in files})
+        assert len(hashes[0]) == 8
+        assert hashes[0] == hashes[1] == hashes[2]
 
     def test_pgf_without_tex_says_what_to_install_and_writes_nothing(
         self, small: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setenv("PATH", str(small))
         with pytest.raises(InputError) as caught:
-            draw_all(Bench(small), ["fig99"], small / "out", choose(formats=("pgf",)))
+            build(Bench(small), ["fig99"], small / "out", choose(formats=("pgf",)))
         assert str(caught.value) == (
             "report: --format = 'pgf': needs xelatex, which measures the text of the figure and "
             "is not installed; install TeX (Debian: apt install texlive-xetex), or choose pdf"
@@ -158,9 +163,8 @@ class TestFormats:
 
     def test_pgf_with_tex_is_input_for_latex(self, small: Path) -> None:
         require_program("xelatex")
-        choice = choose(formats=("pgf",))
-        (outcome,) = draw_all(Bench(small), ["fig99"], small / "out", choice)
-        assert r"\begin{pgfpicture}" in outcome.paths[0].read_text(encoding="utf-8")
+        (figure,) = build(Bench(small), ["fig99"], small / "out", choose(formats=("pgf",)))
+        assert r"\begin{pgfpicture}" in figure.paths[0].read_text(encoding="utf-8")
 
 
 class TestStyleFile:

@@ -11,7 +11,7 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
-from cylcontact.reports.exponents import ExponentStudy, exponent_table
+from _cylcontact_bench.fig03 import ExponentStudy, exponent_table
 from matplotlib.text import Text
 
 from cylcontact import InputError
@@ -19,22 +19,13 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.laws import PUBLISHED
 from cylcontact.plots.style import WIDTHS_MM
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import build, draw, find_recipes
+from cylcontact.reports.build import build, chosen_recipes, draw, find_recipes
 from cylcontact.reports.fit_figures import profile_drawing
 from tests.drawn_figures import DrawnFigures
-from tests.figure_files import page_mm, read_columns, significant_digits
+from tests.figure_files import GOLDEN, page_mm, read_columns, significant_digits
 
 BENCH = Bench(Path(__file__).parents[1])
-NAMES = (
-    *("fig01", "fig02", "fig03", "fig07", "fig08", "fig09"),
-    *("fig04", "fig05", "fig06", "fig_fe_sensitivity"),
-    *("fig15", "fig16", "fig17", "fig18", "fig19"),
-    *("fig_mechanism_steps", "fig_mechanism_cases", "fig_mechanism_energy"),
-    *("fig10", "fig10r", "fig11", "fig11r", "fig12", "fig12r", "fig13", "fig13r"),
-    *("fig14", "fig14r", "fig_profile_b", "fig_explicit", "fig_forms"),
-    *("fig10c", "fig11c", "fig12c", "fig13c", "fig14c"),
-    *("fig10p", "fig11p", "fig12p", "fig13p", "fig14p"),
-)
+NAMES = chosen_recipes(BENCH)
 # One simulates 24 cases of the mechanism when it is drawn.
 SLOW = ("fig_mechanism_cases",)
 EACH = [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in NAMES]
@@ -52,9 +43,13 @@ UNITLESS |= {"cells", "nodes", "constant"}
 UNITLESS |= {"restitution", "friction", "revolution", "onsets", "continued", "left"}
 UNITLESS |= {"contact_fraction", "contact_fraction_std", "impacts", "impacts_std"}
 UNITLESS |= {"constants", "logarithms", "phi_from", "phi_to"}
+UNITLESS |= {"ratio", "ratio_low", "ratio_high", "place", "x", "y", "height"}
+UNITLESS |= {"wanted_restitution", "achieved_restitution", "chi", "error"}
 WORDS = {"panel", "symbol", "contact", "material", "form", "given", "fitted"}
 WORDS |= {"body", "variant", "point", "mode"}
 WORDS |= {"law", "reference", "pair", "error_of", "range"}
+WORDS |= {"group", "side", "computed", "optimizer", "step", "factor"}
+WORDS |= {"coefficient_x", "coefficient_y"}
 UNITS = ("_mm", "_um", "_us", "_us_std", "_N", "_J")
 UNITS += ("_N_per_mm", "_MPa", "_GPa", "_percent", "_N_per_mm_n")
 
@@ -136,8 +131,9 @@ class TestFiles:
     def test_caption_tells_units_and_nothing_of_this_machine(
         self, figures: DrawnFigures, name: str
     ) -> None:
-        caption = figures[name].drawing.caption
-        assert "mm" in caption
+        drawing = figures[name].drawing
+        caption = drawing.caption
+        assert "mm" in caption or not drawing.table.columns.str.contains("_mm").any()
         assert caption.endswith(".")
         assert "/home" not in caption
         assert str(BENCH.root) not in caption
@@ -148,6 +144,13 @@ class TestFiles:
         assert [path.suffix for path in one.paths] == [".png", ".pdf", ".csv"]
         for first, second in zip(one.paths, other.paths, strict=True):
             assert first.read_bytes() == second.read_bytes()
+
+
+@pytest.mark.parametrize("name", [name for name in GOLDEN if name in NAMES])
+def test_headline_is_the_pinned_one(figures: DrawnFigures, name: str) -> None:
+    # A committed fit that is made again may differ in its last digits.
+    tolerance = 1e-4 if name[-1] in "rpc" else 1e-5
+    assert dict(figures[name].drawing.headline) == pytest.approx(GOLDEN[name], rel=tolerance)
 
 
 class TestGeometry:
@@ -198,12 +201,6 @@ class TestPowerLaws:
                 delta = johnson(row.load_N_per_mm, e_star(207e3, 0.3), row.dR_mm)
                 assert row.penetration_mm == pytest.approx(delta, rel=1e-12)
                 assert row.fitted_load_N_per_mm == pytest.approx(K * delta**n, rel=1e-10)
-
-    def test_fig03_spreads(self, figures: DrawnFigures) -> None:
-        spreads = figures["fig03"].drawing.headline
-        assert list(spreads.values()) == pytest.approx(
-            [10.8105, 10.4486, 0.48462, 3.41707, 4.12277, 0.196204], rel=1e-5
-        )
 
     def test_fig03_exponents_are_slopes(self, figures: DrawnFigures) -> None:
         table = figures["fig03"].drawing.table
@@ -300,31 +297,6 @@ class TestMaps:
         assert tops["min"].to_numpy() == pytest.approx(10.0)
         assert table["difference_percent"].notna().all()
 
-    @pytest.mark.parametrize(
-        ("name", "highest", "largest_practical", "share"),
-        [
-            ("fig10", 25.9793, 25.9793, 0.75044),
-            ("fig11", 31.5985, 31.5985, 0.90936),
-            ("fig12", 33.6813, 33.6813, 0.90975),
-            ("fig13", 62.7626, 62.7626, 0.87332),
-            ("fig14", 71.6675, 71.6675, 0.80662),
-        ],
-    )
-    def test_headlines(
-        self,
-        figures: DrawnFigures,
-        name: str,
-        highest: float,
-        largest_practical: float,
-        share: float,
-    ) -> None:
-        headline = figures[name].drawing.headline
-        assert headline["highest difference, %"] == pytest.approx(highest, abs=5e-5)
-        assert headline["lowest difference, %"] == pytest.approx(-10.266, abs=2e-3)
-        largest = headline["largest |difference| in the practical domain, %"]
-        assert largest == pytest.approx(largest_practical, abs=5e-5)
-        assert headline["share of the practical domain below 8 %"] == pytest.approx(share, abs=5e-6)
-
     def test_highest_of_fig10_by_hand(self, figures: DrawnFigures) -> None:
         """Ceramics are furthest off at the lowest clearance and load."""
         by_hand = difference(10.0, e_star(600e3, 0.24), 0.0075)
@@ -374,24 +346,6 @@ class TestMaps:
         }
         assert len(scales) == 1
 
-    @pytest.mark.parametrize(
-        ("name", "lowest", "highest", "share"),
-        [
-            ("fig10r", -16.499, 39.958, 0.70334),
-            ("fig11r", -16.500, 29.902, 0.73039),
-            ("fig12r", -16.499, 31.863, 0.69314),
-            ("fig13r", -16.500, 59.254, 0.69228),
-            ("fig14r", -16.500, 59.254, 0.61611),
-        ],
-    )
-    def test_headlines_of_the_committed_refit(
-        self, figures: DrawnFigures, name: str, lowest: float, highest: float, share: float
-    ) -> None:
-        headline = figures[name].drawing.headline
-        assert headline["lowest difference, %"] == pytest.approx(lowest, abs=5e-3)
-        assert headline["highest difference, %"] == pytest.approx(highest, abs=5e-3)
-        assert headline["share of the practical domain below 8 %"] == pytest.approx(share, abs=1e-3)
-
     def test_refit_with_the_published_coefficients_is_the_published_map(
         self, figures: DrawnFigures, tmp_path: Path
     ) -> None:
@@ -404,7 +358,7 @@ class TestMaps:
 
     def test_refit_for_the_other_contact_is_refused(self, tmp_path: Path) -> None:
         BENCH.result("external").save(tmp_path / "internal.json")
-        with pytest.raises(InputError, match="they are for external contact"):
+        with pytest.raises(InputError, match="is not a fit on a grid of internal contacts"):
             draw("fig12r", Bench(BENCH.root, tmp_path))
 
 

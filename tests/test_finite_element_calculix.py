@@ -15,7 +15,7 @@ from cylcontact.datasets.finite_element.calculix import (
     version,
 )
 from cylcontact.datasets.finite_element.calculix_deck import Deck
-from tests.programs import require_program
+from tests.programs import fake_program, require_program
 
 TABLES = Path(__file__).parents[1] / "datasets" / "finite_element"
 SETUP = Setup(hole_radius=2.245, outer_ratio=3.3, E=207e3, nu=0.3, cells=8)
@@ -41,14 +41,6 @@ def ccx():
     """The program."""
     require_program("ccx")
     return find_program()
-
-
-def script(folder, body):
-    """Write a program that stands for CalculiX."""
-    path = folder / "ccx"
-    path.write_text(f"#!/bin/sh\n{body}\n")
-    path.chmod(0o755)
-    return str(path)
 
 
 @pytest.mark.parametrize("dR", [0.01, 0.1, 1.0])
@@ -88,7 +80,7 @@ def test_missing_program_says_how_to_install_it(monkeypatch, tmp_path):
 
 
 def test_a_program_that_states_no_version(tmp_path):
-    assert version(script(tmp_path, "echo hello")) == "unknown"
+    assert version(str(fake_program(tmp_path, "ccx", "echo hello"))) == "unknown"
     assert version(str(tmp_path / "absent")) == "unknown"
 
 
@@ -102,7 +94,7 @@ def test_a_program_that_states_no_version(tmp_path):
 )
 def test_failures_show_the_last_lines(tmp_path, body, reason, last):
     with pytest.raises(SolverError) as caught:
-        run_case(SETUP, 0.1, 20.0, LOADS, script(tmp_path, body))
+        run_case(SETUP, 0.1, 20.0, LOADS, str(fake_program(tmp_path, "ccx", body)))
     assert caught.value.reason == reason
     assert caught.value.lines[-1].startswith(last)
 

@@ -6,17 +6,24 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from cylcontact.reports.finite_element.data import table
+from _cylcontact_bench.claims import section32
+from _cylcontact_bench.finite_elements import table
 
 from cylcontact import InputError, limits
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import finite_element_claims
+from cylcontact.reports.claims import ClaimFunction
 
 BENCH = Bench(Path(__file__).parents[1])
 STEEL = Material("steel", 207e3, 0.3)
 NO, CHOICE = "not reproduced", "reproduced with a stated choice"
+
+
+def finite_element_claims(bench):
+    """Compute the claims of Section 3.2 from a bench's tables."""
+    functions = [each for each in vars(section32).values() if isinstance(each, ClaimFunction)]
+    return [claim for function in functions for claim in function(bench)]
 
 
 @pytest.fixture(scope="module")
@@ -114,8 +121,12 @@ class TestClaims:
         )
         assert "as the paper names none" in claim.choice
 
-    def test_a_bench_without_finite_elements_has_none(self, tmp_path):
-        assert finite_element_claims(Bench(tmp_path)) == []
+    def test_a_bench_without_finite_elements_cannot_test_them(self, tmp_path):
+        untested = finite_element_claims(Bench(tmp_path))
+        assert len(untested) == 6
+        for claim in untested:
+            assert claim.verdict == "not testable"
+            assert "recommended.toml: this set-up does not exist" in claim.choice
 
     def test_a_table_of_an_older_set_up_is_refused(self, tmp_path):
         folder = tmp_path / "datasets" / "finite_element"

@@ -96,7 +96,8 @@ def test_every_figure_has_its_caption_downloads_and_provenance(index):
     for name in ("fig12", "fig12r", "fig_evil"):
         for ending in ("png", "pdf", "csv"):
             assert f'href="figures/{name}.{ending}" download' in index
-        assert f"from <code>reports/{name}.py</code>" in index
+    for recipe in ("maps", "fig_evil"):
+        assert f"from <code>reports/{recipe}.py</code>" in index
     assert "from <code>fitting/results/internal.json</code>" in index
     assert "from <code>cylcontact/data/materials.csv</code>" in index
     # A tile's picture is named by the words beside it; a figure's, by its caption.
@@ -129,7 +130,7 @@ def test_texts_of_users_stay_text(site, index):
 
 def test_same_bytes_again(site, tmp_path):
     bench = Bench(site.index.parents[2])
-    again = build_site(bench, tmp_path / "html", jobs=1)
+    again = build_site(bench, tmp_path / "html")
     for file in sorted(again.index.parent.rglob("*")):
         if file.is_file():
             other = site.index.parent / file.relative_to(again.index.parent)
@@ -141,10 +142,13 @@ def test_a_bench_with_a_broken_table_of_materials_still_has_a_report(tmp_path):
         (tmp_path / name).mkdir()
     (tmp_path / "datasets" / "materials.csv").write_bytes(b"\xff")
     (tmp_path / "reports" / "fig_evil.py").write_text(EVIL_RECIPE)
+    (tmp_path / "reports" / "paper.py").write_text(
+        'from cylcontact.reports.paper import Paper\n\nPAPER = Paper(fits=("internal",))\n'
+    )
     site = build_site(Bench(tmp_path), tmp_path / "html")
     explore = (site.index.parent / "explore.html").read_text(encoding="utf-8")
     assert "materials.csv: cannot be read" in explore
-    assert "neither of the two main fits is there" in site.index.read_text(encoding="utf-8")
+    assert "none of the main fits is there" in site.index.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("page", ["index", "explore"])

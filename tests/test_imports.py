@@ -15,9 +15,10 @@ LAYERS = (
     {"errors", "tether"},
     {
         "arrays",
+        "choices",
         "files",
         "html_repr",
-        "locks",
+        "journal",
         "numba_cache",
         "parallel",
         "progress",

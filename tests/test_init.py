@@ -50,14 +50,14 @@ def test_here_is_where_it_is_laid_out_by_default(tmp_path, monkeypatch, run):
 
 def test_nothing_is_overwritten(tmp_path, monkeypatch, run):
     monkeypatch.chdir(tmp_path)
-    for name in ("datasets/internal.toml", "reports/fig12.py"):
+    for name in ("datasets/internal.toml", "reports/maps.py"):
         (tmp_path / name).parent.mkdir()
         (tmp_path / name).write_text("mine")
     before = tree(tmp_path)
     code, out, err = run("init", ".")
     assert (code, out) == (2, "")
     assert err == (
-        "cylcontact: .: has files of its own as datasets/internal.toml, reports/fig12.py, and "
+        "cylcontact: .: has other files named datasets/internal.toml, reports/maps.py, and "
         "nothing is overwritten; choose an empty folder, or move these away\n"
     )
     assert tree(tmp_path) == before
@@ -66,7 +66,7 @@ def test_nothing_is_overwritten(tmp_path, monkeypatch, run):
 def test_a_bench_is_completed_where_its_files_are_as_they_ship(tmp_path, run):
     assert run("init", tmp_path)[0] == 0
     before = tree(tmp_path)
-    (tmp_path / "reports/fig12.py").unlink()
+    (tmp_path / "reports/maps.py").unlink()
     assert run("init", tmp_path)[0] == 0
     assert tree(tmp_path) == before
 

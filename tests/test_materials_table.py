@@ -137,7 +137,7 @@ BAD_ROWS = [
     *((replaced("name", cell), "name", None, "is required", "name the") for cell in ("", " ")),
     (replaced("note", "a, b"), "", None, "has 9 cells for 8 columns", CELLS),
     (STEEL.removesuffix(",a note"), "", None, "has 7 cells for 8 columns", "commas for empty"),
-    (STEEL, "name", "steel", "stands twice", "a name of its own"),
+    (STEEL, "name", "steel", "is used twice", "a name of its own"),
 ]
 
 

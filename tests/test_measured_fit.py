@@ -181,7 +181,7 @@ def test_weights_count_like_repeated_rows(tmp_path):
     ]
     assert found[1].coefficients == pytest.approx(found[0].coefficients, rel=1e-6)
     assert len(found[0].uncertainty.duplicates) == 5
-    assert any("say exactly the same" in sentence for sentence in verdicts(found[0]))
+    assert any("identical rows" in sentence for sentence in verdicts(found[0]))
 
 
 # --- laws -------------------------------------------------------------------------------------
@@ -274,7 +274,7 @@ def test_a_function_of_ones_own_is_fitted_like_a_law(tmp_path, objective):
         ("builtins:max", "law", "has no signature to read"),
         ("mine:short", "law", "must take a penetration, a pair and named parameters"),
         ("mine:worded", "law", "has a default for kind that is not a number"),
-        ("mine:flat", "load", "returns another shape"),
+        ("mine:flat", "load", "returns an array of another shape"),
         ("mine:broken", "load", "stopped with RuntimeError: no such thing"),
     ],
 )
@@ -360,7 +360,7 @@ def test_a_result_is_saved_loaded_compared_and_verified(tmp_path, example):
     ("changes", "key", "rule"),
     [
         ({"kind": "discrepancy"}, "kind", "must be that of its campaign, noise"),
-        ({"uncertainty": None}, "uncertainty", "must stand with measurements"),
+        ({"uncertainty": None}, "uncertainty", "is for fits to measurements"),
         ({"uncertainty.estimates": {}, "uncertainty.correlation": {}}, "", ""),
         ({"settings.measurements.numbers.load": [1.0]}, "", ""),
         ({"settings.measurements.numbers.load": [1.0, 2.0]}, "numbers.load", "1 or 61 rows"),
@@ -410,7 +410,7 @@ def test_a_campaign_file_reads_like_its_table(tmp_path):
 
 
 BAD_CAMPAIGNS = [
-    ({"dataset": "x.toml"}, "data", "stands beside dataset"),
+    ({"dataset": "x.toml"}, "data", "conflicts with dataset"),
     ({"data": "absent.csv"}, "data", "no such file beside the campaign"),
     ({"law": "hooke"}, "law", "is not a law that can be fitted"),
     ({"contact": "inside"}, "contact", "must be 'internal' or 'external'"),
@@ -490,9 +490,9 @@ def test_a_table_is_fitted_from_the_command_line(tmp_path):
 BAD_LINES = [
     (("--contact", "internal"), "--law", "is required for a table"),
     (("--law", "johnson"), "--contact", "is required for a table"),
-    (("--law", "johnson", "--contact", "internal", "--bound", "c=1"), "--bound", "not understood"),
-    (("--law", "johnson", "--contact", "internal", "--bound", "c=x:2"), "--bound", "understood"),
-    (("--law", "johnson", "--contact", "internal", "--fix", "=1"), "--fix", "not understood"),
+    (("--law", "johnson", "--contact", "internal", "--bound", "c=1"), "--bound", "not valid"),
+    (("--law", "johnson", "--contact", "internal", "--bound", "c=x:2"), "--bound", "not valid"),
+    (("--law", "johnson", "--contact", "internal", "--fix", "=1"), "--fix", "not valid"),
     (
         ("--law", "johnson", "--contact", "internal", "--fix", "c=1", "--bound", "c=1:2"),
         "--fix",

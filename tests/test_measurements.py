@@ -376,7 +376,7 @@ def test_the_objective_follows_the_standard_deviations(tmp_path):
             "load_std, penetration_std",
             "are both given",
         ),
-        ({"load_std_N_per_mm": [1] * 3, "weight": [1] * 3}, None, "weight", "stands beside"),
+        ({"load_std_N_per_mm": [1] * 3, "weight": [1] * 3}, None, "weight", "conflicts with"),
     ],
 )
 def test_an_objective_that_contradicts_the_data_is_refused(tmp_path, added, given, key, rule):

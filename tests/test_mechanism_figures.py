@@ -1,22 +1,31 @@
 """The numbers behind Figs 15 to 19 and their companions, and the film."""
 
+import functools
 import math
-import sys
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from cylcontact.reports.mechanism.disclosure import assumed, horizons, law_ends
-from cylcontact.reports.mechanism.linkage import driver_circle, poses
-from cylcontact.reports.mechanism.movie import FRAMES_PER_REVOLUTION, film, require_film
-from cylcontact.reports.mechanism.paths import path_table
-from cylcontact.reports.mechanism.runs import CASES, case_row, law_limit, mechanism, simulated
+from _cylcontact_bench.paths import path_table
+from _cylcontact_bench.slider_crank import (
+    CASES,
+    SPEC,
+    assumed,
+    case_row,
+    horizons,
+    law_ends,
+    law_limit,
+    mechanism,
+    simulated,
+)
 from PIL import Image
 
-from cylcontact import InputError, cli
+from cylcontact import InputError
 from cylcontact.mechanism import Case, read_mechanism, simulate
+from cylcontact.mechanism.drawing import driver_circle, poses
+from cylcontact.mechanism.movie import FRAMES_PER_REVOLUTION, film, require_film
 from cylcontact.reports.bench import Bench
 
 ROOT = Path(__file__).parents[1]
@@ -53,7 +62,7 @@ class TestCases:
 
     def test_runs_are_remembered_and_those_of_the_spec(self, settled):
         assert simulated(BENCH, SETTLED, 3) is settled
-        one = read_mechanism(BENCH.mechanism_file, **vars(SETTLED))
+        one = read_mechanism(ROOT / SPEC, **vars(SETTLED))
         again = simulate(one, revolutions=3)
         assert np.array_equal(again.time, settled.time)
 
@@ -211,7 +220,7 @@ class TestFilm:
             require_film(tmp_path / "x.avi")
 
     def test_film_is_short_enough_and_the_same_again(self, tmp_path, settled, monkeypatch):
-        monkeypatch.setattr("cylcontact.reports.mechanism.movie.FRAMES_PER_REVOLUTION", 6)
+        monkeypatch.setattr("cylcontact.mechanism.movie.FRAMES_PER_REVOLUTION", 6)
         calls = []
         for name in ("a.gif", "b.gif"):
             frames = film(settled, tmp_path / name, 2, lambda *call: calls.append(call))
@@ -229,18 +238,10 @@ class TestFilm:
 
 class TestAnimate:
     @pytest.fixture
-    def run(self, monkeypatch, capsys):
-        """Run the command line in this process; return its exit code, output and errors."""
-        monkeypatch.setattr("cylcontact.reports.mechanism.movie.FRAMES_PER_REVOLUTION", 4)
-
-        def run(*arguments):
-            monkeypatch.setattr(sys, "argv", ["cylcontact", "animate", *map(str, arguments)])
-            with pytest.raises(SystemExit) as caught:
-                cli.main()
-            written = capsys.readouterr()
-            return caught.value.code, written.out, written.err
-
-        return run
+    def run(self, run, monkeypatch):
+        """Run `cylcontact animate` in this process, with few frames."""
+        monkeypatch.setattr("cylcontact.mechanism.movie.FRAMES_PER_REVOLUTION", 4)
+        return functools.partial(run, "animate")
 
     def test_writes_a_film_and_tells_what_is_assumed(self, run, tmp_path):
         out = tmp_path / "four-bar.gif"

@@ -8,44 +8,26 @@ from tests.mechanism_cases import FOUR_BAR, ROOT, SLIDER_CRANK
 from tests.spec_files import DROP, changed
 
 MISTAKES = [
-    ({"clearance.radial": -0.5}, "clearance.radial = -0.5: must be at least 0"),
     ({"clearance.radial": 10.0}, "clearance.radial = 10.0: leaves no journal"),
-    ({"bodies.rod.mass": -0.2}, "bodies.rod.mass = -0.2: must be greater than 0"),
-    ({"bodies.rod.mass": 0}, "bodies.rod.mass = 0: must be greater than 0"),
-    ({"bodies.rod.inertia": float("nan")}, "bodies.rod.inertia = nan: must be"),
-    ({"bodies.rod.mass": DROP}, "bodies.rod.mass: is required; add the mass in kg"),
-    ({"bodies.rod.colour": "red"}, "bodies.rod.colour = 'red': is not a known key"),
-    ({"bodies.rod.points": {"pin": [0.0]}}, "bodies.rod.points.pin"),
     ({"bodies.ground": SLIDER_CRANK["bodies"]["rod"]}, "bodies.ground: is no body's name"),
     ({"clearance.law": "jonson"}, "clearance.law = 'jonson': is not a law; choose johnson"),
     ({"clearance.factor": "none"}, "clearance.factor = 'none': is not known; choose hunt-crossley"),
-    ({"clearance.restitution": 0.0}, "clearance.restitution = 0.0: must be greater than 0"),
-    ({"clearance.restitution": 1.1}, "clearance.restitution = 1.1: must be less than or equal"),
-    ({"clearance.friction": -0.1}, "clearance.friction = -0.1: must be at least 0"),
     ({"clearance.v1": 0.5}, "clearance.v1 = 0.5: must be above v0 = 1.0"),
-    ({"clearance.nu": 0.6}, "clearance.nu = 0.6: must be less than or equal to 0.5"),
     ({"clearance.joint": "slide"}, "'slide': is not a revolute joint; choose main, crank-pin"),
     ({"clearance.bearing": "crank"}, "clearance.bearing = 'crank': is not at that joint"),
     ({"joints.drive.speed": 0.0}, "joints.drive.speed = 0.0: must not be zero"),
     ({"joints.drive.speed": DROP}, "joints.drive.speed: is required for a driver"),
     ({"joints.slide.direction": DROP}, "joints.slide.direction: is required for a prismatic"),
     ({"joints.main.speed": 3.0}, "joints.main.speed = 3.0: is not for a revolute"),
-    ({"joints.main.type": "spring"}, "joints.main.type = 'spring'"),
     ({"joints.main.between": ["ground.pivot", "wheel.hub"]}, "'wheel.hub': names no body"),
     ({"joints.main.between": ["ground.pivot", "crank.end"]}, "'crank.end': names no point"),
     ({"joints.drive.between": ["ground", "crank.pin"]}, "'crank.pin': names a point"),
     ({"joints.drive.type": "revolute", "joints.drive.speed": DROP,
       "joints.drive.between": ["ground.pivot", "crank.pivot"]}, "there must be one driver"),
-    ({"integration.tolerance": 0.0}, "integration.tolerance = 0.0: must be greater than 0"),
-    ({"integration.max_step": 0.0}, "integration.max_step = 0.0: must be greater than 0"),
-    ({"integration.revolutions": 0}, "integration.revolutions = 0: must be at least 1"),
-    ({"gravity": [0.0]}, "gravity"),
-    ({"provenance": DROP}, "provenance: is required"),
-    ({"provenance.derived": DROP}, "provenance.derived: is required"),
     ({"provenance.paper": ["clearance"], "provenance.assumed": ["gravity"]},
      "provenance = 'ground.points.pivot': has no provenance; list it under paper, derived"),
     ({"provenance.derived": ["bodies.flywheel"]}, "'bodies.flywheel': covers nothing in the file"),
-    ({"provenance.derived": ["bodies"]}, "provenance = 'bodies': stands twice"),
+    ({"provenance.derived": ["bodies"]}, "provenance = 'bodies': is listed twice"),
 ]  # fmt: skip
 
 
@@ -55,14 +37,6 @@ def test_mistakes_are_told(changes, message):
         mechanism_from(changed(SLIDER_CRANK, changes), "mine.toml")
     assert str(caught.value).startswith("mine.toml: ")
     assert message in str(caught.value)
-
-
-def test_a_file_that_cannot_be_read_is_told(tmp_path):
-    with pytest.raises(InputError, match="cannot be read"):
-        read_mechanism(tmp_path / "none.toml")
-    (tmp_path / "broken.toml").write_text("name = [")
-    with pytest.raises(InputError, match="is not valid TOML"):
-        read_mechanism(tmp_path / "broken.toml")
 
 
 def test_the_shipped_specs_are_read():

@@ -1,18 +1,13 @@
 """Sweeps and the commands: one tidy table, the same whatever the workers, taken up when stopped."""
 
-import os
-import signal
-import threading
-import time
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from cylcontact import InputError
 from cylcontact.cli.mechanism import PAPER
+from cylcontact.journal import Journal
 from cylcontact.mechanism import Case, Plan, Trajectory, cases, simulate, sweep
-from cylcontact.mechanism.kept import Kept
 from cylcontact.mechanism.studies import tolerance_table
 from tests.mechanism_cases import CASES, ROOT, slider_crank
 
@@ -69,20 +64,20 @@ def test_a_second_tolerance_gives_the_horizon_and_what_lies_beyond():
 
 
 def test_an_interrupted_sweep_keeps_its_cases_and_goes_on(table, tmp_path):
-    kept = tmp_path / "cases.partial"
+    path = tmp_path / "cases.partial"
 
     def stop(_, done, __):
         if done == 2:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        sweep(slider_crank(), WANTED, PLAN, progress=stop, kept=kept)
-    assert len(kept.read_text().splitlines()) == 3
-    with kept.open("a") as file:
+        sweep(slider_crank(), WANTED, PLAN, progress=stop, checkpoint=path)
+    assert len(path.read_text().splitlines()) == 3
+    with path.open("a") as file:
         file.write('{"case": {"law"')  # cut short by a kill
     told = []
     again = sweep(
-        slider_crank(), WANTED, PLAN, kept=kept, resume=True,
+        slider_crank(), WANTED, PLAN, checkpoint=path, resume=True,
         progress=lambda _, done, __: told.append(done),
     )  # fmt: skip
     assert told == [2, 3, 4]
@@ -90,17 +85,17 @@ def test_an_interrupted_sweep_keeps_its_cases_and_goes_on(table, tmp_path):
 
 
 def test_cases_of_another_sweep_are_refused(tmp_path):
-    kept = tmp_path / "cases.partial"
-    sweep(slider_crank(), WANTED[:1], PLAN, kept=kept)
-    with pytest.raises(InputError, match="keeps cases of another sweep or of other settings"):
-        sweep(slider_crank(), WANTED, Plan(revolutions=3), kept=kept, resume=True)
-    lines = kept.read_text().splitlines()
-    kept.write_text(f"{lines[0]}\nnonsense\n")
+    path = tmp_path / "cases.partial"
+    sweep(slider_crank(), WANTED[:1], PLAN, checkpoint=path)
+    with pytest.raises(InputError, match="belongs to another sweep or to other settings"):
+        sweep(slider_crank(), WANTED, Plan(revolutions=3), checkpoint=path, resume=True)
+    lines = path.read_text().splitlines()
+    path.write_text(f"{lines[0]}\nnonsense\n")
     with pytest.raises(InputError, match="has a damaged line; run without --resume"):
-        sweep(slider_crank(), WANTED, PLAN, kept=kept, resume=True)
+        sweep(slider_crank(), WANTED, PLAN, checkpoint=path, resume=True)
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match="cannot be written"):
-        Kept(tmp_path / "file" / "x", "key").add({})
+        Journal(tmp_path / "file" / "x", "sweep", "key").add({})
 
 
 @pytest.mark.parametrize(
@@ -256,48 +251,3 @@ def test_sweep_writes_a_table_and_tells_what_stopped(run, tmp_path):
     run("sweep", SPEC, "-o", parquet, *options, "--frictions", 0.1, "--revolutions", 1, "-j", 1)
     read = pd.read_csv(out).fillna({"message": ""})
     pd.testing.assert_frame_equal(pd.read_parquet(parquet), read, check_dtype=False)
-
-
-@pytest.fixture
-def interrupt_when():
-    """Send Ctrl-C to this process as soon as a condition holds."""
-    threads = []
-
-    def arrange(condition):
-        def watch():
-            deadline = time.monotonic() + 60
-            while not condition() and time.monotonic() < deadline:
-                time.sleep(0.01)
-            os.kill(os.getpid(), signal.SIGINT)
-
-        threads.append(threading.Thread(target=watch))
-        threads[-1].start()
-
-    yield arrange
-    for thread in threads:
-        thread.join()
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
-def test_an_interrupted_simulation_keeps_its_revolutions(run, tmp_path, interrupt_when):
-    simulate(slider_crank(), revolutions=1)  # compiled, so that what follows is integration
-    out, begun = tmp_path / "run.parquet", time.monotonic()
-    interrupt_when(lambda: time.monotonic() > begun + 3)
-    code, _, err = run("simulate", SPEC, "-o", out, "--revolutions", "5000")
-    assert code == 130
-    kept = Trajectory.load(out).revolutions
-    assert f"interrupted; {kept} complete revolutions are kept in {out}" in err
-    assert kept >= 1
-    assert list(tmp_path.iterdir()) == [out]
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
-def test_an_interrupted_sweep_command_keeps_its_cases(run, tmp_path, interrupt_when):
-    out, partial = tmp_path / "table.csv", tmp_path / "table.csv.partial"
-    interrupt_when(lambda: partial.exists() and partial.read_bytes().count(b"\n") > 1)
-    arguments = ("sweep", SPEC, "-o", out, "--revolutions", "20", "--beyond", "tangent", "-j", 1)
-    code, _, err = run(*arguments)
-    assert code == 130
-    assert "kept in" in err
-    assert "the same command with --resume goes on from there" in err
-    assert list(tmp_path.iterdir()) == [partial]

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from cylcontact import InputError
+from cylcontact.choices import OPTIMIZERS
 from cylcontact.fitting import FitResult, calibrate, read_campaign
 from cylcontact.fitting.calibrate import problem_of
 from cylcontact.fitting.evaluation_budget import BudgetSpentError, EvaluationBudget
@@ -20,7 +21,7 @@ from cylcontact.fitting.optimizer_comparison import (
     best_objective,
     compare_optimizers,
 )
-from cylcontact.fitting.optimizers import OPTIMIZERS, budget_of, search
+from cylcontact.fitting.optimizers import budget_of, search
 from cylcontact.fitting.polish import polish
 from cylcontact.reports.bench import Bench
 from tests.spec_files import assert_told, tree, write_bench

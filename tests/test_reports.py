@@ -77,7 +77,7 @@ class TestBench:
 
 
 class TestRecipes:
-    def test_every_file_of_the_folder_is_one(self, bench: Bench) -> None:
+    def test_every_file_with_a_figure_is_one(self, bench: Bench) -> None:
         assert list(find_recipes(bench)) == ["fig98", "fig99"]
 
     def test_no_recipes(self, tmp_path: Path) -> None:
@@ -103,19 +103,24 @@ class TestRecipes:
             draw("fig97", bench)
 
     def test_recipe_with_a_missing_result_writes_nothing(self, tmp_path: Path) -> None:
-        with pytest.raises(InputError, match=r"internal\.json: this fit result does not exist"):
-            build(Bench(ROOT, tmp_path / "none"), ["fig10r"], tmp_path / "figures")
+        (figure,) = build(Bench(ROOT, tmp_path / "none"), ["fig10r"], tmp_path / "figures")
+        assert "internal.json: this fit result does not exist" in str(figure.problem)
+        assert figure.paths == ()
         assert not (tmp_path / "figures").exists()
 
 
 class TestBuild:
     def test_returns_and_reports_what_it_wrote(self, bench: Bench) -> None:
-        seen: list[str] = []
-        written = build(bench, progress=lambda figure: seen.append(figure.name))
-        assert [figure.name for figure in written] == seen == ["fig98", "fig99"]
-        assert [path.name for path in written[0].paths] == ["fig98.png", "fig98.pdf", "fig98.csv"]
-        assert all(path.is_file() for figure in written for path in figure.paths)
-        assert written[1].drawing.headline == {"load, N/mm": 1 / 3}
+        stages: list[tuple[str, int, int]] = []
+        figures = build(bench, progress=lambda *stage: stages.append(stage))
+        assert stages == [("drawing", 0, 2), ("drawing", 1, 2), ("drawing", 2, 2)]
+        assert [figure.name for figure in figures] == ["fig98", "fig99"]
+        assert [path.name for path in figures[0].paths] == ["fig98.png", "fig98.pdf", "fig98.csv"]
+        assert all(path.is_file() for figure in figures for path in figure.paths)
+        assert figures[1].headline == {"load, N/mm": 1 / 3}
+        assert figures[1].caption == "A line."
+        assert figures[1].size_mm == pytest.approx((84.0, 60.0))
+        assert set(figures[1].inputs) == {"reports/fig99.py"}
         assert len(list(bench.figures_folder.iterdir())) == 6
 
     def test_numbers_have_seven_digits(self, bench: Bench) -> None:
@@ -157,8 +162,8 @@ class TestBuild:
 
     def test_folder_that_is_a_file(self, bench: Bench, tmp_path: Path) -> None:
         (tmp_path / "figures").write_text("in the way")
-        with pytest.raises(InputError, match=r"figures/fig98\.png: cannot be written"):
-            build(bench, ["fig98"], tmp_path / "figures")
+        (figure,) = build(bench, ["fig98"], tmp_path / "figures")
+        assert "figures/fig98.png: cannot be written" in str(figure.problem)
 
     def test_one_file_in_the_way_leaves_none_of_the_three(self, tmp_path: Path) -> None:
         (tmp_path / "fig.csv").mkdir()

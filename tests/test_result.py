@@ -11,7 +11,7 @@ import pytest
 from cylcontact import InputError
 from cylcontact.fitting import FitResult, compare, read_campaign, verdicts
 from cylcontact.fitting.provenance import provenance
-from tests.spec_files import DROP, assert_told, changed, tree, write_bench
+from tests.spec_files import DROP, assert_told, changed, labels, tree, write_bench
 
 COMMITTED = sorted((Path(__file__).resolve().parents[1] / "fitting/results").glob("*.json"))
 EXTERNAL = next(path for path in COMMITTED if path.stem == "external")
@@ -113,37 +113,7 @@ NAMES = "must be the coefficients of its campaign: a, b, n"
 # Changes to a committed result; what stands after the file's name in the source of the error,
 # its key, value, rule and remedy.
 BAD_INPUT = [
-    # missing and unknown keys
-    *(
-        ({key: DROP}, "", key, None, "is required", "add ")
-        for key, field in FitResult.model_fields.items()
-        if field.is_required()
-    ),
-    ({"objective.value": DROP}, "", "objective.value", None, "is required", "add its value"),
-    ({"profiles.a.low": DROP}, "", "profiles.a.low", None, "is required", "add lower end"),
-    ({"colour": "red"}, "", "colour", "red", "is not a known key", "name, law, contact"),
-    ({"counts.used": 1}, "", "counts.used", 1, "is not a known key", "samples, masked"),
-    # wrong types
-    ({"name": 3}, "", "name", 3, "must be a string", "the campaign's name"),
-    ({"contact": "inside"}, "", "contact", "inside", "must be 'internal' or", "the contact"),
-    ({"coefficients": [0.4]}, "", "coefficients", [0.4], "must be a table", "the fitted"),
-    ({"coefficients.a": "0.4"}, "", "coefficients.a", "0.4", NUMBER, "the fitted coefficients"),
-    ({"coefficients.a": None}, "", "coefficients.a", None, NUMBER, "the fitted coefficients"),
-    ({"coefficients.a": True}, "", "coefficients.a", True, NUMBER, "the fitted coefficients"),
-    ({"objective": 0.05}, "", "objective", 0.05, "must be a table", "the objective reached"),
-    ({"counts.samples": 3.5}, "", "counts.samples", 3.5, INTEGER, "samples used"),
-    ({"runs": {}}, "", "runs", {}, "must be a list", "every run"),
-    ({"runs": [3]}, "", "runs.0", 3, "must be a table", "every run"),
-    ({"profiles.a": []}, "", "profiles.a", [], "must be a table", "a profile for each"),
-    ({"profiles.a.values": "x"}, "", "profiles.a.values", "x", "must be a list", "values of the"),
-    ({"settings": "x"}, "", "settings", "x", "must be a table", "the campaign and the grid"),
-    # NaN in data
-    *(
-        ({"objective.value": value}, "", "objective.value", value, "a finite number", "its value")
-        for value in (math.nan, math.inf)
-    ),
-    ({"bound": math.nan}, "", "bound", math.nan, "must be a finite number", "the per-clearance"),
-    ({"coefficients.n": math.nan}, "", "coefficients.n", math.nan, "a finite number", "fitted"),
+    # NaN in the settings
     (
         {"profiles.a.objective": [0.1, math.nan]},
         *("", "profiles.a.objective.1", math.nan, "a finite number", "the objective with all"),
@@ -157,7 +127,7 @@ BAD_INPUT = [
     ({"coefficients": {"a": 0.4, "b": 0.9}}, "", "coefficients", ["a", "b"], NAMES, REDO),
     ({"coefficients.m": 1.0}, "", "coefficients", ["a", "b", "m", "n"], NAMES, REDO),
     ({"published.coefficients": {}}, "", "published.coefficients", [], NAMES, REDO),
-    ({"profiles.a.values": [0.4]}, "", "profiles.a", None, "equally many", REDO),
+    ({"profiles.a.values": [0.4]}, "", "profiles.a", None, "as many values as", REDO),
     ({"settings": {}}, "", "settings", None, "lacks the campaign or the dataset", REDO),
     (
         {"settings.campaign.seed": "1"},
@@ -177,9 +147,7 @@ BAD_INPUT = [
 @pytest.mark.parametrize(
     ("changes", "where", "key", "value", "rule", "remedy"),
     BAD_INPUT,
-    ids=[
-        ", ".join(f"{k}={v if v is not DROP else ''}" for k, v in c[0].items()) for c in BAD_INPUT
-    ],
+    ids=labels(BAD_INPUT),
 )
 def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     tmp_path, changes, where, key, value, rule, remedy
@@ -195,7 +163,7 @@ def test_a_profile_of_no_coefficient_is_refused(tmp_path):
     data = json.loads(EXTERNAL.read_text("utf-8"))
     data["profiles"]["m"] = data["profiles"]["a"]
     (tmp_path / "r.json").write_text(json.dumps(data))
-    with pytest.raises(InputError, match=r"profiles\.m: must be a coefficient's"):
+    with pytest.raises(InputError, match=r"profiles\.m: must be that of a coefficient"):
         FitResult.load(tmp_path / "r.json")
 
 
@@ -207,43 +175,12 @@ def test_coefficients_of_a_run_are_checked_too(tmp_path):
         FitResult.load(tmp_path / "r.json")
 
 
-@pytest.mark.parametrize(
-    ("contents", "rule", "remedy"),
-    [
-        (b"", "is not JSON (Expecting value", "name a result, or redo the fit"),
-        (b'contact = "internal"\n[axes.E]\nmin = 69\n', "is not JSON", "name a result"),
-        (b'{"name": "small", "law"', "is not JSON", "redo the fit"),
-        (b"[" * 100_000, "is not JSON", "redo the fit"),
-        (b"9" * 5000, "is not JSON", "redo the fit"),
-        (b"\x89PNG\r\n\x1a\n\0\0", "is not a text file", "name a result, a JSON file"),
-        (b"PAR1\x80\0", "is not a text file", "name a result, a JSON file"),
-        (b"[]", "is not a result", "name one that a fit has written"),
-        (b"3", "is not a result", "name one that a fit has written"),
-        (b"null", "is not a result", "name one that a fit has written"),
-    ],
-    ids=range(10),
-)
-def test_a_file_that_is_no_result_is_refused(tmp_path, contents, rule, remedy):
-    path = tmp_path / "r.json"
-    path.write_bytes(contents)
-    with pytest.raises(InputError) as caught:
-        FitResult.load(path)
-    assert_told(caught, path, "", None, rule, remedy)
-
-
 def test_a_foreign_table_is_refused_by_its_first_unknown_key(tmp_path):
     path = tmp_path / "package.json"
     path.write_text('{"name": "x", "dependencies": {}}')
     with pytest.raises(InputError) as caught:
         FitResult.load(path)
     assert_told(caught, path, "dependencies", {}, "is not a known key", "name, law, contact")
-
-
-def test_a_missing_file_and_a_folder_are_told_apart(tmp_path):
-    for path, reason in ((tmp_path / "no.json", "No such file"), (tmp_path, "Is a directory")):
-        with pytest.raises(InputError) as caught:
-            FitResult.load(path)
-        assert_told(caught, path, "", None, f"cannot be read ({reason}", "check the path")
 
 
 def test_a_result_that_loads_can_be_reported(tmp_path, small_result):

@@ -3,17 +3,17 @@
 import pytest
 
 from cylcontact.fitting import FitResult, compare, verdicts
-from cylcontact.fitting.summary import as_html
+from cylcontact.fitting.report import as_html
 
 REPORT = """\
 made by hand: enhanced law, external contact, fitted to johnson by rms-log-penetration on 1,200
 samples (34 masked by the reference's domain)
 
-                     fitted  published  held there      within 1 %  identified
-a                       0.4       0.39      +10.0%    0.399 … 0.41        well
-b                         3       0.85      +10.0%  2.9 … 3, bound  at a bound
-n                       1.1      1.094                                   fixed
-rms-log-penetration    0.05       0.06                  bound 0.04
+                     fitted  published  penalty at published      within 1 %  identified
+a                       0.4       0.39                +10.0%    0.399 … 0.41        well
+b                         3       0.85                +10.0%  2.9 … 3, bound  at a bound
+n                       1.1      1.094                                             fixed
+rms-log-penetration    0.05       0.06                            bound 0.04
 max |Eq 9|, %          12.5         15
 - the published coefficients are not the optimum on this grid: their objective is 0.06, 1.20 times
   the fitted one

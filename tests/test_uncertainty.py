@@ -17,21 +17,22 @@ from cylcontact.fitting.measured_fit import fit_measurements
 from cylcontact.fitting.measured_objective import MeasuredObjective
 from cylcontact.fitting.parameters import Parameter, PowerForm
 from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.report import noise_text
 from cylcontact.fitting.uncertainty.bands import bands_of_data, predict
+from cylcontact.fitting.uncertainty.estimates import uncertainty_of
 from cylcontact.fitting.uncertainty.likelihood import (
     Interval,
+    fixed_ratio,
     interval,
     pair_map,
     pairs_of,
-    ratio_held,
 )
-from cylcontact.fitting.uncertainty.report import uncertainty_of
 from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
 from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
-from cylcontact.fitting.uncertainty.text import noise_text
-from cylcontact.fitting.uncertainty.wording import noise_verdicts
+from cylcontact.fitting.verdicts import noise_verdicts
 from tests.measured_files import STEEL, TRUTHS, measured_campaign
+from tests.spec_files import golden
 from tests.test_measured_fit import user_campaign
 
 LEVEL = 0.95
@@ -43,156 +44,13 @@ REPLICATES = 200
 # NIST Statistical Reference Datasets, nonlinear regression (National Institute of Standards and
 # Technology, public domain): data, certified parameters and standard deviations, residual sum of
 # squares, and the second of NIST's starts.
-MISRA1A = {
-    "model": lambda x, b1, b2: b1 * (1 - np.exp(-b2 * x)),
-    "x": [
-        77.6,
-        114.9,
-        141.1,
-        190.8,
-        239.9,
-        289.0,
-        332.8,
-        378.4,
-        434.8,
-        477.3,
-        536.8,
-        593.1,
-        689.1,
-        760.0,
-    ],
-    "y": [
-        10.07,
-        14.73,
-        17.94,
-        23.93,
-        29.61,
-        35.18,
-        40.02,
-        44.82,
-        50.76,
-        55.05,
-        61.01,
-        66.40,
-        75.47,
-        81.78,
-    ],
-    "start": [250, 0.0005],
-    "certified": [2.3894212918e02, 5.5015643181e-04],
-    "errors": [2.7070075241e00, 7.2668688436e-06],
-    "squares": 1.2455138894e-01,
-}
-THURBER = {
-    "model": lambda x, b1, b2, b3, b4, b5, b6, b7: (
+NIST = golden("nist")
+NIST_MODELS = {
+    "Misra1a": lambda x, b1, b2: b1 * (1 - np.exp(-b2 * x)),
+    "Thurber": lambda x, b1, b2, b3, b4, b5, b6, b7: (
         (b1 + b2 * x + b3 * x**2 + b4 * x**3) / (1 + b5 * x + b6 * x**2 + b7 * x**3)
     ),
-    "x": [
-        -3.067,
-        -2.981,
-        -2.921,
-        -2.912,
-        -2.840,
-        -2.797,
-        -2.702,
-        -2.699,
-        -2.633,
-        -2.481,
-        -2.363,
-        -2.322,
-        -1.501,
-        -1.460,
-        -1.274,
-        -1.212,
-        -1.100,
-        -1.046,
-        -0.915,
-        -0.714,
-        -0.566,
-        -0.545,
-        -0.400,
-        -0.309,
-        -0.109,
-        -0.103,
-        0.010,
-        0.119,
-        0.377,
-        0.790,
-        0.963,
-        1.006,
-        1.115,
-        1.572,
-        1.841,
-        2.047,
-        2.200,
-    ],
-    "y": [
-        80.574,
-        84.248,
-        87.264,
-        87.195,
-        89.076,
-        89.608,
-        89.868,
-        90.101,
-        92.405,
-        95.854,
-        100.696,
-        101.060,
-        401.672,
-        390.724,
-        567.534,
-        635.316,
-        733.054,
-        759.087,
-        894.206,
-        990.785,
-        1090.109,
-        1080.914,
-        1122.643,
-        1178.351,
-        1260.531,
-        1273.514,
-        1288.339,
-        1327.543,
-        1353.863,
-        1414.509,
-        1425.208,
-        1421.384,
-        1442.962,
-        1464.350,
-        1468.705,
-        1447.894,
-        1457.628,
-    ],
-    "start": [1300, 1500, 500, 75, 1, 0.4, 0.05],
-    "certified": [
-        1.2881396800e03,
-        1.4910792535e03,
-        5.8323836877e02,
-        7.5416644291e01,
-        9.6629502864e-01,
-        3.9797285797e-01,
-        4.9727297349e-02,
-    ],
-    "errors": [
-        4.6647963344e00,
-        3.9571156086e01,
-        2.8698696102e01,
-        5.5675370270e00,
-        3.1333340687e-02,
-        1.4984928198e-02,
-        6.5842344623e-03,
-    ],
-    "squares": 5.6427082397e03,
-}
-MGH09 = {
-    "model": lambda x, b1, b2, b3, b4: b1 * (x**2 + x * b2) / (x**2 + x * b3 + b4),
-    "x": [4.0, 2.0, 1.0, 0.5, 0.25, 0.167, 0.125, 0.1, 0.0833, 0.0714, 0.0625],
-    "y": [0.1957, 0.1947, 0.1735, 0.16, 0.0844, 0.0627, 0.0456, 0.0342, 0.0323, 0.0235, 0.0246],
-    "start": [0.25, 0.39, 0.415, 0.39],
-    "certified": [1.9280693458e-01, 1.9128232873e-01, 1.2305650693e-01, 1.3606233068e-01],
-    "errors": [1.1435312227e-02, 1.9633220911e-01, 8.0842031232e-02, 9.0025542308e-02],
-    "squares": 3.0750560385e-04,
+    "MGH09": lambda x, b1, b2, b3, b4: b1 * (x**2 + x * b2) / (x**2 + x * b3 + b4),
 }
 
 
@@ -222,12 +80,13 @@ def curve_problem(campaign, model, x, y, low, high):
     return Problem(law.family, searched, MeasuredObjective(data, "rms-load"))
 
 
-@pytest.mark.parametrize("dataset", [MISRA1A, THURBER, MGH09], ids=["Misra1a", "Thurber", "MGH09"])
-def test_nist_certified_values_and_standard_deviations(tmp_path, dataset):
+@pytest.mark.parametrize("name", NIST_MODELS)
+def test_nist_certified_values_and_standard_deviations(tmp_path, name):
+    dataset = NIST[name]
     certified = np.array(dataset["certified"])
     low, high = certified - 20 * abs(certified), certified + 20 * abs(certified)
     problem = curve_problem(
-        measured_campaign(tmp_path), dataset["model"], dataset["x"], dataset["y"], low, high
+        measured_campaign(tmp_path), NIST_MODELS[name], dataset["x"], dataset["y"], low, high
     )
     point, _, _ = descend(problem, np.array(dataset["start"], dtype=float))
     noise = residual_model_at(problem, point)
@@ -323,7 +182,7 @@ def test_a_linear_problem_has_the_textbook_intervals(tmp_path):
     # ln δ of a power law is linear in ln K_star and 1/n; K_star and n themselves are not, but
     # with n held ln K_star is a mean, whose interval is Student's.
     problem, best, _ = best_of(measured_campaign(tmp_path, "power", noise=NOISE))
-    held = problem.holding("n", 1.1)
+    held = problem.fixing("n", 1.1)
     point, _, _ = descend(held, held.point(best))
     noise = residual_model_at(held, point)
     r = measured(held).raw(held.form(point[None, :]))[0]
@@ -368,7 +227,7 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
         errors = noise.half_width(LEVEL) * np.sqrt(np.diag(noise.covariance))
         hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
         for name in names:
-            ratio, _ = ratio_held(again, noise, {name: truth[name]}, best)
+            ratio, _ = fixed_ratio(again, noise, {name: truth[name]}, best)
             hits["profile"].append(ratio <= noise.threshold(LEVEL))
         band = predict(again, noise, best, ahead, LEVEL, load=[20.0])
         depth = float(law.penetration(20.0, ahead)[0])
@@ -429,14 +288,14 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
     assert set(found.only_together) == {"c", "Lambda_factor"}
     assert {e.verdict for e in found.estimates.values()} == {"not"}
     assert found.correlation == {}
-    assert "c and Lambda_factor apart" in noise_verdicts(found)[1]
+    assert "c and Lambda_factor are not identifiable" in noise_verdicts(found)[1]
     study = study_noise(result, with_pairs=True)
     assert (study.bands, study.pairs) == ([], [])
-    assert "apart" in noise_text(study)
+    assert "not identifiable" in noise_text(study)
     problem = problem_of_result(result)
     noise = residual_model_at(problem, problem.point(result.coefficients))
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
-    with pytest.raises(InputError, match="are not determined one by one"):
+    with pytest.raises(InputError, match="are not identifiable one by one"):
         predict(problem, noise, result.coefficients, pair, LEVEL, load=[1.0])
 
 
@@ -470,7 +329,7 @@ def test_refits_that_cannot_start_are_left_out_and_counted(noisy):
     load = np.array([1e9, 1e9])
     lost = lost.with_values(load=load, penetration=lost.penetration)
     nowhere = replace(problem, objective=MeasuredObjective(lost, "rms-log-penetration"))
-    with pytest.raises(InputError, match="refits gave 0 with the law defined"):
+    with pytest.raises(InputError, match="refits left the law defined in 0"):
         bootstrap(nowhere, best, "rows", 5, 1, LEVEL)
 
 
@@ -582,7 +441,7 @@ def test_a_verdict_does_not_depend_on_where_zero_is(tmp_path):
     verdicts = []
     for shift in (0.0, 0.5, -2.0):
         problem, best, noise = best_of(measured_campaign(tmp_path, noise=NOISE))
-        moved = problem.holding("Lambda_factor", float(np.exp(-shift)))
+        moved = problem.fixing("Lambda_factor", float(np.exp(-shift)))
         shifted = {**best, "c": best["c"] + shift, "Lambda_factor": float(np.exp(-shift))}
         assert moved.value_of(shifted) == pytest.approx(problem.value_of(best), rel=1e-9)
         found = uncertainty_of(moved, shifted, LEVEL)
@@ -614,7 +473,7 @@ def test_an_effect_is_the_relative_change_of_the_prediction(tmp_path, objective)
 
 def test_a_profile_says_when_it_finds_a_better_fit(noisy):
     problem, best, _ = noisy
-    short = problem.holding("kappa", best["kappa"] * 1.02)
+    short = problem.fixing("kappa", best["kappa"] * 1.02)
     point, _, _ = descend(short, short.point(best))
     found = uncertainty_of(problem, short.coefficients(point), LEVEL)
     assert found.estimates["c"].profile.lowest < -1e-3
@@ -662,7 +521,7 @@ def test_the_sandwich_is_the_spread_of_repeated_experiments(tmp_path, loss, scal
     # is all there is to refit, and many experiments of a thousand rows are quick.
     campaign = measured_campaign(tmp_path, "power")
     truth = TRUTHS["power", "internal"]
-    problem = campaign.problem().holding("n", truth["n"])
+    problem = campaign.problem().fixing("n", truth["n"])
     data = measured(problem).data
     data = data.take(np.tile(np.arange(len(data)), 28))
     exact = campaign.model.build(truth).penetration(data.load, data.pair)
@@ -777,7 +636,7 @@ def test_the_command_reports_noise(saved, tmp_path):
     )
     assert found.exit_code == 0, found.output
     few = "30 refits give standard errors, and 90 % intervals from 40"
-    for part in ("given the noise", "90 %, bootstrap", few, "3 are few", "ΔR = 0.3 mm", "new ±%"):
+    for part in ("from the noise", "90 %, bootstrap", few, "3 are few", "ΔR = 0.3 mm", "new ±%"):
         assert part in " ".join(found.output.split()), part
     study = json.loads(out.read_text("utf-8"))
     assert study["kind"] == "noise"

@@ -6,16 +6,14 @@ import numpy as np
 import pytest
 
 from cylcontact.materials import shipped_materials
-from cylcontact.reports.bench import Bench
-from cylcontact.reports.build import draw
 
 ROOT = Path(__file__).resolve().parents[1]
 LOSS_SCALE = 0.04597
 
 
 @pytest.fixture(scope="module")
-def drawing():
-    return draw("fig_uncertainty", Bench(ROOT))
+def drawing(figures):
+    return figures["fig_uncertainty"].drawing
 
 
 def test_the_headline_holds_the_intervals_of_the_example(drawing):

@@ -17,33 +17,21 @@ from cylcontact.reports.claims import (
     with_unit,
 )
 
-from ..paper import (
-    CLEARANCES,
-    ELASTIC,
-    LOADS,
-    MATERIALS,
-    PRACTICAL,
-    YIELD,
-    clearance_pair,
-    eq1_penetration,
-    five_materials,
-    material_origins,
-    material_rows,
-    origins,
-)
+from .. import paper
 
-# Johnson's limit in N/mm as the text prints it, by material and ΔR in mm.
-PRINTED = {
-    ("aluminium alloy", 0.0075): "494",
-    ("aluminium alloy", 0.010): "658",
-    ("titanium alloy", 0.0075): "865",
-}
+SMALLEST, LARGEST = paper.COMPARED_CLEARANCES
+LOWEST, HIGHEST = paper.LOADS
 PLASTIC = Material("plastic", E=3e3, nu=0.4)  # assumed: a common unfilled plastic
 
 
-def _limit(material: Material, dR: float) -> float:
+def limit(material: Material, dR: float) -> float:
     """Return Johnson's limit in N/mm."""
-    return float(limits.johnson_limit_load(clearance_pair(dR, material)))
+    return float(limits.johnson_limit_load(paper.clearance_pair(dR, material)))
+
+
+def yield_load(material: Material, dR: float, R_i: float = 10.0) -> float:
+    """Return the load at yield in N/mm."""
+    return float(limits.yield_load(paper.clearance_pair(dR, material, R_i)))
 
 
 @claim(
@@ -52,15 +40,14 @@ def _limit(material: Material, dR: float) -> float:
     paper="{printed} N/mm",
     rule="agreement to the printed digit",
     cases=[
-        {"short": name.partition(" ")[0], "name": name, "dR_um": 1e3 * dR, "printed": printed}
-        for (name, dR), printed in PRINTED.items()
+        {"short": name.split()[0], "name": name, "dR_um": 1e3 * dR, "dR": dR, "printed": printed}
+        for (name, dR), printed in paper.JOHNSON_LIMITS.items()
     ],
 )
-def johnson_limit(bench: Bench, name: str, dR_um: float, printed: str, **_short: str) -> Finding:
-    """Return Johnson's limit load of one material at one clearance."""
-    material = bench.material(name).material
-    load = _limit(material, dR_um * 1e-3)
-    sources = origins({name: bench.material(name)}, (name,), ELASTIC)
+def johnson_limit(bench: Bench, name: str, dR: float, printed: str) -> Finding:
+    """Return Johnson's limit load in N/mm of one material at one clearance."""
+    row = bench.material(name)
+    load, sources = limit(row.material, dR), paper.origins({name: row}, (name,), paper.ELASTIC)
     circular = " (from these limits themselves, so this is a check of consistency only)"
     return Finding(
         f"{load:.2f} N/mm",
@@ -77,21 +64,17 @@ def johnson_limit(bench: Bench, name: str, dR_um: float, printed: str, **_short:
     paper="ceramics and both steels valid, aluminium and titanium alloys not",
     rule="exactly the three named materials have their limit at or above 1000 N/mm",
 )
-def valid_at_top_load(bench: Bench) -> Finding:
-    """Return the materials for which Johnson's law still holds at 7.5 µm and 1000 N/mm."""
-    dR, top = CLEARANCES[0], LOADS[1]
-    found = {name: _limit(m, dR) for name, m in five_materials(bench).items()}
-    valid = {name for name, load in found.items() if load >= top}
-    least = min(found[name] for name in valid) if valid else 0.0
+def valid_at_1000(bench: Bench) -> Finding:
+    """Return Johnson's limit at 7.5 µm in N/mm of every material."""
+    loads = {name: limit(m, SMALLEST) for name, m in paper.five_materials(bench).items()}
+    valid = {name: load for name, load in loads.items() if load >= HIGHEST}
     return Finding(
-        f"limits at {dR * 1e3:g} µm: {listed(found, '{:.0f} N/mm')}",
-        holds=valid == set(MATERIALS[:3]),
-        choice=material_origins(bench, ELASTIC),
-        alternatives=(
-            f"for these three the law would hold to {least:.0f} N/mm, so 1000 is a round number "
-            "rather than the largest valid load"
-        ),
-        values=with_unit(found, "N/mm"),
+        f"limits at {SMALLEST * 1e3:g} µm: {listed(loads, '{:.0f} N/mm')}",
+        holds=valid.keys() == set(paper.MATERIALS[:3]),
+        choice=paper.material_origins(bench, paper.ELASTIC),
+        alternatives=f"for these three the law would hold to {min(valid.values(), default=0):.0f} "
+        "N/mm, so 1000 is a round number rather than the largest valid load",
+        values=with_unit(loads, "N/mm"),
     )
 
 
@@ -104,10 +87,10 @@ def valid_at_top_load(bench: Bench) -> Finding:
 def penetration_falls(bench: Bench) -> Finding:
     """Return Eq 1's penetration at 1000 N/mm over that at its limit."""
     ratios = {}
-    for name, dR in PRINTED:
-        pair = clearance_pair(dR, bench.material(name).material)
-        limit = float(limits.johnson_limit_load(pair))
-        at_limit, at_top = eq1_penetration([limit, LOADS[1]], pair)
+    for name, dR in paper.JOHNSON_LIMITS:
+        material = bench.material(name).material
+        loads = [limit(material, dR), HIGHEST]
+        at_limit, at_top = paper.eq1_penetration(loads, paper.clearance_pair(dR, material))
         ratios[f"{name} at {dR * 1e3:g} µm"] = float(at_top / at_limit)
     return Finding(
         "Eq 1's penetration at 1000 N/mm over that at the limit: " + listed(ratios, "{:.3f}"),
@@ -122,33 +105,29 @@ def penetration_falls(bench: Bench) -> Finding:
     paper="comparison makes no sense",
     rule="at 7.5 µm the limit is below a tenth of the load range's upper end",
 )
-def plastics_left_out(_bench: Bench) -> Finding:
-    """Return Johnson's limit for a plastic."""
-    low, high = _limit(PLASTIC, CLEARANCES[0]), _limit(PLASTIC, CLEARANCES[1])
-    needed = LOADS[1] / (low / CLEARANCES[0])
+def plastics() -> Finding:
+    """Return Johnson's limit in N/mm for a plastic."""
+    low, high = limit(PLASTIC, SMALLEST), limit(PLASTIC, LARGEST)
+    needed = HIGHEST / (low / SMALLEST)
+    share = 100 * np.log(LARGEST / needed) / np.log(LARGEST / SMALLEST)
     return Finding(
-        (
-            f"limit {low:.0f} N/mm at 7.5 µm and {high:.0f} N/mm at 2 mm; 1000 N/mm needs "
-            f"ΔR ≥ {needed:.2f} mm"
-        ),
-        holds=low < LOADS[1] / 10,
+        f"limit {low:.0f} N/mm at 7.5 µm and {high:.0f} N/mm at 2 mm; 1000 N/mm needs "
+        f"ΔR ≥ {needed:.2f} mm",
+        holds=low < HIGHEST / 10,
         choice="assumed plastic: 3 GPa, ν = 0.4",
-        alternatives=(
-            f"from {needed:.2f} to 2 mm, {100 * np.log(2 / needed) / np.log(2 / 0.0075):.0f} % of "
-            "the clearances (logarithmically), the comparison could be made over all loads"
-        ),
+        alternatives=f"from {needed:.2f} to 2 mm, {share:.0f} % of the clearances "
+        "(logarithmically), the comparison could be made over all loads",
         values={"limit at 7.5 um, N/mm": low, "limit at 2 mm, N/mm": high},
     )
 
 
-def _yield_exponent(E: float, stress: float) -> float:
+def yield_exponent(E: float = 1.0, stress: float = 1.0) -> float:
     """Return log2 of the change of the yield load when E or σ_Y are multiplied as given."""
-
-    def load(modulus: float, strength: float) -> float:
-        pair = clearance_pair(0.05, Material("", modulus, 0.3, strength), 10.0)
-        return float(limits.yield_load(pair))
-
-    return float(np.log2(load(200e3 * E, 250.0 * stress) / load(200e3, 250.0)))
+    changed, steel = (
+        yield_load(Material("", 200e3 * x, 0.3, 250.0 * y), 0.05)
+        for x, y in ((E, stress), (1.0, 1.0))
+    )
+    return float(np.log2(changed / steel))
 
 
 @claim(
@@ -157,55 +136,35 @@ def _yield_exponent(E: float, stress: float) -> float:
     paper="grows",
     rule="positive exponent",
 )
-def yield_load_against_strength(_bench: Bench) -> Finding:
+def allowable_load_against_strength() -> Finding:
     """Return the exponent of the yield stress in the load at yield."""
-    exponent = _yield_exponent(1, 2)
+    exponent = yield_exponent(stress=2)
     return Finding(
-        f"f_Y ∝ σ_Y^{exponent:.3f}",
-        holds=exponent > 0,
-        values={"exponent, -": exponent},
+        f"f_Y ∝ σ_Y^{exponent:.3f}", holds=exponent > 0, values={"exponent, -": exponent}
     )
 
 
 @claim(
     "3.4-allowable-load-against-modulus",
-    (
-        "the load that can be carried without yielding grows with the composite modulus and "
-        "falls when Young's modulus falls"
-    ),
+    "the load that can be carried without yielding grows with the composite modulus and "
+    "falls when Young's modulus falls",
     paper="grows with E*",
     rule="positive exponent",
 )
-def yield_load_against_modulus(_bench: Bench) -> Finding:
+def allowable_load_against_modulus() -> Finding:
     """Return the exponent of the modulus in the load at yield, and in Johnson's limit."""
-    exponent = _yield_exponent(2, 1)
-    johnson = float(np.log2(_johnson_limit(400e3) / _johnson_limit(200e3)))
+    exponent = yield_exponent(E=2)
+    stiff, soft = (limit(Material("", E, 0.3), 0.05) for E in (400e3, 200e3))
+    johnson = float(np.log2(stiff / soft))
     return Finding(
         f"f_Y ∝ E*^{exponent:.3f}: at equal yield stress it falls with E*",
         holds=exponent > 0,
-        choice=(
-            "a stiffer pair makes a narrower contact, hence more stress; follows from the paper's "
-            "own Eq 7 solved for the load"
-        ),
-        alternatives=(
-            f"Johnson's limit (Eq 8), the other load called largest allowable, goes as "
-            f"E*^{johnson:.3f} {verdict_if(johnson > 0)} but does not know the yield stress"
-        ),
+        choice="a stiffer pair makes a narrower contact, hence more stress; follows from the "
+        "paper's own Eq 7 solved for the load",
+        alternatives="Johnson's limit (Eq 8), the other load called largest allowable, goes as "
+        f"E*^{johnson:.3f} {verdict_if(johnson > 0)} but does not know the yield stress",
         values={"exponent of f_Y, -": exponent, "exponent of Johnson's limit, -": johnson},
     )
-
-
-def _johnson_limit(E: float) -> float:
-    """Return Johnson's limit in N/mm at 50 µm for a modulus in MPa."""
-    return float(limits.johnson_limit_load(clearance_pair(0.05, Material("", E, 0.3))))
-
-
-def _yield_loads(bench: Bench, dR: float, R_i: float) -> dict[str, float]:
-    """Return the load at yield in N/mm of each material."""
-    return {
-        name: float(limits.yield_load(clearance_pair(dR, m, R_i)))
-        for name, m in five_materials(bench).items()
-    }
 
 
 @claim(
@@ -214,16 +173,14 @@ def _yield_loads(bench: Bench, dR: float, R_i: float) -> dict[str, float]:
     paper="no application",
     rule="none",
 )
-def low_clearance_low_load(_bench: Bench) -> Finding:
-    """Return the statement on practice, for which there is no criterion."""
+def low_clearance_low_load() -> Finding:
+    """Return no value: there is no criterion for practical application."""
     return Finding(
         "—",
         holds=None,
-        choice=(
-            "no mechanical limit excludes them (stress is lowest there), so the practical domain "
-            f"above keeps them: {PRACTICAL.clearances[0] * 1e3:g} µm with "
-            f"{PRACTICAL.loads[0]:g} N/mm belongs to it"
-        ),
+        choice="no mechanical limit excludes them (stress is lowest there), so the practical "
+        f"domain above keeps them: {paper.PRACTICAL.clearances[0] * 1e3:g} µm with "
+        f"{paper.PRACTICAL.loads[0]:g} N/mm belongs to it",
     )
 
 
@@ -234,22 +191,26 @@ def low_clearance_low_load(_bench: Bench) -> Finding:
     rule="every material yields below 1000 N/mm at 2 mm",
 )
 def high_clearance_high_load(bench: Bench) -> Finding:
-    """Return the load at yield at the largest clearance."""
-    dR, top = CLEARANCES[1], LOADS[1]
-    radii = (10.0, 5.0, 100.0)
-    loads = {R_i: _yield_loads(bench, dR, R_i) for R_i in radii}
-    below = {R_i: sum(load < top for load in loads[R_i].values()) for R_i in radii}
+    """Return the load at yield in N/mm at the largest clearance."""
+    loads = {
+        R_i: {name: yield_load(m, LARGEST, R_i) for name, m in paper.five_materials(bench).items()}
+        for R_i in (5.0, 10.0, 100.0)
+    }
+    below = {R_i: sum(f < HIGHEST for f in row.values()) for R_i, row in loads.items()}
     return Finding(
-        f"load at yield at {dR:g} mm, R_i = 10 mm: {listed(loads[10.0], '{:.0f} N/mm')}",
-        holds=below[10.0] == len(MATERIALS),
-        choice=joined("R_i = 10 mm", material_origins(bench, YIELD)),
-        alternatives=(
-            f"with R_i = 5 mm {below[5.0]} of the five yield below 1000 N/mm, the last at "
-            f"{max(loads[5.0].values()):.0f} N/mm {verdict_if(below[5.0] == len(MATERIALS))}; with "
-            f"R_i = 100 mm {below[100.0]} do {verdict_if(below[100.0] == len(MATERIALS))}"
-        ),
+        f"load at yield at {LARGEST:g} mm, R_i = 10 mm: {listed(loads[10.0], '{:.0f} N/mm')}",
+        holds=below[10.0] == len(paper.MATERIALS),
+        choice=joined("R_i = 10 mm", paper.material_origins(bench, paper.YIELD)),
+        alternatives=f"with R_i = 5 mm {below[5.0]} of the five yield below 1000 N/mm, the last at "
+        f"{max(loads[5.0].values()):.0f} N/mm {verdict_if(below[5.0] == len(paper.MATERIALS))}; "
+        f"with R_i = 100 mm {below[100.0]} do {verdict_if(below[100.0] == len(paper.MATERIALS))}",
         values=with_unit(loads[10.0], "N/mm"),
     )
+
+
+def stress_ratio(material: Material, load: float, R_i: float = 10.0) -> float:
+    """Return Hertz's stress over the yield stress at the largest clearance, where it is largest."""
+    return float(np.sqrt(load / yield_load(material, LARGEST, R_i)))
 
 
 @claim(
@@ -259,19 +220,18 @@ def high_clearance_high_load(bench: Bench) -> Finding:
     rule="the strength is reached somewhere in 7.5 µm ≤ ΔR ≤ 2 mm",
 )
 def hard_material_small_load(bench: Bench) -> Finding:
-    """Return how near to its strength the hardest material is at the smallest load."""
-    ratio = {R_i: _stress_ratio(bench, "ceramics", LOADS[0], R_i) for R_i in (10.0, 5.0)}
+    """Return the stress over the strength of the hardest material under the smallest load."""
+    material = bench.material("ceramics").material
+    ratio, small = (stress_ratio(material, LOWEST, R_i) for R_i in (10.0, 5.0))
     return Finding(
-        (
-            f"ceramics under {LOADS[0]:g} N/mm: stress up to {100 * ratio[10.0]:.0f} % of the "
-            "strength (at 2 mm, R_i = 10 mm)"
+        f"ceramics under {LOWEST:g} N/mm: stress up to {100 * ratio:.0f} % of the strength (at "
+        "2 mm, R_i = 10 mm)",
+        holds=ratio >= 1,
+        choice=joined(
+            "R_i = 10 mm", paper.origins(paper.material_rows(bench), ("ceramics",), paper.YIELD)
         ),
-        holds=ratio[10.0] >= 1,
-        choice=joined("R_i = 10 mm", origins(material_rows(bench), ("ceramics",), YIELD)),
-        alternatives=(
-            f"with R_i = 5 mm up to {100 * ratio[5.0]:.0f} % {verdict_if(ratio[5.0] >= 1)}"
-        ),
-        values={"stress over strength, -": ratio[10.0]},
+        alternatives=f"with R_i = 5 mm up to {100 * small:.0f} % {verdict_if(small >= 1)}",
+        values={"stress over strength, -": ratio},
     )
 
 
@@ -282,30 +242,19 @@ def hard_material_small_load(bench: Bench) -> Finding:
     rule="yield is reached somewhere in 7.5 µm ≤ ΔR ≤ 2 mm",
 )
 def soft_material_high_load(bench: Bench) -> Finding:
-    """Return how near to yield the aluminium alloy is at the highest load."""
+    """Return the stress over the yield stress of the aluminium alloy under the highest load."""
     name = "aluminium alloy"
-    ratio = _stress_ratio(bench, name, LOADS[1], 10.0)
-    edge = _clearance_at_yield(bench.material(name).material, LOADS[1], 10.0)
+    material, R_i = bench.material(name).material, 10.0
+    ratio = stress_ratio(material, HIGHEST)
+    # The load at yield is C·R_i·(R_i − ΔR)/ΔR.
+    constant = yield_load(material, 1.0) / (R_i * (R_i - 1.0))
+    edge = R_i**2 / (HIGHEST / constant + R_i)
     return Finding(
-        (
-            f"{name} under {LOADS[1]:g} N/mm: up to {ratio:.1f} times the yield stress, reached "
-            f"from ΔR = {edge:.2f} mm upwards (R_i = 10 mm)"
-        ),
+        f"{name} under {HIGHEST:g} N/mm: up to {ratio:.1f} times the yield stress, reached from "
+        f"ΔR = {edge:.2f} mm upwards (R_i = 10 mm)",
         holds=ratio >= 1,
-        choice=joined("R_i = 10 mm", origins(material_rows(bench), (name,), YIELD)),
+        choice=joined(
+            "R_i = 10 mm", paper.origins(paper.material_rows(bench), (name,), paper.YIELD)
+        ),
         values={"stress over yield stress, -": ratio, "dR at yield, mm": edge},
     )
-
-
-def _stress_ratio(bench: Bench, name: str, load: float, R_i: float) -> float:
-    """Return Hertz's stress over the yield stress at the largest clearance, where it is largest."""
-    material = five_materials(bench)[name]
-    pair = clearance_pair(CLEARANCES[1], material, R_i)
-    return float(np.sqrt(load / limits.yield_load(pair)))
-
-
-def _clearance_at_yield(material: Material, load: float, R_i: float) -> float:
-    """Return the ΔR in mm at which `load` reaches yield: f_Y = C·R_i·(R_i − ΔR)/ΔR."""
-    pair = clearance_pair(1.0, material, R_i)
-    constant = float(limits.yield_load(pair) / pair.R)
-    return R_i**2 / (load / constant + R_i)

@@ -7,16 +7,21 @@ import copy
 import numpy as np
 import pandas as pd
 
-from cylcontact.arrays import BoolArray
 from cylcontact.mechanism import Case, Trajectory, mechanism_from, simulate
+from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, listed, with_unit
 
-from ..slider_crank import CLEARANCES, LAW_NAMES, SPEC, crossings, force_ratio, mechanism, simulated
+from ..paper import JOINT_CLEARANCES, JOINT_LAWS
+from ..slider_crank import SPEC, crossings, force_ratio, mechanism, simulated
 
 REVOLUTIONS = 3
-# A stabilisation that leaves more than this share of the violation does not count as one.
-HALVED = 0.5
+SPHERE, JOHNSON, ENHANCED = JOINT_LAWS
+BASIS = (
+    "geometry and masses of the slider-crank assumed (Table 2 is missing); penetrations up to the "
+    "deepest of the first impact at c_e = 0.9 without friction, the same impact for all laws"
+)
+AGREE = 0.1  # relative distance within which forces count as the same
 
 
 @claim(
@@ -25,73 +30,55 @@ HALVED = 0.5
     paper="α = β = 0.5",
     rule="at most half of the violation without it",
 )
-def stabilised(bench: Bench) -> Finding:
-    """Return the violation of the constraints with the paper's parameters and without."""
-    one = mechanism(bench)
-    alpha, beta = one.integration.alpha, one.integration.beta
-    drifts = {parameters: _drift(bench, *parameters) for parameters in ((alpha, beta), (0.0, 0.0))}
-    with_it, without = drifts[alpha, beta], drifts[0.0, 0.0]
+def baumgarte(bench: Bench) -> Finding:
+    """Return the violation of the constraints in m with the paper's parameters and without."""
+
+    def violation(**parameters: float) -> float:
+        data = copy.deepcopy(spec.data)
+        data["integration"] |= parameters
+        run = simulate(mechanism_from(data, SPEC), "multiplier", revolutions=REVOLUTIONS)
+        return float(run.drift[:, 0].max())
+
+    spec = mechanism(bench)
+    stabilised, free = violation(), violation(alpha=0.0, beta=0.0)
     return Finding(
-        (
-            f"largest violation in {REVOLUTIONS} revolutions {with_it:.2g} m with it, "
-            f"{without:.2g} m without"
-        ),
-        holds=with_it <= HALVED * without,
-        choice=(
-            "geometry and masses assumed (Table 2 is missing); Cartesian coordinates, the spec's "
-            f"law and losses, tolerance {one.integration.tolerance:g}: the tolerance alone keeps "
-            "the violation this small"
-        ),
-        values={"with it, m": with_it, "without, m": without},
+        f"largest violation in {REVOLUTIONS} revolutions {stabilised:.2g} m with it, "
+        f"{free:.2g} m without",
+        holds=stabilised <= free / 2,
+        choice="geometry and masses assumed (Table 2 is missing); Cartesian coordinates, the "
+        f"spec's law and losses, tolerance {spec.integration.tolerance:g}: the tolerance alone "
+        "keeps the violation this small",
+        values={"with it, m": stabilised, "without, m": free},
     )
 
 
-def _drift(bench: Bench, alpha: float, beta: float) -> float:
-    """Return the largest violation of a constraint in m (rad for angles)."""
-    data = copy.deepcopy(mechanism(bench).data)
-    data["integration"] |= {"alpha": alpha, "beta": beta}
-    run = simulate(mechanism_from(data, SPEC), "multiplier", revolutions=REVOLUTIONS)
-    return float(run.drift[:, 0].max())
+def first_impact(bench: Bench, law: str, clearance: float) -> Trajectory:
+    """Return one revolution at c_e = 0.9 without friction."""
+    return simulated(bench, Case(law, clearance, 0.9, 0.0), 1)
 
 
-SPHERE, JOHNSON, ENHANCED = LAW_NAMES
-BASIS = (
-    "geometry and masses of the slider-crank assumed (Table 2 is missing); penetrations up to the "
-    "deepest of the first impact at c_e = 0.9 without friction, the same impact for all laws"
-)
-# Forces so near count as the same.
-AGREE = 0.1
-LAWS_IN_WORDS = {JOHNSON: "Johnson's law", ENHANCED: "the enhanced law"}
-Runs = dict[tuple[float, str], Trajectory]
-
-
-def _first_impacts(bench: Bench) -> Runs:
-    """Return one revolution of each law at each clearance, at c_e = 0.9 without friction."""
-    return {
-        (clearance, law): simulated(bench, Case(law, clearance, 0.9, 0.0), 1)
-        for clearance in CLEARANCES
-        for law in LAW_NAMES
-    }
-
-
-def _ratio(runs: Runs, clearance: float, one: str, other: str) -> pd.DataFrame:
-    """Compare two laws at equal penetration, up to the smaller of their deepest ones."""
-    deepest = min(_deepest(runs, clearance, law) for law in (one, other))
-    pair = runs[clearance, one].mechanism.clearance.pair
+def joint_pair(run: Trajectory) -> CylinderPair:
+    """Return the journal and the bearing of a run."""
+    pair = run.mechanism.clearance.pair
     assert pair is not None
-    return force_ratio(one, other, pair, deepest)
+    return pair
 
 
-def _deepest(runs: Runs, clearance: float, law: str) -> float:
+def deepest(bench: Bench, law: str, clearance: float) -> float:
     """Return the deepest penetration of the first impact in mm."""
-    return float(runs[clearance, law].contacts["max_penetration_m"].to_numpy()[0]) * 1e3
+    return 1e3 * float(first_impact(bench, law, clearance).contacts["max_penetration_m"].iloc[0])
 
 
-def _peaks(runs: Runs, clearance: float) -> dict[str, float]:
-    """Return each law's largest force in the first impact in N."""
-    return {
-        law: float(runs[clearance, law].contacts["max_force_N"].to_numpy()[0]) for law in LAW_NAMES
-    }
+def largest_force(bench: Bench, law: str, clearance: float) -> float:
+    """Return the largest force of the first impact in N."""
+    return float(first_impact(bench, law, clearance).contacts["max_force_N"].iloc[0])
+
+
+def ratio_table(bench: Bench, one: str, other: str, clearance: float) -> pd.DataFrame:
+    """Return the ratio of two laws' forces up to the smaller of their deepest penetrations."""
+    pair = joint_pair(first_impact(bench, one, clearance))
+    depth = min(deepest(bench, law, clearance) for law in (one, other))
+    return force_ratio(one, other, pair, depth)
 
 
 @claim(
@@ -100,14 +87,13 @@ def _peaks(runs: Runs, clearance: float) -> dict[str, float]:
     paper="always softer",
     rule="ratio below 1 at every penetration, over two decades of it",
 )
-def sphere_is_softest(bench: Bench) -> Finding:
-    """Return the largest force of Lankarani and Nikravesh over that of the cylindrical laws."""
-    runs = _first_impacts(bench)
+def sphere_softest(bench: Bench) -> Finding:
+    """Return the largest ratio of Lankarani and Nikravesh's force to the cylindrical laws'."""
     ratios = {
-        f"over {LAW_NAMES[law]} at {clearance:g} mm": _ratio(runs, clearance, SPHERE, law)[
-            "ratio"
-        ].max()
-        for clearance in CLEARANCES
+        f"over {JOINT_LAWS[law]} at {clearance:g} mm": float(
+            ratio_table(bench, SPHERE, law, clearance)["ratio"].max()
+        )
+        for clearance in JOINT_CLEARANCES
         for law in (JOHNSON, ENHANCED)
     }
     return Finding(
@@ -122,37 +108,28 @@ def sphere_is_softest(bench: Bench) -> Finding:
     "4.3-comparable-stiffness",
     "the enhanced law and Johnson's are comparably stiff in the range of use",
     paper="comparable",
-    rule=(
-        "at every penetration the two differ by a smaller factor than either does from "
-        "Lankarani and Nikravesh's"
-    ),
+    rule="at every penetration the two differ by a smaller factor than either does from "
+    "Lankarani and Nikravesh's",
 )
-def comparable(bench: Bench) -> Finding:
-    """Return how far Johnson and the enhanced law are apart, beside the distance to the sphere."""
-    runs = _first_impacts(bench)
-    spread, nearer = {}, []
-    for clearance in CLEARANCES:
-        ratio = _ratio(runs, clearance, JOHNSON, ENHANCED)["ratio"]
-        spread[f"{clearance:g} mm, least"] = float(ratio.min())
-        spread[f"{clearance:g} mm, largest"] = float(ratio.max())
-        nearer += [_nearer(runs, clearance, law) for law in (JOHNSON, ENHANCED)]
+def comparable_stiffness(bench: Bench) -> Finding:
+    """Return the least and the largest ratio of Johnson's force to the enhanced law's."""
+    extent: dict[str, float] = {}
+    nearer = []
+    for clearance in JOINT_CLEARANCES:
+        table = ratio_table(bench, JOHNSON, ENHANCED, clearance)
+        extent[f"{clearance:g} mm, least"] = float(table["ratio"].min())
+        extent[f"{clearance:g} mm, largest"] = float(table["ratio"].max())
+        depth = float(table["penetration_mm"].iloc[-1])
+        for law in (JOHNSON, ENHANCED):
+            pair = joint_pair(first_impact(bench, law, clearance))
+            to_sphere = force_ratio(SPHERE, law, pair, depth)["ratio"]
+            nearer.append(np.all(np.abs(np.log(table["ratio"])) < np.abs(np.log(to_sphere))))
     return Finding(
-        f"force of Johnson over enhanced at equal penetration: {listed(spread, '{:.2f}')}",
-        holds=all(bool(each.all()) for each in nearer),
+        f"force of Johnson over enhanced at equal penetration: {listed(extent, '{:.2f}')}",
+        holds=all(nearer),
         choice=f"{BASIS}; 'comparable' is not defined in the paper",
-        values=with_unit(spread, "-"),
+        values=with_unit(extent, "-"),
     )
-
-
-def _nearer(runs: Runs, clearance: float, law: str) -> BoolArray:
-    """Tell where the cylindrical laws are nearer to each other than one is to the sphere."""
-    among = _ratio(runs, clearance, JOHNSON, ENHANCED)
-    deepest = float(among["penetration_mm"].iloc[-1])
-    pair = runs[clearance, law].mechanism.clearance.pair
-    assert pair is not None
-    to_sphere = force_ratio(SPHERE, law, pair, deepest)["ratio"]
-    nearer: BoolArray = np.abs(np.log(among["ratio"])) < np.abs(np.log(to_sphere)).to_numpy()
-    return nearer
 
 
 @claim(
@@ -162,42 +139,39 @@ def _nearer(runs: Runs, clearance: float, law: str) -> BoolArray:
     rule="stiffer over more than half of the penetrations, on a linear scale as in Fig 17",
     cases=[
         {
-            "clearance": clearance,
-            "one": one,
-            "other": other,
-            "stiff": LAWS_IN_WORDS[one],
-            "soft": LAWS_IN_WORDS[other],
-        }
-        for clearance, one, other in zip(
-            CLEARANCES, (JOHNSON, ENHANCED), (ENHANCED, JOHNSON), strict=True
-        )
+            "clearance": JOINT_CLEARANCES[0],
+            "one": JOHNSON,
+            "other": ENHANCED,
+            "stiff": "Johnson's law",
+            "soft": "the enhanced law",
+        },
+        {
+            "clearance": JOINT_CLEARANCES[1],
+            "one": ENHANCED,
+            "other": JOHNSON,
+            "stiff": "the enhanced law",
+            "soft": "Johnson's law",
+        },
     ],
 )
-def stiffer(bench: Bench, clearance: float, one: str, other: str, **_words: str) -> Finding:
+def slightly_stiffer(bench: Bench, clearance: float, one: str, other: str) -> Finding:
     """Return over which share of the penetrations one law is stiffer than the other."""
-    runs = _first_impacts(bench)
-    table = _ratio(runs, clearance, one, other)
-    depth, above = table["penetration_mm"].to_numpy() * 1e3, table["ratio"].to_numpy() > 1
-    share = float(np.diff(depth)[above[1:]].sum() / depth[-1])
-    even = [1e3 * at for at in crossings(table)]
-    extent = {"least ratio": float(table["ratio"].min()), "largest": float(table["ratio"].max())}
-    depths = {law: 1e3 * _deepest(runs, clearance, law) for law in (one, other)}
-    whole = "stiffer" if depths[one] < depths[other] else "softer"
+    table = ratio_table(bench, one, other, clearance)
+    depth, ratio = 1e3 * table["penetration_mm"].to_numpy(), table["ratio"].to_numpy()
+    share = float(np.diff(depth)[ratio[1:] > 1].sum() / depth[-1])
+    even = [1e3 * penetration for penetration in crossings(table)]
+    own, others = (1e3 * deepest(bench, law, clearance) for law in (one, other))
     return Finding(
-        (
-            f"stiffer over {100 * share:.0f} % of the penetrations up to {depth[-1]:.3g} µm; "
-            f"the two are even at {' and '.join(f'{at:.3g} µm' for at in even)}, the ratio of "
-            f"forces goes from {extent['least ratio']:.2f} to {extent['largest']:.2f}"
-        ),
+        f"stiffer over {100 * share:.0f} % of the penetrations up to {depth[-1]:.3g} µm; "
+        f"the two are even at {' and '.join(f'{at:.3g} µm' for at in even)}, the ratio of "
+        f"forces goes from {ratio.min():.2f} to {ratio.max():.2f}",
         holds=share > 0.5,
         choice=f"{BASIS}; which range the paper means is not said, and the verdict hangs on it",
-        alternatives=(
-            f"over the whole impact it is the {whole}: {depths[one]:.3g} µm deep against "
-            f"{depths[other]:.3g} µm"
-        ),
+        alternatives=f"over the whole impact it is the {'stiffer' if own < others else 'softer'}: "
+        f"{own:.3g} µm deep against {others:.3g} µm",
         values={
             "share, -": share,
-            **{f"even at ({n + 1}), um": v for n, v in enumerate(even)},
+            **{f"even at ({number}), um": at for number, at in enumerate(even, start=1)},
         },
     )
 
@@ -208,23 +182,22 @@ def stiffer(bench: Bench, clearance: float, one: str, other: str, **_words: str)
     paper="forces underestimated",
     rule="lower than with either cylindrical law, at both clearances",
 )
-def sphere_underestimates(bench: Bench) -> Finding:
-    """Return the largest forces of one and the same impact by each law."""
-    runs = _first_impacts(bench)
-    peaks = {
-        f"{LAW_NAMES[law]} at {clearance:g} mm": force
-        for clearance in CLEARANCES
-        for law, force in _peaks(runs, clearance).items()
+def sphere_underestimates_forces(bench: Bench) -> Finding:
+    """Return the largest forces in N of one and the same impact by each law."""
+    forces = {
+        clearance: {law: largest_force(bench, law, clearance) for law in JOINT_LAWS}
+        for clearance in JOINT_CLEARANCES
     }
-    lowest = [
-        min(forces, key=lambda law: forces[law]) == SPHERE
-        for forces in (_peaks(runs, clearance) for clearance in CLEARANCES)
-    ]
+    texts = {
+        f"{JOINT_LAWS[law]} at {clearance:g} mm": force
+        for clearance, row in forces.items()
+        for law, force in row.items()
+    }
     return Finding(
-        f"largest force of the same impact: {listed(peaks, '{:.0f} N')}",
-        holds=all(lowest),
+        f"largest force of the same impact: {listed(texts, '{:.0f} N')}",
+        holds=all(row[SPHERE] == min(row.values()) for row in forces.values()),
         choice=BASIS,
-        values=with_unit(peaks, "N"),
+        values=with_unit(texts, "N"),
     )
 
 
@@ -232,30 +205,24 @@ def sphere_underestimates(bench: Bench) -> Finding:
     "5-sphere-knows-no-length",
     "spherical laws do not account for the axial length of the cylinders",
     paper="not accounted for",
-    rule=(
-        f"at neither clearance does a single length make both laws agree within {AGREE:.0%} "
-        "over the penetrations: the largest is over "
-        f"{(1 + AGREE) / (1 - AGREE):.2f} times the least"
-    ),
+    rule=f"at neither clearance does a single length make both laws agree within {AGREE:.0%} "
+    "over the penetrations: the largest is over "
+    f"{(1 + AGREE) / (1 - AGREE):.2f} times the least",
 )
-def length_unknown(bench: Bench) -> Finding:
-    """Return the length for which the spherical law would give Johnson's force."""
-    runs = _first_impacts(bench)
+def sphere_knows_no_length(bench: Bench) -> Finding:
+    """Return the lengths in mm for which the spherical law gives Johnson's force."""
     lengths: dict[str, float] = {}
-    for clearance in CLEARANCES:
-        joint = runs[clearance, SPHERE].mechanism.clearance
-        ratio = _ratio(runs, clearance, SPHERE, JOHNSON)["ratio"]
-        lengths[f"{clearance:g} mm, least"] = float(ratio.min()) * joint.length
-        lengths[f"{clearance:g} mm, largest"] = float(ratio.max()) * joint.length
+    spreads = []
+    for clearance in JOINT_CLEARANCES:
+        joint = first_impact(bench, SPHERE, clearance).mechanism.clearance
+        length = ratio_table(bench, SPHERE, JOHNSON, clearance)["ratio"] * joint.length
+        lengths[f"{clearance:g} mm, least"] = float(length.min())
+        lengths[f"{clearance:g} mm, largest"] = float(length.max())
+        spreads.append(length.max() / length.min())
     return Finding(
-        (
-            "the length of joint for which it gives Johnson's force, by clearance and over the "
-            f"penetrations: {listed(lengths, '{:.2g} mm')}"
-        ),
-        holds=all(
-            lengths[f"{c:g} mm, largest"] * (1 - AGREE) > lengths[f"{c:g} mm, least"] * (1 + AGREE)
-            for c in CLEARANCES
-        ),
+        "the length of joint for which it gives Johnson's force, by clearance and over the "
+        f"penetrations: {listed(lengths, '{:.2g} mm')}",
+        holds=all(spread > (1 + AGREE) / (1 - AGREE) for spread in spreads),
         choice=BASIS,
         values=with_unit(lengths, "mm of length"),
     )

@@ -1,4 +1,4 @@
-"""Small helpers shared by everything that takes arrays."""
+"""Array types, and helpers of the functions that take arrays."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cylcontact.errors import InputError
+
+__all__ = ["BoolArray", "FloatArray", "as_floats", "inside_or_nan", "require", "same_fields"]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -21,7 +23,7 @@ def as_floats(values: object) -> FloatArray:
 
 
 def inside_or_nan(values: FloatArray, inside: BoolArray) -> FloatArray:
-    """Keep `values` where `inside` holds and put NaN elsewhere.
+    """Return `values` where `inside` is true and NaN elsewhere.
 
     Examples
     --------
@@ -40,9 +42,9 @@ def require(
         raise InputError(source, key, value, rule, remedy)
 
 
-def same_fields(one: Any, other: object) -> bool:
-    """Compare two dataclass instances field by field, arrays by value."""
-    names = [field.name for field in fields(one)]
-    return type(one) is type(other) and all(
-        np.array_equal(getattr(one, name), getattr(other, name)) for name in names
+def same_fields(instance: Any, other: object) -> bool:
+    """Return whether two dataclass instances are equal, arrays compared by value."""
+    names = [field.name for field in fields(instance)]
+    return type(instance) is type(other) and all(
+        np.array_equal(getattr(instance, name), getattr(other, name)) for name in names
     )

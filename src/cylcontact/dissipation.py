@@ -1,32 +1,32 @@
-"""Dissipation in an impact: the hysteresis factors, and the restitution they really give.
+"""Dissipation in an impact: the hysteresis factors, and the restitution each one gives.
 
 The models of Eqs 2, 3 and 5 all dissipate in the same way: they multiply an elastic law by a
 term in the penetration rate δ̇, made dimensionless by the rate δ̇⁽⁻⁾ at first touch,
 
     F = F_el(δ)·(1 + χ·δ̇/δ̇⁽⁻⁾),
 
-and differ in the hysteresis factor χ that they take for a wanted coefficient of restitution e.
+and differ in the hysteresis factor χ that they assign to a coefficient of restitution e.
 
 **What e a factor gives** (derived). Let two bodies of effective mass m meet with no other force
 and write u = δ̇/δ̇⁽⁻⁾. Newton's law m·dδ̇/dt = −F becomes, with d/dt = δ̇·d/dδ,
 
     m·(δ̇⁽⁻⁾)²·u/(1 + χu)·du = −F_el(δ)·dδ.
 
-From first touch (δ = 0, u = 1) to separation (δ = 0, u = −e) the right-hand side adds up to
-nothing, whatever F_el is: the elastic law stores work and returns all of it. So the integral of
+From first touch (δ = 0, u = 1) to separation (δ = 0, u = −e) the right-hand side integrates to
+zero for any F_el, because the elastic law returns all the work it stores. So the integral of
 u/(1 + χu) from −e to 1 vanishes, and
 
     χ(1 + e) = ln[(1 + χ)/(1 − χe)],    e = [1 + W₀(−(1 + χ)·exp(−(1 + χ)))]/χ
 
 for every elastic law and exponent, mass and speed. As 1 − χe = −W₀ > 0, the load of such an
-impact never turns negative before the bodies part.
+impact is never negative before the bodies separate.
 
 **How it is evaluated.** In p = χ(1 + e)/2 the relation splits into two explicit halves,
 
     (1 − e)/(1 + e) = L(p),    χ = p·(1 + L(p)),    L(p) = coth p − 1/p,
 
 with Langevin's function L, which can be computed to full precision everywhere. The form with
-W₀ cannot: its argument rounds to the branch point −1/e as χ → 0, and half the digits are lost.
+W₀ loses half the digits as χ → 0, where its argument rounds to the branch point −1/e.
 """
 
 from __future__ import annotations
@@ -39,14 +39,32 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.errors import InputError
 
+__all__ = [
+    "FACTORS",
+    "IMPACT_RATE_FLOOR",
+    "HysteresisFactor",
+    "achieved_restitution",
+    "dissipative_load",
+    "exact_factor",
+    "flores",
+    "gonthier",
+    "herbert_mcwhannell",
+    "hu_guo",
+    "hunt_crossley",
+    "hysteresis_factor",
+    "lankarani_nikravesh",
+    "lee_wang",
+    "zhiying_qishao",
+]
+
 HysteresisFactor = Callable[[ArrayLike], FloatArray]
 
-# Assumed: the slowest impact, in mm/s, that dissipates as its factor says. The impacts of a
-# mechanism are two to four orders faster.
+# Assumed: the slowest impact rate in mm/s at which the factor applies in full. The impacts of a
+# mechanism are two to four orders of magnitude faster.
 IMPACT_RATE_FLOOR = 1.0
 
-# Newton's method meets machine precision after four steps in the worst case.
-NEWTON_STEPS = 5
+# Newton's method reaches machine precision after four steps in the worst case.
+_NEWTON_STEPS = 5
 
 
 def dissipative_load(
@@ -69,12 +87,12 @@ def dissipative_load(
     chi : array_like
         Hysteresis factor χ ≥ 0.
     floor : float, optional
-        The least δ̇⁽⁻⁾ in mm/s that is divided by.
+        Lower bound in mm/s of the δ̇⁽⁻⁾ that divides.
 
     Returns
     -------
     array of float
-        In the unit of `elastic_load`, of the broadcast shape; NaN where an input is.
+        In the unit of `elastic_load`, of the broadcast shape; NaN where an input is NaN.
 
     Raises
     ------
@@ -83,13 +101,13 @@ def dissipative_load(
 
     Notes
     -----
-    Bodies that touch at rest and are then pressed together would meet any damping, for
-    δ̇/δ̇⁽⁻⁾ grows without bound as δ̇⁽⁻⁾ → 0. With δ̇⁽⁻⁾ replaced by max(δ̇⁽⁻⁾, floor) an
-    impact slower than the floor sees the factor χ·δ̇⁽⁻⁾/floor instead of χ: it dissipates less,
-    and e → 1 as the impact gets slower, as it does with real bodies.
+    For bodies that touch at rest and are then pressed together the damping would be unbounded,
+    because δ̇/δ̇⁽⁻⁾ grows without limit as δ̇⁽⁻⁾ → 0. With δ̇⁽⁻⁾ replaced by max(δ̇⁽⁻⁾, floor),
+    an impact slower than the floor has the factor χ·δ̇⁽⁻⁾/floor instead of χ. It dissipates
+    less, and e → 1 as the impact gets slower, as for real bodies.
 
-    The load is clipped at zero, because contact does not pull. That never happens in an
-    isolated impact, but can when other forces draw the bodies apart.
+    The load is clipped at zero, because contact does not pull. Clipping does not occur in an
+    isolated impact, but can occur when other forces pull the bodies apart.
 
     Examples
     --------
@@ -133,7 +151,7 @@ def achieved_restitution(chi: ArrayLike) -> FloatArray:
     Notes
     -----
     p(1 + L(p)) = χ is solved by Newton's method. The left-hand side is convex and grows, and
-    p = min(χ, (1 + χ)/2) lies above the root, so every step comes closer to it from above.
+    p = min(χ, (1 + χ)/2) is above the root, so the iteration converges monotonically.
 
     Examples
     --------
@@ -143,7 +161,7 @@ def achieved_restitution(chi: ArrayLike) -> FloatArray:
     """
     factor = _hysteresis(chi)
     p = np.minimum(factor, (1 + factor) / 2)
-    for _ in range(NEWTON_STEPS):
+    for _ in range(_NEWTON_STEPS):
         L, complement, _ = _langevin(p)
         reached = p * (1 + L)
         p = p - (reached - factor) / (complement * (1 + reached))
@@ -152,9 +170,9 @@ def achieved_restitution(chi: ArrayLike) -> FloatArray:
 
 
 def exact_factor(restitution: ArrayLike) -> FloatArray:
-    """Return the hysteresis factor that gives exactly the wanted restitution.
+    """Return the hysteresis factor that gives exactly the restitution e.
 
-    The root χ of χ(1 + e) = ln[(1 + χ)/(1 − χe)].
+    It is the root χ of χ(1 + e) = ln[(1 + χ)/(1 − χe)].
 
     Parameters
     ----------
@@ -169,17 +187,17 @@ def exact_factor(restitution: ArrayLike) -> FloatArray:
     Raises
     ------
     InputError
-        If e lies outside (0, 1].
+        If e is outside (0, 1].
 
     Notes
     -----
     χ = 2p/(1 + e) with p = L⁻¹((1 − e)/(1 + e)). The inverse of Langevin's function has no
     closed form in elementary functions or Lambert's W. Kröger (J. Non-Newtonian Fluid Mech.
-    223 (2015) 77–87) approximates it to 0.3 %, and Newton's method on L/(1 − L), which is
-    nearly straight, does the rest.
+    223 (2015) 77–87) approximates it to 0.3 %. Newton's method on L/(1 − L), which is nearly
+    straight, refines that.
 
-    Close to e = 1 the factor is χ = (3/2)(1 − e) + (3/2)(1 − e)² + …, of which Hu and Guo's
-    has both terms; for small e it is 1/e, as Gonthier's.
+    Close to e = 1 the factor is χ = (3/2)(1 − e) + (3/2)(1 − e)² + …, and Hu and Guo's factor
+    has both terms. For small e it is 1/e, like Gonthier's.
 
     Examples
     --------
@@ -190,7 +208,7 @@ def exact_factor(restitution: ArrayLike) -> FloatArray:
     e = _restitution(restitution)
     r, target = (1 - e) / (1 + e), (1 - e) / (2 * e)
     p = r * (3 - (6 * r**2 + r**4 - 2 * r**6) / 5) * (1 + e) / (2 * e * (1 + r))
-    for _ in range(NEWTON_STEPS):
+    for _ in range(_NEWTON_STEPS):
         L, complement, slope = _langevin(p)
         p = p - (L / complement - target) / slope
     return as_floats(2 * p / (1 + e))
@@ -244,7 +262,7 @@ def hu_guo(restitution: ArrayLike) -> FloatArray:
     return as_floats(3 * (1 - e) / (2 * e))
 
 
-# By the names that specs and reports use, in the order of publication, the exact one last.
+# Keyed by the names that specs and reports use, in order of publication, the exact one last.
 FACTORS: dict[str, HysteresisFactor] = {
     "hunt-crossley": hunt_crossley,
     "herbert-mcwhannell": herbert_mcwhannell,
@@ -289,7 +307,7 @@ def hysteresis_factor(name: str) -> HysteresisFactor:
 
 
 def _restitution(value: ArrayLike) -> FloatArray:
-    """Return e as float64, refused outside (0, 1]."""
+    """Return e as float64; raise `InputError` outside (0, 1]."""
     e = as_floats(value)
     require(
         (e > 0) & (e <= 1),
@@ -303,7 +321,7 @@ def _restitution(value: ArrayLike) -> FloatArray:
 
 
 def _hysteresis(value: ArrayLike) -> FloatArray:
-    """Return χ as float64, refused where negative or not finite."""
+    """Return χ as float64; raise `InputError` where it is negative or not finite."""
     chi = as_floats(value)
     require(
         (chi >= 0) & np.isfinite(chi),
@@ -319,8 +337,9 @@ def _hysteresis(value: ArrayLike) -> FloatArray:
 def _langevin(p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return L = coth p − 1/p for p ≥ 0, 1 − L, and the slope of L/(1 − L).
 
-    Up to p = 2 Lambert's continued fraction L = p/(3 + p²/(5 + p²/(7 + …))), in which nothing
-    cancels; ten levels are exact to rounding. Beyond, coth p = 1 + E with E = 2/(exp 2p − 1).
+    Up to p = 2 this is Lambert's continued fraction L = p/(3 + p²/(5 + p²/(7 + …))), which has no
+    cancellation; ten levels reach machine precision. Beyond, coth p = 1 + E with
+    E = 2/(exp 2p − 1).
     """
     small = p < 2
     q = np.where(small, p, 0.0)
@@ -334,6 +353,6 @@ def _langevin(p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     q = np.where(small, 2.0, p)
     E = -2 * np.exp(-2 * q) / np.expm1(-2 * q)
     complement = np.where(small, 1 - L, 1 / q - E)
-    # L' = 1/p² − E(2 + E), times p² above and below so that no power of p is ever formed.
+    # L' = 1/p² − E(2 + E), numerator and denominator times p², so that no power of p overflows.
     slope = np.where(small, slope, (1 - q * E * (2 * q + q * E)) / (1 - q * E) ** 2)
     return np.where(small, L, 1 - complement), complement, slope

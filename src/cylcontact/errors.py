@@ -1,21 +1,23 @@
-"""The one kind of error that bad input raises."""
+"""The error that bad input raises."""
 
 from __future__ import annotations
 
 import numpy as np
 
+__all__ = ["InputError", "short"]
+
 
 class InputError(ValueError):
-    """Bad input, told in one line: where, what, the rule it breaks and the remedy.
+    """Bad input, described in one line: source, value, the rule it breaks and the remedy.
 
     Parameters
     ----------
     source : str
         The file, object or command line the value came from.
     key : str
-        The name of the value inside the source; empty when the source itself is at fault.
+        The name of the value in the source; empty when the source as a whole is wrong.
     value : object
-        The offending value; `None` where there is none to show.
+        The offending value; `None` to show none.
     rule : str
         What must hold.
     remedy : str
@@ -33,27 +35,27 @@ class InputError(ValueError):
         self.value = value
         self.rule = rule
         self.remedy = remedy
-        shown = " = ".join(part for part in (key, short(value)) if part)
-        where = ": ".join(part for part in (source, shown) if part)
-        # A path or another program's message may bring line breaks and worse along.
+        setting = " = ".join(part for part in (key, short(value)) if part)
+        where = ": ".join(part for part in (source, setting) if part)
+        # Paths and the messages of other programs may contain line breaks or control characters.
         super().__init__(_printable(" ".join(f"{where}: {rule}; {remedy}".splitlines())))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str, object, str, str]]:
-        """Rebuild from the five parts, so that worker processes can send it back."""
+        """Pickle the five parts, so that worker processes can send the error back."""
         return (type(self), (self.source, self.key, self.value, self.rule, self.remedy))
 
     def _render_traceback_(self) -> list[str]:
-        """Show the line alone in a notebook, where IPython asks for this."""
+        """Return the message without a traceback; IPython calls this in notebooks."""
         return [str(self)]
 
 
 def _printable(text: str) -> str:
-    """Escape what would not show on a terminal, or do more than show."""
+    """Escape characters that a terminal would hide or interpret."""
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 def short(value: object, width: int = 80) -> str:
-    """Return `value` on one line, cut to `width` characters; nothing for `None`."""
+    """Return `value` on one line of at most `width` characters; empty for `None`."""
     if value is None:
         return ""
     plain = value.item() if isinstance(value, np.generic) else value

@@ -1,24 +1,36 @@
-"""Files that appear complete or not at all."""
+"""Files that appear complete or not at all, each written by one process at a time."""
 
 from __future__ import annotations
 
 import os
 import re
+import socket
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from itertools import takewhile
 from pathlib import Path
 
 from cylcontact.errors import InputError
 
+__all__ = [
+    "folder_of",
+    "owning",
+    "remove_leftovers",
+    "replacing",
+    "require_suffix",
+    "require_writable",
+    "unwritable",
+]
+
 
 @contextmanager
 def replacing(path: Path | str) -> Iterator[Path]:
-    """Give a temporary path beside `path` and rename it to `path` when the block succeeds.
+    """Yield a temporary path next to `path` and rename it to `path` when the block succeeds.
 
-    Missing folders are made. If the block fails or is interrupted, `path` is as it was before
-    and nothing else is left, no folder either.
+    Missing folders are created. If the block fails or is interrupted, `path` is unchanged, and
+    the temporary file and the new folders are removed.
 
     Parameters
     ----------
@@ -62,18 +74,96 @@ def replacing(path: Path | str) -> Iterator[Path]:
             raise unwritable(target, error) from error
         finally:
             if temporary is not None:
-                with suppress(OSError):  # the error that is told of is the first
+                with suppress(OSError):  # report the first error, not this one
                     temporary.unlink(missing_ok=True)
 
 
 @contextmanager
-def folder_of(target: Path) -> Iterator[None]:
-    """Make the folder of a file, and remove what was made if nothing has come into it.
+def owning(path: Path | str) -> Iterator[Path]:
+    """Lock an output for this process, from before the work until it is written.
+
+    The operating system locks the file NAME.lock beside the output, which names its holder. The
+    lock ends with the process: a lock file that a killed process left is used again.
+
+    Parameters
+    ----------
+    path : path
+        The file that will be written.
+
+    Yields
+    ------
+    Path
+        The same.
 
     Raises
     ------
     InputError
-        If the folder cannot be made.
+        If another process holds the lock, or the file could not be written.
+
+    Examples
+    --------
+    >>> path = Path(tempfile.mkdtemp()) / "result.json"
+    >>> with owning(path):
+    ...     with owning(path):
+    ...         pass
+    Traceback (most recent call last):
+    ...
+    cylcontact.errors.InputError: ...result.json: is being written by process ...
+    """
+    from filelock import FileLock, Timeout
+
+    target = Path(path)
+    require_writable(target)
+    file = target.with_name(target.name + ".lock")
+    lock = FileLock(file, blocking=False, on_acquired=partial(_write_holder, file))
+    with folder_of(target):
+        try:
+            lock.acquire()
+        except Timeout:
+            raise InputError(
+                str(target),
+                "",
+                None,
+                f"is being written by {_holder(file)}",
+                "wait for it to end, or choose another output with -o",
+            ) from None
+        except OSError as error:
+            raise unwritable(file, error) from error
+        try:
+            remove_leftovers(target)
+            yield target
+        finally:
+            with suppress(OSError):  # Windows lets filelock alone remove it
+                file.unlink()
+            lock.release()
+
+
+def _write_holder(lock: Path, handle: int) -> None:
+    """Write into an open lock file who holds the lock; remove it if the disk is full."""
+    try:
+        os.truncate(handle, 0)
+        os.write(handle, f"process {os.getpid()} on {socket.gethostname()}\n".encode())
+    except OSError:
+        lock.unlink(missing_ok=True)
+        raise
+
+
+def _holder(lock: Path) -> str:
+    """Return who holds a lock, from its file, which Windows lets nobody else read."""
+    holder = ""
+    with suppress(OSError):
+        holder = lock.read_text(encoding="utf-8", errors="replace").strip()
+    return holder or "another process"
+
+
+@contextmanager
+def folder_of(target: Path) -> Iterator[None]:
+    """Create the folder of a file, and remove the folders created if they stay empty.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be created.
     """
     parents = (target.parent, *target.parent.parents)
     made = list(takewhile(lambda folder: not folder.exists(), parents))
@@ -85,12 +175,12 @@ def folder_of(target: Path) -> Iterator[None]:
         yield
     finally:
         for folder in made:
-            with suppress(OSError):  # it holds something
+            with suppress(OSError):  # not empty
                 folder.rmdir()
 
 
 def remove_leftovers(target: Path) -> None:
-    """Remove what a killed process had half-written of the same output."""
+    """Remove the temporary files that a killed process left of the same output."""
     name = re.compile(rf"\.{re.escape(target.stem)}-[a-z0-9_]{{8}}{re.escape(target.suffix)}")
     with suppress(OSError):
         for file in target.parent.iterdir():
@@ -99,7 +189,7 @@ def remove_leftovers(target: Path) -> None:
 
 
 def unwritable(path: Path, error: OSError) -> InputError:
-    """Return the error that tells of a file that could not be written."""
+    """Return the error for a file that could not be written."""
     return InputError(
         str(path),
         "",
@@ -110,18 +200,18 @@ def unwritable(path: Path, error: OSError) -> InputError:
 
 
 def _to_disk(path: Path) -> None:
-    """Wait until a file is on the disk, so that no crash leaves an empty one under its name."""
+    """Flush a file to disk, so that a crash cannot leave an empty file under the final name."""
     with path.open("rb+") as file:
         os.fsync(file.fileno())
 
 
 def require_suffix(path: Path | str, *suffixes: str) -> str:
-    """Return the suffix of an output, one or two of which are possible; refuse another one.
+    """Return the suffix of an output path, one or two of which are allowed.
 
     Raises
     ------
     InputError
-        If the name ends otherwise.
+        If the path has another suffix.
 
     Examples
     --------
@@ -138,9 +228,9 @@ def require_suffix(path: Path | str, *suffixes: str) -> str:
 
 
 def require_writable(path: Path | str) -> None:
-    """Raise `InputError` now if `path` could not be written later, and leave no trace.
+    """Raise `InputError` if `path` cannot be written; create nothing.
 
-    Long work calls this first, so that it does not fail at its end.
+    Call it before long computations, so that they do not fail when they write their result.
     """
     target = Path(path)
     try:
@@ -158,7 +248,7 @@ def require_writable(path: Path | str) -> None:
 
 
 def _obstacle(target: Path) -> str:
-    """Say what stands in the way of writing a file, in a few words; nothing where nothing does."""
+    """Return why a file cannot be written, in a few words; empty if it can be."""
     if any("\ud800" <= character <= "\udfff" for character in str(target)):
         return "its name is not text"
     if target.is_dir():
@@ -172,7 +262,7 @@ def _obstacle(target: Path) -> str:
 
 
 def _umask() -> int:
-    """Return the process's umask, which can only be read by setting it."""
+    """Return the umask of the process, which can only be read by setting it."""
     mask = os.umask(0)
     os.umask(mask)
     return mask

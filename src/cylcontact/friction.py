@@ -1,13 +1,13 @@
 """Modified Coulomb friction, Eqs 14–15.
 
 The paper's Eq 14 makes f_t a vector, −c_f·c_d·f_n·**v**_t/v_t, and Eq 13 then multiplies it by
-the tangent **t** as if it were a scalar; **v**_t is not defined. What is meant, and what is
-computed here, is the scalar reading: with the velocities of the two bodies at the contact point,
+the tangent **t** as if it were a scalar; **v**_t is not defined. This module uses the scalar
+reading. With the velocities of the two bodies at the contact point,
 
     v_t = (v_i − v_j)·t,    f_t = −c_f·c_d(|v_t|)·f_n·sgn(v_t),
 
-and f_t·t acts on body i, −f_t·t on body j. Turning t round changes the sign of v_t and of f_t
-and so leaves the force as it is. The power f_t·v_t of the pair of forces is never positive.
+and f_t·t acts on body i, −f_t·t on body j. Reversing t changes the sign of both v_t
+and f_t, and leaves the force unchanged. The power f_t·v_t of the pair of forces is never positive.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
+
+__all__ = ["dynamic_correction", "friction_load"]
 
 
 def friction_load(
@@ -42,7 +44,7 @@ def friction_load(
     -------
     array of float
         In the unit of `normal_load`, of the broadcast shape; 0 at v_t = 0, and NaN where the
-        normal load is negative, for then the bodies do not touch.
+        normal load is negative (no contact).
 
     Raises
     ------
@@ -65,7 +67,7 @@ def friction_load(
     )
     c_d = dynamic_correction(tangential_velocity, v0, v1)
     touching = f_n >= 0
-    # The sign of −v_t rather than minus the sign of v_t: no negative zero where nothing slides.
+    # The sign of −v_t instead of minus the sign of v_t avoids a negative zero at rest.
     direction = np.sign(0.0 - as_floats(tangential_velocity))
     return inside_or_nan(c_f * c_d * np.where(touching, f_n, 0.0) * direction, touching)
 
@@ -73,8 +75,8 @@ def friction_load(
 def dynamic_correction(speed: ArrayLike, v0: float, v1: float) -> FloatArray:
     """Return c_d: 0 up to v0, 1 from v1 on, linear in between (Eq 15).
 
-    Without it the friction would jump from one direction to the other where v_t changes sign,
-    and an integrator would chatter there.
+    Without it the friction would jump where v_t changes sign, and an integrator would chatter
+    there.
 
     Parameters
     ----------
@@ -106,5 +108,5 @@ def dynamic_correction(speed: ArrayLike, v0: float, v1: float) -> FloatArray:
         "must be finite, with 0 ≤ v0 < v1",
         "give two speeds in mm/s, the smaller one first",
     )
-    # Clipped first, so that no speed, however large, overflows in the quotient.
+    # Clip first: a very large speed would overflow in the quotient.
     return as_floats((np.clip(np.abs(as_floats(speed)), v0, v1) - v0) / (v1 - v0))

@@ -1,4 +1,4 @@
-"""How a notebook shows the package's nouns: a small table, whose texts are all escaped."""
+"""HTML tables with which a notebook shows materials, pairs, laws and results."""
 
 from __future__ import annotations
 
@@ -10,25 +10,27 @@ from typing import Any
 
 import numpy as np
 
-# More numbers than these in one cell are shown by their range.
-MOST_NUMBERS = 4
+__all__ = ["completed_law_html", "law_html", "table_html"]
+
+# An array of more numbers than this is shown as a range.
+_MOST_NUMBERS = 4
 
 
 def table_html(title: str, rows: Mapping[str, object]) -> str:
-    """Return an HTML table with a title, what each value is to the left and the value beside it.
+    """Return an HTML table with a title, names on the left and values on the right.
 
     Parameters
     ----------
     title : str
-        Stands above the table.
+        The caption.
     rows : mapping of str to object
-        Numbers are shown with six digits, arrays of more than a few by their range, and None
-        as a dash.
+        Values by name. Numbers are shown with six digits, longer arrays as a range, and None as
+        a dash.
 
     Returns
     -------
     str
-        An HTML fragment; whatever the texts hold, it shows as text.
+        An HTML fragment with all texts escaped.
 
     Examples
     --------
@@ -38,7 +40,7 @@ def table_html(title: str, rows: Mapping[str, object]) -> str:
     </tbody></table>
     """
     lines = "\n".join(
-        f'<tr><th style="text-align:left">{escape(name)}</th><td>{escape(_shown(value))}</td></tr>'
+        f'<tr><th style="text-align:left">{escape(name)}</th><td>{escape(_cell(value))}</td></tr>'
         for name, value in rows.items()
     )
     caption = f'<caption style="text-align:left"><b>{escape(title)}</b></caption>'
@@ -46,12 +48,12 @@ def table_html(title: str, rows: Mapping[str, object]) -> str:
 
 
 def law_html(law: Any) -> str:
-    """Return a law as an HTML table: the first line of its docstring, and its coefficients.
+    """Return an HTML table of a law: the first line of its docstring and its coefficients.
 
     Parameters
     ----------
     law : ContactLaw
-        A dataclass, documented.
+        A dataclass with a docstring.
 
     Returns
     -------
@@ -67,23 +69,23 @@ def law_html(law: Any) -> str:
     return completed_law_html(law, {})
 
 
-def completed_law_html(law: Any, left_out: Mapping[Any, object]) -> str:
-    """Return a law as an HTML table, with defaults for coefficients left as None."""
+def completed_law_html(law: Any, defaults: Mapping[Any, object]) -> str:
+    """Return an HTML table of a law, with `defaults` in place of coefficients that are None."""
     rows: dict[str, object] = {}
     for field in fields(law):
         value = getattr(law, field.name)
         if value is None:
-            rows |= left_out
+            rows |= defaults
         elif is_dataclass(value) and not isinstance(value, type):
             rows |= asdict(value)
         else:
             rows[field.name] = value
-    said = (inspect.getdoc(law) or law.name).splitlines()[0]
-    return table_html(f"{type(law).__name__}: {said}", rows)
+    summary = (inspect.getdoc(law) or law.name).splitlines()[0]
+    return table_html(f"{type(law).__name__}: {summary}", rows)
 
 
-def _shown(value: object) -> str:
-    """Return a value as the text of a cell."""
+def _cell(value: object) -> str:
+    """Return the text of a table cell."""
     if value is None:
         return "–"
     if isinstance(value, str) or is_dataclass(value):
@@ -91,6 +93,6 @@ def _shown(value: object) -> str:
     numbers = np.asarray(value)
     if numbers.dtype.kind not in "fiu":
         return str(value)
-    if numbers.size > MOST_NUMBERS:
+    if numbers.size > _MOST_NUMBERS:
         return f"{numbers.min():.6g} to {numbers.max():.6g} ({numbers.size} values)"
     return ", ".join(f"{number:.6g}" for number in numbers.ravel())

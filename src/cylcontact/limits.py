@@ -1,4 +1,4 @@
-"""Where a contact stops being elastic, and where Johnson's law ends (Sect. 3.3)."""
+"""The load at which a contact yields, and the end of Johnson's law (Sect. 3.3)."""
 
 from __future__ import annotations
 
@@ -9,8 +9,20 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.laws import Johnson, conformal
 from cylcontact.pair import CylinderPair
 
-# Each step cuts the error of ln f at least to a third: enough for every digit from any start.
-CONFORMAL_STEPS = 40
+__all__ = [
+    "conformal_yield_load",
+    "elastic_limit_clearance",
+    "hertz_half_width",
+    "hertz_pressure",
+    "hertz_stress",
+    "johnson_limit_load",
+    "johnson_limit_penetration",
+    "stress_at_johnson_limit",
+    "yield_load",
+]
+
+# Each step cuts the error of ln f to a third or less, which reaches machine precision.
+_CONFORMAL_STEPS = 40
 
 
 def hertz_stress(load: ArrayLike, pair: CylinderPair) -> FloatArray:
@@ -21,7 +33,7 @@ def hertz_stress(load: ArrayLike, pair: CylinderPair) -> FloatArray:
     load : array_like
         Load per unit length in N/mm.
     pair : CylinderPair
-        A pair that knows its radii.
+        A pair with known radii.
 
     Returns
     -------
@@ -49,7 +61,7 @@ def hertz_half_width(load: ArrayLike, pair: CylinderPair) -> FloatArray:
     load : array_like
         Load per unit length in N/mm.
     pair : CylinderPair
-        A pair that knows its radii.
+        A pair with known radii.
 
     Returns
     -------
@@ -71,7 +83,7 @@ def hertz_half_width(load: ArrayLike, pair: CylinderPair) -> FloatArray:
 
 
 def hertz_pressure(x: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the pressure of Hertz's line contact, p = p₀·√(1 − x²/b²), elliptic across it.
+    """Return the elliptic pressure of Hertz's line contact, p = p₀·√(1 − x²/b²).
 
     Parameters
     ----------
@@ -80,7 +92,7 @@ def hertz_pressure(x: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatAr
     load : array_like
         Load per unit length in N/mm.
     pair : CylinderPair
-        A pair that knows its radii.
+        A pair with known radii.
 
     Returns
     -------
@@ -104,18 +116,17 @@ def hertz_pressure(x: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatAr
 def yield_load(pair: CylinderPair, yield_stress: float | None = None) -> FloatArray:
     """Return the load at which Hertz's peak pressure reaches the yield stress (Fig 7).
 
-    Eq 7 solved for the load: f = π·σ_Y²·R/E*. Peak pressure equal to the yield stress is the
-    paper's criterion, not the onset of plastic flow, which in line contact needs a higher
-    pressure (about 1.8·σ_Y by von Mises). Like Eq 7 it rests on Hertz's theory and means nothing
-    where `hertz_half_width` at that load is no longer small against the radii; for a pin in a hole
-    that fits closely take `conformal_yield_load`.
+    It is Eq 7 solved for the load: f = π·σ_Y²·R/E*. The paper takes peak pressure equal to the
+    yield stress as its criterion. Plastic flow in line contact starts at a higher pressure, about
+    1.8·σ_Y by von Mises. Like Eq 7 it holds only where `hertz_half_width` at that load is small
+    compared with the radii; for a pin that fits closely in its hole use `conformal_yield_load`.
 
     Parameters
     ----------
     pair : CylinderPair
-        A pair that knows its radii.
+        A pair with known radii.
     yield_stress : float, optional
-        In MPa; left out, the lower of the two materials' own.
+        In MPa; by default the lower one of the two materials.
 
     Returns
     -------
@@ -140,18 +151,19 @@ def yield_load(pair: CylinderPair, yield_stress: float | None = None) -> FloatAr
 
 
 def conformal_yield_load(pair: CylinderPair, yield_stress: float | None = None) -> FloatArray:
-    """Return the load at which Persson's peak pressure reaches the yield stress, in conformity too.
+    """Return the load at which Persson's peak pressure reaches the yield stress.
 
-    The criterion of `yield_load` with the pressure of `cylcontact.laws.conformal.peak_pressure`,
-    which the close fit of a pin and its hole does not invalidate. It is the lower of the two, as
-    Persson's peak is above Hertz's, and equal to it where the contact is small.
+    The criterion is that of `yield_load`, with the pressure of
+    `cylcontact.laws.conformal.peak_pressure`, which also holds for a pin that fits closely in its
+    hole. The load is below `yield_load`, because Persson's peak pressure is above Hertz's; the two
+    agree where the contact is small.
 
     Parameters
     ----------
     pair : CylinderPair
-        A pin in a hole, both of the same E and ν, that knows its radii.
+        A pin in a hole, both of the same E and ν, with known radii.
     yield_stress : float, optional
-        In MPa; left out, the lower of the two materials' own.
+        In MPa; by default the lower one of the two materials.
 
     Returns
     -------
@@ -166,8 +178,8 @@ def conformal_yield_load(pair: CylinderPair, yield_stress: float | None = None) 
 
     Notes
     -----
-    The slope of ln p over ln f lies between 1/2 (Hertz) and 1 (complete contact). Steps with the
-    slope 3/4 hence converge from every start, here from Hertz's load.
+    The slope of ln p over ln f is between 1/2 (Hertz) and 1 (complete contact). Steps with the
+    slope 3/4 therefore converge from any start; this one is Hertz's load.
 
     Examples
     --------
@@ -179,7 +191,7 @@ def conformal_yield_load(pair: CylinderPair, yield_stress: float | None = None) 
     """
     stress = _yield_stress(pair, yield_stress)
     load = yield_load(pair, stress)
-    for _ in range(CONFORMAL_STEPS):
+    for _ in range(_CONFORMAL_STEPS):
         load = load * (stress / conformal.peak_pressure(load, pair)) ** (4 / 3)
     return as_floats(load)
 
@@ -212,18 +224,18 @@ def stress_at_johnson_limit(pair: CylinderPair) -> FloatArray:
 
 
 def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the ΔR in mm at which yield and Johnson's limit fall on the same load.
+    """Return the ΔR in mm at which the yield load equals the largest load of Johnson's law.
 
-    Below it Johnson's law ends before the material yields. Setting the stress of Fig 9 equal
-    to the yield stress, (2/e)·E*·ΔR = σ_Y·√(R_i·R_j), gives with R_j = R_i − ΔR (internal) a
-    quadratic in ΔR that is solved exactly.
+    Below it Johnson's law ends before the material yields. The stress of Fig 9 equals the yield
+    stress where (2/e)·E*·ΔR = σ_Y·√(R_i·R_j). With R_j = R_i − ΔR (internal) this is a quadratic
+    in ΔR, solved in closed form.
 
     Parameters
     ----------
     R_i : array_like
         Radius of the hole in mm.
     pair : CylinderPair
-        An internal pair, for its materials; its own radii are not used.
+        An internal pair; only its materials are used.
 
     Returns
     -------
@@ -276,7 +288,7 @@ def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
 
 
 def _yield_stress(pair: CylinderPair, given: float | None) -> float:
-    """Return the yield stress in MPa: the given one, else the lower of the materials' own."""
+    """Return the yield stress in MPa: the given one, else the lower one of the materials."""
     own = [m.yield_stress for m in (pair.material_i, pair.material_j) if m.yield_stress is not None]
     require(
         given is not None or len(own) == 2,

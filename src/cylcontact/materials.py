@@ -1,4 +1,4 @@
-"""A linear elastic, isotropic material, and tables of them."""
+"""Linear elastic, isotropic materials, and tables of them."""
 
 from __future__ import annotations
 
@@ -12,15 +12,26 @@ from cylcontact.arrays import FloatArray, as_floats, require, same_fields
 from cylcontact.errors import InputError
 from cylcontact.html_repr import table_html
 
+__all__ = [
+    "COLUMNS",
+    "PROVENANCES",
+    "SHIPPED",
+    "Material",
+    "MaterialRow",
+    "known_materials",
+    "read_materials",
+    "shipped_materials",
+]
+
 PROVENANCES = ("paper", "derived", "assumed")
-NUMBER_COLUMNS = {"E_GPa": "E_provenance", "nu": "nu_provenance"}
-YIELD_COLUMNS = {"yield_stress_MPa": "yield_provenance"}
+_NUMBER_COLUMNS = {"E_GPa": "E_provenance", "nu": "nu_provenance"}
+_YIELD_COLUMNS = {"yield_stress_MPa": "yield_provenance"}
 COLUMNS = (
     "name",
-    *(c for pair in (NUMBER_COLUMNS | YIELD_COLUMNS).items() for c in pair),
+    *(c for pair in (_NUMBER_COLUMNS | _YIELD_COLUMNS).items() for c in pair),
     "note",
 )
-# The only table that ships; a table of one's own adds to it.
+# The table of the package; a table of the user adds to it.
 SHIPPED = Path(__file__).parent / "data" / "materials.csv"
 
 
@@ -31,10 +42,10 @@ class Material:
     Parameters
     ----------
     name : str
-        What reports call it.
+        Its name in reports.
     E : float or array_like
         Young's modulus in MPa; an array describes a family of materials and broadcasts
-        with everything else.
+        with the other arguments.
     nu : float or array_like
         Poisson's ratio, from 0 to 0.5.
     yield_stress : float, optional
@@ -43,7 +54,7 @@ class Material:
     Raises
     ------
     InputError
-        If a modulus or yield stress is not positive and finite, or ν leaves [0, 0.5].
+        If a modulus or yield stress is not positive and finite, or ν is outside [0, 0.5].
 
     Examples
     --------
@@ -88,13 +99,13 @@ class Material:
 
     @classmethod
     def named(cls, name: str) -> Material:
-        """Return a material of the table that ships with the package.
+        """Return a material of the package's table.
 
         Parameters
         ----------
         name : str
-            Its name in the table; `shipped_materials` lists them with where each number
-            comes from.
+            Its name in the table; `shipped_materials` lists the names, with the provenance of
+            each number.
 
         Returns
         -------
@@ -147,7 +158,7 @@ class MaterialRow:
 
 
 def shipped_materials() -> dict[str, MaterialRow]:
-    """Return the table of materials that ships with the package.
+    """Return the package's table of materials.
 
     Examples
     --------
@@ -158,22 +169,22 @@ def shipped_materials() -> dict[str, MaterialRow]:
 
 
 def known_materials(own: Path | str | None = None) -> dict[str, MaterialRow]:
-    """Return the materials that ship, and those that a table of one's own adds.
+    """Return the package's materials together with those of your own table.
 
     Parameters
     ----------
     own : path, optional
-        A table as `read_materials` takes it.
+        A table as `read_materials` reads it.
 
     Returns
     -------
     dict
-        From the material's name to its row, the shipped ones first.
+        Rows by the name of the material, those of the package first.
 
     Raises
     ------
     InputError
-        If the table is wrong, or one of its names is that of a shipped material.
+        If the table is wrong, or one of its names is already in the package's table.
     """
     rows = shipped_materials()
     if own is None:
@@ -203,13 +214,13 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     Returns
     -------
     dict
-        From the material's name to its row, in the order of the file.
+        Rows by the name of the material, in the order of the file.
 
     Raises
     ------
     InputError
         If the file cannot be read, a column is missing or unknown, a row is too short or too
-        long, a number is not one, a provenance is not among the three, or a name stands twice.
+        long, a cell is not a number, a provenance is not one of the three, or a name is repeated.
     """
     source = str(path)
     rows: dict[str, MaterialRow] = {}
@@ -220,7 +231,7 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
                 f"{source}, line {line}",
                 "name",
                 parsed.material.name,
-                "stands twice",
+                "is used twice",
                 "give each material a name of its own",
             )
         rows[parsed.material.name] = parsed
@@ -230,7 +241,7 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
 
 
 def _read_csv(source: str) -> list[tuple[int, dict[str, str]]]:
-    """Read the rows as text cells by column, each with the number of its line."""
+    """Return each row as its line number and its text cells by column."""
     try:
         with Path(source).open(encoding="utf-8-sig", newline="") as file:
             reader = csv.reader(file, strict=True)
@@ -271,11 +282,11 @@ def _parse_row(source: str, row: dict[str, str]) -> MaterialRow:
         raise InputError(source, "name", None, "is required", "name the material")
     numbers = {
         column: _number(source, column, row[column])
-        for column in (*NUMBER_COLUMNS, *YIELD_COLUMNS)
-        if column in NUMBER_COLUMNS or row[column]
+        for column in (*_NUMBER_COLUMNS, *_YIELD_COLUMNS)
+        if column in _NUMBER_COLUMNS or row[column]
     }
     provenance = {
-        column: _provenance(source, (NUMBER_COLUMNS | YIELD_COLUMNS)[column], row)
+        column: _provenance(source, (_NUMBER_COLUMNS | _YIELD_COLUMNS)[column], row)
         for column in numbers
     }
     try:

@@ -1,11 +1,10 @@
-"""Functions compiled by numba, kept on disk for the sources as they are.
+"""Compilation by numba, with a disk cache that is invalidated when any source changes.
 
-numba keeps what it has compiled until the file of the function changes. A change in a function
-that it calls, or in a constant that it takes from another module, goes unnoticed, and numbers of
-yesterday's formula come out. So the folder of the cache is named after all the sources that
-compiled functions are made of.
+numba recompiles a cached function only when its own file changes. It does not notice a change in a
+function that it calls, or in a constant from another module, and would return the numbers of the
+old formula. Therefore the cache folder is named after a hash of all sources of compiled functions.
 
-This module imports numba, which takes its time: import it where it is needed.
+This module imports numba, which is slow: import it where it is needed.
 """
 
 from __future__ import annotations
@@ -20,27 +19,29 @@ from typing import Any, TypeVar, cast
 
 import numba
 
-# Read and set by attribute; numba declares none of them to a type checker.
-SETTINGS: Any = numba.config
+__all__ = ["PACKAGE", "PARTS", "callback", "compiled", "source_hash"]
+
+# Typed as Any: numba declares no attributes to a type checker.
+_SETTINGS: Any = numba.config
 
 PACKAGE = Path(__file__).parent
-# The packages with compiled functions, and with the constants in them.
+# The packages that contain compiled functions and their constants.
 PARTS = ("laws", "mechanism")
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 def compiled(function: _Function) -> _Function:
-    """Compile a function of numbers, with IEEE division, and keep it on disk.
+    """Compile a function of numbers, with IEEE division, and cache it on disk.
 
-    It must stand in one of the `PARTS`, whose sources name the cache.
+    It must be defined in one of the `PARTS`, whose sources name the cache.
     """
-    with _own_cache() as kept:
-        return cast(_Function, numba.njit(cache=kept, error_model="numpy")(function))
+    with _own_cache() as writable:
+        return cast(_Function, numba.njit(cache=writable, error_model="numpy")(function))
 
 
 def callback(signature: Any) -> Callable[[_Function], Any]:
-    """Return a decorator that compiles a function for calls from C, and keeps it on disk.
+    """Return a decorator that compiles a function for calls from C and caches it on disk.
 
     Parameters
     ----------
@@ -50,41 +51,41 @@ def callback(signature: Any) -> Callable[[_Function], Any]:
     Returns
     -------
     callable
-        What it makes has the `address` of the C function.
+        A decorator; its result has the `address` of the C function.
     """
 
     def compile_function(function: _Function) -> Any:
-        with _own_cache() as kept:
-            return numba.cfunc(signature, cache=kept, error_model="numpy")(function)
+        with _own_cache() as writable:
+            return numba.cfunc(signature, cache=writable, error_model="numpy")(function)
 
     return compile_function
 
 
 @contextmanager
 def _own_cache() -> Iterator[bool]:
-    """Point numba to the cache of these sources; yield whether there is room for one.
+    """Point numba to the cache of these sources; yield whether a writable folder exists.
 
-    numba asks where its cache is when a function is declared, not when it is compiled.
+    numba reads the setting when a function is declared, not when it is compiled.
     """
     folder = _folder()
-    before = SETTINGS.CACHE_DIR
-    SETTINGS.CACHE_DIR = str(folder or "")
+    before = _SETTINGS.CACHE_DIR
+    _SETTINGS.CACHE_DIR = str(folder or "")
     try:
         yield folder is not None
     finally:
-        SETTINGS.CACHE_DIR = before
+        _SETTINGS.CACHE_DIR = before
 
 
 @cache
 def _folder() -> Path | None:
-    """Return a folder to write to, named after the sources, or None if there is none.
+    """Return a writable folder named after the sources, or None if there is none.
 
-    What is kept there is loaded as code, so only places of this user's own are considered.
+    Files in it are loaded as code, so only folders of the user are considered.
     """
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser())
     bases = [PACKAGE / "__pycache__", home / "cylcontact"]
-    if SETTINGS.CACHE_DIR:
-        bases.insert(0, Path(SETTINGS.CACHE_DIR))
+    if _SETTINGS.CACHE_DIR:
+        bases.insert(0, Path(_SETTINGS.CACHE_DIR))
     for base in bases:
         folder = base / f"compiled-{source_hash(PACKAGE)[:16]}"
         try:
@@ -97,7 +98,7 @@ def _folder() -> Path | None:
 
 
 def source_hash(package: Path) -> str:
-    """Return a hash of all the sources in the parts of a package that have compiled functions.
+    """Return a hash of all sources in the `PARTS` of a package.
 
     Parameters
     ----------

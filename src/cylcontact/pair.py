@@ -1,4 +1,4 @@
-"""Two parallel cylinders in contact: geometry, materials and what follows from them."""
+"""Two parallel cylinders in contact: geometry, materials and derived quantities."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from cylcontact.errors import InputError, short
 from cylcontact.html_repr import table_html
 from cylcontact.materials import Material
 
+__all__ = ["CONTACTS", "Contact", "CylinderPair", "Length"]
+
 Contact = Literal["internal", "external"]
 CONTACTS: tuple[Contact, ...] = ("internal", "external")
 
@@ -22,32 +24,32 @@ Length = float | FloatArray
 class CylinderPair:
     """Two parallel cylinders: a pin in a hole (internal) or two rollers (external).
 
-    Build one with `internal`, `external` or `from_dR`; the plain constructor takes the same
-    numbers without deriving any.
+    Build one with `internal`, `external` or `from_dR`; the constructor takes all numbers as they
+    are and derives none.
 
     Parameters
     ----------
     contact : {"internal", "external"}
-        Body *i* is the one with the hole when the contact is internal.
+        For internal contact, body *i* has the hole.
     dR : float or array_like
         ΔR in mm: R_i − R_j for internal contact (the radial clearance), R_i + R_j for
         external contact.
     material_i, material_j : Material
         The materials of the two bodies.
     R_i, R_j : float or array_like, optional
-        The radii in mm, where they are known.
+        The radii in mm, if known.
     length : float, optional
         Axial length of the contact in mm.
 
     Raises
     ------
     InputError
-        If a length is not positive and finite, or the inner cylinder does not fit in the hole.
+        If the contact is unknown, or a length is not positive and finite.
 
     Notes
     -----
-    All arrays broadcast against each other and against the loads and penetrations that laws
-    are asked for.
+    All arrays broadcast against each other and against the loads and penetrations passed to
+    laws.
 
     Examples
     --------
@@ -168,7 +170,7 @@ class CylinderPair:
         R_i: Length | None = None,
         material_j: Material | None = None,
     ) -> CylinderPair:
-        """Return a pair known by its ΔR, for laws in which only ΔR matters.
+        """Return a pair given by its ΔR, for laws that depend on ΔR alone.
 
         Parameters
         ----------
@@ -181,7 +183,7 @@ class CylinderPair:
         length : float, optional
             Axial length in mm.
         R_i : float or array_like, optional
-            The radius of body *i* in mm; the other one then follows from ΔR.
+            The radius of body *i* in mm; the radius of body *j* then follows from ΔR.
         material_j : Material, optional
             The material of body *j*.
 
@@ -231,7 +233,7 @@ class CylinderPair:
         return as_floats(R_i * R_j / as_floats(self.dR))
 
     def radii(self, purpose: str) -> tuple[FloatArray, FloatArray]:
-        """Return R_i and R_j in mm, or say that `purpose` needs them."""
+        """Return R_i and R_j in mm; raise `InputError` naming `purpose` if they are not known."""
         if self.R_i is None or self.R_j is None:
             raise InputError(
                 "CylinderPair",
@@ -243,7 +245,7 @@ class CylinderPair:
         return as_floats(self.R_i), as_floats(self.R_j)
 
     def contact_length(self, purpose: str) -> float:
-        """Return the axial length in mm, or say that `purpose` needs it."""
+        """Return the axial length in mm; raise `InputError` naming `purpose` if it is not known."""
         if self.length is None:
             raise InputError(
                 "CylinderPair",
@@ -256,7 +258,7 @@ class CylinderPair:
 
 
 def _require_contact(contact: object) -> None:
-    """Refuse a contact that is neither internal nor external."""
+    """Raise `InputError` for a contact that is neither internal nor external."""
     require(
         contact in CONTACTS,
         "CylinderPair",
@@ -268,7 +270,7 @@ def _require_contact(contact: object) -> None:
 
 
 def _require_positive(key: str, value: object) -> None:
-    """Refuse a length that is not positive and finite; None stands for not known."""
+    """Raise `InputError` for a length that is not positive and finite; None is allowed."""
     if value is None:
         return
     numbers = as_floats(value)

@@ -1,4 +1,4 @@
-"""How long work tells how far it is."""
+"""How long work reports its progress."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 __all__ = ["Progress", "silent"]
 
-# Called with the stage, how much of it is done, and the total.
+# Called with the stage, how many of its parts are done, and their number.
 Progress = Callable[[str, int, int], None]
 
 
 def silent(stage: str, done: int, total: int) -> None:
-    """Show nothing."""
+    """Report nothing."""

@@ -1,4 +1,4 @@
-"""What a result was made with: versions, the commit, hashes of the specs."""
+"""Provenance of results: versions, the git commit and hashes of the specs."""
 
 from __future__ import annotations
 
@@ -11,23 +11,25 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-# Every file of the repository but results.
-SOURCES = ("--", ":/", ":(top,exclude,glob)**/results/**")
+__all__ = ["made_with", "spec_hash"]
+
+# Every file of the repository except results.
+_SOURCES = ("--", ":/", ":(top,exclude,glob)**/results/**")
 
 
 def made_with(
     folder: Path, specs: Mapping[str, dict[str, Any]], libraries: Iterable[str]
 ) -> dict[str, Any]:
-    """Return package version, git commit, hashes of the specs and library versions.
+    """Return the package version, git commit, hashes of the specs and library versions.
 
     Parameters
     ----------
     folder : Path
-        Where the specs are; the commit is that of the repository around it.
+        Folder of the specs; the commit is that of its repository.
     specs : mapping of str to dict
-        The specs' contents by name.
+        Contents of the specs by name.
     libraries : iterable of str
-        Distributions whose version matters.
+        Distributions whose versions are recorded.
 
     Returns
     -------
@@ -49,7 +51,7 @@ def made_with(
 
 
 def spec_hash(data: dict[str, Any]) -> str:
-    """Return a short hash of a spec's contents, the same whatever its layout and comments.
+    """Return a short hash of a spec's contents, independent of its layout and comments.
 
     Examples
     --------
@@ -61,21 +63,20 @@ def spec_hash(data: dict[str, Any]) -> str:
 
 
 def _git_commit(folder: Path) -> str | None:
-    """Return the commit that `folder` is at, marked if a file differs from it; None outside git.
+    """Return the commit of `folder`, with "-dirty" if a file differs from it; None outside git.
 
-    Results do not count: they are what is made, so that a second one made at a commit is as
-    clean as the first.
+    Changed results are ignored, so that a second result made at a commit is as clean as the first.
     """
     try:
         commit = _git(folder, "rev-parse", "HEAD")
-        changed = _git(folder, "status", "--porcelain", "--untracked-files=no", *SOURCES)
+        changed = _git(folder, "status", "--porcelain", "--untracked-files=no", *_SOURCES)
     except (OSError, subprocess.SubprocessError):
         return None
     return f"{commit}-dirty" if changed else commit
 
 
 def _git(folder: Path, *arguments: str) -> str:
-    """Return what git prints."""
+    """Return the output of a git command."""
     done = subprocess.run(
         ["git", *arguments],
         cwd=folder if folder.is_dir() else None,

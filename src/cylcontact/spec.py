@@ -1,4 +1,4 @@
-"""Specs: TOML files checked against a model, every mistake told in one line."""
+"""Specs: TOML files checked against a model, with one-line errors."""
 
 from __future__ import annotations
 
@@ -11,22 +11,25 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import PydanticCustomError
 
+from cylcontact.choices import TABLE_SUFFIXES
 from cylcontact.errors import InputError
+
+__all__ = ["Spec", "broken", "parse_spec", "read_toml", "require_other_kind"]
 
 
 class Spec(BaseModel):
-    """A table of a spec file: unknown keys are refused and nothing is converted silently.
+    """A table of a spec file: unknown keys are refused, and values are not converted.
 
-    Every field has a `description`, which is what an error offers as the remedy.
+    Every field has a `description`, which errors show as the remedy.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-SpecType = TypeVar("SpecType", bound=Spec)
+_SpecType = TypeVar("_SpecType", bound=Spec)
 
-# What a file is, by keys that stand in every file of its kind and together in no other; in order.
-KINDS = (
+# Key sets that identify each kind of file, tested in order.
+_KINDS = (
     ("a fit result", {"coefficients"}),
     ("a fit result", {"settings"}),
     ("a mechanism", {"bodies", "joints"}),
@@ -35,9 +38,8 @@ KINDS = (
     ("a campaign", {"data", "law"}),
     ("a grid spec", {"contact", "reference"}),
 )
-TABLES = (".csv", ".parquet")
 
-# Pydantic's rules about types in the words of TOML and JSON.
+# Pydantic's type rules in the terms of TOML and JSON.
 _PLAIN_RULES = {
     "model_type": "must be a table",
     "dict_type": "must be a table",
@@ -52,7 +54,7 @@ _PLAIN_RULES = {
 
 
 def broken(key: str, value: object, rule: str, remedy: str) -> PydanticCustomError:
-    """Return the error a validator raises, with the four parts that an InputError shows."""
+    """Return the error for a validator to raise, with four parts of an `InputError`."""
     return PydanticCustomError(
         "broken_rule",
         "{rule}",
@@ -85,53 +87,53 @@ def read_toml(path: Path | str) -> dict[str, Any]:
         ) from error
 
 
-def kind_of(keys: Container[str]) -> str:
-    """Say what the file is that has these keys at its top; nothing where that cannot be told.
+def _kind_of(keys: Container[str]) -> str:
+    """Return the kind of a file from its top-level keys; empty if unknown.
 
     Examples
     --------
-    >>> kind_of({"contact": "internal", "reference": "johnson", "axes": {}})
+    >>> _kind_of({"contact": "internal", "reference": "johnson", "axes": {}})
     'a grid spec'
     """
-    return next((kind for kind, marks in KINDS if all(key in keys for key in marks)), "")
+    return next((kind for kind, marks in _KINDS if all(key in keys for key in marks)), "")
 
 
 def require_other_kind(path: Path | str, wanted: str) -> None:
-    """Refuse a file of a known kind where `wanted` should be; say nothing of any other file.
+    """Raise `InputError` for a file of a known kind that is not `wanted`; ignore other files.
 
     Raises
     ------
     InputError
         If the file is a table, or TOML or JSON of a known kind.
     """
-    if Path(path).suffix in TABLES:
+    if Path(path).suffix in TABLE_SUFFIXES:
         raise _other_kind(str(path), "a table", wanted)
     for parse in (tomllib.loads, json.loads):
         try:
             data = parse(Path(path).read_text(encoding="utf-8-sig"))
         except (OSError, ValueError, RecursionError):
             continue
-        kind = kind_of(data) if isinstance(data, dict) else ""
+        kind = _kind_of(data) if isinstance(data, dict) else ""
         if kind:
             raise _other_kind(str(path), kind, wanted)
 
 
 def _other_kind(source: str, kind: str, wanted: str) -> InputError:
-    """Return the error of a file that is of another kind."""
+    """Return the error for a file of another kind."""
     return InputError(source, "", None, f"is {kind}, not {wanted}", f"name {wanted}")
 
 
-def parse_spec(model: type[SpecType], data: dict[str, Any], source: str) -> SpecType:
+def parse_spec(model: type[_SpecType], data: dict[str, Any], source: str) -> _SpecType:
     """Check `data` against `model`.
 
     Parameters
     ----------
     model : type of Spec
-        What the data must look like.
+        The model of the data.
     data : dict
         As read from TOML or JSON.
     source : str
-        What to call it in errors, usually the file.
+        Its name in errors, usually the file.
 
     Returns
     -------
@@ -140,21 +142,21 @@ def parse_spec(model: type[SpecType], data: dict[str, Any], source: str) -> Spec
     Raises
     ------
     InputError
-        With the first mistake, unknown keys before all others as they are often why something
-        is missing, and the number of further ones.
+        With the first mistake and the number of further ones. Unknown keys come first, because
+        a misspelt key is often the reason why another is missing.
     """
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        kind = kind_of(data) if isinstance(data, dict) else ""
-        wanted = kind_of(model.model_fields)
+        kind = _kind_of(data) if isinstance(data, dict) else ""
+        wanted = _kind_of(model.model_fields)
         if kind and wanted and kind != wanted:
             raise _other_kind(source, kind, wanted) from None
         raise _as_input_error(error, model, source) from None
 
 
 def _as_input_error(error: ValidationError, model: type[Spec], source: str) -> InputError:
-    """Turn pydantic's list of mistakes into one line about the first."""
+    """Return pydantic's list of mistakes as one line about the first."""
     mistakes = error.errors(include_url=False)
     first = min(mistakes, key=lambda mistake: mistake["type"] != "extra_forbidden")
     location = [str(part) for part in first["loc"]]
@@ -178,18 +180,18 @@ def _explain(kind: str, message: str, model: type[Spec], location: list[str]) ->
         return "is required", f"add {description}"
     if kind == "extra_forbidden":
         return "is not a known key", f"known keys here: {', '.join(table.model_fields)}"
-    spoken = message[0].lower() + message[1:].replace("greater than or equal to", "at least")
-    return _PLAIN_RULES.get(kind, spoken.replace("input should", "must")), f"give {description}"
+    rule = message[0].lower() + message[1:].replace("greater than or equal to", "at least")
+    return _PLAIN_RULES.get(kind, rule.replace("input should", "must")), f"give {description}"
 
 
 def _innermost(model: type[Spec], location: list[str]) -> tuple[type[Spec], str]:
-    """Return the innermost table that `location` leads into, and what its key there should be."""
+    """Return the innermost table at `location`, and the description of the key."""
     table, description = model, "a value that fits"
     for part in location:
         if part in table.model_fields:  # else a key of a mapping, or an index of a list
             field = table.model_fields[part]
             description = field.description or description
-            table = _inner_spec(field.annotation) or table
+            table = _inner_spec(field.annotation) or Spec  # a plain mapping has keys of its own
     return table, description
 
 
@@ -197,5 +199,5 @@ def _inner_spec(annotation: Any) -> type[Spec] | None:
     """Return the Spec inside an annotation such as `Axis`, `Axis | None` or `dict[str, Axis]`."""
     if isinstance(annotation, type) and issubclass(annotation, Spec):
         return annotation
-    found = (_inner_spec(part) for part in getattr(annotation, "__args__", ()))
-    return next((spec for spec in found if spec is not None), None)
+    inner = (_inner_spec(part) for part in getattr(annotation, "__args__", ()))
+    return next((spec for spec in inner if spec is not None), None)

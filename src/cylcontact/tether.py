@@ -1,7 +1,7 @@
-"""Programs that end with the process that starts them, however that one ends.
+"""Child programs that end with their parent process, however the parent ends.
 
-Linux sends a process a signal when the thread that started it ends, if the process has asked for
-it. So this file, run as a script, asks for SIGKILL and then becomes the program.
+On Linux a process can ask for a signal when the thread that started it ends. This file, run as a
+script, asks for SIGKILL and then becomes the program.
 """
 
 from __future__ import annotations
@@ -11,11 +11,13 @@ import signal
 import sys
 from collections.abc import Sequence
 
+__all__ = ["tethered"]
+
 _PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
 
 
 def tethered(command: Sequence[str]) -> list[str]:
-    """Return a command whose process ends with this one; on systems other than Linux, the same.
+    """Return a command whose process ends with this one; outside Linux, the command unchanged.
 
     The thread that starts it must outlive it.
 
@@ -32,13 +34,13 @@ def tethered(command: Sequence[str]) -> list[str]:
     """
     if sys.platform != "linux":
         return list(command)
-    # Isolated and without site-packages, Python starts in some hundredths of a second. A function
-    # that subprocess calls between fork and exec would be faster, and is unsafe beside threads.
+    # Isolated and without site-packages, Python starts in some hundredths of a second. A
+    # `preexec_fn` would be faster but is unsafe in a process with threads.
     return [sys.executable, "-I", "-S", __file__, str(os.getpid()), *command]
 
 
 def _become(parent: int, command: list[str]) -> None:
-    """Become a program that ends with its parent, unless the parent has ended already."""
+    """Replace this process by a program that ends with its parent; return if that has ended."""
     import ctypes
 
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)

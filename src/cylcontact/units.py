@@ -1,47 +1,49 @@
-"""Columns that carry their unit in their name, and what turns each into mm, N and MPa."""
+"""Column names that carry a unit, and the factors that convert them to mm, N and MPa."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-# Of each kind of quantity, the suffixes of its columns and their size in mm, N and MPa.
-LENGTHS = {"nm": 1e-6, "um": 1e-3, "mm": 1.0, "m": 1e3}
-LINE_LOADS = {"N_per_mm": 1.0, "N_per_m": 1e-3, "kN_per_m": 1.0}
-FORCES = {"N": 1.0, "kN": 1e3}
-MODULI = {"Pa": 1e-6, "MPa": 1.0, "GPa": 1e3}
-PURE: dict[str, float] = {"": 1.0}
+__all__ = ["LABELS", "QUANTITIES", "Column", "column_named", "spellings"]
+
+# For each kind of quantity, the suffixes of its columns and their value in mm, N and MPa.
+_LENGTHS = {"nm": 1e-6, "um": 1e-3, "mm": 1.0, "m": 1e3}
+_LINE_LOADS = {"N_per_mm": 1.0, "N_per_m": 1e-3, "kN_per_m": 1.0}
+_FORCES = {"N": 1.0, "kN": 1e3}
+_MODULI = {"Pa": 1e-6, "MPa": 1.0, "GPa": 1e3}
+_PURE: dict[str, float] = {"": 1.0}
 
 QUANTITIES: dict[str, dict[str, float]] = {
-    "load": LINE_LOADS | FORCES,
-    "load_std": LINE_LOADS | FORCES,
-    "penetration": LENGTHS,
-    "penetration_std": LENGTHS,
-    "dR": LENGTHS,
-    "R_i": LENGTHS,
-    "R_j": LENGTHS,
-    "length": LENGTHS,
-    **{f"E{body}": MODULI for body in ("", "_i", "_j")},
-    **{f"nu{body}": PURE for body in ("", "_i", "_j")},
-    "weight": PURE,
+    "load": _LINE_LOADS | _FORCES,
+    "load_std": _LINE_LOADS | _FORCES,
+    "penetration": _LENGTHS,
+    "penetration_std": _LENGTHS,
+    "dR": _LENGTHS,
+    "R_i": _LENGTHS,
+    "R_j": _LENGTHS,
+    "length": _LENGTHS,
+    **{f"E{body}": _MODULI for body in ("", "_i", "_j")},
+    **{f"nu{body}": _PURE for body in ("", "_i", "_j")},
+    "weight": _PURE,
 }
-# Columns of words.
+# Columns of text.
 LABELS = ("material", "material_i", "material_j", "group")
 
 
 @dataclass(frozen=True)
 class Column:
-    """What a column's name says.
+    """A column name, parsed.
 
     Attributes
     ----------
     name : str
-        As it stands in the table.
+        The name in the table.
     quantity : str
         A key of `QUANTITIES`, or one of `LABELS`.
     factor : float
-        From the column's unit to mm, N and MPa.
+        Factor from the unit of the column to mm, N and MPa.
     is_total : bool
-        Whether it is a total force, which becomes a load by division by the length.
+        Whether it is a total force, to be divided by the axial length.
     """
 
     name: str
@@ -51,7 +53,7 @@ class Column:
 
 
 def column_named(name: str) -> Column | None:
-    """Return what a column's name says, None if it says nothing known.
+    """Return the parsed name of a column; None if the name is not known.
 
     Examples
     --------
@@ -68,12 +70,12 @@ def column_named(name: str) -> Column | None:
     for quantity, units in QUANTITIES.items():
         for unit, factor in units.items():
             if plain == (f"{quantity}_{unit}" if unit else quantity):
-                return Column(name, quantity, factor, units is not PURE and unit in FORCES)
+                return Column(name, quantity, factor, units is not _PURE and unit in _FORCES)
     return None
 
 
 def spellings(quantity: str) -> str:
-    """Return the column names of a quantity, for errors.
+    """Return the possible column names of a quantity, for errors.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """The command line: `cylcontact sample | fit | simulate | report | claims | …`.
 
 Exit codes: 0 done, 1 a check does not hold, 2 bad input (one line on standard error),
-130 interrupted (Ctrl-C, SIGTERM, a closed terminal), 141 nobody reads the output any more.
+130 interrupted (Ctrl-C, SIGTERM, a closed terminal), 141 the reader of the output has closed.
 """
 
 from __future__ import annotations
@@ -18,9 +18,11 @@ from cylcontact.cli.app import app
 from cylcontact.cli.signals import stopped_by_signals
 from cylcontact.errors import InputError
 
+__all__ = ["main"]
+
 
 def main() -> None:
-    """Run the command line, and turn every expected failure into one line and an exit code."""
+    """Run the command line; expected failures become one line and an exit code."""
     _prepare_streams()
     try:
         with stopped_by_signals():
@@ -32,8 +34,7 @@ def main() -> None:
     except MemoryError:
         status = _fail("memory is short; thin the grid, or use smaller populations or fewer --jobs")
     except OSError as error:
-        # Every file has an InputError of its own, so this is about standard output; give Python
-        # somewhere to flush what is left.
+        # Errors of files are InputErrors, so this is standard output. Python flushes the rest.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 141
         if not isinstance(error, BrokenPipeError):
@@ -46,7 +47,7 @@ def main() -> None:
 
 
 def _prepare_streams() -> None:
-    """Make standard output and error take everything: in other encodings, and when closed."""
+    """Let standard output and error accept any text, and replace closed ones."""
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:
@@ -56,7 +57,7 @@ def _prepare_streams() -> None:
 
 
 def _run(arguments: Sequence[str]) -> int:
-    """Run one command and return its exit code; errors of all kinds come out as they are."""
+    """Run one command and return its exit code; errors propagate."""
     command = typer.main.get_command(app)
     try:
         with command.make_context("cylcontact", list(arguments)) as context:
@@ -67,13 +68,13 @@ def _run(arguments: Sequence[str]) -> int:
 
 
 def _usage(error: Exception, message: str) -> str:
-    """Put a mistake on the command line, told by typer, and the remedy on one line."""
+    """Return typer's message about a mistake on the command line, and the remedy, on one line."""
     rule = " ".join(message.split()).rstrip(".")
     context = getattr(error, "ctx", None)
     return f"{rule}; see {context.command_path if context else 'cylcontact'} --help"
 
 
 def _fail(message: str, status: int = 2) -> int:
-    """Print one line on standard error and return the exit code, that of bad input by default."""
+    """Print one line on standard error and return the exit code."""
     typer.echo(f"cylcontact: {message}", err=True)
     return status

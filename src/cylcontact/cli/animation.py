@@ -1,4 +1,4 @@
-"""The command that films a mechanism: animate."""
+"""The command `animate`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,11 @@ from typing import Annotated
 import typer
 
 from cylcontact.cli.mechanism import Beyond, Method, SpecFile, Tolerance
-from cylcontact.cli.terminal import integer_from, progress_bars
+from cylcontact.cli.options import integer_from
+from cylcontact.cli.terminal import progress_bars
+from cylcontact.files import require_writable
+
+__all__ = ["animate"]
 
 
 def animate(
@@ -32,7 +36,6 @@ def animate(
     beyond: Beyond = "stop",
 ) -> None:
     """Film a mechanism with a clearance joint, the journal magnified beside it."""
-    from cylcontact.files import require_writable
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism import simulate as run
     from cylcontact.mechanism.movie import film, require_film

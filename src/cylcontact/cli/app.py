@@ -1,4 +1,4 @@
-"""The program and its commands; a command's heavy imports wait until it runs."""
+"""The program and its commands. Commands import slow libraries when they run."""
 
 from typing import Annotated
 
@@ -15,9 +15,11 @@ from cylcontact.cli import (
     reporting,
 )
 
+__all__ = ["app"]
+
 
 def _version(wanted: bool) -> None:
-    """Show the version and end."""
+    """Print the version and exit."""
     if wanted:
         typer.echo(f"cylcontact {cylcontact.__version__}")
         raise typer.Exit
@@ -32,7 +34,7 @@ app = typer.Typer(
 
 
 @app.callback()
-def common(
+def _common(
     version: Annotated[
         bool,
         typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),

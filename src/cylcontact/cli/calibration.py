@@ -1,4 +1,4 @@
-"""The commands around a calibration: sample, fit, optimizers, compare, verify."""
+"""The commands `sample`, `fit`, `optimizers`, `compare` and `verify`."""
 
 from __future__ import annotations
 
@@ -8,20 +8,14 @@ from typing import Annotated
 
 import typer
 
+from cylcontact.choices import OPTIMIZERS, listed
 from cylcontact.cli import measured
-from cylcontact.cli.choices import OPTIMIZERS, listed
-from cylcontact.cli.keeping import interrupted, kept_beside
-from cylcontact.cli.terminal import (
-    RESULTS,
-    Force,
-    Jobs,
-    Runs,
-    Scheduler,
-    Seed,
-    progress_bars,
-    workers,
-)
+from cylcontact.cli.options import RESULTS, Force, Jobs, Runs, Scheduler, Seed, resumable
+from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
+from cylcontact.files import owning, replacing, require_suffix
+
+__all__ = ["compare", "fit", "optimizers", "sample", "verify"]
 
 
 def sample(
@@ -30,7 +24,6 @@ def sample(
 ) -> None:
     """Sample a reference law over a grid, in bounded memory."""
     from cylcontact.datasets import read_grid, write_samples
-    from cylcontact.locks import owning
 
     grid = read_grid(spec)
     with owning(out), progress_bars() as progress:
@@ -58,7 +51,7 @@ def fit(
         typer.Option(help=f"{listed(OPTIMIZERS)}."),
     ] = None,
     scheduler: Scheduler = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted fit.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Resume an interrupted fit.")] = False,
     force: Force = False,
     law: measured.Law = None,
     contact: measured.ContactKind = None,
@@ -76,12 +69,11 @@ def fit(
     loss: measured.LossName = None,
     ignore: measured.Ignored = None,
     bound: measured.Bounds = None,
-    fix: measured.Held = None,
+    fix: measured.Fixed = None,
 ) -> None:
     """Calibrate a law to a reference, or to a table of measurements."""
     from cylcontact.fitting import calibrate
     from cylcontact.fitting.result import require_same_inputs
-    from cylcontact.locks import owning
 
     options = measured.TableOptions(
         law=law,
@@ -108,16 +100,12 @@ def fit(
     with owning(target):
         if out is None and not force:
             require_same_inputs(target, planned)
-        kept = kept_beside(target)
-        if resume and not kept.exists():
-            typer.echo(f"cylcontact: no runs are kept in {kept}; all are run", err=True)
-        try:
+        with resumable(target, "run") as journal:
+            if resume and not journal.exists():
+                typer.echo(f"cylcontact: no runs are kept in {journal}; all are run", err=True)
             with progress_bars() as progress:
-                result = calibrate(planned, where, progress, kept, resume)
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(interrupted(kept, "run")) from None
-        result.save(target)
-        kept.unlink(missing_ok=True)
+                result = calibrate(planned, where, progress, journal, resume)
+            result.save(target)
     typer.echo(f"{result}\n\nwritten to {target}")
 
 
@@ -134,10 +122,8 @@ def optimizers(
     seed: Seed = None,
     scheduler: Scheduler = None,
 ) -> None:
-    """Run a campaign with every optimiser on the same budget, and compare what they find."""
-    from cylcontact.files import replacing, require_suffix
+    """Run a campaign with every optimiser, with the same budget, and compare them."""
     from cylcontact.fitting import optimizer_comparison, read_campaign
-    from cylcontact.locks import owning
 
     for name in names or ():
         read_campaign(campaign, optimizer=name)  # refuses an unknown one
@@ -160,7 +146,7 @@ def compare(
         list[Path], typer.Argument(help="Result files, e.g. fitting/results/*.json.")
     ],
 ) -> None:
-    """Show results side by side, with the published coefficients."""
+    """Compare results with each other and with the published coefficients."""
     from cylcontact import fitting
 
     typer.echo(fitting.compare([fitting.FitResult.load(path) for path in results]))
@@ -173,7 +159,7 @@ def verify(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
 ) -> None:
-    """Redo committed fits with their own settings and compare; exit code 1 where one differs."""
+    """Redo committed fits with their own settings; exit code 1 if one differs."""
     from cylcontact.fitting.verify import verify as verify_one
 
     paths = results or sorted(RESULTS.glob("*.json"))
@@ -182,7 +168,7 @@ def verify(
             str(RESULTS),
             "",
             None,
-            "holds no results",
+            "has no results",
             "name some, or lay out a bench with: cylcontact init FOLDER",
         )
     failed = 0

@@ -1,4 +1,4 @@
-"""The command that lays out a bench: init."""
+"""The command `init`."""
 
 from __future__ import annotations
 
@@ -16,9 +16,11 @@ import cylcontact
 from cylcontact.errors import InputError
 from cylcontact.files import folder_of, require_writable, unwritable
 
+__all__ = ["FOLDERS", "copy_files", "init", "shipped_files"]
+
 FOLDERS = ("datasets", "fitting", "notebooks", "reports")
-# What commands and readers add to the folders of a checkout; a wheel has none of it.
-NOT_SHIPPED = (
+# Files that commands and users add to a checkout; a wheel has none of them.
+_NOT_SHIPPED = (
     *("__pycache__", ".*", "figures", "generated", "html", "tables"),
     *("mine*", "materials.csv", "*.lock", "*.partial"),
 )
@@ -30,7 +32,7 @@ def init(
     ] = Path(),
 ) -> None:
     """Lay out a bench: datasets, campaigns with their results, figures' recipes, notebooks."""
-    source = shipped_bench()
+    source = _shipped_bench()
     names = shipped_files(source)
     copy_files(source, folder, _missing(source, folder, names))
     typer.echo(
@@ -39,15 +41,15 @@ def init(
     )
 
 
-def shipped_bench() -> Path:
-    """Return the folder of the bench that ships: in the package, or the checkout around it."""
+def _shipped_bench() -> Path:
+    """Return the folder of the shipped bench: in the package, or the checkout around it."""
     package = Path(cylcontact.__file__).parent
     return package / "bench" if (package / "bench").is_dir() else package.parents[1]
 
 
 def shipped_files(source: Path) -> list[Path]:
-    """Return the files of the bench that ships, relative to its folder."""
-    ignore = shutil.ignore_patterns(*NOT_SHIPPED)
+    """Return the files of the shipped bench, relative to its folder."""
+    ignore = shutil.ignore_patterns(*_NOT_SHIPPED)
     names = []
     for top in FOLDERS:
         for folder, folders, files in os.walk(source / top):
@@ -59,7 +61,7 @@ def shipped_files(source: Path) -> list[Path]:
 
 
 def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
-    """Copy files with their folders; none of them appears before all are copied.
+    """Copy files with their folders; none appears before all are copied.
 
     Parameters
     ----------
@@ -87,7 +89,7 @@ def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
 
 
 def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:
-    """Return the files that are not in a folder yet; refuse one where others are in the way."""
+    """Return the files missing in a folder; refuse a folder with other files of these names."""
     require_writable(folder / "any")
     present = [name for name in names if os.path.lexists(folder / name)]
     taken = [str(name) for name in present if not _is_copy(folder / name, source / name)]
@@ -97,7 +99,7 @@ def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:
             str(folder),
             "",
             None,
-            f"has files of its own as {', '.join(taken[:3])}{more}, and nothing is overwritten",
+            f"has other files named {', '.join(taken[:3])}{more}, and nothing is overwritten",
             "choose an empty folder, or move these away",
         )
     return [name for name in names if name not in present]

@@ -1,4 +1,4 @@
-"""Fits to a table of one's own from the command line, and how sure they are."""
+"""Options for fits to a table of measurements, and the command `uncertainty`."""
 
 from __future__ import annotations
 
@@ -10,41 +10,59 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cylcontact.cli.choices import CONTACTS, LOSSES, listed
-from cylcontact.cli.terminal import (
-    Jobs,
-    Scheduler,
-    Seed,
-    integer_from,
-    modulus_in_MPa,
-    progress_bars,
-    workers,
-)
+from cylcontact.choices import TABLE_SUFFIXES, listed
+from cylcontact.cli.options import LOSSES, Jobs, Scheduler, Seed, integer_from, modulus_in_MPa
+from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
+from cylcontact.files import replacing, require_suffix, require_writable
+from cylcontact.pair import CONTACTS
 
 if TYPE_CHECKING:
     from cylcontact.fitting.planning import AnyCampaign
 
-TABLES = (".csv", ".parquet")
-PANEL = "For a table of measurements"
+__all__ = [
+    "CONSTANTS",
+    "Bounds",
+    "Clearance",
+    "ContactKind",
+    "Fixed",
+    "Ignored",
+    "Law",
+    "Length",
+    "LossName",
+    "MaterialI",
+    "MaterialJ",
+    "MaterialName",
+    "Materials",
+    "Modulus",
+    "Objective",
+    "Poisson",
+    "RadiusI",
+    "RadiusJ",
+    "TableOptions",
+    "plan",
+    "uncertainty",
+]
+
+_PANEL = "For a table of measurements"
 
 
 def _option(
     *names: str, help: str, metavar: str | None = None, callback: Callable[..., Any] | None = None
 ) -> Any:
-    """Return an option of the panel for tables."""
+    """Return an option in the help panel for tables."""
     return typer.Option(
-        *names, help=help, metavar=metavar, callback=callback, rich_help_panel=PANEL
+        *names, help=help, metavar=metavar, callback=callback, rich_help_panel=_PANEL
     )
 
 
 Law = Annotated[str | None, _option("--law", help="The law, or module:function of your own.")]
 ContactKind = Annotated[str | None, _option("--contact", help=f"{listed(CONTACTS)}.")]
 MaterialName = Annotated[
-    str | None, _option("--material", help="Both bodies', by its name in the table of materials.")
+    str | None, _option("--material", help="Of both bodies, by name in the table of materials.")
 ]
-MaterialI = Annotated[str | None, _option("--material-i", help="That of body i.")]
-MaterialJ = Annotated[str | None, _option("--material-j", help="That of body j.")]
+MaterialI = Annotated[str | None, _option("--material-i", help="Of body i.")]
+MaterialJ = Annotated[str | None, _option("--material-j", help="Of body j.")]
 Materials = Annotated[
     str | None,
     _option("--materials", help="A table of your own materials; datasets/materials.csv."),
@@ -72,15 +90,15 @@ Bounds = Annotated[
         metavar="NAME=LOW:HIGH",
     ),
 ]
-Held = Annotated[
+Fixed = Annotated[
     list[str] | None,
-    _option("--fix", help="Hold a parameter; may be repeated.", metavar="NAME=VALUE"),
+    _option("--fix", help="Fix a parameter; may be repeated.", metavar="NAME=VALUE"),
 ]
 
 
 @dataclass(frozen=True)
 class TableOptions:
-    """The options of `fit` that are for tables; None where they are not given."""
+    """The options of `fit` for tables; None if not given."""
 
     law: str | None
     contact: str | None
@@ -114,12 +132,12 @@ def plan(
     seed: int | None,
     optimizer: str | None,
 ) -> AnyCampaign:
-    """Return the campaign of a file, or of a table and the options for tables."""
+    """Return the campaign of a file, or of a table and its options."""
     from cylcontact.fitting.planning import read_plan
 
     given = {f.name: getattr(options, f.name) for f in fields(options)}
     given = {name: value for name, value in given.items() if value not in (None, [])}
-    if path.suffix.lower() not in TABLES:
+    if path.suffix.lower() not in TABLE_SUFFIXES:
         if given:
             raise InputError(
                 str(path),
@@ -151,28 +169,28 @@ def _plan_of_table(
     return campaign_of_table(path, law, contact, constants, **settings)
 
 
-def _parameters(source: str, bounds: list[str], held: list[str]) -> dict[str, dict[str, Any]]:
-    """Return the tables of parameters that --bound and --fix stand for."""
-    found: dict[str, dict[str, Any]] = {}
-    for key, texts, parts in (("--bound", bounds, 2), ("--fix", held, 1)):
+def _parameters(source: str, bounds: list[str], fixed: list[str]) -> dict[str, dict[str, Any]]:
+    """Return the tables [parameters.NAME] from --bound and --fix."""
+    tables: dict[str, dict[str, Any]] = {}
+    for key, texts, parts in (("--bound", bounds, 2), ("--fix", fixed, 1)):
         for text in texts:
             name, _, numbers = text.partition("=")
             values = _numbers(numbers.split(":"))
             if not name or values is None or len(values) != parts:
                 example = "n=1:1.5" if parts == 2 else "n=1.1"
-                raise InputError(source, key, text, "is not understood", f"write {key} {example}")
-            if name in found:
+                raise InputError(source, key, text, "is not valid", f"write {key} {example}")
+            if name in tables:
                 raise InputError(source, key, text, f"{name} is given twice", "keep one of them")
-            found[name] = (
+            tables[name] = (
                 {"low": values[0], "high": values[1]}
                 if parts == 2
                 else {"value": values[0], "fixed": True}
             )
-    return found
+    return tables
 
 
 def _numbers(texts: list[str]) -> list[float] | None:
-    """Return texts as numbers, None if one is not."""
+    """Return texts as numbers; None if one is not a number."""
     try:
         return [float(text) for text in texts]
     except ValueError:
@@ -207,20 +225,20 @@ def uncertainty(
     jobs: Jobs = None,
     scheduler: Scheduler = None,
 ) -> None:
-    """Say how sure a fit's coefficients are: noise of measurements, or discrepancy of laws."""
+    """Estimate the uncertainty of a fit: noise of measurements, or discrepancy of laws."""
     from cylcontact.fitting import FitResult
+    from cylcontact.fitting.report import discrepancy_text, noise_text
     from cylcontact.fitting.uncertainty.discrepancy import DiscrepancyStudy, study_discrepancy
     from cylcontact.fitting.uncertainty.study import NoiseStudy, study_noise
-    from cylcontact.fitting.uncertainty.text import discrepancy_text, noise_text
 
     _require_study(result, out, level, bootstrap, over)
-    found = FitResult.load(result)
+    fit = FitResult.load(result)
     where = workers(jobs, scheduler)
     study: NoiseStudy | DiscrepancyStudy
     with progress_bars() as progress:
-        if found.kind == "noise":
+        if fit.kind == "noise":
             study = study_noise(
-                found,
+                fit,
                 level=level,
                 replicates=bootstrap or 0,
                 over=over or "rows",
@@ -242,9 +260,9 @@ def uncertainty(
                     "use --leave-out dR or --leave-out material",
                 )
             study = study_discrepancy(
-                found, leave_out=leave_out, with_pairs=pairs, jobs=where, progress=progress
+                fit, leave_out=leave_out, with_pairs=pairs, jobs=where, progress=progress
             )
-            text = discrepancy_text(study, found)
+            text = discrepancy_text(study, fit)
     _write(study, out)
     typer.echo(text + (f"\n\nwritten to {out}" if out else ""))
 
@@ -252,9 +270,7 @@ def uncertainty(
 def _require_study(
     result: Path, out: Path | None, level: float, bootstrap: int | None, over: str | None
 ) -> None:
-    """Refuse options that do not go together, before any work is done."""
-    from cylcontact.files import require_suffix, require_writable
-
+    """Refuse invalid combinations of options."""
     if not 0.5 <= level < 1:
         raise InputError(
             str(result), "--level", level, "must be from 0.5 to below 1", "0.95 is common"
@@ -267,9 +283,7 @@ def _require_study(
 
 
 def _write(study: Any, out: Path | None) -> None:
-    """Write a study as JSON."""
-    from cylcontact.files import replacing
-
+    """Write a study as JSON if --out is given."""
     if out is None:
         return
     with replacing(out) as temporary:

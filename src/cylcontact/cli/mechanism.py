@@ -1,4 +1,4 @@
-"""The commands around a mechanism: simulate, sweep, tolerances."""
+"""The commands `simulate`, `sweep` and `tolerances`."""
 
 from __future__ import annotations
 
@@ -9,15 +9,19 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cylcontact.cli import choices
-from cylcontact.cli.keeping import interrupted, kept_beside
-from cylcontact.cli.terminal import Jobs, Scheduler, integer_from, progress_bars, workers
+from cylcontact import choices
+from cylcontact.choices import BEYOND, METHODS, listed
+from cylcontact.cli.options import Jobs, Scheduler, integer_from, resumable
+from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
+from cylcontact.files import owning, require_suffix
 
 if TYPE_CHECKING:
     from cylcontact.mechanism import Mechanism, Settings, Trajectory
 
-# What Sect. 4.3 varies: laws, clearances in mm, restitutions, friction coefficients.
+__all__ = ["PAPER", "Beyond", "Method", "SpecFile", "Tolerance", "simulate", "sweep", "tolerances"]
+
+# The cases of Sect. 4.3: laws, clearances in mm, restitutions, friction coefficients.
 PAPER = (
     ("lankarani-nikravesh", "johnson", "enhanced"),
     (0.5, 0.02),
@@ -26,15 +30,15 @@ PAPER = (
 )
 
 
-def _listed(values: Iterable[object]) -> str:
-    """Return values as an option takes them."""
+def _joined(values: Iterable[object]) -> str:
+    """Return values separated by commas."""
     return ",".join(f"{value}" for value in values)
 
 
 SpecFile = Annotated[
     Path, typer.Argument(help="A mechanism's spec, e.g. datasets/slider_crank.toml.")
 ]
-Revolutions = Annotated[
+_Revolutions = Annotated[
     int | None,
     typer.Option(
         parser=integer_from(1), metavar="INTEGER", help="Revolutions in all; the spec's by default."
@@ -44,17 +48,17 @@ Tolerance = Annotated[float | None, typer.Option(help="Of the integrator; the sp
 Method = Annotated[
     choices.Method | None,
     typer.Option(
-        parser=choices.unchecked,
+        parser=str,
         metavar="METHOD",
-        help=f"{choices.listed(choices.METHODS)}; the first is the faster, and taken if it fits.",
+        help=f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
     ),
 ]
 Beyond = Annotated[
     choices.Beyond,
     typer.Option(
-        parser=choices.unchecked,
+        parser=str,
         metavar="WHAT",
-        help=f"Where the contact law ends: {choices.listed(choices.BEYOND)} (go on along it).",
+        help=f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
     ),
 ]
 
@@ -65,7 +69,7 @@ def simulate(
     clearance: Annotated[float | None, typer.Option(help="Radial clearance, mm.")] = None,
     restitution: Annotated[float | None, typer.Option(help="Restitution, (0, 1].")] = None,
     friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None,
-    revolutions: Revolutions = None,
+    revolutions: _Revolutions = None,
     method: Method = None,
     tolerance: Tolerance = None,
     beyond: Beyond = "stop",
@@ -80,11 +84,8 @@ def simulate(
         bool, typer.Option("--resume", help="Go on from what --out holds, with its settings.")
     ] = False,
 ) -> None:
-    """Simulate a mechanism with a clearance joint, and print what comes out."""
-    from cylcontact.files import require_suffix
-    from cylcontact.locks import owning
+    """Simulate a mechanism with a clearance joint, and print a summary."""
     from cylcontact.mechanism import read_mechanism
-    from cylcontact.mechanism.report import to_text
     from cylcontact.mechanism.simulate import settings_for
 
     changes = {
@@ -103,13 +104,13 @@ def simulate(
         run = _run(mechanism, settings, revolutions, earlier, out)
         if out is not None:
             run.save(out)
-    typer.echo(to_text(run), nl=False)
+    typer.echo(run.to_text(), nl=False)
     if out is not None:
         typer.echo(f"\nwritten to {out}")
 
 
 def _earlier(mechanism: Mechanism, settings: Settings, out: Path | None) -> Trajectory | None:
-    """Return the run to go on from, refused if it is another one."""
+    """Return the run to resume; refuse one of another mechanism or other options."""
     from cylcontact.mechanism import Trajectory
 
     if out is None:
@@ -133,7 +134,7 @@ def _run(
     earlier: Trajectory | None,
     out: Path | None,
 ) -> Trajectory:
-    """Simulate, and keep the complete revolutions of an interrupted run."""
+    """Simulate; save the complete revolutions of an interrupted run."""
     from cylcontact.mechanism import Interrupted
     from cylcontact.mechanism import simulate as run
 
@@ -149,12 +150,13 @@ def _run(
                 earlier,
                 settings.allowed_penetration,
             )
-    except Interrupted as stop:
-        if out is None or stop.trajectory is None:
+    except Interrupted as interruption:
+        if out is None or interruption.trajectory is None:
             raise KeyboardInterrupt from None
-        stop.trajectory.save(out)
+        interruption.trajectory.save(out)
+        count = interruption.trajectory.revolutions
         raise KeyboardInterrupt(
-            f"interrupted; {stop.trajectory.revolutions} complete revolutions are kept in {out}; "
+            f"interrupted; {count} complete revolutions are kept in {out}; "
             "the same command with --resume goes on from there"
         ) from None
 
@@ -162,13 +164,13 @@ def _run(
 def sweep(
     spec: SpecFile,
     out: Annotated[Path, typer.Option("-o", "--out", help="The .csv or .parquet table to write.")],
-    laws: Annotated[str, typer.Option(help="Contact laws, separated by commas.")] = _listed(
+    laws: Annotated[str, typer.Option(help="Contact laws, separated by commas.")] = _joined(
         PAPER[0]
     ),
-    clearances: Annotated[str, typer.Option(help="Radial clearances, mm.")] = _listed(PAPER[1]),
-    restitutions: Annotated[str, typer.Option(help="Restitutions.")] = _listed(PAPER[2]),
-    frictions: Annotated[str, typer.Option(help="Friction coefficients.")] = _listed(PAPER[3]),
-    revolutions: Revolutions = None,
+    clearances: Annotated[str, typer.Option(help="Radial clearances, mm.")] = _joined(PAPER[1]),
+    restitutions: Annotated[str, typer.Option(help="Restitutions.")] = _joined(PAPER[2]),
+    frictions: Annotated[str, typer.Option(help="Friction coefficients.")] = _joined(PAPER[3]),
+    revolutions: _Revolutions = None,
     first: Annotated[
         int,
         typer.Option(
@@ -184,10 +186,9 @@ def sweep(
     ] = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Take up an interrupted sweep.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Resume an interrupted sweep.")] = False,
 ) -> None:
     """Simulate laws × clearances × restitutions × frictions into one table."""
-    from cylcontact.locks import owning
     from cylcontact.mechanism import Plan, cases, read_mechanism
     from cylcontact.mechanism import sweep as run
     from cylcontact.mechanism.sweep import require_table_name, write_table
@@ -203,15 +204,10 @@ def sweep(
     turns = revolutions or mechanism.integration.revolutions
     plan = Plan(turns, first, method, tolerance, beyond, against)
     where = workers(jobs, scheduler)
-    with owning(out):
-        kept = kept_beside(out)
-        try:
-            with progress_bars() as progress:
-                table = run(mechanism, wanted, plan, where, progress, kept, resume)
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(interrupted(kept, "case")) from None
+    with owning(out), resumable(out, "case") as journal:
+        with progress_bars() as progress:
+            table = run(mechanism, wanted, plan, where, progress, journal, resume)
         write_table(table, out)
-        kept.unlink(missing_ok=True)
     stopped = table[table["status"] != "complete"]
     typer.echo(f"{out}: {len(table)} cases, {len(stopped)} of them stopped")
     for message in stopped["message"]:
@@ -224,12 +220,11 @@ def tolerances(
     values: Annotated[
         str, typer.Option("--tolerances", help="Separated by commas.")
     ] = "1e-5,1e-6,1e-7,1e-8,1e-9,1e-10,1e-11",
-    revolutions: Revolutions = None,
+    revolutions: _Revolutions = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
 ) -> None:
     """Tabulate energy balance and drift by tolerance, over the paper's 24 cases in both forms."""
-    from cylcontact.locks import owning
     from cylcontact.mechanism import Plan, cases, read_mechanism
     from cylcontact.mechanism import sweep as run
     from cylcontact.mechanism.studies import tolerance_table
@@ -242,7 +237,7 @@ def tolerances(
     where = workers(jobs, scheduler)
     plans = [
         Plan(turns, method=method, tolerance=value, beyond="tangent")
-        for method in choices.METHODS
+        for method in METHODS
         for value in _numbers("--tolerances", values)
     ]
     with owning(out), progress_bars() as progress:

@@ -1,4 +1,4 @@
-"""The commands that show and hand on: report, claims, laws, export."""
+"""The commands `report`, `claims`, `laws` and `export`."""
 
 from __future__ import annotations
 
@@ -8,19 +8,25 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cylcontact.cli.choices import CONTACTS, FORMATS, STYLES, TABLES, TARGETS, listed
-from cylcontact.cli.terminal import (
+from cylcontact.choices import FORMATS, listed
+from cylcontact.cli.options import (
     RESULTS,
+    STYLES,
+    TABLES,
+    TARGETS,
     Jobs,
     Results,
-    cores,
     modulus_in_MPa,
-    progress_bars,
 )
+from cylcontact.cli.terminal import cores, progress_bars
 from cylcontact.errors import InputError
+from cylcontact.files import replacing
+from cylcontact.pair import CONTACTS
 
 if TYPE_CHECKING:
     from cylcontact.reports.bench import Bench
+
+__all__ = ["claims", "compare_laws", "export", "report"]
 
 
 def report(
@@ -67,7 +73,7 @@ def report(
 
 
 def _require_one_kind(names: object, html: bool, *choices: object) -> None:
-    """Refuse options that do not go with the report in a browser."""
+    """Refuse options that conflict with --html."""
     if html and (names or any(choice is not None for choice in choices)):
         raise InputError(
             "report",
@@ -84,7 +90,7 @@ def _draw(
     wishes: tuple[str | None, tuple[str, ...], float | None],
     out: Path | None,
 ) -> None:
-    """Draw figures in the style asked for."""
+    """Draw figures in the requested style."""
     from cylcontact.plots.style import JOURNAL, choose
     from cylcontact.reports.build import build
 
@@ -115,7 +121,7 @@ def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str
 
 
 def _build_site(bench: Bench, folder: Path) -> None:
-    """Build the report for a browser and tell what is missing in it."""
+    """Build the report for a browser and print what is missing in it."""
     from cylcontact.reports.html import build_site
 
     with progress_bars() as progress:
@@ -142,7 +148,6 @@ def claims(
     jobs: Jobs = None,
 ) -> None:
     """Hold every quantitative statement of the paper against computed numbers."""
-    from cylcontact.files import replacing
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.claims import ledger, to_csv, to_json, to_text
     from cylcontact.reports.paper import paper_of
@@ -199,7 +204,6 @@ def export(
 ) -> None:
     """Write a law as a function in another language, for a multibody code."""
     from cylcontact.export import export_named
-    from cylcontact.files import replacing
 
     source = export_named(what, contact, target)
     if out is None:

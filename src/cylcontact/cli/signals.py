@@ -9,16 +9,18 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-# Seconds after which an interruption is raised again if it was lost.
-INSISTING = 1.0
+__all__ = ["stopped_by_signals"]
+
+# Seconds after which a lost interruption is raised again.
+_REPEAT_AFTER = 1.0
 
 
 @contextmanager
 def stopped_by_signals() -> Iterator[None]:
     """Raise KeyboardInterrupt in the block at each of the signals that nohup does not ignore.
 
-    Compiled libraries lose it on rare occasions, mostly while they are imported: some ignore it,
-    so it is raised again, and some turn it into another exception, so it takes that one's place.
+    Compiled libraries rarely lose it, mostly during import. Some ignore it, so it is raised again.
+    Some turn it into another exception, which it then replaces.
     """
     if sys.platform == "win32":
         yield
@@ -30,12 +32,12 @@ def stopped_by_signals() -> Iterator[None]:
         if number != signal.SIGINT:  # a terminal that closes may send its signal twice
             signal.signal(number, signal.SIG_IGN)
         _leave_lost_terminal()
-        signal.setitimer(signal.ITIMER_REAL, INSISTING, INSISTING)
+        signal.setitimer(signal.ITIMER_REAL, _REPEAT_AFTER, _REPEAT_AFTER)
         raise KeyboardInterrupt
 
     ending = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    heard = [number for number in ending if signal.getsignal(number) is not signal.SIG_IGN]
-    handlers = {number: signal.signal(number, stop) for number in heard}
+    handled = [number for number in ending if signal.getsignal(number) is not signal.SIG_IGN]
+    handlers = {number: signal.signal(number, stop) for number in handled}
     handlers[signal.SIGALRM] = signal.signal(signal.SIGALRM, _insist)
     try:
         yield
@@ -50,15 +52,15 @@ def stopped_by_signals() -> Iterator[None]:
 
 
 def _insist(_number: int, _frame: FrameType | None) -> None:
-    """Interrupt again, unless an exception is just being handled, most likely the interruption."""
+    """Interrupt again, unless an exception is being handled, most likely the interruption."""
     if sys.exc_info()[0] is None:
         raise KeyboardInterrupt
 
 
 def _leave_lost_terminal() -> None:
-    """Write to nowhere instead of to a terminal that has closed.
+    """Redirect output to nowhere if the terminal has closed.
 
-    An error from writing would take the place of the interruption, which keeps what is complete.
+    An error from writing would replace the interruption, which saves what is complete.
     """
     for stream in (1, 2):
         try:

@@ -1,92 +1,21 @@
-"""What the commands share: options, the number of cores, progress bars."""
+"""Where commands run and how they show progress."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
-from cylcontact.errors import InputError
+from cylcontact.progress import Progress
 
 if TYPE_CHECKING:
     from cylcontact.parallel import Workers
 
-RESULTS = Path("fitting/results")
-# Below this a Young's modulus in MPa was probably meant in GPa; stiff plastics begin here.
-SOFTEST = 1000.0  # MPa
-
-
-def integer_from(least: int) -> Callable[[str], int]:
-    """Return a parser of integers of at least `least`."""
-
-    def parse(text: str) -> int:
-        try:
-            number = int(text)
-        except ValueError:
-            number = least - 1
-        if number < least:
-            raise typer.BadParameter(f"{text!r} must be an integer of at least {least}")
-        return number
-
-    return parse
-
-
-def modulus_in_MPa(value: float | None) -> float | None:
-    """Note a Young's modulus that was perhaps given in GPa."""
-    if value is not None and 0 < value < SOFTEST:
-        typer.echo(
-            f"cylcontact: --E = {value:g} is taken in MPa; GPa would be {value:g}e3", err=True
-        )
-    return value
-
-
-def _named_folder(folder: Path) -> Path:
-    """Refuse a folder of results that is named and does not exist; the usual one may be missing."""
-    if folder != RESULTS and not folder.is_dir():
-        raise InputError(
-            "--results", "", str(folder), "is not a folder", "name one that holds fit results"
-        )
-    return folder
-
-
-Results = Annotated[
-    Path,
-    typer.Option("--results", callback=_named_folder, help="The folder of fit results to go by."),
-]
-Jobs = Annotated[
-    int | None,
-    typer.Option(
-        "--jobs",
-        "-j",
-        parser=integer_from(1),
-        metavar="INTEGER",
-        help="Worker processes; all cores by default.",
-    ),
-]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(metavar="ADDRESS", help="A Dask cluster instead, e.g. tcp://host:8786."),
-]
-Force = Annotated[
-    bool, typer.Option("--force", help="Replace an output that came from other inputs.")
-]
-Runs = Annotated[
-    int | None,
-    typer.Option(
-        parser=integer_from(1), metavar="INTEGER", help="Runs, instead of the campaign's."
-    ),
-]
-Seed = Annotated[
-    int | None,
-    typer.Option(
-        parser=integer_from(0), metavar="INTEGER", help="Seed, instead of the campaign's."
-    ),
-]
+__all__ = ["cores", "progress_bars", "workers"]
 
 
 def cores() -> int:
@@ -95,7 +24,7 @@ def cores() -> int:
 
 
 def workers(jobs: int | None, scheduler: str | None) -> Workers:
-    """Return where work is done: on so many processes, all cores by default, or on a cluster."""
+    """Return the number of processes, all cores by default, or the Dask cluster at `scheduler`."""
     from cylcontact.parallel import Cluster
 
     if scheduler is None:
@@ -106,25 +35,25 @@ def workers(jobs: int | None, scheduler: str | None) -> Workers:
 
 
 @contextmanager
-def progress_bars() -> Iterator[Callable[[str, int, int], None]]:
-    """Show a progress bar on a terminal, and nothing when standard error is not one."""
+def progress_bars() -> Iterator[Progress]:
+    """Give a callback that draws progress bars if standard error is a terminal."""
+    from rich import progress
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     terminal = sys.stderr is not None and sys.stderr.isatty()
-    console = Console(stderr=True)
     columns = (
-        TextColumn("{task.description:>10}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
+        progress.TextColumn("{task.description:>10}"),
+        progress.BarColumn(),
+        progress.MofNCompleteColumn(),
+        progress.TimeElapsedColumn(),
     )
-    with Progress(*columns, console=console, disable=not terminal) as bars:
+    console = Console(stderr=True)
+    with progress.Progress(*columns, console=console, disable=not terminal) as bars:
         tasks = {}
 
-        def show(stage: str, done: int, total: int) -> None:
+        def update(stage: str, done: int, total: int) -> None:
             if stage not in tasks:
                 tasks[stage] = bars.add_task(stage, total=total)
             bars.update(tasks[stage], completed=done)
 
-        yield show
+        yield update

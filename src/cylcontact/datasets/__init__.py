@@ -1,4 +1,4 @@
-"""Data generators: grids, sampling of a reference law, moments, tables."""
+"""Grids, sampling of a reference law, moments, and tables of measurements."""
 
 from cylcontact.datasets.grid import Grid, read_grid
 from cylcontact.datasets.moments import Moments, concatenate, merge
@@ -15,3 +15,7 @@ __all__ = [
     "reduce_grid",
     "write_samples",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -18,11 +18,13 @@ from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
+__all__ = ["AxesSpec", "AxisSpec", "Grid", "GridSpec", "grid_from", "read_grid", "read_grid_data"]
+
 _POSITIVE_AXES = ("E", "dR", "load")
 _UNITS = {"E": "GPa", "nu": "dimensionless", "dR": "mm", "load": "N/mm"}
-# In these units no contact lies beyond; within them no law overflows.
+# No real contact is outside these limits, and no law overflows inside.
 _SMALLEST, _LARGEST = 1e-12, 1e12
-# An axis, unlike the grid, is held in memory.
+# An axis is held in memory, unlike the grid.
 _MAX_POINTS = 10_000_000
 
 
@@ -76,9 +78,11 @@ class AxisSpec(Spec):
 
 
 def _check_values(values: tuple[float, ...], others: list[str]) -> None:
-    """Refuse an empty or unordered list, and one beside a range."""
+    """Raise an error for an empty or unordered list, or one combined with a range."""
     if others:
-        raise broken(others[0], None, "stands beside values", "keep either the range or the values")
+        raise broken(
+            others[0], None, "cannot be combined with values", "keep either the range or the values"
+        )
     if not values or any(b <= a for a, b in pairwise(values)):
         raise broken(
             "values", list(values), "must be a list of increasing numbers", "sort it, drop repeats"
@@ -157,13 +161,13 @@ class GridSpec(Spec):
 def _check_penetrations(
     contact: Contact, axes: AxesSpec, penetrations: list[list[float]] | None
 ) -> None:
-    """Refuse penetrations that are not those of a pin in a hole at each node of the axes."""
+    """Raise an error unless there is a positive penetration at each node of an internal grid."""
     if contact != "internal":
         rule = f"must be internal with reference {FINITE_ELEMENT}"
         raise broken("contact", contact, rule, "finite elements here are of a pin in a hole")
     sizes = [getattr(axes, name).numbers().size for name in ("E", "nu", "dR", "load")]
-    found = [len(row) for row in penetrations or ()]
-    if sizes[:2] != [1, 1] or found != [sizes[3]] * sizes[2]:
+    lengths = [len(row) for row in penetrations or ()]
+    if sizes[:2] != [1, 1] or lengths != [sizes[3]] * sizes[2]:
         raise broken(
             "penetrations",
             None,
@@ -187,9 +191,9 @@ class Grid:
     E, nu, dR, load : array of float
         The axes, in GPa, -, mm and N/mm.
     source : str
-        What errors call it.
+        Its name in errors.
     penetrations : array of float, shape (ΔR, load), optional
-        In mm, where the reference is a table of finite elements.
+        In mm, if the reference is a table of finite elements.
 
     Examples
     --------
@@ -210,7 +214,7 @@ class Grid:
 
     @property
     def law(self) -> ContactLaw | TabulatedReference:
-        """The reference, as sampling asks it for penetrations."""
+        """The reference law, or the table in its place."""
         if self.penetrations is not None:
             return TabulatedReference(self.dR, self.load, self.penetrations)
         return reference_law(self.reference)
@@ -248,13 +252,13 @@ def read_grid(path: Path | str) -> Grid:
     Raises
     ------
     InputError
-        If the file is not a grid spec; the line names key, value, rule and remedy.
+        If the file is not a grid spec; the message has key, value, rule and remedy.
     """
     return grid_from(read_grid_data(path), str(path))
 
 
 def read_grid_data(path: Path | str) -> dict[str, Any]:
-    """Return the contents of a grid spec, those of a table that it names in place of its name.
+    """Return the contents of a grid spec, with a named table replaced by its contents.
 
     Raises
     ------
@@ -266,7 +270,7 @@ def read_grid_data(path: Path | str) -> dict[str, Any]:
 
 
 def grid_from(data: dict[str, Any], source: str) -> Grid:
-    """Return the grid that the contents of a spec describe."""
+    """Return the grid described by the contents of a spec."""
     spec = parse_spec(GridSpec, data, source)
     axes = spec.axes
     return Grid(

@@ -1,12 +1,12 @@
-"""Moments of a logarithmic reference law over whole rows of a grid, one logarithm a sample.
+"""Moments of a logarithmic reference law over whole rows of a grid, one logarithm per sample.
 
-With E, ν and ΔR held, a logarithmic law is δ = A·f·z with z = 1 + ln(f_max/f), so that
+At fixed E, ν and ΔR, a logarithmic law is δ = A·f·z with z = 1 + ln(f_max/f), so that
 
     s = ln f − ln E*,    j = s + ln(κ/π) + ln z.
 
-s and z are differences of a number of the row, which holds E and ν, and a number of the load. So
-only ln z has to be evaluated at each sample, and what the moments need of it are its sums along
-rows and along loads and the sum of its squares:
+s and z are differences of a term of the row (E and ν) and a term of the load. So only ln z is
+evaluated at each sample, and the moments need its sums along rows and along loads and the sum of
+its squares:
 
     Σ(s − s̄)·ln z = Σ_k (ln f_k − mean)·Σ_r ln z − Σ_r (ln E*_r − mean)·Σ_k ln z.
 """
@@ -20,7 +20,9 @@ from cylcontact.datasets.moments import Moments
 from cylcontact.laws.logarithmic import LogarithmicLaw
 from cylcontact.pair import CylinderPair
 
-# Samples treated at a time: their logarithms, half a MiB, stay within a core's cache.
+__all__ = ["TILE", "row_moments"]
+
+# Samples per tile: their logarithms, half a MiB, stay in the cache of a core.
 TILE = 1 << 16
 
 
@@ -39,8 +41,7 @@ def row_moments(law: LogarithmicLaw, pair: CylinderPair, load: FloatArray) -> Mo
     Returns
     -------
     Moments
-        At the one clearance: the same as `Moments.of_samples` on the r·k samples, up to
-        rounding.
+        At the one clearance; equal to `Moments.of_samples` of the r·k samples up to rounding.
 
     Examples
     --------
@@ -58,7 +59,7 @@ def row_moments(law: LogarithmicLaw, pair: CylinderPair, load: FloatArray) -> Mo
     """
     log_E, log_load = np.log(pair.E_star), np.log(load)
     reach = np.broadcast_to(1 + np.log(law.max_load(pair)), log_E.shape)
-    # Logarithms of z over its mean are small, and lose nothing when their mean is subtracted.
+    # Logarithms of z over its mean are small, so subtracting their mean loses no digits.
     middle = reach.mean() - log_load.mean()
     rows, loads = reach / middle, -log_load / middle
     if rows.size > loads.size:
@@ -78,7 +79,7 @@ def row_moments(law: LogarithmicLaw, pair: CylinderPair, load: FloatArray) -> Mo
 
 
 def _sums(few: FloatArray, many: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-    """Return the sums of ln(few + many) over each of the two, and the sum of its squares."""
+    """Return the sums of ln(few + many) by element of `few` and `many`, and of its squares."""
     by_few, by_many, squares = np.zeros(few.size), np.zeros(many.size), 0.0
     width = min(many.size, TILE)
     height = min(few.size, max(1, TILE // width))
@@ -91,6 +92,6 @@ def _sums(few: FloatArray, many: FloatArray) -> tuple[FloatArray, FloatArray, fl
             np.log(z, out=z)
             by_few[down] += z.sum(axis=1)
             by_many[across] += z.sum(axis=0)
-            # Plain sums rather than dot products: their result does not depend on BLAS threads.
+            # Sums instead of dot products, whose result depends on the number of BLAS threads.
             squares += float(np.square(z, out=z).sum())
     return by_few, by_many, squares

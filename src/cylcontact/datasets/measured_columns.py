@@ -1,4 +1,4 @@
-"""From a table and constants to the plain columns of a measured data set, in mm, N and MPa."""
+"""The columns of a measured data set in mm, N and MPa, from a table and constants."""
 
 from __future__ import annotations
 
@@ -16,21 +16,23 @@ from cylcontact.pair import Contact
 from cylcontact.spec import Spec
 from cylcontact.units import LABELS, column_named, spellings
 
+__all__ = ["Constants", "MeasuredData", "read_measured"]
+
 Constants = Mapping[str, float | str]
-BODIES = ("i", "j")
+_BODIES = ("i", "j")
 
 
 class MeasuredData(Spec):
-    """Measurements as a result keeps them: columns in mm, N and MPa, of N rows or of one."""
+    """Measurements as stored in a result: columns in mm, N and MPa with N rows or one."""
 
     source: str = Field(description="the table they came from")
     sha256: str = Field(description="the hash of its bytes")
     contact: Contact = Field(description='"internal" or "external"')
     row_word: str = Field("line", description='"line" or "row"')
-    lines: list[int] = Field(description="where each row stands in the table")
+    lines: list[int] = Field(description="the position of each row in the table")
     numbers: dict[str, list[float]] = Field(description="columns of numbers")
     labels: dict[str, list[str]] = Field(description="columns of words")
-    notes: list[str] = Field(description="what the report has to say of them")
+    notes: list[str] = Field(description="remarks for the report")
 
 
 def read_measured(
@@ -40,31 +42,31 @@ def read_measured(
     materials: Path | None = None,
     ignored: Sequence[str] = (),
 ) -> MeasuredData:
-    """Read a table of measurements into plain columns.
+    """Read a table of measurements into columns.
 
     Parameters
     ----------
     path : path
-        A CSV or Parquet file; the unit of a column stands in its name (`datasets.units`).
+        A CSV or Parquet file with the units in the column names (`cylcontact.units`).
     contact : {"internal", "external"}
         Pin in hole, or two rollers.
     constants : mapping, optional
-        What is the same in all rows, under the names of columns: {"E_GPa": 207, "dR_um": 50}.
+        Values for all rows, by column name: {"E_GPa": 207, "dR_um": 50}.
     materials : path, optional
-        A table of one's own, in which names are looked up beside the materials that ship.
+        Your own table of materials, in addition to that of the package.
     ignored : sequence of str
         Columns to leave out.
 
     Returns
     -------
     MeasuredData
-        Not yet checked; `measurements_of` does that.
+        Unchecked; `measurements_of` checks it.
 
     Raises
     ------
     InputError
         If the table or a constant is wrong, a quantity is given twice or not at all, or a material
-        is not in the table of materials.
+        is unknown.
     """
     table = read_table(path, ignored)
     numbers = {
@@ -96,7 +98,7 @@ def _add_constants(
     labels: dict[str, list[str]],
     total: set[str],
 ) -> None:
-    """Put constants beside the columns, as columns of one row."""
+    """Add the constants as columns of one row."""
     for name, value in constants.items():
         column = column_named(name)
         if column is None or column.quantity in ("load", "penetration", "weight", "group"):
@@ -146,12 +148,12 @@ def _add_materials(
     labels: dict[str, list[str]],
     materials: Path | None,
 ) -> list[str]:
-    """Give both bodies an E and a ν; return where those of named materials come from."""
+    """Add E and ν of both bodies; return notes on the provenance of named materials."""
     rows: dict[str, MaterialRow] = {}
     if any(name in labels for name in ("material", "material_i", "material_j")):
         rows = known_materials(materials)
-    taken = [_one_body(source, body, numbers, labels, rows, materials) for body in BODIES]
-    for body, (E, nu) in zip(BODIES, taken, strict=True):
+    moduli = [_one_body(source, body, numbers, labels, rows, materials) for body in _BODIES]
+    for body, (E, nu) in zip(_BODIES, moduli, strict=True):
         numbers[f"E_{body}"], numbers[f"nu_{body}"] = E, nu
     for quantity in ("E", "nu"):
         numbers.pop(quantity, None)
@@ -168,7 +170,7 @@ def _add_materials(
 
 
 def _table_of(ships: bool, own: Path | None) -> str:
-    """Return what notes and errors call the table that a material is in."""
+    """Return the name of a material's table in notes and errors."""
     return "the table that ships" if ships or own is None else own.name
 
 
@@ -180,7 +182,7 @@ def _one_body(
     rows: Mapping[str, MaterialRow],
     materials: Path | None,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return E in MPa and ν of one body, from the one place that gives them."""
+    """Return E in MPa and ν of one body, given exactly once."""
     by_name = [name for name in (f"material_{body}", "material") if name in labels]
     by_number = [(f"E{b}", f"nu{b}") for b in (f"_{body}", "") if {f"E{b}", f"nu{b}"} & {*numbers}]
     if len(by_name) + len(by_number) != 1:
@@ -206,5 +208,5 @@ def _one_body(
                 f"is not in {_table_of(materials is None, materials)}",
                 f"choose {', '.join(rows)}, or name a table of your own with --materials",
             )
-    found = [rows[name].material for name in labels[by_name[0]]]
-    return np.array([m.E for m in found], float), np.array([m.nu for m in found], float)
+    bodies = [rows[name].material for name in labels[by_name[0]]]
+    return np.array([m.E for m in bodies], float), np.array([m.nu for m in bodies], float)

@@ -1,4 +1,4 @@
-"""Reading a table of measurements: CSV or Parquet to columns of numbers and words."""
+"""Read tables of measurements, CSV or Parquet, into columns of numbers and text."""
 
 from __future__ import annotations
 
@@ -11,17 +11,19 @@ from pathlib import Path
 import numpy as np
 
 from cylcontact.arrays import FloatArray
+from cylcontact.choices import TABLE_SUFFIXES
 from cylcontact.errors import InputError
 from cylcontact.units import LABELS, Column, column_named
 
-# All rows are held in memory and go into the result.
+__all__ = ["MAX_ROWS", "MeasuredTable", "read_table"]
+
+# All rows are held in memory and stored in the result.
 MAX_ROWS = 200_000
-SUFFIXES = (".csv", ".parquet")
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredTable:
-    """A table as it was read, in the units of its columns.
+    """A table as read, in the units of its columns.
 
     Attributes
     ----------
@@ -30,13 +32,13 @@ class MeasuredTable:
     sha256 : str
         The hash of its bytes.
     columns : tuple of Column
-        What the columns' names say.
+        The parsed names of the columns.
     numbers : mapping of str to array of float, shape (N,)
         By quantity, still in the column's unit.
     labels : mapping of str to tuple of str
-        The columns of words, by quantity.
+        The columns of text, by quantity.
     lines : tuple of int
-        Where each row stands in the file: the line of a CSV, the row of a Parquet from 1.
+        Position of each row in the file: the line of a CSV, or the row of a Parquet file from 1.
     """
 
     source: str
@@ -48,12 +50,12 @@ class MeasuredTable:
 
     @property
     def row_word(self) -> str:
-        """What errors call a row: a line of a CSV, a row of a Parquet table."""
+        """The word for a row in errors: "line" for CSV, "row" for Parquet."""
         return "row" if self.source.lower().endswith(".parquet") else "line"
 
 
 def read_table(path: Path | str, ignored: Sequence[str] = ()) -> MeasuredTable:
-    """Read a table whose columns carry their units.
+    """Read a table with units in its column names.
 
     Parameters
     ----------
@@ -69,12 +71,12 @@ def read_table(path: Path | str, ignored: Sequence[str] = ()) -> MeasuredTable:
     Raises
     ------
     InputError
-        If the file cannot be read, is of another kind, has an unknown or doubled column, a cell
-        that is empty or not a number, no rows, or too many.
+        If the file cannot be read or is of another kind, has an unknown or repeated column, a
+        cell that is empty or not a number, no rows or too many.
     """
     source = str(path)
     suffix = Path(path).suffix.lower()
-    if suffix not in SUFFIXES:
+    if suffix not in TABLE_SUFFIXES:
         raise InputError(source, "", None, "is neither .csv nor .parquet", "name a table")
     try:
         digest = hashlib.sha256(Path(path).read_bytes()).hexdigest()
@@ -138,7 +140,7 @@ def _read_csv(source: str) -> tuple[list[str], list[list[object]], list[int]]:
 
 
 def _without_comments(lines: Iterable[str]) -> Iterator[str]:
-    """Blank the lines that begin with #, which keeps the numbers of the others."""
+    """Blank the lines that begin with #, so that the other line numbers do not change."""
     return ("\n" if line.startswith("#") else line for line in lines)
 
 
@@ -158,13 +160,13 @@ def _read_parquet(source: str) -> tuple[list[str], list[list[object]], list[int]
 
 
 def _known_columns(source: str, names: Sequence[str], ignored: Sequence[str]) -> tuple[Column, ...]:
-    """Return what the columns' names say, or refuse unknown and doubled ones."""
+    """Return the parsed column names; raise `InputError` for unknown and repeated ones."""
     for name in ignored:
         if name not in names:
             raise InputError(
                 source, "ignore", name, "is not a column of the table", f"it has {', '.join(names)}"
             )
-    found: dict[str, Column] = {}
+    columns: dict[str, Column] = {}
     for name in names:
         if name in ignored:
             continue
@@ -178,16 +180,16 @@ def _known_columns(source: str, names: Sequence[str], ignored: Sequence[str]) ->
                 "give the quantity and its unit, e.g. load_N_per_mm, penetration_um, E_GPa, nu, "
                 "dR_um, or list it under ignore",
             )
-        if column.quantity in found:
+        if column.quantity in columns:
             raise InputError(
                 source,
                 "columns",
                 name,
-                f"gives the same quantity as {found[column.quantity].name}",
+                f"gives the same quantity as {columns[column.quantity].name}",
                 "keep one of them",
             )
-        found[column.quantity] = column
-    return tuple(found.values())
+        columns[column.quantity] = column
+    return tuple(columns.values())
 
 
 def _numbers(source: str, name: str, cells: Sequence[object], lines: Sequence[int]) -> FloatArray:
@@ -216,7 +218,7 @@ def _numbers(source: str, name: str, cells: Sequence[object], lines: Sequence[in
 def _words(
     source: str, name: str, cells: Sequence[object], lines: Sequence[int]
 ) -> tuple[str, ...]:
-    """Return a column's cells as words."""
+    """Return a column's cells as text."""
     for cell, line in zip(cells, lines, strict=True):
         if cell is None or cell == "":
             raise InputError(

@@ -1,4 +1,4 @@
-"""Measured contacts: loads and penetrations of known pairs, checked row by row."""
+"""Measurements: loads and penetrations of known pairs, checked row by row."""
 
 from __future__ import annotations
 
@@ -16,12 +16,14 @@ from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.units import spellings
 
-POSITIVE = (
+__all__ = ["Indices", "Measurements", "measurements_of"]
+
+_POSITIVE = (
     *("load", "penetration", "E_i", "E_j", "dR", "R_i", "R_j", "length"),
     *("load_std", "penetration_std", "weight"),
 )
-KNOWN = (*POSITIVE, "nu_i", "nu_j")
-GROUPINGS = ("rows", "material", "dR", "pair", "group")
+_KNOWN = (*_POSITIVE, "nu_i", "nu_j")
+_GROUPINGS = ("rows", "material", "dR", "pair", "group")
 Indices = NDArray[np.intp]
 
 
@@ -32,9 +34,9 @@ class Measurements:
     Attributes
     ----------
     data : MeasuredData
-        The plain columns that they were made of.
+        The columns they were made from.
     rows : array of int, shape (N,)
-        Which of the rows there, possibly some of them repeatedly.
+        Indices of the rows in `data`, possibly repeated.
     columns : dict of str to array of float, shape (N,)
         Columns in mm, N and MPa.
     """
@@ -63,17 +65,17 @@ class Measurements:
 
     @property
     def weight(self) -> FloatArray:
-        """Weights of the squares, of mean 1."""
+        """Weights of the squared residuals, with mean 1."""
         weight = self.columns.get("weight", np.ones(len(self)))
         return np.asarray(weight / weight.mean())
 
     @cached_property
     def pair(self) -> CylinderPair:
         """The pair of each row."""
-        return pair_of(self.contact, self.columns)
+        return _pair_of(self.contact, self.columns)
 
     def take(self, rows: Indices) -> Measurements:
-        """Return the measurements at these places, possibly repeated."""
+        """Return the measurements with these indices, possibly repeated."""
         columns = {name: column[rows] for name, column in self.columns.items()}
         return Measurements(self.data, self.rows[rows], columns)
 
@@ -82,7 +84,7 @@ class Measurements:
         return replace(self, columns=self.columns | columns)
 
     def line(self, row: int) -> int:
-        """Return where a row stands in the table."""
+        """Return the position of a row in the table."""
         return self.data.lines[int(self.rows[row])]
 
     def groups(self, over: str) -> tuple[list[str], Indices]:
@@ -91,16 +93,16 @@ class Measurements:
         Parameters
         ----------
         over : {"rows", "material", "dR", "pair", "group"}
-            What makes rows belong together.
+            The criterion of the grouping.
 
         Raises
         ------
         InputError
             If the grouping is unknown, or the table has no column `group`.
         """
-        if over not in GROUPINGS:
+        if over not in _GROUPINGS:
             raise InputError(
-                "grouping", "over", over, "is unknown", f"choose {', '.join(GROUPINGS)}"
+                "grouping", "over", over, "is unknown", f"choose {', '.join(_GROUPINGS)}"
             )
         if over == "group" and "group" not in self.data.labels:
             raise InputError(
@@ -112,16 +114,16 @@ class Measurements:
             )
         names = [self._group_name(over, k) for k in range(len(self))]
         known = list(dict.fromkeys(names))
-        place = {name: number for number, name in enumerate(known)}
-        return known, np.array([place[name] for name in names], dtype=np.intp)
+        index = {name: number for number, name in enumerate(known)}
+        return known, np.array([index[name] for name in names], dtype=np.intp)
 
     def duplicates(self) -> list[list[int]]:
-        """Return the lines of rows that say exactly the same, group by group."""
-        seen: dict[tuple[float, ...], list[int]] = {}
+        """Return the positions of identical rows, one list for each group of them."""
+        positions: dict[tuple[float, ...], list[int]] = {}
         stacked = np.column_stack(list(self.columns.values()))
         for k, row in enumerate(map(tuple, stacked.tolist())):
-            seen.setdefault(row, []).append(self.line(k))
-        return [lines for lines in seen.values() if len(lines) > 1]
+            positions.setdefault(row, []).append(self.line(k))
+        return [lines for lines in positions.values() if len(lines) > 1]
 
     def _group_name(self, over: str, k: int) -> str:
         """Return the name of the group that row k belongs to."""
@@ -140,14 +142,14 @@ class Measurements:
 
 
 def measurements_of(data: MeasuredData, source: str) -> Measurements:
-    """Check plain columns row by row, and make measurements of them.
+    """Check columns row by row and return the measurements.
 
     Parameters
     ----------
     data : MeasuredData
         From `read_measured`, or from a result.
     source : str
-        What errors call it.
+        Its name in errors.
 
     Returns
     -------
@@ -156,8 +158,8 @@ def measurements_of(data: MeasuredData, source: str) -> Measurements:
     Raises
     ------
     InputError
-        If a column is missing, has another number of rows, or a row has a value that cannot be;
-        the line names it.
+        If a column is missing or has another number of rows, or a row has an impossible value;
+        the message names the row.
 
     Examples
     --------
@@ -178,7 +180,7 @@ def measurements_of(data: MeasuredData, source: str) -> Measurements:
     for name in ("load", "penetration", "E_i", "E_j", "nu_i", "nu_j"):
         if name not in columns:
             raise InputError(source, name, None, "is required", f"add {spellings(name)}")
-    for name in POSITIVE:
+    for name in _POSITIVE:
         if name in columns:
             rule = "must be positive and finite"
             _require(data, source, name, columns[name], columns[name] > 0, rule)
@@ -189,20 +191,20 @@ def measurements_of(data: MeasuredData, source: str) -> Measurements:
     return Measurements(data, np.arange(size), columns)
 
 
-def pair_of(contact: Contact, columns: dict[str, FloatArray]) -> CylinderPair:
-    """Return the array-valued pair that columns describe."""
-    # Laws broadcast a length like everything else; one number is what most pairs have.
+def _pair_of(contact: Contact, columns: dict[str, FloatArray]) -> CylinderPair:
+    """Return the array-valued pair of columns."""
+    # Laws broadcast a length like all other arguments, although its type is a single number.
     length = cast("float | None", columns.get("length"))
-    one = Material("i", columns["E_i"], columns["nu_i"])
-    other = Material("j", columns["E_j"], columns["nu_j"])
+    material_i = Material("i", columns["E_i"], columns["nu_i"])
+    material_j = Material("j", columns["E_j"], columns["nu_j"])
     R_i, R_j = columns.get("R_i"), columns.get("R_j")
-    return CylinderPair(contact, columns["dR"], one, other, R_i, R_j, length)
+    return CylinderPair(contact, columns["dR"], material_i, material_j, R_i, R_j, length)
 
 
 def _require_shapes(data: MeasuredData, size: int, source: str) -> None:
-    """Refuse columns that are unknown or of another length; only a damaged result has them."""
+    """Raise `InputError` for columns of a damaged result: unknown ones or another length."""
     for name, values in data.numbers.items():
-        if name not in KNOWN or len(values) not in (1, size):
+        if name not in _KNOWN or len(values) not in (1, size):
             rule = f"is not a known column of 1 or {size} rows"
             raise InputError(source, f"numbers.{name}", None, rule, "redo the fit")
     for name, words in data.labels.items():
@@ -222,7 +224,7 @@ def _require(
     rule: str,
     remedy: str = "correct the row, or remove it; mind the unit in the column's name",
 ) -> None:
-    """Refuse the first row where a rule does not hold."""
+    """Raise `InputError` for the first row where a rule does not hold."""
     wrong = np.flatnonzero(~(holds & np.isfinite(values)))
     if wrong.size:
         line = data.lines[int(wrong[0])]
@@ -232,7 +234,7 @@ def _require(
 
 
 def _complete_geometry(data: MeasuredData, columns: dict[str, FloatArray], source: str) -> None:
-    """Add what follows of ΔR, R_i and R_j from the others."""
+    """Add those of ΔR, R_i and R_j that follow from the others."""
     given = [name for name in ("dR", "R_i", "R_j") if name in columns]
     if given not in (["dR"], ["dR", "R_i"], ["dR", "R_j"], ["R_i", "R_j"]):
         raise InputError(

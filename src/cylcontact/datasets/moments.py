@@ -1,13 +1,13 @@
-"""Six numbers per clearance that stand for any number of samples.
+"""Moments: six numbers per clearance that replace any number of samples.
 
 For a law f = K*(ΔR)·E*/ΔR·δ^n(ΔR) the residual of a sample is
 
     r = ln δ_law − ln δ_reference = (s + c)/n − j,
 
 with s = ln(f/E*), j = ln δ_reference and c = ln ΔR − ln K*. At one ΔR both c and n are
-constants, so that Σ r² depends on the samples only through their count, the means of s and j
-and their centred second moments. A grid of any size collapses to these, exactly, and the
-moments of its parts merge.
+constants, so that Σ r² depends on the samples only through their count, the means of s and j and
+their centred second moments. This reduction is exact for a grid of any size, and the moments of
+its parts can be merged.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ from functools import reduce
 import numpy as np
 
 from cylcontact.arrays import FloatArray, require
+
+__all__ = ["Moments", "concatenate", "merge"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,31 +63,30 @@ class Moments:
             return cls(*(np.array([value]) for value in (dR, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
         mean_s, mean_j = s.mean(), j.mean()
         s0, j0 = s - mean_s, j - mean_j
-        # Plain sums rather than dot products: their result does not depend on BLAS threads.
+        # Sums instead of dot products, whose result depends on the number of BLAS threads.
         sums = ((s0 * s0).sum(), (s0 * j0).sum(), (j0 * j0).sum())
         return cls(*(np.array([value]) for value in (dR, float(s.size), mean_s, mean_j, *sums)))
 
     @property
     def total(self) -> float:
-        """Number of samples at all clearances together."""
+        """Total number of samples at all clearances."""
         return float(self.count.sum())
 
     @property
     def slope(self) -> FloatArray:
-        """Slope of the least-squares line of j on s at each ΔR: the best 1/n."""
+        """Slope of the least-squares line of j over s at each ΔR, the best 1/n."""
         return np.divide(self.sj, self.ss, out=np.zeros_like(self.sj), where=self.ss > 0)
 
     @property
     def unexplained(self) -> FloatArray:
-        """Sum of squares that this line leaves at each ΔR: no K* and n can do better."""
+        """Residual sum of squares of that line at each ΔR, a lower bound for every K* and n."""
         return np.maximum(self.jj - self.sj * self.slope, 0.0)
 
 
 def merge(parts: Iterable[Moments]) -> Moments:
     """Merge moments of disjoint samples at the same clearances.
 
-    Pairwise update of Chan, Golub and LeVeque (1979), on centred sums, so that nothing
-    cancels.
+    Pairwise update of Chan, Golub and LeVeque (1979) on centred sums, without cancellation.
 
     Parameters
     ----------
@@ -95,7 +96,7 @@ def merge(parts: Iterable[Moments]) -> Moments:
     Returns
     -------
     Moments
-        The same in any order, up to rounding.
+        Independent of the order up to rounding.
 
     Raises
     ------
@@ -106,35 +107,35 @@ def merge(parts: Iterable[Moments]) -> Moments:
 
 
 def concatenate(parts: Iterable[Moments]) -> Moments:
-    """Join moments at different clearances into one, in the given order."""
+    """Return moments at different clearances as one object, in the given order."""
     collected = list(parts)
     return Moments(
         *(np.concatenate([getattr(part, field.name) for part in collected]) for field in _FIELDS)
     )
 
 
-def _merge_two(one: Moments, two: Moments) -> Moments:
+def _merge_two(first: Moments, second: Moments) -> Moments:
     """Merge two sets of moments."""
     require(
-        one.dR.shape == two.dR.shape and np.array_equal(one.dR, two.dR),
+        first.dR.shape == second.dR.shape and np.array_equal(first.dR, second.dR),
         "merge",
         "dR",
         None,
         "moments of different clearances cannot be merged",
         "concatenate them instead",
     )
-    count = one.count + two.count
-    share = np.divide(two.count, count, out=np.zeros_like(count), where=count > 0)
-    ds, dj = two.mean_s - one.mean_s, two.mean_j - one.mean_j
-    weight = one.count * share
+    count = first.count + second.count
+    share = np.divide(second.count, count, out=np.zeros_like(count), where=count > 0)
+    ds, dj = second.mean_s - first.mean_s, second.mean_j - first.mean_j
+    weight = first.count * share
     return Moments(
-        one.dR,
+        first.dR,
         count,
-        one.mean_s + ds * share,
-        one.mean_j + dj * share,
-        one.ss + two.ss + ds * ds * weight,
-        one.sj + two.sj + ds * dj * weight,
-        one.jj + two.jj + dj * dj * weight,
+        first.mean_s + ds * share,
+        first.mean_j + dj * share,
+        first.ss + second.ss + ds * ds * weight,
+        first.sj + second.sj + ds * dj * weight,
+        first.jj + second.jj + dj * dj * weight,
     )
 
 

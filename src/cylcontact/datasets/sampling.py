@@ -1,8 +1,8 @@
 """Sample a reference law over a grid, block by block.
 
-A grid is walked one ΔR after the other and within it in blocks of bounded size, so that
-memory does not grow with the grid. Blocks, and the order in which they are put together,
-depend on the grid alone: the result is the same for any number of workers.
+A grid is sampled one ΔR after the other, each in blocks of bounded size, so that memory does not
+grow with the grid. The blocks and the order of their summation depend on the grid alone, so the
+result is the same for any number of workers.
 """
 
 from __future__ import annotations
@@ -30,20 +30,31 @@ from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.parallel import Workers, call, run_calls
 
-# Samples per block: a block's dozen temporaries stay within a core's cache (some 0.5 MiB each).
+__all__ = [
+    "BLOCK",
+    "COLUMNS",
+    "PIECE",
+    "Block",
+    "Counts",
+    "IndexArray",
+    "blocks",
+    "reduce_grid",
+    "write_samples",
+]
+
+# Samples per block: its dozen temporaries, 0.5 MiB each, stay in the cache of a core.
 BLOCK = 1 << 16
-# Samples per call of a worker, at least, where a clearance has that many.
+# Least number of samples per call of a worker, if a clearance has that many.
 PIECE = 1 << 21
 
 COLUMNS = ("E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm")
 
-Progress = Callable[[int], None]
 IndexArray = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
 class Counts:
-    """How many samples a grid gave, and how many the reference law's domain masked."""
+    """Number of samples of a grid, and number masked by the domain of the reference law."""
 
     samples: int
     masked: int
@@ -51,7 +62,7 @@ class Counts:
 
 @dataclass(frozen=True)
 class Block:
-    """Samples at one ΔR: flat arrays, those outside the reference's domain left out.
+    """Samples at one ΔR as flat arrays, without those outside the domain of the reference.
 
     Attributes
     ----------
@@ -95,13 +106,13 @@ def blocks(grid: Grid, dR: float) -> Iterator[Block]:
     Yields
     ------
     Block
-        At most `BLOCK` samples, E slowest and load fastest.
+        At most `BLOCK` samples, with E varying slowest and load fastest.
     """
     return _blocks_of_rows(grid, dR, np.arange(grid.rows))
 
 
 def _blocks_of_rows(grid: Grid, dR: float, rows: IndexArray) -> Iterator[Block]:
-    """Sample some of the grid's rows, its combinations of E and ν, at one ΔR."""
+    """Yield samples at one ΔR for some rows of the grid, its combinations of E and ν."""
     law = grid.law
     loads_per_block = min(grid.load.size, BLOCK)
     rows_per_block = max(1, BLOCK // loads_per_block)
@@ -115,7 +126,7 @@ def _blocks_of_rows(grid: Grid, dR: float, rows: IndexArray) -> Iterator[Block]:
 
 
 def _moduli(grid: Grid, rows: IndexArray) -> tuple[FloatArray, FloatArray]:
-    """Return E in GPa and ν of the grid's rows, E slowest."""
+    """Return E in GPa and ν of rows of the grid, with E varying slowest."""
     return grid.E[rows // grid.nu.size], grid.nu[rows % grid.nu.size]
 
 
@@ -132,43 +143,43 @@ def _masked_block(
     penetration: FloatArray,
     E_star: FloatArray,
 ) -> Block:
-    """Flatten a block and leave out what lies outside the reference's domain."""
+    """Return a flat block without the samples outside the domain of the reference."""
     inside = np.isfinite(penetration)
     whole = bool(inside.all())
 
-    def kept(column: FloatArray) -> FloatArray:
-        all_of_it = np.broadcast_to(column, penetration.shape)
-        return all_of_it.ravel() if whole else all_of_it[inside]
+    def masked(column: FloatArray) -> FloatArray:
+        full = np.broadcast_to(column, penetration.shape)
+        return full.ravel() if whole else full[inside]
 
     return Block(
         dR=dR,
-        E=kept(E),
-        nu=kept(nu),
-        load=kept(load),
-        penetration=kept(penetration),
-        E_star=kept(E_star),
+        E=masked(E),
+        nu=masked(nu),
+        load=masked(load),
+        penetration=masked(penetration),
+        E_star=masked(E_star),
         masked=int(penetration.size - np.count_nonzero(inside)),
     )
 
 
 def reduce_grid(
-    grid: Grid, jobs: Workers = 1, progress: Progress | None = None
+    grid: Grid, jobs: Workers = 1, progress: Callable[[int], None] | None = None
 ) -> tuple[Moments, Counts]:
-    """Reduce a grid of any size to moments, holding only a block of it per worker.
+    """Reduce a grid of any size to moments, with one block per worker in memory.
 
     Parameters
     ----------
     grid : Grid
         The grid.
     jobs : int or Cluster
-        Threads, or a Dask cluster; the result does not depend on it.
+        Number of threads, or a Dask cluster; the result does not depend on it.
     progress : callable, optional
-        Called with the number of clearances done, as each is.
+        Called with the number of clearances done after each.
 
     Returns
     -------
     moments : Moments
-        At the grid's clearances, those that are wholly masked left out.
+        At the clearances of the grid, except those that are completely masked.
     counts : Counts
         Samples used and masked.
 
@@ -217,7 +228,7 @@ def _reduce_rows(grid: Grid, dR: float, first: int, last: int) -> Moments:
     """Return the moments of some rows, combinations of E and ν, at one ΔR."""
     law, rows, parts = grid.law, np.arange(first, last), []
     if isinstance(law, LogarithmicLaw):
-        # Its domain ends at a largest load: where the grid's largest is inside, all are.
+        # Its domain ends at a largest load: if the largest load of the grid is inside, all are.
         pair = _pair(grid, dR, *_moduli(grid, rows))
         whole = np.isfinite(law.penetration(grid.load.max(), pair))
         if not whole.all():
@@ -229,7 +240,9 @@ def _reduce_rows(grid: Grid, dR: float, first: int, last: int) -> Moments:
     return merge(parts)
 
 
-def write_samples(grid: Grid, path: Path | str, progress: Progress | None = None) -> Counts:
+def write_samples(
+    grid: Grid, path: Path | str, progress: Callable[[int], None] | None = None
+) -> Counts:
     """Sample a grid into a table, in bounded memory.
 
     Parameters
@@ -237,9 +250,9 @@ def write_samples(grid: Grid, path: Path | str, progress: Progress | None = None
     grid : Grid
         The grid.
     path : path
-        A .parquet or .csv file; it appears when it is complete. Its columns are `COLUMNS`.
+        A .parquet or .csv file, created when it is complete. Its columns are `COLUMNS`.
     progress : callable, optional
-        Called with the number of clearances done, as each is.
+        Called with the number of clearances done after each.
 
     Returns
     -------
@@ -278,7 +291,7 @@ def _table_writer(
 def _record_batch(block: Block, schema: pa.Schema) -> pa.RecordBatch:
     """Return a block as a batch of the table, sharing its memory.
 
-    `pa.array` would import pandas, slowly and in a place where Ctrl-C is lost.
+    `pa.array` would import pandas, which is slow and loses a Ctrl-C.
     """
     dR = np.full(block.load.size, block.dR)
     columns = (block.E, block.nu, dR, block.load, block.penetration)

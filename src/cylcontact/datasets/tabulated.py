@@ -1,4 +1,4 @@
-"""Penetrations known at the nodes of a grid only, as finite elements give them."""
+"""Penetrations at the nodes of a grid, from a table of finite elements."""
 
 from __future__ import annotations
 
@@ -12,15 +12,17 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.pair import CylinderPair
 
-# The reference that stands for such a table in grid specs.
+__all__ = ["FINITE_ELEMENT", "TabulatedReference", "with_table"]
+
+# The name of such a reference in grid specs.
 FINITE_ELEMENT = "finite-element"
-# How the axes of a grid are called in a table.
+# The columns of a table by the axes of a grid.
 _AXES = {"E": "E_GPa", "nu": "nu", "dR": "dR_mm", "load": "load_N_per_mm"}
 
 
 @dataclass(frozen=True, eq=False)
 class TabulatedReference:
-    """A reference law that is a table: it answers at its own clearances and loads alone.
+    """A reference law given by a table, defined at its clearances and loads only.
 
     Attributes
     ----------
@@ -49,29 +51,30 @@ class TabulatedReference:
         loads, dR, _ = np.broadcast_arrays(as_floats(load), as_floats(pair.dR), pair.E_star)
         column = np.searchsorted(self.load, loads).clip(max=self.load.size - 1)
         row = np.searchsorted(self.dR, dR).clip(max=self.dR.size - 1)
-        there = (self.load[column] == loads) & (self.dR[row] == dR)
-        return np.where(there, self.values[row, column], np.nan)
+        at_node = (self.load[column] == loads) & (self.dR[row] == dR)
+        return np.where(at_node, self.values[row, column], np.nan)
 
 
 def with_table(data: dict[str, Any], source: Path) -> dict[str, Any]:
-    """Return a grid spec with the numbers of the table that it names.
+    """Return a grid spec with the contents of the table that it names.
 
     Parameters
     ----------
     data : dict
-        The contents of the spec: reference = "finite-element" and table, a path beside it.
+        The contents of the spec, with reference = "finite-element" and table, a path relative to
+        the spec.
     source : path
-        The spec's file.
+        The file of the spec.
 
     Returns
     -------
     dict
-        The same with the axes and the penetrations of the table, so that it needs no file.
+        The spec with the axes and penetrations of the table, independent of the file.
 
     Raises
     ------
     InputError
-        If it names no table, has axes of its own, or the table was edited by hand.
+        If the spec names no table or has axes, or the table was edited by hand.
     """
     from cylcontact.datasets.finite_element import read_table
 
@@ -86,7 +89,9 @@ def with_table(data: dict[str, Any], source: Path) -> dict[str, Any]:
         )
     if "axes" in data or "penetrations" in data:
         key = "axes" if "axes" in data else "penetrations"
-        raise InputError(str(source), key, None, "stands beside table", "keep one of the two")
+        raise InputError(
+            str(source), key, None, "cannot be combined with table", "keep one of the two"
+        )
     rows = read_table(source.parent / name).rows
     rows = rows[rows["variant"] == "base"]
     axes = {axis: {"values": sorted(set(rows[column]))} for axis, column in _AXES.items()}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from cylcontact.choices import listed
 from cylcontact.errors import InputError
 from cylcontact.export.as_json import to_json
 from cylcontact.export.c import to_c
@@ -18,6 +19,11 @@ from cylcontact.pair import CONTACTS, Contact
 
 __all__ = ["EXPORTABLE", "TARGETS", "export", "export_named"]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
+
 SOURCES: Mapping[str, Callable[[Formula], str]] = {
     "c": to_c,
     "fortran": to_fortran,
@@ -27,11 +33,11 @@ TARGETS = (*SOURCES, "json")
 
 
 def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str:
-    """Return a law with its coefficients as source text, self-contained.
+    """Return a law with its coefficients as self-contained source text.
 
-    The text has a function of penetration (mm), E* (MPa) and ΔR (mm), for some laws also of
-    R_i, R_j and the length (mm), that gives load (N/mm) and stiffness (N/mm²). Outside the law's
-    domain, and where the bodies do not touch, both are NaN.
+    The text has a function of penetration (mm), E* (MPa) and ΔR (mm), for some laws also of R_i,
+    R_j and the length (mm). It returns load (N/mm) and stiffness (N/mm²), both NaN outside the
+    law's domain and where the bodies do not touch.
 
     Parameters
     ----------
@@ -39,17 +45,17 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
         The law: enhanced, power, explicit, Liu's, that of Lankarani and Nikravesh, or one of the
         logarithmic laws.
     contact : {"internal", "external"} or None
-        The contact; None will do where the law or its coefficients settle it, or where it
-        makes no difference.
+        The contact; may be None if the law or its coefficients determine it, or if it makes no
+        difference.
     target : {"c", "fortran", "matlab", "json"}
         The language.
     origin : str, optional
-        Where coefficients of one's own come from, for the comments.
+        Where user-defined coefficients come from, for the comments.
 
     Returns
     -------
     str
-        The text of one file. MATLAB wants it named after the function.
+        The text of one file. For MATLAB the file must have the name of the function.
 
     Raises
     ------
@@ -71,7 +77,7 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
 
 
 def export_named(what: str, contact: str | None, target: str) -> str:
-    """Return the source text of a law by name, or of a fit result by path.
+    """Return the source text of a law given by name, or of a fit result given by path.
 
     Parameters
     ----------
@@ -90,7 +96,7 @@ def export_named(what: str, contact: str | None, target: str) -> str:
     Raises
     ------
     InputError
-        If there is no such law, result, contact or target, or they do not go together.
+        If there is no such law, result, contact or target, or they do not fit together.
 
     Examples
     --------
@@ -99,24 +105,25 @@ def export_named(what: str, contact: str | None, target: str) -> str:
     module cylcontact_johnson_law
     """
     _require_target(target)
-    found = find_law(what, _contact(contact))
-    return export(found.law, found.contact, target, found.origin)
+    named = find_law(what, _contact(contact))
+    return export(named.law, named.contact, target, named.origin)
 
 
 def _require_target(target: str) -> None:
-    """Refuse a language that is not there."""
+    """Raise `InputError` for an unknown target."""
     if target not in TARGETS:
-        known = f"{', '.join(TARGETS[:-1])} or {TARGETS[-1]}"
-        raise InputError("export", "--to", target, "is not a known target", f"choose {known}")
+        raise InputError(
+            "export", "--to", target, "is not a known target", f"choose {listed(TARGETS)}"
+        )
 
 
 def _contact(contact: str | None) -> Contact | None:
-    """Return the contact, or refuse one that is neither internal nor external."""
+    """Return the contact; raise `InputError` if it is neither internal nor external."""
     for known in CONTACTS:
         if contact == known:
             return known
     if contact is None:
         return None
     raise InputError(
-        "export", "--contact", contact, "is not a contact", f"choose {' or '.join(CONTACTS)}"
+        "export", "--contact", contact, "is not a contact", f"choose {listed(CONTACTS)}"
     )

@@ -11,14 +11,16 @@ from cylcontact.export.comments import comment_lines
 from cylcontact.export.formula import Formula, Step
 from cylcontact.export.render import Dialect
 
-DIALECT = Dialect(
+__all__ = ["to_c"]
+
+_DIALECT = Dialect(
     number=repr,
     power="pow({x}, {y})",
     names={"pi": repr(np.pi), "nan": "(double)NAN", "max": "fmax"},
     symbols={ast.And: "&&", ast.Or: "||"},
 )
 
-FILE = Template("""\
+_FILE = Template("""\
 $comment
 //
 // C99; link with -lm.
@@ -79,19 +81,19 @@ def to_c(formula: Formula) -> str:
     """
     constants = [f"    const double {n} = {v!r};" for n, v in formula.constants.items()]
     steps = [f"    const double {step.name} = {_value(step)};" for step in formula.steps]
-    return FILE.substitute(
+    return _FILE.substitute(
         comment=comment_lines(formula, "//"),
         name=formula.name,
         arguments=", ".join(f"double {name}" for name in formula.arguments),
         names=", ".join(formula.arguments),
-        domain=" && ".join(DIALECT.conditions(formula.requirements)),
+        domain=" && ".join(_DIALECT.conditions(formula.requirements)),
         body="\n".join(constants + steps),
     )
 
 
 def _value(step: Step) -> str:
-    """Return what a step assigns; a condition evaluates one side only."""
+    """Return the value of a step; a condition evaluates one side only."""
     if not isinstance(step.value, ast.IfExp):
-        return DIALECT.render(step.value)
-    condition, yes, no = map(DIALECT.render, (step.value.test, step.value.body, step.value.orelse))
+        return _DIALECT.render(step.value)
+    condition, yes, no = map(_DIALECT.render, (step.value.test, step.value.body, step.value.orelse))
     return f"({condition}) ? {yes} : {no}"

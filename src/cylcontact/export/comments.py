@@ -1,4 +1,4 @@
-"""What an exported file says about itself: law, units, domain and provenance, in plain ASCII."""
+"""The comment of an exported file: law, units, domain and provenance, in plain ASCII."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from textwrap import wrap
 
 from cylcontact.export.formula import MEANINGS, RESULTS, Formula
 
+__all__ = ["WIDTH", "comment_lines", "domain"]
+
 WIDTH = 90
 
 
 def comment_lines(formula: Formula, mark: str) -> str:
-    """Return the comment at the top of a file, each line behind the language's `mark`.
+    """Return the comment at the top of a file, each line prefixed by the language's `mark`.
 
     Examples
     --------
@@ -25,23 +27,23 @@ def comment_lines(formula: Formula, mark: str) -> str:
     return "\n".join(f"{mark} {line}".rstrip() for line in _description(formula))
 
 
-def provenance(formula: Formula) -> str:
-    """Return the package's version and where the coefficients come from."""
+def _provenance(formula: Formula) -> str:
+    """Return the version of the package and the origin of the coefficients."""
     origin = formula.origin or "given by the caller"
-    return f"exported by cylcontact {version('cylcontact')}; coefficients: {plain(origin)}"
+    return f"exported by cylcontact {version('cylcontact')}; coefficients: {_plain(origin)}"
 
 
 def domain(formula: Formula) -> str:
-    """Return where the law is defined."""
+    """Return the domain of the law in words."""
     return "; ".join(filter(None, (", ".join(formula.requirements), formula.domain)))
 
 
-def plain(text: str) -> str:
-    """Return text that is safe in a comment of any language: ASCII on one line, no specials.
+def _plain(text: str) -> str:
+    """Return text that is safe in a comment of any language: one line of plain ASCII.
 
     Examples
     --------
-    >>> plain("fit result 'ΔR */ #1'")
+    >>> _plain("fit result 'ΔR */ #1'")
     "fit result '_R __ _1'"
     """
     return re.sub(r"[^\w '.,:;=()+-]", "_", text, flags=re.ASCII)
@@ -58,7 +60,7 @@ def _description(formula: Formula) -> list[str]:
         "",
         *_paragraph("Formula", formula.equation),
         *_paragraph("Remark", formula.remark),
-        *_paragraph("Provenance", provenance(formula)),
+        *_paragraph("Provenance", _provenance(formula)),
         *(f"  {name} = {value!r}" for name, value in formula.coefficients.items()),
         "",
         "Arguments, in this order:",

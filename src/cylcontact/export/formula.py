@@ -1,4 +1,4 @@
-"""A law written once, in a small neutral notation that every target is rendered from."""
+"""Laws in a small neutral notation, from which every target is rendered."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from dataclasses import dataclass
 
 from cylcontact.pair import Contact
 
-# What every exported function takes first, and what some laws need besides, with units.
-ALWAYS = ("penetration", "E_star", "dR")
+__all__ = ["MEANINGS", "RESULTS", "Formula", "Step", "expression", "names_in"]
+
+# The first arguments of every exported function, and units and meanings of all arguments.
+_ALWAYS = ("penetration", "E_star", "dR")
 MEANINGS: Mapping[str, tuple[str, str]] = {
     "penetration": ("mm", "penetration of the surfaces, not negative"),
     "E_star": ("MPa", "composite modulus, 1/E_star = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j"),
@@ -31,11 +33,11 @@ class Step:
     Attributes
     ----------
     name : str
-        What is assigned; no name is assigned twice.
+        The name assigned; each name is assigned once.
     value : ast.expr
-        An expression, or a conditional one: `a if condition else b`.
+        An expression or a conditional expression, `a if condition else b`.
     text : str
-        The assignment as it was written.
+        The assignment as written.
     """
 
     name: str
@@ -54,27 +56,27 @@ class Formula:
     law : str
         The law's name.
     contact : {"internal", "external"} or None
-        The contact that the coefficients are for; None where it makes no difference.
+        The contact of the coefficients; None if it makes no difference.
     equation : str
         The law on one line, for readers.
     text : str
         Assignments in Python's syntax, one a line; the last two are f and k. Names are the
         arguments, `constants`, pi and nan; functions are log, log1p, exp, sqrt, sin,
-        atan and max. No two names differ in case alone, as Fortran takes those for one.
+        atan and max. Names must not differ in case alone, because Fortran ignores case.
     coefficients : mapping
-        What makes the law this one, for readers.
+        The coefficients of the law, for readers.
     constants : mapping
-        The numbers that `text` names.
+        The numbers used in `text`, by name.
     extra : tuple of str
-        Arguments besides penetration, E_star and dR.
+        Arguments after penetration, E_star and dR.
     conditions : tuple of str
-        What the arguments must fulfil besides being positive.
+        Conditions on the arguments, in addition to being positive.
     domain : str
-        Where the law is defined beyond that, in words.
+        Further conditions of the domain, in words.
     remark : str
-        What users of the law should know.
+        A remark for users of the law.
     origin : str
-        Where the coefficients come from.
+        Origin of the coefficients.
     """
 
     name: str
@@ -93,7 +95,7 @@ class Formula:
     @property
     def arguments(self) -> tuple[str, ...]:
         """The function's arguments, in order."""
-        return ALWAYS + self.extra
+        return _ALWAYS + self.extra
 
     @property
     def steps(self) -> tuple[Step, ...]:
@@ -102,7 +104,7 @@ class Formula:
 
     @property
     def requirements(self) -> tuple[str, ...]:
-        """Conditions on the arguments, all of which hold inside the domain."""
+        """Conditions on the arguments that hold inside the domain."""
         positive = (f"{name} > 0" for name in self.arguments[1:])
         return ("penetration >= 0", *positive, *self.conditions)
 
@@ -119,7 +121,7 @@ def expression(text: str) -> ast.expr:
 
 
 def names_in(node: ast.expr) -> set[str]:
-    """Return the names that an expression uses, its functions among them.
+    """Return the names used in an expression, including functions.
 
     Examples
     --------

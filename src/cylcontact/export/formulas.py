@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from cylcontact.errors import InputError
-from cylcontact.export import steps
 from cylcontact.export.formula import Formula
 from cylcontact.laws import logarithmic_variants as variants
 from cylcontact.laws.adapters import ScaledLaw
@@ -31,11 +30,13 @@ from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import DEPTH, Winkler
 from cylcontact.pair import Contact
 
-MM_N_MPA = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
+__all__ = ["formula_of"]
 
-# Of each logarithmic law, its reach Lambda in mm and the arguments this needs.
-RADII = ("R_i", "R_j")
-REACHES: Mapping[type[LogarithmicLaw], tuple[str, tuple[str, ...]]] = {
+_MM_N_MPA = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
+
+# For each logarithmic law, its reach Lambda in mm and the arguments that the reach needs.
+_RADII = ("R_i", "R_j")
+_REACHES: Mapping[type[LogarithmicLaw], tuple[str, tuple[str, ...]]] = {
     Johnson: ("4 * pi * dR", ()),
     variants.RoarkYoung: ("4 * pi * dR", ()),
     variants.Radzimovsky: ("4 * pi * dR", ()),
@@ -43,11 +44,98 @@ REACHES: Mapping[type[LogarithmicLaw], tuple[str, tuple[str, ...]]] = {
     variants.Esdu78035: ("4 * pi * dR", ()),
     variants.DubowskyFreudenstein: (
         "pi * (length * length) / (R_i * R_j / dR)",
-        (*RADII, "length"),
+        (*_RADII, "length"),
     ),
-    variants.Goldsmith: ("pi * (R_i * R_j / dR)", RADII),
+    variants.Goldsmith: ("pi * (R_i * R_j / dR)", _RADII),
     variants.HertzCylinder: ("pi * dR", ()),
 }
+
+
+# The steps of each law, in the order in which the package computes them: an exported function then
+# agrees with the package to the last digits and leaves its domain at the same number.
+_POWER_STEPS = """
+f = factor * penetration ** n
+k = n * (factor * penetration ** (n - 1))
+"""
+
+_ENHANCED_INTERNAL_STEPS = """
+Y_log = Y_log_scale * log(1000 * dR) ** Y_log_exponent
+Y = max(Y_log, Y_slope * dR + Y_offset)
+n = Y * dR ** n_exponent
+K_geometry = a * dR + b
+factor = K_geometry * E_star / dR if K_geometry > 0 and n > 0 else nan
+"""
+
+_ENHANCED_EXTERNAL_STEPS = """
+K_geometry = a * dR + b
+factor = K_geometry * E_star / dR if K_geometry > 0 and n > 0 else nan
+"""
+
+# Lambert's W in the variables of laws/lambert.py. The conditions are written so that NaN takes the
+# regular branch, which p = 0 and p = 1 do not enter.
+_LOGARITHMIC_STEPS = """
+f_max = ({reach}) * E_star * peak
+compliance = kappa / (pi * E_star)
+share = penetration / (compliance * f_max)
+p = share if share <= 1 else nan
+inner = 0.5 if p <= 0 or p >= 1 else p
+g = -log(inner)
+root = sqrt(g)
+top = 0.3361 * sqrt(0.5) * root
+bottom = 1 + -0.0042 * g * exp(-0.0201 * root)
+start = g + 2 / 0.3361 * top / (bottom + top)
+u = 1 + start
+h = start - log1p(start) - g
+h1 = start / u
+h2 = 1 / (u * u)
+h3 = -2 / (u * u * u)
+above = 6 * (h1 * h1) - 3 * h * h2
+below = 6 * (h1 * h1 * h1) - 6 * h * h1 * h2 + h * h * h3
+w = 0 if p >= 1 else start - h * above / below
+f = f_max * (p / (1 + w))
+k = 0 if p <= 0 else 1 / (compliance * w)
+"""
+
+_EXPLICIT_STEPS = """
+d = penetration / dR if penetration > 0 else 1
+ratio = A / d
+first = log(B / d)
+second = c + log1p(ratio * first)
+third = c + log1p(ratio * second)
+second_slope = -(ratio * (first + 1)) / (1 + ratio * first)
+third_slope = ratio * (second_slope - second) / (1 + ratio * second)
+f = pi * E_star * penetration / third
+k = pi * E_star * (1 - third_slope / third) / third if penetration > 0 else 0
+"""
+
+_LIU_STEPS = """
+root = sqrt(penetration / (2 * (dR + penetration)))
+f = pi / 2 * E_star * penetration * root
+k = pi / 4 * E_star * root * (3 * dR + 2 * penetration) / (dR + penetration)
+"""
+
+_LANKARANI_NIKRAVESH_STEPS = """
+factor = 4 / 3 * E_star * sqrt(R_i * R_j / dR) / length
+"""
+
+# x - sin x by a power series where the difference loses digits, as in laws/winkler.py.
+_WINKLER_STEPS = """
+d = penetration / dR
+x = 2 * atan(sqrt(d) * sqrt(2 + d))
+small = x if x < 1 else 1
+square = small * small
+s18 = 1 - square / 342
+s16 = 1 - square / 272 * s18
+s14 = 1 - square / 210 * s16
+s12 = 1 - square / 156 * s14
+s10 = 1 - square / 110 * s12
+s8 = 1 - square / 72 * s10
+s6 = 1 - square / 42 * s8
+s4 = 1 - square / 20 * s6
+excess = x * x * x / 6 * s4 if x < 1 else x - sin(x)
+f = E_star * dR / depth * ((1 + d) * excess / 2)
+k = E_star / depth * ((x + sin(x)) / 2)
+"""
 
 
 def formula_of(law: ContactLaw, contact: Contact | None) -> Formula:
@@ -58,7 +146,7 @@ def formula_of(law: ContactLaw, contact: Contact | None) -> Formula:
     law : ContactLaw
         One of the package's laws that has a closed form for the load.
     contact : {"internal", "external"} or None
-        The contact; None will do for laws that are the same for both.
+        The contact; may be None for laws that are the same for both.
 
     Returns
     -------
@@ -67,14 +155,14 @@ def formula_of(law: ContactLaw, contact: Contact | None) -> Formula:
     Raises
     ------
     InputError
-        If the law has no closed form, or needs another contact.
+        If the law has no closed form or is for the other contact.
 
     Examples
     --------
     >>> formula_of(Liu(), "internal").equation
     'f = pi/2*E_star*d*sqrt(d/(2*(dR + d))) with the penetration d'
     """
-    for kind, build in BUILDERS.items():
+    for kind, build in _BUILDERS.items():
         if isinstance(law, kind):
             return build(law, contact)
     raise InputError(
@@ -92,7 +180,7 @@ def _named(law: str, contact: Contact | None) -> str:
 
 
 def _required(contact: Contact | None, law: str) -> Contact:
-    """Return the contact, or say that the law's coefficients depend on it."""
+    """Return the contact; raise `InputError` if it is None."""
     if contact is None:
         raise InputError(
             "export",
@@ -109,32 +197,32 @@ def _enhanced(law: Enhanced, contact: Contact | None) -> Formula:
     chosen = _enhanced_coefficients(law, contact)
     numbers = {name: float(value) for name, value in asdict(chosen).items()}
     if isinstance(chosen, ExternalCoefficients):
-        equation, text = "f = (a*dR + b)*E_star/dR*penetration^n", steps.ENHANCED_EXTERNAL
+        equation, text = "f = (a*dR + b)*E_star/dR*penetration^n", _ENHANCED_EXTERNAL_STEPS
         conditions: tuple[str, ...] = ()
     else:
         equation = (
             "f = (a*dR + b)*E_star/dR*penetration^n with n = Y*dR^n_exponent and "
             "Y = max(Y_log_scale*ln(1000*dR)^Y_log_exponent, Y_slope*dR + Y_offset)"
         )
-        text = steps.ENHANCED_INTERNAL
+        text = _ENHANCED_INTERNAL_STEPS
         conditions = (f"dR >= {INTERNAL_DR_MIN}", f"dR < {INTERNAL_DR_MAX}")
     return Formula(
         name=_named(law.name, chosen.contact),
         law=law.name,
         contact=chosen.contact,
         equation=equation,
-        text=text + steps.POWER.lstrip(),
+        text=text + _POWER_STEPS.lstrip(),
         coefficients=numbers,
         constants=numbers,
         conditions=conditions,
         domain="a*dR + b > 0, n > 0",
-        remark=MM_N_MPA,
+        remark=_MM_N_MPA,
         origin="published, Pereira, Ramalho and Ambrosio 2015" if law.coefficients is None else "",
     )
 
 
 def _enhanced_coefficients(law: Enhanced, contact: Contact | None) -> Coefficients:
-    """Return the coefficients of a law, or refuse a contact that they are not for."""
+    """Return the coefficients of a law; raise `InputError` if they are for the other contact."""
     own = law.coefficients
     if own is None:
         return PUBLISHED[_required(contact, law.name)]
@@ -162,16 +250,16 @@ def _power(law: PowerLaw, contact: Contact | None) -> Formula:
         law=law.name,
         contact=contact,
         equation=f"f = {'K_star*E_star/dR' if scales else 'K_factor'}*penetration^n",
-        text=line + steps.POWER.lstrip(),
+        text=line + _POWER_STEPS.lstrip(),
         coefficients=numbers,
         constants=numbers,
-        remark=MM_N_MPA + ("" if scales else " For the one pair that it was fitted to."),
+        remark=_MM_N_MPA + ("" if scales else " For the one pair that it was fitted to."),
     )
 
 
 def _logarithmic(law: LogarithmicLaw, contact: Contact | None) -> Formula:
     """Return the inverse of d = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c)."""
-    reach, extra = REACHES[type(law)]
+    reach, extra = _REACHES[type(law)]
     return Formula(
         name=_named(law.name, None),
         law=law.name,
@@ -180,7 +268,7 @@ def _logarithmic(law: LogarithmicLaw, contact: Contact | None) -> Formula:
             "penetration = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c) solved for f, with "
             f"Lambda = {reach.replace(' * ', '*').replace(' / ', '/')}"
         ),
-        text=steps.LOGARITHMIC.format(reach=reach),
+        text=_LOGARITHMIC_STEPS.format(reach=reach),
         coefficients={"kappa": float(law.kappa), "c": float(law.shift)},
         constants={"kappa": float(law.kappa), "peak": float(np.exp(law.shift - 1))},
         extra=extra,
@@ -198,7 +286,7 @@ def _logarithmic(law: LogarithmicLaw, contact: Contact | None) -> Formula:
 
 
 def _scaled(law: ScaledLaw, contact: Contact | None) -> Formula:
-    """Return a logarithmic law with other constants, or a law of which nothing is stretched."""
+    """Return a scaled logarithmic law, or the base law if both factors are 1."""
     B, D = law.load_factor, law.penetration_factor
     if isinstance(law.base, LogarithmicLaw):
         kappa, shift = law.base.kappa * D / B, law.base.shift + float(np.log(B))
@@ -236,7 +324,7 @@ def _explicit(law: Explicit, contact: Contact | None) -> Formula:
             "f = pi*E_star*penetration/L with d = penetration/dR and "
             "L = c + ln(1 + A/d*(c + ln(1 + A/d*ln(B/d))))"
         ),
-        text=steps.EXPLICIT,
+        text=_EXPLICIT_STEPS,
         coefficients=numbers,
         constants=numbers,
         remark="Dimensionless in penetration/dR and f/(E_star*dR); no largest penetration.",
@@ -245,7 +333,7 @@ def _explicit(law: Explicit, contact: Contact | None) -> Formula:
 
 
 def _require_internal(contact: Contact | None, law: str) -> None:
-    """Refuse rollers."""
+    """Raise `InputError` for external contact."""
     if contact == "external":
         raise InputError(
             "export",
@@ -264,7 +352,7 @@ def _liu(law: Liu, contact: Contact | None) -> Formula:
         law=law.name,
         contact="internal",
         equation="f = pi/2*E_star*d*sqrt(d/(2*(dR + d))) with the penetration d",
-        text=steps.LIU,
+        text=_LIU_STEPS,
         coefficients={},
         constants={},
         remark="No largest penetration.",
@@ -284,7 +372,7 @@ def _winkler(law: Winkler, contact: Contact | None) -> Formula:
             "f = E_star/depth*((dR + penetration)*angle - dR*sin(angle)) with "
             "cos(angle) = dR/(dR + penetration)"
         ),
-        text=steps.WINKLER,
+        text=_WINKLER_STEPS,
         coefficients=numbers,
         constants=numbers,
         remark="depth is that of the foundation in units of the radius, an assumption.",
@@ -304,19 +392,19 @@ def _lankarani_nikravesh(law: LankaraniNikravesh, contact: Contact | None) -> Fo
         law=law.name,
         contact=contact,
         equation="f = 4/3*E_star*sqrt(R_i*R_j/dR)/length*penetration^n",
-        text=steps.LANKARANI_NIKRAVESH + steps.POWER.lstrip(),
+        text=_LANKARANI_NIKRAVESH_STEPS + _POWER_STEPS.lstrip(),
         coefficients=numbers,
         constants=numbers,
-        extra=(*RADII, "length"),
+        extra=(*_RADII, "length"),
         remark=(
-            "The law gives the total force f*length of a point contact, whatever the length; "
+            "The law gives the total force f*length of a point contact, independent of the length; "
             "f is that force per unit length."
         ),
         origin="the law's own",
     )
 
 
-BUILDERS: Mapping[type, Callable[[Any, Contact | None], Formula]] = {
+_BUILDERS: Mapping[type, Callable[[Any, Contact | None], Formula]] = {
     Enhanced: _enhanced,
     PowerLaw: _power,
     LogarithmicLaw: _logarithmic,

@@ -12,20 +12,22 @@ from cylcontact.export.comments import WIDTH, comment_lines
 from cylcontact.export.formula import Formula, Step, names_in
 from cylcontact.export.render import Dialect
 
+__all__ = ["to_fortran"]
+
 
 def _literal(value: float) -> str:
     """Return a literal of kind wp."""
     return f"{value!r}_wp"
 
 
-DIALECT = Dialect(
+_DIALECT = Dialect(
     number=_literal,
     power="{x}**{y}",
     names={"pi": _literal(np.pi), "nan": "ieee_value(1.0_wp, ieee_quiet_nan)"},
     symbols={ast.And: ".and.", ast.Or: ".or."},
 )
 
-FILE = Template("""\
+_FILE = Template("""\
 $comment
 !
 ! Fortran 2008. The procedures are elemental: the arguments may be arrays.
@@ -75,9 +77,8 @@ $helpers
 end module ${name}_law
 """)
 
-# Fortran has no log1p. atanh keeps the digits of small x, without a trick that a compiler which
-# rearranges sums would undo.
-LOG1P = """
+# Fortran has no log1p. atanh is accurate for small x, also with a compiler that reorders sums.
+_LOG1P = """
     elemental function log1p(x) result(y)
         real(wp), intent(in) :: x
         real(wp) :: y
@@ -109,20 +110,20 @@ def to_fortran(formula: Formula) -> str:
     ]
     variables = wrap(", ".join(step.name for step in formula.steps), WIDTH - 24)
     declarations = [*constants, "real(wp) :: " + " &\n    ".join(variables)]
-    return FILE.substitute(
+    return _FILE.substitute(
         comment=comment_lines(formula, "!"),
         name=formula.name,
         arguments=", ".join(formula.arguments),
         declarations=indent("\n".join(declarations), " " * 8),
-        domain=" .and. &\n            ".join(DIALECT.conditions(formula.requirements)),
+        domain=" .and. &\n            ".join(_DIALECT.conditions(formula.requirements)),
         body=indent("\n".join(_assignment(step) for step in formula.steps), " " * 8),
-        helpers=LOG1P if "log1p" in used else "",
+        helpers=_LOG1P if "log1p" in used else "",
     )
 
 
 def _assignment(step: Step) -> str:
-    """Return a step; a condition evaluates one side only."""
+    """Return the assignment of a step; a condition evaluates one side only."""
     if not isinstance(step.value, ast.IfExp):
-        return f"{step.name} = {DIALECT.render(step.value)}"
-    condition, yes, no = map(DIALECT.render, (step.value.test, step.value.body, step.value.orelse))
+        return f"{step.name} = {_DIALECT.render(step.value)}"
+    condition, yes, no = map(_DIALECT.render, (step.value.test, step.value.body, step.value.orelse))
     return f"if ({condition}) then\n    {step.name} = {yes}\nelse\n    {step.name} = {no}\nend if"

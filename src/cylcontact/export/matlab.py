@@ -9,15 +9,17 @@ from cylcontact.export.comments import comment_lines
 from cylcontact.export.formula import Formula, Step
 from cylcontact.export.render import Dialect
 
-DIALECT = Dialect(
+__all__ = ["to_matlab"]
+
+_DIALECT = Dialect(
     number=lambda value: repr(value).removesuffix(".0"),
     power="{x}.^{y}",
     names={"nan": "NaN"},
     symbols={ast.And: "&", ast.Or: "|", ast.Mult: ".*", ast.Div: "./"},
 )
 
-# Only elements inside the domain are computed with, so that no logarithm or power turns complex.
-FILE = Template("""\
+# Only elements inside the domain are used, so that no logarithm or power becomes complex.
+_FILE = Template("""\
 function [f, k] = $name($arguments)
 $comment
 %
@@ -37,7 +39,7 @@ x = reshape(x(inside), [], 1);
 end
 $helpers""")
 
-CHOOSE = """
+_CHOOSE = """
 function x = choose(condition, yes, no)
 % Elementwise: yes where the condition holds, no elsewhere.
 x = no + zeros(size(condition));
@@ -61,25 +63,25 @@ def to_matlab(formula: Formula) -> str:
     constants = [f"{name} = {value!r};" for name, value in formula.constants.items()]
     steps = [f"{_target(step)} = {_value(step)};" for step in formula.steps]
     conditional = any(isinstance(step.value, ast.IfExp) for step in formula.steps)
-    return FILE.substitute(
+    return _FILE.substitute(
         comment=comment_lines(formula, "%"),
         name=formula.name,
         arguments=", ".join(formula.arguments),
-        domain=" & ".join(f"({text})" for text in DIALECT.conditions(formula.requirements)),
+        domain=" & ".join(f"({text})" for text in _DIALECT.conditions(formula.requirements)),
         selection="\n".join(f"{name} = select({name}, inside);" for name in formula.arguments),
         body="\n".join(constants + steps),
-        helpers=CHOOSE if conditional else "",
+        helpers=_CHOOSE if conditional else "",
     )
 
 
 def _target(step: Step) -> str:
-    """Return what a step assigns to: the results only where they are defined."""
+    """Return the target of an assignment; the results are assigned inside the domain only."""
     return f"{step.name}(inside)" if step.name in {"f", "k"} else step.name
 
 
 def _value(step: Step) -> str:
-    """Return what a step assigns."""
+    """Return the value of a step."""
     if not isinstance(step.value, ast.IfExp):
-        return DIALECT.render(step.value)
-    sides = map(DIALECT.render, (step.value.test, step.value.body, step.value.orelse))
+        return _DIALECT.render(step.value)
+    sides = map(_DIALECT.render, (step.value.test, step.value.body, step.value.orelse))
     return f"choose({', '.join(sides)})"

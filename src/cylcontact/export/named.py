@@ -1,4 +1,4 @@
-"""The law that a command line names: one of the package's, or a fit result's."""
+"""Laws to export, given by the name of a law or the path of a fit result."""
 
 from __future__ import annotations
 
@@ -16,13 +16,15 @@ from cylcontact.pair import Contact
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
 
-# Persson's law has no closed form; it is known by name all the same, to be told so.
+__all__ = ["EXPORTABLE", "FoundLaw", "find_law"]
+
+# Persson's law has no closed form. `find_law` accepts its name, and `formula_of` reports that.
 EXPORTABLE = tuple(name for name in LAWS if name != "persson")
 
 
 @dataclass(frozen=True)
 class FoundLaw:
-    """A law, the contact it is for if that is known, and where its coefficients come from."""
+    """A law, its contact if known, and the origin of its coefficients."""
 
     law: ContactLaw
     contact: Contact | None
@@ -30,12 +32,12 @@ class FoundLaw:
 
 
 def find_law(what: str, contact: Contact | None) -> FoundLaw:
-    """Return the law that `what` names, or that the fit result in this file found.
+    """Return the law with the name `what`, or that of the fit result at this path.
 
     Raises
     ------
     InputError
-        If it is neither, or the result is for another contact.
+        If it is neither, or the result is for the other contact.
 
     Examples
     --------
@@ -60,7 +62,7 @@ def find_law(what: str, contact: Contact | None) -> FoundLaw:
 
 
 def _exists(path: str) -> bool:
-    """Tell whether there is such a file; a name that is too long is none."""
+    """Return whether the file exists; False for a name that is too long."""
     with suppress(OSError):
         return Path(path).exists()
     return False
@@ -84,7 +86,7 @@ def _from_result(path: str, contact: Contact | None) -> FoundLaw:
 
 
 def _origin(result: FitResult) -> str:
-    """Say what a result was fitted to, with what, and how well."""
+    """Return the reference, version and objective of a fit result in words."""
     made_with = result.provenance.get("cylcontact", "an unknown version")
     return (
         f"fit result '{result.name}', fitted to {result.reference} by cylcontact {made_with}, "

@@ -5,8 +5,8 @@ from cylcontact.fitting.campaign import Campaign, read_campaign
 from cylcontact.fitting.measured_campaign import MeasuredCampaign, campaign_of_table
 from cylcontact.fitting.planning import read_plan
 from cylcontact.fitting.power_fit import PowerFit, fit_power, fit_power_to_law
+from cylcontact.fitting.report import compare
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.summary import compare
 from cylcontact.fitting.verdicts import verdicts
 
 __all__ = [
@@ -23,3 +23,7 @@ __all__ = [
     "read_plan",
     "verdicts",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

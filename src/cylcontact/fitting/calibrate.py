@@ -1,8 +1,8 @@
-"""Run a campaign: sample, search, polish, profile, and put the result together."""
+"""Run a campaign: sample the grid, search, polish and profile."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
 
@@ -10,7 +10,6 @@ from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import Campaign
-from cylcontact.fitting.checkpoint import Checkpoint
 from cylcontact.fitting.max_difference import max_abs_difference_percent
 from cylcontact.fitting.measured_campaign import MeasuredCampaign
 from cylcontact.fitting.measured_fit import fit_measurements, robust_problem
@@ -29,17 +28,15 @@ from cylcontact.fitting.result import (
 )
 from cylcontact.fitting.run import RunPlan, RunRecord, execute, plan_runs
 from cylcontact.fitting.samples import Samples, collect_samples
+from cylcontact.journal import Journal
 from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.progress import Progress, silent
+from cylcontact.spec import parse_spec
 
-# The stage, what is done of it, and how much there is.
-Progress = Callable[[str, int, int], None]
+__all__ = ["calibrate", "problem_of", "search_all"]
 
-# Every worker holds all samples in memory, 24 bytes each.
-MAX_ROWS = 20_000_000
-
-
-def silent(stage: str, done: int, total: int) -> None:
-    """Show nothing."""
+# Every worker keeps all samples in memory, 24 bytes each.
+_MAX_ROWS = 20_000_000
 
 
 def calibrate(
@@ -54,17 +51,16 @@ def calibrate(
     Parameters
     ----------
     campaign : Campaign
-        From `read_campaign`; one on measurements, from `read_plan`, takes seconds and is not
-        kept in a checkpoint.
+        From `read_campaign`; one on measurements, from `read_plan`, takes seconds and has no
+        journal.
     jobs : int or Cluster
         Worker processes, or a Dask cluster; the result does not depend on it.
     progress : callable, optional
-        Called with the stage, the number of its parts done and their total.
+        Called with the stage, how many of its parts are done, and their number.
     checkpoint : path, optional
-        Where finished runs are kept until the result is complete; removed by the caller,
-        once it has saved the result.
+        The journal of finished runs; the caller removes it once the result is saved.
     resume : bool
-        Whether to take up the runs kept there.
+        Whether to take the runs already in `checkpoint` from there.
 
     Returns
     -------
@@ -74,11 +70,11 @@ def calibrate(
     ------
     InputError
         If every sample is masked, the bounds exclude the law's domain, the optimiser's library
-        is missing, or the checkpoint belongs to another campaign.
+        is missing, or `checkpoint` belongs to another campaign.
 
     Examples
     --------
-    Samples of the published external law give its coefficients back:
+    Samples of the published external law recover its coefficients:
 
     >>> from cylcontact.fitting.campaign import campaign_from_settings
     >>> span = {"points": 4, "spacing": "log"}
@@ -105,8 +101,8 @@ def calibrate(
         return fit_measurements(campaign, jobs, progress)
     require_installed(campaign.spec.optimizer, campaign.source)
     problem, counts = problem_of(campaign, jobs, progress)
-    keeper = Checkpoint(checkpoint, campaign.key) if checkpoint is not None else None
-    records = search_all(problem, campaign, jobs, progress, keeper, resume)
+    journal = Journal(checkpoint, "campaign", campaign.key) if checkpoint else None
+    records = search_all(problem, campaign, jobs, progress, journal, resume)
     best = min(records, key=lambda record: (record.objective, record.index))
     published = campaign.family.published
     return FitResult(
@@ -130,7 +126,7 @@ def calibrate(
 
 
 def problem_of(campaign: AnyCampaign, jobs: Workers, progress: Progress) -> tuple[Problem, Counts]:
-    """Return what a campaign minimises, and how many samples its grid gave.
+    """Return the problem of a campaign and the number of its samples.
 
     Parameters
     ----------
@@ -160,16 +156,16 @@ def problem_of(campaign: AnyCampaign, jobs: Workers, progress: Progress) -> tupl
 def _data(
     campaign: Campaign, jobs: Workers, progress: Progress
 ) -> tuple[Moments | Samples, Counts]:
-    """Sample the campaign's grid to what its objective needs."""
+    """Sample the campaign's grid: moments where the objective allows, else rows."""
     grid = campaign.grid
     if campaign.family.is_power_law and campaign.spec.objective not in ON_ROWS:
         return reduce_grid(grid, jobs, lambda done: progress("sampling", done, grid.dR.size))
-    if grid.size > MAX_ROWS:
+    if grid.size > _MAX_ROWS:
         raise InputError(
             campaign.source,
             "objective",
             campaign.spec.objective,
-            f"keeps every sample in memory and the grid has {grid.size} (at most {MAX_ROWS})",
+            f"keeps every sample in memory and the grid has {grid.size} (at most {_MAX_ROWS})",
             "thin the grid, or use rms-log-penetration, which needs only moments",
         )
     return collect_samples(grid)
@@ -180,10 +176,10 @@ def search_all(
     campaign: Campaign,
     jobs: Workers,
     progress: Progress,
-    keeper: Checkpoint | None = None,
+    journal: Journal | None = None,
     resume: bool = False,
 ) -> list[RunRecord]:
-    """Run what is not already kept, keep each run as it ends, return all in order.
+    """Execute the runs that the journal lacks, record each, and return all in order.
 
     Parameters
     ----------
@@ -191,10 +187,10 @@ def search_all(
         From `problem_of`.
     campaign, jobs, progress
         As for `calibrate`.
-    keeper : Checkpoint, optional
-        Where finished runs are kept.
+    journal : Journal, optional
+        The finished runs.
     resume : bool
-        Whether to take up those in it.
+        Whether to take the runs already in the journal from there.
 
     Returns
     -------
@@ -209,20 +205,25 @@ def search_all(
         campaign.spec.seed,
         campaign.spec.optimizer,
     )
-    records = keeper.load() if keeper and resume else []
-    if keeper and not resume:
-        keeper.start()
+    records = _recorded_runs(journal) if journal and resume else []
+    if journal and not resume:
+        journal.start()
     finished = {record.index for record in records}
     waiting: list[RunPlan] = [plan for plan in plans if plan.index not in finished]
     progress("searching", len(records), len(plans))
     searches = [call(execute, problem, plan, campaign.source) for plan in waiting]
-    with closing(run_calls(searches, jobs, ordered=False)) as found:
-        for record in found:
-            if keeper:
-                keeper.add(record)
+    with closing(run_calls(searches, jobs, ordered=False)) as results:
+        for record in results:
+            if journal:
+                journal.add(record.model_dump())
             records.append(record)
             progress("searching", len(records), len(plans))
     return sorted(records, key=lambda record: record.index)
+
+
+def _recorded_runs(journal: Journal) -> list[RunRecord]:
+    """Return the runs in a journal."""
+    return journal.load(lambda entry: parse_spec(RunRecord, entry, str(journal.path)))
 
 
 def _profiles(
@@ -239,8 +240,8 @@ def _profiles(
     ]
     profiles = {}
     progress("profiling", 0, len(names))
-    with closing(run_calls(work, jobs)) as found:
-        for name, curve in zip(names, found, strict=True):
+    with closing(run_calls(work, jobs)) as curves:
+        for name, curve in zip(names, curves, strict=True):
             profiles[name] = curve
             progress("profiling", len(profiles), len(names))
     return profiles

@@ -1,4 +1,4 @@
-"""Campaigns: a grid, a law, an objective and a genetic search, as a file and as it is run."""
+"""Campaigns on a grid: the file, and the checked campaign that is run."""
 
 from __future__ import annotations
 
@@ -11,16 +11,25 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
+from cylcontact.choices import OPTIMIZERS
 from cylcontact.datasets.grid import Grid, grid_from, read_grid_data
 from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.objectives import OBJECTIVES
-from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.parameters import Family, Parameter, family_of
 from cylcontact.provenance import spec_hash
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
-# Runs of a campaign, and candidates of a population: more do not fit in memory.
+__all__ = [
+    "Campaign",
+    "CampaignSpec",
+    "GeneticSpec",
+    "ParameterSpec",
+    "campaign_from_settings",
+    "read_campaign",
+]
+
+# Limit on the runs of a campaign and on a population, for memory.
 _MOST = 100_000
 _PARAMETER_REMEDY = "give low and high, or value with fixed = true"
 
@@ -30,7 +39,7 @@ class ParameterSpec(Spec):
 
     low: float | None = Field(None, description="the lower bound, a number")
     high: float | None = Field(None, description="the upper bound, a number")
-    value: float | None = Field(None, description="where the parameter is held, a number")
+    value: float | None = Field(None, description="the value of a fixed parameter, a number")
     fixed: bool = Field(False, description="true or false")
 
     @model_validator(mode="after")
@@ -141,7 +150,7 @@ class Campaign:
     parameters : tuple of Parameter
         In the order of the family's names.
     source : str
-        What errors call it.
+        Its name in errors.
     """
 
     name: str
@@ -177,11 +186,11 @@ def read_campaign(
     Parameters
     ----------
     path : path
-        A TOML file; its dataset is looked for beside it and in the folder above.
+        A TOML file. Its dataset is searched for beside it and in the folder above.
     runs, seed : int, optional
-        Used instead of the file's.
+        Replaces the file's.
     optimizer : str, optional
-        Used instead of the file's.
+        Replaces the file's.
 
     Returns
     -------
@@ -190,7 +199,7 @@ def read_campaign(
     Raises
     ------
     InputError
-        If either file is wrong; the line names key, value, rule and remedy.
+        If either file is invalid.
     """
     data = read_toml(path)
     if runs is not None and isinstance(data.get("genetic", {}), dict):
@@ -201,23 +210,23 @@ def read_campaign(
         data["optimizer"] = optimizer
     spec = parse_spec(CampaignSpec, data, str(path))
     dataset = _find_dataset(Path(path), spec.dataset)
-    return make_campaign(Path(path).stem, spec, read_grid_data(dataset), str(path), str(dataset))
+    return _campaign_of(Path(path).stem, spec, read_grid_data(dataset), str(path), str(dataset))
 
 
 def campaign_from_settings(name: str, settings: dict[str, Any], source: str) -> Campaign:
-    """Return the campaign that a result's settings describe."""
+    """Return the campaign from the settings in a result."""
     if not all(isinstance(settings.get(key), dict) for key in ("campaign", "dataset")):
         raise InputError(
             source, "settings", None, "lacks the campaign or the dataset", "redo the fit"
         )
     spec = parse_spec(CampaignSpec, settings["campaign"], f"{source}, settings.campaign")
-    return make_campaign(name, spec, settings["dataset"], source, f"{source}, settings.dataset")
+    return _campaign_of(name, spec, settings["dataset"], source, f"{source}, settings.dataset")
 
 
-def make_campaign(
+def _campaign_of(
     name: str, spec: CampaignSpec, grid_data: dict[str, Any], source: str, grid_source: str
 ) -> Campaign:
-    """Check a campaign against its grid and its law."""
+    """Return the campaign of a spec and a grid, checked against the law."""
     grid = grid_from(grid_data, grid_source)
     family = family_of(spec.law, grid.contact, source)
     _require_range(grid, family, source)
@@ -229,7 +238,7 @@ def _find_dataset(campaign: Path, dataset: str) -> Path:
     """Return the grid spec that a campaign names."""
     above = Path(os.path.normpath(campaign.parent / ".."))
     places = [campaign.parent / dataset, above / dataset]
-    with suppress(OSError):  # a name too long, or a folder closed to us, is no file either
+    with suppress(OSError):  # the name is too long, or the folder unreadable
         for place in places:
             if place.is_file():
                 return place
@@ -243,7 +252,7 @@ def _find_dataset(campaign: Path, dataset: str) -> Path:
 
 
 def _parameters(spec: CampaignSpec, family: Family, source: str) -> tuple[Parameter, ...]:
-    """Return the family's parameters from the tables of the campaign."""
+    """Return the parameters of the law, in the order of the family."""
     known = ", ".join(family.names)
     for name in spec.parameters:
         if name not in family.names:
@@ -277,7 +286,7 @@ def _parameters(spec: CampaignSpec, family: Family, source: str) -> tuple[Parame
 
 
 def _require_range(grid: Grid, family: Family, source: str) -> None:
-    """Refuse clearances outside the range that the law is stated for."""
+    """Refuse clearances outside the range of the law."""
     low, high = float(grid.dR.min()), float(grid.dR.max())
     if low < family.dR_min or high > family.dR_max:
         raise InputError(

@@ -1,4 +1,4 @@
-"""A problem that counts what is evaluated, keeps the best of it, and stops at a budget."""
+"""A problem that counts evaluations, keeps the best candidate and stops at a budget."""
 
 from __future__ import annotations
 
@@ -7,20 +7,22 @@ import numpy as np
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.fitting.problem import Problem
 
+__all__ = ["BudgetSpentError", "EvaluationBudget"]
+
 
 class BudgetSpentError(Exception):
-    """The budget of evaluations is spent: the search is over."""
+    """The budget of evaluations is spent."""
 
 
 class EvaluationBudget:
-    """A problem with a meter, in coordinates from 0 to 1 between the bounds.
+    """A problem with a limited number of evaluations, in coordinates scaled to [0, 1].
 
     Parameters
     ----------
     problem : Problem
         What to minimise.
     budget : int
-        Candidates that may be evaluated; with the last of them `BudgetSpentError` is raised.
+        Candidates that may be evaluated; the last one raises `BudgetSpentError`.
 
     Attributes
     ----------
@@ -29,7 +31,7 @@ class EvaluationBudget:
     spent : int
         Candidates evaluated.
     point : array of float, shape (k,)
-        The best of them, in the problem's own units.
+        The best candidate, unscaled.
     value : float
         Its objective.
     """
@@ -43,7 +45,7 @@ class EvaluationBudget:
         self._budget = budget
 
     def values(self, units: FloatArray) -> FloatArray:
-        """Return the objective of P candidates, shape (P, k) to (P,); inf where undefined."""
+        """Return the objective of P candidates, shape (P, k) to (P,); inf if undefined."""
         points = self._points(units)
         values = self._problem.values(points)
         if values.size and values.min() < self.value:
@@ -53,13 +55,13 @@ class EvaluationBudget:
         return values
 
     def residuals(self, units: FloatArray) -> FloatArray:
-        """Return the residuals of P candidates, shape (P, k) to (P, q); huge where undefined."""
-        residuals = self._problem.residuals(self._points(units))
+        """Return the residuals of P candidates, shape (P, k) to (P, q); 1e3 if undefined."""
+        residuals = self._problem.finite_residuals(self._points(units))
         self._require_complete(units)
-        return as_floats(np.nan_to_num(residuals, nan=1e3, posinf=1e3, neginf=-1e3))
+        return residuals
 
     def _points(self, units: FloatArray) -> FloatArray:
-        """Spend on as many candidates as the budget allows and return them, unscaled."""
+        """Return as many candidates as the budget allows, unscaled, and charge for them."""
         allowed = units[: self._budget - self.spent]
         self.spent += len(allowed)
         span = self._problem.high - self._problem.low

@@ -6,9 +6,9 @@ evaluated in one call. Crossover is one of PyGAD's own or blend (BLX-½, Eshelma
 30 % of the range, so that one setting serves both exploring and refining. All random numbers
 come from the generator that PyGAD seeds for each run.
 
-PyGAD treats one individual after the other, which with moments for an objective takes most of
-the time. Its operators are therefore given to it again in terms of whole populations: from the
-same random numbers they make the same offspring, to the bit.
+PyGAD loops over individuals, which takes longer than evaluating an objective from moments. Its
+operators are therefore reimplemented for whole populations. With the same random numbers they
+return bit-identical offspring.
 """
 
 from __future__ import annotations
@@ -25,19 +25,21 @@ from numpy.typing import NDArray
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.fitting.problem import Problem
 
-# What PyGAD asks of a crossover: offspring from parents, of a given shape.
-Operator = Callable[[FloatArray, tuple[int, int], pygad.GA], FloatArray]
+__all__ = ["CROSSOVERS", "ELITE", "OPERATORS", "Search", "WholePopulations", "mutate", "search"]
 
-MUTATION_PROBABILITY = 0.2
-STEP_DECADES = (-3.0, -0.5)
+# A crossover of PyGAD: from parents and the shape of the offspring to the offspring.
+_Operator = Callable[[FloatArray, tuple[int, int], pygad.GA], FloatArray]
+
+_MUTATION_PROBABILITY = 0.2
+_STEP_DECADES = (-3.0, -0.5)
 ELITE = 2
-# PyGAD ranks by fitness and refuses NaN; this stands for an undefined law.
-WORST_FITNESS = -1e300
+# The fitness of an undefined law; PyGAD refuses NaN.
+_WORST_FITNESS = -1e300
 
 
 @dataclass(frozen=True)
 class Search:
-    """What a genetic run found.
+    """The result of a search.
 
     Attributes
     ----------
@@ -68,7 +70,7 @@ def search(
     crossover : str
         One of `CROSSOVERS`.
     seed : int
-        Same seed, same result.
+        The same seed gives the same result.
 
     Returns
     -------
@@ -81,7 +83,7 @@ def search(
 
     def fitness(_: pygad.GA, genes: FloatArray, __: Any) -> FloatArray:
         values = problem.values(points(genes))
-        return np.where(np.isfinite(values), -values, WORST_FITNESS)
+        return np.where(np.isfinite(values), -values, _WORST_FITNESS)
 
     engine = WholePopulations(
         num_generations=generations,
@@ -103,15 +105,15 @@ def search(
 
 
 class WholePopulations(pygad.GA):  # type: ignore[misc]
-    """PyGAD's search with ranking and evaluation in terms of arrays."""
+    """PyGAD's search with vectorized ranking and evaluation."""
 
     def cal_pop_fitness(self) -> FloatArray:
-        """Return the fitness of the population; that of unchanged parents is known."""
-        known: dict[bytes, float] = {}
+        """Return the fitness of the population, reusing that of unchanged parents."""
+        fitness_of: dict[bytes, float] = {}
         if self.last_generation_parents is not None:
             fitness_then = self.previous_generation_fitness[self.last_generation_parents_indices]
-            known = dict(zip(_keys(self.last_generation_parents), fitness_then, strict=True))
-        fitness = np.array([known.get(key, np.nan) for key in _keys(self.population)])
+            fitness_of = dict(zip(_keys(self.last_generation_parents), fitness_then, strict=True))
+        fitness = np.array([fitness_of.get(key, np.nan) for key in _keys(self.population)])
         new = np.isnan(fitness)
         if new.any():
             fitness[new] = self.fitness_func(self, self.population[new], None)
@@ -121,24 +123,24 @@ class WholePopulations(pygad.GA):  # type: ignore[misc]
     def steady_state_selection(
         self, fitness: FloatArray, num_parents: int
     ) -> tuple[FloatArray, NDArray[np.intp]]:
-        """Return the best, of equal ones the later first, and where they stand."""
+        """Return the best individuals, the later of equals first, and their indices."""
         best = np.argsort(fitness, kind="stable")[::-1][:num_parents]
         return self.population[best], best
 
     def best_solution(self, pop_fitness: FloatArray) -> tuple[FloatArray, np.float64, int]:
-        """Return the best, the first of equal ones, its fitness and where it stands."""
+        """Return the best individual, the first of equals, its fitness and its index."""
         best = int(np.argmax(pop_fitness))
         return self.population[best].copy(), pop_fitness[best], best
 
 
 def _keys(genes: FloatArray) -> list[bytes]:
-    """Return each individual's genes as what a dictionary can look up."""
+    """Return each individual's genes as bytes, which are hashable."""
     data, width = genes.tobytes(), genes.shape[1] * genes.itemsize
     return [data[first : first + width] for first in range(0, len(data), width)]
 
 
-def _crossover(second: Callable[[tuple[int, int], RandomState], BoolArray]) -> Operator:
-    """Return the operator that takes from the second of two neighbouring parents where told."""
+def _crossover(second: Callable[[tuple[int, int], RandomState], BoolArray]) -> _Operator:
+    """Return the crossover of neighbouring parents, given which genes the second one passes on."""
 
     def offspring(parents: FloatArray, size: tuple[int, int], engine: pygad.GA) -> FloatArray:
         k = np.arange(size[0])
@@ -149,13 +151,13 @@ def _crossover(second: Callable[[tuple[int, int], RandomState], BoolArray]) -> O
 
 
 def _beyond_one_point(size: tuple[int, int], rng: RandomState) -> BoolArray:
-    """Tell which genes lie from a random point on."""
+    """Return a mask of the genes from a random point on."""
     point = rng.randint(0, size[1], size=size[0])
     return np.asarray(np.arange(size[1]) >= point[:, None])
 
 
 def _between_two_points(size: tuple[int, int], rng: RandomState) -> BoolArray:
-    """Tell which genes lie between two different random points."""
+    """Return a mask of the genes between two different random points."""
     one, two = rng.randint(0, size[1] + 1, size=size[0]), rng.randint(0, size[1], size=size[0])
     two += two >= one
     first, last = np.minimum(one, two)[:, None], np.maximum(one, two)[:, None]
@@ -164,12 +166,12 @@ def _between_two_points(size: tuple[int, int], rng: RandomState) -> BoolArray:
 
 
 def _any_genes(size: tuple[int, int], rng: RandomState) -> BoolArray:
-    """Draw for each gene."""
+    """Return a mask drawn for each gene."""
     return np.asarray(rng.randint(0, 2, size=size) == 1)
 
 
 def _blend(parents: FloatArray, size: tuple[int, int], engine: pygad.GA) -> FloatArray:
-    """Return offspring drawn, gene by gene, from the parents' interval widened by half."""
+    """Return offspring drawn gene by gene from the parents' interval, widened by half."""
     rng = engine.numpy_random_generator
     one, two = parents[rng.randint(len(parents), size=(2, size[0]))]
     weight = rng.uniform(-0.5, 1.5, size=size)
@@ -179,12 +181,12 @@ def _blend(parents: FloatArray, size: tuple[int, int], engine: pygad.GA) -> Floa
 def mutate(offspring: FloatArray, engine: pygad.GA) -> FloatArray:
     """Return offspring with some genes moved by Gaussian steps of random size."""
     rng = engine.numpy_random_generator
-    hit = rng.uniform(size=offspring.shape) < MUTATION_PROBABILITY
-    step = rng.normal(size=offspring.shape) * 10 ** rng.uniform(*STEP_DECADES, offspring.shape)
+    hit = rng.uniform(size=offspring.shape) < _MUTATION_PROBABILITY
+    step = rng.normal(size=offspring.shape) * 10 ** rng.uniform(*_STEP_DECADES, offspring.shape)
     return as_floats(np.clip(np.where(hit, offspring + step, offspring), 0, 1))
 
 
-OPERATORS: dict[str, Operator] = {
+OPERATORS: dict[str, _Operator] = {
     "single_point": _crossover(_beyond_one_point),
     "two_points": _crossover(_between_two_points),
     "uniform": _crossover(_any_genes),

@@ -15,12 +15,12 @@ clearance_factor·ΔR in place of E* and ΔR |
 | winkler (internal) | depth | depth of the foundation over the radius; modulus E* |
 | lankarani-nikravesh | factor, n | F = factor·(4/3)·E*·√R·δⁿ |
 
-Two parameters of the rig may join those of any law, where a campaign names them: `offset`, the
-reading at first touch in mm, and `compliance` in mm per N/mm (`laws.adapters.RigCompliance`).
+A campaign may add two parameters of the test rig to any law: `offset`, the reading at first touch
+in mm, and `compliance` in mm per N/mm (`laws.adapters.RigCompliance`).
 
-A parameter that a campaign leaves out is searched between the bounds given here, or held at its
-nominal value where it is not free: Lambda_factor (c does the same), and clearance_factor (small
-loads do not tell it from modulus_factor).
+A parameter that a campaign leaves out is searched between the bounds given here. Two are fixed at
+their nominal values by default: Lambda_factor, which is redundant with c, and clearance_factor,
+which is not identifiable beside modulus_factor at small loads.
 """
 
 from __future__ import annotations
@@ -45,12 +45,23 @@ from cylcontact.pair import CONTACTS, Contact
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
 
-Coefficients = Mapping[str, float]
+__all__ = [
+    "MODELS",
+    "RIG_NAMES",
+    "LawModel",
+    "LawParameter",
+    "is_user_law",
+    "law_of",
+    "model_of",
+    "with_rig",
+]
+
+_Coefficients = Mapping[str, float]
 
 
 @dataclass(frozen=True)
 class LawParameter:
-    """A parameter of a law, and how it is searched where nothing else is said.
+    """A parameter of a law with its default bounds.
 
     Attributes
     ----------
@@ -59,11 +70,11 @@ class LawParameter:
     low, high : float
         Default bounds of the search.
     nominal : float or None
-        Its value in the law as published, where there is one.
+        Its value in the published law; None if there is none.
     free : bool
-        Whether it is searched by default, rather than held at its nominal value.
+        Whether it is searched by default; otherwise it is fixed at its nominal value.
     shift : bool
-        Whether zero is a value like any other, so that a share of the value means nothing.
+        Whether its zero is arbitrary, so that a relative error has no meaning.
     """
 
     name: str
@@ -87,15 +98,15 @@ class LawModel:
     parameters : tuple of LawParameter
         Its parameters.
     build : callable
-        From values by name to the law; raises InputError where they define none.
+        From values by name to the law. Raises InputError if they define none.
     nominal_is_published : bool
-        Whether the nominal values are those of the law's source, rather than this project's.
+        Whether the nominal values are those of the law's source, not of this project.
     """
 
     law: str
     contact: Contact
     parameters: tuple[LawParameter, ...]
-    build: Callable[[Coefficients], ContactLaw]
+    build: Callable[[_Coefficients], ContactLaw]
     nominal_is_published: bool = True
 
     @property
@@ -105,66 +116,66 @@ class LawModel:
 
     @property
     def family(self) -> Family:
-        """The family that searches evaluate."""
+        """The family of candidates for a search."""
         nominal = {p.name: p.nominal for p in self.parameters if p.nominal is not None}
-        is_known = self.nominal_is_published and len(nominal) == len(self.parameters)
+        is_published = self.nominal_is_published and len(nominal) == len(self.parameters)
         return Family(
             law=self.law,
             contact=self.contact,
             names=self.names,
             form=self.form,
             is_power_law=False,
-            published=nominal if is_known else None,
+            published=nominal if is_published else None,
             shifts=tuple(p.name for p in self.parameters if p.shift),
         )
 
     def form(self, candidates: FloatArray, _: FloatArray) -> LawForm:
-        """Return the laws of candidates, shape (P, k); None where they define none."""
-        return LawForm(tuple(self.law_or_none(row) for row in candidates))
+        """Return the laws of candidates, shape (P, k); None for one that defines none."""
+        return LawForm(tuple(self._law_or_none(row) for row in candidates))
 
-    def law_or_none(self, row: FloatArray) -> ContactLaw | None:
-        """Return the law of one candidate, None where it defines none."""
+    def _law_or_none(self, row: FloatArray) -> ContactLaw | None:
+        """Return the law of one candidate, or None."""
         try:
             return self.build(dict(zip(self.names, map(float, row), strict=True)))
         except InputError:
             return None
 
 
-# What a rig adds to a reading, by name.
-RIG = (
+# What a test rig adds to a reading.
+_RIG = (
     LawParameter("offset", -1.0, 1.0, nominal=0.0, free=False, shift=True),
     LawParameter("compliance", 0.0, 1.0, nominal=0.0, free=False, shift=True),
 )
 # Terms of sums in the enhanced law, and exponents that may be zero.
-ENHANCED_SHIFTS = ("Y_log_exponent", "Y_slope", "Y_offset", "n_exponent")
-RIG_NAMES = tuple(parameter.name for parameter in RIG)
+_ENHANCED_SHIFTS = ("Y_log_exponent", "Y_slope", "Y_offset", "n_exponent")
+RIG_NAMES = tuple(parameter.name for parameter in _RIG)
 
 
 def with_rig(model: LawModel, named: Collection[str]) -> LawModel:
-    """Return a model with those parameters of the rig that a campaign names.
+    """Return a model with the parameters of the rig that a campaign names.
 
     Examples
     --------
     >>> with_rig(model_of("power", "internal", "example"), ["n", "offset"]).names
     ('K_star', 'n', 'offset')
     """
-    added = tuple(p for p in RIG if p.name in named and p.name not in model.names)
+    added = tuple(p for p in _RIG if p.name in named and p.name not in model.names)
     if not added:
         return model
 
-    def build(found: Coefficients) -> ContactLaw:
-        rig = {p.name: found[p.name] for p in added}
-        return RigCompliance(model.build({name: found[name] for name in model.names}), **rig)
+    def build(values: _Coefficients) -> ContactLaw:
+        rig = {p.name: values[p.name] for p in added}
+        return RigCompliance(model.build({name: values[name] for name in model.names}), **rig)
 
     return replace(model, parameters=(*model.parameters, *added), build=build)
 
 
-def without_rig(coefficients: Coefficients) -> dict[str, float]:
-    """Return the coefficients of the contact alone.
+def _without_rig(coefficients: _Coefficients) -> dict[str, float]:
+    """Return the coefficients of the contact, without those of the rig.
 
     Examples
     --------
-    >>> without_rig({"K_star": 3.0, "n": 1.1, "offset": 1e-3})
+    >>> _without_rig({"K_star": 3.0, "n": 1.1, "offset": 1e-3})
     {'K_star': 3.0, 'n': 1.1}
     """
     return {name: value for name, value in coefficients.items() if name not in RIG_NAMES}
@@ -176,16 +187,16 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
     Raises
     ------
     InputError
-        If there is no such law, or it is not for the contact.
+        If the law is unknown, or not for this contact.
 
     Examples
     --------
     >>> model_of("johnson", "internal", "example").names
     ('kappa', 'c', 'Lambda_factor')
     """
-    found = MODELS.get((law, contact))
-    if found is not None:
-        return found
+    model = MODELS.get((law, contact))
+    if model is not None:
+        return model
     others = [place for name, place in MODELS if name == law]
     if others:
         raise InputError(
@@ -208,15 +219,15 @@ def _logarithmic(name: str, base: LogarithmicLaw, contact: Contact) -> LawModel:
         LawParameter("c", -5.0, 5.0, nominal=float(base.shift), shift=True),
         LawParameter("Lambda_factor", 1e-3, 1e3, nominal=1.0, free=False),
     )
-    return LawModel(name, contact, parameters, lambda found: adjusted_logarithmic(base, **found))
+    return LawModel(name, contact, parameters, lambda values: adjusted_logarithmic(base, **values))
 
 
 def _dimensionless(name: str, base: ContactLaw) -> LawModel:
-    """Return the model of a law of f/(E*·ΔR) and δ/ΔR alone."""
+    """Return the model of a law between f/(E*·ΔR) and δ/ΔR."""
 
-    def build(found: Coefficients) -> ContactLaw:
-        clearance = found["clearance_factor"]
-        return ScaledLaw(base, found["modulus_factor"] * clearance, clearance)
+    def build(values: _Coefficients) -> ContactLaw:
+        clearance = values["clearance_factor"]
+        return ScaledLaw(base, values["modulus_factor"] * clearance, clearance)
 
     parameters = (
         LawParameter("modulus_factor", 0.05, 20.0, nominal=1.0),
@@ -225,19 +236,19 @@ def _dimensionless(name: str, base: ContactLaw) -> LawModel:
     return LawModel(name, "internal", parameters, build)
 
 
-def _power(found: Coefficients) -> ContactLaw:
+def _power(values: _Coefficients) -> ContactLaw:
     """Return the power law of K or K_star, and n."""
-    return PowerLaw(**found)
+    return PowerLaw(**values)
 
 
-def _winkler(found: Coefficients) -> ContactLaw:
-    """Return the foundation of a depth."""
-    return Winkler(depth=found["depth"])
+def _winkler(values: _Coefficients) -> ContactLaw:
+    """Return the elastic foundation of a depth."""
+    return Winkler(depth=values["depth"])
 
 
-def _lankarani_nikravesh(found: Coefficients) -> ContactLaw:
-    """Return the point contact with another factor and exponent."""
-    return ScaledLaw(LankaraniNikravesh(n=found["n"]), load_factor=found["factor"])
+def _lankarani_nikravesh(values: _Coefficients) -> ContactLaw:
+    """Return the point contact with a factor and an exponent."""
+    return ScaledLaw(LankaraniNikravesh(n=values["n"]), load_factor=values["factor"])
 
 
 def _enhanced(contact: Contact) -> LawModel:
@@ -246,10 +257,10 @@ def _enhanced(contact: Contact) -> LawModel:
     bounds = (*internal, (-0.1, 0.1)) if contact == "internal" else ((0.1, 1.5), (0, 3), (1, 1.5))
     nominal = asdict(PUBLISHED[contact])
     parameters = tuple(
-        LawParameter(name, low, high, nominal=value, shift=name in ENHANCED_SHIFTS)
+        LawParameter(name, low, high, nominal=value, shift=name in _ENHANCED_SHIFTS)
         for (name, value), (low, high) in zip(nominal.items(), bounds, strict=True)
     )
-    return LawModel("enhanced", contact, parameters, lambda found: Enhanced(coefficients=found))
+    return LawModel("enhanced", contact, parameters, lambda values: Enhanced(coefficients=values))
 
 
 def _explicit(contact: Contact) -> LawModel:
@@ -268,7 +279,7 @@ def _explicit(contact: Contact) -> LawModel:
         "explicit",
         contact,
         parameters,
-        lambda found: Explicit(coefficients=found),
+        lambda values: Explicit(coefficients=values),
         nominal_is_published=False,
     )
 
@@ -301,16 +312,13 @@ def _models() -> dict[tuple[str, Contact], LawModel]:
 MODELS = _models()
 
 
-# The laws that campaigns on grids fit, from their coefficients.
-FITTED: Mapping[str, Callable[[Mapping[str, float]], ContactLaw]] = {
-    "enhanced": lambda values: Enhanced(coefficients=values),
-    "explicit": lambda values: Explicit(coefficients=values),
-    "power": lambda values: PowerLaw(**values),
-}
+def is_user_law(law: str) -> bool:
+    """Return whether a law's name is module:function."""
+    return ":" in law
 
 
 def law_of(result: FitResult, source: str = "") -> ContactLaw:
-    """Return the law that a fit found, of the contact alone: a rig's compliance is left out.
+    """Return the fitted law of the contact, without the compliance of the rig.
 
     Parameters
     ----------
@@ -324,12 +332,6 @@ def law_of(result: FitResult, source: str = "") -> ContactLaw:
     InputError
         If the law is a Python function of the user's own.
     """
-    # That module imports this one.
-    from cylcontact.fitting.user_law import is_user_law
-
-    coefficients = without_rig(result.coefficients)
-    if result.law in FITTED:
-        return FITTED[result.law](coefficients)
     if is_user_law(result.law):
         raise InputError(
             source or result.name,
@@ -338,4 +340,5 @@ def law_of(result: FitResult, source: str = "") -> ContactLaw:
             "is a Python function of your own, and this needs a law of the package",
             "fit a law of the package, e.g. explicit",
         )
-    return model_of(result.law, result.contact, source or result.name).build(coefficients)
+    model = model_of(result.law, result.contact, source or result.name)
+    return model.build(_without_rig(result.coefficients))

@@ -1,4 +1,4 @@
-"""Deterministic least squares from several starts: what fits to measurements are made with."""
+"""Deterministic least squares from several starts, for fits to measurements."""
 
 from __future__ import annotations
 
@@ -12,16 +12,18 @@ from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.run import RunRecord
 
-# Points tried for each start that is taken.
-TRIED_PER_START = 32
-# Steps of central differences relative to a parameter, or to its interval where it is near 0.
-RELATIVE_STEP, INTERVAL_STEP = 6e-6, 1e-9
-MAX_RESTARTS = 10
-WORTHWHILE = 1e-12
-PRECISION = 1e-15
-# A parameter whose bounds are this far apart is searched by its logarithm.
-DECADES = 100.0
-UNDEFINED = 1e3
+__all__ = ["descend", "jacobian", "run_from", "starting_points"]
+
+# Points evaluated for each start chosen.
+_POINTS_PER_START = 32
+# Steps of central differences relative to a parameter, or to its interval if it is near 0.
+_RELATIVE_STEP, _INTERVAL_STEP = 6e-6, 1e-9
+_MAX_RESTARTS = 10
+# A restart that gains less than this, relatively, ends the descent.
+_MIN_GAIN = 1e-12
+_PRECISION = 1e-15
+# A parameter is searched by its logarithm if its bounds have more than this ratio.
+_WIDE = 100.0
 
 
 def starting_points(
@@ -29,20 +31,20 @@ def starting_points(
 ) -> FloatArray:
     """Return points to start from, shape (number or fewer, k).
 
-    The nominal one first, then the best of many drawn between the bounds.
+    The first is the nominal one; the others are the best of many drawn between the bounds.
 
     Parameters
     ----------
     problem : Problem
-        What is minimised.
+        The problem.
     nominal : array of float, shape (k,), or None
-        A point known to make sense.
+        The parameters of the published law, if it has any.
     number : int
-        How many to return.
+        Number of points.
     seed : int
-        Of the draw.
+        Seed of the random numbers.
     """
-    unit = np.random.default_rng(seed).uniform(size=(TRIED_PER_START * number, len(problem.free)))
+    unit = np.random.default_rng(seed).uniform(size=(_POINTS_PER_START * number, len(problem.free)))
     points = _between(problem, np.vstack([np.full(len(problem.free), 0.5), unit]))
     if nominal is not None:
         points = np.vstack([np.clip(nominal, problem.low, problem.high), points])
@@ -54,7 +56,7 @@ def starting_points(
 
 
 def run_from(problem: Problem, start: FloatArray, index: int, seed: int) -> RunRecord:
-    """Descend from one start, and record it as a run."""
+    """Descend from one start and return the record of the run."""
     began = time.perf_counter()
     before = problem.value(start)
     point, value, evaluations = descend(problem, start)
@@ -77,9 +79,9 @@ def descend(problem: Problem, start: FloatArray) -> tuple[FloatArray, float, int
     Parameters
     ----------
     problem : Problem
-        What is minimised.
+        The problem.
     start : array of float, shape (k,)
-        Where the law is defined.
+        A point where the law is defined.
 
     Returns
     -------
@@ -93,14 +95,14 @@ def descend(problem: Problem, start: FloatArray) -> tuple[FloatArray, float, int
     point, value, evaluations = start, problem.value(start), 1
     if point.size == 0 or not np.isfinite(value):
         return point, value, evaluations
-    for _ in range(MAX_RESTARTS):
+    for _ in range(_MAX_RESTARTS):
         candidate, spent = _descend_once(problem, point)
         reached = problem.value(candidate)
         evaluations += spent + 1
-        gained = reached < value * (1 - WORTHWHILE)
+        is_worthwhile = reached < value * (1 - _MIN_GAIN)
         if reached < value:
             point, value = candidate, reached
-        if not gained:
+        if not is_worthwhile:
             break
     return point, value, evaluations
 
@@ -108,19 +110,21 @@ def descend(problem: Problem, start: FloatArray) -> tuple[FloatArray, float, int
 def jacobian(
     problem: Problem, point: FloatArray, evaluate: Callable[[FloatArray], FloatArray]
 ) -> FloatArray:
-    """Return the derivatives of what is evaluated by the free parameters, shape (N, k).
+    """Return derivatives by the free parameters, from central differences, shape (N, k).
 
     Parameters
     ----------
     problem : Problem
-        Its bounds give the size of the steps.
+        The bounds set the steps.
     point : array of float, shape (k,)
-        Where.
+        The point.
     evaluate : callable
         From points of the free parameters, shape (P, k), to values, shape (P, N).
     """
-    reach = np.maximum(np.abs(point), INTERVAL_STEP / RELATIVE_STEP * (problem.high - problem.low))
-    steps = np.diag(RELATIVE_STEP * reach)
+    reach = np.maximum(
+        np.abs(point), _INTERVAL_STEP / _RELATIVE_STEP * (problem.high - problem.low)
+    )
+    steps = np.diag(_RELATIVE_STEP * reach)
     ahead, behind = np.split(evaluate(np.vstack([point + steps, point - steps])), 2)
     with np.errstate(invalid="ignore"):
         slopes = (ahead - behind) / (2 * steps.diagonal())[:, None]
@@ -136,32 +140,31 @@ def _descend_once(problem: Problem, start: FloatArray) -> tuple[FloatArray, int]
     def residuals(point: FloatArray) -> FloatArray:
         nonlocal spent
         spent += 1
-        found = problem.residuals(point[None, :])[0]
-        return as_floats(np.nan_to_num(found, nan=UNDEFINED, posinf=UNDEFINED, neginf=-UNDEFINED))
+        return as_floats(problem.finite_residuals(point[None, :])[0])
 
     def slopes(point: FloatArray) -> FloatArray:
         nonlocal spent
         spent += 2 * point.size
         return jacobian(problem, point, problem.residuals)
 
-    found = least_squares(
+    solution = least_squares(
         residuals,
         np.clip(start, problem.low + margin, problem.high - margin),
         jac=slopes,
         bounds=(problem.low, problem.high),
         x_scale=np.maximum(np.abs(start), 1e-3 * span),
-        xtol=PRECISION,
-        ftol=PRECISION,
-        gtol=PRECISION,
+        xtol=_PRECISION,
+        ftol=_PRECISION,
+        gtol=_PRECISION,
         max_nfev=200,
     )
-    return np.asarray(found.x), spent
+    return np.asarray(solution.x), spent
 
 
 def _between(problem: Problem, unit: FloatArray) -> FloatArray:
-    """Return points between the bounds from shares of 0 to 1, on a log scale where it is wide."""
+    """Scale points from [0, 1] to the bounds, logarithmically where these are wide apart."""
     low, high = problem.low, problem.high
-    wide: BoolArray = (low > 0) & (high > DECADES * np.where(low > 0, low, 1.0))
+    wide: BoolArray = (low > 0) & (high > _WIDE * np.where(low > 0, low, 1.0))
     safe_low, safe_high = np.where(wide, low, 1.0), np.where(wide, high, 1.0)
     logarithmic = safe_low * (safe_high / safe_low) ** unit
     return as_floats(np.where(wide, logarithmic, low + unit * (high - low)))

@@ -1,8 +1,8 @@
-"""Robust losses: how much a large residual counts.
+"""Robust losses, which reduce the influence of large residuals.
 
-With z = (r/C)² a loss ρ(z) takes the place of z (scipy's definitions), so that the sum of
-C²·ρ(z) takes that of the sum of squares. As ρ goes as z for small residuals, C·sign(r)·√ρ(z) is a
-residual whose squares add up to that, and every search and descent can work on it.
+A loss minimises the sum of C²·ρ(z) with z = (r/C)², in scipy's definitions. For least squares
+ρ(z) = z. The residual C·sign(r)·√ρ(z) has squares that add up to this sum, so that every solver
+for least squares can minimise it.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
 
-# Residuals beyond C standard deviations lose weight: 1.345 keeps 95 % of the efficiency of least
-# squares with Huber's loss (Huber 1981); the others are near that.
+__all__ = ["LOSSES", "TUNING", "Loss"]
+
+# C in standard deviations: with Huber's loss 1.345 keeps 95 % of the efficiency of least squares
+# (Huber 1981), and the other losses are similar.
 TUNING = 1.345
 
 
@@ -52,15 +54,15 @@ def _slope_cauchy(z: FloatArray) -> FloatArray:
     return as_floats(1 / (1 + z))
 
 
-Curve = Callable[[FloatArray], FloatArray]
-# Of each loss, ρ and dρ/dz.
-RHO: Mapping[str, tuple[Curve, Curve]] = {
+_Curve = Callable[[FloatArray], FloatArray]
+# ρ and dρ/dz of each loss.
+_RHO: Mapping[str, tuple[_Curve, _Curve]] = {
     "linear": (_linear, _slope_linear),
     "soft_l1": (_soft_l1, _slope_soft_l1),
     "huber": (_huber, _slope_huber),
     "cauchy": (_cauchy, _slope_cauchy),
 }
-LOSSES = tuple(RHO)
+LOSSES = tuple(_RHO)
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,7 @@ class Loss:
 
     Examples
     --------
-    Least squares leaves residuals as they are; a robust loss shortens the long ones:
+    Least squares leaves residuals unchanged; a robust loss shrinks large ones:
 
     >>> r = np.array([0.1, -10.0])
     >>> print(Loss().residual(r), Loss("cauchy").residual(r).round(3))
@@ -86,18 +88,18 @@ class Loss:
 
     def residual(self, r: FloatArray) -> FloatArray:
         """Return the residuals whose squares add up to the loss."""
-        rho, _ = RHO[self.name]
+        rho, _ = _RHO[self.name]
         if self.is_linear:
             return r
         return as_floats(np.sign(r) * self.scale * np.sqrt(rho((r / self.scale) ** 2)))
 
     def psi(self, r: FloatArray) -> FloatArray:
-        """Return half the derivative of the loss, which is r itself for least squares."""
-        _, slope = RHO[self.name]
+        """Return half the derivative of the loss; r for least squares."""
+        _, slope = _RHO[self.name]
         return as_floats(r * slope((r / self.scale) ** 2))
 
     def psi_slope(self, r: FloatArray) -> FloatArray:
-        """Return the derivative of `psi`, by a central difference away from least squares."""
+        """Return the derivative of `psi`; a central difference for robust losses."""
         if self.is_linear:
             return np.ones_like(r)
         step = 1e-6 * self.scale

@@ -14,6 +14,8 @@ from cylcontact.fitting.parameters import Family
 from cylcontact.fitting.samples import samples_of
 from cylcontact.parallel import Workers, call, run_calls
 
+__all__ = ["max_abs_difference_percent"]
+
 
 def max_abs_difference_percent(
     grid: Grid,
@@ -27,7 +29,7 @@ def max_abs_difference_percent(
     Parameters
     ----------
     grid : Grid
-        Sampled block by block, whatever its size.
+        The grid, sampled block by block.
     family : Family
         The law.
     candidates : list of mapping
@@ -35,7 +37,7 @@ def max_abs_difference_percent(
     jobs : int or Cluster
         Threads, or a Dask cluster; the result does not depend on it.
     progress : callable, optional
-        Called with the number of clearances done, as each is.
+        Called with the number of clearances done.
 
     Returns
     -------
@@ -44,8 +46,8 @@ def max_abs_difference_percent(
     points = np.array([[c[name] for name in family.names] for c in candidates])
     work = [call(_at_clearance, grid, family, points, float(dR)) for dR in grid.dR]
     worst = np.zeros(len(candidates))
-    with closing(run_calls(work, jobs, threads=True)) as found:
-        for done, at_clearance in enumerate(found, start=1):
+    with closing(run_calls(work, jobs, threads=True)) as results:
+        for done, at_clearance in enumerate(results, start=1):
             worst = np.maximum(worst, at_clearance)
             if progress is not None:
                 progress(done)
@@ -55,7 +57,7 @@ def max_abs_difference_percent(
 def _at_clearance(grid: Grid, family: Family, points: FloatArray, dR: float) -> FloatArray:
     """Return the largest |Eq 9| at one ΔR, as a fraction, shape (P,).
 
-    Eq 9 grows with the log ratio, so that only the ends of that need its exponential.
+    Eq 9 increases with the log ratio, so only the extremes are exponentiated.
     """
     low, high = np.zeros(len(points)), np.zeros(len(points))
     form = family.form(points, np.array([dR]))

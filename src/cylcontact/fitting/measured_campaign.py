@@ -1,4 +1,4 @@
-"""Campaigns on measurements: a table, a law and how its parameters are to be found."""
+"""Campaigns on measurements: a table, a law, and the search for its parameters."""
 
 from __future__ import annotations
 
@@ -16,17 +16,31 @@ from cylcontact.datasets.measured_columns import Constants, MeasuredData, read_m
 from cylcontact.datasets.measurements import Measurements, measurements_of
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import ParameterSpec
-from cylcontact.fitting.law_models import RIG_NAMES, LawModel, LawParameter, model_of, with_rig
+from cylcontact.fitting.law_models import (
+    RIG_NAMES,
+    LawModel,
+    LawParameter,
+    is_user_law,
+    model_of,
+    with_rig,
+)
 from cylcontact.fitting.measured_objective import MeasuredObjective, objective_name
 from cylcontact.fitting.measured_spec import MeasuredSpec
 from cylcontact.fitting.parameters import Family, Parameter
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.user_law import UserFunction, is_user_law, named_user_model, user_model
+from cylcontact.fitting.user_law import UserFunction, named_user_model, user_model
 from cylcontact.pair import Contact
 from cylcontact.provenance import spec_hash
 from cylcontact.spec import parse_spec
 
-MATERIALS = "datasets/materials.csv"
+__all__ = [
+    "MeasuredCampaign",
+    "campaign_of_table",
+    "measured_from_settings",
+    "read_measured_campaign",
+]
+
+_MATERIALS = "datasets/materials.csv"
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,9 +60,9 @@ class MeasuredCampaign:
     parameters : tuple of Parameter
         In the order of the law's names.
     objective : str
-        What is minimised.
+        The name of the objective.
     source : str
-        What errors call it.
+        Its name in errors.
     """
 
     name: str
@@ -66,7 +80,7 @@ class MeasuredCampaign:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Everything that the result depends on, the data included, as plain data."""
+        """Everything that the result depends on, including the data, as plain data."""
         return {
             "campaign": self.spec.model_dump(mode="json", exclude_none=True),
             "measurements": self.measurements.data.model_dump(mode="json"),
@@ -79,13 +93,13 @@ class MeasuredCampaign:
 
     @property
     def nominal(self) -> FloatArray | None:
-        """The law's nominal free parameters, shape (k,), where it has all of them."""
-        known = {p.name: p.nominal for p in self.model.parameters}
-        values = [known[p.name] for p in self.parameters if not p.fixed]
+        """The nominal values of the free parameters, shape (k,); None if one has none."""
+        nominal = {p.name: p.nominal for p in self.model.parameters}
+        values = [nominal[p.name] for p in self.parameters if not p.fixed]
         return None if None in values else np.array(values, dtype=np.float64)
 
     def problem(self) -> Problem:
-        """Return what is minimised, with plain least squares."""
+        """Return the problem, with plain least squares."""
         objective = MeasuredObjective(self.measurements, self.objective)
         return Problem(self.family, self.parameters, objective)
 
@@ -106,7 +120,7 @@ def read_measured_campaign(
     data : mapping
         Its contents.
     runs, seed, optimizer : optional
-        Used instead of the file's; runs are starts where no optimiser is named.
+        Replace the file's; runs are starts if no optimiser is named.
 
     Returns
     -------
@@ -157,16 +171,16 @@ def campaign_of_table(
     Raises
     ------
     InputError
-        If the table or a setting is wrong.
+        If the table or a setting is invalid.
     """
-    given = {key: value for key, value in settings.items() if value is not None}
-    plain = {"data": table.name, "law": law, "contact": contact, "constants": dict(constants)}
-    spec = parse_spec(MeasuredSpec, plain | given, str(table))
+    others = {key: value for key, value in settings.items() if value is not None}
+    required = {"data": table.name, "law": law, "contact": contact, "constants": dict(constants)}
+    spec = parse_spec(MeasuredSpec, required | others, str(table))
     return _planned(table.stem, spec, table, table.parent, str(table))
 
 
 def measured_from_settings(name: str, settings: dict[str, Any], source: str) -> MeasuredCampaign:
-    """Return the campaign that a result's settings describe; nothing of the user's is imported."""
+    """Return the campaign from the settings in a result, without importing a user's law."""
     spec = parse_spec(MeasuredSpec, settings["campaign"], f"{source}, settings.campaign")
     where = f"{source}, settings.measurements"
     measured = measurements_of(parse_spec(MeasuredData, settings["measurements"], where), where)
@@ -182,8 +196,8 @@ def measured_from_settings(name: str, settings: dict[str, Any], source: str) -> 
 def _planned(
     name: str, spec: MeasuredSpec, table: Path, folder: Path, source: str
 ) -> MeasuredCampaign:
-    """Read the data and find the law."""
-    materials = _beside_or_above(folder / name, spec.materials or MATERIALS)
+    """Read the data and the law of a campaign."""
+    materials = _beside_or_above(folder / name, spec.materials or _MATERIALS)
     if spec.materials is not None and materials is None:
         raise InputError(
             source, "materials", spec.materials, "no such file", "name a table of materials"
@@ -199,7 +213,7 @@ def _planned(
 def _make(
     name: str, spec: MeasuredSpec, measured: Measurements, model: LawModel, source: str
 ) -> MeasuredCampaign:
-    """Check a campaign against its data and its law, and fill in what it leaves out."""
+    """Return the checked campaign, with defaults for what the spec leaves out."""
     model = with_rig(model, spec.parameters)
     parameters = _parameters(spec, model, source)
     free = sum(not p.fixed for p in parameters)
@@ -209,7 +223,7 @@ def _make(
             "data",
             f"{len(measured)} rows",
             f"are not more than the {free} free parameters",
-            "measure more points, or hold parameters with fixed = true",
+            "measure more points, or fix parameters with fixed = true",
         )
     objective = objective_name(spec.objective, measured, is_user_law(spec.law), source)
     tables = {p.name: _table_of(p) for p in parameters}
@@ -218,7 +232,7 @@ def _make(
 
 
 def _parameters(spec: MeasuredSpec, model: LawModel, source: str) -> tuple[Parameter, ...]:
-    """Return the law's parameters, those that the campaign leaves out by default."""
+    """Return the law's parameters, with defaults for those that the spec leaves out."""
     for name in spec.parameters:
         if name not in model.names:
             raise InputError(
@@ -228,19 +242,19 @@ def _parameters(spec: MeasuredSpec, model: LawModel, source: str) -> tuple[Param
                 f"is not a parameter of {model.law} for {model.contact} contact",
                 f"its parameters: {', '.join(model.names)}; the rig's: {', '.join(RIG_NAMES)}",
             )
-    found = tuple(
+    parameters = tuple(
         _parameter(default, spec.parameters.get(default.name), source)
         for default in model.parameters
     )
-    if all(p.fixed for p in found):
+    if all(p.fixed for p in parameters):
         raise InputError(
             source, "parameters", None, "all are fixed", "free at least one: give it low and high"
         )
-    return found
+    return parameters
 
 
 def _parameter(default: LawParameter, table: ParameterSpec | None, source: str) -> Parameter:
-    """Return one parameter as the campaign wants it, or by default."""
+    """Return one parameter from its table in the campaign, or the default."""
     if table is not None:
         low = math.nan if table.low is None else table.low
         high = math.nan if table.high is None else table.high
@@ -252,7 +266,7 @@ def _parameter(default: LawParameter, table: ParameterSpec | None, source: str) 
             source,
             f"parameters.{default.name}",
             None,
-            "is required: a law of your own has no bounds by default",
+            "is required: a law of your own has no default bounds",
             "give low and high, or value with fixed = true",
         )
     return Parameter(default.name, default.low, default.high)
@@ -266,9 +280,9 @@ def _table_of(parameter: Parameter) -> ParameterSpec:
 
 
 def _beside_or_above(campaign: Path, name: str) -> Path | None:
-    """Return a file named in a campaign: beside it, above it, twice above it, or from here."""
+    """Return a file beside a campaign, in the two folders above, or here; None if there is none."""
     folder = campaign.parent
-    with suppress(OSError):  # a name too long, or a folder closed to us, is no file either
+    with suppress(OSError):  # the name is too long, or the folder unreadable
         for place in (folder, folder / "..", folder / ".." / "..", Path()):
             if (place / name).is_file():
                 return Path(place / name)

@@ -1,8 +1,7 @@
-"""Fit a law to measurements: several starts, descend from each, keep the best, say how sure."""
+"""Fit a law to measurements: descend from several starts, take the best, and its uncertainty."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 
@@ -25,21 +24,22 @@ from cylcontact.fitting.result import (
     SampleCounts,
 )
 from cylcontact.fitting.run import RunRecord, execute, plan_runs
-from cylcontact.fitting.uncertainty.report import uncertainty_of
+from cylcontact.fitting.uncertainty.estimates import uncertainty_of
 from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA, measured
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.progress import Progress, silent
 
-Progress = Callable[[str, int, int], None]
-# Rounds that find the scale of a robust loss from the residuals.
-SCALE_ROUNDS = 5
-MEASURED = "measurements"
-# Coefficients that are tried before data are refused as outside a law's domain.
-TRIED = 256
+__all__ = ["fit_measurements", "robust_problem"]
+
+# Iterations for the scale of a robust loss.
+_SCALE_ROUNDS = 5
+# Points evaluated before data are refused as outside a law's domain.
+_TRIALS = 256
 
 
 def fit_measurements(
-    campaign: MeasuredCampaign, jobs: Workers = 1, progress: Progress = lambda *_: None
+    campaign: MeasuredCampaign, jobs: Workers = 1, progress: Progress = silent
 ) -> FitResult:
     r"""Fit a law to measurements.
 
@@ -50,7 +50,7 @@ def fit_measurements(
     jobs : int or Cluster
         Worker processes, or a Dask cluster; the result does not depend on it.
     progress : callable, optional
-        Called with the stage, the number of its parts done and their total.
+        Called with the stage, how many of its parts are done, and their number.
 
     Returns
     -------
@@ -60,11 +60,11 @@ def fit_measurements(
     Raises
     ------
     InputError
-        If the law is undefined for some row wherever it was tried.
+        If the law is undefined for some row at every point tried.
 
     Examples
     --------
-    Points of Johnson's law with 1 % of noise give its constants back, within their errors:
+    Points of Johnson's law with 1 % noise recover its constants, within their errors:
 
     >>> from pathlib import Path
     >>> from tempfile import mkdtemp
@@ -90,17 +90,17 @@ def fit_measurements(
     published = campaign.family.published
     value = None if published is None else problem.value_of(published)
     usable = published is not None and value is not None and np.isfinite(value)
-    law = law_of(campaign, best.coefficients)
-    nominal = law_of(campaign, dict(published)) if published is not None and usable else None
+    law = campaign.model.build(best.coefficients)
+    nominal = campaign.model.build(published) if published is not None and usable else None
     progress("profiling", 0, 1)
-    found = uncertainty_of(problem, best.coefficients, jobs=jobs)
+    uncertainty = uncertainty_of(problem, best.coefficients, jobs=jobs)
     progress("profiling", 1, 1)
     return FitResult(
         name=campaign.name,
         kind="noise",
         law=campaign.model.law,
         contact=campaign.model.contact,
-        reference=MEASURED,
+        reference="measurements",
         coefficients=best.coefficients,
         objective=ObjectiveValue(name=campaign.objective, value=best.objective),
         bound=None,
@@ -114,20 +114,20 @@ def fit_measurements(
         profiles={},
         runs=runs,
         counts=SampleCounts(samples=len(campaign.measurements), masked=0),
-        uncertainty=found,
+        uncertainty=uncertainty,
         settings=campaign.settings,
         provenance=provenance(campaign),
     )
 
 
 def robust_problem(campaign: MeasuredCampaign) -> Problem:
-    """Return what a campaign minimises, the scale of a robust loss found where it is not given.
+    """Return the problem of a campaign, with the scale of a robust loss.
 
-    The scale is 1.345 times the standard deviation where that is known, and else 1.345 times the
-    robust spread of the residuals, found in a few rounds from a least-squares fit on.
+    A scale that is not given is 1.345 times the standard deviation if that is known, else 1.345
+    times the robust spread of the residuals, by a few iterations from a least-squares fit.
     """
     problem = campaign.problem()
-    require_defined(problem, campaign)
+    _require_defined(problem, campaign)
     spec = campaign.spec
     if spec.loss == "linear":
         return problem
@@ -135,9 +135,9 @@ def robust_problem(campaign: MeasuredCampaign) -> Problem:
     if spec.loss_scale is not None or objective.has_sigma:
         return _with_loss(problem, Loss(spec.loss, spec.loss_scale or TUNING))
     starts = starting_points(problem, campaign.nominal, spec.starts, spec.seed)
-    found = [descend(problem, start)[:2] for start in starts]
-    point = min(found, key=lambda pair: pair[1])[0]
-    for _ in range(SCALE_ROUNDS):
+    minima = [descend(problem, start)[:2] for start in starts]
+    point = min(minima, key=lambda pair: pair[1])[0]
+    for _ in range(_SCALE_ROUNDS):
         r = objective.raw(problem.form(point[None, :]))[0]
         spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(r)))
         problem = _with_loss(problem, Loss(spec.loss, max(TUNING * spread, 1e-12)))
@@ -145,9 +145,9 @@ def robust_problem(campaign: MeasuredCampaign) -> Problem:
     return problem
 
 
-def require_defined(problem: Problem, campaign: MeasuredCampaign) -> None:
+def _require_defined(problem: Problem, campaign: MeasuredCampaign) -> None:
     """Refuse data that no coefficients within the bounds can describe, and name the row."""
-    unit = np.random.default_rng(0).uniform(size=(TRIED, len(problem.free)))
+    unit = np.random.default_rng(0).uniform(size=(_TRIALS, len(problem.free)))
     points = problem.low + unit * (problem.high - problem.low)
     if campaign.nominal is not None:
         points = np.vstack([campaign.nominal, points])
@@ -169,11 +169,6 @@ def require_defined(problem: Problem, campaign: MeasuredCampaign) -> None:
     )
 
 
-def law_of(campaign: MeasuredCampaign, coefficients: dict[str, float]) -> ContactLaw:
-    """Return the law with these coefficients."""
-    return campaign.model.build(coefficients)
-
-
 def _with_loss(problem: Problem, loss: Loss) -> Problem:
     """Return the problem with another loss."""
     objective = measured(problem)
@@ -183,7 +178,7 @@ def _with_loss(problem: Problem, loss: Loss) -> Problem:
 def _runs(
     problem: Problem, campaign: MeasuredCampaign, jobs: Workers, progress: Progress
 ) -> list[RunRecord]:
-    """Run from every start, or by the optimiser that the campaign names."""
+    """Run from every start, or with the optimiser of the campaign."""
     spec = campaign.spec
     if spec.optimizer is not None:
         require_installed(spec.optimizer, campaign.source)
@@ -201,8 +196,8 @@ def _runs(
         calls = [call(run_from, problem, start, k, spec.seed) for k, start in enumerate(starts)]
     runs: list[RunRecord] = []
     progress("searching", 0, len(calls))
-    with closing(run_calls(calls, jobs)) as found:
-        for run in found:
+    with closing(run_calls(calls, jobs)) as results:
+        for run in results:
             runs.append(run)
             progress("searching", len(runs), len(calls))
     return runs

@@ -1,11 +1,11 @@
-"""How far a law is from measurements.
+"""Objectives for measurements: the deviation of a law from them.
 
 | objective | residual | for |
 |---|---|---|
-| rms-log-penetration | ln(δ_law(f)/δ) | scatter of δ that is a share of δ |
-| rms-log-load | ln(f_law(δ)/f) | scatter of f that is a share of f |
-| rms-penetration | (δ_law(f) − δ)/σ, σ = 1 mm where none is given | one scatter, or σ |
-| rms-load | (f_law(δ) − f)/σ, σ = 1 N/mm where none is given | one scatter, or σ |
+| rms-log-penetration | ln(δ_law(f)/δ) | noise proportional to δ |
+| rms-log-load | ln(f_law(δ)/f) | noise proportional to f |
+| rms-penetration | (δ_law(f) − δ)/σ, σ = 1 mm by default | constant noise, or σ |
+| rms-load | (f_law(δ) − f)/σ, σ = 1 N/mm by default | constant noise, or σ |
 
 Weights multiply the squares, scaled to a mean of 1.
 """
@@ -23,8 +23,10 @@ from cylcontact.fitting.loss import Loss
 from cylcontact.fitting.parameters import Form, LawForm
 from cylcontact.laws.contact_law import ContactLaw
 
-LEAST_SQUARES = Loss()
-MEASURED_OBJECTIVES = ("rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load")
+__all__ = ["MeasuredObjective", "laws_of", "objective_name"]
+
+_LEAST_SQUARES = Loss()
+_OBJECTIVES = ("rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load")
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,14 +38,14 @@ class MeasuredObjective:
     data : Measurements
         N rows.
     name : str
-        One of `MEASURED_OBJECTIVES`.
+        One of `_OBJECTIVES`.
     loss : Loss
         Plain least squares by default.
     """
 
     data: Measurements
     name: str
-    loss: Loss = LEAST_SQUARES
+    loss: Loss = _LEAST_SQUARES
 
     @property
     def dR(self) -> FloatArray:
@@ -67,7 +69,7 @@ class MeasuredObjective:
 
     @property
     def sigma(self) -> FloatArray:
-        """The standard deviations in mm or N/mm, 1 where they are not known, shape (N,)."""
+        """The standard deviations in mm or N/mm, shape (N,); 1 if they are not known."""
         return self.data.columns.get(self._sigma_name, np.ones(len(self.data)))
 
     @property
@@ -76,43 +78,43 @@ class MeasuredObjective:
         return 0.0
 
     def values(self, form: Form) -> FloatArray:
-        """Return the objective of P candidates, shape (P,); inf where one is undefined."""
+        """Return the objective of P candidates, shape (P,); inf if undefined."""
         with np.errstate(over="ignore", invalid="ignore"):
-            found = np.sqrt((self.residuals(form) ** 2).sum(axis=1))
-        return np.where(np.isfinite(found), found, np.inf)
+            values = np.sqrt((self.residuals(form) ** 2).sum(axis=1))
+        return np.where(np.isfinite(values), values, np.inf)
 
     def residuals(self, form: Form) -> FloatArray:
         """Return residuals whose squares add up to the objective's, shape (P, N)."""
         return as_floats(self.loss.residual(self.raw(form)) / np.sqrt(len(self.data)))
 
     def raw(self, form: Form) -> FloatArray:
-        """Return the residuals before the loss, weights and σ applied, shape (P, N)."""
-        return np.array([self.of_law(law) for law in laws_of(form)])
+        """Return the residuals with weights and σ, before the loss, shape (P, N)."""
+        return np.array([self._of_law(law) for law in laws_of(form)])
 
-    def of_law(self, law: ContactLaw | None) -> FloatArray:
-        """Return the residuals of one law, shape (N,); NaN where it is undefined."""
+    def _of_law(self, law: ContactLaw | None) -> FloatArray:
+        """Return the residuals of one law, shape (N,); NaN outside its domain."""
         data = self.data
         if law is None:
             return np.full(len(data), np.nan)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             if self.of_load:
-                predicted, seen = law.load(data.penetration, data.pair), data.load
+                predicted, observed = law.load(data.penetration, data.pair), data.load
             else:
-                predicted, seen = law.penetration(data.load, data.pair), data.penetration
-            difference = np.log(predicted / seen) if self.is_log else (predicted - seen)
+                predicted, observed = law.penetration(data.load, data.pair), data.penetration
+            difference = np.log(predicted / observed) if self.is_log else predicted - observed
             return as_floats(difference * self._scale)
 
     def predicted(self, raw: FloatArray) -> FloatArray:
-        """Return what a law predicts in the units of the residuals, from those, shape (N,).
+        """Return the predictions in units of the residuals, from residuals, shape (N,).
 
-        For residuals that are differences; σ and weights are applied to the predictions too.
+        The residuals must be differences. σ and weights are applied to the predictions as well.
         """
-        seen = self.data.load if self.of_load else self.data.penetration
-        return as_floats(raw + seen * self._scale)
+        observed = self.data.load if self.of_load else self.data.penetration
+        return as_floats(raw + observed * self._scale)
 
     @property
     def _scale(self) -> FloatArray:
-        """What residuals are multiplied by."""
+        """The factor on the differences."""
         root = np.sqrt(self.data.weight)
         return as_floats(root if self.is_log else root / self.sigma)
 
@@ -122,35 +124,35 @@ class MeasuredObjective:
 
 
 def laws_of(form: Form) -> tuple[ContactLaw | None, ...]:
-    """Return the laws of candidates, which those fitted to measurements have."""
+    """Return the laws of candidates, which have to be a `LawForm`."""
     if not isinstance(form, LawForm):
         raise TypeError("measurements need laws")
     return form.laws
 
 
 def objective_name(given: str | None, data: Measurements, prefers_load: bool, source: str) -> str:
-    """Return the objective that a campaign names, or the one that its data ask for.
+    """Return the objective of a campaign, or the default for its data.
 
     Parameters
     ----------
     given : str or None
-        The campaign's.
+        The one in the campaign.
     data : Measurements
         The data.
     prefers_load : bool
-        Whether the law gives the load explicitly and its inverse is found numerically.
+        Whether the law is explicit in the load and its inverse is numerical.
     source : str
-        What errors call the campaign.
+        The campaign's name in errors.
 
     Returns
     -------
     str
-        One of `MEASURED_OBJECTIVES`.
+        One of `_OBJECTIVES`.
 
     Raises
     ------
     InputError
-        If it is unknown, or disagrees with the standard deviations in the data.
+        If it is unknown, or not that of the standard deviations in the data.
     """
     sigmas = [q for q in ("load", "penetration") if f"{q}_std" in data.columns]
     if len(sigmas) > 1:
@@ -166,19 +168,19 @@ def objective_name(given: str | None, data: Measurements, prefers_load: bool, so
             source,
             "weight",
             None,
-            f"stands beside {sigmas[0]}_std, which says the same and more",
+            f"conflicts with {sigmas[0]}_std, which implies the weights",
             "keep one of them",
         )
     if given is None:
         quantity = "load" if prefers_load else "penetration"
         return f"rms-{sigmas[0]}" if sigmas else f"rms-log-{quantity}"
-    if given not in MEASURED_OBJECTIVES:
+    if given not in _OBJECTIVES:
         raise InputError(
             source,
             "objective",
             given,
             "is not an objective for measurements",
-            f"choose {', '.join(MEASURED_OBJECTIVES)}",
+            f"choose {', '.join(_OBJECTIVES)}",
         )
     if sigmas and given != f"rms-{sigmas[0]}":
         raise InputError(

@@ -1,14 +1,16 @@
-"""A campaign file on measurements, as it is written."""
+"""The campaign file for measurements."""
 
 from __future__ import annotations
 
 from pydantic import Field, model_validator
 
+from cylcontact.choices import OPTIMIZERS
 from cylcontact.fitting.campaign import GeneticSpec, ParameterSpec
 from cylcontact.fitting.loss import LOSSES
-from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.pair import Contact
 from cylcontact.spec import Spec, broken
+
+__all__ = ["MeasuredSpec"]
 
 
 class MeasuredSpec(Spec):
@@ -25,13 +27,13 @@ class MeasuredSpec(Spec):
     seed: int = Field(20150101, ge=0, description="the seed, an integer of at least 0")
     starts: int = Field(12, ge=1, le=1000, description="the starts, an integer from 1 to 1000")
     constants: dict[str, float | str] = Field(
-        {}, description="a table [constants] of what is the same in all rows, e.g. dR_um = 50"
+        {}, description="a table [constants] of values for all rows, e.g. dR_um = 50"
     )
     materials: str | None = Field(None, description="the path of a table of materials")
     ignore: tuple[str, ...] = Field((), strict=False, description="a list of columns to leave out")
     parameters: dict[str, ParameterSpec] = Field(
         {},
-        description="tables [parameters.NAME] for parameters that have other bounds, or are held",
+        description="tables [parameters.NAME] for parameters with other bounds, or fixed ones",
     )
     optimizer: str | None = Field(
         None, description=f"a search instead of several starts, one of {', '.join(OPTIMIZERS)}"

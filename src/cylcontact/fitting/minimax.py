@@ -1,4 +1,4 @@
-"""Minimax fits: the parameters whose largest residual is smallest."""
+"""Minimax fits: minimise the largest residual."""
 
 from __future__ import annotations
 
@@ -9,18 +9,20 @@ from scipy.optimize import linprog
 
 from cylcontact.arrays import FloatArray, as_floats
 
-# Step of the central differences, relative to the interval between the bounds.
-DIFFERENCE = 1e-6
-# Trust region of the descent, relative to the same interval, and its longest run.
-FIRST_RADIUS, LAST_RADIUS = 0.05, 1e-9
-MAX_PROGRAMMES = 200
+__all__ = ["central_differences", "minimise_largest"]
 
-# From points, shape (P, k), to their residuals, shape (P, q), all of them finite.
-Residuals = Callable[[FloatArray], FloatArray]
+# Step of the central differences, relative to the interval between the bounds.
+_DIFFERENCE = 1e-6
+# First and last radius of the trust region, relative to the same interval.
+_FIRST_RADIUS, _LAST_RADIUS = 0.05, 1e-9
+_MAX_PROGRAMMES = 200
+
+# From points, shape (P, k), to finite residuals, shape (P, q).
+_Residuals = Callable[[FloatArray], FloatArray]
 
 
 def minimise_largest(
-    residuals: Residuals,
+    residuals: _Residuals,
     low: FloatArray,
     high: FloatArray,
     start: FloatArray,
@@ -28,9 +30,8 @@ def minimise_largest(
 ) -> FloatArray:
     """Minimise the largest magnitude of the residuals by successive linear programmes.
 
-    Each minimises the largest magnitude of the linearised residuals within a step that is
-    widened where the linearisation predicts well and narrowed where it does not (Osborne and
-    Watson 1969, with a trust region).
+    Each programme minimises the largest magnitude of the linearised residuals within a trust
+    region (Osborne and Watson 1969).
 
     Parameters
     ----------
@@ -39,7 +40,7 @@ def minimise_largest(
     low, high : array of float, shape (k,)
         The bounds of the parameters.
     start : array of float, shape (k,)
-        Within them.
+        A point within the bounds.
     precision : float
         Relative gain of the largest residual below which the descent ends.
 
@@ -50,7 +51,7 @@ def minimise_largest(
 
     Examples
     --------
-    The straight line nearest to a parabola from 0 to 1 misses it by 1/8:
+    The best straight line through a parabola from 0 to 1 has an error of 1/8:
 
     >>> x = np.linspace(0, 1, 101)
     >>> low, high = np.array([-5.0, -5.0]), np.array([5.0, 5.0])
@@ -61,32 +62,32 @@ def minimise_largest(
     [-0.125  1.   ]
     """
     span = high - low
-    point, radius = start, FIRST_RADIUS
+    point, radius = start, _FIRST_RADIUS
     reached = residuals(point[None, :])[0]
-    for _ in range(MAX_PROGRAMMES):
+    for _ in range(_MAX_PROGRAMMES):
         slopes = central_differences(residuals, low, high, point) * span
         unit = (point - low) / span
-        step, promised = _linear_programme(reached, slopes, unit, radius)
+        step, predicted = _linear_programme(reached, slopes, unit, radius)
         largest = np.abs(reached).max()
-        if not promised < largest * (1 - precision) or radius < LAST_RADIUS:
+        if not predicted < largest * (1 - precision) or radius < _LAST_RADIUS:
             break
         candidate = low + np.clip(unit + step, 0, 1) * span
-        tried = residuals(candidate[None, :])[0]
-        share = (largest - np.abs(tried).max()) / (largest - promised)
+        trial = residuals(candidate[None, :])[0]
+        share = (largest - np.abs(trial).max()) / (largest - predicted)
         if share > 0:
-            point, reached = candidate, tried
+            point, reached = candidate, trial
         radius *= 2.0 if share > 0.75 else 0.25 if share < 0.25 else 1.0
     return point
 
 
 def central_differences(
-    residuals: Residuals, low: FloatArray, high: FloatArray, point: FloatArray
+    residuals: _Residuals, low: FloatArray, high: FloatArray, point: FloatArray
 ) -> FloatArray:
     """Return the derivatives of the residuals at one point, shape (q, k).
 
-    All of them come from one call of `residuals`.
+    `residuals` is called once.
     """
-    steps = np.diag(DIFFERENCE * (high - low))
+    steps = np.diag(_DIFFERENCE * (high - low))
     ahead, behind = np.split(residuals(np.vstack([point + steps, point - steps])), 2)
     return as_floats(((ahead - behind) / (2 * steps.diagonal())[:, None]).T)
 
@@ -96,16 +97,16 @@ def _linear_programme(
 ) -> tuple[FloatArray, float]:
     """Minimise max|residuals + slopes·step| over |step| ≤ radius, 0 ≤ unit + step ≤ 1.
 
-    Returns the step and the largest magnitude that it promises.
+    Return the step and the largest magnitude predicted for it.
     """
     minus_t = -np.ones((residuals.size, 1))
     bounds = np.column_stack([np.maximum(-radius, -unit), np.minimum(radius, 1 - unit)])
-    found = linprog(
+    solution = linprog(
         np.append(np.zeros(unit.size), 1.0),
         A_ub=np.block([[slopes, minus_t], [-slopes, minus_t]]),
         b_ub=np.concatenate([-residuals, residuals]),
         bounds=[*bounds, (0.0, None)],
     )
-    if found.x is None:  # numerically infeasible: no step is better than none
+    if solution.x is None:  # numerically infeasible
         return np.zeros(unit.size), float(np.abs(residuals).max())
-    return as_floats(found.x[:-1]), float(found.x[-1])
+    return as_floats(solution.x[:-1]), float(solution.x[-1])

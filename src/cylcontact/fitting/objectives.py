@@ -1,10 +1,10 @@
-"""How far a candidate is from the reference: the objectives, each with its lower bound.
+"""Objectives on samples of a reference law, each with its lower bound.
 
-All of them judge r = ln(δ_law/δ_reference) at equal load, or ln(f_law/f_reference) at equal
+The deviation is r = ln(δ_law/δ_reference) at equal load, or ln(f_law/f_reference) at equal
 penetration, which for a power law is −n·r.
 
-The lower bound is what the best K* and n at *each* clearance would reach: no law of the form
-f = K*(ΔR)·E*/ΔR·δ^n(ΔR) can do better, whatever its K*(ΔR) and n(ΔR).
+The lower bound is the objective with the best K* and n at *each* clearance. No law of the form
+f = K*(ΔR)·E*/ΔR·δ^n(ΔR) can be better, whatever its K*(ΔR) and n(ΔR).
 """
 
 from __future__ import annotations
@@ -23,12 +23,26 @@ from cylcontact.datasets.moments import Moments
 from cylcontact.fitting.parameters import Form, PowerForm
 from cylcontact.fitting.samples import Samples
 
-# Largest magnitudes are reported to the polish over this many groups of samples at least.
-GROUPS = 400
+__all__ = [
+    "OBJECTIVES",
+    "ON_ROWS",
+    "Largest",
+    "MaxDifference",
+    "MaxRelativeForce",
+    "Objective",
+    "RmsDifference",
+    "RmsLogPenetration",
+    "RmsLogPenetrationOnRows",
+    "RmsRelativeForce",
+    "make_objective",
+]
+
+# The polish of a largest magnitude sees the extremes of at least this many groups of samples.
+_GROUPS = 400
 
 
 class Objective(Protocol):
-    """A number to make small, evaluated for many candidates at once."""
+    """A number to minimise, evaluated for many candidates at once."""
 
     @property
     def dR(self) -> FloatArray:
@@ -36,11 +50,11 @@ class Objective(Protocol):
         ...
 
     def values(self, form: Form) -> FloatArray:
-        """Return the objective of P candidates, shape (P,); inf where one is undefined."""
+        """Return the objective of P candidates, shape (P,); inf if undefined."""
         ...
 
     def residuals(self, form: Form) -> FloatArray:
-        """Return what the polish works on, shape (P, q)."""
+        """Return the residuals for the polish, shape (P, q)."""
         ...
 
     @property
@@ -68,17 +82,17 @@ class RmsLogPenetration:
         return _or_inf(np.sqrt(squares + self.bound**2))
 
     def residuals(self, form: Form) -> FloatArray:
-        """Return the parts whose squares add up to the objective's, the bound's left out."""
+        """Return residuals whose squares add up to those of the objective less the bound."""
         level, tilt = self._parts(form)
         return np.concatenate([level, tilt], axis=1)
 
     @cached_property
     def bound(self) -> float:
-        """What the least-squares line of j on s leaves at each clearance."""
+        """The residual of the least-squares lines of j on s, one for each clearance."""
         return float(np.sqrt(self.moments.unexplained.sum() / self.moments.total))
 
     def _parts(self, form: Form) -> tuple[FloatArray, FloatArray]:
-        """Split the residuals at each ΔR into their mean and what is linear in s."""
+        """Return the mean of the residuals at each ΔR, and their part linear in s."""
         if not isinstance(form, PowerForm):
             raise TypeError("moments carry power laws only; use rows")
         m = self.moments
@@ -89,14 +103,14 @@ class RmsLogPenetration:
 
     @cached_property
     def _constants(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """What every evaluation needs of the moments: two weights and the best 1/n."""
+        """The moments as every evaluation needs them: two weights and the best 1/n."""
         m = self.moments
         return np.sqrt(m.count / m.total), np.sqrt(m.ss / m.total), m.slope
 
 
 @dataclass(frozen=True)
 class _RowObjective(ABC):
-    """What the objectives on rows share: one candidate after the other."""
+    """An objective on rows, evaluated for one candidate after the other."""
 
     rows: Samples
     # Whether loads are compared at equal penetration rather than penetrations at equal load.
@@ -113,7 +127,7 @@ class _RowObjective(ABC):
             return _or_inf(np.array([self._value(self._log_ratio(form, k)) for k in _all(form)]))
 
     def residuals(self, form: Form) -> FloatArray:
-        """Return what the polish works on, shape (P, q)."""
+        """Return the residuals for the polish, shape (P, q)."""
         with np.errstate(over="ignore"):
             return np.array([self._residuals(self._log_ratio(form, k)) for k in _all(form)])
 
@@ -123,9 +137,9 @@ class _RowObjective(ABC):
         """The per-clearance lower bound for power laws."""
 
     def _log_ratio(self, form: Form, candidate: int) -> FloatArray:
-        """Return the log of the ratio that is judged, shape (N,)."""
-        judged = form.log_load_ratio if self.of_load else form.log_penetration_ratio
-        return judged(candidate, self.rows)
+        """Return the log of the ratio of loads or penetrations, shape (N,)."""
+        log_ratio = form.log_load_ratio if self.of_load else form.log_penetration_ratio
+        return log_ratio(candidate, self.rows)
 
     @abstractmethod
     def _value(self, log_ratio: FloatArray) -> float:
@@ -143,11 +157,11 @@ class _RootMeanSquare(_RowObjective):
     @staticmethod
     @abstractmethod
     def deviation(log_ratio: FloatArray) -> FloatArray:
-        """Return what is squared."""
+        """Return the deviation that is squared."""
 
     @cached_property
     def bound(self) -> float:
-        """What the best line at each clearance leaves."""
+        """The objective with the best line at each clearance."""
         squares = [self._best_line(s, j) for s, j in self.rows.clearances()]
         return float(np.sqrt(sum(squares) / self.rows.s.size))
 
@@ -159,9 +173,9 @@ class _RootMeanSquare(_RowObjective):
         return as_floats(self.deviation(log_ratio) / np.sqrt(log_ratio.size))
 
     def _best_line(self, s: FloatArray, j: FloatArray) -> float:
-        """Return the least sum of squares that one K* and n reach on one clearance's samples."""
+        """Return the least sum of squares of one K* and n on the samples of one clearance."""
         if np.ptp(s) == 0:
-            return 0.0  # samples at one s are one point, and some line passes through it
+            return 0.0  # samples at one s are one point
         x, y = (j - j.mean(), s) if self.of_load else (s - s.mean(), j)
 
         def residuals(line: FloatArray) -> FloatArray:
@@ -174,7 +188,7 @@ class _RootMeanSquare(_RowObjective):
 
 @dataclass(frozen=True)
 class RmsLogPenetrationOnRows(_RootMeanSquare):
-    """Root mean square of ln(δ_law/δ_reference), for laws that moments do not carry."""
+    """Root mean square of ln(δ_law/δ_reference), for laws other than power laws."""
 
     @staticmethod
     def deviation(log_ratio: FloatArray) -> FloatArray:
@@ -210,10 +224,10 @@ class Largest(_RowObjective):
 
     @cached_property
     def bound(self) -> float:
-        """The worst clearance's narrowest strip around its samples.
+        """From the widest of the narrowest strips around the samples of each clearance.
 
-        A strip of width w in the log ratio is best placed so that exp(w₊) − 1 = 1 − exp(w₋)
-        with w₊ − w₋ = w, which makes the largest magnitude equal to tanh(w/2).
+        A strip of width w in the log ratio is best placed if exp(w₊) − 1 = 1 − exp(w₋) with
+        w₊ − w₋ = w. The largest magnitude is then tanh(w/2).
         """
         points = self.rows.clearances()
         widths = [_strip_width(j, s) if self.of_load else _strip_width(s, j) for s, j in points]
@@ -223,15 +237,15 @@ class Largest(_RowObjective):
         return float(100 * np.abs(np.expm1(log_ratio)).max())
 
     def _residuals(self, log_ratio: FloatArray) -> FloatArray:
-        # As fractions; the largest and smallest of each group stand for all of it.
+        # Fractions; the largest and smallest of each group represent it.
         ratio = np.expm1(log_ratio)
         extremes = [ufunc.reduceat(ratio, self._groups) for ufunc in (np.maximum, np.minimum)]
         return np.concatenate(extremes)
 
     @cached_property
     def _groups(self) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-        """Where groups of neighbouring samples begin: each within one clearance."""
-        even = np.linspace(0, self.rows.s.size, GROUPS, endpoint=False).astype(np.intp)
+        """Start indices of groups of neighbouring samples, each within one clearance."""
+        even = np.linspace(0, self.rows.s.size, _GROUPS, endpoint=False).astype(np.intp)
         return np.union1d(even, self.rows.starts)
 
 
@@ -248,12 +262,12 @@ class MaxRelativeForce(Largest):
 
 
 def _all(form: Form) -> range:
-    """Return the numbers of the candidates."""
+    """Return the indices of the candidates."""
     return range(len(form))
 
 
 def _or_inf(values: FloatArray) -> FloatArray:
-    """Put inf where a candidate is undefined."""
+    """Replace what is not finite by inf."""
     return np.where(np.isfinite(values), values, np.inf)
 
 
@@ -266,15 +280,15 @@ def _strip_width(s: FloatArray, j: FloatArray) -> float:
     ones = np.ones_like(x)
     above = np.column_stack([-x, -ones, -ones / 2])
     below = np.column_stack([x, ones, -ones / 2])
-    found = linprog(
+    solution = linprog(
         [0, 0, 1],
         A_ub=np.vstack([above, below]),
         b_ub=np.concatenate([-y, y]),
         bounds=[(None, None), (None, None), (0, None)],
     )
-    if found.x is None:
-        raise ArithmeticError(f"the narrowest strip was not found: {found.message}")
-    return float(found.x[2])
+    if solution.x is None:
+        raise ArithmeticError(f"the narrowest strip was not found: {solution.message}")
+    return float(solution.x[2])
 
 
 ON_ROWS: dict[str, Callable[[Samples], Objective]] = {
@@ -287,7 +301,7 @@ OBJECTIVES = ("rms-log-penetration", *ON_ROWS)
 
 
 def make_objective(objective: str, data: Moments | Samples) -> Objective:
-    """Return the named objective on its data: moments only for rms-log-penetration."""
+    """Return the named objective on its data; moments are for rms-log-penetration only."""
     if isinstance(data, Moments):
         return RmsLogPenetration(data)
     return ON_ROWS.get(objective, RmsLogPenetrationOnRows)(data)

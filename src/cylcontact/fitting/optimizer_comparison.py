@@ -1,4 +1,4 @@
-"""The optimisers side by side: the same campaign, the same budget, the same polish."""
+"""Compare optimisers on one campaign, with the same budget and polish."""
 
 from __future__ import annotations
 
@@ -8,13 +8,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 
-from cylcontact.fitting.calibrate import Progress, problem_of, search_all, silent
+from cylcontact.choices import OPTIMIZERS
+from cylcontact.fitting.calibrate import problem_of, search_all
 from cylcontact.fitting.campaign import Campaign
-from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed
+from cylcontact.fitting.optimizers import require_installed
+from cylcontact.fitting.report import text_table
 from cylcontact.fitting.run import RunRecord
-from cylcontact.fitting.summary import text_table
 from cylcontact.fitting.verdicts import SAME_BASIN, same_basin
 from cylcontact.parallel import Workers
+from cylcontact.progress import Progress, silent
+
+__all__ = [
+    "CSV_COLUMNS",
+    "OptimizerRuns",
+    "as_csv",
+    "as_text",
+    "best_objective",
+    "compare_optimizers",
+]
 
 CSV_COLUMNS = ("optimizer", "run", "seed", "searched", "polished", "evaluations", "seconds")
 _TEXT_COLUMNS = (
@@ -37,7 +48,7 @@ class OptimizerRuns:
     optimizer : str
         Its name.
     records : tuple of RunRecord
-        What each run found.
+        Its runs.
     """
 
     optimizer: str
@@ -50,12 +61,12 @@ def compare_optimizers(
     jobs: Workers = 1,
     progress: Progress = silent,
 ) -> list[OptimizerRuns]:
-    """Run a campaign with several optimisers; seeds, budgets and polish are the same for all.
+    """Run a campaign with several optimisers, with the same seeds, budget and polish.
 
     Parameters
     ----------
     campaign : Campaign
-        From `read_campaign`; the optimiser that it names plays no part.
+        From `read_campaign`; its own optimiser is ignored.
     optimizers : sequence of str
         Some of `OPTIMIZERS`.
     jobs : int or Cluster
@@ -70,40 +81,40 @@ def compare_optimizers(
     Raises
     ------
     InputError
-        As `calibrate` does, and where an optimiser's library is missing.
+        As for `calibrate`, or if an optimiser's library is missing.
     """
     for optimizer in optimizers:
         require_installed(optimizer, campaign.source)
     problem, _ = problem_of(campaign, jobs, progress)
-    found = []
+    compared = []
     for optimizer in optimizers:
         spec = campaign.spec.model_copy(update={"optimizer": optimizer})
 
-        def show(_: str, done: int, total: int, name: str = optimizer) -> None:
+        def report(_: str, done: int, total: int, name: str = optimizer) -> None:
             progress(name, done, total)
 
-        records = search_all(problem, replace(campaign, spec=spec), jobs, show)
-        found.append(OptimizerRuns(optimizer, tuple(records)))
-    return found
+        records = search_all(problem, replace(campaign, spec=spec), jobs, report)
+        compared.append(OptimizerRuns(optimizer, tuple(records)))
+    return compared
 
 
 def best_objective(compared: Sequence[OptimizerRuns]) -> float:
-    """Return the least objective that any run of any optimiser reached."""
+    """Return the lowest objective of all runs."""
     return min(record.objective for runs in compared for record in runs.records)
 
 
 def as_text(compared: Sequence[OptimizerRuns]) -> str:
-    """Return one table of all optimisers.
+    """Return a table of the optimisers.
 
-    A run is in the best basin if its objective is within 0.1 % of the best of all runs of all
-    optimisers, before the polish ("searched") or after it ("polished").
+    A run is in the best basin if its objective is within 0.1 % of the best of all runs, before
+    the polish ("searched") or after it ("polished").
     """
     best = best_objective(compared)
-    lines: list[tuple[str, ...]] = []
+    rows: list[tuple[str, ...]] = []
     for runs in compared:
         polished = [record.objective for record in runs.records]
         searched = [record.objective_before_polish for record in runs.records]
-        lines.append(
+        rows.append(
             (
                 runs.optimizer,
                 f"{min(polished):.6g}",
@@ -114,17 +125,17 @@ def as_text(compared: Sequence[OptimizerRuns]) -> str:
                 f"{sum(same_basin(r, best) for r in runs.records)}/{len(polished)}",
             )
         )
-    return text_table(_TEXT_COLUMNS, lines)
+    return text_table(_TEXT_COLUMNS, rows)
 
 
 def as_csv(compared: Sequence[OptimizerRuns]) -> str:
-    """Return every run of every optimiser, one line each, columns `CSV_COLUMNS`."""
+    """Return one line for each run, with the columns `CSV_COLUMNS`."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(CSV_COLUMNS)
     for runs in compared:
         for record in runs.records:
-            found = (record.objective_before_polish, record.objective)
+            objectives = (record.objective_before_polish, record.objective)
             effort = (record.evaluations, record.seconds)
-            writer.writerow([runs.optimizer, record.index, record.seed, *found, *effort])
+            writer.writerow([runs.optimizer, record.index, record.seed, *objectives, *effort])
     return stream.getvalue()

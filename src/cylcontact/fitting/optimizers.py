@@ -1,8 +1,7 @@
-"""Optimisers beside the genetic search, on the same problem with the same budget.
+"""Other optimisers than the genetic search, with the same budget of evaluations.
 
-Each goes on until the budget is spent, starting anew from other random points where it has
-converged, and hands back the best candidate that it evaluated. All random numbers come from a
-generator made from the run's seed, none from a global one.
+Each restarts from random points until the budget is spent, and returns the best candidate. All
+random numbers come from a generator with the run's seed.
 """
 
 from __future__ import annotations
@@ -18,17 +17,18 @@ from cylcontact.fitting import genetic
 from cylcontact.fitting.evaluation_budget import BudgetSpentError, EvaluationBudget
 from cylcontact.fitting.problem import Problem
 
-OPTIMIZERS = ("genetic", "differential-evolution", "least-squares", "cma")
+__all__ = ["budget_of", "require_installed", "search"]
+
 # Differential evolution: Storn and Price (1997), best/1/bin with dithered differences.
-DE_CONVERGED = 1e-8
-# CMA-ES: the first step, relative to the bounds, and the spread at which it starts anew.
-CMA_STEP, CMA_CONVERGED = 0.3, 1e-9
-# What stands for an undefined law where an optimiser wants a number.
-WORST = 1e30
+_DE_CONVERGED = 1e-8
+# CMA-ES: the first step, relative to the bounds, and the spread at which it restarts.
+_CMA_STEP, _CMA_CONVERGED = 0.3, 1e-9
+# The objective of an undefined law, for optimisers that need a number.
+_WORST = 1e30
 
 
 def budget_of(population: int, generations: int) -> int:
-    """Return the candidates that a genetic run may evaluate, which all optimisers are given.
+    """Return the number of evaluations of a genetic run, the budget of every optimiser.
 
     Examples
     --------
@@ -46,7 +46,7 @@ def search(
     crossover: str | None,
     seed: int,
 ) -> genetic.Search:
-    """Search a problem with any of the optimisers.
+    """Search a problem with one of the optimisers.
 
     Parameters
     ----------
@@ -55,11 +55,11 @@ def search(
     optimizer : str
         One of `OPTIMIZERS`.
     population, generations : int
-        Of the genetic search; `budget_of` them is the budget of every other one.
+        Of the genetic search; the others get their `budget_of`.
     crossover : str or None
         Of the genetic search.
     seed : int
-        Same seed, same result.
+        The same seed gives the same result.
 
     Returns
     -------
@@ -67,10 +67,10 @@ def search(
     """
     if optimizer == "genetic":
         return genetic.search(problem, population, generations, crossover or "blend", seed)
-    metered = EvaluationBudget(problem, budget_of(population, generations))
+    budget = EvaluationBudget(problem, budget_of(population, generations))
     with suppress(BudgetSpentError):
-        SEARCHES[optimizer](metered, population, np.random.default_rng(seed))
-    return genetic.Search(metered.point, metered.value, metered.spent)
+        _SEARCHES[optimizer](budget, population, np.random.default_rng(seed))
+    return genetic.Search(budget.point, budget.value, budget.spent)
 
 
 def require_installed(optimizer: str, source: str) -> None:
@@ -95,35 +95,25 @@ def require_installed(optimizer: str, source: str) -> None:
         ) from None
 
 
-def differential_evolution(
-    metered: EvaluationBudget, population: int, rng: np.random.Generator
+def _differential_evolution(
+    budget: EvaluationBudget, population: int, rng: np.random.Generator
 ) -> None:
-    """Search by differential evolution, as scipy has it, from one random population after another.
-
-    Parameters
-    ----------
-    metered : EvaluationBudget
-        What to minimise, until its budget is spent.
-    population : int
-        Candidates of a population, at least five.
-    rng : Generator
-        Where all random numbers come from.
-    """
+    """Search by scipy's differential evolution with populations of at least five."""
     from scipy import optimize
 
-    shape = (max(5, population), metered.size)
+    shape = (max(5, population), budget.size)
 
     def values(units: FloatArray, /) -> FloatArray:
-        return _finite(metered.values(units.T))
+        return _finite(budget.values(units.T))
 
     while True:
         optimize.differential_evolution(
-            values,  # type: ignore[arg-type]  # the stubs know of one candidate at a time
-            optimize.Bounds(np.zeros(metered.size), np.ones(metered.size)),
+            values,  # type: ignore[arg-type]  # the stubs lack vectorized functions
+            optimize.Bounds(np.zeros(budget.size), np.ones(budget.size)),
             init=rng.uniform(size=shape),
             maxiter=10**9,
             tol=0.0,
-            atol=DE_CONVERGED,
+            atol=_DE_CONVERGED,
             polish=False,
             updating="deferred",
             vectorized=True,
@@ -131,79 +121,58 @@ def differential_evolution(
         )
 
 
-def least_squares(metered: EvaluationBudget, _: int, rng: np.random.Generator) -> None:
-    """Search by least squares, as scipy has it, from one random point after another.
-
-    A Jacobian by central differences counts as the 2k candidates that it evaluates.
-
-    Parameters
-    ----------
-    metered : EvaluationBudget
-        What to minimise, until its budget is spent.
-    _ : int
-        Not used.
-    rng : Generator
-        Where all random numbers come from.
-    """
+def _least_squares(budget: EvaluationBudget, _: int, rng: np.random.Generator) -> None:
+    """Search by scipy's least squares; a Jacobian counts as the 2k candidates that it needs."""
     from scipy import optimize
 
     from cylcontact.fitting.minimax import central_differences
 
-    low, high = np.zeros(metered.size), np.ones(metered.size)
+    low, high = np.zeros(budget.size), np.ones(budget.size)
 
     def residuals(unit: FloatArray) -> FloatArray:
-        return as_floats(metered.residuals(unit[None, :])[0])
+        return as_floats(budget.residuals(unit[None, :])[0])
 
     def jacobian(unit: FloatArray) -> FloatArray:
-        return central_differences(metered.residuals, low, high, unit)
+        return central_differences(budget.residuals, low, high, unit)
 
     while True:
-        start = rng.uniform(size=metered.size)
-        if np.isfinite(metered.values(start[None, :])[0]):
-            found = optimize.least_squares(residuals, start, jac=jacobian, bounds=(low, high))
-            metered.values(found.x[None, :])
+        start = rng.uniform(size=budget.size)
+        if np.isfinite(budget.values(start[None, :])[0]):
+            solution = optimize.least_squares(residuals, start, jac=jacobian, bounds=(low, high))
+            budget.values(solution.x[None, :])
 
 
-def cma_es(metered: EvaluationBudget, _: int, rng: np.random.Generator) -> None:
-    """Search by CMA-ES, as pycma has it, doubling the population with each restart.
+def _cma_es(budget: EvaluationBudget, _: int, rng: np.random.Generator) -> None:
+    """Search by pycma's CMA-ES, doubling its own population with each restart.
 
     Hansen and Ostermeier (2001); restarts of Auger and Hansen (2005).
-
-    Parameters
-    ----------
-    metered : EvaluationBudget
-        What to minimise, until its budget is spent.
-    _ : int
-        Not used: CMA-ES sets its own population.
-    rng : Generator
-        Where all random numbers come from.
     """
     import cma
 
-    population = 4 + int(3 * np.log(metered.size))
+    population = 4 + int(3 * np.log(budget.size))
     while True:
         options = {
             "bounds": [0.0, 1.0],
             "popsize": population,
             "seed": np.nan,  # leaves the global generator alone
             "randn": lambda *shape: rng.standard_normal(shape),
-            "tolx": CMA_CONVERGED,
+            "tolx": _CMA_CONVERGED,
             "verbose": -9,
         }
-        strategy = cma.CMAEvolutionStrategy(rng.uniform(size=metered.size), CMA_STEP, options)
+        strategy = cma.CMAEvolutionStrategy(rng.uniform(size=budget.size), _CMA_STEP, options)
         while not strategy.stop():
             candidates = strategy.ask()
-            strategy.tell(candidates, _finite(metered.values(np.array(candidates))).tolist())
+            strategy.tell(candidates, _finite(budget.values(np.array(candidates))).tolist())
         population *= 2
 
 
 def _finite(values: FloatArray) -> FloatArray:
-    """Put a huge number where a candidate is undefined."""
-    return np.where(np.isfinite(values), values, WORST)
+    """Replace what is not finite by a huge number."""
+    return np.where(np.isfinite(values), values, _WORST)
 
 
-SEARCHES: dict[str, Callable[[EvaluationBudget, int, np.random.Generator], None]] = {
-    "differential-evolution": differential_evolution,
-    "least-squares": least_squares,
-    "cma": cma_es,
+_SEARCHES: dict[str, Callable[[EvaluationBudget, int, np.random.Generator], None]] = {
+    "differential-evolution": _differential_evolution,
+    "least-squares": _least_squares,
+    "cma": _cma_es,
 }

@@ -1,7 +1,7 @@
-"""What is fitted: families of laws, the names of their parameters, and candidates of them.
+"""Families of laws with named parameters, and candidates of them.
 
-Most laws are a power law at each clearance, f = K*(ΔR)·E*/ΔR·δ^n(ΔR): a whole population of them
-is a `PowerForm` and is evaluated at once. A `LawForm` holds candidates of any other kind.
+Most laws are a power law at each clearance, f = K*(ΔR)·E*/ΔR·δ^n(ΔR). A population of them is a
+`PowerForm`, evaluated at once. A `LawForm` holds candidates of any other kind.
 """
 
 from __future__ import annotations
@@ -25,12 +25,14 @@ from cylcontact.laws.enhanced import (
 from cylcontact.laws.explicit import Explicit, ExplicitCoefficients, is_defined
 from cylcontact.pair import Contact
 
-EXPLICIT_NAMES = tuple(field.name for field in fields(ExplicitCoefficients))
+__all__ = ["FAMILIES", "Family", "Form", "LawForm", "Parameter", "PowerForm", "family_of"]
+
+_EXPLICIT_NAMES = tuple(field.name for field in fields(ExplicitCoefficients))
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a campaign: searched between two bounds, or held at a value.
+    """A parameter of a campaign, searched between two bounds or fixed.
 
     Parameters
     ----------
@@ -39,9 +41,9 @@ class Parameter:
     low, high : float
         Bounds of the search.
     value : float, optional
-        Where it is held when it is fixed.
+        Its value if it is fixed.
     fixed : bool
-        Whether it is.
+        Whether it is fixed.
     """
 
     name: str
@@ -52,7 +54,7 @@ class Parameter:
 
 
 class Form(Protocol):
-    """P candidates, ready to be held against samples."""
+    """P candidates that can be compared with samples."""
 
     def __len__(self) -> int:
         """Return P."""
@@ -98,7 +100,7 @@ class PowerForm:
 
 @dataclass(frozen=True)
 class LawForm:
-    """P laws of any kind; None stands for one that its parameters leave undefined."""
+    """P laws of any kind; None for parameters that define none."""
 
     laws: tuple[ContactLaw | None, ...]
 
@@ -129,20 +131,20 @@ class Family:
     law : str
         The law's name in campaigns.
     contact : {"internal", "external"}
-        The contact the parameters are for.
+        The contact.
     names : tuple of str
         The parameters, in the order of the columns of candidates.
     form : callable
         From candidates, shape (P, k), and clearances ΔR in mm, shape (m,), to a `Form`.
     is_power_law : bool
-        Whether that is a `PowerForm`, which moments can judge and which has a lower bound.
+        Whether that is a `PowerForm`, which can be evaluated from moments and has a lower bound.
     published : mapping or None
-        The values in the paper, where it gives any.
+        The values in the paper, if there are any.
     dR_min, dR_max : float
-        The range of ΔR in mm that the law is stated for, both ends included: calibration may
-        use the limit at the open end of [0.005, 10[ that the law itself excludes.
+        The range of ΔR in mm, both ends included: calibration may use the open end of [0.005, 10[,
+        which the law itself excludes.
     shifts : tuple of str
-        The parameters of which zero is a value like any other.
+        The parameters whose zero is arbitrary.
     """
 
     law: str
@@ -183,8 +185,8 @@ def _power(candidates: FloatArray, dR: FloatArray) -> PowerForm:
 
 
 def _explicit(candidates: FloatArray, _: FloatArray) -> LawForm:
-    """Return explicit laws with these c, A and B; None where they define no law."""
-    names = EXPLICIT_NAMES
+    """Return explicit laws with these c, A and B; None if they define none."""
+    names = _EXPLICIT_NAMES
     return LawForm(
         tuple(
             Explicit(dict(zip(names, map(float, row), strict=True))) if is_defined(*row) else None
@@ -194,7 +196,7 @@ def _explicit(candidates: FloatArray, _: FloatArray) -> LawForm:
 
 
 def _families() -> dict[tuple[str, Contact], Family]:
-    """Return the families that campaigns can name."""
+    """Return the families for campaigns on a grid."""
     internal, external = asdict(PUBLISHED["internal"]), asdict(PUBLISHED["external"])
     families = (
         Family(
@@ -209,8 +211,8 @@ def _families() -> dict[tuple[str, Contact], Family]:
         Family("enhanced", "external", tuple(external), _enhanced_external, published=external),
         Family("power", "internal", ("K_star", "n"), _power),
         Family("power", "external", ("K_star", "n"), _power),
-        Family("explicit", "internal", EXPLICIT_NAMES, _explicit, is_power_law=False),
-        Family("explicit", "external", EXPLICIT_NAMES, _explicit, is_power_law=False),
+        Family("explicit", "internal", _EXPLICIT_NAMES, _explicit, is_power_law=False),
+        Family("explicit", "external", _EXPLICIT_NAMES, _explicit, is_power_law=False),
     )
     return {(family.law, family.contact): family for family in families}
 

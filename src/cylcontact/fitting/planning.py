@@ -1,4 +1,4 @@
-"""Campaigns of both kinds, on a grid and on measurements, from files and from results."""
+"""Campaigns on a grid or on measurements, from files and from results."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from cylcontact.fitting.measured_campaign import (
     read_measured_campaign,
 )
 from cylcontact.spec import read_toml
+
+__all__ = ["AnyCampaign", "plan_from_settings", "read_plan"]
 
 AnyCampaign = Campaign | MeasuredCampaign
 
@@ -30,7 +32,7 @@ def read_plan(
     path : path
         A TOML file.
     runs, seed, optimizer : optional
-        Used instead of the file's.
+        Replace the file's.
 
     Returns
     -------
@@ -39,7 +41,7 @@ def read_plan(
     Raises
     ------
     InputError
-        If a file is wrong; the line names key, value, rule and remedy.
+        If a file is invalid.
     """
     data = read_toml(path)
     if "data" not in data:
@@ -49,14 +51,14 @@ def read_plan(
             str(path),
             "data",
             data["data"],
-            "stands beside dataset",
+            "conflicts with dataset",
             "keep data for measurements, or dataset for a grid",
         )
     return read_measured_campaign(Path(path), data, runs, seed, optimizer)
 
 
 def plan_from_settings(name: str, settings: dict[str, Any], source: str) -> AnyCampaign:
-    """Return the campaign that a result's settings describe."""
+    """Return the campaign from the settings in a result."""
     if isinstance(settings.get("measurements"), dict) and isinstance(
         settings.get("campaign"), dict
     ):

@@ -1,4 +1,4 @@
-"""Local polish: from the basin that the genetic search found to its bottom."""
+"""Local polish: descend to the minimum of the basin that a search ended in."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from cylcontact.fitting.minimax import central_differences, minimise_largest
 from cylcontact.fitting.objectives import Largest
 from cylcontact.fitting.problem import Problem
 
+__all__ = ["polish", "polish_across_kinks"]
+
 # A restart that gains less than this, relatively, ends the polish.
-WORTHWHILE = 1e-10
-MAX_RESTARTS = 20
-# How often a run polishes again from beside its minimum, and how far beside, relative to the
-# bounds: far enough to leave a cell between kinks, near enough to stay in the basin.
-HOPS, HOP = 12, 0.005
+_MIN_GAIN = 1e-10
+_MAX_RESTARTS = 20
+# Number of restarts from beside the minimum, and their distance relative to the bounds: far
+# enough to cross a kink, near enough to stay in the basin.
+_HOPS, _HOP = 12, 0.005
 
 
 def polish(
@@ -43,23 +45,23 @@ def polish(
     Notes
     -----
     Y is the larger of two branches, so the objective has kinks at which a least-squares
-    iteration can stop early; it is restarted until that gains nothing.
+    iteration can stop early. It is restarted until that gains nothing.
     """
     descend = _descend_largest if isinstance(problem.objective, Largest) else _descend_squares
     point, value = start, problem.value(start)
     if point.size == 0 or not np.isfinite(value):
         return point, value
-    for _ in range(MAX_RESTARTS):
+    for _ in range(_MAX_RESTARTS):
         candidate = descend(problem, point, precision)
         reached = problem.value(candidate)
-        if not reached < value * (1 - WORTHWHILE):
+        if not reached < value * (1 - _MIN_GAIN):
             break
         point, value = candidate, reached
     return point, value
 
 
 def polish_across_kinks(problem: Problem, start: FloatArray) -> tuple[FloatArray, float]:
-    """Descend to a local minimum, then from points beside it, and keep the lowest.
+    """Descend to a local minimum, then from points beside it, and return the lowest.
 
     Y's two branches meet between two clearances of the grid, and each such pair has a minimum of
     its own, a few hundredths of a percent apart. A descent ends in the nearest; short hops reach
@@ -83,11 +85,11 @@ def polish_across_kinks(problem: Problem, start: FloatArray) -> tuple[FloatArray
     if point.size == 0 or not np.isfinite(value):
         return point, value
     span = problem.high - problem.low
-    # The same hops for every run: the search is where chance belongs.
-    for hop in np.random.default_rng(0).normal(scale=HOP, size=(HOPS, point.size)):
+    # The same hops for every run: only the search is random.
+    for hop in np.random.default_rng(0).normal(scale=_HOP, size=(_HOPS, point.size)):
         beside = np.clip(point + hop * span, problem.low, problem.high)
         candidate, reached = polish(problem, beside)
-        if reached < value * (1 - WORTHWHILE):
+        if reached < value * (1 - _MIN_GAIN):
             point, value = candidate, reached
     return point, value
 
@@ -98,14 +100,12 @@ def _descend_squares(problem: Problem, start: FloatArray, precision: float) -> F
     margin = 1e-12 * span
 
     def residuals(point: FloatArray) -> FloatArray:
-        return as_floats(_residuals(problem, point[None, :])[0])
+        return as_floats(problem.finite_residuals(point[None, :])[0])
 
     def jacobian(point: FloatArray) -> FloatArray:
-        return central_differences(
-            lambda points: _residuals(problem, points), problem.low, problem.high, point
-        )
+        return central_differences(problem.finite_residuals, problem.low, problem.high, point)
 
-    found = least_squares(
+    solution = least_squares(
         residuals,
         np.clip(start, problem.low + margin, problem.high - margin),
         jac=jacobian,
@@ -116,18 +116,9 @@ def _descend_squares(problem: Problem, start: FloatArray, precision: float) -> F
         gtol=precision,
         max_nfev=2000,
     )
-    return np.asarray(found.x)
+    return np.asarray(solution.x)
 
 
 def _descend_largest(problem: Problem, start: FloatArray, precision: float) -> FloatArray:
     """Minimise the largest magnitude of the residuals within the bounds."""
-
-    def residuals(points: FloatArray) -> FloatArray:
-        return _residuals(problem, points)
-
-    return minimise_largest(residuals, problem.low, problem.high, start, precision)
-
-
-def _residuals(problem: Problem, points: FloatArray) -> FloatArray:
-    """Return the residuals of points, shape (P, k) to (P, q), undefined ones made very bad."""
-    return np.nan_to_num(problem.residuals(points), nan=1e3, posinf=1e3, neginf=-1e3)
+    return minimise_largest(problem.finite_residuals, problem.low, problem.high, start, precision)

@@ -11,6 +11,8 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.laws import ContactLaw
 from cylcontact.pair import CylinderPair
 
+__all__ = ["PowerFit", "fit_power", "fit_power_to_law"]
+
 
 @dataclass(frozen=True)
 class PowerFit:
@@ -23,7 +25,7 @@ class PowerFit:
     n : float
         Exponent.
     r_squared : float
-        Share of the variance of ln f that the line explains.
+        Fraction of the variance of ln f explained by the line.
     """
 
     K: float

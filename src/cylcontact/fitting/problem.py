@@ -1,4 +1,4 @@
-"""A calibration problem: a family's free parameters, and the objective they are to minimise."""
+"""Calibration problems: the free parameters of a law, and the objective to minimise."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.objectives import Objective
 from cylcontact.fitting.parameters import Family, Form, Parameter
 
+__all__ = ["Problem", "require_defined_somewhere"]
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -24,7 +26,7 @@ class Problem:
     parameters : tuple of Parameter
         One for each of the family's names, in their order.
     objective : Objective
-        What is minimised, with its data.
+        The objective with its data.
     """
 
     family: Family
@@ -58,33 +60,37 @@ class Problem:
         """Return the objective's residuals of P points, shape (P, k) to (P, q)."""
         return self.objective.residuals(self.form(points))
 
+    def finite_residuals(self, points: FloatArray) -> FloatArray:
+        """Return `residuals` with 1e3 where a law is undefined, for solvers that need numbers."""
+        return np.nan_to_num(self.residuals(points), nan=1e3, posinf=1e3, neginf=-1e3)
+
     def form(self, points: FloatArray) -> Form:
         """Return the laws at P points of the free parameters, shape (P, k)."""
         return self.family.form(self._complete(points), self.objective.dR)
 
     def coefficients(self, point: FloatArray) -> dict[str, float]:
-        """Return all parameters by name, the fixed ones included."""
+        """Return all coefficients by name, including the fixed ones."""
         complete = self._complete(point[None, :])[0]
         return {p.name: float(v) for p, v in zip(self.parameters, complete, strict=True)}
 
     def point(self, coefficients: Mapping[str, float]) -> FloatArray:
-        """Return the free ones of the named coefficients, shape (k,)."""
+        """Return the free parameters from coefficients by name, shape (k,)."""
         return np.array([coefficients[p.name] for p in self.free])
 
     def value_of(self, coefficients: Mapping[str, float]) -> float:
-        """Return the objective of coefficients given by name, whatever the bounds."""
+        """Return the objective of coefficients by name, which may be outside the bounds."""
         candidate = np.array([[coefficients[name] for name in self.family.names]])
         return float(self.objective.values(self.family.form(candidate, self.objective.dR))[0])
 
-    def holding(self, name: str, value: float) -> Problem:
-        """Return the problem with one parameter held at a value."""
-        held = tuple(
+    def fixing(self, name: str, value: float) -> Problem:
+        """Return the problem with one parameter fixed at a value."""
+        parameters = tuple(
             replace(p, value=value, fixed=True) if p.name == name else p for p in self.parameters
         )
-        return replace(self, parameters=held)
+        return replace(self, parameters=parameters)
 
     def _complete(self, points: FloatArray) -> FloatArray:
-        """Return points of all parameters, shape (P, all), from those of the free ones."""
+        """Insert the fixed parameters into P points, shape (P, k) to (P, all)."""
         complete = np.empty((len(points), len(self.parameters)))
         column = 0
         for index, parameter in enumerate(self.parameters):
@@ -97,7 +103,7 @@ class Problem:
 
 
 def require_defined_somewhere(problem: Problem, source: str) -> None:
-    """Refuse bounds within which the law is undefined everywhere that was looked.
+    """Refuse bounds within which the law is undefined at every sampled point.
 
     Raises
     ------

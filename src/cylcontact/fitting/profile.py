@@ -1,8 +1,8 @@
-"""How well the data determine each coefficient: profiles of the objective.
+"""Profiles of the objective, which measure how well each coefficient is identified.
 
-A reference law has no noise, so a coefficient has no confidence interval. What can be said is
-how far it may move before the fit gets noticeably worse, all others re-optimised: the
-interval within which the best attainable objective stays within 1 % of the optimum.
+A reference law has no noise, so a coefficient has no confidence interval. Instead, the 1 %
+interval holds the values for which the objective, minimised over all other coefficients, stays
+within 1 % of the optimum.
 """
 
 from __future__ import annotations
@@ -18,10 +18,12 @@ from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.spec import Spec
 
+__all__ = ["FAIRLY", "TOLERANCE", "WELL", "Profile", "profile"]
+
 TOLERANCE = 0.01
-CURVE_POINTS = 41
-# Half-widths of the 1 % interval relative to the value: below the first a coefficient counts
-# as well identified, below the second as fairly, else as poorly.
+_CURVE_POINTS = 41
+# Half-widths of the 1 % interval, relative to the value, up to which a coefficient is well or
+# fairly identified.
 WELL, FAIRLY = 0.02, 0.10
 _FIRST_STEP = 1e-4
 _EDGE_PRECISION = 1e-4
@@ -48,7 +50,7 @@ class Profile(Spec):
         return f"{self.low:.4g} … {self.high:.4g}{cut}"
 
     def verdict(self, value: float) -> str:
-        """Say in a word how well the coefficient is identified."""
+        """Return "well", "fairly", "poorly" or "at a bound" for a coefficient at `value`."""
         half_width = (self.high - self.low) / 2
         margin = 1e-6 * half_width
         if (self.low_is_bound and value - self.low <= margin) or (
@@ -74,17 +76,17 @@ def profile(
     best : mapping
         The coefficients at the optimum.
     published : float or None
-        The published value, which the curve is made to include.
+        The published value, which the curve includes.
 
     Returns
     -------
     Profile
-        `CURVE_POINTS` equidistant values between the bounds, and the optimum and the
-        published value, those at which the law is undefined left out.
+        At 41 equidistant values between the bounds, the optimum and the published value, except
+        where the law is undefined.
     """
     parameter = next(p for p in problem.free if p.name == name)
     extra = [best[name]] + ([published] if published is not None else [])
-    grid = np.union1d(np.linspace(parameter.low, parameter.high, CURVE_POINTS), extra)
+    grid = np.union1d(np.linspace(parameter.low, parameter.high, _CURVE_POINTS), extra)
     objective = _walk(problem, name, grid, best)
     defined = np.isfinite(objective)
     low, low_is_bound = _edge(problem, name, best, parameter.low)
@@ -102,46 +104,46 @@ def profile(
     )
 
 
-def _held(
+def _fixed(
     problem: Problem, name: str, value: float, start: Mapping[str, float]
 ) -> tuple[float, dict[str, float]]:
-    """Return the best objective and coefficients with one parameter held at a value."""
-    held = problem.holding(name, value)
-    point, objective = polish(held, held.point(start), _PRECISION)
-    return objective, held.coefficients(point)
+    """Return the best objective and coefficients with one parameter fixed at a value."""
+    smaller = problem.fixing(name, value)
+    point, objective = polish(smaller, smaller.point(start), _PRECISION)
+    return objective, smaller.coefficients(point)
 
 
 def _walk(problem: Problem, name: str, grid: FloatArray, best: Mapping[str, float]) -> FloatArray:
-    """Return the profile on a grid, walked outwards so that each point starts from the last."""
+    """Return the profile on a grid, each point started from its neighbour nearer the optimum."""
     objective = np.empty(grid.size)
     middle = int(np.searchsorted(grid, best[name]))
     for order in (range(middle, grid.size), range(middle - 1, -1, -1)):
         start: Mapping[str, float] = best
         for index in order:
-            value, found = _held(problem, name, float(grid[index]), start)
+            value, coefficients = _fixed(problem, name, float(grid[index]), start)
             objective[index] = value
             if np.isfinite(value):
-                start = found
+                start = coefficients
     return objective
 
 
 def _edge(
     problem: Problem, name: str, best: Mapping[str, float], bound: float
 ) -> tuple[float, bool]:
-    """Return where, towards a bound, the profile rises 1 % above the optimum."""
+    """Return the end of the 1 % interval towards a bound, and whether it is the bound."""
     limit = problem.value_of(best) * (1 + TOLERANCE)
     reach, inner, start = bound - best[name], 0.0, best
     outer = _FIRST_STEP
     while True:
-        value, found = _held(problem, name, best[name] + outer * reach, start)
+        value, coefficients = _fixed(problem, name, best[name] + outer * reach, start)
         if not value <= limit:
             break
         if outer == 1.0:
             return bound, True
-        inner, start, outer = outer, found, min(1.0, 2 * outer)
+        inner, start, outer = outer, coefficients, min(1.0, 2 * outer)
 
     def above(share: float) -> float:
-        value, _ = _held(problem, name, best[name] + share * reach, start)
+        value, _ = _fixed(problem, name, best[name] + share * reach, start)
         return min(value, 2 * limit) - limit
 
     share = brentq(above, inner, outer, rtol=_EDGE_PRECISION, xtol=_EDGE_PRECISION * outer)

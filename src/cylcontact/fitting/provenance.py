@@ -1,4 +1,4 @@
-"""What a result was made with."""
+"""The provenance of a result."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from typing import Any
 from cylcontact.fitting.planning import AnyCampaign
 from cylcontact.provenance import made_with
 
-LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
+__all__ = ["provenance"]
+
+_LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
 
 
 def provenance(campaign: AnyCampaign) -> dict[str, Any]:
     """Return package version, git commit, hashes of the specs and library versions."""
-    return made_with(Path(campaign.source).parent, campaign.settings, LIBRARIES)
+    return made_with(Path(campaign.source).parent, campaign.settings, _LIBRARIES)

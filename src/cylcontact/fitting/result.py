@@ -1,4 +1,4 @@
-"""What a campaign gives: coefficients, how good they are, and everything needed to redo it."""
+"""Fit results: coefficients, their quality, and everything needed to redo the fit."""
 
 from __future__ import annotations
 
@@ -10,13 +10,23 @@ from pydantic import Field
 
 from cylcontact.errors import InputError, short
 from cylcontact.files import replacing
+from cylcontact.fitting import report
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.planning import AnyCampaign, plan_from_settings
 from cylcontact.fitting.profile import Profile
 from cylcontact.fitting.run import RunRecord
-from cylcontact.fitting.uncertainty.report import Uncertainty
+from cylcontact.fitting.uncertainty.estimates import Uncertainty
 from cylcontact.pair import Contact
 from cylcontact.spec import Spec, parse_spec, require_other_kind
+
+__all__ = [
+    "FitResult",
+    "MaxDifference",
+    "ObjectiveValue",
+    "Published",
+    "SampleCounts",
+    "require_same_inputs",
+]
 
 
 class ObjectiveValue(Spec):
@@ -50,8 +60,8 @@ class SampleCounts(Spec):
 class FitResult(Spec):
     """The result of a campaign.
 
-    `print(result)` gives the report; a notebook shows it as a table. `coefficients` goes
-    straight into `laws.Enhanced(coefficients=...)`. `calibrate` shows an example.
+    `print(result)` gives the report, and a notebook shows it as a table. The coefficients can be
+    passed to `laws.Enhanced(coefficients=...)`. `calibrate` has an example.
     """
 
     name: str = Field(description="the campaign's name")
@@ -72,10 +82,10 @@ class FitResult(Spec):
     provenance: dict[str, Any] = Field(description="versions and hashes")
     kind: Literal["discrepancy", "noise"] = Field(
         "discrepancy",
-        description="whether what the fit leaves over is discrepancy of laws, or noise of data",
+        description="whether the residuals are discrepancy of laws, or noise of data",
     )
     uncertainty: Uncertainty | None = Field(
-        None, description="how sure the coefficients are, for measured data"
+        None, description="the uncertainty of the coefficients, for measured data"
     )
 
     @classmethod
@@ -85,7 +95,7 @@ class FitResult(Spec):
         Raises
         ------
         InputError
-            If the file cannot be read, is not a result, or contradicts itself.
+            If the file cannot be read, is not a result, or is inconsistent.
         """
         source = str(path)
         try:
@@ -116,21 +126,19 @@ class FitResult(Spec):
             temporary.write_text(text + "\n", encoding="utf-8")
 
     def _plain(self) -> dict[str, Any]:
-        """Return what a file holds; one on a reference law leaves out what belongs to data."""
-        own_to_data = {"kind", "uncertainty"}
-        return self.model_dump(exclude=own_to_data if self.kind == "discrepancy" else None)
+        """Return the contents of the file; only fits to measurements have the last two keys."""
+        exclude = {"kind", "uncertainty"} if self.kind == "discrepancy" else None
+        return self.model_dump(exclude=exclude)
 
     def repeatable(self) -> dict[str, Any]:
-        """Return everything that the same seed must give again: all but times and provenance."""
+        """Return what the same seed reproduces: everything but times and provenance."""
         data = self.model_dump(exclude={"provenance"})
         for run in data["runs"]:
             del run["seconds"]
         return data
 
     def __str__(self) -> str:
-        from cylcontact.fitting.summary import as_text
-
-        return as_text(self)
+        return report.as_text(self)
 
     def __repr__(self) -> str:
         return (
@@ -139,25 +147,23 @@ class FitResult(Spec):
         )
 
     def _repr_html_(self) -> str:
-        from cylcontact.fitting.summary import as_html
-
-        return as_html(self)
+        return report.as_html(self)
 
 
 def require_same_inputs(path: Path, campaign: AnyCampaign) -> None:
-    """Refuse to replace a result that came from other inputs than this campaign's.
+    """Refuse to replace a result of other inputs than those of a campaign.
 
     Parameters
     ----------
     path : Path
-        Where the result is to be written; there may be none yet.
+        Where the result will be written.
     campaign : Campaign
-        What is to be run.
+        The campaign.
 
     Raises
     ------
     InputError
-        If the file there is another campaign's result, or no result at all.
+        If the file exists and is another campaign's result, or not a result.
     """
     remedy = "write elsewhere with -o, or add --force to replace it"
     if not path.exists():
@@ -165,7 +171,7 @@ def require_same_inputs(path: Path, campaign: AnyCampaign) -> None:
     try:
         before = FitResult.load(path).settings
     except InputError as error:
-        rule = "stands where the result would go and is none that can be read"
+        rule = "is in the place of the result and cannot be read as one"
         raise InputError(str(path), "", None, rule, remedy) from error
     now = json.loads(json.dumps(campaign.settings))
     changed = _differences(before, now)
@@ -177,7 +183,7 @@ def require_same_inputs(path: Path, campaign: AnyCampaign) -> None:
 
 
 def _differences(before: Any, now: Any, key: str = "") -> list[str]:
-    """Return what differs between two settings, one text for each key.
+    """Return the differences between two settings, one text for each key.
 
     Examples
     --------
@@ -195,15 +201,15 @@ def _differences(before: Any, now: Any, key: str = "") -> list[str]:
 
 
 def _require_consistent(result: FitResult, source: str) -> None:
-    """Refuse a result whose settings are not those of a campaign, or whose parts do not match."""
+    """Refuse a result with invalid settings or inconsistent parts."""
     plan = plan_from_settings(result.name, result.settings, source)
     family = plan.family
     _require_of_campaign(result, plan, source)
-    named = {"coefficients": result.coefficients}
+    sets = {"coefficients": result.coefficients}
     if result.published is not None:
-        named["published.coefficients"] = result.published.coefficients
-    named |= {f"runs.{run.index}.coefficients": run.coefficients for run in result.runs}
-    for key, coefficients in named.items():
+        sets["published.coefficients"] = result.published.coefficients
+    sets |= {f"runs.{run.index}.coefficients": run.coefficients for run in result.runs}
+    for key, coefficients in sets.items():
         if set(coefficients) != set(family.names):
             rule = f"must be the coefficients of its campaign: {', '.join(family.names)}"
             raise InputError(source, key, sorted(coefficients), rule, "redo the fit")
@@ -212,23 +218,23 @@ def _require_consistent(result: FitResult, source: str) -> None:
         raise InputError(source, "uncertainty.estimates", None, rule, "redo the fit")
     for name, curve in result.profiles.items():
         if name not in family.names or len(curve.values) != len(curve.objective):
-            rule = "must be a coefficient's, its values and objective equally many"
+            rule = "must be that of a coefficient, with as many values as objectives"
             raise InputError(source, f"profiles.{name}", None, rule, "redo the fit")
     if not result.runs:
         raise InputError(source, "runs", [], "must hold at least one run", "redo the fit")
 
 
 def _require_of_campaign(result: FitResult, plan: AnyCampaign, source: str) -> None:
-    """Refuse a result that says another law, contact, reference or kind than its campaign."""
+    """Refuse a result whose law, contact, reference or kind is not that of its campaign."""
     is_measured = not isinstance(plan, Campaign)
-    said = {"law": plan.family.law, "contact": plan.family.contact}
-    said["kind"] = "noise" if is_measured else "discrepancy"
+    expected: dict[str, str] = {"law": plan.family.law, "contact": plan.family.contact}
+    expected["kind"] = "noise" if is_measured else "discrepancy"
     if isinstance(plan, Campaign):
-        said["reference"] = plan.grid.reference
-    for key, value in said.items():
+        expected["reference"] = plan.grid.reference
+    for key, value in expected.items():
         if getattr(result, key) != value:
             rule = f"must be that of its campaign, {value}"
             raise InputError(source, key, getattr(result, key), rule, "redo the fit")
     if is_measured != (result.uncertainty is not None):
-        rule = "must stand with measurements, and only with them"
+        rule = "is for fits to measurements, and required for them"
         raise InputError(source, "uncertainty", None, rule, "redo the fit")

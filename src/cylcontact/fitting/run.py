@@ -1,4 +1,4 @@
-"""One run of a campaign: a search and the polish of what it found."""
+"""One run of a campaign: a search and a polish."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ from cylcontact.fitting.polish import polish_across_kinks
 from cylcontact.fitting.problem import Problem
 from cylcontact.spec import Spec
 
+__all__ = ["RunPlan", "RunRecord", "execute", "plan_runs"]
+
 
 @dataclass(frozen=True)
 class RunPlan:
-    """What one run does: its place in the campaign, its settings and its seed."""
+    """The index, settings and seed of a run."""
 
     index: int
     population: int
@@ -29,7 +31,7 @@ class RunPlan:
 
 
 class RunRecord(Spec):
-    """What one run found; the seconds are the only part that may differ between repeats."""
+    """The result of a run; only the seconds differ between repeats."""
 
     index: int = Field(description="the run's place in the campaign")
     seed: int = Field(description="the seed of the search")
@@ -50,9 +52,9 @@ def plan_runs(
     seed: int,
     optimizer: str = "genetic",
 ) -> list[RunPlan]:
-    """Give each run its population, crossover and a seed spawned from the campaign's.
+    """Return the runs of a campaign, with populations, crossovers and seeds.
 
-    Populations and crossovers are combined in turn, so that runs differ in both.
+    All combinations of populations and crossovers take turns. Seeds are spawned from `seed`.
 
     Examples
     --------
@@ -79,16 +81,16 @@ def plan_runs(
 
 
 def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRecord:
-    """Search and polish, on one thread so that the result depends on nothing but the plan.
+    """Search and polish on one thread, so that the result depends on the plan alone.
 
     Parameters
     ----------
     problem : Problem
-        What to minimise.
+        The problem.
     plan : RunPlan
-        How.
+        The settings of the run.
     source : str
-        What errors call the campaign.
+        The campaign's name in errors.
 
     Returns
     -------
@@ -101,10 +103,10 @@ def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRec
     """
     started = time.perf_counter()
     with threadpool_limits(limits=1):
-        found = search(
+        best = search(
             problem, plan.optimizer, plan.population, plan.generations, plan.crossover, plan.seed
         )
-        point, value = polish_across_kinks(problem, found.point)
+        point, value = polish_across_kinks(problem, best.point)
     if not np.isfinite(value):
         raise InputError(
             source,
@@ -118,9 +120,9 @@ def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRec
         seed=plan.seed,
         population=plan.population,
         crossover=plan.crossover,
-        objective_before_polish=found.value,
+        objective_before_polish=best.value,
         objective=value,
         coefficients=problem.coefficients(point),
-        evaluations=found.evaluations,
+        evaluations=best.evaluations,
         seconds=round(time.perf_counter() - started, 3),
     )

@@ -1,4 +1,4 @@
-"""Samples held in memory, for objectives and laws that moments do not carry."""
+"""Samples in memory, for objectives and laws that moments cannot represent."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from cylcontact.datasets.sampling import Block, Counts, blocks, reduce_grid
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 
+__all__ = ["Samples", "collect_samples", "samples_of"]
+
 # With E = 2 MPa and ν = 0 the composite modulus is 1 MPa.
 _UNIT = Material("of unit composite modulus", E=2.0, nu=0.0)
 
@@ -25,7 +27,7 @@ class Samples:
     Attributes
     ----------
     contact : {"internal", "external"}
-        The contact they are for.
+        The contact.
     dR : array of float, shape (m,)
         The clearances in mm.
     index : array of int, shape (N,)
@@ -42,7 +44,7 @@ class Samples:
 
     @cached_property
     def pair(self) -> CylinderPair:
-        """The samples' pairs with E* = 1: a load is then f/E*, in mm."""
+        """The pair of each sample with E* = 1, so that its load is f/E*, in mm."""
         return CylinderPair.from_dR(self.contact, self.dR[self.index], _UNIT)
 
     @cached_property
@@ -57,7 +59,7 @@ class Samples:
 
     @cached_property
     def starts(self) -> NDArray[np.intp]:
-        """Where each clearance's samples begin, shape (m,)."""
+        """Index of the first sample of each clearance, shape (m,)."""
         return np.searchsorted(self.index, np.arange(self.dR.size))
 
     def clearances(self) -> list[tuple[FloatArray, FloatArray]]:
@@ -73,7 +75,7 @@ def samples_of(contact: Contact, block: Block) -> Samples:
 
 
 def collect_samples(grid: Grid) -> tuple[Samples, Counts]:
-    """Sample a grid into memory; wholly masked clearances are left out.
+    """Sample a grid into memory, without clearances that are masked completely.
 
     Parameters
     ----------
@@ -91,7 +93,7 @@ def collect_samples(grid: Grid) -> tuple[Samples, Counts]:
     InputError
         If every sample is masked.
     """
-    kept: list[tuple[float, FloatArray, FloatArray]] = []
+    clearances: list[tuple[float, FloatArray, FloatArray]] = []
     masked = 0
     for dR in grid.dR:
         sampled = list(blocks(grid, float(dR)))
@@ -100,14 +102,14 @@ def collect_samples(grid: Grid) -> tuple[Samples, Counts]:
         j = np.concatenate([block.j for block in sampled])
         order = np.argsort(s, kind="stable")
         if s.size:
-            kept.append((float(dR), s[order], j[order]))
-    if not kept:
+            clearances.append((float(dR), s[order], j[order]))
+    if not clearances:
         reduce_grid(grid)  # raises the error that names the reason
     rows = Samples(
         contact=grid.contact,
-        dR=np.array([dR for dR, _, _ in kept]),
-        index=np.repeat(np.arange(len(kept)), [s.size for _, s, _ in kept]),
-        s=np.concatenate([s for _, s, _ in kept]),
-        j=np.concatenate([j for _, _, j in kept]),
+        dR=np.array([dR for dR, _, _ in clearances]),
+        index=np.repeat(np.arange(len(clearances)), [s.size for _, s, _ in clearances]),
+        s=np.concatenate([s for _, s, _ in clearances]),
+        j=np.concatenate([j for _, _, j in clearances]),
     )
     return rows, Counts(rows.s.size, masked)

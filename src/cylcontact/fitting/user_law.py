@@ -1,9 +1,9 @@
-"""A law of the user's own: a Python function that a campaign names as module:function.
+"""Laws defined by a Python function of the user, which a campaign names as module:function.
 
 The function is `load(penetration, pair, **parameters)`: penetration in mm, an array; the pair that
 belongs to each element; the load in N/mm, of the same shape. It has to increase with the
-penetration. The module is looked for in the campaign's folder, then where Python looks. Nothing is
-imported unless a campaign or a command line names it: reading a result imports nothing.
+penetration. The module is imported from the campaign's folder, else from Python's path, and only
+if a campaign or a command line names it. Reading a result imports nothing.
 """
 
 from __future__ import annotations
@@ -29,30 +29,32 @@ from cylcontact.fitting.law_models import LawModel, LawParameter
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
 
-# Steps by ten that bracket a penetration, and halvings that find it to the last digit.
-DECADES = 40
-HALVINGS = 200
-RELATIVE_STEP = 1e-6
+__all__ = ["UserFunction", "UserLaw", "named_user_model", "user_model"]
+
+# Decades searched for a bracket of the penetration, and bisections to machine precision.
+_DECADES = 40
+_BISECTIONS = 200
+_RELATIVE_STEP = 1e-6
 
 
 @dataclass(frozen=True)
 class UserFunction:
-    """A function named by the user, imported where it is needed.
+    """A function of the user, imported when it is called.
 
     Attributes
     ----------
     spec : str
         "module:function".
     folder : str or None
-        Where the module is looked for first; None where a result names the function, which is
-        not enough to run it.
+        Where the module is searched for first. None if a result names the function, which is
+        then never run.
     """
 
     spec: str
     folder: str | None
 
     def __call__(self, penetration: FloatArray, pair: CylinderPair, **parameters: float) -> Any:
-        """Call the function; worker processes import it themselves."""
+        """Call the function, importing it in this process first."""
         if self.folder is None:
             raise InputError(
                 self.spec,
@@ -66,59 +68,60 @@ class UserFunction:
 
 @dataclass(frozen=True)
 class UserLaw:
-    """A contact law from a user's function, its inverse found numerically."""
+    """A contact law from a function of the user; the inverse is numerical."""
 
     function: UserFunction
     parameters: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
-        """The name by which the campaign calls it."""
+        """The function as the campaign names it."""
         return self.function.spec
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the load in N/mm at `penetration` in mm; NaN where that is negative."""
+        """Return the load in N/mm at `penetration` in mm; NaN below 0."""
         delta = as_floats(penetration)
         touching = np.asarray(delta >= 0)
         return inside_or_nan(self._called(np.where(touching, delta, 0.0), pair), touching)
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the penetration in mm under `load` in N/mm; NaN where none is found."""
+        """Return the penetration in mm under `load` in N/mm; NaN if the function has none."""
         f = as_floats(load)
         shape = np.broadcast_shapes(f.shape, np.shape(pair.E_star), np.shape(pair.dR))
-        wanted = np.broadcast_to(f, shape)
-        low, high = self._bracket(wanted, pair)
-        found = np.isfinite(low) & np.isfinite(high) & (wanted > 0)
-        # In logarithms, where contact laws are nearly straight lines.
-        a, b = np.log(np.where(found, low, 1.0)), np.log(np.where(found, high, 10.0))
-        for _ in range(HALVINGS):
+        target = np.broadcast_to(f, shape)
+        low, high = self._bracket(target, pair)
+        bracketed = np.isfinite(low) & np.isfinite(high) & (target > 0)
+        # Contact laws are nearly straight lines in logarithms.
+        a, b = np.log(np.where(bracketed, low, 1.0)), np.log(np.where(bracketed, high, 10.0))
+        for _ in range(_BISECTIONS):
             middle = (a + b) / 2
             if np.all((middle == a) | (middle == b)):
                 break
-            below = self._called(np.exp(middle), pair) < wanted
+            below = self._called(np.exp(middle), pair) < target
             a, b = np.where(below, middle, a), np.where(below, b, middle)
-        return as_floats(np.where(found, np.exp((a + b) / 2), np.where(wanted == 0, 0.0, np.nan)))
+        outside = np.where(target == 0, 0.0, np.nan)
+        return as_floats(np.where(bracketed, np.exp((a + b) / 2), outside))
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm², by a central difference."""
         delta = as_floats(penetration)
-        step = RELATIVE_STEP * delta
+        step = _RELATIVE_STEP * delta
         with np.errstate(divide="ignore", invalid="ignore"):
             rise = self.load(delta + step, pair) - self.load(delta - step, pair)
             return as_floats(rise / (2 * step))
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: nothing is known of a largest load."""
+        """Return inf: the function states no largest load."""
         return as_floats(np.full_like(pair.E_star * as_floats(pair.dR), np.inf))
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: nothing is known of a largest penetration."""
+        """Return inf: the function states no largest penetration."""
         return self.max_load(pair)
 
     def _bracket(self, load: FloatArray, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
-        """Return penetrations below and above the one sought, a decade apart; NaN without any."""
+        """Return penetrations a decade apart that bracket the load; NaN if none do."""
         low, high = np.full(load.shape, np.nan), np.full(load.shape, np.nan)
-        for decade in range(-DECADES // 2, DECADES // 2):
+        for decade in range(-_DECADES // 2, _DECADES // 2):
             delta = np.full(load.shape, 10.0**decade)
             reached = self._called(delta, pair)
             low = np.where(reached < load, delta, low)
@@ -126,9 +129,9 @@ class UserLaw:
         return low, high
 
     def _called(self, penetration: FloatArray, pair: CylinderPair) -> FloatArray:
-        """Call the function, and hold what it returns against what it should."""
+        """Call the function and check what it returns."""
         try:
-            with np.errstate(all="ignore"):  # what is not finite counts as outside the law
+            with np.errstate(all="ignore"):  # what is not finite is outside the domain
                 value = self.function(penetration, pair, **self.parameters)
             loads = as_floats(value)
         except InputError:
@@ -147,30 +150,30 @@ class UserLaw:
                 self.name,
                 "load",
                 loads.shape,
-                f"returns another shape than that of the penetration, {shape}",
+                f"returns an array of another shape than the penetration, {shape}",
                 "return an array with one load for each penetration",
             )
         return loads
 
 
 def user_model(spec: str, folder: Path, contact: Contact, source: str) -> LawModel:
-    """Return the model of a user's function; its parameters are the arguments after the pair.
+    """Return the model of a function; its parameters are the arguments after the pair.
 
     Parameters
     ----------
     spec : str
         "module:function".
     folder : Path
-        Where the module is looked for first.
+        Where the module is searched for first.
     contact : {"internal", "external"}
         The contact of the data.
     source : str
-        What errors call the campaign.
+        The campaign's name in errors.
 
     Returns
     -------
     LawModel
-        An argument with a default value is held there unless the campaign gives bounds.
+        An argument with a default is fixed at it unless the campaign gives bounds.
 
     Raises
     ------
@@ -190,21 +193,16 @@ def user_model(spec: str, folder: Path, contact: Contact, source: str) -> LawMod
 def named_user_model(
     function: UserFunction, parameters: tuple[LawParameter, ...], contact: Contact
 ) -> LawModel:
-    """Return the model of a function whose parameters are known, without importing it."""
+    """Return the model of a function with these parameters, without importing it."""
 
-    def build(found: Mapping[str, float]) -> ContactLaw:
-        return UserLaw(function, dict(found))
+    def build(values: Mapping[str, float]) -> ContactLaw:
+        return UserLaw(function, dict(values))
 
     return LawModel(function.spec, contact, parameters, build, nominal_is_published=False)
 
 
-def is_user_law(law: str) -> bool:
-    """Tell whether a law's name is that of a function, module:function."""
-    return ":" in law
-
-
 def _parameters_of(function: Callable[..., Any], spec: str) -> tuple[LawParameter, ...]:
-    """Return the arguments after penetration and pair."""
+    """Return the arguments of a function after penetration and pair."""
     remedy = "write it as def load(penetration, pair, K, n): ... with at least one parameter"
     try:
         arguments = list(inspect.signature(function).parameters.values())
@@ -215,40 +213,42 @@ def _parameters_of(function: Callable[..., Any], spec: str) -> tuple[LawParamete
         names = ", ".join(map(str, arguments))
         rule = f"must take a penetration, a pair and named parameters, and takes ({names})"
         raise InputError(spec, "law", None, rule, remedy)
-    found = []
+    parameters = []
     for argument in arguments[2:]:
-        given = argument.default is not inspect.Parameter.empty
-        if given and not isinstance(argument.default, int | float):
+        has_default = argument.default is not inspect.Parameter.empty
+        if has_default and not isinstance(argument.default, int | float):
             rule = f"has a default for {argument.name} that is not a number"
             raise InputError(spec, "law", None, rule, remedy)
-        nominal = float(argument.default) if given else None
-        found.append(LawParameter(argument.name, -np.inf, np.inf, nominal, free=not given))
-    return tuple(found)
+        nominal = float(argument.default) if has_default else None
+        parameters.append(
+            LawParameter(argument.name, -np.inf, np.inf, nominal, free=not has_default)
+        )
+    return tuple(parameters)
 
 
 @lru_cache(maxsize=64)
 def _imported(spec: str, folder: str) -> Callable[..., Any]:
     """Import a function, from a file in the folder if there is one."""
     module_name, _, name = spec.partition(":")
-    remedy = "name it as module:function; the module is looked for beside the campaign first"
+    remedy = "name it as module:function; the campaign's folder is searched first"
     try:
         with _first_on_path(folder):
             module = _module(module_name, Path(folder))
-        found = getattr(module, name, None)
-    except Exception as error:  # a module of the user's may raise anything
+        function = getattr(module, name, None)
+    except Exception as error:  # the user's module may raise anything
         rule = f"cannot be imported ({type(error).__name__}: {error})"
         raise InputError(spec, "law", None, rule, remedy) from error
-    if not callable(found):
+    if not callable(function):
         rule = f"is not a function of {module_name}"
         raise InputError(spec, "law", None, rule, remedy)
-    result: Callable[..., Any] = found
+    result: Callable[..., Any] = function
     return result
 
 
 def _module(name: str, folder: Path) -> ModuleType:
-    """Return a module, by file from the folder or by name from where Python looks.
+    """Return a module from a file in the folder, else by name from Python's path.
 
-    A file is loaded under a name of its own: another folder may have a module of the same name.
+    A file is loaded under a unique name: another folder may have a module of the same name.
     """
     path = folder.joinpath(*name.split(".")).with_suffix(".py")
     if not path.is_file():
@@ -263,7 +263,7 @@ def _module(name: str, folder: Path) -> ModuleType:
 
 @contextmanager
 def _first_on_path(folder: str) -> Iterator[None]:
-    """Let imports find the folder first, for a while."""
+    """Put a folder first on Python's path."""
     sys.path.insert(0, folder)
     try:
         yield

@@ -1,67 +1,87 @@
-"""What a result means, in sentences computed from its numbers."""
+"""What a fit result means, in sentences computed from its numbers."""
 
 from __future__ import annotations
 
-from cylcontact.fitting.profile import FAIRLY, TOLERANCE, WELL
-from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.run import RunRecord
-from cylcontact.fitting.uncertainty.wording import noise_verdicts
+from typing import TYPE_CHECKING
 
-# Runs whose objectives are this close, relatively, count as the same result.
+from cylcontact.fitting.profile import FAIRLY, TOLERANCE, WELL
+from cylcontact.fitting.uncertainty import estimates as noise
+from cylcontact.fitting.uncertainty.residual_model import ROUNDING
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.result import FitResult
+    from cylcontact.fitting.run import RunRecord
+    from cylcontact.fitting.uncertainty.estimates import Uncertainty
+
+__all__ = [
+    "SAME_BASIN",
+    "basins",
+    "identification",
+    "noise_verdicts",
+    "same_basin",
+    "verdicts",
+]
+
+# Runs whose objectives are this close, relatively, ended in the same basin.
 SAME_BASIN = 1e-3
+# The objective of data that follow the law exactly is round-off, below this.
+_EXACT = 1e-12
 # A coefficient this close to a bound, relative to the search interval, is at the bound.
-AT_BOUND = 1e-6
-# Objectives below this are rounding: data that follow the law exactly.
-ROUNDING = 1e-12
+_AT_BOUND = 1e-6
+# Below this probability the residuals are not those of the noise assumed.
+_SURPRISING = 0.01
+# At most so many rows of the data are listed.
+_LISTED = 8
 
 
 def verdicts(result: FitResult) -> list[str]:
     """Return the verdicts on a result, most important first.
 
-    For measured data they speak of noise (`uncertainty.wording`). For a reference law they say
-    whether the published coefficients are the optimum, how far the fit is from the lower bound,
-    which coefficients are well identified, whether one is at a bound, and how many runs agree.
+    For a fit to a reference law they state whether the published coefficients are the optimum,
+    how far the fit is from the lower bound, which coefficients are well identified, which are at
+    a bound, and how many runs agree. For a fit to measurements they are those of
+    `noise_verdicts`, the objective of the published coefficients, and how many runs agree.
     """
     if result.uncertainty is not None:
-        return [
-            *noise_verdicts(result.uncertainty),
-            *filter(None, [_on_published_law(result)]),
-            *_on_runs(result),
+        sentences = [*noise_verdicts(result.uncertainty), _on_published_law(result)]
+    else:
+        sentences = [
+            _on_published(result),
+            _on_lower_bound(result),
+            _on_identification(result),
+            *_on_search_bounds(result),
         ]
-    found = [_on_published(result), _on_bound_of_objective(result), _on_identification(result)]
-    found += _on_bounds(result)
-    found += _on_runs(result)
-    return [sentence for sentence in found if sentence]
+    return [sentence for sentence in [*sentences, *_on_runs(result)] if sentence]
 
 
 def identification(result: FitResult, name: str) -> str:
-    """Return "well", "fairly", "poorly", "at a bound" or "fixed" for a coefficient."""
+    """Return "well", "fairly", "poorly", "not", "at a bound" or "fixed" for a coefficient."""
     if result.uncertainty is not None:
-        found = result.uncertainty.estimates.get(name)
-        return "fixed" if found is None else found.verdict
+        estimate = result.uncertainty.estimates.get(name)
+        return "fixed" if estimate is None else estimate.verdict
     if name not in result.profiles:
         return "fixed"
     return result.profiles[name].verdict(result.coefficients[name])
 
 
 def basins(result: FitResult) -> list[tuple[float, int]]:
-    """Return the distinct objectives the runs ended at, with the number of runs, best first."""
-    found: list[tuple[float, int]] = []
+    """Return the distinct objectives of the runs with the number of runs at each, best first."""
+    counts: list[tuple[float, int]] = []
     for record in sorted(result.runs, key=lambda record: record.objective):
-        if found and same_basin(record, found[-1][0]):
-            found[-1] = (found[-1][0], found[-1][1] + 1)
+        if counts and same_basin(record, counts[-1][0]):
+            counts[-1] = (counts[-1][0], counts[-1][1] + 1)
         else:
-            found.append((record.objective, 1))
-    return found
+            counts.append((record.objective, 1))
+    return counts
 
 
 def same_basin(record: RunRecord, objective: float) -> bool:
-    """Tell whether a run ended, to within 0.1 % and rounding, at an objective."""
-    return record.objective <= objective * (1 + SAME_BASIN) + ROUNDING
+    """Return whether a run reached an objective, to 0.1 % and round-off."""
+    return record.objective <= objective * (1 + SAME_BASIN) + _EXACT
 
 
 def _on_published(result: FitResult) -> str:
-    """Compare the published coefficients' objective with the fitted one."""
+    """Compare the objective of the published coefficients with the fitted one."""
     if result.published is None:
         return ""
     ratio = result.published.objective / result.objective.value
@@ -74,7 +94,7 @@ def _on_published(result: FitResult) -> str:
 
 
 def _on_published_law(result: FitResult) -> str:
-    """Say how well the law describes the data with its published constants."""
+    """Give the objective of the published coefficients on measurements."""
     if result.published is None:
         return ""
     return (
@@ -84,8 +104,8 @@ def _on_published_law(result: FitResult) -> str:
     )
 
 
-def _on_bound_of_objective(result: FitResult) -> str:
-    """Say how far the objective is from what any law of this form could reach."""
+def _on_lower_bound(result: FitResult) -> str:
+    """Give the distance to the best objective that any law of this form could reach."""
     if not result.bound:
         return ""
     excess = result.objective.value / result.bound - 1
@@ -107,24 +127,163 @@ def _on_identification(result: FitResult) -> str:
     )
 
 
-def _on_bounds(result: FitResult) -> list[str]:
-    """Name the coefficients that ended at a bound of the search."""
-    found = []
+def _on_search_bounds(result: FitResult) -> list[str]:
+    """Name the coefficients at a bound of the search."""
+    sentences = []
     for name, table in result.settings["campaign"]["parameters"].items():
         if table.get("fixed"):
             continue
-        margin = AT_BOUND * (table["high"] - table["low"])
+        margin = _AT_BOUND * (table["high"] - table["low"])
         for end in ("low", "high"):
             if abs(result.coefficients[name] - table[end]) <= margin:
-                found.append(f"{name} is at its {end} bound {table[end]:g}: widen it")
-    return found
+                sentences.append(f"{name} is at its {end} bound {table[end]:g}: widen it")
+    return sentences
 
 
 def _on_runs(result: FitResult) -> list[str]:
     """Say how many runs agree with the best, and where the others ended."""
     (_, agreeing), *others = basins(result)
-    found = [f"{agreeing} of {len(result.runs)} runs reached the best objective within 0.1 %"]
+    sentences = [f"{agreeing} of {len(result.runs)} runs reached the best objective within 0.1 %"]
     if others:
-        listed = ", ".join(f"{value:.4g} ({count})" for value, count in others)
-        found.append(f"the others ended in other basins, at (runs): {listed}")
-    return found
+        objectives = ", ".join(f"{objective:.4g} ({count})" for objective, count in others)
+        sentences.append(f"the others ended in other basins, at (runs): {objectives}")
+    return sentences
+
+
+# --- what the uncertainty of a fit to measurements means, in sentences ------------------------
+
+
+def noise_verdicts(uncertainty: Uncertainty) -> list[str]:
+    """Return the verdicts on a fit to measurements, most important first.
+
+    They state how large the noise is, whether the residuals are random, which parameters are
+    determined, which are correlated, and which rows are duplicates or outliers.
+    """
+    sentences = [
+        _on_noise(uncertainty),
+        _on_shape(uncertainty),
+        *_on_determination(uncertainty),
+        *_on_correlations(uncertainty),
+        *_on_rows(uncertainty),
+        *uncertainty.notes,
+    ]
+    return [sentence for sentence in sentences if sentence]
+
+
+def _is_exact(uncertainty: Uncertainty) -> bool:
+    """Return whether the residuals are round-off."""
+    return not uncertainty.sigma_known and uncertainty.residual_sigma < ROUNDING
+
+
+def _on_noise(uncertainty: Uncertainty) -> str:
+    """Say how large the noise is, and whether the given standard deviations explain it."""
+    sigma, unit = uncertainty.residual_sigma, uncertainty.residual_unit
+    if _is_exact(uncertainty):
+        return (
+            "the data follow the law to round-off: there is no noise to estimate, and no interval"
+        )
+    if not uncertainty.sigma_known:
+        is_share = unit.startswith("share")
+        amount = f"{100 * sigma:.3g} % of the {unit.split()[-1]}" if is_share else None
+        return (
+            f"measured data: the residuals scatter by {amount or f'{sigma:.3g} {unit}'} (standard "
+            f"deviation, estimated from them with {uncertainty.degrees_of_freedom} degrees of "
+            f"freedom); intervals are at {100 * uncertainty.level:g} % and hold if the law is "
+            "right and the noise independent"
+        )
+    if uncertainty.chi_square_p is None:
+        return (
+            "measured data with given standard deviations: the bulk of the residuals scatters by "
+            f"{sigma:.3g} of them (a robust loss has no chi-square test)"
+        )
+    p = uncertainty.chi_square_p
+    verdict = "as large as the given standard deviations allow"
+    if p < _SURPRISING:
+        verdict = (
+            "larger than the given standard deviations allow: the law is wrong, or they are too "
+            "small; the intervals are then too narrow"
+        )
+    elif p > 1 - _SURPRISING:
+        verdict = "smaller than the given standard deviations: those look too large"
+    return f"measured data with given standard deviations: residuals are {verdict} (p = {p:.3g})"
+
+
+def _on_shape(uncertainty: Uncertainty) -> str:
+    """Say if neighbouring residuals are correlated, which those of noise are not."""
+    p = uncertainty.runs_test_p
+    if p is None or p > _SURPRISING or _is_exact(uncertainty):
+        return ""
+    return (
+        f"the residuals are not random along the load (runs test, p = {p:.2g}): the law has the "
+        "wrong shape somewhere, which the intervals do not cover"
+    )
+
+
+def _on_determination(uncertainty: Uncertainty) -> list[str]:
+    """Name the parameters by how well they are determined."""
+    together = uncertainty.only_together
+    if together:
+        return [
+            f"{' and '.join(together)} are not identifiable, only a combination of them: fix one "
+            f"with --fix {together[0]}=VALUE, or fixed = true in the campaign"
+        ]
+    meanings = {
+        "poorly": f"poorly determined (not to ±{100 * noise.FAIRLY:g} % of the value, or for a "
+        "shift of the prediction, or cut off by a bound)",
+        "not": "not determined by these data (the interval is as wide as the value, or for a "
+        "shift as the prediction, or as the bounds, or there is none)",
+        "at a bound": "at a bound of the search: widen it",
+    }
+    sentences = []
+    for verdict, meaning in meanings.items():
+        names = [name for name, e in uncertainty.estimates.items() if e.verdict == verdict]
+        if names:
+            sentences.append(f"{', '.join(names)}: {meaning}")
+    return sentences or [
+        f"every free parameter is determined to ±{100 * noise.FAIRLY:g} % or better "
+        f"(well: ±{100 * noise.WELL:g} %), a shift in terms of the prediction"
+    ]
+
+
+def _on_correlations(uncertainty: Uncertainty) -> list[str]:
+    """Name the pairs of strongly correlated parameters."""
+    names = list(uncertainty.correlation)
+    sentences = []
+    for i, one in enumerate(names):
+        for other in names[i + 1 :]:
+            value = uncertainty.correlation[one][other]
+            if abs(value) > noise.STRONG_CORRELATION:
+                kind = "rise together" if value > 0 else "trade off"
+                sentences.append(
+                    f"{one} and {other} {kind} (correlation {value:.3f}): quote them together, or "
+                    "fix one"
+                )
+    return sentences
+
+
+def _on_rows(uncertainty: Uncertainty) -> list[str]:
+    """Name duplicates and outliers, which stay in the fit, and the scale of a robust loss."""
+    sentences = []
+    if uncertainty.duplicates:
+        groups = "; ".join(
+            " = ".join(map(str, lines)) for lines in uncertainty.duplicates[:_LISTED]
+        )
+        more = ", …" if len(uncertainty.duplicates) > _LISTED else ""
+        sentences.append(f"identical rows, each of them counted: lines {groups}{more}")
+    if uncertainty.outliers:
+        lines = ", ".join(
+            f"{outlier.line} ({outlier.deviations:+.1f})"
+            for outlier in uncertainty.outliers[:_LISTED]
+        )
+        more = ", …" if len(uncertainty.outliers) > _LISTED else ""
+        advice = '; a robust loss (loss = "huber") would reduce their influence'
+        sentences.append(
+            f"rows more than {noise.OUTLYING:g} robust standard deviations away, not left out: "
+            f"lines {lines}{more}{'' if uncertainty.loss_scale is not None else advice}"
+        )
+    if uncertainty.loss_scale is not None:
+        sentences.append(
+            f"a robust loss of scale {uncertainty.loss_scale:.4g} was used: intervals are "
+            "asymptotic; check them with the bootstrap"
+        )
+    return sentences

@@ -1,24 +1,27 @@
-"""Redo a committed fit and hold the two against each other."""
+"""Redo a committed fit and compare the results."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
 
-from cylcontact.fitting.calibrate import Progress, calibrate, problem_of
+from cylcontact.fitting.calibrate import calibrate, problem_of
 from cylcontact.fitting.planning import plan_from_settings
 from cylcontact.fitting.result import FitResult
 from cylcontact.parallel import Workers
+from cylcontact.progress import Progress
 
-# A fresh fit may end in a neighbouring kink of Y on another processor: 0.1 % covers those.
-OBJECTIVE_TOLERANCE = 1e-3
-# What needs no search is the same but for rounding.
-EXACT_TOLERANCE = 1e-9
+__all__ = ["Check", "compare_results", "verify"]
+
+# On another processor a fit may end in a neighbouring kink of Y, less than 0.1 % away.
+_OBJECTIVE_TOLERANCE = 1e-3
+# Without a search the numbers are the same to round-off.
+_EXACT_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
 class Check:
-    """One number of a committed result beside its fresh value."""
+    """A number of a committed result and its fresh value."""
 
     what: str
     committed: float
@@ -45,7 +48,7 @@ class Check:
 
 
 def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
-    """Fit afresh with the settings in a result file and compare.
+    """Redo a fit with the settings in a result file and compare.
 
     Parameters
     ----------
@@ -59,7 +62,7 @@ def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
     Returns
     -------
     list of Check
-        Of the committed coefficients against the objective stated for them, and of the fresh
+        The objective of the committed coefficients against the committed one. Then the fresh
         objective, lower bound, published coefficients' objective and number of samples against
         the committed ones.
 
@@ -75,7 +78,7 @@ def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
         "objective of the coefficients",
         committed.objective.value,
         problem.value_of(committed.coefficients),
-        EXACT_TOLERANCE,
+        _EXACT_TOLERANCE,
     )
     fresh = calibrate(campaign, jobs, progress)
     return [of_coefficients, *compare_results(committed, fresh)]
@@ -84,18 +87,18 @@ def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
 def compare_results(committed: FitResult, fresh: FitResult) -> list[Check]:
     """Compare a committed result with a fresh one."""
     checks = [
-        Check("objective", committed.objective.value, fresh.objective.value, OBJECTIVE_TOLERANCE),
+        Check("objective", committed.objective.value, fresh.objective.value, _OBJECTIVE_TOLERANCE),
         Check("samples", committed.counts.samples, fresh.counts.samples, 0.0),
     ]
     if committed.bound is not None and fresh.bound is not None:
-        checks.append(Check("lower bound", committed.bound, fresh.bound, EXACT_TOLERANCE))
+        checks.append(Check("lower bound", committed.bound, fresh.bound, _EXACT_TOLERANCE))
     if committed.published and fresh.published:
         checks.append(
             Check(
                 "published objective",
                 committed.published.objective,
                 fresh.published.objective,
-                EXACT_TOLERANCE,
+                _EXACT_TOLERANCE,
             )
         )
     return checks

@@ -1,4 +1,4 @@
-"""Contact laws: load per unit length against penetration, all with the same five answers."""
+"""Contact laws: load per unit length against penetration, all with the same five methods."""
 
 from collections.abc import Callable
 
@@ -57,7 +57,12 @@ __all__ = [
     "reference_law",
 ]
 
-# Every law that needs no numbers of its own, by the name that specs and commands use.
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+# The laws with default coefficients, by the names that specs and commands use.
 LAWS: dict[str, Callable[[], ContactLaw]] = {
     "johnson": Johnson,
     "roark-young": RoarkYoung,
@@ -75,7 +80,7 @@ LAWS: dict[str, Callable[[], ContactLaw]] = {
     "lankarani-nikravesh": LankaraniNikravesh,
 }
 
-# Those that ΔR alone determines, without radii or a length: what a grid can sample.
+# The laws that need ΔR only, no radii or length: those that a grid can sample.
 REFERENCES = tuple(
     name
     for name in LAWS

@@ -1,4 +1,4 @@
-"""Laws built around another law: a test rig's compliance and offset, and stretched axes."""
+"""Laws built on another law: the compliance and offset of a test rig, and scaled axes."""
 
 from __future__ import annotations
 
@@ -12,20 +12,23 @@ from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.logarithmic import LogarithmicLaw
 from cylcontact.pair import CylinderPair
 
-# Newton's method takes some eight steps, more only near the end of a law's domain.
-STEPS = 100
-ROUNDING = 4e-15
-# Where a law ends its stiffness may be infinite; the search stays this share short of it.
-SHORT_OF_THE_END = 1e-13
+__all__ = ["RigCompliance", "ScaledLaw", "adjusted_logarithmic"]
+
+# Newton's method takes about eight steps, more only near the end of a law's domain.
+_STEPS = 100
+_ROUNDING = 4e-15
+# The stiffness may be infinite where a law ends; the search stays below the end by this fraction.
+_SHORT_OF_THE_END = 1e-13
 
 
 @dataclass(frozen=True)
 class RigCompliance:
-    """δ = δ₀(f) + compliance·f + offset: what is measured around a law δ₀.
+    """δ = δ₀(f) + compliance·f + offset: the reading of a test rig, with δ₀ the law of the contact.
 
-    No measurement of an approach knows where contact begins, and every rig yields. A plane body,
-    moreover, has an approach only up to a constant times f/E*, so that a compliance of the rig is
-    not to be told from c of a logarithmic law if only one E* was measured.
+    A measured approach includes an unknown reading at first touch and the compliance of the rig.
+    The approach of a plane body is known only up to a constant times f/E*. Therefore the compliance
+    of the rig and the c of a logarithmic law cannot be identified separately from measurements at
+    a single E*.
 
     Parameters
     ----------
@@ -34,7 +37,7 @@ class RigCompliance:
     offset : float
         The reading at first touch in mm.
     compliance : float
-        That of the rig in mm per N/mm, not negative.
+        Compliance of the rig in mm per N/mm, not negative.
 
     Raises
     ------
@@ -46,8 +49,8 @@ class RigCompliance:
     >>> from cylcontact import CylinderPair, Material, laws
     >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
     >>> law = RigCompliance(laws.Johnson(), offset=1e-4, compliance=2e-6)
-    >>> seen = law.penetration(100.0, pair)
-    >>> print(f"{1e3 * seen:.3f} µm, {law.load(seen, pair):.9f} N/mm")
+    >>> reading = law.penetration(100.0, pair)
+    >>> print(f"{1e3 * reading:.3f} µm, {law.load(reading, pair):.9f} N/mm")
     1.859 µm, 100.000000000 N/mm
     """
 
@@ -69,7 +72,7 @@ class RigCompliance:
             "RigCompliance",
             "compliance",
             self.compliance,
-            "must not be negative, and finite",
+            "must be finite and not negative",
             "give it in mm per N/mm",
         )
 
@@ -79,12 +82,12 @@ class RigCompliance:
         return self.base.name
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return what is read in mm under `load` in N/mm."""
+        """Return the reading in mm under `load` in N/mm."""
         f = as_floats(load)
         return as_floats(self.base.penetration(f, pair) + self.compliance * f + self.offset)
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the load in N/mm where `penetration` in mm is read; NaN before first touch."""
+        """Return the load in N/mm at a reading `penetration` in mm; NaN before first touch."""
         depth = as_floats(as_floats(penetration) - self.offset)
         if self.compliance == 0:
             return self.base.load(depth, pair)
@@ -92,7 +95,7 @@ class RigCompliance:
         last = end + self.compliance * self.base.max_load(pair)
         inside = np.asarray((depth >= 0) & (depth <= last))
         alone = self._contact_alone(
-            np.where(inside, depth, 0.0), end * (1 - SHORT_OF_THE_END), pair
+            np.where(inside, depth, 0.0), end * (1 - _SHORT_OF_THE_END), pair
         )
         return inside_or_nan(self.base.load(alone, pair), inside)
 
@@ -109,24 +112,24 @@ class RigCompliance:
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return the largest reading in mm."""
-        given = self.compliance * self.base.max_load(pair) if self.compliance else 0.0
-        return as_floats(self.base.max_penetration(pair) + given + self.offset)
+        rig = self.compliance * self.base.max_load(pair) if self.compliance else 0.0
+        return as_floats(self.base.max_penetration(pair) + rig + self.offset)
 
     def _contact_alone(self, depth: FloatArray, end: FloatArray, pair: CylinderPair) -> FloatArray:
-        """Return the penetration d of the contact, d + compliance·f(d) = depth, at most `end`.
+        """Return the penetration d ≤ `end` of the contact that solves d + compliance·f(d) = depth.
 
-        By Newton's method from above, which is monotone as f is convex, within a bracket for laws
-        that are not.
+        Newton's method from above converges monotonically for a convex f; a bracket makes it
+        converge for other laws.
         """
         low, high = np.zeros_like(depth), np.minimum(depth, end) + np.zeros_like(depth)
         d = high
-        for _ in range(STEPS):
+        for _ in range(_STEPS):
             excess = d + self.compliance * self.base.load(d, pair) - depth
             low, high = np.where(excess < 0, d, low), np.where(excess < 0, high, d)
-            with np.errstate(invalid="ignore"):  # a stiffness may be infinite at no penetration
+            with np.errstate(invalid="ignore"):  # the stiffness may be infinite at zero penetration
                 step = d - excess / (1 + self.compliance * self.base.stiffness(d, pair))
             new = np.where((step >= low) & (step <= high), step, (low + high) / 2)
-            if np.all(np.abs(new - d) <= ROUNDING * d):
+            if np.all(np.abs(new - d) <= _ROUNDING * d):
                 break
             d = new
         return as_floats(d)
@@ -134,11 +137,11 @@ class RigCompliance:
 
 @dataclass(frozen=True)
 class ScaledLaw:
-    """f = B·f₀(δ/D): a law whose load is stretched by B and whose penetration by D.
+    """f = B·f₀(δ/D): a law with the load scaled by B and the penetration by D.
 
-    For a law that depends on f/(E*·ΔR) and δ/ΔR alone, such as Persson's and Liu's, D is an
-    effective clearance over the real one and B/D an effective modulus. Every logarithmic law is a
-    stretched Johnson's law: see `adjusted_logarithmic`.
+    For a law in f/(E*·ΔR) and δ/ΔR alone, such as Persson's and Liu's, D is the ratio of an
+    effective clearance to the real one, and B/D the ratio of the moduli. Every logarithmic law is a
+    scaled Johnson's law: see `adjusted_logarithmic`.
 
     Parameters
     ----------
@@ -179,24 +182,24 @@ class ScaledLaw:
 
     @property
     def name(self) -> str:
-        """The name of the law that is stretched."""
+        """The name of the scaled law."""
         return self.base.name
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm."""
-        stretched = self.base.penetration(as_floats(load) / self.load_factor, pair)
-        return as_floats(self.penetration_factor * stretched)
+        scaled = self.base.penetration(as_floats(load) / self.load_factor, pair)
+        return as_floats(self.penetration_factor * scaled)
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
-        stretched = self.base.load(as_floats(penetration) / self.penetration_factor, pair)
-        return as_floats(self.load_factor * stretched)
+        scaled = self.base.load(as_floats(penetration) / self.penetration_factor, pair)
+        return as_floats(self.load_factor * scaled)
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm²."""
         ratio = self.load_factor / self.penetration_factor
-        stretched = self.base.stiffness(as_floats(penetration) / self.penetration_factor, pair)
-        return as_floats(ratio * stretched)
+        scaled = self.base.stiffness(as_floats(penetration) / self.penetration_factor, pair)
+        return as_floats(ratio * scaled)
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return the largest load in N/mm."""
@@ -212,8 +215,8 @@ def adjusted_logarithmic(
 ) -> ScaledLaw:
     """Return δ = κ/(π·E*)·f·[ln(F·Λ·E*/f) + c] with the Λ of a logarithmic law.
 
-    With B = F·exp(c − c₀) it is (κ·B/κ₀)·δ₀(f/B), the law δ₀ of κ₀, c₀ and Λ stretched. F and c
-    act only through ln F + c.
+    With B = F·exp(c − c₀) it is (κ·B/κ₀)·δ₀(f/B), a scaled form of the law δ₀ with κ₀, c₀ and Λ.
+    F and c act only through ln F + c.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""Conformal contact: the law of Persson for a pin in a hole, and what it says of the contact.
+"""Conformal contact: Persson's law for a pin in a hole, with its contact angle and pressure.
 
-The solution itself, with its derivation, is in `cylcontact.laws.persson`; here it meets pairs,
-loads in N/mm and lengths in mm.
+The dimensionless solution and its derivation are in `cylcontact.laws.persson`. This module applies
+it to pairs, with loads in N/mm and lengths in mm.
 """
 
 from __future__ import annotations
@@ -17,17 +17,19 @@ from cylcontact.html_repr import law_html
 from cylcontact.laws import persson
 from cylcontact.pair import CylinderPair
 
+__all__ = ["Persson", "contact_angle", "in_units_of", "load_at_angle", "peak_pressure", "pressure"]
+
 
 @dataclass(frozen=True)
 class Persson:
-    """The reference law for a pin in a hole, exact where the contact arc is no longer small.
+    """The reference law for a pin in a hole, exact for large contact arcs as well.
 
     δ = f·Z(u)/(π·E*) with u = tan²(ε/2) from f/(E*·ΔR) = 2π·u(1 + u)/(2 − 2u² − ln(1 + u)) and
 
         Z = ln(4(1 + u)/u) − 2/(1 + u) + 1/(2(1 + u)²) + ln(1 + u)/(2u(1 + u)).
 
-    δ/ΔR depends on f/(E*·ΔR) alone. The law has no largest load: it goes from Johnson's law, at
-    small loads, to the straight line f = π·E*·δ/1.43048.
+    δ/ΔR depends on f/(E*·ΔR) alone. The law has no largest load: it tends to Johnson's law at small
+    loads and to the straight line f = π·E*·δ/1.43048 at large ones.
 
     Raises
     ------
@@ -37,17 +39,17 @@ class Persson:
     Notes
     -----
     Persson (1964) gives the load and the pressure for two bodies of the same E and ν, without
-    friction, the plate infinite; Z follows in `cylcontact.laws.persson`. A 2-D body has no
-    absolute approach: δ is known up to C·f/(π·E*), and C is **chosen** so that δ goes to
-    Johnson's law as the load goes to zero. Differences between this law and Johnson's are thus
-    those of conformity alone.
+    friction, in an infinite plate; Z is derived in `cylcontact.laws.persson`. A 2-D body has no
+    absolute approach: δ is known up to C·f/(π·E*), and C is **chosen** so that δ tends to
+    Johnson's law as the load tends to zero. Differences between this law and Johnson's are thus
+    due to conformity alone.
 
-    Load and penetration are inverted by a fixed number of Newton steps, to a few units in the
-    last place for every positive number.
+    A fixed number of Newton steps inverts load and penetration to a few units in the last place,
+    for every positive number.
 
     Examples
     --------
-    Johnson's penetration is low by 10 % at f/(E*·ΔR) = 0.37:
+    Johnson's penetration is 10 % too low at f/(E*·ΔR) = 0.37:
 
     >>> from cylcontact import CylinderPair, Material, laws
     >>> steel = Material("steel", E=207e3, nu=0.3)
@@ -123,10 +125,10 @@ def contact_angle(load: ArrayLike, pair: CylinderPair) -> FloatArray:
 
 
 def load_at_angle(angle: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the load in N/mm under which the contact reaches from −`angle` to `angle`.
+    """Return the load in N/mm at which the contact extends from −`angle` to `angle`.
 
-    The inverse of `contact_angle`. As the angle nears its limit the load becomes as sensitive
-    to it as 1/(limit − angle); an angle in double precision then holds fewer digits of the load.
+    The inverse of `contact_angle`. Near the limit angle the sensitivity of the load grows like
+    1/(limit − angle), and an angle in double precision determines fewer digits of the load.
 
     Parameters
     ----------
@@ -138,7 +140,7 @@ def load_at_angle(angle: ArrayLike, pair: CylinderPair) -> FloatArray:
     Returns
     -------
     array of float
-        NaN where the angle is negative or not below 1.4805 (84.83°), which no load reaches.
+        NaN where the angle is negative or at least 1.4805 (84.83°), which no load reaches.
 
     Raises
     ------
@@ -173,7 +175,7 @@ def pressure(angle: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatArra
     load : array_like
         Load per unit length in N/mm.
     pair : CylinderPair
-        A pin in a hole, both of the same material, that knows its radii.
+        A pin in a hole, both of the same material, with known radii.
 
     Returns
     -------
@@ -187,8 +189,8 @@ def pressure(angle: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatArra
 
     Notes
     -----
-    The theory does not tell R_i from R_j. R here is √(R_i·R_j), with which small loads give
-    Hertz's peak pressure √(f·E*·ΔR/(π·R_i·R_j)) (Eq 7) exactly.
+    The theory makes no difference between R_i and R_j. R here is √(R_i·R_j), so that small loads
+    give exactly Hertz's peak pressure √(f·E*·ΔR/(π·R_i·R_j)) (Eq 7).
 
     Examples
     --------
@@ -200,7 +202,7 @@ def pressure(angle: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatArra
     """
     f = as_floats(load)
     arc, touching = _arc_under(f, pair)
-    # An infinite angle, or an infinite load outside the contact, has no pressure: NaN.
+    # NaN for an infinite angle, or an infinite load outside the contact.
     with np.errstate(invalid="ignore"):
         y = np.tan(as_floats(angle) / 2)
         p = f / _radius(pair) * persson.pressure_number(y, arc)
@@ -208,7 +210,7 @@ def pressure(angle: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatArra
 
 
 def peak_pressure(load: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the largest contact pressure in MPa, on the line of the load.
+    """Return the largest contact pressure in MPa, which is on the line of the load.
 
     With b = tan(ε/2) it is f/(πR)·[2b/√(1 + b²) + arsinh(b)/(b²(1 + b²))]; see `pressure`.
 
@@ -217,7 +219,7 @@ def peak_pressure(load: ArrayLike, pair: CylinderPair) -> FloatArray:
     load : array_like
         Load per unit length in N/mm.
     pair : CylinderPair
-        A pin in a hole, both of the same material, that knows its radii.
+        A pin in a hole, both of the same material, with known radii.
 
     Returns
     -------
@@ -231,7 +233,7 @@ def peak_pressure(load: ArrayLike, pair: CylinderPair) -> FloatArray:
 
     Examples
     --------
-    Hertz's formula is right for small loads and falls behind as the contact conforms:
+    Hertz's formula is right for small loads and too low for conformal contact:
 
     >>> from cylcontact import CylinderPair, Material
     >>> from cylcontact.limits import hertz_stress
@@ -245,9 +247,9 @@ def peak_pressure(load: ArrayLike, pair: CylinderPair) -> FloatArray:
 
 
 def in_units_of(unit: FloatArray, values: FloatArray) -> tuple[BoolArray, FloatArray]:
-    """Return where loads or penetrations are not negative, and them in units of `unit` there.
+    """Return where loads or penetrations are not negative, and their values in units of `unit`.
 
-    Elsewhere they count as 0, so that nothing is computed from them that could warn.
+    Negative values and NaN are replaced by 0, which avoids warnings in later computations.
 
     Examples
     --------
@@ -261,14 +263,14 @@ def in_units_of(unit: FloatArray, values: FloatArray) -> tuple[BoolArray, FloatA
 
 
 def _arc_under(load: FloatArray, pair: CylinderPair) -> tuple[persson.Arc, BoolArray]:
-    """Return the arc under `load` in N/mm, and where the load presses at all."""
+    """Return the arc under `load` in N/mm, and where the load is not negative."""
     _require_persson(pair)
     touching, phi = in_units_of(pair.E_star * as_floats(pair.dR), load)
     return persson.arc_of_load(phi), touching
 
 
 def _arc_at(penetration: FloatArray, pair: CylinderPair) -> tuple[persson.Arc, BoolArray]:
-    """Return the arc at `penetration` in mm, and where the bodies touch at all."""
+    """Return the arc at `penetration` in mm, and where it is not negative."""
     _require_persson(pair)
     touching, d = in_units_of(as_floats(pair.dR), penetration)
     return persson.arc_of_penetration(d), touching
@@ -281,7 +283,7 @@ def _radius(pair: CylinderPair) -> FloatArray:
 
 
 def _require_persson(pair: CylinderPair) -> None:
-    """Refuse pairs for which Persson's solution does not hold."""
+    """Raise `InputError` for pairs for which Persson's solution does not hold."""
     require(
         pair.contact == "internal",
         "Persson's law",
@@ -290,12 +292,12 @@ def _require_persson(pair: CylinderPair) -> None:
         "must be internal: the solution is that of a pin in a hole",
         "use laws.Johnson() for external contact",
     )
-    one, other = pair.material_i, pair.material_j
+    hole, pin = pair.material_i, pair.material_j
     require(
-        np.asarray((one.E == other.E) & (one.nu == other.nu)),
+        np.asarray((hole.E == pin.E) & (hole.nu == pin.nu)),
         "Persson's law",
         "pair.material_j",
-        other.name,
+        pin.name,
         "must have the same E and ν as material_i, or the solution does not hold",
         "give a pair of one material, or use laws.Johnson()",
     )

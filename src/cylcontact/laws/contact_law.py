@@ -1,4 +1,4 @@
-"""What every contact law answers."""
+"""The interface of contact laws."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray
 from cylcontact.pair import CylinderPair
 
+__all__ = ["ContactLaw"]
+
 
 class ContactLaw(Protocol):
     """Load per unit length against penetration for a pair of parallel cylinders.
 
     Loads are in N/mm, penetrations in mm, stiffness in N/mm². All arguments broadcast, also
-    against array-valued pairs. An element outside a law's domain comes back as NaN; so does a
-    negative load or penetration, for a law says nothing about bodies that do not touch.
+    against array-valued pairs. Elements outside a law's domain are NaN, as are those of a negative
+    load or penetration, where the bodies do not touch.
     """
 
     @property

@@ -1,4 +1,4 @@
-"""How far two laws are apart, Eq 9."""
+"""The difference between two laws, Eq 9."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import CylinderPair
 
+__all__ = ["difference_percent"]
+
 
 def difference_percent(
     law: ContactLaw, reference: ContactLaw, load: ArrayLike, pair: CylinderPair
@@ -18,7 +20,7 @@ def difference_percent(
     Parameters
     ----------
     law, reference : ContactLaw
-        The law judged and the one it is judged by.
+        The law and the one it is compared with.
     load : array_like
         Load per unit length in N/mm.
     pair : CylinderPair
@@ -27,8 +29,7 @@ def difference_percent(
     Returns
     -------
     array of float
-        Percent, of the broadcast shape; NaN where either law is undefined and at zero
-        load.
+        Percent, of the broadcast shape; NaN at zero load and where either law is undefined.
 
     Examples
     --------
@@ -37,7 +38,7 @@ def difference_percent(
     >>> print(difference_percent(laws.Enhanced(), laws.Johnson(), [10.0, 100.0], pair).round(2))
     [ 8.51 -2.88]
     """
-    judged = law.penetration(load, pair)
-    truth = reference.penetration(load, pair)
+    delta = law.penetration(load, pair)
+    delta_reference = reference.penetration(load, pair)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return as_floats(100 * (judged - truth) / truth)
+        return as_floats(100 * (delta - delta_reference) / delta_reference)

@@ -16,6 +16,21 @@ from cylcontact.html_repr import completed_law_html
 from cylcontact.laws.power import PowerShaped
 from cylcontact.pair import Contact, CylinderPair
 
+__all__ = [
+    "INTERNAL_DR_MAX",
+    "INTERNAL_DR_MIN",
+    "PUBLISHED",
+    "PUBLISHED_DR",
+    "Coefficients",
+    "Enhanced",
+    "ExternalCoefficients",
+    "InternalCoefficients",
+    "coefficients_from",
+    "internal_Y",
+    "internal_exponent",
+    "stiffness_factor",
+]
+
 # Eq 6d defines Y for internal contact on [0.005, 10[ mm.
 INTERNAL_DR_MIN = 0.005
 INTERNAL_DR_MAX = 10.0
@@ -65,7 +80,7 @@ PUBLISHED: Mapping[Contact, Coefficients] = {
     "internal": InternalCoefficients(),
     "external": ExternalCoefficients(),
 }
-# The clearances in mm that the published coefficients were fitted over.
+# The range of clearances in mm over which the published coefficients were fitted.
 PUBLISHED_DR: Mapping[Contact, tuple[float, float]] = {
     "internal": (0.05, 10.0),
     "external": (5.0, 500.0),
@@ -73,7 +88,7 @@ PUBLISHED_DR: Mapping[Contact, tuple[float, float]] = {
 
 
 def stiffness_factor(dR: ArrayLike, a: ArrayLike, b: ArrayLike) -> FloatArray:
-    """Return K* = aΔR + b, the geometry part of the factor (Eqs 4–5)."""
+    """Return K* = aΔR + b, the geometric part of the factor (Eqs 4–5)."""
     return as_floats(as_floats(a) * as_floats(dR) + as_floats(b))
 
 
@@ -86,9 +101,9 @@ def internal_Y(
 ) -> FloatArray:
     """Return Y at ΔR in mm (Eq 6d), as the larger of its two branches.
 
-    The published switch point, 0.34954 mm, is where the published branches cross, and the
-    larger branch applies on either side of it. Writing Y as the maximum says the same and
-    lets the switch follow when other coefficients are tried.
+    The published branches cross at the published switch point, 0.34954 mm, and the larger one
+    applies on either side. The maximum is therefore equivalent, and the switch point follows
+    the coefficients.
 
     Examples
     --------
@@ -116,7 +131,7 @@ def internal_exponent(
 
 
 def coefficients_from(values: Mapping[str, float]) -> Coefficients:
-    """Return the coefficients that `values` names, internal or external by their names.
+    """Return coefficients from their values; the names decide between internal and external.
 
     Raises
     ------
@@ -152,15 +167,15 @@ class Enhanced(PowerShaped):
     Parameters
     ----------
     coefficients : InternalCoefficients, ExternalCoefficients or mapping, optional
-        Left out, the published coefficients of the pair's contact are used. A mapping from
-        name to value (such as `FitResult.coefficients`) says by its names which contact it
-        belongs to, and the law then refuses pairs of the other.
+        By default the published coefficients for the contact of the pair. The names in a mapping
+        of values (such as `FitResult.coefficients`) decide which contact it is for; the law then
+        refuses pairs of the other contact.
 
     Notes
     -----
-    The law holds in mm, N and MPa only: its coefficients are not dimensionless. For internal
-    contact it is undefined outside 0.005 ≤ ΔR < 10 mm, and NaN there. So it is where
-    coefficients of one's own make aΔR + b or n zero or negative.
+    The law holds in mm, N and MPa only: its coefficients are not dimensionless. It is NaN for
+    internal contact outside 0.005 ≤ ΔR < 10 mm, and where aΔR + b or n is not positive, which
+    only happens with other coefficients than the published ones.
 
     Examples
     --------
@@ -184,17 +199,17 @@ class Enhanced(PowerShaped):
     def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
         """Return K = (aΔR + b)·E*/ΔR in N/mm per mmⁿ and n (Eq 6c).
 
-        Both are NaN where the law is undefined, for 1ⁿ is 1 even where n is NaN.
+        Both are NaN where the law is undefined; a NaN in n alone would not do, as 1ⁿ is then 1.
         """
         chosen, dR = self._coefficients_for(pair), as_floats(pair.dR)
-        inside = in_range(dR, pair.contact)
+        inside = _in_range(dR, pair.contact)
         K_star = stiffness_factor(dR, chosen.a, chosen.b)
         n = chosen.exponent(np.where(inside, dR, 1.0))
         defined = inside & (K_star > 0) & (n > 0)
         return inside_or_nan(K_star * pair.E_star / dR, defined), inside_or_nan(n, defined)
 
     def _coefficients_for(self, pair: CylinderPair) -> Coefficients:
-        """Return the coefficients for the pair's contact, or say that they are the other's."""
+        """Return the coefficients; raise `InputError` if they are for the other contact."""
         if self.coefficients is None:
             return PUBLISHED[pair.contact]
         chosen = cast(Coefficients, self.coefficients)  # __post_init__ leaves no mapping
@@ -209,8 +224,8 @@ class Enhanced(PowerShaped):
         return chosen
 
 
-def in_range(dR: FloatArray, contact: Contact) -> BoolArray:
-    """Tell where ΔR lies in the range that Eq 6 states for the contact."""
+def _in_range(dR: FloatArray, contact: Contact) -> BoolArray:
+    """Return where ΔR is in the range of Eq 6 for the contact."""
     if contact == "internal":
         return np.asarray((dR >= INTERNAL_DR_MIN) & (dR < INTERNAL_DR_MAX))
     return np.asarray(dR > 0)

@@ -1,16 +1,16 @@
-"""An explicit, dimensionless law that follows conformal contact for every penetration.
+"""An explicit, dimensionless law, close to conformal contact for every penetration.
 
-In φ = f/(E*·ΔR) and d = δ/ΔR every elastic law of two like cylinders is one curve. Its
-penetration is well described by d = (φ/π)·[c + ln(1 + A/φ)]: logarithmic for small loads, linear
-for large ones. Solved for the load by substituting it into itself three times, from ln(B/d),
-this becomes
+In φ = f/(E*·ΔR) and d = δ/ΔR every elastic law of two cylinders of the same material is one curve.
+The penetration is well approximated by d = (φ/π)·[c + ln(1 + A/φ)]: logarithmic for small loads,
+linear for large ones. Substituting the relation into itself three times, starting from ln(B/d),
+gives the load
 
     φ = π·d/L,    L = c + ln(1 + (A/d)·[c + ln(1 + (A/d)·ln(B/d))]),
 
-three logarithms, three constants, no iteration, smooth and increasing for every d > 0. The
-constants were calibrated by this workbench, on internal contact to Persson's solution
-(`fitting/explicit-internal.toml`) and on external contact to Johnson's
-(`fitting/explicit-external.toml`); the rounding keeps what the accuracy needs.
+with three logarithms, three constants and no iteration, smooth and increasing for every d > 0. The
+constants are calibrated by this package: for internal contact to Persson's solution
+(`fitting/explicit-internal.toml`), for external contact to Johnson's law
+(`fitting/explicit-external.toml`). They are rounded to the digits that the accuracy needs.
 """
 
 from __future__ import annotations
@@ -26,8 +26,10 @@ from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.html_repr import completed_law_html
 from cylcontact.pair import Contact, CylinderPair
 
-# From the start below, whose error is under half a percent, to full precision.
-NEWTON_STEPS = 5
+__all__ = ["CALIBRATED", "Explicit", "ExplicitCoefficients", "explicit_penetration", "is_defined"]
+
+# The start has an error below half a percent; this many steps reach machine precision.
+_NEWTON_STEPS = 5
 
 
 @dataclass(frozen=True)
@@ -66,10 +68,10 @@ class ExplicitCoefficients:
 
 
 def is_defined(c: float, A: float, B: float) -> bool:
-    """Tell whether the law with these constants is defined for every penetration.
+    """Return whether the law with these constants is defined for every penetration.
 
-    The innermost 1 + (A/d)·ln(B/d) is least at d = e·B, where it is 1 − A/(e·B). With
-    c + ln of that positive, so are all that follow.
+    The innermost 1 + (A/d)·ln(B/d) has its minimum 1 − A/(e·B) at d = e·B. If c + ln of this
+    minimum is positive, so are the arguments of the other logarithms.
     """
     least = 1 - A / (np.e * B) if B > 0 else 0.0
     return bool(min(c, A, B, least) > 0 and c + np.log(least) > 0)
@@ -88,14 +90,14 @@ class Explicit:
     Parameters
     ----------
     coefficients : ExplicitCoefficients or mapping, optional
-        Left out, those calibrated for the pair's contact.
+        By default those calibrated for the contact of the pair.
 
     Notes
     -----
     Against Persson's load for internal contact the error is below 0.12 % for
     1e-6 ≤ φ ≤ 60, and against Johnson's for external contact below 0.07 % for
-    1e-9 ≤ φ ≤ 0.02; `cylcontact report fig_explicit` prints both. For pairs of different
-    materials it is used with their E*.
+    1e-9 ≤ φ ≤ 0.02; `cylcontact report fig_explicit` prints both. For different materials the
+    law uses the E* of the pair.
 
     Examples
     --------
@@ -120,13 +122,13 @@ class Explicit:
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm.
 
-        A fixed number of Newton steps on ln φ against ln d, from `explicit_penetration`.
+        A fixed number of Newton steps on ln φ over ln d, starting from `explicit_penetration`.
         """
         dR, f = as_floats(pair.dR), as_floats(load)
         positive = f > 0
         phi = np.where(positive, f, 1.0) / (pair.E_star * dR)
         d = _start(phi)
-        for _ in range(NEWTON_STEPS):
+        for _ in range(_NEWTON_STEPS):
             L, slope = self._logarithms(d, pair.contact)
             d = d * np.exp(-np.log(np.pi * d / (L * phi)) / (1 - slope / L))
         return inside_or_nan(np.where(positive, d * dR, 0.0), f >= 0)
@@ -154,12 +156,12 @@ class Explicit:
         return self.max_load(pair)
 
     def coefficients_for(self, contact: Contact) -> ExplicitCoefficients:
-        """Return the coefficients given, or else those calibrated for `contact`."""
+        """Return the coefficients of this law, by default those calibrated for `contact`."""
         given = self.coefficients
         return given if isinstance(given, ExplicitCoefficients) else CALIBRATED[contact]
 
     def _depth(self, penetration: ArrayLike, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
-        """Return δ and δ/ΔR, the latter with a harmless 1 where there is no penetration."""
+        """Return δ in mm, and δ/ΔR with δ replaced by 1 where it is not positive."""
         delta = as_floats(penetration)
         return delta, as_floats(np.where(delta > 0, delta, 1.0) / as_floats(pair.dR))
 
@@ -176,7 +178,7 @@ class Explicit:
 
 
 def explicit_penetration(load: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the penetration in mm from one formula, d = (φ/π)·[1.4232 + ln(1 + 1.0942/φ)].
+    """Return the penetration in mm by one formula, d = (φ/π)·[1.4232 + ln(1 + 1.0942/φ)].
 
     Parameters
     ----------
@@ -189,8 +191,7 @@ def explicit_penetration(load: ArrayLike, pair: CylinderPair) -> FloatArray:
     -------
     array of float
         Within 0.37 % of Persson's penetration for 1e-6 ≤ φ ≤ 60 (internal contact); NaN where
-        the load is negative. It is not the exact inverse of `Explicit.load`, which
-        `Explicit.penetration` is.
+        the load is negative. The exact inverse of `Explicit.load` is `Explicit.penetration`.
 
     Examples
     --------

@@ -1,16 +1,16 @@
 """The contact laws as compiled scalar functions, for right-hand sides compiled by numba.
 
-A law and a pair become a `Kernel`: a number for the kind of formula, and the numbers in it. Both
-are plain data, so one compiled integrator serves every law:
+A `Kernel` represents a law at one pair: the kind of formula and its parameters. Both are plain
+data, so one compiled integrator serves every law:
 
     load = kernel_load(kernel.kind, kernel.parameters, penetration)
 
 The logarithmic laws, the power laws (the enhanced one among them), Liu's and the explicit law
-are evaluated by their formulas, to a few units in the last place. Every other law, Persson's,
-Winkler's or one's own, becomes a table: a cubic in ln f over ln δ between nodes that are placed
-until the load is right to `TABLE_ERROR`.
+are evaluated by their formulas, to a few units in the last place. Every other law (Persson's,
+Winkler's, user-defined ones) becomes a table: a cubic in ln f over ln δ, with nodes added until the
+load is right to `TABLE_ERROR`.
 
-This module imports numba, which takes its time: import it where it is needed.
+This module imports numba, which is slow: import it where it is needed.
 """
 
 from __future__ import annotations
@@ -33,6 +33,19 @@ from cylcontact.laws.tabulated import cubic, tabulate
 from cylcontact.numba_cache import compiled
 from cylcontact.pair import CylinderPair
 
+__all__ = [
+    "EXPLICIT",
+    "LIU",
+    "LOGARITHMIC",
+    "POWER",
+    "TABLE",
+    "Kernel",
+    "branch_distance",
+    "kernel",
+    "kernel_load",
+    "kernel_stiffness",
+]
+
 LOGARITHMIC, POWER, LIU, EXPLICIT, TABLE = range(5)
 
 
@@ -43,12 +56,12 @@ class Kernel:
     Attributes
     ----------
     kind : int
-        Which formula: `LOGARITHMIC`, `POWER`, `LIU`, `EXPLICIT` or `TABLE`.
+        The formula: `LOGARITHMIC`, `POWER`, `LIU`, `EXPLICIT` or `TABLE`.
     parameters : array of float, shape (k,)
-        The numbers in it.
+        Its numbers.
     max_penetration : float
-        In mm; beyond it the load is NaN. Of a table it is the end of that, 1000·ΔR, unless the
-        law ends before: Persson's and Winkler's laws themselves have no end.
+        In mm; beyond it the load is NaN. A table ends at 1000·ΔR, unless the law ends before;
+        Persson's and Winkler's laws have no end themselves.
     """
 
     kind: int
@@ -62,7 +75,7 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
     Parameters
     ----------
     law : ContactLaw
-        A law of the package or one's own.
+        A law of the package or a user-defined one.
     pair : CylinderPair
         One pair; arrays are refused.
 
@@ -73,7 +86,7 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
     Raises
     ------
     InputError
-        If the pair holds arrays, the law is undefined for it, or a law of one's own cannot be
+        If the pair holds arrays, the law is undefined for it, or a user-defined law cannot be
         tabulated.
 
     Examples
@@ -132,7 +145,7 @@ def _explicit_numbers(law: Explicit, pair: CylinderPair) -> tuple[int, list[floa
     return EXPLICIT, numbers
 
 
-# By the method, so that a subclass with a `load` of its own is tabulated.
+# Compare the method, not the class, so that a subclass that overrides `load` is tabulated.
 _FORMULAS: tuple[tuple[Any, Callable[[Any, CylinderPair], tuple[int, list[float]]]], ...] = (
     (LogarithmicLaw.load, _logarithmic_numbers),
     (PowerShaped.load, _power_numbers),
@@ -189,8 +202,8 @@ def kernel_stiffness(kind: int, parameters: FloatArray, penetration: float) -> f
     Returns
     -------
     float
-        Zero where there is no penetration, NaN beyond the kernel's `max_penetration`. From a
-        table it is the slope of the table, right to about 1e-7.
+        Zero where there is no penetration, NaN beyond the kernel's `max_penetration`. The slope
+        of a table is right to about 1e-7.
     """
     stiffness: float = 0.0
     if penetration <= 0:
@@ -225,8 +238,8 @@ def branch_distance(p: float) -> float:
     Returns
     -------
     float
-        NaN if p > 1. It is 1 + w that has full precision: the relative error of w, and of a
-        stiffness that divides by it, grows to 8e-12 at 1 − p = 1e-12.
+        NaN if p > 1. Only 1 + w has full precision: the relative error of w, and of a stiffness
+        divided by it, grows to 8e-12 at 1 − p = 1e-12.
     """
     if not p < 1:
         return 0.0 if p == 1 else math.nan
@@ -259,7 +272,7 @@ def _explicit_logarithms(parameters: FloatArray, penetration: float) -> tuple[fl
 
 @compiled
 def _read_table(table: FloatArray, penetration: float) -> tuple[float, float]:
-    """Return the load and dln f/dln δ from what `tabulate` returned."""
+    """Return the load in N/mm and dln f/dln δ from a table of `tabulate`."""
     if not penetration <= table[0]:
         return math.nan, math.nan
     nodes = table.size // 3

@@ -1,14 +1,14 @@
-"""The lower branch of Lambert's W, written so that nothing is lost near the branch point.
+"""The lower branch of Lambert's W, without loss of digits near the branch point.
 
 With x = −p/e and W₋₁(x) = −(1 + w) the defining equation W·exp(W) = x becomes
 
     w − ln(1 + w) = −ln p,    0 < p ≤ 1,  w ≥ 0,
 
-in which p → 1 is the branch point and w goes to zero there like √(2(1 − p)). Working in p and
-w instead of x and W keeps 1 + w to full precision on both ends; `scipy.special.lambertw` loses
-half its digits within 1e-9 of the branch point, and it is there that Johnson's law ends. w itself
-is right to a few units in the last place of 1 + w, not of w: next to the branch point its relative
-error grows, to 8e-12 at 1 − p = 1e-12.
+in which p = 1 is the branch point, and w tends to zero there like √(2(1 − p)). Working in p and w
+instead of x and W gives 1 + w to full precision at both ends. `scipy.special.lambertw` loses half
+its digits within 1e-9 of the branch point, which is where Johnson's law ends. The error of w is a
+few units in the last place of 1 + w, so the relative error of w grows next to the branch point, to
+8e-12 at 1 − p = 1e-12.
 """
 
 from __future__ import annotations
@@ -19,12 +19,13 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 
-# The start of the one correction: w = r(a + r(b + cr))/(1 + dr) with r = √(−ln p), of which w is
-# a smooth function. Fitted for every positive double; the relative error is 5e-4, below
-# 1.5e-4 for w < 5.
+__all__ = ["CHUNK", "START", "branch_distance", "to_load_fraction"]
+
+# The start w = r(a + r(b + cr))/(1 + dr) with r = √(−ln p), in which w is smooth. Fitted over all
+# positive doubles; the relative error is 5e-4, below 1.5e-4 for w < 5.
 START = (1.41441, 1.0246, 0.25518, 0.25524)
 
-# Elements treated at a time, so that what is computed between stays within a core's cache.
+# Elements per chunk, so that the work arrays stay in the cache of a core.
 CHUNK = 1 << 14
 
 
@@ -34,7 +35,7 @@ def branch_distance(p: FloatArray) -> FloatArray:
     Parameters
     ----------
     p : array of float
-        Between 0 and 1; elements outside give NaN.
+        Between 0 and 1; NaN for elements outside.
 
     Returns
     -------
@@ -44,9 +45,9 @@ def branch_distance(p: FloatArray) -> FloatArray:
 
     Notes
     -----
-    From a start in closed form, one fourth-order step of the inverse series (Householder's
-    method) on w − ln(1 + w) + ln p leaves less than half a unit in the last place of
-    1 + w. There is no loop and no convergence test.
+    One fourth-order step of the inverse series (Householder's method) on w − ln(1 + w) + ln p, from
+    a start in closed form, leaves an error below half a unit in the last place of 1 + w. There is
+    no iteration and no convergence test.
 
     Examples
     --------
@@ -63,12 +64,12 @@ def branch_distance(p: FloatArray) -> FloatArray:
 
 
 def to_load_fraction(p: FloatArray) -> FloatArray:
-    """Return q = p/(1 + w), the inverse of p = q(1 − ln q), in the place of p.
+    """Return q = p/(1 + w), the inverse of p = q(1 − ln q), written into `p` if possible.
 
     Parameters
     ----------
     p : array of float
-        Between 0 and 1; elements outside give NaN. A contiguous array is overwritten.
+        Between 0 and 1; NaN for elements outside. A contiguous array is overwritten.
 
     Returns
     -------
@@ -92,7 +93,7 @@ def to_load_fraction(p: FloatArray) -> FloatArray:
 
 
 def _chunks(size: int) -> Iterator[tuple[slice, FloatArray]]:
-    """Yield the parts of an array of this size, and room for four arrays the size of each."""
+    """Yield the chunks of an array of this size, each with four work arrays."""
     work = np.empty((4, min(CHUNK, size)))
     for first in range(0, size, CHUNK):
         last = min(first + CHUNK, size)
@@ -100,7 +101,7 @@ def _chunks(size: int) -> Iterator[tuple[slice, FloatArray]]:
 
 
 def _distance(p: FloatArray, w: FloatArray, work: FloatArray) -> None:
-    """Write w into the array of that name, the ends and what lies outside included."""
+    """Write w into `w`, including the ends and the NaN outside."""
     with np.errstate(divide="ignore", invalid="ignore"):
         _interior(p, w, work)
     np.copyto(w, 0.0, where=p == 1)
@@ -108,16 +109,16 @@ def _distance(p: FloatArray, w: FloatArray, work: FloatArray) -> None:
 
 
 def _interior(p: FloatArray, w: FloatArray, work: FloatArray) -> None:
-    """Write w for 0 < p < 1 into the array of that name; NaN elsewhere.
+    """Write w for 0 < p < 1 into `w`; NaN elsewhere.
 
-    One operation after the other, in place: to allocate an array for each intermediate result
-    would cost more than to compute it. `cylcontact.laws.kernels` has the formula in one piece.
+    The operations are in place, because allocating intermediate arrays would cost more than the
+    arithmetic. `cylcontact.laws.kernels` has the formula in readable form.
     """
     a, b, c, d = START
     g, r, u, _ = work
     np.negative(np.log(p, out=g), out=g)
     np.sqrt(g, out=r)
-    # The start, in u: 1 + w.
+    # The start, as u = 1 + w.
     np.multiply(r, c, out=u)
     for coefficient in (b, a):
         u += coefficient
@@ -126,9 +127,9 @@ def _interior(p: FloatArray, w: FloatArray, work: FloatArray) -> None:
     r += 1
     u /= r
     u += 1
-    # w rounded so that u = 1 + w exactly, or ln u would lose the digits of a small w.
+    # Round w so that u = 1 + w exactly; otherwise ln u would lose the digits of a small w.
     np.subtract(u, 1, out=w)
-    # The error t of it, (w − ln u − g)/w².
+    # The scaled residual t = (w − ln u − g)/w².
     t = np.log(u, out=r)
     np.subtract(w, t, out=t)
     t -= g

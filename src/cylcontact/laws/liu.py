@@ -13,17 +13,19 @@ from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
 from cylcontact.pair import CylinderPair
 
+__all__ = ["Liu"]
+
 
 @dataclass(frozen=True)
 class Liu:
     """f = ½·π·E*·δ·√(δ/(2(ΔR + δ))), from an elastic foundation of the pin's size.
 
     Liu, Zhang, Yang and Chen, *An approximate contact model for a cylindrical joint with
-    clearances* (2007). Explicit, dimensionless in δ/ΔR and f/(E*·ΔR), and without a largest
-    load. For internal contact only. As printed and with the E* of this package it carries
-    about half the load of conformal contact (`Persson`) from f/(E*·ΔR) = 0.1 on, which a factor
-    two in the source's E* would explain (its convention is unverified), and ever less of it
-    below, where it goes as δ^1.5.
+    clearances* (2007). The law is explicit, dimensionless in δ/ΔR and f/(E*·ΔR), without a largest
+    load, and for internal contact only. As printed and with the E* of this package it carries
+    about half the load of conformal contact (`Persson`) from f/(E*·ΔR) = 0.1 on. A factor of two
+    in the source's E* would explain that (its convention is unverified). At smaller loads it
+    carries still less, because f ∝ δ^1.5 there.
 
     Examples
     --------
@@ -41,8 +43,8 @@ class Liu:
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm.
 
-        In d = δ/ΔR and φ = f/(E*·ΔR) the law is the cubic d³ = γ(1 + d), γ = 8φ²/π², which
-        has one positive root.
+        In d = δ/ΔR and φ = f/(E*·ΔR) it is the positive root of the cubic d³ = γ(1 + d),
+        γ = 8φ²/π².
         """
         dR = _clearance(pair)
         f = as_floats(load)
@@ -79,7 +81,7 @@ class Liu:
 
 
 def _clearance(pair: CylinderPair) -> FloatArray:
-    """Return ΔR in mm, or say that there is no clearance."""
+    """Return ΔR in mm; raise `InputError` for external contact."""
     if pair.contact != "internal":
         raise InputError(
             "Liu",
@@ -94,8 +96,8 @@ def _clearance(pair: CylinderPair) -> FloatArray:
 def _positive_root(gamma: FloatArray) -> FloatArray:
     """Return the positive root of d³ = γ(1 + d) by Cardano's formulas.
 
-    Below γ = 27/4 there is one real root, a sum of two cube roots of which the second is
-    γ/3 over the first (no cancellation); above it three, the largest of them a cosine.
+    Below γ = 27/4 there is one real root, the sum of two cube roots; the second is γ/3 over the
+    first, which avoids cancellation. Above there are three, and the largest is a cosine.
     """
     few = gamma < 27 / 4
     low = np.where(few, gamma, 0.0)

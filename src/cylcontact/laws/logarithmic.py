@@ -1,13 +1,13 @@
-"""The logarithmic laws: Johnson's, and the one function that all of them are.
+"""Johnson's law, and the common form of the logarithmic laws.
 
 Every logarithmic law of cylindrical contact has the form
 
     δ = A·f·[ln(Λ·E*/f) + c],    A = κ/(π·E*),
 
-and differs from the others only in κ, c and the reach Λ (mm), a length made of the radii. The
-load is largest at f_max = Λ·E*·exp(c − 1); beyond it the penetration would fall while the
-load grows. In q = f/f_max and p = δ/δ_max, with δ_max = A·f_max, all of them are the single
-curve p = q(1 − ln q), whose inverse is q = p/(1 + w) with w from Lambert's function.
+and differs from the others only in κ, c and the reach Λ (mm), a length that depends on the radii.
+The largest load is f_max = Λ·E*·exp(c − 1); beyond it the penetration would decrease with the
+load. In q = f/f_max and p = δ/δ_max, with δ_max = A·f_max, all of them are the single curve
+p = q(1 − ln q), with the inverse q = p/(1 + w) and w from Lambert's function.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.html_repr import law_html
 from cylcontact.laws.lambert import branch_distance, to_load_fraction
 from cylcontact.pair import CylinderPair
+
+__all__ = ["Johnson", "LogarithmicLaw"]
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,7 @@ class LogarithmicLaw(ABC):
 
 
 def _fraction(values: ArrayLike, limit: FloatArray) -> FloatArray:
-    """Return `values` in units of `limit`; inf, which is out of domain, where that overflows."""
+    """Return `values` in units of `limit`; inf (outside the domain) where that overflows."""
     with np.errstate(over="ignore"):
         return as_floats(as_floats(values) / limit)
 
@@ -79,9 +81,8 @@ def _fraction(values: ArrayLike, limit: FloatArray) -> FloatArray:
 class Johnson(LogarithmicLaw):
     """Johnson's law, Eq 1: f = π·E*·δ/[ln(4π·E*·ΔR/f) − 1] per unit length.
 
-    The paper solves it for the load by iteration. It has an exact inverse,
-    f = π·E*·δ/(−W₋₁(−e·δ/(4ΔR))), which is what `load` evaluates. The domain ends at
-    f = 4π·E*·ΔR/e² (Eq 8), δ = 4ΔR/e².
+    The paper solves it for the load by iteration. `load` evaluates the exact inverse,
+    f = π·E*·δ/(−W₋₁(−e·δ/(4ΔR))). The domain ends at f = 4π·E*·ΔR/e² (Eq 8), δ = 4ΔR/e².
 
     For bodies of different materials the reach is
     Λ = 4π·R_i^(2w_i)·R_j^(2w_j)/R with w_k = E*(1 − ν_k²)/E_k (each body's own half-plane

@@ -1,4 +1,4 @@
-"""The other logarithmic laws: what they put in place of Johnson's κ, Λ and c.
+"""The logarithmic laws that differ from Johnson's in κ, Λ or c.
 
 | law | κ | Λ | c |
 |---|---|---|---|
@@ -11,8 +11,8 @@
 | Goldsmith (1960) | 1 | π·R_i·R_j/ΔR | 1 |
 | Hertz cylinder | 2 | π·ΔR | −1 |
 
-The literature disagrees on several of them, so each class says which reading it is. All are for
-bodies of equal elastic constants; for others they are used with the pair's E*.
+The literature disagrees on several of them, so each class states which reading it takes. All are
+derived for bodies of equal elastic constants; for other pairs they use the E* of the pair.
 """
 
 from __future__ import annotations
@@ -23,9 +23,19 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.laws.logarithmic import LogarithmicLaw
 from cylcontact.pair import CylinderPair
 
+__all__ = [
+    "DubowskyFreudenstein",
+    "Esdu78035",
+    "Goldsmith",
+    "HertzCylinder",
+    "Radzimovsky",
+    "RadzimovskyRadii",
+    "RoarkYoung",
+]
+
 
 def _clearance_reach(pair: CylinderPair) -> FloatArray:
-    """Return 4π·ΔR in mm, the reach that most of the laws share with Johnson's."""
+    """Return 4π·ΔR in mm, the reach of most laws, Johnson's among them."""
     return as_floats(4 * np.pi * as_floats(pair.dR))
 
 
@@ -63,8 +73,8 @@ class Radzimovsky(LogarithmicLaw):
 class RadzimovskyRadii(LogarithmicLaw):
     """Radzimovsky's formula with b = 1.60·√(f·R/E*), as multibody papers print it.
 
-    The 1.60 of the tables is for diameters; used with radii, b is neither Hertz's half-width
-    nor his full width. Kept because comparisons in the literature were made with it.
+    The 1.60 of the tables is for diameters. With radii, b is neither the half-width nor the full
+    width of Hertz. The law is included because comparisons in the literature use it.
     """
 
     name = "radzimovsky-radii"
@@ -79,8 +89,8 @@ class RadzimovskyRadii(LogarithmicLaw):
 class Esdu78035(LogarithmicLaw):
     """ESDU item 78035, δ = f/(π·E*)·[ln(4π·ΔR·E*/f) + 1].
 
-    Read with the compliance of each body as (1 − ν²)/(π·E) and no further factor π. The
-    original was not at hand: the convention is unverified.
+    The compliance of each body is taken as (1 − ν²)/(π·E), without a further factor π. The
+    original was not available, so the convention is unverified.
     """
 
     name = "esdu-78035"
@@ -95,7 +105,7 @@ class Esdu78035(LogarithmicLaw):
 class DubowskyFreudenstein(LogarithmicLaw):
     """Dubowsky and Freudenstein (1971), δ = f/(π·E*)·[ln(π·E*·L²·ΔR/(f·R_i·R_j)) + 1].
 
-    Their L^m with m = 3 (total force F = f·L). It needs the radii and the axial length.
+    This is their L^m with m = 3 (total force F = f·L). It needs the radii and the axial length.
     """
 
     name = "dubowsky-freudenstein"
@@ -111,9 +121,9 @@ class DubowskyFreudenstein(LogarithmicLaw):
 class Goldsmith(LogarithmicLaw):
     """Goldsmith (1960) as printed in multibody papers, δ = f/(π·E*)·[ln(π·E*·R/f) + 1].
 
-    The L^m of the previous law with m = 1 is dimensionally inconsistent unless the length
-    drops out, which leaves the effective radius R = R_i·R_j/ΔR as reach; with m = 3 the law
-    is Dubowsky and Freudenstein's. It needs the radii.
+    The L^m of Dubowsky and Freudenstein with m = 1 is dimensionally inconsistent unless the length
+    drops out. What remains is π times the effective radius R = R_i·R_j/ΔR as reach. With m = 3 the
+    law is that of Dubowsky and Freudenstein. It needs the radii.
     """
 
     name = "goldsmith"
@@ -128,8 +138,8 @@ class Goldsmith(LogarithmicLaw):
 class HertzCylinder(LogarithmicLaw):
     """The law called Hertz's for cylinders in multibody papers, δ = 2f/(π·E*)·[ln(π·ΔR·E*/f) − 1].
 
-    Hertz's theory of line contact gives no approach; this is a logarithmic law of its own,
-    about twice as compliant as Johnson's.
+    Hertz's theory of line contact gives no approach. This is a separate logarithmic law, about
+    twice as compliant as Johnson's.
     """
 
     name = "hertz-cylinder"

@@ -1,4 +1,4 @@
-"""Persson's solution for a pin in a hole, in dimensionless form, its penetration closed.
+"""Persson's solution for a pin in a hole, dimensionless, with a closed-form penetration.
 
 A pin (disk) is pressed without friction into a hole of nearly its own radius R in an infinite
 plate of the same material, and touches it from −ε to ε. With φ = f/(E*·ΔR), u = tan²(ε/2) and
@@ -9,8 +9,8 @@ found the load and the pressure,
     φ = 2π·u(1 + u)/N,
     R·p(θ)/f = 2s/(πB(1 + y²)) + ln((B + s)/(B − s))/(2π·u(1 + u)),
 
-where y = tan(θ/2), B = √(1 + u) and s = √(u − y²). N vanishes at u = U = 0.8346: whatever the
-load, ε stays below 84.83°. (The E' of the literature is 2E* here.)
+where y = tan(θ/2), B = √(1 + u) and s = √(u − y²). N vanishes at u = U = 0.8346, so ε stays below
+84.83° at any load. (The E' of the literature is 2E* here.)
 
 **The gap.** By Michell's solution a pressure Σ pₙcos nθ changes the gap between hole and disk by
 
@@ -20,9 +20,9 @@ if both have the same E and ν; ν itself drops out. Summed, and with p₁ = f/(
 
     w(θ) = R/(πE*)·∫ p(θ')·[−2cos α·ln|2sin(α/2)| − 1/2]dθ' + C·f/(πE*)·cos θ,    α = θ − θ'.
 
-The term n = 1 carries the load and moves the surface as a rigid displacement would, so C depends
-on how the pin is loaded and how far off the plate is held. **Two-dimensional bodies have no
-absolute approach**; C is a matter of choice. In contact w = δcos θ − ΔR(1 − cos θ), so δ = w(0).
+The term n = 1 carries the load and displaces the surface like a rigid motion, so C depends on how
+the pin is loaded and how far away the plate is held. **Two-dimensional bodies have no absolute
+approach**, and C is a choice. In contact w = δcos θ − ΔR(1 − cos θ), so δ = w(0).
 
 **The penetration.** Differentiate the contact condition by u: the change of the pressure opens
 the gap δ'cos θ. The influence function is symmetric, so ∫p'w dθ = ∫p·w'dθ on the arc, that is
@@ -30,16 +30,15 @@ the gap δ'cos θ. The influence function is symmetric, so ∫p'w dθ = ∫p·w'
 
     π·d[(1 + δ/ΔR)/φ]/du = −(4u + 1/(1 + u))/(u²(1 + u)²)
 
-and integrates in elementary terms. **The choice made here** is that δ goes to Johnson's law as
-φ → 0, which is C = 2ln 2 − 3/2. Then, with no quadrature left, δ = f·Z/(πE*) and
-dδ/df = S/(πE*), where
+and has an elementary integral. **The choice made here** is that δ tends to Johnson's law as φ → 0,
+which gives C = 2ln 2 − 3/2. Then, without any quadrature, δ = f·Z/(πE*) and dδ/df = S/(πE*), where
 
     Z = G + ln(1 + u)/(2u(1 + u)),
     S = G + [(1 + u + u²)·ln(1 + u) − (1 − u)²(1 + u)]/((1 + u)²(2 + u − ln(1 + u))),
     G = ln(4(1 + u)/u) − 2/(1 + u) + 1/(2(1 + u)²).
 
-All is written in the spread t = u/(U − u), which is proportional to the load when that is small
-and when it is large, so that nothing is lost at either end.
+The functions use the spread t = u/(U − u), which is proportional to the load both for small and for
+large loads, so that no digits are lost at either end.
 """
 
 from __future__ import annotations
@@ -50,17 +49,32 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
 
-# The root of 2 − 2u² − ln(1 + u), and the contact semi-angle that goes with it, 84.83°.
+__all__ = [
+    "LIMIT_ANGLE",
+    "Arc",
+    "U",
+    "approach",
+    "arc_of_angle",
+    "arc_of_load",
+    "arc_of_penetration",
+    "arc_of_spread",
+    "compliance",
+    "contact_angle",
+    "load_number",
+    "pressure_number",
+]
+
+# The root of 2 − 2u² − ln(1 + u), and the contact semi-angle there, 84.83°.
 U = 0.8346152454776572
 LIMIT_ANGLE = 2 * float(np.arctan(np.sqrt(U)))
 
-# The ratio t/φ of an arc that vanishes and of one that is complete: n/(2π(1 + u)) at 0 and U.
-T_PER_PHI_SMALL = 1 / (np.pi * U)
-T_PER_PHI_LARGE = (4 * U + 1 / (1 + U)) / (2 * np.pi * (1 + U))
+# The ratio t/φ = n/(2π(1 + u)) in the limits of small and of complete contact, u = 0 and U.
+_T_PER_PHI_SMALL = 1 / (np.pi * U)
+_T_PER_PHI_LARGE = (4 * U + 1 / (1 + U)) / (2 * np.pi * (1 + U))
 
-# Stand-ins for zero and infinity where a logarithm or a ratio has to stay a number.
-TINY = float(np.finfo(np.float64).tiny)
-SMALL, HUGE = 1e-300, 1e300
+# Used instead of zero and infinity where a logarithm or a ratio must stay finite.
+_TINY = float(np.finfo(np.float64).tiny)
+_SMALL, _HUGE = 1e-300, 1e300
 
 
 class Arc(NamedTuple):
@@ -76,16 +90,16 @@ def arc_of_spread(t: FloatArray) -> Arc:
     """Return the arc of spread t = u/(U − u), with t ≥ 0 finite."""
     left = U / (1 + t)
     u = t * left
-    # N = N(u) − N(U), divided by U − u before the difference is lost to rounding.
-    ratio = np.maximum(left / (1 + u), TINY)
+    # N/(U − u) with N = N(u) − N(U), written without the difference, which would lose digits.
+    ratio = np.maximum(left / (1 + u), _TINY)
     n = 2 * (U + u) + np.log1p(ratio) / (ratio * (1 + u))
     return Arc(t, u, np.log1p(u), n)
 
 
 def arc_of_angle(angle: FloatArray) -> Arc:
-    """Return the arc that reaches from −`angle` to `angle`, in radians below the limit angle."""
+    """Return the arc from −`angle` to `angle`, in radians and below the limit angle."""
     u = np.tan(angle / 2) ** 2
-    return arc_of_spread(u / np.maximum(U - u, TINY))
+    return arc_of_spread(u / np.maximum(U - u, _TINY))
 
 
 def arc_of_load(phi: FloatArray) -> Arc:
@@ -93,8 +107,8 @@ def arc_of_load(phi: FloatArray) -> Arc:
 
     Notes
     -----
-    The seed interpolates t/φ between its two limits to a relative 4e-4; two steps of Newton's
-    method take that to machine precision for every φ. There is no convergence test.
+    The start interpolates t/φ between its two limits with a relative error of 4e-4. Two Newton
+    steps reach machine precision for every φ, without a convergence test.
 
     Examples
     --------
@@ -102,8 +116,8 @@ def arc_of_load(phi: FloatArray) -> Arc:
     >>> print(np.degrees(contact_angle(arc)).round(4))
     [19.7811 77.5704 84.8279]
     """
-    phi = np.minimum(phi, HUGE)
-    t = phi * (T_PER_PHI_LARGE + (T_PER_PHI_SMALL - T_PER_PHI_LARGE) / (1 + 0.796 * phi))
+    phi = np.minimum(phi, _HUGE)
+    t = phi * (_T_PER_PHI_LARGE + (_T_PER_PHI_SMALL - _T_PER_PHI_LARGE) / (1 + 0.796 * phi))
     for _ in range(2):
         arc = arc_of_spread(t)
         t = t + (phi * _t_per_phi(arc) - t) / _load_exponent(arc)
@@ -115,9 +129,9 @@ def arc_of_penetration(d: FloatArray) -> Arc:
 
     Notes
     -----
-    The seed, an explicit law of the form t = a·d/(b + ln(1 + (c/d)·(ln(1 + g/d) + h))), is fitted
-    to a relative 3e-3 for d from 1e-12 up and stays within 1e-2 below. Two steps of Newton's
-    method on logarithmic scales take that to a few units in the last place, whatever d.
+    The start is an explicit law of the form t = a·d/(b + ln(1 + (c/d)·(ln(1 + g/d) + h))), fitted
+    with a relative error of 3e-3 for d ≥ 1e-12, and 1e-2 below. Two Newton steps on logarithmic
+    scales reach a few units in the last place for every d.
 
     Examples
     --------
@@ -126,7 +140,7 @@ def arc_of_penetration(d: FloatArray) -> Arc:
     >>> print((load_number(arc) * approach(arc) / (np.pi * d)).round(13))
     [1. 1. 1.]
     """
-    d = np.clip(d, SMALL, HUGE)
+    d = np.clip(d, _SMALL, _HUGE)
     t = 1.2102 * d / (1.6387 + np.log1p(0.4045 / d * (np.log1p(0.9256 / d) + 0.7692)))
     for _ in range(2):
         arc = arc_of_spread(t)
@@ -148,7 +162,7 @@ def contact_angle(arc: Arc) -> FloatArray:
 
 def approach(arc: Arc) -> FloatArray:
     """Return Z = π·E*·δ/f."""
-    u = np.maximum(arc.u, TINY)
+    u = np.maximum(arc.u, _TINY)
     return as_floats(_common(arc) + arc.log / (2 * u * (1 + u)))
 
 
@@ -164,7 +178,7 @@ def pressure_number(y: FloatArray, arc: Arc) -> FloatArray:
 
     Notes
     -----
-    ln((B + s)/(B − s)) is written as 2·artanh(s/B), which keeps its digits near the edge.
+    ln((B + s)/(B − s)) is computed as 2·artanh(s/B), which is accurate near the edge.
 
     Examples
     --------
@@ -175,15 +189,15 @@ def pressure_number(y: FloatArray, arc: Arc) -> FloatArray:
     """
     b, B = np.sqrt(arc.u), np.sqrt(1 + arc.u)
     s = np.sqrt(np.maximum((b - y) * (b + y), 0.0))
-    u = np.maximum(arc.u, TINY)
+    u = np.maximum(arc.u, _TINY)
     even = 2 * s / (np.pi * B * (1 + y**2))
     return as_floats(even + np.arctanh(s / B) / (np.pi * u * (1 + u)))
 
 
 def _common(arc: Arc) -> FloatArray:
-    """Return G, the part that Z and S share."""
+    """Return G, the common part of Z and S."""
     v = 1 + arc.u
-    return as_floats(np.log(4) + arc.log - np.log(np.maximum(arc.u, TINY)) - (2 - 0.5 / v) / v)
+    return as_floats(np.log(4) + arc.log - np.log(np.maximum(arc.u, _TINY)) - (2 - 0.5 / v) / v)
 
 
 def _t_per_phi(arc: Arc) -> FloatArray:

@@ -14,6 +14,8 @@ from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
 from cylcontact.pair import CylinderPair
 
+__all__ = ["PowerLaw", "PowerShaped"]
+
 
 class PowerShaped(ABC):
     """The common form f = K·δⁿ at each pair; a law supplies K and n."""
@@ -43,7 +45,7 @@ class PowerShaped(ABC):
             return as_floats(n * _power(penetration, factor, n - 1))
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return inf, a power law having no largest load, and NaN where it is undefined."""
+        """Return inf, as a power law has no largest load; NaN where it is undefined."""
         factor, _ = self.factor_and_exponent(pair)
         return inside_or_nan(np.full_like(factor, np.inf), np.isfinite(factor))
 
@@ -69,16 +71,16 @@ def _power(penetration: ArrayLike, factor: FloatArray, n: FloatArray) -> FloatAr
 
 @dataclass(frozen=True)
 class PowerLaw(PowerShaped):
-    """The power law f = K·δⁿ (Eq 3), its factor given as K or as K* = K·ΔR/E* (Eq 4).
+    """The power law f = K·δⁿ (Eq 3), with a factor K or K* = K·ΔR/E* (Eq 4).
 
     Parameters
     ----------
     n : float
         Exponent, positive.
     K : float, optional
-        Factor in N/mm per mmⁿ, for the one pair that it was fitted to.
+        Factor in N/mm per mmⁿ, for the pair it was fitted to.
     K_star : float, optional
-        Factor K* of K = K*·E*/ΔR (per unit length), which carries over to other pairs.
+        Factor K* in K = K*·E*/ΔR (per unit length), which applies to other pairs as well.
 
     Raises
     ------

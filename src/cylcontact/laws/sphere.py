@@ -11,6 +11,8 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.laws.power import PowerShaped
 from cylcontact.pair import CylinderPair
 
+__all__ = ["LankaraniNikravesh"]
+
 
 @dataclass(frozen=True)
 class LankaraniNikravesh(PowerShaped):
@@ -24,14 +26,14 @@ class LankaraniNikravesh(PowerShaped):
     Raises
     ------
     InputError
-        If the exponent is not positive, or, when the law is evaluated, if the pair lacks its
-        radii or its length.
+        If the exponent is not positive; when the law is evaluated, if the radii or the length of
+        the pair are not known.
 
     Notes
     -----
-    F is the *total* force of a point contact, in N: the axial length does not appear in it.
-    Per unit length it is F/L, so the pair must know its length. The paper prints the radii
-    as R_i·R_i; R_i·R_j is meant.
+    F is the *total* force of a point contact, in N; it does not depend on the axial length. The
+    load per unit length is F/L, so the pair needs a length. The paper prints R_i·R_i where
+    R_i·R_j is meant.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A law at one pair as a table of ln f over ln δ, for laws without a formula to compile."""
+"""Tables of ln f over ln δ at one pair, for laws without a formula to compile."""
 
 from __future__ import annotations
 
@@ -10,20 +10,22 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import CylinderPair
 
+__all__ = ["DEEPEST", "TABLE_ERROR", "cubic", "tabulate"]
+
 _Number = TypeVar("_Number", float, FloatArray)
 
-# The relative error of a load from the table, checked within every interval as it is made.
+# The relative error of a load from the table, checked inside every interval.
 TABLE_ERROR = 1e-10
-# The table's ends in units of ΔR, unless the law ends before.
-SHALLOWEST, DEEPEST = 1e-30, 1e3
+# The ends of the table in units of ΔR, unless the law ends before.
+_SHALLOWEST, DEEPEST = 1e-30, 1e3
 
-FIRST_NODES = 257
-MOST_NODES = 200_000
-# No interval of ln δ is made shorter: next to a limit with a vertical tangent, or to a jump in
-# slope, the error of the table is that of one such step.
-SHORTEST = 1e-12
-# Where an interval is checked, as parts of its length.
-CHECKED = (0.25, 0.5, 0.75)
+_FIRST_NODES = 257
+_MOST_NODES = 200_000
+# Shortest interval of ln δ. Next to a vertical tangent or a jump in slope the table has the error
+# of one such interval.
+_SHORTEST = 1e-12
+# Positions of the checks in an interval, as fractions of its length.
+_CHECKED = (0.25, 0.5, 0.75)
 
 
 def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
@@ -32,19 +34,18 @@ def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
     Parameters
     ----------
     law : ContactLaw
-        Any law that answers with a positive load throughout.
+        A law whose load is positive throughout its domain.
     pair : CylinderPair
         A single pair.
 
     Returns
     -------
     array of float, shape (1 + 3·N,)
-        The penetration at which the table ends, in mm: 1000·ΔR, unless the law's domain ends
-        before. A law without an end, such as Persson's, is not undefined beyond; only the table
-        is at its end. Then at N nodes ln δ, ln f and
-        dln f/dln δ. Read as a cubic between nodes, and by the first slope below them, it gives
-        the load to a relative `TABLE_ERROR` from 1e-30·ΔR on, except closer than `SHORTEST`
-        to a limit with a vertical tangent or a jump in slope.
+        The penetration at which the table ends, in mm, followed by ln δ, ln f and dln f/dln δ at
+        N nodes. The table ends at 1000·ΔR, unless the domain of the law ends before; a law without
+        an end, such as Persson's, is defined beyond the table. A cubic between the nodes, and the
+        first slope below them, give the load to a relative `TABLE_ERROR` from 1e-30·ΔR on. Within
+        1e-12 in ln δ of a vertical tangent or a jump in slope the error may be larger.
 
     Raises
     ------
@@ -61,7 +62,7 @@ def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
     """
     dR = float(np.asarray(pair.dR))
     end = min(float(law.max_penetration(pair)), DEEPEST * dR)
-    x = np.linspace(np.log(SHALLOWEST * dR), np.log(end), FIRST_NODES)
+    x = np.linspace(np.log(_SHALLOWEST * dR), np.log(end), _FIRST_NODES)
     while True:
         y, slope = _logarithms(law, pair, x, end)
         coarse = _coarse(law, pair, x, y, slope, end)
@@ -69,11 +70,11 @@ def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
             return np.concatenate([[end], x, y, slope])
         x = np.insert(x, coarse + 1, (x[coarse] + x[coarse + 1]) / 2)
         require(
-            x.size <= MOST_NODES,
+            x.size <= _MOST_NODES,
             "tabulate",
             "law",
             law.name,
-            f"its load is not smooth: {MOST_NODES} nodes do not give it to {TABLE_ERROR:g}",
+            f"its load is not smooth: {_MOST_NODES} nodes do not give it to {TABLE_ERROR:g}",
             "check its load and stiffness",
         )
 
@@ -81,12 +82,12 @@ def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
 def cubic(
     part: _Number, width: _Number, rise: _Number, first: _Number, last: _Number
 ) -> tuple[_Number, _Number]:
-    """Return the cubic of given slopes at both ends of an interval, and its slope.
+    """Return the cubic with given slopes at both ends of an interval, and its slope.
 
     Parameters
     ----------
     part : float or array
-        How far into the interval, from 0 to 1.
+        Position in the interval, from 0 to 1.
     width : float or array
         The interval's length.
     rise : float or array
@@ -97,11 +98,11 @@ def cubic(
     Returns
     -------
     above, slope : float or array
-        How far the cubic is above its value at the interval's start, and its slope.
+        The cubic minus its value at the start of the interval, and its slope.
 
     Notes
     -----
-    Arithmetic only: `cylcontact.laws.kernels` compiles this function as it stands.
+    Plain arithmetic, because `cylcontact.laws.kernels` compiles this function.
     """
     rest, left, right = 1 - part, first - rise, last - rise
     above = width * part * (rise + rest * (rest * left - part * right))
@@ -126,7 +127,7 @@ def _logarithms(
     )
     with np.errstate(invalid="ignore"):
         slope = delta * k / f
-    # A vertical tangent stands for what the cubic can do best there: the chord.
+    # In place of a vertical tangent use the chord, the best a cubic can do there.
     chord = np.gradient(np.log(f), x)
     return np.log(f), as_floats(np.where(np.isfinite(slope), slope, chord))
 
@@ -139,12 +140,12 @@ def _coarse(
     slope: FloatArray,
     end: float,
 ) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Return the intervals in which the cubic misses the law by more than the error allowed."""
+    """Return the intervals in which the error of the cubic exceeds the tolerance."""
     width = np.diff(x)
     rise = np.diff(y) / width
     bad = np.zeros(width.size, dtype=bool)
-    for part in CHECKED:
+    for part in _CHECKED:
         exact, _ = _logarithms(law, pair, x[:-1] + part * width, end)
         above, _ = cubic(np.full_like(width, part), width, rise, slope[:-1], slope[1:])
         bad |= np.abs(y[:-1] + above - exact) > TABLE_ERROR / 4
-    return np.flatnonzero(bad & (width > SHORTEST))
+    return np.flatnonzero(bad & (width > _SHORTEST))

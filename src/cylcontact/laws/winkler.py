@@ -1,4 +1,4 @@
-"""The elastic foundation of Winkler for a pin in a hole, for comparison."""
+"""Winkler's elastic foundation for a pin in a hole, for comparison."""
 
 from __future__ import annotations
 
@@ -13,19 +13,21 @@ from cylcontact.html_repr import law_html
 from cylcontact.laws.conformal import in_units_of
 from cylcontact.pair import CylinderPair
 
-# Half of Z = π·E*·δ/f of Persson's law at complete contact: with it the two laws have the same
-# slope there.
+__all__ = ["DEPTH", "Winkler"]
+
+# Half of Z = π·E*·δ/f of Persson's law at complete contact, which gives both laws the same slope
+# there.
 DEPTH = 0.715238076324212
 
 # Beyond these a power would underflow or overflow; the law is a pure power below, linear above.
-SMALL, LARGE = 1e-200, 1e200
+_SMALL, _LARGE = 1e-200, 1e200
 
 
 @dataclass(frozen=True)
 class Winkler:
-    """A pin in a hole lined with springs: p = (E*/h)·u, each point for itself.
+    """A pin in a hole lined with independent springs: p = (E*/h)·u at each point.
 
-    With u = δcos θ − ΔR(1 − cos θ) on the arc where that is positive, cos ε = ΔR/(ΔR + δ),
+    With u = δcos θ − ΔR(1 − cos θ) on the arc where u is positive, cos ε = ΔR/(ΔR + δ),
 
         f = ∫ p·cos θ·R dθ = E*·R/h·[(ΔR + δ)·ε − ΔR·sin ε],
         df/dδ = E*·R/h·(ε + sin ε·cos ε).
@@ -38,20 +40,20 @@ class Winkler:
     Raises
     ------
     InputError
-        If the depth is not positive and finite, or, when the law is evaluated, if the contact
-        is external.
+        If the depth is not positive and finite; when the law is evaluated, if the contact is
+        external.
 
     Notes
     -----
     **The modulus of the foundation is an assumption**: two solid bodies have no layer whose depth
     h could be measured. Johnson (Contact Mechanics, 1985, Sect. 4.3) writes the modulus as K/h
-    and chooses it per case. Here K is E*, and the default h = 0.715R is chosen so that the slope
-    at large loads is that of Persson's law, where the contact is complete. Johnson's own choice
+    and chooses it for each case. Here K is E*, and the default h = 0.715R gives the slope of
+    Persson's law at large loads, where the contact is complete. Johnson's own choice
     for line contact, K/h = 1.18E*/a (a the half-width), becomes h = 0.85R for a = R.
 
-    Neighbouring springs do not feel each other, so a contact much narrower than they are deep
-    comes out too soft: f grows like δ^1.5 at small loads, where it should be nearly linear.
-    R cancels when h is given in units of it: δ/ΔR is a function of f/(E*·ΔR) and `depth` alone.
+    Neighbouring springs are independent, so a contact much narrower than their depth is too soft:
+    f grows like δ^1.5 at small loads, where it should be nearly linear. With h in units of R, R
+    cancels, and δ/ΔR is a function of f/(E*·ΔR) and `depth` alone.
 
     Examples
     --------
@@ -105,7 +107,7 @@ class Winkler:
         return self.max_load(pair)
 
     def _load_unit(self, pair: CylinderPair) -> FloatArray:
-        """Return E*·ΔR·R/h in N/mm, or refuse an external pair."""
+        """Return E*·ΔR·R/h in N/mm; raise `InputError` for an external pair."""
         require(
             pair.contact == "internal",
             "Winkler",
@@ -119,7 +121,7 @@ class Winkler:
 
 def _load_and_slope(d: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return (1 + d)·ε − sin ε and its derivative ε + sin ε·cos ε, with cos ε = 1/(1 + d)."""
-    # Written in x = 2ε, and ε by arctan: arccos and the difference lose digits at small d.
+    # In x = 2ε, with ε by arctan, because arccos and the difference lose digits at small d.
     x = 2 * np.arctan(np.sqrt(d) * np.sqrt(2 + d))
     sine = np.sin(x)
     return as_floats((1 + d) * _excess_over_sine(x, sine) / 2), as_floats((x + sine) / 2)
@@ -128,10 +130,10 @@ def _load_and_slope(d: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _penetration_number(g: FloatArray) -> FloatArray:
     """Return the d whose load number is g.
 
-    The seed, the sum of the laws for small and for large loads, is within 54 %; five steps of
-    Newton's method take that to machine precision, from above, as the load is convex in d.
+    The start, the sum of the laws for small and for large loads, is within 54 %. Five Newton steps
+    reach machine precision, from above because the load is convex in d.
     """
-    inner = np.clip(g, SMALL, LARGE)
+    inner = np.clip(g, _SMALL, _LARGE)
     d = (1.5 * inner) ** (2 / 3) / 2 + 2 / np.pi * inner
     for _ in range(5):
         value, slope = _load_and_slope(d)

@@ -1,4 +1,4 @@
-"""Planar mechanisms with a clearance joint: Section 4 of the paper, and mechanisms of one's own."""
+"""Planar mechanisms with a clearance joint: those of Section 4 of the paper, and your own."""
 
 from cylcontact.mechanism.impact import Impact, isolated_impact
 from cylcontact.mechanism.loop import LawDomainError
@@ -26,3 +26,7 @@ __all__ = [
     "simulate",
     "sweep",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

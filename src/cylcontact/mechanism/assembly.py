@@ -1,10 +1,9 @@
-"""Assembly: positions and velocities that satisfy every joint, the clearance closed.
+"""Assembly: positions and velocities that satisfy every joint, with the clearance closed.
 
-The start of a simulation. The journal is centred in its bearing and at rest relative to it, as if
-the joint were ideal. Newton's method on the constraints finds the positions: first near the spec's
-rough guess, with the driver where the guess has it, then along with the driver in small steps to
-where it starts, so that the mechanism stays in the configuration of the guess. The velocities
-follow from one linear system.
+This is the start of a simulation: the journal is centred in its bearing and at rest relative to it,
+as if the joint were ideal. Newton's method on the constraints finds the positions, first at the
+driver angle of the spec's guess. The driver then moves in small steps to its initial angle, so that
+the mechanism stays in the configuration of the guess. The velocities follow from one linear system.
 """
 
 from __future__ import annotations
@@ -18,16 +17,18 @@ from cylcontact.errors import InputError
 from cylcontact.mechanism import constraints
 from cylcontact.mechanism.model import Joint, Mechanism
 
-ITERATIONS = 50
-# In m and rad: some units in the last place of a mechanism of a metre.
-CLOSED = 1e-15
-# What Newton's method must reach at least before rounding stops it.
-ASSEMBLED = 1e-13
+__all__ = ["assemble", "evaluate", "joint_table"]
 
-# Of the driver in rad, between one Newton iteration and the next.
-DRIVER_STEP = 0.1
+_ITERATIONS = 50
+# In m and rad: a few units in the last place for a mechanism of a metre.
+_CLOSED = 1e-15
+# The largest gap that is accepted when rounding stops Newton's method, in m and rad.
+_ASSEMBLED = 1e-13
 
-KINDS = {
+# Rotation of the driver between two solutions, in rad.
+_DRIVER_STEP = 0.1
+
+_KINDS = {
     "revolute": constraints.REVOLUTE,
     "prismatic": constraints.PRISMATIC,
     "driver": constraints.DRIVER,
@@ -43,7 +44,7 @@ def joint_table(joints: tuple[Joint, ...]) -> FloatArray:
             "prismatic": (joint.direction, joint.angle),
             "driver": (joint.angle, joint.speed),
         }[joint.kind]
-        rows.append((KINDS[joint.kind], joint.i, joint.j, *joint.point_i, *joint.point_j, *last))
+        rows.append((_KINDS[joint.kind], joint.i, joint.j, *joint.point_i, *joint.point_j, *last))
     return np.array(rows, dtype=np.float64)
 
 
@@ -64,7 +65,7 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     Parameters
     ----------
     mechanism : Mechanism
-        The mechanism; its clearance is taken as closed.
+        The mechanism; its clearance joint is treated as ideal.
     t : float
         Time in s.
 
@@ -76,8 +77,7 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     Raises
     ------
     InputError
-        If the bodies cannot be brought together, or the joints leave them free to move or hold
-        them twice.
+        If the joints cannot be closed, or they under- or overconstrain the bodies.
 
     Examples
     --------
@@ -91,29 +91,29 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     _require_square(mechanism, table, q.size)
     driver = next(row for row in table if row[0] == constraints.DRIVER)
     guessed = q[3 * int(driver[2]) + 2] - (q[3 * int(driver[1]) + 2] if driver[1] >= 0 else 0.0)
-    wanted, speed = driver[7] + driver[8] * t, driver[8]
+    initial, speed = driver[7] + driver[8] * t, driver[8]
     driver[8] = 0.0
-    steps = max(2, math.ceil(abs(wanted - guessed) / DRIVER_STEP) + 1)
-    for angle in np.linspace(guessed, wanted, steps):
+    steps = max(2, math.ceil(abs(initial - guessed) / _DRIVER_STEP) + 1)
+    for angle in np.linspace(guessed, initial, steps):
         driver[7] = angle
         q = _close(mechanism, table, q)
     driver[8] = speed
-    driver[7] = wanted - speed * t
+    driver[7] = initial - speed * t
     _, rate, jacobian, _ = evaluate(table, t, q, np.zeros_like(q))
     return q, -_solve(mechanism, jacobian, rate)
 
 
 def _close(mechanism: Mechanism, table: FloatArray, q: FloatArray) -> FloatArray:
-    """Close all joints by Newton's method, the driver at rest where it is."""
+    """Return the coordinates that close all joints, by Newton's method with the driver at rest."""
     still = np.zeros_like(q)
     gap = np.inf
-    for _ in range(ITERATIONS):
+    for _ in range(_ITERATIONS):
         value, _, jacobian, _ = evaluate(table, 0.0, q, still)
         gap = float(np.abs(value).max())
-        if gap <= CLOSED:
+        if gap <= _CLOSED:
             break
         q = q - _solve(mechanism, jacobian, value)
-    if not gap <= ASSEMBLED:
+    if not gap <= _ASSEMBLED:
         raise InputError(
             mechanism.source,
             "bodies",
@@ -125,7 +125,7 @@ def _close(mechanism: Mechanism, table: FloatArray, q: FloatArray) -> FloatArray
 
 
 def _require_square(mechanism: Mechanism, table: FloatArray, coordinates: int) -> None:
-    """Refuse a mechanism whose joints are too few or too many."""
+    """Raise `InputError` unless there are as many constraints as coordinates."""
     rows = sum(constraints.CONSTRAINTS[kind] for kind in table[:, 0])
     if rows != coordinates:
         raise InputError(
@@ -138,7 +138,7 @@ def _require_square(mechanism: Mechanism, table: FloatArray, coordinates: int) -
 
 
 def _solve(mechanism: Mechanism, jacobian: FloatArray, right: FloatArray) -> FloatArray:
-    """Solve for a step or for velocities; singular at dead centres and with double joints."""
+    """Solve for a step or for velocities; raise `InputError` if the system is singular."""
     try:
         return as_floats(np.linalg.solve(jacobian, right))
     except np.linalg.LinAlgError as error:

@@ -4,10 +4,10 @@ With a diagonal mass matrix the accelerations follow from the multipliers,
 
     (Φ_q·M⁻¹·Φ_qᵀ)·λ = Φ_q·M⁻¹·g − γ*,    q̈ = M⁻¹·(g − Φ_qᵀ·λ),
 
-and Baumgarte's stabilisation puts γ* = γ − 2α·dΦ/dt − β²·Φ for γ. The matrix on the left is
+and Baumgarte's stabilisation replaces γ by γ* = γ − 2α·dΦ/dt − β²·Φ. The matrix on the left is
 symmetric and positive definite unless constraints are redundant, and is factored by Cholesky.
 
-The state is q, q̇ and the three ledgers: work of the drive, normal dissipation, friction
+The state is q, q̇ and three energies: work of the drive, normal dissipation and friction
 dissipation.
 """
 
@@ -25,8 +25,33 @@ from cylcontact.mechanism.cvode import RHS_SIGNATURE, ROOTS_SIGNATURE, block, va
 from cylcontact.mechanism.events import EVENTS, fill_roots
 from cylcontact.numba_cache import callback, compiled
 
-# Positions in the model's part of the parameter block; the masses and the table follow. A driver's
-# row below 0 says that there is none.
+__all__ = [
+    "ALPHA",
+    "BETA",
+    "BODIES",
+    "BODY_I",
+    "BODY_J",
+    "DRIVER_I",
+    "DRIVER_J",
+    "DRIVER_ROW",
+    "GRAVITY_X",
+    "GRAVITY_Y",
+    "I_X",
+    "I_Y",
+    "JOINTS",
+    "J_X",
+    "J_Y",
+    "MODEL_HEADER",
+    "ROWS",
+    "contact_on_bodies",
+    "derivatives",
+    "eccentricity",
+    "rhs",
+    "roots",
+]
+
+# Positions in the model's part of the parameter block; the masses and the table follow. A negative
+# row of the driver means that there is none.
 BODIES, JOINTS, ROWS, DRIVER_ROW, DRIVER_I, DRIVER_J = 0, 1, 2, 3, 4, 5
 BODY_I, I_X, I_Y, BODY_J, J_X, J_Y, ALPHA, BETA, GRAVITY_X, GRAVITY_Y = (
     6, 7, 8, 9, 10, 11, 12, 13, 14, 15,
@@ -58,7 +83,7 @@ def _apply(force: NDArray[np.float64], body: int, f_x: float, f_y: float, moment
 
 
 @compiled
-def solve_positive(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> None:
+def _solve_positive(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> None:
     """Solve a symmetric positive definite system in place, by Cholesky."""
     n = right.size
     for k in range(n):
@@ -83,7 +108,7 @@ def contact_on_bodies(
     force: NDArray[np.float64],
     p: NDArray[np.float64],
 ) -> tuple[float, float]:
-    """Add the contact forces of Eq 13 to the generalised forces; return what they dissipate."""
+    """Add the contact forces of Eq 13 to `force`; return the powers that they dissipate in W."""
     m = p[int(p[contact.MODEL_START]) :]
     i, j = int(m[BODY_I]), int(m[BODY_J])
     ai_x, ai_y, i_x, i_y, vi_x, vi_y, spin_i = constraints.point(q, v, i, m[I_X], m[I_Y])
@@ -133,7 +158,7 @@ def derivatives(
             for k in range(size):
                 product += jacobian[r, k] * jacobian[s, k] / mass[k]
             matrix[r, s] = product
-    solve_positive(matrix, lam)
+    _solve_positive(matrix, lam)
 
     for k in range(size):
         total = force[k]

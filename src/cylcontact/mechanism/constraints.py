@@ -1,6 +1,6 @@
 """The kinematic constraints of planar joints, their Jacobian and their acceleration terms.
 
-A body's coordinates are (x, y, θ) of its centre of mass; the ground is body −1 and at rest in the
+The coordinates of a body are (x, y, θ) of its centre of mass; the ground is body −1, at rest at the
 origin. Each joint is a row of a table,
 
     kind, i, j, a_x, a_y, b_x, b_y, c, d,
@@ -21,6 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cylcontact.numba_cache import compiled
+
+__all__ = ["COLUMNS", "CONSTRAINTS", "DRIVER", "PRISMATIC", "REVOLUTE", "evaluate", "point"]
 
 REVOLUTE, PRISMATIC, DRIVER = 0.0, 1.0, 2.0
 COLUMNS = 9
@@ -69,7 +71,7 @@ def evaluate(
     jacobian: NDArray[np.float64],
     gamma: NDArray[np.float64],
 ) -> None:
-    """Write Φ, dΦ/dt, Φ_q and γ of Φ_q·q̈ = γ (Eq 10); the Jacobian must come as zeros."""
+    """Write Φ, dΦ/dt, Φ_q and γ of Φ_q·q̈ = γ (Eq 10); `jacobian` must be zero on entry."""
     row = 0
     for joint in table:
         kind, i, j = joint[0], int(joint[1]), int(joint[2])

@@ -1,20 +1,20 @@
-"""The contact of journal and bearing, compiled: Eqs 11–15 with any law of the package.
+"""Compiled contact of journal and bearing: Eqs 11–15 with any law of the package.
 
 Body *i* carries the bearing, body *j* the journal. With the eccentricity e = r_i − r_j
-(Eq 11), n = e/|e| points from the journal's centre to the bearing's and the bodies touch on the
-side of −n. Both contact forces act at one point, C = r_i − R_i·n on the bearing's surface, so
-that the pair exchanges no net angular momentum. Seen from the journal's centre C is at
-−(R_j − δ)·n: the journal's radius less the penetration.
+(Eq 11), n = e/|e| points from the journal's centre to the bearing's, and the bodies touch on the
+side of −n. Both contact forces act at one point, C = r_i − R_i·n on the bearing's surface, so that
+the pair exchanges no net angular momentum. Relative to the journal's centre, C is at −(R_j − δ)·n,
+at the journal's radius minus the penetration.
 
 The velocities of the two bodies at C give the tangential velocity, with t = [n_y, −n_x],
 
     v_t = (v_i − v_j)·t = ė·t + ω_i·R_i − ω_j·(R_j − δ),
 
-and the normal one is the penetration rate, (v_i − v_j)·n = ė·n = δ̇, since a rotation about either
-centre moves C along t only.
+and the normal velocity is the penetration rate, (v_i − v_j)·n = ė·n = δ̇, because a rotation about
+either centre moves C along t only.
 
-**Units.** Mechanics is in SI. The laws are in mm and N/mm, and `contact_force` is the one place
-where a penetration in m goes in and a force in N comes out.
+**Units.** The mechanics is in SI, the laws in mm and N/mm. Only `elastic_force` converts between
+them: it takes a penetration in m and returns a force in N.
 """
 
 from __future__ import annotations
@@ -27,8 +27,40 @@ from numpy.typing import NDArray
 from cylcontact.laws.kernels import kernel_load
 from cylcontact.numba_cache import compiled
 
-# What the parameter block of a compiled right-hand side holds, by position. It is one array of
-# floats because that is what CVODE can hand on to a compiled callback.
+__all__ = [
+    "ALLOWED_PENETRATION",
+    "CHI",
+    "CLEARANCE",
+    "CONTACT",
+    "FREE",
+    "FRICTION",
+    "HEADER",
+    "IMPACT_RATE",
+    "KERNEL",
+    "KERNEL_SIZE",
+    "KERNEL_START",
+    "LAST_LOAD",
+    "LAST_PENETRATION",
+    "LAST_SLOPE",
+    "LAYOUT",
+    "LENGTH",
+    "MODE",
+    "MODEL_START",
+    "RATE_FLOOR",
+    "R_BEARING",
+    "R_JOURNAL",
+    "SIZE",
+    "STATES",
+    "STOP_PENETRATION",
+    "V0",
+    "V1",
+    "contact_force",
+    "elastic_force",
+    "friction_force",
+]
+
+# Positions in the parameter block of a compiled right-hand side. The block is one array of floats,
+# because CVODE passes a single pointer to a compiled callback.
 SIZE, LAYOUT, STATES, MODE, IMPACT_RATE = 0, 1, 2, 3, 4
 CHI, FRICTION, V0, V1 = 5, 6, 7, 8
 CLEARANCE, R_BEARING, R_JOURNAL, LENGTH = 9, 10, 11, 12
@@ -44,8 +76,7 @@ FREE, CONTACT = 0.0, 1.0
 def elastic_force(penetration: float, p: NDArray[np.float64]) -> float:
     """Return the elastic force in N at a penetration in m.
 
-    Beyond the last penetration that the law is asked for (`LAST_PENETRATION`, in mm) the load goes
-    on along a straight line.
+    Beyond `LAST_PENETRATION` (in mm) the load continues along a straight line.
     """
     delta = penetration * 1e3
     if delta <= 0.0:
@@ -88,14 +119,14 @@ def contact_force(
     Returns
     -------
     force_x, force_y : float
-        f_i of Eq 13a, on the bearing at C, in N; the journal takes the opposite.
+        f_i of Eq 13a in N, on the bearing at C; the force on the journal is opposite.
     moment_i, moment_j : float
-        Of that force about the bearing's centre, and of the opposite one about the journal's, in
-        N m; positive anticlockwise.
+        Moments of that force about the bearing's centre and of the opposite force about the
+        journal's centre, in N m; positive anticlockwise.
     normal : float
         f_n in N.
     normal_power, friction_power : float
-        What the normal force dissipates beyond its elastic part, and the friction, in W.
+        Powers dissipated by the damping part of the normal force and by friction, in W.
     """
     distance = math.hypot(e[0], e[1])
     n_x, n_y = e[0] / distance, e[1] / distance

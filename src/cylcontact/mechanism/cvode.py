@@ -1,12 +1,12 @@
-"""SUNDIALS CVODE as scikit-sundae ships it, called with compiled functions.
+"""SUNDIALS CVODE from scikit-sundae, called with compiled functions.
 
-scikit-sundae's own interface calls Python for every right-hand side, which costs some eight
-microseconds, and a revolution of the crank takes five to fifty thousand of them. CVODE itself
-takes the address of a C function. The library is the one that scikit-sundae has loaded: looking a
-symbol up in its extension module searches what that module is linked to, so no file name is
-guessed. The callbacks are numba's C functions; the parameter block goes to them as user data.
+scikit-sundae's own interface calls Python for every right-hand side. Each call costs about eight
+microseconds, and a revolution of the crank takes five to fifty thousand of them. CVODE itself takes
+the address of a C function. This module uses the library that scikit-sundae has loaded: a symbol
+lookup in the extension module also searches its linked libraries, so no file name is guessed. The
+callbacks are C functions from numba and receive the parameter block as user data.
 
-Adams' formulas of variable step and order with functional iteration: no Jacobian, no linear
+The method is Adams' with variable step and order and functional iteration: no Jacobian, no linear
 algebra, the predictor–corrector of the paper.
 """
 
@@ -31,7 +31,18 @@ from cylcontact.errors import InputError
 from cylcontact.mechanism import contact, events
 from cylcontact.numba_cache import compiled
 
-# Symbols used, with their arguments; pointers travel as integers of their size.
+__all__ = [
+    "RHS_SIGNATURE",
+    "ROOTS_SIGNATURE",
+    "Integrator",
+    "Library",
+    "Stretch",
+    "block",
+    "library",
+    "values",
+]
+
+# The symbols used, with their arguments; pointers are passed as integers of their size.
 _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "SUNContext_Create": (c_int, c_ssize_t),
     "SUNContext_Free": (c_ssize_t,),
@@ -64,7 +75,7 @@ _RETURNING_POINTERS = ("CVodeCreate", "SUNNonlinSol_FixedPoint", "N_VMake_Serial
 
 @dataclass(frozen=True)
 class Library:
-    """The loaded library: its functions, and where an N_Vector keeps its data."""
+    """The loaded library: its functions, and the offset of the data in an N_Vector in words."""
 
     functions: dict[str, Any]
     data_words: int
@@ -73,18 +84,18 @@ class Library:
         return self.functions[name]
 
     def address(self, name: str) -> int:
-        """Return where a function is."""
+        """Return the address of a function."""
         return int(ctypes.cast(self.functions[name], ctypes.c_void_p).value or 0)
 
 
 @cache
 def library() -> Library:
-    """Find SUNDIALS in what scikit-sundae has loaded.
+    """Return SUNDIALS as loaded by scikit-sundae.
 
     Raises
     ------
     InputError
-        If this build of scikit-sundae cannot be called in this way.
+        If this build of scikit-sundae cannot be called with compiled functions.
     """
     from sksundae import _cy_cvode
     from sksundae._cy_common import config
@@ -109,11 +120,11 @@ def library() -> Library:
     return Library(functions, words)
 
 
-types: Any = numba_types
-VECTOR_POINTER, DOUBLES = types.CPointer(types.intp), types.CPointer(types.float64)
-# A C function of CVODE's gets the addresses of two N_Vectors, or of one and of the roots.
-RHS_SIGNATURE = types.int32(types.float64, VECTOR_POINTER, VECTOR_POINTER, DOUBLES)
-ROOTS_SIGNATURE = types.int32(types.float64, VECTOR_POINTER, DOUBLES, DOUBLES)
+_types: Any = numba_types
+_VECTOR_POINTER, _DOUBLES = _types.CPointer(_types.intp), _types.CPointer(_types.float64)
+# The callbacks get the addresses of two N_Vectors, or of one N_Vector and the roots.
+RHS_SIGNATURE = _types.int32(_types.float64, _VECTOR_POINTER, _VECTOR_POINTER, _DOUBLES)
+ROOTS_SIGNATURE = _types.int32(_types.float64, _VECTOR_POINTER, _DOUBLES, _DOUBLES)
 
 
 def _pointer_to(kind: Any) -> Any:
@@ -123,46 +134,46 @@ def _pointer_to(kind: Any) -> Any:
         return builder.inttoptr(arguments[0], context.get_value_type(signature.return_type))
 
     def declare(typing_context: Any, address: Any) -> Any:  # noqa: ARG001 - numba's signature
-        return kind(types.intp), generate
+        return kind(_types.intp), generate
 
     return intrinsic(declare)
 
 
-_pointer_to_words, _pointer_to_doubles = _pointer_to(VECTOR_POINTER), _pointer_to(DOUBLES)
+_pointer_to_words, _pointer_to_doubles = _pointer_to(_VECTOR_POINTER), _pointer_to(_DOUBLES)
 
 
 def _function_at(result: Any, *arguments: Any) -> Any:
     """Return an intrinsic that calls the C function at an address.
 
-    The address is an argument and no constant, so that what is compiled can be kept on disk.
+    The address is an argument, not a constant, so that the compiled code can be cached on disk.
     """
 
-    def generate(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, passed: Any) -> Any:
         kinds = [context.get_value_type(kind) for kind in arguments]
         function = ir.FunctionType(context.get_value_type(result), kinds)
         values = [
-            context.cast(builder, builder.extract_value(given[1], k), signature.args[1][k], kind)
+            context.cast(builder, builder.extract_value(passed[1], k), signature.args[1][k], kind)
             for k, kind in enumerate(arguments)
         ]
-        return builder.call(builder.inttoptr(given[0], function.as_pointer()), values)
+        return builder.call(builder.inttoptr(passed[0], function.as_pointer()), values)
 
     def declare(typing_context: Any, address: Any, values: Any) -> Any:  # noqa: ARG001
-        return result(types.intp, values), generate
+        return result(_types.intp, values), generate
 
     return intrinsic(declare)
 
 
-_word, _double, _int = types.intp, types.float64, types.int32
+_word, _double, _int = _types.intp, _types.float64, _types.int32
 # int CVode(memory, end, vector, &time, task), and so on: called as cvode(address, (…)).
-call_step = _function_at(_int, _word, _double, _word, _word, _int)
-call_interpolate = _function_at(_int, _word, _double, _int, _word)
-call_two = _function_at(_int, _word, _word)
-call_roots = _function_at(_int, _double, _word, _word, _word)
+_call_step = _function_at(_int, _word, _double, _word, _word, _int)
+_call_interpolate = _function_at(_int, _word, _double, _int, _word)
+_call_two = _function_at(_int, _word, _word)
+_call_roots = _function_at(_int, _double, _word, _word, _word)
 
 
 @compiled
 def block(data: Any) -> NDArray[np.float64]:
-    """Return the parameter block that a callback's user data point to."""
+    """Return the parameter block from the user data of a callback."""
     return carray(data, (int(carray(data, (1,))[contact.SIZE]),))
 
 
@@ -174,69 +185,68 @@ def values(vector: Any, p: NDArray[np.float64]) -> NDArray[np.float64]:
     return carray(_pointer_to_doubles(data), (int(p[contact.STATES]),))
 
 
-ONE_STEP = 2
-ROOT_RETURN = 2
-BISECTIONS = 60
+_ONE_STEP = 2
+_ROOT_RETURN = 2
+_BISECTIONS = 60
 
-# Where things are, by position in an array of addresses: CVODE's functions, the model's roots,
-# CVODE's memory, the two N_Vectors, the time, the flags of the roots, a place for roots, and
-# the parameter block.
-CVODE, INTERPOLATE, WHICH, CURRENT_TIME, ROOTS = 0, 1, 2, 3, 4
-MEMORY, VECTOR, OTHER, CLOCK, FLAGS, SCRATCH, BLOCK = 5, 6, 7, 8, 9, 10, 11
-ADDRESSES = 12
+# Positions in the array of addresses: CVODE's functions, the model's roots, CVODE's memory, the two
+# N_Vectors, the time, the flags of the roots, the values of the roots, and the parameter block.
+_CVODE, _INTERPOLATE, _WHICH, _CURRENT_TIME, _ROOTS = 0, 1, 2, 3, 4
+_MEMORY, _VECTOR, _OTHER, _CLOCK, _FLAGS, _SCRATCH, _BLOCK = 5, 6, 7, 8, 9, 10, 11
+_ADDRESSES = 12
 
 
 @compiled
-def step(
+def _step(
     at: NDArray[np.intp],
     y: FloatArray,
     other: FloatArray,
     now: FloatArray,
-    found: NDArray[np.int32],
+    flags: NDArray[np.int32],
     scratch: FloatArray,
     p: FloatArray,
     end: float,
     times: FloatArray,
     states: FloatArray,
 ) -> tuple[int, int]:
-    """Step until the buffers are full, the time `end` is reached or an event is found.
+    """Step until the buffers are full, the time `end` is reached or an event occurs.
 
     Parameters
     ----------
     at : array of int
         The addresses.
-    y, other, now, found, scratch : array
-        What stands at `VECTOR`, `OTHER`, `CLOCK`, `FLAGS` and `SCRATCH`.
+    y, other, now, flags, scratch : array
+        The arrays at `_VECTOR`, `_OTHER`, `_CLOCK`, `_FLAGS` and `_SCRATCH`.
     p : array of float
         The parameter block.
     end : float
         In s.
     times, states : array of float
-        To fill, one row for each step.
+        Output, one row for each step.
 
     Returns
     -------
     rows, flag : int
-        Rows filled and CVODE's flag; an event is in `found`, by `events`.
+        Rows filled and CVODE's flag; an event is in `flags`, by the numbers in `events`.
     """
     in_contact = p[contact.MODE] == contact.CONTACT
     for n in range(times.size):
         before = now[0]
-        flag = call_step(at[CVODE], (at[MEMORY], end, at[VECTOR], at[CLOCK], ONE_STEP))
+        flag = _call_step(at[_CVODE], (at[_MEMORY], end, at[_VECTOR], at[_CLOCK], _ONE_STEP))
         times[n], states[n] = now[0], y
-        if flag == ROOT_RETURN:
-            call_two(at[WHICH], (at[MEMORY], at[FLAGS]))
-            if found[events.CROSSING] != 0:
+        if flag == _ROOT_RETURN:
+            _call_two(at[_WHICH], (at[_MEMORY], at[_FLAGS]))
+            if flags[events.CROSSING] != 0:
                 if p[contact.ALLOWED_PENETRATION] > 0.0 and not in_contact:
                     times[n] = _onset_in_step(at, now, scratch, p, before)
                     states[n] = other
-            elif found[events.TURNING] != 0:
-                delta = _gap(at, now[0], at[VECTOR], scratch)
+            elif flags[events.TURNING] != 0:
+                delta = _gap(at, now[0], at[_VECTOR], scratch)
                 if (delta > 0.0) != in_contact:
-                    # On the wrong side of the circle: a crossing was leapt over.
+                    # On the wrong side of the circle: the step has skipped a crossing.
                     times[n] = _bisect(at, scratch, p, before, now[0], 0.0)
-                    states[n], found[events.CROSSING] = other, 1
-            if found[events.CROSSING] != 0 or found[events.LIMIT] != 0:
+                    states[n], flags[events.CROSSING] = other, 1
+            if flags[events.CROSSING] != 0 or flags[events.LIMIT] != 0:
                 return n + 1, flag
         elif flag != 0:
             return n + 1, flag
@@ -246,15 +256,15 @@ def step(
 @compiled
 def _gap(at: NDArray[np.intp], t: float, vector: int, scratch: FloatArray) -> Any:
     """Return δ of the state in an N_Vector."""
-    call_roots(at[ROOTS], (t, vector, at[SCRATCH], at[BLOCK]))
+    _call_roots(at[_ROOTS], (t, vector, at[_SCRATCH], at[_BLOCK]))
     return scratch[events.CROSSING]
 
 
 @compiled
 def _inside(at: NDArray[np.intp], t: float, scratch: FloatArray) -> Any:
-    """Put the state at a time inside the last step into `OTHER` and return its δ."""
-    call_interpolate(at[INTERPOLATE], (at[MEMORY], t, 0, at[OTHER]))
-    return _gap(at, t, at[OTHER], scratch)
+    """Put the state at a time inside the last step into `_OTHER` and return its δ."""
+    _call_interpolate(at[_INTERPOLATE], (at[_MEMORY], t, 0, at[_OTHER]))
+    return _gap(at, t, at[_OTHER], scratch)
 
 
 @compiled
@@ -266,9 +276,9 @@ def _bisect(
     after: float,
     high: float,
 ) -> float:
-    """Find a time with 0 ≤ δ ≤ high; δ passes there upwards in flight, downwards in contact."""
+    """Return a time with 0 ≤ δ ≤ high; δ increases in flight and decreases in contact."""
     rising = p[contact.MODE] == contact.FREE
-    for _ in range(BISECTIONS):
+    for _ in range(_BISECTIONS):
         middle = 0.5 * (before + after)
         delta = _inside(at, middle, scratch)
         if 0.0 <= delta <= high:
@@ -285,26 +295,26 @@ def _bisect(
 def _onset_in_step(
     at: NDArray[np.intp], now: FloatArray, scratch: FloatArray, p: FloatArray, before: float
 ) -> float:
-    """Halve the step until contact begins shallow enough, the paper's control."""
-    call_two(at[CURRENT_TIME], (at[MEMORY], at[CLOCK]))
+    """Return the onset of contact with the paper's control: halve the step until it is shallow."""
+    _call_two(at[_CURRENT_TIME], (at[_MEMORY], at[_CLOCK]))
     allowed = p[contact.ALLOWED_PENETRATION]
     if _inside(at, now[0], scratch) > allowed:
         return _bisect(at, scratch, p, before, now[0], allowed)
     return float(now[0])
 
 
-ADAMS = 1
-# What the compiled loop calls, in the order of its addresses.
-STEPPING = ("CVode", "CVodeGetDky", "CVodeGetRootInfo", "CVodeGetCurrentTime")
-# Steps that are taken between two looks at the keyboard.
-BUFFER = 4096
-# CVODE counts the steps towards one output; ours may be far away.
-MAX_STEPS = 10_000_000
+_ADAMS = 1
+# The functions that the compiled loop calls, in the order of their addresses.
+_STEPPING = ("CVode", "CVodeGetDky", "CVodeGetRootInfo", "CVodeGetCurrentTime")
+# Steps between two checks for Ctrl-C.
+_BUFFER = 4096
+# CVODE limits the number of steps to one output, which may be far away here.
+_MAX_STEPS = 10_000_000
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """What one call gave: the accepted steps, and why it ended.
+    """The accepted steps of one call, and why it ended.
 
     `event` is `events.CROSSING`, `events.LIMIT`, or None at the end of the interval.
     """
@@ -323,7 +333,7 @@ class Integrator:
     model : module
         `minimal_coordinates` or `augmented`: the callbacks and the eccentricity.
     p : array of float
-        The parameter block, read by the callbacks at every evaluation.
+        The parameter block; the callbacks read it at every evaluation.
     rtol : float
         Relative tolerance.
     atol : array of float
@@ -345,9 +355,9 @@ class Integrator:
         size = atol.size
         self._y, self._other, self._atol = np.zeros(size), np.zeros(size), atol.copy()
         self._now, self._scratch = np.zeros(1), np.zeros(events.EVENTS)
-        self._found = np.zeros(events.EVENTS, dtype=np.int32)
+        self._flags = np.zeros(events.EVENTS, dtype=np.int32)
         self._direction = events.directions(in_contact=False)
-        self._buffers = np.empty(BUFFER), np.empty((BUFFER, size))
+        self._buffers = np.empty(_BUFFER), np.empty((_BUFFER, size))
         self._create(model, rtol, max_step, first_step)
 
     def _create(self, model: Any, rtol: float, max_step: float, first_step: float) -> None:
@@ -360,15 +370,15 @@ class Integrator:
             lib.N_VMake_Serial(size, array.ctypes.data, ctx)
             for array in (self._y, self._other, self._atol)
         ]
-        memory = lib.CVodeCreate(ADAMS, ctx)
+        memory = lib.CVodeCreate(_ADAMS, ctx)
         solver = lib.SUNNonlinSol_FixedPoint(vectors[0], 0, ctx)
         self._memory, self._vector = memory, vectors[0]
-        self._at = np.zeros(ADDRESSES, dtype=np.intp)
-        self._at[:ROOTS] = [lib.address(name) for name in STEPPING]
-        self._at[ROOTS], self._at[MEMORY] = model.roots.address, memory
-        self._at[VECTOR], self._at[OTHER] = vectors[:2]
-        self._at[CLOCK:] = [
-            array.ctypes.data for array in (self._now, self._found, self._scratch, self.p)
+        self._at = np.zeros(_ADDRESSES, dtype=np.intp)
+        self._at[:_ROOTS] = [lib.address(name) for name in _STEPPING]
+        self._at[_ROOTS], self._at[_MEMORY] = model.roots.address, memory
+        self._at[_VECTOR], self._at[_OTHER] = vectors[:2]
+        self._at[_CLOCK:] = [
+            array.ctypes.data for array in (self._now, self._flags, self._scratch, self.p)
         ]
         lib.CVodeInit(memory, model.rhs.address, 0.0, vectors[0])
         lib.CVodeSVtolerances(memory, rtol, vectors[2])
@@ -379,11 +389,11 @@ class Integrator:
         lib.CVodeSetNoInactiveRootWarn(memory)
         lib.CVodeSetMaxStep(memory, max_step)
         lib.CVodeSetInitStep(memory, first_step)
-        lib.CVodeSetMaxNumSteps(memory, MAX_STEPS)
+        lib.CVodeSetMaxNumSteps(memory, _MAX_STEPS)
         weakref.finalize(self, _free, memory, solver, vectors, ctx)
 
     def restart(self, t: float, y: FloatArray) -> None:
-        """Start anew from a state, in the mode that the parameter block says."""
+        """Restart from a state, in the mode of the parameter block."""
         lib = library()
         self._y[:] = y
         self._now[0] = t
@@ -397,16 +407,16 @@ class Integrator:
         times, states, flag = [], [], 0
         buffer_t, buffer_y = self._buffers
         while flag == 0:
-            self._found[:] = 0
-            count, flag = step(
-                self._at, self._y, self._other, self._now, self._found, self._scratch,
+            self._flags[:] = 0
+            count, flag = _step(
+                self._at, self._y, self._other, self._now, self._flags, self._scratch,
                 self.p, end, buffer_t, buffer_y,
             )  # fmt: skip
             times.append(buffer_t[:count].copy())
             states.append(buffer_y[:count].copy())
         event = None
-        if flag == ROOT_RETURN:
-            event = events.LIMIT if self._found[events.LIMIT] else events.CROSSING
+        if flag == _ROOT_RETURN:
+            event = events.LIMIT if self._flags[events.LIMIT] else events.CROSSING
         return Stretch(np.concatenate(times), np.concatenate(states), event, flag)
 
     @property
@@ -418,7 +428,7 @@ class Integrator:
 
 
 def _free(memory: int, solver: int, vectors: list[int], context: int) -> None:
-    """Give CVODE's memory back, in the order that SUNDIALS wants."""
+    """Free CVODE's memory, in the order that SUNDIALS requires."""
     lib = library()
     lib.CVodeFree(np.array([memory], dtype=np.intp).ctypes.data)
     lib.SUNNonlinSolFree(solver)

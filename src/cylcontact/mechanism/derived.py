@@ -1,4 +1,4 @@
-"""What follows from the states of a run, row by row: forces, energies, drift."""
+"""Quantities derived from the states of a run, row by row: forces, energies, drift."""
 
 from __future__ import annotations
 
@@ -11,7 +11,17 @@ from cylcontact.mechanism.assembly import joint_table
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.numba_cache import compiled
 
-# Nodes and weights on [0, 1] of ∫ f(x) dx, for x = s²: f ~ xⁿ with n ≥ 1 is then smooth enough.
+__all__ = [
+    "NODES",
+    "WEIGHTS",
+    "changes",
+    "drift",
+    "elastic_energy",
+    "joint_forces",
+    "kinetic_and_potential",
+]
+
+# Gauss nodes and weights on [0, 1] in s, with x = s², in which f ~ xⁿ with n ≥ 1 is smooth enough.
 _s, _w = np.polynomial.legendre.leggauss(24)
 NODES, WEIGHTS = (_s + 1) ** 2 / 4, _w * (_s + 1) / 2
 
@@ -40,11 +50,11 @@ def joint_forces(
         )
         if in_contact[k]:
             p[contact.IMPACT_RATE] = max(impact_rate[k], floor)
-            found = contact.contact_force(
+            f_x, f_y, _, _, normal, _, _ = contact.contact_force(
                 (e[k, 0], e[k, 1]), (e_rate[k, 0], e_rate[k, 1]), spins[k, 0], spins[k, 1], p
             )
-            out[k, 0], out[k, 1], out[k, 2] = found[0], found[1], found[4]
-            out[k, 3] = contact.friction_force(found[4], out[k, 4], p)
+            out[k, 0], out[k, 1], out[k, 2] = f_x, f_y, normal
+            out[k, 3] = contact.friction_force(normal, out[k, 4], p)
     return out
 
 
@@ -57,7 +67,7 @@ def elastic_energy(
 ) -> NDArray[np.float64]:
     """Return ∫ F_el dδ in J up to each penetration in m, by quadrature of the law itself."""
     out = np.zeros(penetration.size)
-    turn = p[contact.LAST_PENETRATION] * 1e-3  # the law goes on as a straight line from there
+    turn = p[contact.LAST_PENETRATION] * 1e-3  # the law continues as a straight line from there
     for k in range(penetration.size):
         delta = penetration[k]
         if delta <= 0.0:
@@ -74,7 +84,7 @@ def elastic_energy(
 def kinetic_and_potential(
     mechanism: Mechanism, q: FloatArray, v: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return kinetic energy and energy of position in J; q and v have shape (n, 3·bodies)."""
+    """Return kinetic and potential energy in J; q and v have shape (n, 3·bodies)."""
     mass = np.array([[b.mass, b.mass, b.inertia] for b in mechanism.bodies]).ravel()
     weight = np.array([(b.mass * g) for b in mechanism.bodies for g in (*mechanism.gravity, 0.0)])
     return 0.5 * (v**2) @ mass, -q @ weight
@@ -101,8 +111,8 @@ def drift(mechanism: Mechanism, time: FloatArray, q: FloatArray, v: FloatArray) 
     """Return the largest |Φ| and |dΦ/dt| of each row, in m or rad and per s, shape (n, 2)."""
     table = joint_table(mechanism.constraints)
     rows = sum(constraints.CONSTRAINTS[kind] for kind in table[:, 0])
-    found: FloatArray = _drift(time, q, v, table, rows)
-    return found
+    largest: FloatArray = _drift(time, q, v, table, rows)
+    return largest
 
 
 def changes(in_contact: BoolArray) -> tuple[NDArray[np.int_], NDArray[np.int_]]:

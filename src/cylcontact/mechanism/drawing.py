@@ -17,11 +17,27 @@ from cylcontact.mechanism.model import Joint
 from cylcontact.plots.sketch import OUTLINE, POINTER, THIN, Point
 from cylcontact.plots.style import ACCENT
 
-# Beyond the points' span, along x and along y, in shares of that along x.
+__all__ = [
+    "DRAWN",
+    "Magnified",
+    "Pose",
+    "draw_circle",
+    "draw_clearance_circle",
+    "draw_linkage",
+    "draw_magnified",
+    "driver_circle",
+    "frame",
+    "joint_place",
+    "poses",
+    "set_view",
+    "span",
+]
+
+# Margins along x and y around the points, as fractions of their span along x.
 MARGINS = (0.12, 0.08)
-# What is drawn of a body, in shares of the mechanism's span.
+# Sizes of the parts as fractions of the span of the mechanism.
 LINK, PIN, BLOCK, SUPPORT = 0.028, 0.011, (0.15, 0.085), 0.045
-# Guides end so far from the middle of what slides.
+# Length of a guide beyond the extreme positions of the slide.
 GUIDE = 0.13
 FILLS = ("0.72", "0.88", "0.80", "0.94")
 CIRCLE: dict[str, Any] = {
@@ -34,20 +50,20 @@ CIRCLE: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Pose:
-    """Where everything is at one time, in mm.
+    """The positions of all bodies at one time, in mm.
 
     Attributes
     ----------
     time : float
         In s.
     points : dict
-        Body → name of the point → (x, y); the ground is among them.
+        (x, y) by body and name of the point, including the ground.
     eccentricity : pair of float
         e, from the journal's centre to the bearing's.
     centres : dict
-        Body → its centre of mass.
+        Centre of mass by body.
     angles : dict
-        Body → angle in rad.
+        Angle in rad by body.
     """
 
     time: float
@@ -58,7 +74,7 @@ class Pose:
 
 
 def poses(run: Trajectory, times: FloatArray) -> list[Pose]:
-    """Return the poses of a run at some times, linear between its steps.
+    """Return the poses of a run at given times, by linear interpolation between its steps.
 
     Parameters
     ----------
@@ -82,92 +98,92 @@ def poses(run: Trajectory, times: FloatArray) -> list[Pose]:
     """
     data = run.mechanism.data
     flat = run.coordinates.reshape(run.time.size, -1)
-    wanted = np.column_stack([np.interp(times, run.time, column) for column in flat.T])
+    bodies = np.column_stack([np.interp(times, run.time, column) for column in flat.T])
     e = np.column_stack([np.interp(times, run.time, column) for column in run.eccentricity.T])
-    ground = {name: _mm(place) for name, place in data["ground"]["points"].items()}
-    found = []
-    for time, row, ecc in zip(times, wanted.reshape(times.size, -1, 3), e, strict=True):
+    ground = {name: _mm(point) for name, point in data["ground"]["points"].items()}
+    result = []
+    for time, row, ecc in zip(times, bodies.reshape(times.size, -1, 3), e, strict=True):
         points, centres, angles = {"ground": ground}, {}, {}
         for body, (x, y, angle) in zip(run.mechanism.bodies, row, strict=True):
             centres[body.name], angles[body.name] = _mm((x, y)), float(angle)
             points[body.name] = {
-                name: _mm(placed(x, y, angle, place))
-                for name, place in data["bodies"][body.name]["points"].items()
+                name: _mm(_in_global_axes(x, y, angle, local))
+                for name, local in data["bodies"][body.name]["points"].items()
             }
-        found.append(Pose(float(time), points, _mm(ecc), centres, angles))
-    return found
+        result.append(Pose(float(time), points, _mm(ecc), centres, angles))
+    return result
 
 
-def placed(x: float, y: float, angle: float, place: Point) -> Point:
-    """Return where a point of a body's own axes is."""
-    at = complex(x, y) + np.exp(1j * angle) * complex(*place)
+def _in_global_axes(x: float, y: float, angle: float, local: Point) -> Point:
+    """Return a point given in the axes of a body in global axes."""
+    at = complex(x, y) + np.exp(1j * angle) * complex(*local)
     return (float(at.real), float(at.imag))
 
 
-def _mm(place: FloatArray | Point) -> Point:
+def _mm(point: FloatArray | Point) -> Point:
     """Return a point given in m in mm."""
-    return (float(place[0]) * 1e3, float(place[1]) * 1e3)
+    return (float(point[0]) * 1e3, float(point[1]) * 1e3)
 
 
 def span(path: list[Pose]) -> tuple[float, float, float, float]:
     """Return the least x, largest x, least y and largest y of all points of some poses."""
-    places = np.array(
+    points = np.array(
         [at for pose in path for body in pose.points.values() for at in body.values()]
     )
-    (left, low), (right, high) = places.min(axis=0), places.max(axis=0)
+    (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
     return float(left), float(right), float(low), float(high)
 
 
 def draw_linkage(
-    axes: Axes, one: Mechanism, pose: Pose, size: float, path: Sequence[Pose] = ()
+    axes: Axes, mechanism: Mechanism, pose: Pose, size: float, path: Sequence[Pose] = ()
 ) -> None:
-    """Draw the mechanism as it is in a pose.
+    """Draw a mechanism in a pose.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
         In mm, with equal scales.
-    one : Mechanism
-        Whose joints say what is on the ground, and what slides.
+    mechanism : Mechanism
+        The mechanism, for its joints.
     pose : Pose
-        Where everything is.
+        The positions of its bodies.
     size : float
-        The mechanism's span in mm, which bodies are drawn in proportion to.
+        The span of the mechanism in mm, to which the parts are drawn in proportion.
     path : sequence of Pose, optional
-        All poses that are going to be drawn: guides are long enough for them.
+        All poses to be drawn, which determine the length of the guides.
     """
-    for joint in one.joints:
+    for joint in mechanism.joints:
         if joint.kind == "prismatic":
-            _draw_guide(axes, path or [pose], one, joint, size)
-    _draw_supports(axes, one, size)
-    for number, body in enumerate(one.bodies):
-        places = list(pose.points[body.name].values())
+            _draw_guide(axes, path or [pose], mechanism, joint, size)
+    _draw_supports(axes, mechanism, size)
+    for number, body in enumerate(mechanism.bodies):
+        points = list(pose.points[body.name].values())
         fill = FILLS[number % len(FILLS)]
-        if len(places) > 1:
-            axes.add_patch(_link(places, LINK * size, fill, 2 + number))
+        if len(points) > 1:
+            axes.add_patch(_link(points, LINK * size, fill, 2 + number))
         else:
-            _draw_block(axes, places[0], pose.angles[body.name], size, fill)
-    for joint in one.joints:
+            _draw_block(axes, points[0], pose.angles[body.name], size, fill)
+    for joint in mechanism.joints:
         if joint.kind == "revolute":
-            _draw_pin(axes, one, pose, joint, size)
+            _draw_pin(axes, mechanism, pose, joint, size)
 
 
-def driver_circle(one: Mechanism, pose: Pose) -> tuple[Point, float] | None:
-    """Return centre and radius of the circle on which the driven body's free end goes, in mm."""
-    driven = max(one.driver.i, one.driver.j)
-    for joint in one.joints:
+def driver_circle(mechanism: Mechanism, pose: Pose) -> tuple[Point, float] | None:
+    """Return centre and radius in mm of the circle of the driven body's free end, if any."""
+    driven = max(mechanism.driver.i, mechanism.driver.j)
+    for joint in mechanism.joints:
         if joint.kind == "revolute" and {joint.i, joint.j} == {-1, driven}:
             ground = joint.point_i if joint.i == -1 else joint.point_j
             centre = _mm(ground)
-            ends = pose.points[one.bodies[driven].name].values()
+            ends = pose.points[mechanism.bodies[driven].name].values()
             return centre, max(float(np.hypot(x - centre[0], y - centre[1])) for x, y in ends)
     return None
 
 
-def _link(places: list[Point], radius: float, fill: str, order: int) -> Polygon:
-    """Return the hull of discs about a body's points, as a bar has it."""
+def _link(points: list[Point], radius: float, fill: str, order: int) -> Polygon:
+    """Return a body as a bar, the hull of discs about its points."""
     turn = np.exp(1j * np.linspace(0, 2 * np.pi, 73))
-    cloud = np.concatenate([complex(*place) + radius * turn for place in places])
+    cloud = np.concatenate([complex(*point) + radius * turn for point in points])
     return Polygon(_hull(cloud), closed=True, facecolor=fill, zorder=order, **OUTLINE)
 
 
@@ -197,26 +213,26 @@ def _draw_block(axes: Axes, centre: Point, angle: float, size: float, fill: str)
 
 
 def _draw_guide(
-    axes: Axes, path: Sequence[Pose], one: Mechanism, joint: Joint, size: float
+    axes: Axes, path: Sequence[Pose], mechanism: Mechanism, joint: Joint, size: float
 ) -> None:
     """Draw the two lines between which a body slides in some poses."""
-    body = one.bodies[max(joint.i, joint.j)].name
+    body = mechanism.bodies[max(joint.i, joint.j)].name
     along = complex(np.exp(1j * joint.direction))
-    # The line goes through the ground's point; the body's own moves along it.
+    # The line goes through the point of the ground; that of the body moves along it.
     ground = complex(*_mm(joint.point_i if joint.i == -1 else joint.point_j))
-    places = [complex(*next(iter(pose.points[body].values()))) for pose in path]
-    reached = [((place - ground) * along.conjugate()).real for place in places]
+    points = [complex(*next(iter(pose.points[body].values()))) for pose in path]
+    travel = [((point - ground) * along.conjugate()).real for point in points]
     beyond = GUIDE * size
     for side in (1, -1):
         rail = ground + side * 0.5 * BLOCK[1] * size * 1j * along
-        ends = [rail + at * along for at in (min(reached) - beyond, max(reached) + beyond)]
+        ends = [rail + at * along for at in (min(travel) - beyond, max(travel) + beyond)]
         axes.plot([z.real for z in ends], [z.imag for z in ends], **THIN | {"linewidth": 0.9})
 
 
-def _draw_supports(axes: Axes, one: Mechanism, size: float) -> None:
+def _draw_supports(axes: Axes, mechanism: Mechanism, size: float) -> None:
     """Draw a hatched triangle below every revolute joint with the ground."""
     half = SUPPORT * size
-    for joint in one.joints:
+    for joint in mechanism.joints:
         if joint.kind == "revolute" and -1 in (joint.i, joint.j):
             x, y = _mm(joint.point_i if joint.i == -1 else joint.point_j)
             corners = [(x, y), (x - half, y - 1.5 * half), (x + half, y - 1.5 * half)]
@@ -233,29 +249,29 @@ def _draw_supports(axes: Axes, one: Mechanism, size: float) -> None:
             axes.plot([left, left + 3 * half], [below, below], **THIN | {"linewidth": 0.9})
 
 
-def joint_place(one: Mechanism, pose: Pose, joint: Joint) -> Point:
-    """Return where a joint is, by the point of its first body that moves, in mm."""
-    body, place = (joint.j, joint.point_j) if joint.i == -1 else (joint.i, joint.point_i)
-    name = one.bodies[body].name
+def joint_place(mechanism: Mechanism, pose: Pose, joint: Joint) -> Point:
+    """Return the position of a joint in mm, from the point of its first moving body."""
+    body, local = (joint.j, joint.point_j) if joint.i == -1 else (joint.i, joint.point_i)
+    name = mechanism.bodies[body].name
     x, y = pose.centres[name]
-    return placed(x, y, pose.angles[name], _mm(place))
+    return _in_global_axes(x, y, pose.angles[name], _mm(local))
 
 
-def _draw_pin(axes: Axes, one: Mechanism, pose: Pose, joint: Joint, size: float) -> None:
-    """Draw a revolute joint; the one with the clearance stands out."""
-    centre = joint_place(one, pose, joint)
-    open_joint = joint.name == one.clearance.joint
+def _draw_pin(axes: Axes, mechanism: Mechanism, pose: Pose, joint: Joint, size: float) -> None:
+    """Draw a revolute joint, highlighted if it has the clearance."""
+    centre = joint_place(mechanism, pose, joint)
+    open_joint = joint.name == mechanism.clearance.joint
     axes.add_patch(Circle(centre, PIN * size, facecolor="white", zorder=8, **OUTLINE))
     if open_joint:
         ring = {"fill": False, "edgecolor": ACCENT, "linewidth": 1.4}
         axes.add_patch(Circle(centre, 2.1 * PIN * size, zorder=8, **ring))
 
 
-def frame(one: Mechanism, path: list[Pose]) -> tuple[float, float, float, float]:
+def frame(mechanism: Mechanism, path: list[Pose]) -> tuple[float, float, float, float]:
     """Return a view of the mechanism in some poses, in mm: left, right, bottom, top."""
     left, right, low, high = span(path)
     for pose in path[:1]:
-        circle = driver_circle(one, pose)
+        circle = driver_circle(mechanism, pose)
         if circle is not None:
             (x, y), radius = circle
             left, right = min(left, x - radius), max(right, x + radius)
@@ -270,20 +286,20 @@ def set_view(axes: Axes, view: tuple[float, float, float, float]) -> None:
     axes.set_axis_off()
 
 
-def draw_circle(axes: Axes, one: Mechanism, pose: Pose) -> None:
-    """Draw the driver's circle and which way it turns."""
+def draw_circle(axes: Axes, mechanism: Mechanism, pose: Pose) -> None:
+    """Draw the driver's circle with an arrow in the direction of rotation."""
     from matplotlib.patches import Circle
 
-    found = driver_circle(one, pose)
-    if found is None:
+    circle = driver_circle(mechanism, pose)
+    if circle is None:
         return
-    (x, y), radius = found
+    (x, y), radius = circle
     axes.add_patch(Circle((x, y), radius, zorder=0.5, **CIRCLE))
-    turn = np.radians(np.array([118.0, 142.0])[:: int(np.sign(one.driver.speed)) or 1])
+    turn = np.radians(np.array([118.0, 142.0])[:: int(np.sign(mechanism.driver.speed)) or 1])
     start, end = (
         (float(x + radius * np.cos(angle)), float(y + radius * np.sin(angle))) for angle in turn
     )
-    bend = 0.2 * np.sign(one.driver.speed)
+    bend = 0.2 * np.sign(mechanism.driver.speed)
     arrow = POINTER | {"connectionstyle": f"arc3,rad={bend:g}", "zorder": 1, "linewidth": 0.9}
     axes.annotate("", xy=end, xytext=start, arrowprops=arrow)
 
@@ -296,7 +312,7 @@ RIM = 1.22
 
 @dataclass(frozen=True)
 class Magnified:
-    """A joint as drawn, its centre in the bearing's and its unit the bearing's radius.
+    """The clearance joint as drawn, in radii of the bearing from its centre.
 
     Attributes
     ----------
@@ -310,13 +326,13 @@ class Magnified:
     R_bearing: float
 
     @classmethod
-    def of(cls, one: Mechanism) -> Magnified:
-        """Return that of a mechanism's clearance joint."""
-        return cls(one.clearance.radial * 1e3, one.clearance.R_bearing * 1e3)
+    def of(cls, mechanism: Mechanism) -> Magnified:
+        """Return the clearance joint of a mechanism."""
+        return cls(mechanism.clearance.radial * 1e3, mechanism.clearance.R_bearing * 1e3)
 
     @property
     def factor(self) -> float:
-        """How many times the clearance is magnified against the radius.
+        """Magnification of the clearance relative to the radius.
 
         Examples
         --------
@@ -326,20 +342,20 @@ class Magnified:
         return DRAWN * self.R_bearing / self.radial
 
     def journal_centre(self, eccentricity: Point | FloatArray) -> Point:
-        """Return where the journal's centre is drawn: at −e, magnified."""
+        """Return the journal's centre as drawn: −e, magnified."""
         scale = -DRAWN / self.radial
         return (float(scale * eccentricity[0]), float(scale * eccentricity[1]))
 
 
 def draw_magnified(axes: Axes, joint: Magnified, eccentricity: Point) -> Point:
-    """Draw bearing and journal, and return where the journal's centre is.
+    """Draw bearing and journal, and return the journal's centre as drawn.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        Its unit is the bearing's radius.
+        Axes in units of the bearing's radius.
     joint : Magnified
-        What to draw.
+        The joint.
     eccentricity : pair of float
         e in mm.
     """
@@ -353,12 +369,12 @@ def draw_magnified(axes: Axes, joint: Magnified, eccentricity: Point) -> Point:
 
 
 def draw_clearance_circle(axes: Axes, radius: float, **style: Any) -> None:
-    """Draw the circle that the journal's centre leaves when it touches the bearing."""
+    """Draw the circle that the journal's centre crosses when it touches the bearing."""
     turn = np.linspace(0, 2 * np.pi, 181)
-    look: dict[str, Any] = {
+    defaults: dict[str, Any] = {
         "color": "black",
         "linewidth": 0.7,
         "linestyle": (0, (5, 3)),
         "marker": "",
     }
-    axes.plot(radius * np.cos(turn), radius * np.sin(turn), **look | style)
+    axes.plot(radius * np.cos(turn), radius * np.sin(turn), **defaults | style)

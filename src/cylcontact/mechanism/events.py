@@ -1,13 +1,13 @@
-"""What stops the integrator: onset, release, turning points of the penetration, the law's end.
+"""Events of the integrator: onset, release, turning points of the penetration, end of the law.
 
 Three functions of time change sign at an event,
 
     δ = |e| − c,    |e|·δ̇ = e·ė,    δ_limit − δ.
 
-The second one guards the first. A root finder sees a sign only at the ends of a step, and a step
-can leap over a shallow contact or a short release. Between the two there is a turning point of δ,
-which the second function finds; where δ then has the sign of the other mode, the crossing that was
-leapt over is searched for before it.
+The second function guards the first. A root finder compares signs at the ends of a step, and a step
+can skip a shallow contact or a short release. In between, δ has a turning point, which is a root of
+the second function. If δ has the sign of the other mode there, the skipped crossing is located
+before it.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 from cylcontact.mechanism import contact
 from cylcontact.numba_cache import compiled
+
+__all__ = ["CROSSING", "EVENTS", "LIMIT", "TURNING", "directions", "fill_roots"]
 
 CROSSING, TURNING, LIMIT = 0, 1, 2
 EVENTS = 3
@@ -39,9 +41,9 @@ def fill_roots(
 
 
 def directions(in_contact: bool) -> NDArray[np.int32]:
-    """Return the direction in which each function has to cross zero to count.
+    """Return the direction in which each function must cross zero to be an event.
 
-    Out of contact onset and a maximum of δ; in contact release, both kinds of turning points, as a
-    maximum is what an event reports, and the limit.
+    Out of contact: onset and a maximum of δ. In contact: release, both kinds of turning points, as
+    maxima are reported, and the limit.
     """
     return np.array([-1, 0, -1] if in_contact else [1, -1, 0], dtype=np.int32)

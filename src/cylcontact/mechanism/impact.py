@@ -1,7 +1,7 @@
-"""An isolated impact: a journal flies against its bearing, and nothing else acts.
+"""An isolated impact of a free journal against its bearing.
 
-It runs through the same equations, events and integrator as a mechanism, with no joint and no
-drive, so that its restitution can be held against the closed form of `cylcontact.dissipation`.
+It uses the same equations, events and integrator as a mechanism, without joints and drive, so that
+its restitution can be compared with the closed form of `cylcontact.dissipation`.
 """
 
 from __future__ import annotations
@@ -19,24 +19,26 @@ from cylcontact.mechanism.step_history import StepHistory
 from cylcontact.mechanism.system import System, law_block
 from cylcontact.pair import CylinderPair
 
-# Time to reach the bearing, and as often again for the impact and the way back.
-CROSSINGS = 3
+__all__ = ["Impact", "isolated_impact"]
+
+# Simulated time, in units of the time to reach the bearing.
+_CROSSINGS = 3
 
 
 @dataclass(frozen=True)
 class Impact:
-    """What an impact came to.
+    """Result of an isolated impact.
 
     Attributes
     ----------
     restitution : float
-        Speed after by speed before.
+        Speed after the impact over speed before.
     duration : float
-        In s.
+        Duration of contact in s.
     max_penetration : float
-        In m.
+        Largest penetration in m.
     dissipated : float
-        In J.
+        Dissipated energy in J.
     """
 
     restitution: float
@@ -53,7 +55,7 @@ def isolated_impact(
     speed: float,
     tolerance: float = 1e-10,
 ) -> Impact:
-    """Let a journal fly from the centre of a fixed bearing against it.
+    """Simulate the impact of a journal that flies from the centre of a fixed bearing against it.
 
     Parameters
     ----------
@@ -64,11 +66,11 @@ def isolated_impact(
     chi : float
         Hysteresis factor χ.
     mass : float
-        Of the journal in kg.
+        Mass of the journal in kg.
     speed : float
-        In m/s.
+        Its initial speed in m/s.
     tolerance : float
-        Of the integrator.
+        Tolerance of the integrator.
 
     Returns
     -------
@@ -77,7 +79,7 @@ def isolated_impact(
     Raises
     ------
     InputError
-        If the pair lacks what a joint needs, or the law ends before the journal turns back.
+        If the pair has no radii or length, or the law ends before the journal turns back.
 
     Examples
     --------
@@ -107,12 +109,12 @@ def isolated_impact(
     scale = np.array([p[contact.CLEARANCE]] * 3 + [speed] * 3 + [mass * speed**2] * 3)
     system = System(augmented, p, start, scale, True, "isolated_impact", law.name)
     flight = p[contact.CLEARANCE] / speed
-    rows, _ = advance(Run.start(system, tolerance, flight), CROSSINGS * flight)
+    rows, _ = advance(Run.start(system, tolerance, flight), _CROSSINGS * flight)
     return _impact(rows, p[contact.CLEARANCE])
 
 
 def _impact(rows: StepHistory, clearance: float) -> Impact:
-    """Read the first contact off the rows."""
+    """Return the result for the first contact in the rows."""
     time, values = rows.time, rows.values
     begins, ends = derived.changes(rows.in_contact)
     if not (begins.size and ends.size):

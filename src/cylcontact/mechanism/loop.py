@@ -1,8 +1,7 @@
-"""The time loop: stretches of one mode between events.
+"""The time loop: integration between events in one of two modes, free and contact.
 
-Two modes, free and contact. Onset and release are roots of δ, located by CVODE; at an onset the
-penetration rate δ̇⁽⁻⁾ is taken at the root itself. After each event the integrator starts anew with
-a short step.
+Onset and release are roots of δ, located by CVODE. The penetration rate δ̇⁽⁻⁾ of an onset is the
+rate at the root. After each event the integrator restarts with a short step.
 """
 
 from __future__ import annotations
@@ -20,21 +19,23 @@ from cylcontact.mechanism.cvode import Integrator
 from cylcontact.mechanism.step_history import State, StepHistory, concatenate
 from cylcontact.mechanism.system import System
 
-# Assumed: the first step after an event in s, three orders below the duration of an impact.
+__all__ = ["FIRST_STEP", "LawDomainError", "Run", "advance", "one_row"]
+
+# Assumed: the first step after an event in s, a thousandth of the duration of an impact.
 FIRST_STEP = 1e-9
-# Of absolute positions and angles nothing but the absolute tolerance may count.
-NOT_RELATIVE = 1e-15
-# An interval that takes more stretches than these is not getting anywhere.
-MAX_STRETCHES = 100_000
+# Relative tolerance where only the absolute one shall apply: absolute positions and angles.
+_NOT_RELATIVE = 1e-15
+# An interval with more stretches than this makes no progress.
+_MAX_STRETCHES = 100_000
 
 
 class LawDomainError(InputError):
-    """A contact law has left its domain during a run."""
+    """The penetration has reached the end of the contact law's domain during a run."""
 
 
 @dataclass
 class Run:
-    """A system under way: its integrator and its present state."""
+    """A run in progress: a system, its integrator and its present state."""
 
     system: System
     integrator: Integrator
@@ -46,7 +47,7 @@ class Run:
         cls, system: System, tolerance: float, max_step: float, state: State | None = None
     ) -> Run:
         """Return a run at the system's start, or at another state."""
-        relative = tolerance if system.relative else NOT_RELATIVE
+        relative = tolerance if system.relative else _NOT_RELATIVE
         absolute = tolerance * system.scale
         integrator = Integrator(
             system.model, system.block, relative, absolute, max_step, FIRST_STEP
@@ -65,18 +66,18 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[StepHistory, int]:
     Parameters
     ----------
     run : Run
-        Is left at the end.
+        The run; its state is advanced.
     end : float
         In s.
     label : int
-        The number that the rows get as their revolution.
+        The revolution of the rows.
 
     Returns
     -------
     rows : StepHistory
-        From the first accepted step on.
+        The accepted steps.
     evaluations : int
-        Of the right-hand side.
+        Number of evaluations of the right-hand side.
 
     Raises
     ------
@@ -86,12 +87,12 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[StepHistory, int]:
         If the steps collapse.
     """
     parts, evaluations = [], 0
-    for _ in range(MAX_STRETCHES):
+    for _ in range(_MAX_STRETCHES):
         _set_mode(run)
         run.integrator.restart(run.state.time, run.state.values)
         stretch = run.integrator.advance(end)
         evaluations += run.integrator.evaluations
-        parts.append(label_rows(run.state, stretch.times, stretch.states, label))
+        parts.append(_label_rows(run.state, stretch.times, stretch.states, label))
         run.state = replace(run.state, time=stretch.times[-1], values=stretch.states[-1])
         if stretch.flag < 0 or not np.isfinite(run.state.values).all():
             raise _collapsed(run, stretch.flag)
@@ -108,10 +109,10 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[StepHistory, int]:
 
 def one_row(state: State, label: int) -> StepHistory:
     """Return a state as a single row."""
-    return label_rows(state, np.array([state.time]), state.values[None, :], label)
+    return _label_rows(state, np.array([state.time]), state.values[None, :], label)
 
 
-def label_rows(state: State, times: FloatArray, values: FloatArray, label: int) -> StepHistory:
+def _label_rows(state: State, times: FloatArray, values: FloatArray, label: int) -> StepHistory:
     """Return steps as rows in the mode of `state`."""
     return StepHistory(
         time=times,
@@ -124,14 +125,14 @@ def label_rows(state: State, times: FloatArray, values: FloatArray, label: int) 
 
 
 def _set_mode(run: Run) -> None:
-    """Tell the compiled model which mode it is in."""
+    """Set the mode in the parameter block of the compiled model."""
     p = run.system.block
     p[contact.MODE] = contact.CONTACT if run.state.in_contact else contact.FREE
     p[contact.IMPACT_RATE] = max(run.state.impact_rate, p[contact.RATE_FLOOR])
 
 
 def _switch(run: Run) -> None:
-    """Go over to the other mode, with δ̇⁽⁻⁾ at the root."""
+    """Change to the other mode, with δ̇⁽⁻⁾ at the root."""
     if run.state.in_contact:
         run.state = replace(run.state, in_contact=False, impact_rate=0.0)
     else:
@@ -150,7 +151,7 @@ def _gap(run: Run) -> tuple[float, float]:
 
 def _law_left(run: Run) -> LawDomainError:
     limit = run.system.block[contact.STOP_PENETRATION]
-    # A law without a formula to compile may go on where its table ends.
+    # A tabulated law may be defined beyond its table.
     of_table = ", the end of its table" if run.system.block[contact.KERNEL] == TABLE else ""
     return LawDomainError(
         run.system.source,

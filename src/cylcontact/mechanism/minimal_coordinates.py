@@ -1,16 +1,16 @@
-"""The slider-crank in minimal coordinates: the eccentricity itself, two unknowns.
+"""The slider-crank in minimal coordinates: two unknowns, the components of the eccentricity.
 
-The second derivation, independent of multipliers, and the fast path. In a frame with its origin at
-the crank's pivot and its first axis along the slide, let A(t) be the crank pin, which the driver
-prescribes; the rod, of length L, points in the direction u = (cos φ, sin φ), and its far end is
-P = A + L·u. The slider's centre of the joint is S = (s, h), with h the offset of the slide. The
-coordinates are
+This is a second derivation, independent of multipliers, and the faster one. The frame has its
+origin at the crank's pivot and its first axis along the slide. A(t) is the crank pin, prescribed by
+the driver. The rod, of length L, points in the direction u = (cos φ, sin φ), and its far end is
+P = A + L·u. The centre of the joint on the slider is S = (s, h), with h the offset of the slide.
+The coordinates are
 
     E = S − P,
 
-which is the eccentricity when the slider carries the bearing and its opposite when the rod does.
-They are of the size of the clearance, so that a relative tolerance acts on what matters, and they
-determine the rest as long as the rod is not square to the slide:
+that is, the eccentricity if the slider carries the bearing and its negative if the rod does. They
+are of the size of the clearance, so that a relative tolerance applies to the clearance. They
+determine the other coordinates as long as the rod is not perpendicular to the slide:
 
     sin φ = (h − A_y − E_y)/L,    s = A_x + L·cos φ + E_x.
 
@@ -37,6 +37,32 @@ from cylcontact.mechanism.cvode import RHS_SIGNATURE, ROOTS_SIGNATURE, block, va
 from cylcontact.mechanism.events import EVENTS, fill_roots
 from cylcontact.numba_cache import callback, compiled
 
+__all__ = [
+    "ANGLE",
+    "CRANK",
+    "CRANK_A",
+    "CRANK_B",
+    "CRANK_MASS",
+    "GRAVITY_X",
+    "GRAVITY_Y",
+    "MODEL_SIZE",
+    "OFFSET",
+    "OMEGA",
+    "ROD",
+    "ROD_A",
+    "ROD_B",
+    "ROD_INERTIA",
+    "ROD_MASS",
+    "SIDE",
+    "SLIDER_MASS",
+    "STATES",
+    "derivatives",
+    "eccentricity",
+    "ideal_reaction",
+    "rhs",
+    "roots",
+]
+
 # Positions in the model's part of the parameter block.
 CRANK, ROD, OFFSET, ROD_A, ROD_B, ROD_INERTIA = 0, 1, 2, 3, 4, 5
 ROD_MASS, SLIDER_MASS, OMEGA, ANGLE, SIDE, GRAVITY_X, GRAVITY_Y = 6, 7, 8, 9, 10, 11, 12
@@ -58,7 +84,7 @@ def eccentricity(
 
 
 @compiled
-def rod_motion(
+def _rod_motion(
     t: float, y: NDArray[np.float64], m: NDArray[np.float64]
 ) -> tuple[float, float, float, float, float, float, float]:
     """Return A and its velocity, and sin φ, cos φ and φ̇ of the rod."""
@@ -72,8 +98,8 @@ def rod_motion(
 
 @compiled
 def ideal_reaction(t: float, y: NDArray[np.float64], m: NDArray[np.float64]) -> tuple[float, float]:
-    """Return the force on the slider that keeps E as it is, the reaction of an ideal joint in N."""
-    A_x, A_y, _, _, sine, cosine, spin = rod_motion(t, y, m)
+    """Return the force in N on the slider that keeps E constant, the reaction of an ideal joint."""
+    A_x, A_y, _, _, sine, cosine, spin = _rod_motion(t, y, m)
     omega, length, square = m[OMEGA], m[ROD], spin * spin
     a_x, a_y = -omega * omega * A_x, -omega * omega * A_y
     alpha = (length * sine * square - a_y) / (length * cosine)
@@ -91,7 +117,7 @@ def derivatives(
     """Write dy/dt, seven numbers, to `out`."""
     start = int(p[contact.MODEL_START])
     m = p[start : start + MODEL_SIZE]
-    A_x, A_y, _, _, sine, cosine, spin = rod_motion(t, y, m)
+    A_x, A_y, _, _, sine, cosine, spin = _rod_motion(t, y, m)
     omega, length = m[OMEGA], m[ROD]
     a_x, a_y = -omega * omega * A_x, -omega * omega * A_y
 
@@ -109,7 +135,7 @@ def derivatives(
         f_x, f_y = side * f_x, side * f_y
         moment = moment_j if side > 0 else moment_i
 
-    # The rod about A, in the accelerating frame; the gravity of the rod is a lower Ä.
+    # The rod about A, in the accelerating frame; gravity on the rod reduces Ä.
     a, b = m[ROD_A], m[ROD_B]
     lean_x, lean_y = -a * sine - b * cosine, a * cosine - b * sine  # a·u⊥ − b·u
     inertial = lean_x * (a_x - m[GRAVITY_X]) + lean_y * (a_y - m[GRAVITY_Y])

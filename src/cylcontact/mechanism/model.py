@@ -1,4 +1,4 @@
-"""A mechanism as data: bodies, joints, one clearance; read from a spec."""
+"""Mechanisms as data: bodies, joints and one clearance, read from a spec."""
 
 from __future__ import annotations
 
@@ -17,17 +17,29 @@ from cylcontact.mechanism.spec import MechanismSpec
 from cylcontact.pair import CylinderPair
 from cylcontact.spec import parse_spec, read_toml
 
+__all__ = [
+    "GROUND",
+    "Body",
+    "Clearance",
+    "Integration",
+    "Joint",
+    "Mechanism",
+    "Point",
+    "mechanism_from",
+    "read_mechanism",
+]
+
 GROUND = -1
 Point = tuple[float, float]
 
-# What no spec says.
-ASSUMED = (
+# Assumptions that no spec can change.
+_ASSUMED = (
     "start: the journal centred in its bearing and at rest in it",
     f"slowest impact that dissipates as its factor says = {IMPACT_RATE_FLOOR} mm/s",
 )
 
-# What commands may set, and where it stands in a spec.
-OVERRIDES = {
+# The values that commands may set, and their keys in a spec.
+_OVERRIDES = {
     "law": "clearance.law",
     "clearance": "clearance.radial",
     "restitution": "clearance.restitution",
@@ -39,7 +51,7 @@ OVERRIDES = {
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body: kg, kg m²; the guess is (x, y, θ) in m and rad."""
+    """A rigid body: mass in kg, inertia in kg m², and the guess (x, y, θ) in m and rad."""
 
     name: str
     mass: float
@@ -51,7 +63,7 @@ class Body:
 class Joint:
     """A joint of bodies i and j (−1 is the ground) at points in their own axes, in m.
 
-    `direction` and `angle` are in rad, `speed` in rad/s; which of them count depends on `kind`:
+    `direction` and `angle` are in rad, `speed` in rad/s; which of them are used depends on `kind`,
     "revolute", "prismatic" or "driver".
     """
 
@@ -92,7 +104,7 @@ class Clearance:
 
 @dataclass(frozen=True)
 class Integration:
-    """How to integrate, by the spec."""
+    """The settings of the integration in a spec."""
 
     alpha: float
     beta: float
@@ -110,15 +122,15 @@ class Mechanism:
     name : str
     bodies : tuple of Body
     joints : tuple of Joint
-        All of them, the one with the clearance among them.
+        All joints, including the one with the clearance.
     clearance : Clearance
     gravity : pair of float
         In m/s².
     integration : Integration
     data : dict
-        The spec, changes included.
+        The spec, including changes.
     source : str
-        What errors call it.
+        Its name in errors.
     """
 
     name: str
@@ -137,12 +149,12 @@ class Mechanism:
 
     @property
     def ideal(self) -> bool:
-        """Whether the clearance is closed, its joint a revolute like the others."""
+        """Whether the clearance is zero, so that its joint is a revolute like the others."""
         return self.clearance.radial == 0.0
 
     @property
     def constraints(self) -> tuple[Joint, ...]:
-        """The joints that constrain: all but the one with an open clearance."""
+        """The joints that constrain: all except the one with a clearance."""
         return tuple(j for j in self.joints if self.ideal or j.name != self.clearance.joint)
 
     @property
@@ -152,8 +164,8 @@ class Mechanism:
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """Everything that is assumed, as "key = value": what the spec says, and what it cannot."""
-        return (*assumptions(self.data), *ASSUMED)
+        """Every assumption as "key = value": those of the spec and those of the model."""
+        return (*assumptions(self.data), *_ASSUMED)
 
 
 def read_mechanism(path: Path | str, **changes: Any) -> Mechanism:
@@ -164,8 +176,8 @@ def read_mechanism(path: Path | str, **changes: Any) -> Mechanism:
     path : path
         A TOML file, e.g. datasets/slider_crank.toml.
     **changes
-        Values to put in place of the spec's: `law` (a name or a ContactLaw), `clearance` in mm,
-        `restitution`, `friction`, `revolutions`, `tolerance`. None changes nothing.
+        Values that replace those of the spec: `law` (a name or a ContactLaw), `clearance` in mm,
+        `restitution`, `friction`, `revolutions`, `tolerance`. None keeps the value of the spec.
 
     Returns
     -------
@@ -186,14 +198,14 @@ def read_mechanism(path: Path | str, **changes: Any) -> Mechanism:
 
 
 def mechanism_from(data: dict[str, Any], source: str = "mechanism", **changes: Any) -> Mechanism:
-    """Return the mechanism that a spec's data describe; see `read_mechanism`."""
+    """Return the mechanism of a spec's data; see `read_mechanism`."""
     changed = copy.deepcopy(data)
     law = changes.pop("law", None)
     for key, value in {**changes, "law": law if isinstance(law, str) else None}.items():
-        if key not in OVERRIDES:
-            raise InputError(source, key, value, "cannot be set", f"choose {', '.join(OVERRIDES)}")
+        if key not in _OVERRIDES:
+            raise InputError(source, key, value, "cannot be set", f"choose {', '.join(_OVERRIDES)}")
         if value is not None:
-            _set(changed, OVERRIDES[key], value)
+            _set(changed, _OVERRIDES[key], value)
     spec = parse_spec(MechanismSpec, changed, source)
     chosen = LAWS[spec.clearance.law]() if law is None or isinstance(law, str) else law
     if chosen is law:
@@ -216,7 +228,7 @@ def mechanism_from(data: dict[str, Any], source: str = "mechanism", **changes: A
 
 
 def _set(data: dict[str, Any], key: str, value: Any) -> None:
-    """Set a value by its dotted key, and take it out of what the spec says of its origin."""
+    """Set a value by its dotted key, and mark it as chosen in the provenance."""
     table, _, name = key.partition(".")
     if isinstance(data.get(table), dict):
         data[table][name] = value
@@ -224,16 +236,16 @@ def _set(data: dict[str, Any], key: str, value: Any) -> None:
     if isinstance(origin, dict):
         for kind, keys in origin.items():
             if isinstance(keys, list):
-                origin[kind] = [one for one in keys if one != key]
+                origin[kind] = [listed for listed in keys if listed != key]
         origin.setdefault("chosen", []).append(key)
 
 
 def _joint(spec: MechanismSpec, name: str, names: dict[str, int]) -> Joint:
-    """Return a joint with its bodies and points looked up."""
+    """Return a joint with the indices of its bodies and the coordinates of its points."""
     joint = spec.joints[name]
     bodies, points = [], []
-    for place in joint.between:
-        body, _, point = place.partition(".")
+    for end in joint.between:
+        body, _, point = end.partition(".")
         bodies.append(names[body])
         owner = spec.ground if body == "ground" else spec.bodies[body]
         points.append(owner.points[point] if point else (0.0, 0.0))
@@ -253,16 +265,16 @@ def _joint(spec: MechanismSpec, name: str, names: dict[str, int]) -> Joint:
 def _clearance(
     spec: MechanismSpec, joints: tuple[Joint, ...], names: dict[str, int], law: ContactLaw
 ) -> Clearance:
-    """Return the clearance joint, in SI but for the pair."""
+    """Return the clearance joint, in SI except for the pair."""
     c = spec.clearance
     joint = next(joint for joint in joints if joint.name == c.joint)
     ends = [(joint.i, joint.point_i), (joint.j, joint.point_j)]
     if names[c.bearing] != joint.i:
         ends.reverse()
-    steel = Material("joint", c.E * 1e3, c.nu)
+    material = Material("joint", c.E * 1e3, c.nu)
     pair = None
     if c.radial > 0:
-        pair = CylinderPair.from_dR("internal", c.radial, steel, c.length, c.R_bearing)
+        pair = CylinderPair.from_dR("internal", c.radial, material, c.length, c.R_bearing)
     return Clearance(
         joint=c.joint,
         i=ends[0][0],

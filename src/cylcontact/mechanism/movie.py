@@ -1,4 +1,4 @@
-"""A film of a mechanism, with its clearance joint magnified beside it."""
+"""Films of a mechanism, with its clearance joint magnified."""
 
 from __future__ import annotations
 
@@ -27,28 +27,28 @@ from cylcontact.mechanism.drawing import (
 from cylcontact.plots.style import ACCENT, figure_style
 from cylcontact.progress import Progress, silent
 
+__all__ = ["FRAMES_PER_REVOLUTION", "film", "require_film"]
+
 SIZE_INCHES, DPI = (7.2, 3.2), 90
 # GIF counts time in hundredths of a second.
 FRAMES_PER_REVOLUTION, FRAMES_PER_SECOND = 90, 20
-# How much of the journal centre's way is shown behind it, in revolutions.
+# Length of the trail of the journal's centre, in revolutions.
 TRAIL = 0.25
-# A force of the run's 99th percentile is drawn that long, in radii of the bearing.
+# Length of the 99th percentile of the force, in radii of the bearing.
 ARROW = 0.55
 FORCE = {"arrowstyle": "-|>", "color": ACCENT, "linewidth": 2, "shrinkA": 0, "shrinkB": 0}
 WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
 
 
 def film(run: Trajectory, path: Path, first: int = 0, progress: Progress = silent) -> int:
-    """Write a film of a run, from a revolution on.
-
-    The same run gives the same bytes.
+    """Write a film of a run; the same run gives the same bytes.
 
     Parameters
     ----------
     run : Trajectory
         The run.
     path : Path
-        Ends in .gif, or in .mp4 where ffmpeg is installed.
+        A .gif file, or a .mp4 file if ffmpeg is installed.
     first : int, optional
         The first revolution shown, from 0.
     progress : callable, optional
@@ -62,13 +62,12 @@ def film(run: Trajectory, path: Path, first: int = 0, progress: Progress = silen
     Raises
     ------
     InputError
-        If the ending is another one, ffmpeg is absent, or the path cannot be written.
+        If the suffix is another one, ffmpeg is missing, or the file cannot be written.
     """
     from matplotlib.animation import writers
 
     require_film(path)
-    shown = run.revolutions - first
-    count = shown * FRAMES_PER_REVOLUTION
+    count = (run.revolutions - first) * FRAMES_PER_REVOLUTION
     times = (first + np.arange(count) / FRAMES_PER_REVOLUTION) * run.mechanism.period
     path_of = poses(run, times)
     with figure_style(), replacing(path) as temporary:
@@ -85,7 +84,7 @@ def film(run: Trajectory, path: Path, first: int = 0, progress: Progress = silen
 
 
 def require_film(path: Path) -> None:
-    """Raise `InputError` where no film can be written under that name."""
+    """Raise `InputError` if no film can be written with the suffix of `path`."""
     from matplotlib.animation import writers
 
     suffix = require_suffix(path, *WRITERS)
@@ -96,7 +95,7 @@ def require_film(path: Path) -> None:
 
 
 class _Scene:
-    """The two panels of a film, drawn anew for every frame."""
+    """The two panels of a film, redrawn for every frame."""
 
     def __init__(self, figure: Figure, run: Trajectory, path: list[Pose]) -> None:
         self.run, self.joint = run, Magnified.of(run.mechanism)
@@ -108,16 +107,16 @@ class _Scene:
 
     def draw(self, pose: Pose) -> None:
         """Draw one frame."""
-        one = self.run.mechanism
+        mechanism = self.run.mechanism
         row = int(np.searchsorted(self.run.time, pose.time, side="right")) - 1
         for axes in (self.left, self.right):
             axes.clear()
         set_view(self.left, self.view)
-        draw_circle(self.left, one, pose)
-        draw_linkage(self.left, one, pose, self.view[1] - self.view[0], self.path)
+        draw_circle(self.left, mechanism, pose)
+        draw_linkage(self.left, mechanism, pose, self.view[1] - self.view[0], self.path)
         self.left.set_title(
-            f"{one.name}, {self.joint.radial:g} mm, {one.data['clearance']['law']}: "
-            f"revolution {pose.time / one.period:.2f}"
+            f"{mechanism.name}, {self.joint.radial:g} mm, {mechanism.data['clearance']['law']}: "
+            f"revolution {pose.time / mechanism.period:.2f}"
         )
         centre = draw_magnified(self.right, self.joint, pose.eccentricity)
         draw_clearance_circle(self.right, DRAWN, zorder=5)
@@ -128,7 +127,7 @@ class _Scene:
         self.right.set_title(f"clearance × {self.joint.factor:.3g}: {mode}")
 
     def _draw_trail(self, axes: Axes, time: float) -> None:
-        """Draw where the journal's centre has been."""
+        """Draw the recent path of the journal's centre."""
         begin = time - TRAIL * self.run.mechanism.period
         rows = slice(*np.searchsorted(self.run.time, [begin, time]))
         trail = -DRAWN / self.joint.radial * 1e3 * self.run.eccentricity[rows]
@@ -142,7 +141,7 @@ class _Scene:
             return
         e = self.run.eccentricity[row]
         contact = -e / np.hypot(*e)
-        # Very large forces are cut, so that they stay in the picture.
+        # Very large forces are cut, so that the arrow stays in the panel.
         length = ARROW * min(size / self.scale, 1.5)
         tip = contact + length * force / size
         axes.annotate(

@@ -1,4 +1,4 @@
-"""Where each number of a spec comes from: the paper, a derivation, or us."""
+"""The provenance of each number in a spec: paper, derived, assumed or chosen."""
 
 from __future__ import annotations
 
@@ -7,43 +7,45 @@ from typing import Any
 
 from cylcontact.spec import broken
 
-# "chosen" is what a command or a caller has put in place of the spec's value.
+__all__ = ["PROVENANCES", "assumptions", "check_provenance"]
+
+# "chosen" marks a value that a command or a caller has set.
 PROVENANCES = ("paper", "derived", "assumed", "chosen")
 
 
-def leaves(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the dotted key and value of every entry of nested tables.
+def _leaves(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the dotted key and value of every entry in nested tables.
 
     Examples
     --------
-    >>> list(leaves({"rod": {"mass": 0.2, "name": "a", "centre": [1.0, 2.0]}}))
+    >>> list(_leaves({"rod": {"mass": 0.2, "name": "a", "centre": [1.0, 2.0]}}))
     [('rod.mass', 0.2), ('rod.name', 'a'), ('rod.centre', [1.0, 2.0])]
     """
     for key, value in data.items():
         if isinstance(value, Mapping):
-            yield from leaves(value, f"{prefix}{key}.")
+            yield from _leaves(value, f"{prefix}{key}.")
         else:
             yield f"{prefix}{key}", value
 
 
-def numbers(data: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the dotted key and value of every number, or list of numbers, of nested tables.
+def _numbers(data: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield the dotted key and value of every number, or list of numbers, in nested tables.
 
     Examples
     --------
-    >>> list(numbers({"rod": {"mass": 0.2, "name": "a", "centre": [1.0, 2.0]}}))
+    >>> list(_numbers({"rod": {"mass": 0.2, "name": "a", "centre": [1.0, 2.0]}}))
     [('rod.mass', 0.2), ('rod.centre', [1.0, 2.0])]
     """
-    for key, value in leaves(data):
+    for key, value in _leaves(data):
         several = isinstance(value, list | tuple) and len(value) > 0
         if _is_number(value) or (several and all(map(_is_number, value))):
             yield key, value
 
 
 def assumptions(data: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return "key = value" for everything in a spec that is assumed.
+    """Return "key = value" for every assumed value of a spec.
 
-    Numbers are found by the tables they stand in, other values only where they are listed.
+    Numbers inherit the provenance of their table; other values must be listed themselves.
 
     Examples
     --------
@@ -51,22 +53,22 @@ def assumptions(data: Mapping[str, Any]) -> tuple[str, ...]:
     ('rod.mass = 0.2',)
     """
     table = data["provenance"]
-    entries = dict(numbers(data))
-    entries |= {k: v for k, v in leaves(data) if k in table.get("assumed", ())}
+    entries = dict(_numbers(data))
+    entries |= {k: v for k, v in _leaves(data) if k in table.get("assumed", ())}
     return tuple(
         f"{key} = {value}"
         for key, value in entries.items()
-        if provenance_of(key, table) == "assumed"
+        if _provenance_of(key, table) == "assumed"
     )
 
 
-def provenance_of(key: str, table: Mapping[str, Any]) -> str | None:
-    """Return the provenance of a key: that of the longest key in `table` that it is, or is under.
+def _provenance_of(key: str, table: Mapping[str, Any]) -> str | None:
+    """Return the provenance of a key: that of the longest key in `table` that is a prefix of it.
 
     Examples
     --------
     >>> table = {"paper": ["clearance"], "derived": [], "assumed": ["clearance.v0"]}
-    >>> provenance_of("clearance.v0", table), provenance_of("clearance.E", table)
+    >>> _provenance_of("clearance.v0", table), _provenance_of("clearance.E", table)
     ('assumed', 'paper')
     """
     fitting = [
@@ -79,20 +81,21 @@ def provenance_of(key: str, table: Mapping[str, Any]) -> str | None:
 
 
 def check_provenance(data: Mapping[str, Any]) -> None:
-    """Refuse a spec with a number of unknown provenance, or a provenance of no number."""
+    """Raise an error for a number without provenance, or a provenance without a value."""
     table = data["provenance"]
-    keys = [key for key, _ in numbers(data)]
-    texts = dict(leaves(data))
+    keys = [key for key, _ in _numbers(data)]
+    texts = dict(_leaves(data))
     listed = [str(key) for kind in PROVENANCES for key in table.get(kind, ())]
     for key in keys:
-        if provenance_of(key, table) is None:
+        if _provenance_of(key, table) is None:
             raise broken(
                 "provenance", key, "has no provenance", "list it under paper, derived or assumed"
             )
     for key in listed:
         if listed.count(key) > 1:
-            raise broken("provenance", key, "stands twice", "keep one of them")
-        if not any(one == key or one.startswith(f"{key}.") for one in keys) and key not in texts:
+            raise broken("provenance", key, "is listed twice", "keep one of them")
+        covered = any(number == key or number.startswith(f"{key}.") for number in keys)
+        if not covered and key not in texts:
             raise broken("provenance", key, "covers nothing in the file", "correct or remove it")
 
 

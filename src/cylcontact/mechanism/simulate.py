@@ -1,31 +1,31 @@
 """Simulate a mechanism, revolution by revolution.
 
-At the end of every revolution of the driver the integrator starts anew. That makes a revolution
-depend on nothing but the state at its start, and a run that is taken up later equal to one that
-was never interrupted, to the bit.
+The integrator restarts at the end of every revolution of the driver. A revolution then depends only
+on the state at its start, and a resumed run equals an uninterrupted one to the bit.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from cylcontact.choices import BEYOND, METHODS, Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.mechanism.loop import Run, advance, one_row
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import recognise
-from cylcontact.mechanism.step_history import Beyond, Method, Settings, StepHistory, concatenate
-from cylcontact.mechanism.system import BEYOND, METHODS, build
+from cylcontact.mechanism.step_history import Settings, StepHistory, concatenate
+from cylcontact.mechanism.system import build
 from cylcontact.mechanism.trajectory import Trajectory
+from cylcontact.progress import Progress, silent
 
-Progress = Callable[[str, int, int], None]
+__all__ = ["Interrupted", "settings_for", "simulate"]
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a run; `trajectory` holds the complete revolutions, None if there are none."""
+    """Ctrl-C during a run; `trajectory` has the complete revolutions, or is None."""
 
     def __init__(self, trajectory: Trajectory | None) -> None:
         super().__init__()
@@ -38,7 +38,7 @@ def simulate(
     revolutions: int | None = None,
     tolerance: float | None = None,
     beyond: Beyond = "stop",
-    progress: Progress | None = None,
+    progress: Progress = silent,
     resume: Trajectory | None = None,
     allowed_penetration: float | None = None,
 ) -> Trajectory:
@@ -47,40 +47,41 @@ def simulate(
     Parameters
     ----------
     mechanism : Mechanism
-        What to simulate; see `read_mechanism`.
+        The mechanism; see `read_mechanism`.
     method : {"minimal", "multiplier"}, optional
-        Which equations of motion: minimal coordinates, for a slider-crank with its clearance
-        between rod and slider, or multipliers, for any mechanism. By default the first where it
-        fits.
+        The equations of motion: minimal coordinates, for a slider-crank with its clearance
+        between rod and slider, or multipliers, for any mechanism. By default minimal coordinates
+        if they apply.
     revolutions : int, optional
-        Revolutions of the driver in all; by default the spec's.
+        Total number of revolutions of the driver; by default that of the spec.
     tolerance : float, optional
-        By default the spec's.
+        By default that of the spec.
     beyond : {"stop", "tangent"}
-        What to do where the contact law ends: stop with an error, or go on along the tangent at
-        nine tenths of the law's largest penetration. The trajectory says which.
+        What to do at the end of the contact law: stop with an error, or continue along the
+        tangent at nine tenths of the law's largest penetration. The trajectory records which.
     progress : callable, optional
-        Called with a stage, the revolutions done and their number.
+        Called with a stage, the number of revolutions done and their total.
     resume : Trajectory, optional
-        What has been simulated before: its mechanism and its settings count, and only
-        `revolutions` and `progress` of the arguments here. The result is the same, to the bit, as
-        that of a run never interrupted.
+        An earlier trajectory to continue. Its mechanism and settings are used, and of the other
+        arguments only `revolutions` and `progress`. The result equals that of an uninterrupted
+        run to the bit.
     allowed_penetration : float, optional
-        For comparison, the paper's step control: the penetration in m with which a contact may
-        begin, to which the step is halved, in place of locating the onset.
+        The paper's step control, for comparison: instead of locating the onset of a contact, the
+        step is halved until the penetration at the onset is at most this, in m.
 
     Returns
     -------
     Trajectory
-        Of whole revolutions.
+        Whole revolutions.
 
     Raises
     ------
     InputError
-        If the mechanism cannot be assembled, the law is undefined for the joint or is left
-        (`LawDomainError`, with time, penetration and limit), or the steps collapse.
+        If the mechanism cannot be assembled, the law is undefined for the joint, the penetration
+        leaves the domain of the law (`LawDomainError`, with time, penetration and limit), or the
+        steps collapse.
     Interrupted
-        After Ctrl-C, with the revolutions that are complete.
+        After Ctrl-C, with the complete revolutions.
 
     Examples
     --------
@@ -94,9 +95,9 @@ def simulate(
         settings = settings_for(mechanism, method, tolerance, beyond, allowed_penetration)
     else:
         mechanism, settings = resume.mechanism, resume.settings
-    wanted = mechanism.integration.revolutions if revolutions is None else revolutions
-    if wanted < 1:
-        raise InputError("simulate", "revolutions", wanted, "must be at least 1", "give e.g. 10")
+    total = mechanism.integration.revolutions if revolutions is None else revolutions
+    if total < 1:
+        raise InputError("simulate", "revolutions", total, "must be at least 1", "give e.g. 10")
     system = build(mechanism, settings.method, settings.beyond, settings.allowed_penetration)
     run = Run.start(
         system, settings.tolerance, settings.max_step, None if resume is None else resume.end
@@ -104,9 +105,8 @@ def simulate(
     parts = [one_row(run.state, 0)] if resume is None else [resume.rows]
     done = 0 if resume is None else resume.revolutions
     try:
-        for index in range(done, wanted):
-            if progress is not None:
-                progress("revolutions", index, wanted)
+        for index in range(done, total):
+            progress("revolutions", index, total)
             parts.append(_revolution(run, index, mechanism.period))
     except KeyboardInterrupt:
         rows = concatenate(parts)
@@ -114,8 +114,7 @@ def simulate(
             Trajectory(mechanism, settings, rows, system.block.copy()) if rows.counts.size else None
         )
         raise Interrupted(complete) from None
-    if progress is not None:
-        progress("revolutions", wanted, wanted)
+    progress("revolutions", total, total)
     return Trajectory(mechanism, settings, concatenate(parts), system.block.copy())
 
 
@@ -124,7 +123,7 @@ def _revolution(run: Run, index: int, period: float) -> StepHistory:
     start, begun = run.state.time, time.perf_counter()
     rows, evaluations = advance(run, (index + 1) * period, index)
     seconds = time.perf_counter() - begun
-    # An event's second row, in the mode that begins there, is no step.
+    # The second row of an event, in the mode that begins there, is not a step.
     steps = np.count_nonzero(np.diff(rows.time, prepend=start) > 0)
     return replace(rows, counts=np.array([[steps, evaluations, seconds]]))
 
@@ -137,7 +136,7 @@ def settings_for(
     allowed_penetration: float | None = None,
 ) -> Settings:
     """Return the settings of a run, checked and with defaults filled in; see `simulate`."""
-    method = default_method(mechanism) if method is None else method
+    method = _default_method(mechanism) if method is None else method
     for key, value, known in (("method", method, METHODS), ("beyond", beyond, BEYOND)):
         if value not in known:
             raise InputError("simulate", key, value, "is not known", f"choose {', '.join(known)}")
@@ -155,13 +154,13 @@ def settings_for(
     return Settings(method, tolerance, max_step, beyond, allowed_penetration)
 
 
-def default_method(mechanism: Mechanism) -> Method:
-    """Return "minimal" where it fits, else "multiplier".
+def _default_method(mechanism: Mechanism) -> Method:
+    """Return "minimal" if it applies, else "multiplier".
 
     Examples
     --------
     >>> from cylcontact.mechanism import read_mechanism
-    >>> [default_method(read_mechanism(f"datasets/{name}.toml"))
+    >>> [_default_method(read_mechanism(f"datasets/{name}.toml"))
     ...  for name in ("slider_crank", "four_bar")]
     ['minimal', 'multiplier']
     """

@@ -1,4 +1,4 @@
-"""What the minimal coordinates need of a mechanism: the lengths of a slider-crank, in its frame."""
+"""The lengths and angles of a slider-crank in its frame, for the minimal coordinates."""
 
 from __future__ import annotations
 
@@ -12,15 +12,17 @@ from cylcontact.errors import InputError
 from cylcontact.mechanism.assembly import assemble
 from cylcontact.mechanism.model import GROUND, Body, Joint, Mechanism, Point
 
+__all__ = ["SliderCrank", "masses", "motion", "recognise"]
+
 
 @dataclass(frozen=True)
 class SliderCrank:
     """A slider-crank with a clearance between rod and slider, seen along its slide.
 
-    The frame has its origin at the crank's pivot and its first axis along the slide. Lengths in m,
-    angles in rad; `crank_turn` and `rod_turn` are what has to be added to the angle of the body to
-    get the direction of its line, `offset` is the distance of the slide from the pivot, and
-    `side` is 1 when the slider carries the bearing and −1 when the rod does.
+    The frame has its origin at the crank's pivot and its first axis along the slide. Lengths are in
+    m, angles in rad. `crank_turn` and `rod_turn`, added to the angle of a body, give the direction
+    of its line. `offset` is the distance of the slide from the pivot. `side` is 1 if the slider
+    carries the bearing and −1 if the rod does.
     """
 
     crank: int
@@ -43,12 +45,12 @@ class SliderCrank:
 
 
 def recognise(mechanism: Mechanism) -> SliderCrank:
-    """Return the slider-crank that a mechanism is.
+    """Return the dimensions of a mechanism that is a slider-crank.
 
     Raises
     ------
     InputError
-        If it is another mechanism, or its clearance sits elsewhere than between rod and slider.
+        If it is another mechanism, or its clearance is not between rod and slider.
     """
     driver = mechanism.driver
     slides = [joint for joint in mechanism.joints if joint.kind == "prismatic"]
@@ -81,7 +83,7 @@ def recognise(mechanism: Mechanism) -> SliderCrank:
     q, _ = assemble(mechanism)
     if math.cos(q[3 * rod + 2] + shape.rod_turn) > 0:
         return shape
-    # The rod points back along the slide: turn the frame round.
+    # The rod points backwards along the slide: reverse the frame.
     return _measure(mechanism, bodies, joints, math.pi)
 
 
@@ -91,7 +93,7 @@ def _measure(
     joints: tuple[Joint, Joint, Joint, Joint],
     turn: float = 0.0,
 ) -> SliderCrank:
-    """Return the lengths and angles by the joints' points, in a frame turned by `turn`."""
+    """Return the lengths and angles from the points of the joints, in a frame turned by `turn`."""
     crank, rod, slider = bodies
     main, pin, wrist, slide = joints
     pivot, centre = _at(main, GROUND), _at(main, crank)
@@ -130,6 +132,7 @@ def motion(
     Parameters
     ----------
     shape : SliderCrank
+        The dimensions.
     t : array of float, shape (n,)
         In s.
     E, E_rate : array of float, shape (n, 2)
@@ -163,10 +166,10 @@ def motion(
     }  # fmt: skip
     turn, pivot = np.exp(1j * shape.slide), complex(*shape.pivot)
     q, v = np.empty((t.size, 9)), np.empty((t.size, 9))
-    for body, (place, rate, angle, spin) in bodies.items():
-        at, moving = pivot + turn * place, turn * rate
-        q[:, 3 * body : 3 * body + 3] = np.column_stack((at.real, at.imag, angle))
-        v[:, 3 * body : 3 * body + 3] = np.column_stack((moving.real, moving.imag, spin))
+    for body, (local_centre, local_velocity, angle, spin) in bodies.items():
+        centre, velocity = pivot + turn * local_centre, turn * local_velocity
+        q[:, 3 * body : 3 * body + 3] = np.column_stack((centre.real, centre.imag, angle))
+        v[:, 3 * body : 3 * body + 3] = np.column_stack((velocity.real, velocity.imag, spin))
     return q, v
 
 
@@ -177,9 +180,9 @@ def masses(mechanism: Mechanism, shape: SliderCrank) -> tuple[Body, Body, Body]:
 
 
 def _revolute(mechanism: Mechanism, bodies: set[int]) -> Joint | None:
-    """Return the revolute joint of two bodies."""
-    found = [j for j in mechanism.joints if j.kind == "revolute" and {j.i, j.j} == bodies]
-    return found[0] if found else None
+    """Return the first revolute joint between two bodies, if any."""
+    joints = (j for j in mechanism.joints if j.kind == "revolute" and {j.i, j.j} == bodies)
+    return next(joints, None)
 
 
 def _at(joint: Joint, body: int) -> Point:

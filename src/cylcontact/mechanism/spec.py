@@ -1,4 +1,4 @@
-"""Specs of mechanisms: what a TOML file of one may say."""
+"""Specs of mechanisms: the models of their TOML files."""
 
 from __future__ import annotations
 
@@ -11,8 +11,18 @@ from cylcontact.laws import LAWS
 from cylcontact.mechanism.provenance import check_provenance
 from cylcontact.spec import Spec, broken
 
-# TOML has lists only.
-Pair = Annotated[tuple[float, float], Strict(False)]
+__all__ = [
+    "BodySpec",
+    "ClearanceSpec",
+    "GroundSpec",
+    "IntegrationSpec",
+    "JointSpec",
+    "MechanismSpec",
+    "ProvenanceSpec",
+]
+
+# TOML has lists, not tuples.
+_Pair = Annotated[tuple[float, float], Strict(False)]
 
 
 class BodySpec(Spec):
@@ -20,7 +30,7 @@ class BodySpec(Spec):
 
     mass: float = Field(gt=0, description="the mass in kg")
     inertia: float = Field(gt=0, description="the moment of inertia about the centre, kg m²")
-    points: dict[str, Pair] = Field(
+    points: dict[str, _Pair] = Field(
         description="named points in m from the centre, {pin = [x, y]}", strict=False
     )
     guess: tuple[float, float, float] = Field(
@@ -29,9 +39,11 @@ class BodySpec(Spec):
 
 
 class GroundSpec(Spec):
-    """What does not move."""
+    """The ground."""
 
-    points: dict[str, Pair] = Field(description="named points in m, {pivot = [x, y]}", strict=False)
+    points: dict[str, _Pair] = Field(
+        description="named points in m, {pivot = [x, y]}", strict=False
+    )
 
 
 class JointSpec(Spec):
@@ -49,12 +61,12 @@ class JointSpec(Spec):
 
     @model_validator(mode="after")
     def _check(self) -> JointSpec:
-        wanted = {"revolute": None, "prismatic": "direction", "driver": "speed"}[self.type]
+        required = {"revolute": None, "prismatic": "direction", "driver": "speed"}[self.type]
         for key in ("direction", "speed"):
             given = getattr(self, key) is not None
-            if given and key != wanted:
+            if given and key != required:
                 raise broken(key, getattr(self, key), f"is not for a {self.type}", "remove it")
-            if key == wanted and not given:
+            if key == required and not given:
                 raise broken(key, None, f"is required for a {self.type}", f"add {key}")
         if self.type == "driver" and not self.speed:
             raise broken("speed", self.speed, "must not be zero", "give it in rpm")
@@ -62,7 +74,7 @@ class JointSpec(Spec):
 
 
 class ClearanceSpec(Spec):
-    """The revolute joint with clearance and what is in contact there."""
+    """The revolute joint with clearance, and its contact."""
 
     joint: str = Field(description="the name of a revolute joint")
     bearing: str = Field(description="the body that carries the bearing")
@@ -104,7 +116,7 @@ class IntegrationSpec(Spec):
 
 
 class ProvenanceSpec(Spec):
-    """Where the numbers come from, by key; the longest key that fits decides."""
+    """The provenance of the numbers by key; the longest matching key applies."""
 
     paper: tuple[str, ...] = Field(description="keys of the paper's numbers", strict=False)
     derived: tuple[str, ...] = Field(description="keys of derived numbers", strict=False)
@@ -118,7 +130,7 @@ class MechanismSpec(Spec):
     """A mechanism's file."""
 
     name: str = Field(description="the mechanism's name")
-    gravity: Pair = Field(description="the acceleration of gravity in m/s², [x, y]", strict=False)
+    gravity: _Pair = Field(description="the acceleration of gravity in m/s², [x, y]", strict=False)
     ground: GroundSpec = Field(description="a table [ground.points]")
     bodies: dict[str, BodySpec] = Field(min_length=1, description="a table [bodies.NAME] for each")
     joints: dict[str, JointSpec] = Field(description="a table [joints.NAME] for each")
@@ -131,8 +143,8 @@ class MechanismSpec(Spec):
         if "ground" in self.bodies:
             raise broken("bodies.ground", None, "is no body's name", "it is what does not move")
         for name, joint in self.joints.items():
-            for place in joint.between:
-                self._check_place(f"joints.{name}.between", place, joint.type == "driver")
+            for end in joint.between:
+                self._check_end(f"joints.{name}.between", end, joint.type == "driver")
         drivers = [name for name, joint in self.joints.items() if joint.type == "driver"]
         if len(drivers) != 1:
             raise broken("joints", drivers, "there must be one driver", 'give type = "driver" once')
@@ -140,16 +152,16 @@ class MechanismSpec(Spec):
         check_provenance(self.model_dump(exclude_unset=True))
         return self
 
-    def _check_place(self, key: str, place: str, whole_body: bool) -> None:
-        body, _, point = place.partition(".")
+    def _check_end(self, key: str, end: str, whole_body: bool) -> None:
+        body, _, point = end.partition(".")
         bodies: dict[str, BodySpec | GroundSpec] = {"ground": self.ground, **self.bodies}
         if body not in bodies:
-            raise broken(key, place, "names no body", f"bodies: {', '.join(bodies)}")
+            raise broken(key, end, "names no body", f"bodies: {', '.join(bodies)}")
         if whole_body and point:
-            raise broken(key, place, "names a point", "a driver takes two bodies")
+            raise broken(key, end, "names a point", "a driver takes two bodies")
         if not whole_body and point not in bodies[body].points:
             points = ", ".join(bodies[body].points)
-            raise broken(key, place, "names no point", f"points of {body}: {points}")
+            raise broken(key, end, "names no point", f"points of {body}: {points}")
 
     def _check_clearance(self) -> None:
         joint = self.joints.get(self.clearance.joint)
@@ -159,7 +171,7 @@ class MechanismSpec(Spec):
                 "clearance.joint", self.clearance.joint, "is not a revolute joint",
                 f"choose {', '.join(revolutes)}",
             )  # fmt: skip
-        bodies = [place.partition(".")[0] for place in joint.between]
+        bodies = [end.partition(".")[0] for end in joint.between]
         if self.clearance.bearing not in bodies:
             raise broken(
                 "clearance.bearing", self.clearance.bearing, "is not at that joint",

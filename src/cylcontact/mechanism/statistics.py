@@ -1,4 +1,4 @@
-"""A run in numbers: one value for each revolution, their means and their scatter."""
+"""Statistics of a run: values for each revolution, their means and their scatter."""
 
 from __future__ import annotations
 
@@ -9,19 +9,22 @@ import numpy as np
 
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.errors import InputError
-from cylcontact.mechanism import derived
+from cylcontact.mechanism.derived import changes
+from cylcontact.mechanism.step_history import StepHistory
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from cylcontact.mechanism.trajectory import Trajectory
+__all__ = ["Statistics", "statistics"]
 
-PERCENTILES = (50, 95, 99)
+_PERCENTILES = (50, 95, 99)
+# The last states of every model, see `StepHistory`.
+_LEDGERS = {"drive_work_J": -3, "normal_dissipation_J": -2, "friction_dissipation_J": -1}
 
 
 @dataclass(frozen=True)
 class Statistics:
-    """Numbers by revolution.
+    """Statistics by revolution.
 
     Attributes
     ----------
@@ -35,7 +38,7 @@ class Statistics:
         - `force_p50_N`, `force_p95_N`, `force_p99_N`, `max_force_N`: percentiles of the normal
           force over the time in contact;
         - `drive_work_J`, `normal_dissipation_J`, `friction_dissipation_J`: in that revolution;
-        - `mean_step_contact_us`, `mean_step_flight_us`: of the integrator;
+        - `mean_step_contact_us`, `mean_step_flight_us`: mean steps of the integrator;
         - `steps`, `evaluations`.
     """
 
@@ -60,13 +63,17 @@ class Statistics:
         return table
 
 
-def statistics(trajectory: Trajectory, first: int = 0) -> Statistics:
+def statistics(
+    rows: StepHistory, penetration: FloatArray, normal_force: FloatArray, first: int = 0
+) -> Statistics:
     """Return the statistics of a run over its revolutions from `first` on.
 
     Parameters
     ----------
-    trajectory : Trajectory
-        The run.
+    rows : StepHistory
+        The steps of the run, n of them.
+    penetration, normal_force : array of float, shape (n,)
+        δ in m and f_n in N.
     first : int
         The first revolution that counts, from 0.
 
@@ -74,58 +81,53 @@ def statistics(trajectory: Trajectory, first: int = 0) -> Statistics:
     ------
     InputError
         If no revolution is left.
-
-    Examples
-    --------
-    >>> from cylcontact.mechanism import read_mechanism, simulate
-    >>> mechanism = read_mechanism("datasets/slider_crank.toml", clearance=0.02)
-    >>> found = simulate(mechanism, revolutions=2).statistics(first=1)
-    >>> print(f"{found.mean['contact_fraction']:.3f}")
-    1.000
     """
     import pandas as pd
 
-    if not 0 <= first < trajectory.revolutions:
+    revolutions = rows.counts.shape[0]
+    if not 0 <= first < revolutions:
         raise InputError(
-            "statistics", "first", first, f"leaves none of {trajectory.revolutions} revolutions",
+            "statistics", "first", first, f"leaves none of {revolutions} revolutions",
             "start earlier, or simulate more revolutions",
         )  # fmt: skip
-    starts = np.searchsorted(trajectory.rows.revolution, np.arange(trajectory.revolutions + 1))
-    onsets, _ = derived.changes(trajectory.in_contact)
-    rows = []
-    for index in range(first, trajectory.revolutions):
-        # From the last row of the revolution before.
+    starts = np.searchsorted(rows.revolution, np.arange(revolutions + 1))
+    onsets, _ = changes(rows.in_contact)
+    records = []
+    for index in range(first, revolutions):
+        # From the last row of the previous revolution.
         span = slice(max(int(starts[index]) - 1, 0), int(starts[index + 1]))
-        begun = np.count_nonzero((onsets >= starts[index]) & (onsets < starts[index + 1]))
-        rows.append(_one_revolution(trajectory, span) | {"impacts": begun})
-    table = pd.DataFrame(
-        rows, index=pd.RangeIndex(first, trajectory.revolutions, name="revolution")
+        impacts = np.count_nonzero((onsets >= starts[index]) & (onsets < starts[index + 1]))
+        steps, evaluations, _ = rows.counts[index].astype(int)
+        records.append(
+            _one_revolution(rows, span, penetration[span], normal_force[span])
+            | {"impacts": impacts, "steps": steps, "evaluations": evaluations}
+        )
+    return Statistics(
+        pd.DataFrame(records, index=pd.RangeIndex(first, revolutions, name="revolution"))
     )
-    counts = trajectory.counts.iloc[first:].set_index(table.index)
-    return Statistics(table.join(counts[["steps", "evaluations"]]))
 
 
-def _one_revolution(trajectory: Trajectory, span: slice) -> dict[str, float]:
+def _one_revolution(
+    rows: StepHistory, span: slice, penetration: FloatArray, force: FloatArray
+) -> dict[str, float]:
     """Return the numbers of one revolution."""
-    time, touching = trajectory.time[span], trajectory.in_contact[span]
-    dt = np.diff(time)
-    # A step belongs to the mode of the row that it ends in: an onset's second row has dt = 0.
+    touching, dt = rows.in_contact[span], np.diff(rows.time[span])
+    # A step has the mode of its last row; the second row of an onset has dt = 0.
     inside, moving = touching[1:], dt > 0
-    delta, force = trajectory.penetration[span], trajectory.normal_force[span]
-    found = {
+    numbers = {
         "contact_fraction": float(dt[inside].sum() / dt.sum()),
-        "mean_penetration_um": _mean(dt, delta, inside) * 1e6,
-        "max_penetration_um": float(delta[touching].max(initial=0.0)) * 1e6,
+        "mean_penetration_um": _mean(dt, penetration, inside) * 1e6,
+        "max_penetration_um": float(penetration[touching].max(initial=0.0)) * 1e6,
         "max_force_N": float(force.max(initial=0.0)),
         "mean_step_contact_us": _average(dt[inside & moving]) * 1e6,
         "mean_step_flight_us": _average(dt[~inside & moving]) * 1e6,
     }
-    for percent, value in zip(PERCENTILES, _percentiles(dt, force, inside), strict=True):
-        found[f"force_p{percent}_N"] = value
-    for name in ("drive_work", "normal_dissipation", "friction_dissipation"):
-        ledger = getattr(trajectory, name)[span]
-        found[f"{name}_J"] = float(ledger[-1] - ledger[0])
-    return found
+    for percent, value in zip(_PERCENTILES, _percentiles(dt, force, inside), strict=True):
+        numbers[f"force_p{percent}_N"] = value
+    for name, state in _LEDGERS.items():
+        ledger = rows.values[span, state]
+        numbers[name] = float(ledger[-1] - ledger[0])
+    return numbers
 
 
 def _average(values: FloatArray) -> float:
@@ -143,7 +145,7 @@ def _percentiles(dt: FloatArray, values: FloatArray, inside: BoolArray) -> list[
     """Return percentiles over the time inside; NaN where there is none."""
     weight, middle = dt[inside], 0.5 * (values[1:] + values[:-1])[inside]
     if not weight.sum() > 0:
-        return [float("nan")] * len(PERCENTILES)
+        return [float("nan")] * len(_PERCENTILES)
     order = np.argsort(middle, kind="stable")
     share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
-    return [float(np.interp(percent / 100, share, middle[order])) for percent in PERCENTILES]
+    return [float(np.interp(percent / 100, share, middle[order])) for percent in _PERCENTILES]

@@ -1,22 +1,21 @@
-"""The steps of a run as the integrator gives them."""
+"""The steps of a run as returned by the integrator."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cylcontact.arrays import BoolArray, FloatArray
+from cylcontact.choices import Beyond, Method
 
-Method = Literal["minimal", "multiplier"]
-Beyond = Literal["stop", "tangent"]
+__all__ = ["Settings", "State", "StepHistory", "concatenate"]
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How a run is integrated; the tolerance is dimensionless, the step in s."""
+    """Settings of a run: method, tolerance (dimensionless), longest step in s, and so on."""
 
     method: Method
     tolerance: float
@@ -27,7 +26,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class State:
-    """All that the rest of a run depends on: time in s, states, mode, δ̇⁽⁻⁾ in m/s."""
+    """Everything that the rest of a run depends on: time in s, states, mode, δ̇⁽⁻⁾ in m/s."""
 
     time: float
     values: FloatArray
@@ -37,17 +36,18 @@ class State:
 
 @dataclass(frozen=True)
 class StepHistory:
-    """The accepted steps, n of them, and counts by revolution.
+    """The n accepted steps, and counts by revolution.
 
     Attributes
     ----------
     time : array of float, shape (n,)
         In s.
     values : array of float, shape (n, states)
-        The states of the model, SI.
+        The states of the model in SI units; the last three are the work of the drive, the normal
+        and the friction dissipation in J.
     in_contact : array of bool, shape (n,)
     impact_rate : array of float, shape (n,)
-        δ̇⁽⁻⁾ of the contact under way in m/s, 0 out of contact.
+        δ̇⁽⁻⁾ of the current contact in m/s; 0 out of contact.
     revolution : array of int, shape (n,)
         From 0.
     counts : array of float, shape (revolutions, 3)
@@ -63,6 +63,6 @@ class StepHistory:
 
 
 def concatenate(parts: list[StepHistory]) -> StepHistory:
-    """Join rows in their order."""
-    columns = [np.concatenate([getattr(one, f.name) for one in parts]) for f in fields(StepHistory)]
-    return StepHistory(*columns)
+    """Return the rows of all parts, in order."""
+    names = [field.name for field in fields(StepHistory)]
+    return StepHistory(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))

@@ -1,4 +1,4 @@
-"""How far a run can be trusted: the horizon of two tolerances, drift and balance by tolerance."""
+"""Accuracy of runs: the horizon of two tolerances, drift and energy balance by tolerance."""
 
 from __future__ import annotations
 
@@ -14,22 +14,24 @@ from cylcontact.mechanism.trajectory import Trajectory
 if TYPE_CHECKING:
     import pandas as pd
 
-# Assumed: two runs agree while their eccentricities differ by less than this share of the
-# clearance. What parts does so fast, so that another share moves the horizon little.
+__all__ = ["AGREEMENT", "eccentricity_at", "horizon", "tolerance_table"]
+
+# Assumed: two runs agree while their eccentricities differ by less than this fraction of the
+# clearance. Runs diverge fast, so the horizon depends little on the fraction.
 AGREEMENT = 0.01
 
 
 def eccentricity_at(run: Trajectory, time: FloatArray) -> FloatArray:
-    """Return a run's eccentricity in m at given times, shape (n, 2).
+    """Return the eccentricity of a run in m at the given times, shape (n, 2).
 
-    Cubic interpolation between the steps, with the rates that the run has at their ends.
+    Cubic Hermite interpolation between the steps.
 
     Parameters
     ----------
     run : Trajectory
         The run.
     time : array of float, shape (n,)
-        In s, inside the run.
+        In s, within the run.
 
     Examples
     --------
@@ -42,29 +44,29 @@ def eccentricity_at(run: Trajectory, time: FloatArray) -> FloatArray:
 
     steps, rows = np.unique(run.time, return_index=True)
     spline = CubicHermiteSpline(steps, run.eccentricity[rows], run.eccentricity_rate[rows])
-    found: FloatArray = spline(time)
-    return found
+    eccentricity: FloatArray = spline(time)
+    return eccentricity
 
 
 def horizon(run: Trajectory, other: Trajectory, share: float = AGREEMENT) -> float:
-    """Return up to when two runs of the same mechanism agree, in revolutions.
+    """Return the time until which two runs of the same mechanism agree, in revolutions.
 
     Parameters
     ----------
     run, other : Trajectory
-        At two tolerances, say, or in two forms.
+        The runs, for example at two tolerances or with two methods.
     share : float
-        Of the clearance: by how much the eccentricities may differ.
+        Allowed difference of the eccentricities, as a fraction of the clearance.
 
     Returns
     -------
     float
-        The time of the first step at which they differ by more; that of the end if none does.
+        The time of the first step with a larger difference, or the end if there is none.
 
     Raises
     ------
     InputError
-        If the runs are of mechanisms that differ.
+        If the runs are of different mechanisms.
 
     Examples
     --------
@@ -85,20 +87,19 @@ def horizon(run: Trajectory, other: Trajectory, share: float = AGREEMENT) -> flo
 
 
 def tolerance_table(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """Summarise sweeps at several tolerances: what each costs and what it gives.
+    """Summarise the cost and accuracy of sweeps at several tolerances.
 
     Parameters
     ----------
     tables : sequence of DataFrame
-        From `sweep`, each of one method and tolerance.
+        Tables from `sweep`, each for one method and tolerance.
 
     Returns
     -------
     DataFrame
-        One row for each: `method`, `tolerance`, number of complete `cases`, largest and median
-        relative energy error, largest drift of a position constraint in m or rad (NaN in minimal
-        coordinates, which have none), and steps and evaluations per revolution in the mean over
-        the cases.
+        One row for each table: `method`, `tolerance`, number of complete `cases`, largest and
+        median relative energy error, largest drift of a position constraint in m or rad (NaN in
+        minimal coordinates, which have none), and mean steps and evaluations per revolution.
 
     Raises
     ------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import closing
 from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
@@ -12,20 +12,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cylcontact.choices import TABLE_SUFFIXES, Beyond, Method
 from cylcontact.errors import InputError
-from cylcontact.mechanism.kept import Kept
+from cylcontact.journal import Journal
 from cylcontact.mechanism.model import Mechanism, mechanism_from
 from cylcontact.mechanism.simulate import simulate
-from cylcontact.mechanism.step_history import Beyond, Method
 from cylcontact.mechanism.studies import horizon
 from cylcontact.mechanism.trajectory import Trajectory
 from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.progress import Progress, silent
 from cylcontact.provenance import spec_hash
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Progress = Callable[[str, int, int], None]
+__all__ = ["Case", "Plan", "cases", "require_table_name", "run_case", "sweep", "write_table"]
 
 
 @dataclass(frozen=True)
@@ -77,8 +78,8 @@ def sweep(
     wanted: Sequence[Case],
     plan: Plan,
     workers: Workers = 1,
-    progress: Progress | None = None,
-    kept: Path | None = None,
+    progress: Progress = silent,
+    checkpoint: Path | None = None,
     resume: bool = False,
 ) -> pd.DataFrame:
     """Simulate cases of a mechanism, in parallel.
@@ -95,10 +96,10 @@ def sweep(
         Where to run them; the table does not depend on it.
     progress : callable, optional
         Called with a stage, the cases done and their number.
-    kept : Path, optional
-        Keeps every complete case, so that an interrupted sweep can be taken up.
+    checkpoint : Path, optional
+        The journal of complete cases; the caller removes it once the table is saved.
     resume : bool
-        Whether to take the cases in `kept` from there.
+        Whether to take the cases already in `checkpoint` from there.
 
     Returns
     -------
@@ -128,24 +129,27 @@ def sweep(
     import pandas as pd
 
     _require_possible(mechanism, wanted, plan)
-    found: dict[Case, dict[str, Any]] = {}
-    store = Kept(kept, _key(mechanism, plan)) if kept is not None else None
-    if store is not None:
-        found = {Case(**line["case"]): line["row"] for line in store.load()} if resume else {}
-        if not resume:
-            store.start()
-    missing = [case for case in wanted if case not in found]
+    journal = Journal(checkpoint, "sweep", _key(mechanism, plan)) if checkpoint else None
+    rows = dict(journal.load(_row_from)) if journal and resume else {}
+    if journal and not resume:
+        journal.start()
+    missing = [case for case in wanted if case not in rows]
+    done = len(wanted) - len(missing)
     calls = [call(run_case, mechanism.data, mechanism.source, case, plan) for case in missing]
-    if progress is not None:
-        progress("cases", len(wanted) - len(missing), len(wanted))
+    progress("cases", done, len(wanted))
     with closing(run_calls(calls, workers)) as results:
-        for done, (case, row) in enumerate(zip(missing, results, strict=True), start=1):
-            found[case] = row
-            if store is not None:
-                store.add({"case": asdict(case), "row": row})
-            if progress is not None:
-                progress("cases", len(wanted) - len(missing) + done, len(wanted))
-    return pd.DataFrame([found[case] for case in wanted])
+        for case, row in zip(missing, results, strict=True):
+            rows[case] = row
+            if journal:
+                journal.add({"case": asdict(case), "row": row})
+            done += 1
+            progress("cases", done, len(wanted))
+    return pd.DataFrame([rows[case] for case in wanted])
+
+
+def _row_from(entry: dict[str, Any]) -> tuple[Case, dict[str, Any]]:
+    """Return the case and the row that a journal entry records."""
+    return Case(**entry["case"]), entry["row"]
 
 
 def run_case(data: dict[str, Any], source: str, case: Case, plan: Plan) -> dict[str, Any]:
@@ -241,4 +245,4 @@ def require_table_name(path: Path) -> None:
     """Refuse a name that is neither .csv nor .parquet."""
     from cylcontact.files import require_suffix
 
-    require_suffix(path, ".csv", ".parquet")
+    require_suffix(path, *TABLE_SUFFIXES)

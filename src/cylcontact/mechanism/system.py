@@ -1,4 +1,4 @@
-"""A mechanism made ready for the integrator: parameter block, start and tolerances."""
+"""Parameter block, initial state and tolerances of a mechanism, for the integrator."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from cylcontact.mechanism.cvode import library
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import masses, recognise
 
-METHODS = ("minimal", "multiplier")
-BEYOND = ("stop", "tangent")
+__all__ = ["TANGENT_FROM", "System", "build", "law_block"]
+
 # Assumed: where the straight line of "tangent" takes over, as a fraction of the law's largest
 # penetration. At the limit itself Johnson's law is infinitely stiff.
 TANGENT_FROM = 0.9
 
-# What the tolerance is relative to. A state of the size of the clearance moves at some metres per
-# second; energies are of some joules.
-LENGTH_SCALE, SPEED_SCALE, ENERGY_SCALE = 1e-4, 1.0, 1e2
+# Scales of the absolute tolerances in m, m/s and J: states of the size of the clearance, speeds of
+# some metres per second and energies of some joules.
+_LENGTH_SCALE, _SPEED_SCALE, _ENERGY_SCALE = 1e-4, 1.0, 1e2
 
 
 @dataclass(frozen=True)
 class System:
-    """One mechanism in one form.
+    """One mechanism with one method.
 
     Attributes
     ----------
@@ -40,12 +40,12 @@ class System:
     start : array of float
         The state at t = 0.
     scale : array of float
-        What the tolerance of each state is relative to, besides the state itself.
+        The scale of the absolute tolerance of each state.
     relative : bool
-        Whether the tolerance is relative to the state as well, which for absolute positions would
-        be too coarse.
+        Whether the tolerance is also relative to the state, which would be too coarse for
+        absolute positions.
     source, law : str
-        What errors call the mechanism and the law.
+        Names of the mechanism and the law in errors.
     """
 
     model: ModuleType
@@ -63,34 +63,33 @@ def build(
     beyond: str = "stop",
     allowed_penetration: float | None = None,
 ) -> System:
-    """Make a mechanism ready.
+    """Return a mechanism prepared for the integrator.
 
     Parameters
     ----------
     mechanism : Mechanism
         The mechanism.
     method : {"minimal", "multiplier"}
-        Which equations of motion.
+        The equations of motion.
     beyond : {"stop", "tangent"}
-        What to do where the law ends.
+        What to do at the end of the law.
     allowed_penetration : float, optional
-        In m: step control by the penetration at which a contact may begin, in place of the
-        location of its onset.
+        In m; see `simulate`.
 
     Raises
     ------
     InputError
-        If the mechanism cannot be assembled, or is none for minimal coordinates.
+        If the mechanism cannot be assembled, or minimal coordinates do not apply to it.
     """
     q, v = assemble(mechanism)
     model: ModuleType
     if method == "minimal":
         numbers, start = _minimal_numbers(mechanism), np.zeros(minimal.STATES)
-        scale = [LENGTH_SCALE] * 2 + [SPEED_SCALE] * 2 + [ENERGY_SCALE] * 3
+        scale = [_LENGTH_SCALE] * 2 + [_SPEED_SCALE] * 2 + [_ENERGY_SCALE] * 3
         model = minimal
     else:
         numbers, start = _augmented_numbers(mechanism), np.concatenate((q, v, np.zeros(3)))
-        scale = [LENGTH_SCALE] * q.size + [SPEED_SCALE] * v.size + [ENERGY_SCALE] * 3
+        scale = [_LENGTH_SCALE] * q.size + [_SPEED_SCALE] * v.size + [_ENERGY_SCALE] * 3
         model = augmented
     block = _block(mechanism, numbers, start.size, beyond)
     block[contact.ALLOWED_PENETRATION] = allowed_penetration or 0.0
@@ -98,7 +97,7 @@ def build(
     return System(model, block, start, np.array(scale), method == "minimal", mechanism.source, law)
 
 
-def joint_kernel(mechanism: Mechanism) -> Kernel | None:
+def _joint_kernel(mechanism: Mechanism) -> Kernel | None:
     """Return the compiled law of the clearance joint; None where the joint is ideal."""
     joint = mechanism.clearance
     return None if joint.pair is None else kernel(joint.law, joint.pair)
@@ -107,11 +106,11 @@ def joint_kernel(mechanism: Mechanism) -> Kernel | None:
 def _block(mechanism: Mechanism, numbers: FloatArray, states: int, beyond: str) -> FloatArray:
     """Return the parameter block of a mechanism."""
     joint = mechanism.clearance
-    p = law_block(joint_kernel(mechanism), numbers, states, beyond)
+    p = law_block(_joint_kernel(mechanism), numbers, states, beyond)
     p[contact.IMPACT_RATE] = p[contact.RATE_FLOOR] = joint.rate_floor
     p[contact.CHI], p[contact.FRICTION] = joint.chi, joint.friction
     p[contact.V0], p[contact.V1] = joint.v0, joint.v1
-    # An ideal joint is one whose journal never reaches the bearing.
+    # With an infinite clearance the journal never reaches the bearing, as in an ideal joint.
     p[contact.CLEARANCE] = np.inf if mechanism.ideal else joint.radial
     p[contact.R_BEARING] = joint.R_bearing
     p[contact.R_JOURNAL] = joint.R_bearing - joint.radial
@@ -122,9 +121,9 @@ def _block(mechanism: Mechanism, numbers: FloatArray, states: int, beyond: str) 
 def law_block(
     law: Kernel | None, numbers: FloatArray, states: int, beyond: str = "stop"
 ) -> FloatArray:
-    """Return a parameter block with the law and the model's numbers in it, the rest still zero.
+    """Return a parameter block with the numbers of the law and of the model, otherwise zero.
 
-    Header, the law's numbers and the model's numbers follow each other.
+    The block consists of the header, the numbers of the law and those of the model.
     """
     law_numbers = np.empty(0) if law is None else law.parameters
     p = np.concatenate((np.zeros(contact.HEADER), law_numbers, numbers))
@@ -141,9 +140,9 @@ def law_block(
 
 
 def _end_of_law(p: FloatArray, law: Kernel, beyond: str) -> None:
-    """Say where the law is left, and how the load goes on from there.
+    """Set the end of the law and the continuation of the load.
 
-    Even where the run stops there, trial steps of the integrator may look further.
+    The continuation is needed even if the run stops there, for trial steps of the integrator.
     """
     last = law.max_penetration * (TANGENT_FROM if beyond == "tangent" else 1.0)
     p[contact.LAST_PENETRATION] = last

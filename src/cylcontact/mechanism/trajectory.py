@@ -1,42 +1,55 @@
-"""What a simulation gives: every accepted step, and what follows from it."""
+"""Trajectories: the accepted steps of a simulation, derived quantities, Parquet files and text."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+import textwrap
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
-from cylcontact.mechanism import contact, derived, storage, summary
-from cylcontact.mechanism.model import Mechanism
+from cylcontact.errors import InputError
+from cylcontact.files import replacing
+from cylcontact.html_repr import table_html
+from cylcontact.mechanism import contact, derived
+from cylcontact.mechanism.model import Mechanism, mechanism_from
 from cylcontact.mechanism.slider_crank import motion, recognise
+from cylcontact.mechanism.statistics import Statistics, statistics
 from cylcontact.mechanism.step_history import Settings, State, StepHistory
+from cylcontact.mechanism.system import build
+from cylcontact.provenance import made_with
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from cylcontact.mechanism.statistics import Statistics
+__all__ = ["Trajectory"]
+
+# The key of the schema's metadata with everything but the states.
+_METADATA = b"cylcontact.trajectory"
+_LIBRARIES = ("numpy", "numba", "scikit-sundae", "pyarrow")
+_WIDTH = 98
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """The motion of a mechanism with a clearance joint, over whole revolutions.
 
-    Every array has one element, or one row, for every accepted step of the integrator (n
-    of them), in SI units: m, s, rad, N, J. An onset or a release of contact has two rows at the
-    same time, one in either mode.
+    Every array has one element or row for each of the n accepted steps of the integrator, in SI
+    units: m, s, rad, N, J. An onset or release of contact has two rows at the same time, one in
+    each mode.
 
     Parameters
     ----------
     mechanism : Mechanism
-        What was simulated.
+        The mechanism.
     settings : Settings
-        How: method, tolerance, largest step in s, what was done beyond the law's domain.
+        Method, tolerance, longest step in s, and continuation beyond the law's domain.
     rows : StepHistory
-        The steps as the integrator gave them.
+        The steps as returned by the integrator.
     block : array of float
         The parameter block of the compiled model.
     """
@@ -68,7 +81,7 @@ class Trajectory:
 
     @property
     def end(self) -> State:
-        """The last state: all that the rest of a run depends on."""
+        """The last state, from which a run can be resumed."""
         r = self.rows
         return State(
             float(r.time[-1]), r.values[-1], bool(r.in_contact[-1]), float(r.impact_rate[-1])
@@ -95,7 +108,7 @@ class Trajectory:
 
     @cached_property
     def _eccentricity(self) -> tuple[FloatArray, FloatArray]:
-        """e and its rate in global axes; from minimal coordinates without loss of digits."""
+        """e and its rate in global axes; minimal coordinates give them without cancellation."""
         if self.settings.method == "minimal":
             shape, values = recognise(self.mechanism), self.rows.values
             turn = shape.side * np.exp(1j * shape.slide)
@@ -106,20 +119,20 @@ class Trajectory:
         i, j = self.point(joint.i, joint.point_i), self.point(joint.j, joint.point_j)
         return i[0] - j[0], i[1] - j[1]
 
-    def point(self, body: int, place: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-        """Return position and velocity of a body's point, each of shape (n, 2).
+    def point(self, body: int, local: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+        """Return position in m and velocity in m/s of a point of a body, shapes (n, 2).
 
         Parameters
         ----------
         body : int
             Its index; −1 is the ground.
-        place : pair of float
-            In m, in the body's own axes from its centre of mass.
+        local : pair of float
+            The point in m, relative to the centre of mass in the axes of the body.
         """
         if body < 0:
-            return np.tile(place, (self.time.size, 1)), np.zeros((self.time.size, 2))
+            return np.tile(local, (self.time.size, 1)), np.zeros((self.time.size, 2))
         q, v = self.coordinates[:, body], self.velocities[:, body]
-        arm = np.exp(1j * q[:, 2]) * complex(*place)
+        arm = np.exp(1j * q[:, 2]) * complex(*local)
         rate = 1j * v[:, 2] * arm
         return (
             q[:, :2] + np.column_stack((arm.real, arm.imag)),
@@ -157,7 +170,7 @@ class Trajectory:
         for column, body in enumerate((joint.i, joint.j)):
             if body >= 0:
                 spins[:, column] = self.velocities[:, body, 2]
-        found: FloatArray = derived.joint_forces(
+        forces: FloatArray = derived.joint_forces(
             np.ascontiguousarray(self.eccentricity),
             np.ascontiguousarray(self.eccentricity_rate),
             spins,
@@ -166,7 +179,7 @@ class Trajectory:
             joint.rate_floor,
             self.block.copy(),
         )
-        return found
+        return forces
 
     @property
     def force(self) -> FloatArray:
@@ -210,25 +223,25 @@ class Trajectory:
 
     @cached_property
     def potential_energy(self) -> FloatArray:
-        """Energy of position in J, 0 without gravity, shape (n,)."""
+        """Potential energy in J, 0 without gravity, shape (n,)."""
         return derived.kinetic_and_potential(self.mechanism, *self._motion)[1]
 
     @cached_property
     def elastic_energy(self) -> FloatArray:
-        """Energy stored in the contact in J, a quadrature of the law itself, shape (n,)."""
+        """Energy stored in the contact in J, by quadrature of the law, shape (n,)."""
         if self.mechanism.ideal:
             return np.zeros_like(self.time)
-        found: FloatArray = derived.elastic_energy(
+        energy: FloatArray = derived.elastic_energy(
             np.where(self.in_contact, self.penetration, 0.0),
             derived.NODES,
             derived.WEIGHTS,
             self.block,
         )
-        return found
+        return energy
 
     @cached_property
     def energy_error(self) -> FloatArray:
-        """Energy stored and dissipated less the drive's work, since the start, in J, shape (n,)."""
+        """Energy stored and dissipated minus the drive's work since the start in J, shape (n,)."""
         stored = self.kinetic_energy + self.potential_energy + self.elastic_energy
         total = stored + self.normal_dissipation + self.friction_dissipation - self.drive_work
         return as_floats(total - total[0])
@@ -241,7 +254,10 @@ class Trajectory:
     @property
     def counts(self) -> pd.DataFrame:
         """Accepted steps, evaluations and seconds, one row for each revolution."""
-        return summary.counts(self)
+        import pandas as pd
+
+        table = pd.DataFrame(self.rows.counts, columns=["steps", "evaluations", "seconds"])
+        return table.astype({"steps": int, "evaluations": int})
 
     @cached_property
     def contacts(self) -> pd.DataFrame:
@@ -250,49 +266,175 @@ class Trajectory:
         Columns: `onset_s`, `release_s` (NaN while under way), `impact_rate_m_per_s` (δ̇⁽⁻⁾),
         `max_penetration_m` and `max_force_N`.
         """
-        return summary.contacts(self)
+        import pandas as pd
+
+        begins, ends = derived.changes(self.in_contact)
+        last = np.append(ends, self.time.size - 1)[: begins.size]
+        spans = [slice(a, b + 1) for a, b in zip(begins, last, strict=True)]
+        release = np.full(begins.size, np.nan)
+        release[: ends.size] = self.time[ends]
+        return pd.DataFrame(
+            {
+                "onset_s": self.time[begins],
+                "release_s": release,
+                "impact_rate_m_per_s": self.rows.impact_rate[begins],
+                "max_penetration_m": [self.penetration[span].max() for span in spans],
+                "max_force_N": [self.normal_force[span].max() for span in spans],
+            }
+        )
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """Everything that was assumed, as "key = value", and how the law went on if it did."""
+        """Every assumption as "key = value", with the continuation of the law if there was one."""
         return (*self.mechanism.assumptions, *self.continuation)
 
     @property
     def continuation(self) -> tuple[str, ...]:
-        """How the law went on beyond its domain, with the share of contact time; often nothing."""
+        """Where the law was continued beyond its domain, and for how many steps; often empty."""
         limit = float(self.block[contact.LAST_PENETRATION]) * 1e-3
-        return summary.continuation(self, limit)
+        if self.settings.beyond == "stop" or not np.isfinite(limit) or not self.in_contact.any():
+            return ()
+        penetration = self.penetration[self.in_contact]
+        deepest = float(penetration.max())
+        if deepest <= limit:
+            return ()
+        share = float(np.mean(penetration > limit))
+        return (
+            f"beyond {limit * 1e6:.4g} µm the law goes on along its tangent, up to "
+            f"{deepest * 1e6:.4g} µm and in {share:.2%} of the steps in contact",
+        )
 
     def statistics(self, first: int = 0) -> Statistics:
-        """Return means and scatter over the revolutions from `first` (0 is the first) on."""
-        from cylcontact.mechanism.statistics import statistics
+        """Return means and scatter over the revolutions from `first` (0 is the first) on.
 
-        return statistics(self, first)
+        Raises
+        ------
+        InputError
+            If no revolution is left.
+
+        Examples
+        --------
+        >>> from cylcontact.mechanism import read_mechanism, simulate
+        >>> mechanism = read_mechanism("datasets/slider_crank.toml", clearance=0.02)
+        >>> statistics = simulate(mechanism, revolutions=2).statistics(first=1)
+        >>> print(f"{statistics.mean['contact_fraction']:.3f}")
+        1.000
+        """
+        return statistics(self.rows, self.penetration, self.normal_force, first)
 
     def save(self, path: Path | str) -> None:
-        """Write to a Parquet file, with the spec, the settings and the provenance."""
-        storage.save(self.mechanism, self.settings, self.rows, path)
+        """Write to a Parquet file, with the spec, the settings and the provenance.
+
+        One column for each state; the rest is in the schema's metadata.
+        """
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        rows, mechanism = self.rows, self.mechanism
+        columns: dict[str, Any] = {
+            "time_s": rows.time,
+            "in_contact": rows.in_contact,
+            "impact_rate_m_per_s": rows.impact_rate,
+            "revolution": rows.revolution,
+        }
+        columns |= {
+            f"state_{k}": np.ascontiguousarray(rows.values[:, k])
+            for k in range(rows.values.shape[1])
+        }
+        metadata = {
+            "spec": mechanism.data,
+            "source": mechanism.source,
+            "settings": asdict(self.settings),
+            "counts": rows.counts.tolist(),
+            "assumptions": mechanism.assumptions,
+            "provenance": made_with(
+                Path(mechanism.source).parent, {"mechanism": mechanism.data}, _LIBRARIES
+            ),
+        }
+        table = pa.table(columns).replace_schema_metadata({_METADATA: json.dumps(metadata)})
+        with replacing(path) as temporary:
+            pq.write_table(table, temporary, compression="zstd")
 
     @classmethod
     def load(cls, path: Path | str) -> Trajectory:
-        """Read what `save` has written.
+        """Read a trajectory that `save` has written.
 
         Raises
         ------
         InputError
             If the file cannot be read or holds no trajectory.
         """
-        from cylcontact.mechanism.system import build
+        import pyarrow as pa
+        import pyarrow.parquet as pq
 
-        mechanism, settings, rows = storage.load(path)
+        try:
+            table = pq.read_table(path)
+            metadata = json.loads((table.schema.metadata or {})[_METADATA])
+        except (OSError, pa.ArrowException) as error:
+            reason = getattr(error, "strerror", None) or "not a Parquet file"
+            raise InputError(
+                str(path), "", None, f"cannot be read ({reason})", "check the path"
+            ) from error
+        except (KeyError, ValueError) as error:
+            raise InputError(
+                str(path), "", None, "holds no trajectory", "give what simulate -o has written"
+            ) from error
+        states = [name for name in table.column_names if name.startswith("state_")]
+        rows = StepHistory(
+            time=table["time_s"].to_numpy(),
+            values=np.column_stack([table[name].to_numpy() for name in states]),
+            in_contact=table["in_contact"].to_numpy(),
+            impact_rate=table["impact_rate_m_per_s"].to_numpy(),
+            revolution=table["revolution"].to_numpy(),
+            counts=np.array(metadata["counts"], dtype=np.float64).reshape(-1, 3),
+        )
+        mechanism = mechanism_from(metadata["spec"], metadata["source"])
+        settings = Settings(**metadata["settings"])
         system = build(mechanism, settings.method, settings.beyond)
         return cls(mechanism, settings, rows, system.block)
 
+    def to_text(self) -> str:
+        """Return the report that `cylcontact simulate` prints: summary, statistics, assumptions."""
+        milliseconds = self.counts["seconds"].to_numpy() * 1e3
+        lines = [
+            repr(self),
+            "",
+            "Over the revolutions:",
+            *(f"  {line}" for line in repr(self.statistics()).splitlines()[1:]),
+            "",
+            f"{milliseconds.min():.1f} ms of computing for the fastest revolution, "
+            f"{self.mechanism.period * 1e3:.3g} ms in real time",
+            "",
+            "Assumed, not from the paper:",
+            *textwrap.wrap(
+                "; ".join(self.assumptions), _WIDTH, initial_indent="  ", subsequent_indent="  "
+            ),
+        ]
+        return "\n".join(lines) + "\n"
+
+    def _summary(self) -> dict[str, Any]:
+        """Return what `repr` shows, by name."""
+        clearance = self.mechanism.data["clearance"]
+        begins, _ = derived.changes(self.in_contact)
+        return {
+            "law": clearance["law"],
+            "clearance (mm)": clearance["radial"],
+            "restitution": clearance["restitution"],
+            "friction": clearance["friction"],
+            "method": self.settings.method,
+            "tolerance": self.settings.tolerance,
+            "revolutions": self.revolutions,
+            "steps": self.time.size,
+            "contacts": begins.size,
+            "max penetration (µm)": round(float(self.penetration.max()) * 1e6, 3),
+            "energy error (J)": float(f"{np.abs(self.energy_error).max():.3g}"),
+            "drift (m, rad)": float(f"{self.drift[:, 0].max():.3g}"),
+            **({"beyond the law": self.settings.beyond} if self.continuation else {}),
+        }
+
     def __repr__(self) -> str:
-        rows = "\n".join(f"  {key:>22}: {value}" for key, value in summary.entries(self).items())
+        rows = "\n".join(f"  {key:>22}: {value}" for key, value in self._summary().items())
         return f"Trajectory of {self.mechanism.name!r}\n{rows}"
 
     def _repr_html_(self) -> str:
-        from cylcontact.html_repr import table_html
-
-        return table_html(f"Trajectory of {self.mechanism.name}", summary.entries(self))
+        return table_html(f"Trajectory of {self.mechanism.name}", self._summary())

@@ -1,28 +1,30 @@
-"""Calls put off until a worker makes them."""
+"""Deferred calls, to be made by a worker."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
 
+__all__ = ["Call", "call"]
+
 # A function with its arguments, as joblib takes it.
 Call = tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]
 
 
 def call(function: Callable[..., Any], *arguments: Any, **named: Any) -> Call:
-    """Return a call that is not made yet.
+    """Return a deferred call.
 
     Parameters
     ----------
     function : callable
-        A function of a module, so that other processes find it.
+        A module-level function, so that other processes can import it.
     *arguments, **named
-        What to call it with.
+        Its arguments.
 
     Returns
     -------
     tuple
-        What `joblib.delayed` would give, typed, and without the import.
+        The same as from `joblib.delayed`, but typed and without importing joblib.
 
     Examples
     --------

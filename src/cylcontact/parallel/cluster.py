@@ -1,7 +1,7 @@
 """Calls on a Dask cluster, through joblib's own backend for it.
 
-A worker that is lost is replaced: the scheduler gives its calls to another one. Calls carry
-their arguments along instead of leaving them in some worker's memory, so nothing goes with it.
+When a worker is lost, the scheduler gives its calls to another worker. Calls carry their arguments
+along instead of leaving them in the memory of a worker, so no data is lost with it.
 """
 
 from __future__ import annotations
@@ -18,11 +18,13 @@ from cylcontact.errors import InputError
 from cylcontact.parallel.calls import Call
 from cylcontact.parallel.local import as_generator, give_up
 
-# Seconds to find the scheduler and a first worker, and to wait for others once all are gone.
+__all__ = ["CONNECTING", "DESERTED", "Cluster", "on_cluster"]
+
+# Seconds to find the scheduler and a first worker, and to wait for workers once all are lost.
 CONNECTING = 10.0
 DESERTED = 30.0
-# Results agree to the bit only where these agree.
-SAME_VERSIONS = ("python", "cylcontact", "numpy", "scipy", "pygad")
+# Results agree to the bit only if these versions agree.
+_SAME_VERSIONS = ("python", "cylcontact", "numpy", "scipy", "pygad")
 _ADDRESS = re.compile(
     r"((tcp|tls|ws|wss|ucx|ucxx)://)?(\[[0-9A-Fa-f:.]+\]|[^\s:/\[\]]+):[0-9]{1,5}"
 )
@@ -31,7 +33,7 @@ _LOGGERS = ("distributed", "distributed.client")
 
 @dataclass(frozen=True)
 class Cluster:
-    """A running Dask cluster, known by its scheduler's address.
+    """A running Dask cluster, given by the address of its scheduler.
 
     Parameters
     ----------
@@ -41,13 +43,13 @@ class Cluster:
     Raises
     ------
     InputError
-        If that is no address, or the extra `distributed` is not installed.
+        If the address is invalid, or the extra `distributed` is not installed.
     """
 
     address: str
 
     def __post_init__(self) -> None:
-        # Dask takes an empty address as a wish for a cluster of its own on this machine.
+        # Given an empty address, Dask would start a cluster of its own on this machine.
         if not _ADDRESS.fullmatch(self.address):
             raise InputError(
                 "--scheduler",
@@ -74,14 +76,14 @@ def on_cluster(calls: Sequence[Call], cluster: Cluster, ordered: bool = True) ->
 
     from cylcontact.parallel.dask_backend import ClusterBackend, Watch
 
-    whole: list[Call] = [(partial(_on_one_thread, *one), (), {}) for one in calls]
+    limited: list[Call] = [(partial(_on_one_thread, *call), (), {}) for call in calls]
     with _connected(cluster) as client:
         backend = ClusterBackend(client)
         watch, results = Watch(backend, DESERTED), None
         try:
             with joblib.parallel_config(backend=backend):
                 parallel = joblib.Parallel(n_jobs=-1, return_as=as_generator(ordered))
-            results = parallel(whole)
+            results = parallel(limited)
             for result in results:  # noqa: UP028 - `yield from` would close it too early
                 yield result
         except _losses() as error:
@@ -92,10 +94,10 @@ def on_cluster(calls: Sequence[Call], cluster: Cluster, ordered: bool = True) ->
 
 
 def _on_one_thread(function: Any, arguments: Any, named: Any) -> Any:
-    """Make a call in a worker whose linear algebra keeps to one thread.
+    """Make a call in a worker with linear algebra limited to one thread.
 
-    For good, not only for this call: the threads of a worker share the setting, and the first
-    to end would lift it for the others.
+    The limit is permanent: the threads of a worker share the setting, and the first to finish
+    would otherwise lift it for the others.
     """
     from threadpoolctl import threadpool_limits
 
@@ -105,7 +107,7 @@ def _on_one_thread(function: Any, arguments: Any, named: Any) -> Any:
 
 @contextmanager
 def _connected(cluster: Cluster) -> Iterator[Any]:
-    """Connect to a cluster whose workers have the same versions, without Dask's own log."""
+    """Yield a client of a cluster whose workers have the same versions; silence Dask's log."""
     import distributed
 
     with _quiet():
@@ -130,10 +132,10 @@ def _connected(cluster: Cluster) -> Iterator[Any]:
 
 
 def _require_workers(client: Any, cluster: Cluster) -> None:
-    """Refuse a cluster without workers, or with workers of other versions."""
+    """Raise `InputError` for a cluster without workers or with workers of other versions."""
     try:
         client.wait_for_workers(1, timeout=CONNECTING)
-        found = client.get_versions(packages=list(SAME_VERSIONS[1:]))
+        versions = client.get_versions(packages=list(_SAME_VERSIONS[1:]))
     except (TimeoutError, OSError) as error:
         raise InputError(
             "--scheduler",
@@ -142,10 +144,10 @@ def _require_workers(client: Any, cluster: Cluster) -> None:
             f"has no workers after {CONNECTING:g} s",
             f"start some, each with: dask worker {cluster.address}",
         ) from error
-    own = found["client"]["packages"]
-    for worker, described in found["workers"].items():
-        theirs = described["packages"]
-        for name in SAME_VERSIONS:
+    own = versions["client"]["packages"]
+    for worker, environment in versions["workers"].items():
+        theirs = environment["packages"]
+        for name in _SAME_VERSIONS:
             if theirs.get(name) != own.get(name):
                 raise InputError(
                     "--scheduler",
@@ -157,7 +159,7 @@ def _require_workers(client: Any, cluster: Cluster) -> None:
 
 
 def _losses() -> tuple[type[BaseException], ...]:
-    """Return what a cluster that is lost on the way looks like."""
+    """Return the errors that the loss of a cluster raises."""
     from asyncio import CancelledError as AsyncCancelledError
     from concurrent.futures import CancelledError
 
@@ -168,8 +170,8 @@ def _losses() -> tuple[type[BaseException], ...]:
 
 
 def _lost(cluster: Cluster, error: BaseException, deserted: bool) -> InputError:
-    """Say how a cluster was lost, and what is left."""
-    rule = f"was lost on the way ({_first_line(error)})"
+    """Return the error for a cluster that was lost."""
+    rule = f"was lost during the run ({_first_line(error)})"
     if deserted:
         rule = f"has had no scheduler or no workers for {DESERTED:g} s"
     return InputError(
@@ -177,18 +179,18 @@ def _lost(cluster: Cluster, error: BaseException, deserted: bool) -> InputError:
         "",
         cluster.address,
         rule,
-        "start it again; fit --resume goes on from the runs that are kept",
+        "start it again; fit --resume continues from the saved runs",
     )
 
 
 def _first_line(error: BaseException) -> str:
-    """Return the first line of an error, or its kind where it says nothing."""
+    """Return the first line of an error, or its type if it has no message."""
     return (str(error).splitlines() or [type(error).__name__])[0].rstrip(".")
 
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Silence Dask's log: what matters in it is raised as an error of our own."""
+    """Silence Dask's log; its errors are raised as `InputError`."""
     loggers = [logging.getLogger(name) for name in _LOGGERS]
     levels = [logger.level for logger in loggers]
     for logger in loggers:

@@ -1,4 +1,4 @@
-"""Joblib's own backend for Dask, made to tell of losses for which it would wait for ever."""
+"""Joblib's backend for Dask, with errors where the original would wait forever."""
 
 from __future__ import annotations
 
@@ -10,12 +10,14 @@ from typing import Any
 
 from joblib._dask import DaskDistributedBackend
 
+__all__ = ["ClusterBackend", "Watch"]
+
 
 class ClusterBackend(DaskDistributedBackend):  # type: ignore[misc]
-    """A backend that leaves nothing to this process and hands every failure on.
+    """A backend that runs all calls on the cluster and passes every failure on.
 
-    Joblib runs calls itself where it counts a single worker, and never hears of a call whose
-    workers were killed again and again, or that was submitted as the scheduler went away.
+    Joblib runs calls in this process when it counts a single worker. It also waits forever for a
+    call whose workers were killed repeatedly, or that was submitted as the scheduler went away.
 
     Parameters
     ----------
@@ -28,11 +30,11 @@ class ClusterBackend(DaskDistributedBackend):  # type: ignore[misc]
         self._submitted: list[Future[Any]] = []
 
     def effective_n_jobs(self, n_jobs: int) -> int:
-        """Return the workers' threads, at least two."""
+        """Return the number of threads of the workers, at least two."""
         return max(2, int(super().effective_n_jobs(n_jobs)))
 
     def submit(self, func: Any, callback: Callable[[Any], None] | None = None) -> Future[Any]:
-        """Send a batch of calls, and hear of it even if it fails."""
+        """Submit a batch of calls; its callback is called even if it fails."""
         future: Future[Any] = super().submit(func, callback)
 
         def hand_on(done: Future[Any]) -> None:
@@ -45,32 +47,32 @@ class ClusterBackend(DaskDistributedBackend):  # type: ignore[misc]
         return future
 
     def retrieve_result_callback(self, out: Any) -> Any:
-        """Return what a batch of calls gave, or raise what was handed on instead."""
+        """Return the results of a batch of calls, or raise its error."""
         if isinstance(out, BaseException):
             raise out
         return super().retrieve_result_callback(out)
 
     def fail(self, error: BaseException) -> None:
-        """End every call that is still waited for."""
+        """Set an error on every call that is still pending."""
         for future in list(self._submitted):
             with suppress(InvalidStateError):
                 future.set_exception(error)
 
 
 class Watch:
-    """Give a cluster up that has had no scheduler or no worker for a while.
+    """A thread that gives up a cluster without a scheduler or workers for too long.
 
     Parameters
     ----------
     backend : ClusterBackend
-        The calls under way.
+        The backend with the pending calls.
     patience : float
-        Seconds.
+        Time to wait in s.
 
     Attributes
     ----------
     deserted : bool
-        Whether it was given up.
+        Whether the cluster was given up.
     """
 
     def __init__(self, backend: ClusterBackend, patience: float) -> None:
@@ -78,10 +80,10 @@ class Watch:
         self._backend = backend
         self._patience = patience
         self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._look, daemon=True)
+        self._thread = threading.Thread(target=self._watch, daemon=True)
         self._thread.start()
 
-    def _look(self) -> None:
+    def _watch(self) -> None:
         period = min(1.0, self._patience / 2)
         alone = 0.0
         while not self._ended.wait(period):
@@ -93,11 +95,11 @@ class Watch:
 
     def _has_workers(self) -> bool:
         client = self._backend.client
-        with suppress(Exception):  # of many kinds, while the scheduler is away
+        with suppress(Exception):  # many kinds are raised while the scheduler is away
             return client.status == "running" and bool(client.scheduler_info()["workers"])
         return False
 
     def stop(self) -> None:
-        """Look no more."""
+        """Stop the watch thread."""
         self._ended.set()
         self._thread.join()

@@ -1,4 +1,4 @@
-"""Calls on this machine: in threads, or in processes that leave signals to this one."""
+"""Calls on this machine, in threads or processes; only this process handles signals."""
 
 from __future__ import annotations
 
@@ -17,10 +17,12 @@ from typing import Any
 from cylcontact.errors import InputError
 from cylcontact.parallel.calls import Call, call
 
-# Seconds after which the thread that feeds new workers has done so; it breaks if stopped before.
+__all__ = ["SETTLING", "as_generator", "give_up", "in_processes", "in_threads"]
+
+# Seconds that the thread which feeds new workers needs; it fails if stopped earlier.
 SETTLING = 0.2
-# Seconds between two checks of a worker that its parent is alive.
-POLLING = 0.2
+# Seconds between two checks by a worker that its parent is alive.
+_POLLING = 0.2
 
 
 def in_processes(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Generator[Any]:
@@ -46,8 +48,8 @@ def in_processes(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Gene
             "workers",
             "jobs",
             jobs,
-            "the system ended a worker process, probably for want of memory",
-            "use fewer, or a smaller grid; fit --resume goes on from the runs that are kept",
+            "the system ended a worker process, probably because memory ran out",
+            "use fewer, or a smaller grid; fit --resume continues from the saved runs",
         ) from error
     finally:
         give_up(results)
@@ -67,59 +69,59 @@ def in_threads(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Genera
 
 
 def _expect_new_workers() -> None:
-    """Leave out loky's warning that a worker stopped while there was work.
+    """Ignore loky's warning that a worker stopped while there was work.
 
-    It replaces a worker whose memory has grown by 300 MB, as matplotlib's and pandas' caches do
-    over many figures, and warns of a short timeout or a leak; no call is lost, and the reader can
-    do nothing about it. The warning comes from a thread of loky's, at any time, so that it cannot
-    be caught around a call. A worker that the system ended is another case, and an error.
+    loky replaces a worker whose memory has grown by 300 MB, which the caches of matplotlib and
+    pandas do over many figures, and warns of a short timeout or a leak. No call is lost. The
+    warning comes from a thread of loky at any time, so it cannot be caught around a call. A worker
+    that was killed by the system raises an error instead.
     """
     warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
 
 
 def _in_this_folder(calls: Sequence[Call]) -> list[Call]:
-    """Return the same calls for workers that stand in the folder of this process.
+    """Return the same calls, made in the working directory of this process.
 
-    A worker may be left from an earlier call, made when its parent stood in another folder.
+    A worker may be left from an earlier call, when its parent had another working directory.
     """
     folder = str(Path.cwd())
-    return [call(_in_folder, folder, *one) for one in calls]
+    return [call(_in_folder, folder, *deferred) for deferred in calls]
 
 
 def _in_folder(folder: str, function: Callable[..., Any], arguments: Any, named: Any) -> Any:
-    """Make a call in a folder."""
+    """Make a call with a folder as the working directory."""
     os.chdir(folder)
     return function(*arguments, **named)
 
 
 def _end_with(parent: int) -> None:
-    """Let this worker process end with its parent, even before its first call.
+    """Make this worker process end with its parent, even before its first call.
 
-    Otherwise it would wait for calls: the workers hold each other's queues open, so that none of
-    them reads an end of file. Linux could send a signal, but does so when the thread that started
-    the worker ends, and workers serve later threads as well. On Windows the number of the parent
-    never changes, and joblib ends a worker that has been idle for five minutes.
+    Otherwise it would wait for calls: the workers hold each other's queues open, so none of them
+    reads an end of file. Linux could send a signal, but it does so when the thread that started
+    the worker ends, and workers outlive that thread. On Windows the parent's id never changes,
+    and joblib ends a worker that has been idle for five minutes.
     """
     threading.Thread(target=_watch, args=(parent,), daemon=True).start()
 
 
 def _watch(parent: int) -> None:
-    """End this process once its parent has ended, be it before this process was ready.
+    """End this process once its parent has ended.
 
-    A call that holds the interpreter's lock, as some compiled code does, delays it.
+    A call that holds the interpreter's lock, as some compiled code does, delays the check.
     """
     while os.getppid() == parent:
-        time.sleep(POLLING)
+        time.sleep(_POLLING)
     os._exit(1)
 
 
 def as_generator(ordered: bool) -> str:
-    """Return joblib's name for results in the order of the calls, or as they come."""
+    """Return joblib's name for results in the order of the calls, or as they are completed."""
     return "generator" if ordered else "generator_unordered"
 
 
 def give_up(results: Generator[Any] | None) -> None:
-    """End what still runs; calls cut short are none of the user's mistakes."""
+    """Cancel the pending calls, without joblib's warnings about them."""
     if results is not None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -128,12 +130,12 @@ def give_up(results: Generator[Any] | None) -> None:
 
 @contextmanager
 def _signals_held() -> Iterator[None]:
-    """Hold Ctrl-C, SIGTERM and SIGHUP back until the end; processes started meanwhile ignore them.
+    """Defer Ctrl-C, SIGTERM and SIGHUP to the end of the block; new processes ignore them.
 
     A terminal sends its signals to all processes at once. A worker that is still importing would
-    print a traceback, and one that ends first would pass for one that the system has ended. A
-    blocked signal stays blocked in new processes; here, where other threads may still receive
-    it, it is noted and raised again.
+    print a traceback, and a worker that ends first would look like one killed by the system. A
+    blocked signal stays blocked in new processes. In this process other threads may still
+    receive it, so it is noted and raised again.
     """
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield

@@ -1,4 +1,4 @@
-"""Run calls wherever they are to run, and hand back what they return."""
+"""Run calls in processes, in threads or on a cluster."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from cylcontact.parallel.calls import Call
 from cylcontact.parallel.cluster import Cluster, on_cluster
 from cylcontact.parallel.local import in_processes, in_threads
 
+__all__ = ["Workers", "run_calls"]
+
 # A number of workers on this machine, or a cluster.
 Workers = int | Cluster
 
@@ -16,30 +18,30 @@ Workers = int | Cluster
 def run_calls(
     calls: Sequence[Call], workers: Workers = 1, *, ordered: bool = True, threads: bool = False
 ) -> Generator[Any]:
-    """Run calls and yield what they return.
+    """Run calls and yield their results.
 
     Parameters
     ----------
     calls : sequence of Call
         Made with `call`.
     workers : int or Cluster
-        As many on this machine (no more are started than there are calls), or a cluster.
+        Number of workers on this machine, at most one for each call; or a cluster.
     ordered : bool
-        Whether to yield in the order of the calls, or each as it ends.
+        Whether to yield in the order of the calls or in the order of completion.
     threads : bool
-        Whether workers on this machine are threads of this process, for calls that spend
-        their time in numpy or numba; elsewhere they are processes that import the package.
+        Whether workers on this machine are threads, for calls that spend their time in numpy or
+        numba; by default they are processes.
 
     Yields
     ------
     object
-        Close the generator (`contextlib.closing`) where it may be left early: calls under way
-        are then given up.
+        The result of each call. Close the generator (`contextlib.closing`) where the loop may be
+        left early; that cancels pending calls.
 
     Raises
     ------
     InputError
-        What a call raised, or that the system ended a worker, or that the cluster is gone.
+        If a call raises it, the system kills a worker, or the cluster is lost.
 
     Examples
     --------

@@ -4,3 +4,7 @@ from cylcontact.plots.figure import Drawing, StyledFigure, new_figure
 from cylcontact.plots.style import FigureStyle, figure_style
 
 __all__ = ["Drawing", "FigureStyle", "StyledFigure", "figure_style", "new_figure"]
+
+
+def __dir__() -> list[str]:
+    return __all__

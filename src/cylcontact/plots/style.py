@@ -13,6 +13,7 @@ from cycler import cycler
 from matplotlib import style as mpl_style
 from pydantic import Field
 
+from cylcontact.choices import FORMATS, Format
 from cylcontact.errors import InputError
 from cylcontact.spec import Spec, parse_spec, read_toml
 
@@ -39,8 +40,6 @@ __all__ = [
     "small_text",
 ]
 
-Format = Literal["png", "pdf", "svg", "pgf"]
-FORMATS: tuple[Format, ...] = ("png", "pdf", "svg", "pgf")
 SMALLEST_FONT, LARGEST_FONT = 4.0, 40.0  # points
 NARROWEST, WIDEST = 60.0, 500.0  # mm
 

@@ -20,6 +20,7 @@ from pathlib import Path
 from shutil import which
 from typing import Any
 
+from cylcontact.choices import Format
 from cylcontact.errors import InputError
 from cylcontact.files import remove_leftovers, replacing
 from cylcontact.parallel import call, run_calls
@@ -29,7 +30,6 @@ from cylcontact.plots.style import (
     JOURNAL,
     FigureOptions,
     FigureStyle,
-    Format,
     figure_style,
 )
 from cylcontact.progress import Progress, silent

@@ -1,7 +1,7 @@
-"""Claims: what a paper says in numbers, held against numbers that are computed.
+"""Claims: what a paper states in numbers, compared with our own.
 
 A claim is a decorated function in a file of the bench's `reports/claims`. The decorator has the
-sentence, the paper's value and the rule; the function computes and returns what we find:
+sentence, the paper's value and the rule; the function computes our value and returns a `Finding`:
 
     @claim(
         "3.2-below-10-percent",
@@ -10,21 +10,21 @@ sentence, the paper's value and the rule; the function computes and returns what
         rule="below 10 % at every load",
     )
     def below_10_percent(bench: Bench) -> Finding:
+        '''Return the largest difference in percent.'''
         largest = ...
         return Finding(f"{largest:.1f} %", holds=largest < 10)
 
-The files are searched in alphabetical order, and the claims of one section stay in the order in
+The files are read in alphabetical order, and the claims of one section stay in the order in
 which they are written.
 """
 
 from __future__ import annotations
 
-import ast
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from inspect import signature
 from itertools import groupby
-from pathlib import Path
 from textwrap import wrap
 from typing import Any, Literal
 
@@ -67,7 +67,7 @@ Case = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Finding:
-    """What a claim's function found out.
+    """Our side of a claim, computed by its function.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class Finding:
     choice : str
         The choice of ours that the number rests on, or the reason for the verdict.
     alternatives : str
-        What becomes of the number and the verdict under other reasonable choices.
+        The number and the verdict under other reasonable choices.
     values : mapping
         Our numbers in full precision, by a name that ends in the unit.
     paper_values : mapping
@@ -98,10 +98,9 @@ class Finding:
 
 @dataclass(frozen=True)
 class Claim:
-    """A quantitative statement of the paper, what it says, what we compute, and whether they agree.
+    """A quantitative statement of the paper, our number for it, and whether they agree.
 
-    The verdict is never given: it follows from `holds`, which the claim's function computes by
-    `rule`, and from whether a choice of ours was needed to compute it.
+    The verdict follows from `holds` and from whether a choice of ours was needed.
 
     Attributes
     ----------
@@ -120,7 +119,7 @@ class Claim:
     choice : str
         The choice of ours that the number rests on, or the reason for the verdict.
     alternatives : str
-        What becomes of the number and the verdict under other reasonable choices.
+        The number and the verdict under other reasonable choices.
     paper_values, ours_values : mapping
         The numbers in the texts, from a name that ends in its unit to the full-precision value.
     """
@@ -151,8 +150,42 @@ class Claim:
         return "reproduced with a stated choice" if self.choice else "reproduced"
 
 
-# A claim's function, with the decorator's words attached: from a bench to its claims.
-ClaimFunction = Callable[[Bench], list[Claim]]
+@dataclass(frozen=True)
+class ClaimFunction:
+    """A decorated function: called with a bench, it returns one claim per case."""
+
+    function: Callable[..., Finding]
+    texts: tuple[str, str, str, str]
+    paper_values: Mapping[str, float]
+    cases: Sequence[Case]
+
+    def __call__(self, bench: Bench) -> list[Claim]:
+        return [self._one(bench, case) for case in self.cases]
+
+    def _one(self, bench: Bench, case: Case) -> Claim:
+        available = {"bench": bench, **case}
+        parameters = signature(self.function).parameters
+        try:
+            finding = self.function(**{k: v for k, v in available.items() if k in parameters})
+        except MissingInputError as error:
+            finding = Finding("", None, choice=str(error))
+        *texts, rule = self.texts
+        # Without a case, braces in the texts are left alone.
+        id, statement, paper, rule = (
+            text.format(**case) if case else text for text in (*texts, finding.rule or rule)
+        )
+        return Claim(
+            id,
+            statement,
+            paper,
+            finding.ours,
+            rule,
+            finding.holds,
+            finding.choice,
+            finding.alternatives,
+            {**self.paper_values, **finding.paper_values},
+            finding.values,
+        )
 
 
 def claim(
@@ -180,57 +213,24 @@ def claim(
     paper_values : mapping of str to float, optional
         The numbers in `paper`, by a name that ends in the unit.
     cases : sequence of mapping, optional
-        For statements that differ in a value only: one claim for each, whose values go to the
-        function as keywords and into the texts where these have the key in braces.
+        One claim is made for each. Its values replace their names in braces in the texts, and the
+        function gets those that it has parameters for. It gets the bench as `bench`, if it has
+        that parameter.
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> @claim("2-{name}-is-even", "{name} is even", paper="even", rule="2 divides it",
     ...        cases=[{"name": "four", "number": 4}, {"name": "seven", "number": 7}])
-    ... def is_even(bench, name, number):
+    ... def is_even(number):
     ...     return Finding(f"remainder {number % 2}", holds=number % 2 == 0)
     >>> for each in is_even(Bench(Path("bench"))):
     ...     print(f"{each.id}, {each.statement}: {each.ours}, {each.verdict}")
     2-four-is-even, four is even: remainder 0, reproduced
     2-seven-is-even, seven is even: remainder 1, not reproduced
     """
-    numbers = dict(paper_values or {})
-
-    def decorate(function: Callable[..., Finding]) -> ClaimFunction:
-        def compute(bench: Bench) -> list[Claim]:
-            return [one(bench, case) for case in cases]
-
-        def one(bench: Bench, case: Case) -> Claim:
-            try:
-                finding = function(bench, **case)
-            except MissingInputError as error:
-                finding = Finding("", None, choice=str(error))
-            texts = [id, statement, paper, finding.rule or rule]
-            own_id, sentence, printed, wanted = (_filled(text, case) for text in texts)
-            return Claim(
-                own_id,
-                sentence,
-                printed,
-                finding.ours,
-                wanted,
-                finding.holds,
-                finding.choice,
-                finding.alternatives,
-                numbers | dict(finding.paper_values),
-                finding.values,
-            )
-
-        compute.__name__, compute.__doc__ = function.__name__, function.__doc__
-        compute.__module__ = function.__module__
-        compute.is_claim = True  # type: ignore[attr-defined]
-        return compute
-
-    return decorate
-
-
-def _filled(text: str, case: Case) -> str:
-    """Return a text with a case's values in it; without a case its braces are left alone."""
-    return text.format(**case) if case else text
+    texts = (id, statement, paper, rule)
+    return lambda function: ClaimFunction(function, texts, paper_values or {}, cases)
 
 
 def ledger(bench: Bench, progress: Progress = silent) -> list[Claim]:
@@ -239,24 +239,22 @@ def ledger(bench: Bench, progress: Progress = silent) -> list[Claim]:
     Parameters
     ----------
     bench : Bench
-        Its `reports/claims/*.py` are searched, and its `jobs` run what takes long.
+        The claims are in its `reports/claims/*.py`; its `jobs` run the mechanism's cases.
     progress : callable, optional
         Called with the stage, how many functions have been evaluated and their total.
 
     Returns
     -------
     list of Claim
-        In the order of the paper's sections. A claim that needs an input that has not been made
-        cannot be tested and says so.
+        In the order of the paper's sections. A claim whose input has not been made is not
+        testable.
 
     Raises
     ------
     InputError
         If two claims have the same id, or an input is wrong.
     """
-    functions = [
-        function for file in claim_files(bench) for function in _claim_functions(bench, file)
-    ]
+    functions = _claim_functions(bench)
     claims: list[Claim] = []
     progress("claims", 0, len(functions))
     for done, function in enumerate(functions, start=1):
@@ -266,37 +264,21 @@ def ledger(bench: Bench, progress: Progress = silent) -> list[Claim]:
     return sorted(claims, key=lambda each: each.section)
 
 
-def claim_files(bench: Bench) -> list[Path]:
-    """Return the files with claims, in alphabetical order of their names; others help these."""
-    files = sorted((bench.recipes_folder / "claims").glob("*.py"), key=lambda file: file.stem)
-    return [file for file in files if _has_claims(file)]
-
-
-def _has_claims(file: Path) -> bool:
-    """Whether a function in a file is decorated with `claim`."""
-    try:
-        tree = ast.parse(file.read_text(encoding="utf-8"))
-    except (SyntaxError, ValueError) as error:
-        rule, remedy = f"is not Python ({error})", "correct it"
-        raise InputError(str(file), "", None, rule, remedy) from None
-    decorators = [
-        decorator.func.id
-        for node in tree.body
-        if isinstance(node, ast.FunctionDef)
-        for decorator in node.decorator_list
-        if isinstance(decorator, ast.Call) and isinstance(decorator.func, ast.Name)
-    ]
-    return "claim" in decorators
-
-
-def _claim_functions(bench: Bench, file: Path) -> list[ClaimFunction]:
-    """Return the claims of a file in the order in which they are written there."""
-    module = bench.module(f"claims.{file.stem}")
-    return [
-        function
-        for function in vars(module).values()
-        if getattr(function, "is_claim", False) and function.__module__ == module.__name__
-    ]
+def _claim_functions(bench: Bench) -> list[ClaimFunction]:
+    """Return the claims of a bench, file by file in the order in which they are written."""
+    functions: list[ClaimFunction] = []
+    for file in sorted((bench.recipes_folder / "claims").glob("*.py"), key=lambda path: path.stem):
+        try:
+            module = bench.module(f"claims.{file.stem}")
+        except SyntaxError as error:
+            rule, remedy = f"is not Python ({error})", "correct it"
+            raise InputError(str(file), "", None, rule, remedy) from None
+        functions += [
+            value
+            for value in vars(module).values()
+            if isinstance(value, ClaimFunction) and value.function.__module__ == module.__name__
+        ]
+    return functions
 
 
 def _require_different_ids(claims: Iterable[Claim], bench: Bench) -> None:
@@ -320,7 +302,7 @@ def counts(claims: Iterable[Claim]) -> dict[Verdict, int]:
     return {verdict: verdicts.count(verdict) for verdict in VERDICTS}
 
 
-# What claims put their texts together with.
+# Helpers for the texts of claims.
 
 
 def joined(*parts: str) -> str:
@@ -367,7 +349,7 @@ def with_unit(values: Mapping[str, float], unit: str) -> dict[str, float]:
     return {f"{name}, {unit}": value for name, value in values.items()}
 
 
-# The ledger as text for a terminal, as a table, as CSV and as JSON.
+# The ledger as text, table, CSV and JSON.
 
 
 def to_text(claims: Sequence[Claim], terms: Mapping[str, str], width: int = 100) -> str:
@@ -397,7 +379,7 @@ def to_text(claims: Sequence[Claim], terms: Mapping[str, str], width: int = 100)
 
 
 def _claim_lines(one: Claim, width: int) -> list[str]:
-    """Return one claim: a heading with the verdict, then what is behind it."""
+    """Return the lines of one claim: the id with the verdict, then the texts."""
     entries = (
         ("claim", one.statement),
         ("paper", one.paper),
@@ -414,12 +396,12 @@ def _claim_lines(one: Claim, width: int) -> list[str]:
 
 
 def _choice_label(one: Claim) -> str:
-    """Return what the text in `choice` is for this verdict."""
+    """Return the label of the text in `choice`, which depends on the verdict."""
     return {"not testable": "reason", "not reproduced": "basis"}.get(one.verdict, "choice")
 
 
 def _entry(label: str, text: str, width: int, indent: int) -> list[str]:
-    """Return a label with its text wrapped beside it."""
+    """Return the lines of a text that is wrapped to the right of its label."""
     start = f"{label:<{indent}}"
     rest = " " * (LABEL_WIDTH + 2)
     return wrap(text, width, initial_indent=start, subsequent_indent=rest, break_on_hyphens=False)
@@ -470,9 +452,9 @@ def to_csv(claims: Iterable[Claim]) -> str:
 
 def to_json(claims: Sequence[Claim], terms: Mapping[str, str]) -> str:
     """Return definitions, claims and counts as JSON text."""
-    whole = {
+    document = {
         "definitions": dict(terms),
         "claims": to_records(claims),
         "counts": counts(claims),
     }
-    return json.dumps(whole, ensure_ascii=False, indent=2) + "\n"
+    return json.dumps(document, ensure_ascii=False, indent=2) + "\n"

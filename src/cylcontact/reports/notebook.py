@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import Any
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.calibrate import Progress
+from cylcontact.progress import Progress
 from cylcontact.reports.bench import Bench
 
 __all__ = ["live_progress", "open_bench", "progress_bar", "require_extra"]

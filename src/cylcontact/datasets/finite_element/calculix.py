@@ -1,4 +1,4 @@
-"""Run CalculiX on a deck and read its results back."""
+"""Run CalculiX on a deck and read its results."""
 
 from __future__ import annotations
 
@@ -18,22 +18,24 @@ from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.errors import InputError
 from cylcontact.tether import tethered
 
-PROGRAM = "ccx"
-# Lines of a failed run that are shown.
-TAIL = 12
-# The two steps of a deck agree to this, relatively, where contact has settled.
-SETTLED = 2e-4
+__all__ = ["SolverError", "find_program", "read_results", "run_case", "version"]
+
+_PROGRAM = "ccx"
+# Number of lines of a failed run in the error.
+_TAIL = 12
+# Largest relative difference between the two steps of a deck if contact has settled.
+_SETTLED = 2e-4
 
 
 class SolverError(Exception):
-    """CalculiX gave no result for a case.
+    """CalculiX returned no result for a case.
 
     Parameters
     ----------
     reason : str
         What happened, in a few words.
     lines : tuple of str
-        The last lines that it printed.
+        The last lines of its output.
     """
 
     def __init__(self, reason: str, lines: tuple[str, ...] = ()) -> None:
@@ -50,26 +52,26 @@ def find_program() -> str:
     InputError
         If it is not installed.
     """
-    path = shutil.which(PROGRAM)
+    path = shutil.which(_PROGRAM)
     if path is None:
         raise InputError(
             "CalculiX",
             "",
             None,
-            f"there is no program '{PROGRAM}' on the path",
+            f"there is no program '{_PROGRAM}' on the path",
             "on Debian and Ubuntu: apt install calculix-ccx; or use --engine embedded",
         )
     return path
 
 
 def version(program: str) -> str:
-    """Return the version that CalculiX states, such as "2.20"; "unknown" if it states none."""
+    """Return the version of CalculiX, such as "2.20", or "unknown"."""
     try:
         done = subprocess.run([program, "-v"], capture_output=True, text=True, check=False)
     except OSError:
         return "unknown"
-    found = re.search(r"Version\s+(\S+)", done.stdout)
-    return found[1] if found else "unknown"
+    match = re.search(r"Version\s+(\S+)", done.stdout)
+    return match[1] if match else "unknown"
 
 
 def run_case(
@@ -85,15 +87,15 @@ def run_case(
     Parameters
     ----------
     setup : Setup
-        What is solved.
+        The set-up.
     dR, load : float
         Clearance in mm and load in N/mm.
     loads : array of float
-        All loads at this clearance, which the mesh is made for.
+        All loads at this clearance, to which the mesh is adapted.
     program : str
         The path of CalculiX.
     scratch : str, optional
-        Where it works, in a folder of its own; the system's place for temporary files.
+        Parent of its working folder; by default the folder for temporary files.
 
     Returns
     -------
@@ -106,12 +108,12 @@ def run_case(
     """
     mesh = setup.mesh(dR, loads)
     deck = make_deck(setup, dR, load, mesh)
-    penetration, peak = read_results(run_deck(deck, program, scratch), deck)
+    penetration, peak = read_results(_run_deck(deck, program, scratch), deck)
     return Case(dR, load, penetration, np.nan, peak, mesh.cells)
 
 
-def run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
-    """Run a deck in a folder of its own and return the text of its results.
+def _run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
+    """Run a deck in a temporary folder and return the text of its results.
 
     Raises
     ------
@@ -121,7 +123,7 @@ def run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
     with tempfile.TemporaryDirectory(prefix="cylcontact-ccx-", dir=scratch) as name:
         folder = Path(name)
         (folder / "case.inp").write_text(deck.text, encoding="ascii")
-        # One thread: cases run side by side, and the result does not depend on the machine.
+        # One thread: cases run in parallel, and the result does not depend on the machine.
         done = subprocess.run(
             tethered([program, "-i", "case"]),
             cwd=folder,
@@ -134,7 +136,7 @@ def run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
             check=False,
         )
         lines = [line.strip() for line in done.stdout.splitlines() if line.strip()]
-        last = tuple(lines[-TAIL:])
+        last = tuple(lines[-_TAIL:])
         if done.returncode < 0:
             raise SolverError(f"was killed by signal {-done.returncode}", last)
         if done.returncode > 0:
@@ -147,7 +149,7 @@ def run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
 
 
 def read_results(text: str, deck: Deck) -> tuple[float, float]:
-    """Read the penetration in mm and the peak pressure in MPa.
+    """Return the penetration in mm and the peak pressure in MPa.
 
     Raises
     ------
@@ -163,7 +165,7 @@ def read_results(text: str, deck: Deck) -> tuple[float, float]:
         elif block.startswith(" stresses"):
             # Cell, integration point, σxx, σyy, ...
             top = float(np.mean([float(row[3]) for row in rows]))
-    if len(steps) < 2 or abs(steps[-2] / steps[-1] - 1) > SETTLED:
-        told = ", ".join(f"{1e3 * step:.6g} µm" for step in steps)
-        raise SolverError(f"has not settled: its steps give {told}")
+    if len(steps) < 2 or abs(steps[-2] / steps[-1] - 1) > _SETTLED:
+        penetrations = ", ".join(f"{1e3 * step:.6g} µm" for step in steps)
+        raise SolverError(f"has not settled: its steps give {penetrations}")
     return steps[-1], -top

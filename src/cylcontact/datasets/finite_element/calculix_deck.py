@@ -3,10 +3,10 @@
 Its contact pressures scatter from point to point, so the peak is read from the stress in the two
 cells that meet at the top; at their middles it differs from the surface's by about 0.1 %.
 
-What works with CalculiX 2.20: the pin moved into half of Persson's penetration, so that contact
+This works with CalculiX 2.20: the pin is moved in by half of Persson's penetration, so that contact
 exists from the start; one increment; surface-to-surface penalty contact with a linear, very stiff
-law; CPE4, plane stress by its equivalent moduli. The step is done twice, because the first may
-end with a set of contact points that the load no longer asks for; the second confirms it.
+law; CPE4, with equivalent moduli for plane stress. The step is repeated, because the first may end
+with contact points that the final load does not have; the second confirms the set.
 """
 
 from __future__ import annotations
@@ -21,12 +21,14 @@ from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.datasets.finite_element.solve import clamped_nodes, node_shares
 from cylcontact.laws import Persson
 
-# Overlap at the start, in Persson's penetrations.
-OVERLAP = 0.5
-# The contact's stiffness in MPa/mm: the surfaces overlap by pressure over this.
-STIFFNESS = 1e9
-# The two steps.
-STEP = """*STEP
+__all__ = ["Deck", "make_deck"]
+
+# Overlap at the start, as a fraction of Persson's penetration.
+_OVERLAP = 0.5
+# The stiffness of the contact in MPa/mm: the overlap of the surfaces is pressure over stiffness.
+_STIFFNESS = 1e9
+# The step, used twice.
+_STEP = """*STEP
 *STATIC,DIRECT
 1.,1.
 {loads}*NODE PRINT,NSET=CENTRE
@@ -39,14 +41,14 @@ S
 
 @dataclass(frozen=True, eq=False)
 class Deck:
-    """An input deck, and what is needed to read its results.
+    """An input deck, and the overlap needed to read its results.
 
     Attributes
     ----------
     text : str
         The deck.
     overlap : float
-        How far the pin was moved into the plate, in mm.
+        Initial displacement of the pin into the plate in mm.
     """
 
     text: str
@@ -54,12 +56,12 @@ class Deck:
 
 
 def make_deck(setup: Setup, dR: float, load: float, mesh: Mesh) -> Deck:
-    """Write one case as an input deck.
+    """Return one case as an input deck.
 
     Parameters
     ----------
     setup : Setup
-        What is solved.
+        The set-up.
     dR, load : float
         Clearance in mm and load in N/mm.
     mesh : Mesh
@@ -76,7 +78,7 @@ def make_deck(setup: Setup, dR: float, load: float, mesh: Mesh) -> Deck:
     >>> [line for line in deck.text.splitlines() if "CPE4" in line]
     ['*ELEMENT,TYPE=CPE4,ELSET=ALL']
     """
-    overlap = OVERLAP * float(Persson().penetration(load, setup.pair(dR)))
+    overlap = _OVERLAP * float(Persson().penetration(load, setup.pair(dR)))
     shift = len(mesh.plate.points)
     on_hole = _faces(mesh.plate, mesh.plate.surface[: mesh.pairs.count])
     on_pin = _faces(mesh.pin, mesh.pin.surface[: mesh.pairs.count])
@@ -88,7 +90,7 @@ def make_deck(setup: Setup, dR: float, load: float, mesh: Mesh) -> Deck:
         *_surface("PIN", on_pin, len(mesh.plate.quads)),
         "*SURFACE INTERACTION,NAME=CONTACT",
         "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR",
-        f"{STIFFNESS:.6e}",
+        f"{_STIFFNESS:.6e}",
         "*CONTACT PAIR,INTERACTION=CONTACT,TYPE=SURFACE TO SURFACE",
         "PIN,HOLE",
         "*BOUNDARY",
@@ -103,12 +105,12 @@ def make_deck(setup: Setup, dR: float, load: float, mesh: Mesh) -> Deck:
     loads = "".join(
         f"{node + 1 + shift},2,{share:.12e}\n" for node, share in enumerate(shares) if share
     )
-    text = "\n".join(lines) + "\n" + STEP.format(loads="*CLOAD\n" + loads) + STEP.format(loads="")
+    text = "\n".join(lines) + "\n" + _STEP.format(loads="*CLOAD\n" + loads) + _STEP.format(loads="")
     return Deck(text, overlap)
 
 
 def _nodes_and_cells(mesh: Mesh, overlap: float) -> Iterator[str]:
-    """Yield nodes and cells, the plate's first. A number has at most 20 characters."""
+    """Yield nodes and cells, the plate first; CalculiX reads up to 20 characters of a number."""
     points = np.vstack([mesh.plate.points, mesh.pin.points + np.array([0.0, overlap])])
     cells = np.vstack([mesh.plate.quads, mesh.pin.quads + len(mesh.plate.points)]) + 1
     yield "*NODE,NSET=NODES"
@@ -131,9 +133,9 @@ def _surface(name: str, faces: list[tuple[int, int]], shift: int) -> Iterator[st
 
 def _faces(body: Body, surface: IntArray) -> list[tuple[int, int]]:
     """Return cell and side of each face between neighbouring nodes of a surface, in order."""
-    place = np.full(len(body.points), -1)
-    place[surface] = np.arange(surface.size)
-    ends = np.stack([place[body.quads], place[np.roll(body.quads, -1, axis=1)]])
+    position = np.full(len(body.points), -1)
+    position[surface] = np.arange(surface.size)
+    ends = np.stack([position[body.quads], position[np.roll(body.quads, -1, axis=1)]])
     cells, sides = np.nonzero(ends.min(axis=0) >= 0)
     order = np.argsort(ends.min(axis=0)[cells, sides])
     return list(zip(cells[order].tolist(), sides[order].tolist(), strict=True))

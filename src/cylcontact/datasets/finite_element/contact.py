@@ -1,12 +1,13 @@
-"""Contact of two surfaces, without friction, condensed to the pairs of nodes that may touch.
+"""Frictionless contact of two surfaces, condensed to the pairs of nodes that may touch.
 
-With the pin's centre at depth δ, forces λ ≥ 0 between pairs open them by Cλ, where C adds up
-both bodies' compliances; the applied load opens them by c·f. The gaps are
+With the pin's centre at depth δ, forces λ ≥ 0 between pairs open them by Cλ, where C is the sum of
+the compliances of both bodies. The applied load opens them by c·f. The gaps are
 
     g = g₀ + C·λ + c·f − δ·cos θ ≥ 0,    λ ≥ 0,    λᵀg = 0,    Σ λcos θ = f/2,
 
-half of the load f because the model is one half. A guess of the pairs that touch makes this a
-small linear system; pairs that pull let go, pairs that overlap are added, until nothing changes.
+with half of the load f because the model is one half. For a given set of touching pairs this is a
+small linear system. Pairs in tension are removed from the set and overlapping pairs are added,
+until the set does not change.
 """
 
 from __future__ import annotations
@@ -18,10 +19,12 @@ import numpy as np
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.errors import InputError
 
-# The set settles within about ten rounds on any mesh tried.
-ROUNDS = 100
-# Pairs that touch in the first guess.
-FIRST = 5
+__all__ = ["Condensed"]
+
+# The set converges within about ten rounds on all meshes tried.
+_ROUNDS = 100
+# Touching pairs in the first guess.
+_FIRST = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +38,7 @@ class Condensed:
     load_opening : array of float, shape (m,)
         c in mm per N/mm of the whole load.
     cosines : array of float, shape (m,)
-        cos θ of the pairs' normals.
+        cos θ of the normals of the pairs.
     gap : array of float, shape (m,)
         g₀ in mm.
     """
@@ -45,7 +48,7 @@ class Condensed:
     cosines: FloatArray
     gap: FloatArray
 
-    def touch(self, load: float, rounds: int = ROUNDS) -> tuple[FloatArray, float]:
+    def touch(self, load: float, rounds: int = _ROUNDS) -> tuple[FloatArray, float]:
         """Return the forces λ of the pairs in N/mm and the penetration δ in mm.
 
         Raises
@@ -61,12 +64,12 @@ class Condensed:
         >>> springs._system(np.array([True, True]), 8.0)[0].round(12)
         array([1., 3.])
         """
-        active: BoolArray = np.arange(self.gap.size) < FIRST
+        active: BoolArray = np.arange(self.gap.size) < _FIRST
         opened = self.gap + self.load_opening * load
         for _ in range(rounds):
             forces, depth = self._system(active, load)
             gaps = opened + self.compliance @ forces - depth * self.cosines
-            # The rounding error of a gap that is closed.
+            # The tolerance covers the rounding error of a closed gap.
             closed = gaps < -1e-9 * abs(depth)
             changed = np.where(active, forces > 0, closed)
             if np.array_equal(changed, active):
@@ -85,7 +88,7 @@ class Condensed:
         return forces, depth
 
     def _system(self, active: BoolArray, load: float) -> tuple[FloatArray, float]:
-        """Solve for the forces, if exactly the active pairs touch, and for the penetration."""
+        """Return forces and penetration if exactly the active pairs touch."""
         touching = np.flatnonzero(active)
         n = touching.size
         cosines = self.cosines[touching]
@@ -93,14 +96,14 @@ class Condensed:
         matrix[:n, :n] = self.compliance[np.ix_(touching, touching)]
         matrix[:n, n] = matrix[n, :n] = -cosines
         right = np.append(-(self.gap + self.load_opening * load)[touching], -load / 2)
-        found = np.linalg.solve(matrix, right)
+        solution = np.linalg.solve(matrix, right)
         forces = np.zeros(active.size)
-        forces[touching] = found[:n]
-        return forces, float(found[n])
+        forces[touching] = solution[:n]
+        return forces, float(solution[n])
 
 
 def _unsettled(load: float, rounds: int) -> InputError:
-    """Return the error of a set that went on changing."""
+    """Return the error for a set that does not converge."""
     return InputError(
         "finite elements",
         "load",

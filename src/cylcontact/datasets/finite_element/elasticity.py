@@ -1,4 +1,4 @@
-"""Linear elasticity of one body: assembled by scikit-fem, factorised once."""
+"""Linear elasticity of one body by scikit-fem: stiffness, factorised once, and stresses."""
 
 from __future__ import annotations
 
@@ -9,20 +9,23 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.finite_element.mesh import Body, IntArray
+from cylcontact.datasets.finite_element.setup import Setup
+
+__all__ = ["Elastic", "Stress", "factorise", "spread_load", "stress_of"]
 
 
 @dataclass(frozen=True, eq=False)
 class Elastic:
-    """A body's stiffness, with the supports that hold it, ready to be solved.
+    """The factorised stiffness of a supported body.
 
     Attributes
     ----------
     free : array of int
-        Degrees of freedom that are not held; node i has 2i (x) and 2i + 1 (y).
+        Unconstrained degrees of freedom; node i has 2i (x) and 2i + 1 (y).
     factors : object
-        What `scipy.sparse.linalg.splu` gives.
+        Result of `scipy.sparse.linalg.splu`.
     size : int
-        Number of all degrees of freedom.
+        Total number of degrees of freedom.
     """
 
     free: IntArray
@@ -36,7 +39,29 @@ class Elastic:
         return displacements
 
 
-def mesh_of(body: Body) -> Any:
+@dataclass(frozen=True, eq=False)
+class Stress:
+    """Stresses at the middle of each cell, in MPa, shape (M,).
+
+    Attributes
+    ----------
+    xx, yy, xy, zz : array of float
+        The components; y is the direction of the load.
+    """
+
+    xx: FloatArray
+    yy: FloatArray
+    xy: FloatArray
+    zz: FloatArray
+
+    @property
+    def von_mises(self) -> FloatArray:
+        """The equivalent stress in MPa."""
+        differences = (self.xx - self.yy) ** 2 + (self.yy - self.zz) ** 2 + (self.zz - self.xx) ** 2
+        return as_floats(np.sqrt(differences / 2 + 3 * self.xy**2))
+
+
+def _mesh_of(body: Body) -> Any:
     """Return scikit-fem's mesh of a body."""
     import skfem
 
@@ -44,15 +69,15 @@ def mesh_of(body: Body) -> Any:
     return skfem.MeshQuad(points, quads)
 
 
-def displacement_basis(body: Body, order: int) -> Any:
-    """Return scikit-fem's basis of bilinear displacements on a body, with its quadrature."""
+def _displacement_basis(body: Body, order: int) -> Any:
+    """Return scikit-fem's basis of bilinear displacements with quadrature of an order."""
     import skfem
 
-    return skfem.Basis(mesh_of(body), skfem.ElementVector(skfem.ElementQuad1()), intorder=order)
+    return skfem.Basis(_mesh_of(body), skfem.ElementVector(skfem.ElementQuad1()), intorder=order)
 
 
 def factorise(body: Body, E: float, nu: float, held: IntArray) -> Elastic:
-    """Assemble a body's stiffness in plane strain and factorise it without the held freedoms.
+    """Assemble and factorise the stiffness of a body in plane strain.
 
     Parameters
     ----------
@@ -61,13 +86,13 @@ def factorise(body: Body, E: float, nu: float, held: IntArray) -> Elastic:
     E, nu : float
         In MPa and -.
     held : array of int
-        Degrees of freedom that are zero.
+        Constrained degrees of freedom, with zero displacement.
     """
     from scipy.sparse.linalg import splu
     from skfem import asm
     from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-    basis = displacement_basis(body, order=3)
+    basis = _displacement_basis(body, order=3)
     stiffness = asm(linear_elasticity(*lame_parameters(E, nu)), basis).tocsc()
     free = np.setdiff1d(np.arange(basis.N), held)
     symmetric = {"SymmetricMode": True}
@@ -81,7 +106,7 @@ def factorise(body: Body, E: float, nu: float, held: IntArray) -> Elastic:
 
 
 def spread_load(pin: Body, centre: FloatArray, radius: float) -> FloatArray:
-    """Return the nodes' shares of a load spread evenly over a disc, shape (N,), their sum 1.
+    """Return the shares of the nodes in a load spread evenly over a disc, shape (N,), sum 1.
 
     Parameters
     ----------
@@ -94,10 +119,49 @@ def spread_load(pin: Body, centre: FloatArray, radius: float) -> FloatArray:
     """
     import skfem
 
-    basis = skfem.Basis(mesh_of(pin), skfem.ElementQuad1(), intorder=4)
+    basis = skfem.Basis(_mesh_of(pin), skfem.ElementQuad1(), intorder=4)
 
     def inside(v: Any, w: Any) -> Any:
         return v * (np.hypot(w.x[0] - centre[0], w.x[1] - centre[1]) <= radius)
 
     shares = np.asarray(skfem.LinearForm(inside).assemble(basis), dtype=np.float64)
     return as_floats(shares / shares.sum())
+
+
+def stress_of(body: Body, displacements: FloatArray, setup: Setup) -> Stress:
+    """Return the stresses of a body.
+
+    Parameters
+    ----------
+    body : Body
+        The mesh.
+    displacements : array of float, shape (N, 2)
+        Of its nodes, in mm.
+    setup : Setup
+        For the material and the plane state.
+
+    Returns
+    -------
+    Stress
+
+    Examples
+    --------
+    A square stretched by 0.1 % along y and free to contract:
+
+    >>> none = np.array([], dtype=np.intp)
+    >>> points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> square = Body(points, np.array([[0, 1, 2, 3]]), none, none)
+    >>> setup = Setup(hole_radius=2.245, outer_ratio=3.3, E=207e3, nu=0.3, plane="stress")
+    >>> stress = stress_of(square, points * [-3e-4, 1e-3], setup)
+    >>> print(stress.yy.round(6), np.abs(stress.xx).round(6), stress.von_mises.round(6))
+    [207.] [0.] [207.]
+    """
+    E, nu = setup.equivalent
+    basis = _displacement_basis(body, order=1)
+    gradient = np.asarray(basis.interpolate(displacements.ravel()).grad).mean(axis=-1)
+    xx, yy = gradient[0, 0], gradient[1, 1]
+    mu, lame = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
+    volume = lame * (xx + yy)
+    zz = volume if setup.plane == "strain" else np.zeros_like(volume)
+    shear = mu * (gradient[0, 1] + gradient[1, 0])
+    return Stress(volume + 2 * mu * xx, volume + 2 * mu * yy, shear, zz)

@@ -1,10 +1,10 @@
-"""Meshes of a pin in a hole: half of it, structured four-node quads, graded to the contact.
+"""Meshes of half a pin in a hole: structured four-node quads, graded towards the contact.
 
-The symmetry axis is x = 0, the contact is at the top, θ is measured from there. The hole's centre
-is the origin and the pin touches its top, so the pin's centre lies ΔR higher. The plate is a ring
-of polar cells. The pin is a square core with three blocks around it, so that no cell degenerates
-at its centre. Both surfaces have their nodes on the same rays from the hole's centre as far as
-contact can reach: contact is then a matter of pairs of nodes.
+The symmetry axis is x = 0. The contact is at the top, and θ is measured from there. The origin is
+the hole's centre and the pin touches the top of the hole, so the pin's centre is at y = ΔR. The
+plate is a ring of polar cells. The pin is a square core with three blocks around it, so that no
+cell degenerates at its centre. As far as contact can extend, both surfaces have their nodes on the
+same rays from the hole's centre, so contact is between pairs of nodes.
 """
 
 from __future__ import annotations
@@ -16,11 +16,13 @@ from numpy.typing import NDArray
 
 from cylcontact.arrays import FloatArray
 
+__all__ = ["Body", "Grading", "IntArray", "Mesh", "Pairs", "make_mesh"]
+
 IntArray = NDArray[np.intp]
 
 # Half-width of the pin's square core, in radii.
-CORE = 0.35
-QUARTER = np.pi / 4
+_CORE = 0.35
+_QUARTER = np.pi / 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +36,7 @@ class Body:
     quads : array of int, shape (M, 4)
         Nodes of each cell, counter-clockwise.
     surface : array of int, shape (k,)
-        The contact surface's nodes, from the top.
+        Nodes of the contact surface, from the top.
     axis : array of int
         Nodes on the symmetry axis.
     """
@@ -58,7 +60,7 @@ class Pairs:
     gap : array of float, shape (m,)
         Distance in mm when the pin just touches the top; zero for the first pair.
     length : array of float, shape (m,)
-        Length of surface in mm that a pair stands for.
+        Length of surface in mm represented by each pair.
     arc : array of float, shape (m,)
         Distance from the top along the hole's surface in mm.
     """
@@ -79,11 +81,11 @@ class Mesh:
     plate, pin : Body
         The pin's centre is at (0, ΔR).
     centre : int
-        The pin's node at its centre.
+        Node at the centre of the pin.
     outer : array of int
-        The plate's nodes on its outer boundary, from the top.
+        Nodes on the outer boundary of the plate, from the top.
     pairs : Pairs
-        What may touch.
+        Pairs of nodes that may touch.
     """
 
     plate: Body
@@ -100,22 +102,22 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Grading:
-    """How the lengths of cells grow away from the middle of the contact.
+    """Growth of the lengths of cells away from the middle of the contact.
 
     Attributes
     ----------
     size : float
         Length of the cells at the middle of the contact in mm.
     even : float
-        Length of surface in mm along which they keep that length.
+        Length of surface in mm with cells of that length.
     growth : float
-        Ratio of the lengths of neighbouring cells beyond, at least 1.
+        Ratio of the lengths of neighbouring cells beyond it, at least 1.
     largest : float
-        No cell is longer, in radii of its body.
+        Largest length of a cell, in radii of its body.
     fine : float
-        Nor longer than this, in mm, along the first `reach` of the surface.
+        Largest length of a cell in mm along the first `reach` of the surface.
     reach : float
-        In mm.
+        Length of surface in mm.
     """
 
     size: float
@@ -126,25 +128,26 @@ class Grading:
     reach: float = 0.0
 
 
-def graded(length: float, grading: Grading, radius: float = 1.0) -> FloatArray:
-    """Return points from 0 to `length` whose distances grow from the grading's size.
+def _graded(length: float, grading: Grading, radius: float = 1.0) -> FloatArray:
+    """Return points from 0 to `length` with distances that grow from the grading's size.
 
     Parameters
     ----------
     length : float
         The last point, in mm.
     grading : Grading
-        The first distance is shrunk a little so that the last point is met.
+        All distances are reduced slightly so that the last point is at `length`.
     radius : float
-        The body's, in mm.
+        Radius of the body in mm.
 
     Returns
     -------
     array of float
+        In mm.
 
     Examples
     --------
-    >>> print(graded(1.0, Grading(size=0.1, even=0.0, growth=1.5, largest=0.3)).round(3))
+    >>> print(_graded(1.0, Grading(size=0.1, even=0.0, growth=1.5, largest=0.3)).round(3))
     [0.    0.093 0.233 0.442 0.721 1.   ]
     """
     points, size = [0.0], grading.size
@@ -179,9 +182,9 @@ def make_mesh(hole_radius: float, dR: float, outer_radius: float, grading: Gradi
     pin_radius = hole_radius - dR
     top, right = _pin_angles(pin_radius, grading)
     inwards = replace(grading, even=0.0)
-    depth = graded((1 - CORE) * pin_radius, inwards, pin_radius)
+    depth = _graded((1 - _CORE) * pin_radius, inwards, pin_radius)
     pin, centre = _pin(pin_radius, dR, top, right, depth / depth[-1])
-    # Contact stays below 85° whatever the load; the pairs go to 79°.
+    # Contact stays below 85° at any load; the pairs extend to 79°.
     facing = np.concatenate([top, right[1 : 3 * (right.size // 8) + 1]])
     rays = np.arctan2(pin_radius * np.sin(facing), dR + pin_radius * np.cos(facing))
     plate, outer = _plate(hole_radius, outer_radius, rays, inwards)
@@ -189,23 +192,23 @@ def make_mesh(hole_radius: float, dR: float, outer_radius: float, grading: Gradi
 
 
 def _pin_angles(radius: float, grading: Grading) -> tuple[FloatArray, FloatArray]:
-    """Return the pin's angles from 0 to 45° and, in multiples of 8, from 45° to 135°."""
-    top = graded(QUARTER * radius, grading, radius) / radius
-    eighths = int(np.ceil(QUARTER / 4 / (top[-1] - top[-2])))
-    return top, np.linspace(QUARTER, 3 * QUARTER, 8 * eighths + 1)
+    """Return the pin's angles from 0 to 45°, and a multiple of 8 intervals from 45° to 135°."""
+    top = _graded(_QUARTER * radius, grading, radius) / radius
+    eighths = int(np.ceil(_QUARTER / 4 / (top[-1] - top[-2])))
+    return top, np.linspace(_QUARTER, 3 * _QUARTER, 8 * eighths + 1)
 
 
 def _plate(
     radius: float, outer_radius: float, rays: FloatArray, grading: Grading
 ) -> tuple[Body, IntArray]:
-    """Mesh the plate: a ring, its first angles given by `rays`."""
+    """Mesh the plate, a ring with `rays` as its first angles."""
     onwards = replace(grading, size=(rays[-1] - rays[-2]) * radius)
-    to_side = graded((np.pi / 2 - rays[-1]) * radius, onwards, radius) / radius
+    to_side = _graded((np.pi / 2 - rays[-1]) * radius, onwards, radius) / radius
     below = np.linspace(np.pi / 2, np.pi, int(np.ceil(np.pi / 2 / grading.largest)) + 1)
-    # A node stands exactly where the upper half of the boundary ends.
+    # One node is exactly at the end of the upper half of the boundary.
     theta = np.concatenate([rays, rays[-1] + to_side[1:-1], below])
     outwards = replace(grading, largest=2 * grading.largest)
-    r = radius + graded(outer_radius - radius, outwards, radius)
+    r = radius + _graded(outer_radius - radius, outwards, radius)
     points = _polar(r[:, None], theta[None, :])
     nodes = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
     # θ runs clockwise, so with r outwards the corners turn counter-clockwise in this order.
@@ -221,14 +224,14 @@ def _pin(
 
     `depth` runs from 0 at the surface to 1 at the core.
     """
-    bottom = np.linspace(3 * QUARTER, np.pi, top.size)
+    bottom = np.linspace(3 * _QUARTER, np.pi, top.size)
     theta = np.concatenate([top, right[1:], bottom[1:]])
     surface = _polar(np.array(radius), theta)
     reach = np.maximum(np.abs(np.cos(theta)), np.abs(np.sin(theta)))
-    around = surface * (CORE / reach)[:, None]
+    around = surface * (_CORE / reach)[:, None]
     layers = surface + depth[:, None, None] * (around - surface)
     ring = np.arange(depth.size * theta.size).reshape(depth.size, theta.size)
-    # The core's rows go down from its top side to its bottom side, its columns outwards.
+    # The rows of the core run from its top to its bottom side, its columns outwards.
     rows, columns = right.size, top.size
     upper, lower = around[:columns, 0], around[-columns:, 0][::-1]
     height = around[columns - 1 : columns - 1 + rows, 1]
@@ -251,7 +254,7 @@ def _pairs(plate: Body, pin: Body, radius: float, count: int) -> Pairs:
     """Return the pairs of nodes that face each other."""
     hole, facing = plate.points[plate.surface[:count]], pin.points[pin.surface[:count]]
     normals = hole / radius
-    # Whatever the rounding, the pin just touches the top.
+    # The pin touches the top exactly, without rounding error.
     gap = np.concatenate([[0.0], radius - np.hypot(facing[1:, 0], facing[1:, 1])])
     pieces = np.hypot(*np.diff(hole, axis=0).T)
     length = np.zeros(count)
@@ -265,11 +268,11 @@ def _polar(r: FloatArray, theta: FloatArray) -> FloatArray:
     """Return points at r and θ, θ from the top."""
     r, theta = np.broadcast_arrays(r, theta)
     points = np.stack([r * np.sin(theta), r * np.cos(theta)], axis=-1)
-    # sin π and cos π/2 are not zero in floating point, but points on the axes are on them.
+    # sin π and cos π/2 are not zero in floating point; put points of the axes exactly on them.
     return np.where(np.abs(points) < 1e-12 * r[..., None], 0.0, points)
 
 
 def _quads(nodes: IntArray) -> IntArray:
-    """Return the cells of a block of nodes whose rows run outwards and columns clockwise."""
+    """Return the cells of a block of nodes with rows outwards and columns clockwise."""
     corners = (nodes[:-1, :-1], nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1])
     return np.stack([corner.ravel() for corner in corners], axis=-1)

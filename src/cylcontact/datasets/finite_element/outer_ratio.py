@@ -1,8 +1,8 @@
-"""The plate's outer radius with which finite elements and Johnson's law have the same constant.
+"""The outer radius of the plate for which finite elements agree with Johnson's law.
 
-A plane body has no absolute approach: the outer radius sets the one additive constant of the
-penetration, −c·f/(πE*), and the paper does not state it. This solves for the radius that makes the
-constant Johnson's where his law is valid, which is how `recommended.toml` has its 3.3.
+A plane body has no absolute approach: the outer radius sets the additive constant of the
+penetration, −c·f/(πE*), and the paper does not state it. This module solves for the radius that
+gives the constant of Johnson's law where that is valid. The 3.3 in `recommended.toml` is from here.
 """
 
 from __future__ import annotations
@@ -17,21 +17,23 @@ from cylcontact.datasets.finite_element.solve import solve
 from cylcontact.errors import InputError
 from cylcontact.laws.logarithmic import Johnson
 
-# Between these the ratio is looked for, and found to this part of itself.
-BOUNDS, XTOL = (2.0, 10.0), 2e-3
+__all__ = ["mean_offset", "outer_ratio_like_johnson"]
+
+# The range of the ratio that is searched, and the relative accuracy.
+_BOUNDS, _XTOL = (2.0, 10.0), 2e-3
 
 
 def outer_ratio_like_johnson(
     setup: Setup, dR: Sequence[float] = (1.0,), loads: Sequence[float] = (20.0, 40.0, 100.0)
 ) -> float:
-    """Return the outer ratio at which finite elements and Johnson's law agree in the mean.
+    """Return the outer ratio at which finite elements agree with Johnson's law on average.
 
     Parameters
     ----------
     setup : Setup
-        Its own `outer_ratio` does not matter.
+        The set-up; its `outer_ratio` is not used.
     dR, loads : sequence of float
-        In mm and N/mm; outside the conformal range, f/(E*ΔR) of 0.01 or less.
+        In mm and N/mm, outside the conformal range: f/(E*ΔR) of 0.01 or less.
 
     Returns
     -------
@@ -52,18 +54,18 @@ def outer_ratio_like_johnson(
     from scipy.optimize import brentq
 
     def offset(log_ratio: float) -> float:
-        # Nearly linear in the logarithm, as the displacement of a plane body is.
+        # Nearly linear in the logarithm, like the displacement of a plane body.
         return mean_offset(replace(setup, outer_ratio=float(np.exp(log_ratio))), dR, loads)
 
-    low, high = map(float, np.log(BOUNDS))
+    low, high = map(float, np.log(_BOUNDS))
     try:
-        return float(np.exp(brentq(offset, low, high, xtol=XTOL)))
+        return float(np.exp(brentq(offset, low, high, xtol=_XTOL)))
     except ValueError as error:
         raise InputError(
             "finite elements",
             "outer_ratio",
             None,
-            f"between {BOUNDS[0]:g} and {BOUNDS[1]:g} never gives Johnson's penetration",
+            f"between {_BOUNDS[0]:g} and {_BOUNDS[1]:g} never gives Johnson's penetration",
             "choose clearances and loads outside the conformal range, the load on the pin",
         ) from error
 

@@ -1,4 +1,4 @@
-"""What a finite-element case is: geometry, material, boundary conditions and mesh."""
+"""The set-up of finite-element cases: geometry, material, boundary conditions and mesh."""
 
 from __future__ import annotations
 
@@ -14,44 +14,46 @@ from cylcontact.laws.conformal import contact_angle
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 
+__all__ = ["FEWEST_CELLS", "Clamp", "LoadOn", "Plane", "Setup", "require_room"]
+
 Plane = Literal["strain", "stress"]
 LoadOn = Literal["pin", "disc", "centre"]
 Clamp = Literal["upper half", "whole"]
 
-# Fewer cells over the contact's half-width tell nothing about its pressure.
+# With fewer cells over the half-width of the contact the pressure is meaningless.
 FEWEST_CELLS = 4
-# With a size of one's own: cells that keep it, and how they grow beyond.
-EVEN_CELLS, GROWTH, LARGEST = 24, 1.1, 0.1
+# For a given `size`: number of cells of that size, growth beyond, and largest cell in radii.
+_EVEN_CELLS, _GROWTH, _LARGEST = 24, 1.1, 0.1
 
 
 @dataclass(frozen=True)
 class Setup:
-    """Everything about a case but the clearance and the load.
+    """Everything about a case except the clearance and the load.
 
     Parameters
     ----------
     hole_radius : float
         R_i in mm; the pin's radius is R_i − ΔR.
     outer_ratio : float
-        The plate's outer radius over R_i. A 2-D body has no absolute approach: this number sets
-        the additive constant of the penetration.
+        The outer radius of the plate over R_i. It sets the additive constant of the penetration,
+        because a 2-D body has no absolute approach.
     E, nu : float
         Young's modulus in MPa and Poisson's ratio of both bodies.
     plane : {"strain", "stress"}
         Plane state.
     load_on : {"pin", "disc", "centre"}
-        Where the load acts: spread over the pin, over a disc at its centre, at the centre node.
+        Distribution of the load: over the pin, over a disc at its centre, or at the centre node.
     disc_ratio : float
-        Radius of that disc over the pin's.
+        Radius of that disc over the radius of the pin.
     clamp : {"upper half", "whole"}
-        Which part of the plate's outer boundary is held, the upper half being the one that the
-        pin is pushed towards.
+        The part of the plate's outer boundary that is fixed; the pin is pushed towards the upper
+        half.
     cells : int
-        Cells over the half-width of the contact under the smallest load.
+        Number of cells over the half-width of the contact at the smallest load.
     size : float, optional
-        Length of the smallest cells in mm, instead of `cells`.
+        Length of the smallest cells in mm; replaces `cells`.
     contact_size : float, optional
-        Length in mm that cells in the contact do not exceed, with `size`.
+        Largest length of cells in the contact in mm, used with `size`.
 
     Examples
     --------
@@ -79,33 +81,33 @@ class Setup:
 
     @property
     def equivalent(self) -> tuple[float, float]:
-        """E (MPa) and ν with which plane strain is what `plane` asks for.
+        """E (MPa) and ν for which plane strain is equivalent to the state `plane`.
 
-        Plane stress is plane strain with E' = E(1 + 2ν)/(1 + ν)² and ν' = ν/(1 + ν).
+        Plane stress is equivalent to plane strain with E' = E(1 + 2ν)/(1 + ν)² and ν' = ν/(1 + ν).
         """
         if self.plane == "strain":
             return self.E, self.nu
         return self.E * (1 + 2 * self.nu) / (1 + self.nu) ** 2, self.nu / (1 + self.nu)
 
     def pair(self, dR: float) -> CylinderPair:
-        """Return the pair of cylinders as the laws see it, in plane strain."""
+        """Return the pair of cylinders, in plane strain like the laws."""
         material = Material("finite elements", self.E, self.nu)
         return CylinderPair.from_dR("internal", dR, material, R_i=self.hole_radius)
 
     def half_width(self, dR: float, load: float) -> float:
-        """Return the contact's half-width in mm as Persson has it, to grade the mesh by."""
+        """Return the half-width of the contact in mm by Persson's law, to grade the mesh."""
         E, nu = self.equivalent
         pair = CylinderPair.from_dR("internal", dR, Material("equivalent", E, nu))
         radius = np.sqrt(self.hole_radius * (self.hole_radius - dR))
         return float(contact_angle(load, pair) * radius)
 
     def mesh(self, dR: float, loads: FloatArray) -> Mesh:
-        """Mesh one clearance for all its loads.
+        """Return the mesh of one clearance for all its loads.
 
         Raises
         ------
         InputError
-            If the clearance leaves no pin, or cells are too large for the narrowest contact.
+            If the clearance leaves no pin, or the cells are too large for the narrowest contact.
         """
         require_room(self, dR)
         narrow, wide = (self.half_width(dR, float(f)) for f in (loads.min(), loads.max()))
@@ -114,14 +116,14 @@ class Setup:
             grading = Grading(narrow / self.cells, 1.1 * narrow, 1 + share, share)
         else:
             _require_fine(self.size, narrow, dR, float(loads.min()))
-            even = min(1.1 * narrow, EVEN_CELLS * self.size)
+            even = min(1.1 * narrow, _EVEN_CELLS * self.size)
             fine = np.inf if self.contact_size is None else self.contact_size
-            grading = Grading(self.size, even, GROWTH, LARGEST, fine, 1.1 * wide)
+            grading = Grading(self.size, even, _GROWTH, _LARGEST, fine, 1.1 * wide)
         return make_mesh(self.hole_radius, dR, self.outer_radius, grading)
 
 
 def require_room(setup: Setup, dR: float) -> None:
-    """Refuse a clearance that is not positive or leaves no pin."""
+    """Raise `InputError` for a clearance that is not positive or leaves no pin."""
     if not 0 < dR < setup.hole_radius:
         raise InputError(
             "finite elements",
@@ -133,7 +135,7 @@ def require_room(setup: Setup, dR: float) -> None:
 
 
 def _require_fine(size: float, half_width: float, dR: float, load: float) -> None:
-    """Refuse cells that are too long for the narrowest contact."""
+    """Raise `InputError` for cells that are too long for the narrowest contact."""
     needed = half_width / FEWEST_CELLS
     if size > needed:
         raise InputError(

@@ -1,4 +1,4 @@
-"""The embedded solver: one clearance, one factorisation, all its loads."""
+"""The embedded solver: one factorisation for all loads of a clearance."""
 
 from __future__ import annotations
 
@@ -13,19 +13,21 @@ from cylcontact.datasets.finite_element.elasticity import Elastic, factorise, sp
 from cylcontact.datasets.finite_element.mesh import IntArray, Mesh
 from cylcontact.datasets.finite_element.setup import Setup
 
+__all__ = ["Solution", "clamped_nodes", "node_shares", "solve"]
+
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """What the finite elements say about one case.
+    """The solution of one case.
 
     Attributes
     ----------
     setup : Setup
-        What was solved.
+        The set-up.
     dR, load : float
         Clearance in mm and load in N/mm.
     penetration : float
-        Of the pin's centre, from first touch, in mm.
+        Displacement of the pin's centre from first touch in mm.
     half_width : float
         Half-width of the contact in mm.
     arc, pressure : array of float
@@ -60,7 +62,7 @@ def solve(setup: Setup, dR: float, loads: Sequence[float] | FloatArray) -> list[
     Parameters
     ----------
     setup : Setup
-        What is solved.
+        The set-up.
     dR : float
         Clearance in mm.
     loads : sequence of float
@@ -100,18 +102,18 @@ def solve(setup: Setup, dR: float, loads: Sequence[float] | FloatArray) -> list[
         cosines=mesh.pairs.normals[:, 1],
         gap=mesh.pairs.gap,
     )
-    found = []
+    solutions = []
     for load in applied.tolist():
         touching, depth = problem.touch(load)
         moved = on_pin @ np.append(touching, load)
         pressure = touching / mesh.pairs.length
-        found.append(
+        solutions.append(
             Solution(
                 setup=setup,
                 dR=dR,
                 load=load,
                 penetration=depth,
-                half_width=edge(mesh.pairs.arc, pressure),
+                half_width=_edge(mesh.pairs.arc, pressure),
                 arc=mesh.pairs.arc,
                 pressure=pressure,
                 mesh=mesh,
@@ -119,11 +121,11 @@ def solve(setup: Setup, dR: float, loads: Sequence[float] | FloatArray) -> list[
                 pin=moved.reshape(-1, 2) + np.array([0.0, depth]),
             )
         )
-    return found
+    return solutions
 
 
 def clamped_nodes(setup: Setup, mesh: Mesh) -> IntArray:
-    """Return the nodes of the plate's outer boundary that are held."""
+    """Return the fixed nodes of the plate's outer boundary."""
     held: IntArray = mesh.outer
     if setup.clamp == "upper half":
         held = held[mesh.plate.points[held, 1] >= 0]
@@ -131,7 +133,7 @@ def clamped_nodes(setup: Setup, mesh: Mesh) -> IntArray:
 
 
 def node_shares(setup: Setup, dR: float, mesh: Mesh) -> FloatArray:
-    """Return the shares of the load that act at the pin's nodes, shape (N,), their sum 1."""
+    """Return the shares of the load at the nodes of the pin, shape (N,), sum 1."""
     if setup.load_on == "centre":
         shares = np.zeros(len(mesh.pin.points))
         shares[mesh.centre] = 1.0
@@ -140,17 +142,16 @@ def node_shares(setup: Setup, dR: float, mesh: Mesh) -> FloatArray:
     return spread_load(mesh.pin, mesh.pin.points[mesh.centre], radius)
 
 
-def edge(arc: FloatArray, pressure: FloatArray) -> float:
-    """Return where the pressure ends, in mm: the root of a line through p² over arc².
+def _edge(arc: FloatArray, pressure: FloatArray) -> float:
+    """Return the edge of the contact in mm: the root of a line fitted to p² over arc².
 
-    Hertz's p² is such a line. It is drawn through the points between 30 and 90 % of the peak,
-    as the last pair of nodes carries a pressure that depends on where between two nodes the
-    contact ends.
+    Hertz's p² is such a line. It is fitted to the points between 30 and 90 % of the peak, because
+    the pressure of the last pair of nodes depends on where between two nodes the contact ends.
 
     Examples
     --------
     >>> x = np.linspace(0, 1.2, 25)
-    >>> print(round(edge(x, 100 * np.sqrt(np.maximum(1 - x**2, 0))), 12))
+    >>> print(round(_edge(x, 100 * np.sqrt(np.maximum(1 - x**2, 0))), 12))
     1.0
     """
     share = pressure / pressure.max()
@@ -160,7 +161,7 @@ def edge(arc: FloatArray, pressure: FloatArray) -> float:
 
 
 def _factorised(setup: Setup, mesh: Mesh) -> tuple[Elastic, Elastic]:
-    """Factorise plate and pin; the pin is held at its centre, where no force remains."""
+    """Factorise plate and pin; the pin is fixed at its centre, where the reaction is zero."""
     E, nu = setup.equivalent
     held = clamped_nodes(setup, mesh)
     plate = np.concatenate([2 * mesh.plate.axis, 2 * held, 2 * held + 1])

@@ -1,4 +1,4 @@
-"""Finite-element set-ups as TOML files, every number with where it comes from."""
+"""Finite-element set-ups as TOML files, with the provenance of every number."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ from cylcontact.datasets.finite_element.setup import (
 from cylcontact.errors import InputError
 from cylcontact.provenance import spec_hash
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
+
+__all__ = ["Origin", "Study", "StudySpec", "read_study", "study_from"]
 
 Origin = Literal["paper", "derived", "assumed"]
 _LENGTH_REMEDY = "a number in mm above 0"
@@ -68,16 +70,16 @@ class StudySpec(Spec):
                 raise broken(
                     key, list(values), "must be positive and increasing", "sort it, drop repeats"
                 )
-        told = self.model_fields_set - {"origin", "variants"}
-        for key in sorted(told ^ self.origin.keys()):
-            rule = "is required" if key in told else "is not a key of this file"
+        given = self.model_fields_set - {"origin", "variants"}
+        for key in sorted(given ^ self.origin.keys()):
+            rule = "is required" if key in given else "is not a key of this file"
             raise broken(f"origin.{key}", None, rule, "mark each key as paper, derived or assumed")
         return self
 
     def setup(self) -> Setup:
-        """Return the set-up itself."""
-        own = {field.name: getattr(self, field.name) for field in fields(Setup)}
-        return Setup(**{**own, "E": self.E * 1e3})
+        """Return the set-up, without its variants."""
+        values = {field.name: getattr(self, field.name) for field in fields(Setup)}
+        return Setup(**{**values, "E": self.E * 1e3})
 
 
 @dataclass(frozen=True)
@@ -89,15 +91,15 @@ class Study:
     name : str
         The file's name without suffix.
     setups : dict
-        From the variant's name to its set-up; the set-up itself is "base".
+        Set-ups by the name of the variant; the set-up itself is "base".
     dR, load : tuple of float
         Clearances in mm and loads in N/mm.
     origin : dict
-        From each key of the file to "paper", "derived" or "assumed".
+        "paper", "derived" or "assumed" for each key of the file.
     key : str
         A hash of the file's contents.
     source : str
-        What errors call it.
+        Its name in errors.
     """
 
     name: str
@@ -130,19 +132,19 @@ def read_study(path: Path | str) -> Study:
     Raises
     ------
     InputError
-        If the file is not a set-up; the line names key, value, rule and remedy.
+        If the file is not a set-up; the message has key, value, rule and remedy.
     """
     return study_from(read_toml(path), Path(path).stem, str(path))
 
 
 def study_from(data: dict[str, Any], name: str, source: str) -> Study:
-    """Return the study that the contents of a set-up file describe."""
+    """Return the study described by the contents of a set-up file."""
     spec = parse_spec(StudySpec, data, source)
     setups = {"base": spec.setup()}
     for number, variant in enumerate(spec.variants):
         label, changed = _variant(data, variant, f"{source}, variants.{number}")
         if label in setups:
-            raise InputError(source, f"variants.{number}.name", label, "stands twice", "rename it")
+            raise InputError(source, f"variants.{number}.name", label, "is used twice", "rename it")
         setups[label] = changed
     for setup in setups.values():
         for dR in spec.dR:
@@ -160,12 +162,12 @@ def _variant(data: dict[str, Any], variant: dict[str, Any], source: str) -> tupl
     if not isinstance(label, str) or not label:
         raise InputError(source, "name", label, "is required", "give the variant a name")
     if not label.isprintable() or set(label) & set(',"#'):
-        rule = "stands in a table and must do without commas, quotes and #"
+        rule = "must not contain commas, quotes or #"
         raise InputError(source, "name", label, rule, "rename it")
     for key in ("dR", "load", "origin", "variants"):
         if key in changes:
             raise InputError(source, key, changes[key], "cannot vary", "use a file of its own")
     whole = {**data, **changes, "variants": [], "origin": {**data["origin"]}}
-    # What a variant changes is a study of ours, whatever the set-up itself says.
+    # The changes of a variant are our assumptions, even where the set-up has the paper's numbers.
     whole["origin"] |= dict.fromkeys(changes, "assumed")
     return label, parse_spec(StudySpec, whole, source).setup()

@@ -1,29 +1,27 @@
-"""All cases of a study by either engine, in parallel, each kept as it is done."""
+"""All cases of a study by either engine, in parallel, each recorded as it is solved."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Literal
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from cylcontact.choices import Engine
 from cylcontact.datasets.finite_element import calculix
-from cylcontact.datasets.finite_element.cases import Case
-from cylcontact.datasets.finite_element.kept import Kept, Row
+from cylcontact.datasets.finite_element.cases import Case, Row
 from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.datasets.finite_element.solve import solve
 from cylcontact.datasets.finite_element.spec import Study
 from cylcontact.errors import InputError
+from cylcontact.journal import Journal
 from cylcontact.parallel import call, run_calls
+from cylcontact.progress import Progress, silent
 
-Engine = Literal["embedded", "calculix"]
-ENGINES: tuple[Engine, ...] = ("embedded", "calculix")
-# The stage, what is done of it, and how much there is.
-Progress = Callable[[str, int, int], None]
+__all__ = ["Failure", "engine_name", "run_study"]
 
 
 @dataclass(frozen=True)
@@ -85,8 +83,8 @@ def run_study(
     study: Study,
     engine: Engine = "embedded",
     jobs: int = 1,
-    progress: Progress = lambda *_: None,
-    kept: Path | None = None,
+    progress: Progress = silent,
+    checkpoint: Path | None = None,
     resume: bool = False,
 ) -> tuple[list[Row], list[Failure]]:
     """Solve every case of a study.
@@ -101,10 +99,10 @@ def run_study(
         Worker processes; the result does not depend on it.
     progress : callable, optional
         Called with the stage, the number of cases done and their total.
-    kept : path, optional
-        Where finished cases are kept; removed by the caller, once it has saved the table.
+    checkpoint : path, optional
+        The journal of solved cases; the caller removes it once the table is saved.
     resume : bool
-        Whether to take up the cases kept there.
+        Whether to take the cases already in `checkpoint` from there.
 
     Returns
     -------
@@ -116,16 +114,20 @@ def run_study(
     Raises
     ------
     InputError
-        If CalculiX is asked for and not installed, or the kept cases are of another study.
+        If CalculiX is asked for and not installed, or `checkpoint` belongs to another study.
     """
     program = calculix.find_program() if engine == "calculix" else ""
-    keeper = Kept(kept, f"{study.key} {engine_name(engine)}") if kept is not None else None
-    rows = keeper.load() if keeper and resume else []
-    if keeper and not resume:
-        keeper.start()
-    done = {row.place for row in rows}
+    journal = (
+        Journal(checkpoint, "study", f"{study.key} {engine_name(engine)}") if checkpoint else None
+    )
+    recorded = journal.load(_row_from) if journal and resume else []
+    if journal and not resume:
+        journal.start()
+    rows = {row.place: row for row in recorded}
     tasks = [
-        task for task in _tasks(study, engine) if (task.variant, task.dR, task.loads[0]) not in done
+        task
+        for task in _tasks(study, engine)
+        if any((task.variant, task.dR, load) not in rows for load in task.loads)
     ]
     total = len(study.setups) * len(study.dR) * len(study.load)
     failures: list[Failure] = []
@@ -133,20 +135,25 @@ def run_study(
     # An interruption ends the workers, which cannot remove what they have written then.
     with TemporaryDirectory(prefix="cylcontact-", ignore_cleanup_errors=True) as scratch:
         calls = [call(_solve_task, task, study.load, program, scratch) for task in tasks]
-        with closing(run_calls(calls, jobs, ordered=False)) as found:
-            for solved in found:
+        with closing(run_calls(calls, jobs, ordered=False)) as results:
+            for solved in results:
                 if isinstance(solved, Failure):
                     failures.append(solved)
                     continue
-                rows += solved
-                if keeper:
-                    keeper.add(solved)
+                rows |= {row.place: row for row in solved}
+                if journal:
+                    journal.add(*map(asdict, solved))
                 progress("solving", len(rows), total)
     places = {name: number for number, name in enumerate(study.setups)}
     return (
-        sorted(rows, key=lambda row: (places[row.variant], row.case.dR, row.case.load)),
+        sorted(rows.values(), key=lambda row: (places[row.variant], row.case.dR, row.case.load)),
         sorted(failures, key=lambda failure: (places[failure.variant], failure.dR, failure.loads)),
     )
+
+
+def _row_from(entry: dict[str, Any]) -> Row:
+    """Return the row that a journal entry records."""
+    return Row(entry["variant"], Setup(**entry["setup"]), Case(**entry["case"]))
 
 
 def _tasks(study: Study, engine: Engine) -> list[_Task]:
@@ -169,14 +176,14 @@ def _solve_task(
 
     try:
         if program:
-            found = [
+            cases = [
                 calculix.run_case(task.setup, task.dR, load, np.array(loads), program, scratch)
                 for load in task.loads
             ]
         else:
             with threadpool_limits(limits=1):
                 solved = solve(task.setup, task.dR, task.loads)
-            found = [
+            cases = [
                 Case(s.dR, s.load, s.penetration, s.half_width, s.peak_pressure, s.mesh.cells)
                 for s in solved
             ]
@@ -185,4 +192,4 @@ def _solve_task(
         return Failure(task.variant, task.dR, task.loads, reason, failure.lines)
     except InputError as error:
         return Failure(task.variant, task.dR, task.loads, f"{error.rule}; {error.remedy}")
-    return [Row(task.variant, task.setup, case) for case in found]
+    return [Row(task.variant, task.setup, case) for case in cases]

@@ -1,8 +1,8 @@
-"""Tables of solved cases: CSV under a few lines that say where the numbers come from.
+"""Tables of solved cases: CSV with a header that records their provenance.
 
-The lines begin with "# " and hold, as KEY: VALUE, the study, a hash of its set-up file, the
-engine and its version, the calibrated constant, and a hash of everything below them: a table
-edited by hand no longer matches it and is refused.
+The lines of the header begin with "# " and hold, as KEY: VALUE, the study, a hash of its set-up
+file, the engine and its version, the calibrated constant, and a hash of the rows. A table edited by
+hand does not match the hash and is refused.
 """
 
 from __future__ import annotations
@@ -19,28 +19,37 @@ from cylcontact.files import replacing
 if TYPE_CHECKING:
     import pandas as pd
 
-    from cylcontact.datasets.finite_element.kept import Row
+    from cylcontact.datasets.finite_element.cases import Row
     from cylcontact.datasets.finite_element.spec import Study
+
+__all__ = [
+    "COLUMNS",
+    "KEYS",
+    "FiniteElementTable",
+    "read_table",
+    "require_same_inputs",
+    "write_table",
+]
 
 COLUMNS = (
     *("variant", "E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm", "half_width_mm"),
     *("peak_pressure_MPa", "hole_radius_mm", "outer_radius_mm", "cells"),
 )
-# Finer than either engine's error, coarser than the rounding of different processors.
-DIGITS = 7
+# More digits than the error of either engine, fewer than the rounding of different processors.
+_DIGITS = 7
 KEYS = ("study", "set-up", "engine", "calibrated", "sha256")
 
 
 @dataclass(frozen=True)
 class FiniteElementTable:
-    """A table read back.
+    """A table of solved cases.
 
     Attributes
     ----------
     rows : pandas.DataFrame
         Columns `COLUMNS`.
     header : dict
-        The lines above them, by their keys `KEYS`.
+        The lines of the header, by the keys `KEYS`.
     """
 
     rows: pd.DataFrame
@@ -48,18 +57,18 @@ class FiniteElementTable:
 
 
 def write_table(path: Path | str, study: Study, engine: str, rows: Sequence[Row]) -> None:
-    """Write solved cases, complete or not at all.
+    """Write solved cases to a table; the file is complete or not written at all.
 
     Parameters
     ----------
     path : path
         A CSV file.
     study : Study
-        What was solved.
+        The study.
     engine : str
-        By what, with its version.
+        The engine and its version.
     rows : sequence of Row
-        The cases.
+        The solved cases.
 
     Raises
     ------
@@ -79,7 +88,7 @@ def write_table(path: Path | str, study: Study, engine: str, rows: Sequence[Row]
 
 
 def read_table(path: Path | str) -> FiniteElementTable:
-    """Read a table and check that nobody has changed it.
+    """Read a table and check its hash.
 
     Raises
     ------
@@ -121,12 +130,12 @@ def read_table(path: Path | str) -> FiniteElementTable:
 
 
 def require_same_inputs(path: Path, study: Study) -> None:
-    """Refuse to replace a table that came from another set-up than this study's.
+    """Raise `InputError` if a file is not a table of this study's set-up; it may be missing.
 
     Raises
     ------
     InputError
-        If the file there is a table of another set-up, or no such table at all.
+        If the file is a table of another set-up, or no readable table.
     """
     if not path.exists():
         return
@@ -134,7 +143,7 @@ def require_same_inputs(path: Path, study: Study) -> None:
     try:
         before = read_table(path).header
     except InputError as error:
-        rule = "stands where the table would go and is none that can be read"
+        rule = "exists and is not a readable table of finite elements"
         raise InputError(str(path), "", None, rule, remedy) from error
     if before["set-up"] != study.key:
         rule = f"holds a table that came from another set-up, not from {study.source} as it is now"
@@ -144,12 +153,12 @@ def require_same_inputs(path: Path, study: Study) -> None:
 def _line(row: Row) -> str:
     """Return one case as a line of CSV."""
     setup, case = row.setup, row.case
-    # The half-width is empty where the engine does not give it.
+    # The half-width is empty if the engine does not return it.
     numbers = (
         *(setup.E / 1e3, setup.nu, case.dR, case.load, case.penetration, case.half_width),
         *(case.peak_pressure, setup.hole_radius, setup.outer_radius, case.cells),
     )
-    cells = ("" if number != number else f"{number:.{DIGITS}g}" for number in numbers)  # noqa: PLR0124
+    cells = ("" if number != number else f"{number:.{_DIGITS}g}" for number in numbers)  # noqa: PLR0124
     return ",".join([row.variant, *cells])
 
 

@@ -1,7 +1,7 @@
-"""How sure the coefficients are.
+"""The uncertainty of fitted coefficients, for measurements and for reference laws.
 
-Two different questions, never mixed. Measured data carry *noise*: coefficients then have standard
-errors, confidence intervals and prediction bands (`report`, `likelihood`, `resampling`, `bands`).
-A reference law carries none: what is left over is *model discrepancy*, and the question is how far
-a coefficient may move before the fit gets noticeably worse (`discrepancy`).
+Measurements carry *noise*: coefficients have standard errors, confidence intervals and prediction
+bands (`estimates`, `likelihood`, `resampling`, `bands`). A reference law carries none: the
+residuals are *model discrepancy*, and the question is how far a coefficient may move before the
+fit gets noticeably worse (`discrepancy`). The two are never mixed.
 """

@@ -1,9 +1,9 @@
-"""Bands around a fitted curve: where the law itself may be, and where a new measurement would be.
+"""Confidence bands of a fitted curve and prediction bands of a new measurement.
 
-By the delta method in ln δ and ln f, in which contact laws are nearly linear: the variance of the
-curve is gᵀCg with g the derivatives by the free parameters and C their covariance; a new
-measurement adds the noise. Noise of a penetration becomes noise of the load through the local
-exponent n = d ln f/d ln δ, and the other way round.
+The delta method is used in ln δ and ln f, where contact laws are nearly linear: the variance of
+the curve is gᵀCg with g the derivatives by the free parameters and C their covariance. A new
+measurement adds the noise. Noise of a penetration becomes noise of the load, and vice versa,
+through the local exponent n = d ln f/d ln δ.
 """
 
 from __future__ import annotations
@@ -25,9 +25,11 @@ from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import CylinderPair
 from cylcontact.spec import Spec
 
-# Points of the bands in a report, and pairs that it shows.
-POINTS = 25
-PAIRS = 8
+__all__ = ["Band", "bands_of_data", "predict"]
+
+# Points of each band, and the largest number of pairs.
+_POINTS = 25
+_PAIRS = 8
 
 
 class Band(Spec):
@@ -54,7 +56,7 @@ def predict(
     penetration: ArrayLike | None = None,
     name: str = "",
 ) -> Band:
-    """Return what the fit predicts for a pair, with bands.
+    """Return the prediction for a pair, with bands.
 
     Parameters
     ----------
@@ -73,7 +75,7 @@ def predict(
     penetration : array_like, optional
         Penetrations in mm at which to predict the load; exactly one of the two is given.
     name : str, optional
-        What to call the pair.
+        The pair's name.
 
     Returns
     -------
@@ -82,15 +84,15 @@ def predict(
     Raises
     ------
     InputError
-        If the data leave parameters open, or the law is undefined at one of the points.
+        If the parameters have no covariance, or the law is undefined at one of the points.
     """
     if noise.covariance is None:
         raise InputError(
             "prediction",
             "parameters",
             noise.blind or list(best),
-            "are not determined one by one, so that there is no band",
-            "hold one of them with fixed = true, or take a wider loss, and fit again",
+            "are not identifiable one by one, so that there is no band",
+            "fix one of them with fixed = true, or choose a wider loss, and fit again",
         )
     of_load = penetration is not None
     at = np.atleast_1d(as_floats(penetration if of_load else load))
@@ -109,7 +111,7 @@ def predict(
             "penetration" if of_load else "load",
             at,
             "leaves the domain of the fitted law, or is not positive",
-            "ask within it",
+            "stay within it",
         )
     variance = ((slopes @ noise.covariance) * slopes).sum(axis=1)
     added = _noise_variance(measured(problem), noise, law, at, pair, of_load)
@@ -134,30 +136,30 @@ def bands_of_data(
 ) -> list[Band]:
     """Return bands of both quantities for the pairs in the data, over the range of each.
 
-    At most `PAIRS` of them, in the order of the table; none where the data leave parameters open,
-    and none beyond the domain of the fitted law.
+    At most 8 pairs, in the order of the table. There are none if the parameters have no
+    covariance, and none where the fitted law is undefined.
     """
     if noise.covariance is None:
         return []
     data = measured(problem).data
     names, group = data.groups("pair")
-    found = []
-    for number, name in enumerate(names[:PAIRS]):
+    bands = []
+    for number, name in enumerate(names[:_PAIRS]):
         rows = np.flatnonzero(group == number)
         part = data.take(rows)
-        pair = data.take(np.full(POINTS, rows[0])).pair
-        loads = np.geomspace(part.load.min(), part.load.max(), POINTS)
-        depths = np.geomspace(part.penetration.min(), part.penetration.max(), POINTS)
-        for given in ({"load": loads}, {"penetration": depths}):
+        pair = data.take(np.full(_POINTS, rows[0])).pair
+        loads = np.geomspace(part.load.min(), part.load.max(), _POINTS)
+        depths = np.geomspace(part.penetration.min(), part.penetration.max(), _POINTS)
+        for points in ({"load": loads}, {"penetration": depths}):
             with suppress(InputError):  # a fitted law may end before the data do
-                found.append(predict(problem, noise, best, pair, level, name=name, **given))
-    return found
+                bands.append(predict(problem, noise, best, pair, level, name=name, **points))
+    return bands
 
 
 def _log_prediction(
     law: ContactLaw | None, at: FloatArray, pair: CylinderPair, of_load: bool
 ) -> FloatArray:
-    """Return ln f or ln δ of a law, NaN where it is undefined."""
+    """Return ln f or ln δ of a law; NaN outside its domain."""
     if law is None:
         return np.full_like(at, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -174,7 +176,7 @@ def _noise_variance(
 ) -> FloatArray:
     """Return the variance of a new measurement in ln f or ln δ.
 
-    Where deviations were given, a new measurement is taken to have their median.
+    With given standard deviations, a new measurement has their median.
     """
     depth = at if of_load else law.penetration(at, pair)
     force = law.load(at, pair) if of_load else at

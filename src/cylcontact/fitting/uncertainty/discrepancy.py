@@ -1,14 +1,13 @@
-"""How much a fit to a reference law is worth: discrepancy of models, in which there is no noise.
+"""Study the discrepancy of a fit to a reference law, which has no noise.
 
-Samples of a law are exact. What a fit leaves over says that the two laws differ, the same at every
-repetition: there is no standard error and no confidence. What can be asked is how far the fitted
-law is from the reference over the grid, how far a coefficient may move before that gets
-noticeably worse, alone or with another, and what the coefficients owe to each part of the grid.
+Samples of a law are exact, so its residuals are the same in every repetition: there is no standard
+error. A study gives the deviation from the reference over the grid, how far a coefficient or a
+pair may move before it gets noticeably worse, and the influence of each part of the grid.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import replace
 from itertools import combinations
@@ -21,28 +20,30 @@ from cylcontact.arrays import FloatArray
 from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.sampling import blocks
 from cylcontact.errors import InputError
-from cylcontact.fitting.calibrate import problem_of, silent
+from cylcontact.fitting.calibrate import problem_of
 from cylcontact.fitting.campaign import Campaign, campaign_from_settings
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.profile import Profile
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import samples_of
+from cylcontact.fitting.uncertainty.likelihood import PAIR_POINTS
 from cylcontact.fitting.uncertainty.resampling import LeftOut
 from cylcontact.parallel import Call, Workers, call, run_calls
+from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
 
-Progress = Callable[[str, int, int], None]
-AXES = ("dR", "E", "nu", "load")
-PRECISION = 1e-10
-PAIR_POINTS = 21
-# Contours of pairs: by how much the best attainable objective has risen.
+__all__ = ["RISES", "DiscrepancyPair", "DiscrepancyStudy", "study_discrepancy"]
+
+_AXES = ("dR", "E", "nu", "load")
+_PRECISION = 1e-10
+# Contours of pairs: the relative rise of the best objective.
 RISES = (0.01, 0.05, 0.10)
-# How far a pair's map reaches in 1 % intervals; a rise of 10 % is a bit over three times as far.
-PAIR_REACH = 4.0
-# Bins of ln(δ/δ_reference), whose width is the precision of its quantiles.
-BIN, LARGEST = 1e-4, 8.0
-SHARES = (0.025, 0.5, 0.975)
+# 1 % intervals on either side of the optimum in a map of a pair; 10 % are at about 3.2.
+_PAIR_REACH = 4.0
+# Width of the bins of ln(δ/δ_reference), the precision of its quantiles, and its range.
+_BIN, _LARGEST = 1e-4, 8.0
+_QUANTILES = (0.025, 0.5, 0.975)
 
 
 class DiscrepancyPair(Spec):
@@ -57,7 +58,7 @@ class DiscrepancyPair(Spec):
 
 
 class DiscrepancyStudy(Spec):
-    """How much a fit to a reference law is worth."""
+    """The discrepancy of a fit to a reference law."""
 
     name: str = Field(description="the fit's name")
     kind: Literal["discrepancy"] = Field("discrepancy", description="what the numbers are about")
@@ -77,7 +78,7 @@ def study_discrepancy(
     jobs: Workers = 1,
     progress: Progress = silent,
 ) -> DiscrepancyStudy:
-    """Ask how much a fit to a reference law is worth.
+    """Return the discrepancy of a fit to a reference law.
 
     Parameters
     ----------
@@ -89,9 +90,9 @@ def study_discrepancy(
     with_pairs : bool
         Whether to map the objective over each pair of coefficients.
     jobs : int or Cluster
-        Worker processes, or a Dask cluster; the report does not depend on it.
+        Worker processes, or a Dask cluster; the result does not depend on it.
     progress : callable, optional
-        Called with the stage, the number done and their total.
+        Called with the stage, how many of its parts are done, and their number.
 
     Returns
     -------
@@ -105,7 +106,7 @@ def study_discrepancy(
     source = f"fit result {result.name!r}"
     if result.kind != "discrepancy":
         raise InputError(
-            source, "kind", result.kind, "was fitted to measurements", "ask for its noise"
+            source, "kind", result.kind, "was fitted to measurements", "study its noise"
         )
     campaign = campaign_from_settings(result.name, result.settings, source)
     best = result.coefficients
@@ -134,8 +135,8 @@ def study_discrepancy(
 def _collected(calls: Sequence[Call], jobs: Workers, progress: Progress, stage: str) -> list[Any]:
     """Run calls and collect what they return."""
     results = []
-    with closing(run_calls(calls, jobs)) as found:
-        for result in found:
+    with closing(run_calls(calls, jobs)) as returned:
+        for result in returned:
             results.append(result)
             progress(stage, len(results), len(calls))
     return results
@@ -144,14 +145,14 @@ def _collected(calls: Sequence[Call], jobs: Workers, progress: Progress, stage: 
 def _leave_one_out(
     campaign: Campaign, best: Mapping[str, float], axis: str, jobs: Workers, progress: Progress
 ) -> list[LeftOut]:
-    """Fit without each value of an axis, and judge that value by the fit."""
-    if axis not in AXES:
+    """Fit without each value of an axis, and evaluate the fit on that value."""
+    if axis not in _AXES:
         raise InputError(
             campaign.source,
             "leave-out",
             axis,
             "is not an axis of a grid",
-            f"choose {', '.join(AXES)} or material",
+            f"choose {', '.join(_AXES)} or material",
         )
     size = getattr(campaign.grid, axis).size
     if size < 2:
@@ -159,8 +160,8 @@ def _leave_one_out(
             campaign.source, "leave-out", axis, "has one value only", "choose another axis"
         )
     calls = [call(_without, campaign, best, axis, k) for k in range(size)]
-    found: list[LeftOut] = _collected(calls, jobs, progress, "leaving out")
-    return found
+    fits: list[LeftOut] = _collected(calls, jobs, progress, "leaving out")
+    return fits
 
 
 def _with_axis(grid: Grid, axis: str, values: FloatArray) -> Grid:
@@ -175,19 +176,19 @@ def _without(campaign: Campaign, best: Mapping[str, float], axis: str, place: in
     rest = _with_axis(campaign.grid, axis, np.delete(values, place))
     own = _with_axis(campaign.grid, axis, values[place : place + 1])
     problem, _ = problem_of(replace(campaign, grid=rest), 1, silent)
-    point, _ = polish(problem, problem.point(best), PRECISION)
+    point, _ = polish(problem, problem.point(best), _PRECISION)
     coefficients = problem.coefficients(point)
-    judged, rows = np.inf, 0
+    own_rms, rows = np.inf, 0
     try:
         alone, counts = problem_of(replace(campaign, grid=own), 1, silent)
-        judged, rows = alone.value_of(coefficients), counts.samples
+        own_rms, rows = alone.value_of(coefficients), counts.samples
     except InputError:
-        pass  # every sample of this value is masked: it has no say in the fit either
+        pass  # every sample of this value is masked
     return LeftOut(
         group=f"{axis} = {values[place]:.6g}",
         rows=rows,
         coefficients=coefficients,
-        own_rms=judged if np.isfinite(judged) else None,
+        own_rms=own_rms if np.isfinite(own_rms) else None,
     )
 
 
@@ -203,25 +204,25 @@ def _pair(
     for name in names:
         parameter = next(p for p in problem.free if p.name == name)
         below, above = best[name] - profiles[name].low, profiles[name].high - best[name]
-        low = max(parameter.low, best[name] - PAIR_REACH * below)
+        low = max(parameter.low, best[name] - _PAIR_REACH * below)
         axes.append(
-            np.linspace(low, min(parameter.high, best[name] + PAIR_REACH * above), PAIR_POINTS)
+            np.linspace(low, min(parameter.high, best[name] + _PAIR_REACH * above), PAIR_POINTS)
         )
     x, y = axes
     rise: list[list[float | None]] = [[None] * x.size for _ in y]
     for row, second in enumerate(y):
         start: Mapping[str, float] = best
         for column, first in enumerate(x):
-            held = problem.holding(names[0], float(first)).holding(names[1], float(second))
-            point, reached = polish(held, held.point(start), PRECISION)
+            smaller = problem.fixing(names[0], float(first)).fixing(names[1], float(second))
+            point, reached = polish(smaller, smaller.point(start), _PRECISION)
             if np.isfinite(reached):
-                rise[row][column], start = reached / optimum - 1, held.coefficients(point)
+                rise[row][column], start = reached / optimum - 1, smaller.coefficients(point)
     return DiscrepancyPair(names=names, x=[float(v) for v in x], y=[float(v) for v in y], rise=rise)
 
 
 def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
     """Return quantiles of Eq 9 over the grid in percent, from a histogram of ln(δ/δ_reference)."""
-    edges = np.arange(-LARGEST, LARGEST + BIN, BIN)
+    edges = np.arange(-_LARGEST, _LARGEST + _BIN, _BIN)
     counts = np.zeros(edges.size - 1)
     candidate = np.array([[best[name] for name in campaign.family.names]])
     for dR in campaign.grid.dR:
@@ -236,10 +237,10 @@ def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
                     "leave the law undefined for some of its samples",
                     "redo the fit",
                 )
-            counts += np.histogram(np.clip(ratio, -LARGEST, LARGEST), edges)[0]
+            counts += np.histogram(np.clip(ratio, -_LARGEST, _LARGEST), edges)[0]
     reached = np.cumsum(counts) / counts.sum()
     middles = (edges[1:] + edges[:-1]) / 2
     return {
         f"{100 * share:g}": float(100 * np.expm1(middles[np.searchsorted(reached, share)]))
-        for share in SHARES
+        for share in _QUANTILES
     }

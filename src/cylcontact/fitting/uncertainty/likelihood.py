@@ -1,9 +1,9 @@
-"""Profile likelihood: how far parameters may move before the data object, the others refitted.
+"""Profile-likelihood intervals and regions of fitted parameters.
 
-With Gaussian noise the likelihood ratio of parameters held somewhere against the optimum is
-(S(θ) − S)/τ. An interval or region holds the values for which that stays below the quantile of χ²
-(standard deviations known) or of F (not known). Other than an interval from the covariance it
-follows the curvature of the law, and it ends at a bound only if the data let it.
+With Gaussian noise the likelihood ratio of fixed parameters to the optimum, with the others
+refitted, is (S(θ) − S)/τ. An interval or region holds the values for which it stays below the
+quantile of χ² (standard deviations known) or of F (not known). Unlike an interval from the
+covariance it follows the curvature of the law.
 """
 
 from __future__ import annotations
@@ -21,26 +21,38 @@ from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.residual_model import ResidualModel
 from cylcontact.spec import Spec
 
+__all__ = [
+    "BETTER",
+    "PAIR_POINTS",
+    "Interval",
+    "PairMap",
+    "fixed_ratio",
+    "interval",
+    "pair_map",
+    "pairs_of",
+]
+
 # Precision of an interval's ends, relative to the distance from the optimum.
-EDGE_PRECISION = 1e-4
-FIRST_STEP = 1e-6
+_EDGE_PRECISION = 1e-4
+_FIRST_STEP = 1e-6
+# Values of each parameter in a map of a pair.
 PAIR_POINTS = 21
-# How far a pair's map reaches, in half-widths of the intervals.
-PAIR_REACH = 1.6
-FAR = 1e6
-# A ratio below this is no rounding: what was called the optimum is not.
+# Half-widths of the intervals on either side of the optimum in a map of a pair.
+_PAIR_REACH = 1.6
+_FAR = 1e6
+# Below this the profile found a better optimum; it is not round-off.
 BETTER = -1e-6
 
 
 class Interval(Spec):
-    """Where a parameter may be."""
+    """An interval of a parameter."""
 
     low: float = Field(description="the lower end")
     high: float = Field(description="the upper end")
     low_is_bound: bool = Field(description="whether a bound of the search cuts it off below")
     high_is_bound: bool = Field(description="whether a bound of the search cuts it off above")
     lowest: float = Field(
-        0.0, description="the lowest (S(θ) − S)/τ met: below 0 there is a better optimum"
+        0.0, description="the lowest (S(θ) − S)/τ; below 0 there is a better optimum"
     )
 
 
@@ -57,10 +69,10 @@ class PairMap(Spec):
     thresholds: dict[str, float] = Field(description="the contour of each level, in percent")
 
 
-def ratio_held(
-    problem: Problem, noise: ResidualModel, held: Mapping[str, float], start: Mapping[str, float]
+def fixed_ratio(
+    problem: Problem, noise: ResidualModel, fixed: Mapping[str, float], start: Mapping[str, float]
 ) -> tuple[float, dict[str, float]]:
-    """Return (S(θ) − S)/τ with some parameters held, and the coefficients that reach it.
+    """Return (S(θ) − S)/τ with some parameters fixed and the others refitted.
 
     Parameters
     ----------
@@ -68,24 +80,24 @@ def ratio_held(
         On measurements.
     noise : ResidualModel
         At its optimum.
-    held : mapping
-        The parameters that are held, and where.
+    fixed : mapping
+        The fixed parameters and their values.
     start : mapping
-        Coefficients from which the others are refitted.
+        Coefficients from which the refit starts.
 
     Returns
     -------
     ratio : float
-        Below 0 by more than rounding (`BETTER`) where the refit found a better optimum.
+        Below `BETTER` if the refit found a better optimum.
     coefficients : dict
-        That reach it.
+        The refitted ones, and the fixed ones.
     """
     smaller = problem
-    for name, value in held.items():
-        smaller = smaller.holding(name, value)
+    for name, value in fixed.items():
+        smaller = smaller.fixing(name, value)
     point, reached, _ = descend(smaller, smaller.point(start))
-    risen = (noise.rows * reached**2 - noise.sum_of_squares) / noise.unit
-    return float(risen), smaller.coefficients(point)
+    ratio = (noise.rows * reached**2 - noise.sum_of_squares) / noise.unit
+    return float(ratio), smaller.coefficients(point)
 
 
 def interval(
@@ -140,7 +152,7 @@ def pair_map(
     names : tuple of str
         The two parameters.
     intervals : mapping
-        Their profile intervals, which set how far the map reaches.
+        Their profile intervals, which set the extent of the map.
     levels : tuple of float
         Levels of the contours.
     points : int
@@ -155,10 +167,10 @@ def pair_map(
     for row, second in enumerate(y):
         start: Mapping[str, float] = best
         for column, first in enumerate(x):
-            held = {names[0]: float(first), names[1]: float(second)}
-            value, found = ratio_held(problem, noise, held, {**start, **held})
+            fixed = {names[0]: float(first), names[1]: float(second)}
+            value, coefficients = fixed_ratio(problem, noise, fixed, {**start, **fixed})
             if np.isfinite(value):
-                ratio[row][column], start = value, found
+                ratio[row][column], start = value, coefficients
     return PairMap(
         names=names,
         x=[float(v) for v in x],
@@ -173,11 +185,11 @@ def pairs_of(problem: Problem) -> list[tuple[str, str]]:
     return list(combinations([p.name for p in problem.free], 2))
 
 
-def _reach(problem: Problem, name: str, best: float, found: Interval, points: int) -> FloatArray:
+def _reach(problem: Problem, name: str, best: float, ends: Interval, points: int) -> FloatArray:
     """Return values of a parameter around its interval, within its bounds."""
     parameter = next(p for p in problem.free if p.name == name)
-    low = max(parameter.low, best - PAIR_REACH * (best - found.low))
-    high = min(parameter.high, best + PAIR_REACH * (found.high - best))
+    low = max(parameter.low, best - _PAIR_REACH * (best - ends.low))
+    high = min(parameter.high, best + _PAIR_REACH * (ends.high - best))
     return np.linspace(low, high, points)
 
 
@@ -189,9 +201,9 @@ def _edge(
     bound: float,
     level: float,
 ) -> tuple[float, bool, float]:
-    """Return where, towards a bound, the likelihood ratio passes the threshold.
+    """Return the end of an interval towards a bound.
 
-    Then whether that is the bound, and the lowest ratio met, at most 0.
+    Also return whether it is the bound, and the lowest ratio evaluated, at most 0.
     """
     limit = float(np.sqrt(noise.threshold(level)))
     reach = bound - best[name]
@@ -199,27 +211,27 @@ def _edge(
     if reach == 0:
         return bound, True, lowest
     step = _guess(problem, noise, name, limit) / abs(reach)
-    inner, outer, start = 0.0, min(1.0, max(step, FIRST_STEP)), best
+    inner, outer, start = 0.0, min(1.0, max(step, _FIRST_STEP)), best
 
     def above(share: float) -> float:
-        # The root of the ratio is nearly linear in the parameter, which is quick to solve.
+        # The square root of the ratio is nearly linear in the parameter.
         nonlocal start, lowest
-        held = {name: best[name] + share * reach}
-        ratio, found = ratio_held(problem, noise, held, start)
+        fixed = {name: best[name] + share * reach}
+        ratio, coefficients = fixed_ratio(problem, noise, fixed, start)
         if np.isfinite(ratio):
-            start, lowest = found, min(lowest, ratio)
-        return float(min(np.sqrt(max(ratio, 0.0)), FAR * limit)) - limit
+            start, lowest = coefficients, min(lowest, ratio)
+        return float(min(np.sqrt(max(ratio, 0.0)), _FAR * limit)) - limit
 
     while above(outer) <= 0:
         if outer == 1.0:
             return bound, True, lowest
         inner, outer = outer, min(1.0, 2 * outer)
-    share = brentq(above, inner, outer, rtol=EDGE_PRECISION, xtol=EDGE_PRECISION * outer)
+    share = brentq(above, inner, outer, rtol=_EDGE_PRECISION, xtol=_EDGE_PRECISION * outer)
     return best[name] + float(share) * reach, False, lowest
 
 
 def _guess(problem: Problem, noise: ResidualModel, name: str, limit: float) -> float:
-    """Return the distance to the threshold that the covariance promises, a little more."""
+    """Return slightly more than the distance to the threshold by the covariance."""
     if noise.covariance is None:
         return 0.0
     place = [p.name for p in problem.free].index(name)

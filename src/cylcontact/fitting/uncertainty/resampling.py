@@ -1,13 +1,13 @@
-"""Refits to parts of the data: the bootstrap, and leaving out one group after the other.
+"""Refits to parts of the data: the bootstrap, and leave-one-group-out.
 
 Rows of one specimen share its errors. Resampling whole groups (materials, clearances, pairs)
-keeps that together; leaving one out shows what the coefficients owe to it, and how well the
-others predict it.
+preserves this. Leaving one out shows its influence on the coefficients, and how well the others
+predict it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import closing
 
 import numpy as np
@@ -20,17 +20,27 @@ from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.likelihood import Interval
 from cylcontact.fitting.uncertainty.residual_model import measured, with_rows
 from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
 
-Progress = Callable[[str, int, int], None]
-# Replicates per call, so that a worker is worth its while.
-BATCH = 25
-# With fewer groups than this their resampling says little.
+__all__ = [
+    "FEWEST_REFITS",
+    "FEW_GROUPS",
+    "FEW_REFITS",
+    "Bootstrap",
+    "LeftOut",
+    "bootstrap",
+    "leave_one_out",
+]
+
+# Replicates per call of a worker.
+_BATCH = 25
+# With fewer groups than this intervals are too narrow.
 FEW_GROUPS = 8
-# With fewer refits than this there are standard errors, but no percentile intervals.
+# Fewer refits than this give standard errors, but no percentile intervals.
 FEWEST_REFITS = 40
-# The ends of a 95 % interval, each from 25 refits beyond it, still move with the seed by a tenth
-# of a standard error or so; with fewer refits by more, which the report says.
+# With this many refits the ends of a 95 % interval vary with the seed by about a tenth of a
+# standard error. The report warns of fewer.
 FEW_REFITS = 1000
 
 
@@ -38,10 +48,10 @@ class Bootstrap(Spec):
     """Percentile intervals from refits to resampled data."""
 
     over: str = Field(description="what was resampled: rows, or a kind of group")
-    groups: int = Field(description="how many of them there are")
-    replicates: int = Field(description="how many refits were asked for")
+    groups: int = Field(description="their number")
+    replicates: int = Field(description="the number of refits requested")
     undefined: int = Field(
-        0, description="how many could not start, the law being undefined there; left out"
+        0, description="refits for which the law was undefined at the start; left out"
     )
     seed: int = Field(description="the seed of the resampling")
     intervals: dict[str, Interval] = Field(
@@ -69,7 +79,7 @@ def bootstrap(
     seed: int,
     level: float,
     jobs: Workers = 1,
-    progress: Progress = lambda *_: None,
+    progress: Progress = silent,
 ) -> Bootstrap:
     """Refit to resampled rows or groups.
 
@@ -84,13 +94,13 @@ def bootstrap(
     replicates : int
         Number of refits.
     seed : int
-        Same seed, same intervals, whatever the workers.
+        The same seed gives the same intervals.
     level : float
         E.g. 0.95.
     jobs : int or Cluster
         Worker processes, or a Dask cluster.
     progress : callable, optional
-        Called with the stage, the number done and their total.
+        Called with the stage, how many of its parts are done, and their number.
 
     Returns
     -------
@@ -103,11 +113,11 @@ def bootstrap(
     """
     names, _ = _groups(problem, over)
     seeds = np.random.SeedSequence(seed).spawn(replicates)
-    batches = [seeds[k : k + BATCH] for k in range(0, replicates, BATCH)]
+    batches = [seeds[k : k + _BATCH] for k in range(0, replicates, _BATCH)]
     calls = [call(_replicates, problem, best, over, batch) for batch in batches]
     refits: list[FloatArray | None] = []
-    with closing(run_calls(calls, jobs)) as found:
-        for batch in found:
+    with closing(run_calls(calls, jobs)) as results:
+        for batch in results:
             refits.extend(batch)
             progress("resampling", len(refits), replicates)
     points = [point for point in refits if point is not None]
@@ -116,8 +126,8 @@ def bootstrap(
             measured(problem).data.data.source,
             "bootstrap",
             replicates,
-            f"refits gave {len(points)} with the law defined: there is no spread to take",
-            "ask for more, or fit again so that the law is defined for all rows",
+            f"refits left the law defined in {len(points)}, and a spread needs two",
+            "request more, or fit again so that the law is defined for all rows",
         )
     spread = np.array(points)
     return Bootstrap(
@@ -152,9 +162,9 @@ def leave_one_out(
     best: Mapping[str, float],
     over: str,
     jobs: Workers = 1,
-    progress: Progress = lambda *_: None,
+    progress: Progress = silent,
 ) -> list[LeftOut]:
-    """Fit without each group in turn, and judge the group by that fit.
+    """Fit without each group in turn, and evaluate that fit on the group.
 
     Parameters
     ----------
@@ -179,19 +189,19 @@ def leave_one_out(
                 "over",
                 over,
                 f"without {name} only {remaining} rows remain for {len(problem.free)} parameters",
-                "choose another grouping, or hold parameters",
+                "choose another grouping, or fix parameters",
             )
     calls = [call(_without, problem, best, over, number) for number in range(len(names))]
-    found: list[LeftOut] = []
+    fits: list[LeftOut] = []
     with closing(run_calls(calls, jobs)) as results:
         for result in results:
-            found.append(result)
-            progress("leaving out", len(found), len(names))
-    return found
+            fits.append(result)
+            progress("leaving out", len(fits), len(names))
+    return fits
 
 
 def _groups(problem: Problem, over: str) -> tuple[list[str], FloatArray]:
-    """Return the groups of a problem's data, at least two of them."""
+    """Return the names of the groups, at least two, and the group of each row."""
     data = measured(problem).data
     names, group = data.groups(over)
     if len(names) < 2:
@@ -211,7 +221,7 @@ def _replicates(
     over: str,
     seeds: list[np.random.SeedSequence],
 ) -> list[FloatArray | None]:
-    """Refit once per seed; None where the law is undefined at the start for a row drawn."""
+    """Refit once per seed; None if the law is undefined for a row at the start."""
     data = measured(problem).data
     start = problem.point(best)
     names, group = data.groups(over)
@@ -232,10 +242,10 @@ def _without(problem: Problem, best: Mapping[str, float], over: str, number: int
     rest = with_rows(problem, others)
     point, _, _ = descend(rest, rest.point(best))
     coefficients = rest.coefficients(point)
-    judged = with_rows(problem, own).value_of(coefficients)
+    own_rms = with_rows(problem, own).value_of(coefficients)
     return LeftOut(
         group=names[number],
         rows=own.size,
         coefficients=coefficients,
-        own_rms=judged if np.isfinite(judged) else None,
+        own_rms=own_rms if np.isfinite(own_rms) else None,
     )

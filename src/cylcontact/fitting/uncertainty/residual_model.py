@@ -1,10 +1,10 @@
-"""The noise that measurements show around a fit, and the covariance that it gives the parameters.
+"""The residuals of a fit to measurements, and the covariance of its parameters.
 
 With residuals r and J their derivatives by the free parameters at the optimum, least squares has
 the covariance s²·(JᵀJ)⁻¹, where s² is 1 if the standard deviations are known and Σr²/(N − k) if
 not. With a robust loss it is the sandwich H⁻¹GH⁻¹ of H = Σψ'JJᵀ and G = N/(N − k)·Σψ²JJᵀ (Huber
-1981), ψ being half the loss's derivative. ψ' is negative for far residuals of a loss that levels
-off (Cauchy's); where they are so many that H is not positive definite there is no covariance.
+1981), ψ being half the loss's derivative. ψ' is negative for large residuals of Cauchy's loss. If
+they are so many that H is not positive definite, there is no covariance.
 """
 
 from __future__ import annotations
@@ -21,16 +21,24 @@ from cylcontact.fitting.loss import Loss
 from cylcontact.fitting.measured_objective import MeasuredObjective
 from cylcontact.fitting.problem import Problem
 
-# Singular values below this share of the largest one: the data do not see that direction.
-BLIND = 1e-7
-# A direction's parameters are those with at least this share of its largest component.
-INVOLVED = 0.1
-# Residuals below this are rounding: data without noise.
+__all__ = [
+    "MEDIAN_TO_SIGMA",
+    "ROUNDING",
+    "ResidualModel",
+    "measured",
+    "residual_model_at",
+    "with_rows",
+]
+
+# A direction with a smaller singular value, relative to the largest, is not identifiable.
+_BLIND = 1e-7
+# It involves the parameters with at least this fraction of its largest component.
+_INVOLVED = 0.1
+# Smaller residuals are round-off: the data have no noise.
 ROUNDING = 1e-11
-# A curvature H is positive definite if its smallest eigenvalue, with H scaled to a diagonal of
-# about 1, is above this.
-POSITIVE = 1e-12
-NOT_CURVED = (
+# H, scaled to a diagonal of about 1, is positive definite if its smallest eigenvalue is larger.
+_POSITIVE = 1e-12
+_NOT_CURVED = (
     "too many residuals are far out for this robust loss: its curvature is not positive definite, "
     "and there is neither a covariance nor an interval; take a larger scale, or the Huber loss"
 )
@@ -40,7 +48,7 @@ MEDIAN_TO_SIGMA = 1.4826
 
 @dataclass(frozen=True, eq=False)
 class ResidualModel:
-    """What the residuals at the optimum say.
+    """The residuals at an optimum and what follows from them.
 
     Attributes
     ----------
@@ -49,26 +57,25 @@ class ResidualModel:
     known : bool
         Whether the standard deviations were given with the data.
     robust : bool
-        Whether the loss is another than that of least squares.
+        Whether the loss is robust.
     sum_of_squares : float
         The minimum S of the sum of squares, or of the robust loss.
     sigma : float
-        Standard deviation of the residuals, √(Σr²/(N − k)), from their median with a robust loss;
-        its unit is that of the residuals.
+        Standard deviation of the residuals in their units: √(Σr²/(N − k)), or from their median
+        with a robust loss.
     unit : float
-        τ: (S(θ) − S)/τ is distributed like a square of Gaussians; NaN where the robust loss has
-        no curvature there.
+        τ, such that (S(θ) − S)/τ has a χ² or F distribution; NaN if the robust loss has no
+        curvature at the optimum.
     covariance : array of float, shape (k, k), or None
-        Of the free parameters; None where the data do not determine all of them.
+        Of the free parameters; None if they are not all identifiable.
     blind : tuple of str
-        Where that is so, the parameters that only act together; empty where it is for another
-        reason, which is then in `notes`.
+        The parameters of which only a combination is identifiable. If there is no covariance for
+        another reason, that is in `notes`.
     per_unit : array of float, shape (k,)
-        What turns a half-width into a share: 1/|value|; for a shift, whose zero is a choice, the
-        root mean square of the relative change of the predictions (of loads or penetrations,
-        whichever the residuals compare) per unit of it, the others held.
+        Factor from a half-width to a relative one: 1/|value|. For a shift, whose zero is
+        arbitrary, the root mean square of the relative change of the predictions per unit of it.
     notes : tuple of str
-        What has to be said beside the numbers.
+        Warnings for the report.
     """
 
     rows: int
@@ -90,27 +97,27 @@ class ResidualModel:
 
     @property
     def is_rounding(self) -> bool:
-        """Whether the data follow the law to rounding, so that there is no noise to speak of."""
+        """Whether the data follow the law to round-off, without noise."""
         return not self.known and self.sigma < ROUNDING
 
     def half_width(self, level: float) -> float:
-        """Return how many standard errors an interval of this level reaches to either side."""
+        """Return the half-width of an interval of this level in standard errors."""
         tail = (1 + level) / 2
         if self.known:
             return float(special.ndtri(tail))
         return float(special.stdtrit(self.degrees, tail))
 
     def threshold(self, level: float, parameters: int = 1) -> float:
-        """Return the largest (S(θ) − S)/τ within a region of this level for so many parameters."""
+        """Return the largest (S(θ) − S)/τ within a region of this level in several parameters."""
         if self.known:
             return float(special.chdtri(parameters, 1 - level))
         return float(parameters * special.fdtri(parameters, self.degrees, level))
 
     @property
     def chi_square_p(self) -> float | None:
-        """The probability of residuals this large or larger, where their size is known.
+        """The probability of residuals this large or larger; None if σ is not known.
 
-        None with a robust loss, whose minimum is not distributed like χ².
+        It is None with a robust loss as well, whose minimum has no χ² distribution.
         """
         if not self.known or self.robust:
             return None
@@ -118,14 +125,14 @@ class ResidualModel:
 
 
 def measured(problem: Problem) -> MeasuredObjective:
-    """Return a problem's objective, which has to be one on measurements."""
+    """Return the objective of a problem on measurements."""
     if not isinstance(problem.objective, MeasuredObjective):
         raise TypeError("noise is that of measurements")
     return problem.objective
 
 
 def residual_model_at(problem: Problem, point: FloatArray) -> ResidualModel:
-    """Return what the residuals at an optimum say.
+    """Return the residual model at an optimum.
 
     Parameters
     ----------
@@ -147,7 +154,7 @@ def residual_model_at(problem: Problem, point: FloatArray) -> ResidualModel:
     slopes = jacobian(problem, point, raw)
     degrees = r.size - point.size
     sigma = float(np.sqrt((r**2).sum() / degrees))
-    if not objective.loss.is_linear:  # what is expected of a row that is no outlier
+    if not objective.loss.is_linear:  # that of rows other than outliers
         sigma = MEDIAN_TO_SIGMA * float(np.median(np.abs(r))) * float(np.sqrt(r.size / degrees))
     known, robust = objective.has_sigma, not objective.loss.is_linear
     unit = 1.0 if known else sigma**2
@@ -157,7 +164,7 @@ def residual_model_at(problem: Problem, point: FloatArray) -> ResidualModel:
     if robust:
         unit, covariance = _sandwich(objective.loss, r, slopes, inverse)
         if covariance is None and inverse is not None:
-            notes = (NOT_CURVED,)
+            notes = (_NOT_CURVED,)
     names = [p.name for p in problem.free]
     return ResidualModel(
         rows=r.size,
@@ -175,7 +182,7 @@ def residual_model_at(problem: Problem, point: FloatArray) -> ResidualModel:
 
 
 def with_rows(problem: Problem, rows: Indices) -> Problem:
-    """Return the problem with some of its measurements, possibly repeated."""
+    """Return the problem with a selection of its measurements, possibly repeated."""
     objective = measured(problem)
     return replace(problem, objective=replace(objective, data=objective.data.take(rows)))
 
@@ -189,11 +196,11 @@ def _sandwich(
     unit = float((psi**2).sum() / degrees / mean_slope) if mean_slope > 0 else np.nan
     if inverse is None:
         return unit, None
-    # In columns that are orthonormal H is well scaled, whatever the units of the parameters.
+    # Orthonormal columns scale H well, whatever the units of the parameters.
     root = np.linalg.cholesky(inverse)
     columns = slopes @ root
     curvature = (columns * psi_slope[:, None]).T @ columns
-    if mean_slope <= 0 or np.linalg.eigvalsh(curvature)[0] <= POSITIVE:
+    if mean_slope <= 0 or np.linalg.eigvalsh(curvature)[0] <= _POSITIVE:
         return np.nan, None
     weighted = columns * psi[:, None]
     half = root @ np.linalg.inv(curvature)
@@ -201,8 +208,8 @@ def _sandwich(
 
 
 def _per_unit(problem: Problem, point: FloatArray, effect: FloatArray) -> FloatArray:
-    """Return what turns half-widths into shares, shape (k,)."""
-    # A search that crosses zero takes it for a value like any other, whatever is declared.
+    """Return the factors from half-widths to relative ones, shape (k,)."""
+    # Bounds on either side of zero make it arbitrary, whatever the law declares.
     is_shift = [p.name in problem.family.shifts or p.low < 0 < p.high for p in problem.free]
     with np.errstate(divide="ignore"):
         return as_floats(np.where(is_shift, effect, 1 / np.abs(point)))
@@ -217,12 +224,12 @@ def _effect(objective: MeasuredObjective, r: FloatArray, slopes: FloatArray) -> 
 
 
 def _inverse(slopes: FloatArray) -> tuple[FloatArray | None, list[int]]:
-    """Return (JᵀJ)⁻¹, or None and the columns that only act together."""
+    """Return (JᵀJ)⁻¹, or None and the columns of which only a combination is identifiable."""
     size = np.sqrt((slopes**2).sum(axis=0))
     scaled = slopes / np.where(size > 0, size, 1.0)
     _, singular, directions = np.linalg.svd(scaled, full_matrices=False)
-    if singular[-1] <= BLIND * singular[0]:
-        share = np.abs(directions[-1])
-        return None, [int(k) for k in np.flatnonzero(share >= INVOLVED * share.max())]
+    if singular[-1] <= _BLIND * singular[0]:
+        component = np.abs(directions[-1])
+        return None, [int(k) for k in np.flatnonzero(component >= _INVOLVED * component.max())]
     half = directions.T / singular
     return as_floats(half @ half.T / np.outer(size, size)), []

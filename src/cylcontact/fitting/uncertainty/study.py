@@ -1,8 +1,7 @@
-"""Everything that can be asked of a fit to measurements, in one report."""
+"""Study the uncertainty of a fit to measurements."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -19,21 +18,23 @@ from cylcontact.fitting.planning import plan_from_settings
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.bands import Band, bands_of_data
+from cylcontact.fitting.uncertainty.estimates import LEVEL, Uncertainty, uncertainty_of
 from cylcontact.fitting.uncertainty.likelihood import PairMap, pair_map, pairs_of
-from cylcontact.fitting.uncertainty.report import LEVEL, Uncertainty, uncertainty_of
 from cylcontact.fitting.uncertainty.resampling import Bootstrap, LeftOut, bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
 from cylcontact.fitting.user_law import user_model
 from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
 
-Progress = Callable[[str, int, int], None]
+__all__ = ["NoiseStudy", "problem_of_result", "study_noise"]
+
 # Levels of the contours of pairs.
-CONTOURS = (0.68, 0.95)
+_CONTOURS = (0.68, 0.95)
 
 
 class NoiseStudy(Spec):
-    """How sure the coefficients of a fit to measurements are."""
+    """The uncertainty of the coefficients of a fit to measurements."""
 
     name: str = Field(description="the fit's name")
     kind: Literal["noise"] = Field("noise", description="what the intervals are about")
@@ -45,15 +46,15 @@ class NoiseStudy(Spec):
 
 
 def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
-    """Return what a fit to measurements minimised, from the result alone.
+    """Return the problem of a fit to measurements, from the result alone.
 
     Parameters
     ----------
     result : FitResult
         Of kind "noise".
     law : str, optional
-        The user's function, which has to be named again to be run; it is looked for in the
-        current folder first.
+        The user's function, which is run only if it is named again. The current folder is
+        searched first.
 
     Returns
     -------
@@ -62,8 +63,8 @@ def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
     Raises
     ------
     InputError
-        If the result is not of measurements, `law` is not its law, or the coefficients leave that
-        undefined.
+        If the result is not of measurements, `law` is not its law, or the law is undefined for
+        the coefficients.
     """
     campaign = plan_from_settings(result.name, result.settings, f"fit result {result.name!r}")
     if not isinstance(campaign, MeasuredCampaign) or result.uncertainty is None:
@@ -72,7 +73,7 @@ def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
             "kind",
             result.kind,
             "was not fitted to measurements",
-            "name a fit to data, or ask for its discrepancy",
+            "name a fit to measurements, or study its discrepancy",
         )
     if law is not None:
         if law != result.law:
@@ -94,7 +95,7 @@ def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
             f"fit result {result.name!r}",
             "coefficients",
             result.coefficients,
-            "leave the law undefined for some of its data",
+            "leave the law undefined for some of the data",
             "redo the fit",
         )
     return problem
@@ -111,9 +112,9 @@ def study_noise(
     law: str | None = None,
     seed: int | None = None,
     jobs: Workers = 1,
-    progress: Progress = lambda *_: None,
+    progress: Progress = silent,
 ) -> NoiseStudy:
-    """Ask how sure the coefficients of a fit to measurements are.
+    """Return the uncertainty of the coefficients of a fit to measurements.
 
     Parameters
     ----------
@@ -134,9 +135,9 @@ def study_noise(
     seed : int, optional
         Of the bootstrap; that of the campaign by default.
     jobs : int or Cluster
-        Worker processes, or a Dask cluster; the report does not depend on it.
+        Worker processes, or a Dask cluster; the result does not depend on it.
     progress : callable, optional
-        Called with the stage, the number done and their total.
+        Called with the stage, how many of its parts are done, and their number.
 
     Returns
     -------
@@ -149,12 +150,12 @@ def study_noise(
     """
     problem, best = problem_of_result(result, law), result.coefficients
     noise = residual_model_at(problem, problem.point(best))
-    found = uncertainty_of(problem, best, level, jobs)
+    uncertainty = uncertainty_of(problem, best, level, jobs)
     chosen_seed = int(result.settings["campaign"]["seed"]) if seed is None else seed
     return NoiseStudy(
         name=result.name,
-        uncertainty=found,
-        pairs=_pairs(problem, best, found, jobs, progress) if with_pairs else [],
+        uncertainty=uncertainty,
+        pairs=_pairs(problem, best, uncertainty, jobs, progress) if with_pairs else [],
         bootstrap=bootstrap(problem, best, over, replicates, chosen_seed, level, jobs, progress)
         if replicates
         else None,
@@ -166,15 +167,15 @@ def study_noise(
 def _pairs(
     problem: Problem,
     best: dict[str, float],
-    found: Uncertainty,
+    uncertainty: Uncertainty,
     jobs: Workers,
     progress: Progress,
 ) -> list[PairMap]:
     """Map the likelihood over each pair that has intervals."""
     noise = residual_model_at(problem, problem.point(best))
-    intervals = {n: e.profile for n, e in found.estimates.items() if e.profile is not None}
+    intervals = {n: e.profile for n, e in uncertainty.estimates.items() if e.profile is not None}
     pairs = [pair for pair in pairs_of(problem) if {*pair} <= {*intervals}]
-    calls = [call(pair_map, problem, noise, pair, best, intervals, CONTOURS) for pair in pairs]
+    calls = [call(pair_map, problem, noise, pair, best, intervals, _CONTOURS) for pair in pairs]
     maps: list[PairMap] = []
     with closing(run_calls(calls, jobs)) as results:
         for result in results:

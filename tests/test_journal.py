@@ -6,7 +6,7 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.fitting import calibrate
-from cylcontact.fitting.checkpoint import Checkpoint
+from cylcontact.journal import Journal
 from tests.spec_files import DROP, assert_told, changed, tree
 
 ANEW = "run without --resume"
@@ -18,19 +18,19 @@ def path(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def kept(small_campaign, tmp_path_factory):
-    """The lines of a checkpoint with all runs: a header, then one for each run."""
-    path = tmp_path_factory.mktemp("kept") / "small.json.partial"
+def lines(small_campaign, tmp_path_factory):
+    """The lines of a journal of all runs: a header, then one for each run."""
+    path = tmp_path_factory.mktemp("journal") / "small.json.partial"
     calibrate(small_campaign, checkpoint=path)
     return path.read_text(encoding="utf-8").splitlines(keepends=True)
 
 
 @pytest.fixture
-def complete(kept, path):
+def complete(lines, path):
     """The same lines, in their file."""
     path.parent.mkdir()
-    path.write_text("".join(kept))
-    return kept
+    path.write_text("".join(lines))
+    return lines
 
 
 def resume(campaign, path, jobs=1):
@@ -138,12 +138,12 @@ def test_nothing_is_written_before_a_run_is_complete(path, tmp_path, small_campa
     "contents",
     ['{"campaign": "0123456789abcdef"}\n', "[axes.E]\nmin = 69\n", "\n", "\x89PNG\n\0", "{}"],
 )
-def test_a_checkpoint_of_another_campaign_is_refused_and_kept(path, small_campaign, contents):
+def test_a_journal_of_another_campaign_is_refused_and_left_alone(path, small_campaign, contents):
     path.parent.mkdir()
     path.write_text(contents)
     with pytest.raises(InputError) as caught:
         resume(small_campaign, path)
-    assert_told(caught, path, "", None, "keeps the runs of another campaign", f"{ANEW} to start")
+    assert_told(caught, path, "", None, "belongs to another campaign", f"{ANEW} to start")
     assert path.read_text() == contents
 
 
@@ -182,7 +182,7 @@ def test_a_line_that_is_no_table_is_refused(complete, path, small_campaign, line
     assert_told(caught, path, "", json.loads(line), "must be a table", caught.value.remedy)
 
 
-def test_a_folder_in_its_place_is_told_of(path, small_campaign):
+def test_a_folder_in_its_place_is_an_input_error(path, small_campaign):
     path.mkdir(parents=True)
     with pytest.raises(InputError) as caught:
         resume(small_campaign, path)
@@ -192,9 +192,9 @@ def test_a_folder_in_its_place_is_told_of(path, small_campaign):
     assert_told(caught, path, "", None, "cannot be written (", "choose another output")
 
 
-def test_a_run_that_cannot_be_kept_is_told_of(tmp_path, small_result):
+def test_a_journal_that_cannot_be_written_is_an_input_error(tmp_path):
     (tmp_path / "file").write_text("x")
     path = tmp_path / "file/small.json.partial"
     with pytest.raises(InputError) as caught:
-        Checkpoint(path, "key").add(small_result.runs[0])
-    assert_told(caught, path, "", None, "cannot be written (", "runs already in it are kept")
+        Journal(path, "campaign", "key").add({"index": 0})
+    assert_told(caught, path, "", None, "cannot be written (", "the parts already in it are kept")

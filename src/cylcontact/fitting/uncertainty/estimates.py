@@ -1,4 +1,4 @@
-"""What a fit to measurements is worth, as a result keeps it."""
+"""Standard errors, intervals and tests of a fit to measurements."""
 
 from __future__ import annotations
 
@@ -21,20 +21,32 @@ from cylcontact.fitting.uncertainty.residual_model import (
 from cylcontact.parallel import Workers, call, run_calls
 from cylcontact.spec import Spec
 
+__all__ = [
+    "FAIRLY",
+    "LEVEL",
+    "OUTLYING",
+    "STRONG_CORRELATION",
+    "WELL",
+    "Estimate",
+    "Outlier",
+    "Uncertainty",
+    "uncertainty_of",
+]
+
 LEVEL = 0.95
-# Half-widths of an interval relative to the value: well, fairly, poorly determined, or not at all.
-# The value of a shift means nothing, as its zero is a choice: for one it is by how much the
-# half-width moves the predictions, relative to them, the other parameters held.
-WELL, FAIRLY, NOT = 0.02, 0.10, 1.0
-# Residuals this many robust standard deviations away are reported as outliers; they stay in.
+# Half-widths of an interval, relative to the value, up to which a parameter is well, fairly or
+# poorly determined. The zero of a shift is arbitrary: its half-width counts by the relative change
+# of the predictions.
+WELL, FAIRLY, _POORLY = 0.02, 0.10, 1.0
+# Residuals this many robust standard deviations away are reported as outliers, which stay in.
 OUTLYING = 3.5
 STRONG_CORRELATION = 0.95
-# The normal approximation of the runs test wants this many residuals of either sign.
-FEW_OF_A_SIGN = 8
+# The normal approximation of the runs test needs this many residuals of either sign.
+_FEW_OF_A_SIGN = 8
 
 
 class Estimate(Spec):
-    """A free parameter with what the noise leaves open."""
+    """A free parameter with its standard error and intervals."""
 
     value: float = Field(description="the fitted value")
     standard_error: float | None = Field(description="from the covariance; null where undetermined")
@@ -47,12 +59,12 @@ class Estimate(Spec):
 class Outlier(Spec):
     """A row far from the fitted law."""
 
-    line: int = Field(description="where it stands in the table")
+    line: int = Field(description="its line in the table")
     deviations: float = Field(description="measured less fitted, in robust standard deviations")
 
 
 class Uncertainty(Spec):
-    """How sure the coefficients are, for measured data: noise, not model discrepancy."""
+    """The uncertainty of the coefficients from the noise of measurements."""
 
     level: float = Field(description="the level of all intervals")
     rows: int = Field(description="measurements")
@@ -69,18 +81,20 @@ class Uncertainty(Spec):
     loss_scale: float | None = Field(description="the scale of a robust loss")
     estimates: dict[str, Estimate] = Field(description="each free parameter")
     correlation: dict[str, dict[str, float]] = Field(description="of the free parameters")
-    only_together: list[str] = Field(description="parameters that the data do not tell apart")
-    duplicates: list[list[int]] = Field(description="lines of the table that say the same")
+    only_together: list[str] = Field(
+        description="parameters of which only a combination is identifiable"
+    )
+    duplicates: list[list[int]] = Field(description="lines of identical rows")
     outliers: list[Outlier] = Field(description="rows far from the fitted law; they stay in")
     notes: list[str] = Field(
-        description="what is wrong with the intervals, and where values of materials come from"
+        description="warnings about the intervals, and the sources of material constants"
     )
 
 
 def uncertainty_of(
     problem: Problem, best: Mapping[str, float], level: float = LEVEL, jobs: Workers = 1
 ) -> Uncertainty:
-    """Return what a fit to measurements is worth.
+    """Return the uncertainty of a fit to measurements.
 
     Parameters
     ----------
@@ -121,7 +135,7 @@ def uncertainty_of(
 
 
 def _better_optima(estimates: Mapping[str, Estimate]) -> list[str]:
-    """Say where a profile found a better fit than the one it is the profile of."""
+    """Return a warning for each profile that found a better optimum."""
     return [
         f"the profile of {name} found a better fit, (S − S_best)/τ = {e.profile.lowest:.3g}: the "
         "intervals are not those of the best fit; fit again with more starts"
@@ -131,7 +145,7 @@ def _better_optima(estimates: Mapping[str, Estimate]) -> list[str]:
 
 
 def _unit(noise: ResidualModel, is_log: bool, of_load: bool) -> str:
-    """Return what the residuals are measured in."""
+    """Return the unit of the residuals."""
     if noise.known:
         return "given standard deviations"
     quantity = "load" if of_load else "penetration"
@@ -146,8 +160,8 @@ def _estimates(
     profiles: Sequence[Interval | None] = [None] * len(names)
     if noise.covariance is not None and not noise.is_rounding:
         calls = [call(interval, problem, noise, name, best, level) for name in names]
-        with closing(run_calls(calls, jobs)) as found:
-            profiles = list(found)
+        with closing(run_calls(calls, jobs)) as results:
+            profiles = list(results)
     return {
         name: _estimate(best[name], noise, k, profile, level)
         for k, (name, profile) in enumerate(zip(names, profiles, strict=True))
@@ -175,7 +189,7 @@ def _estimate(
 
 
 def _verdict(value: float, reach: float, profile: Interval | None, per_unit: float) -> str:
-    """Say in a word how well a parameter is determined, given its share per unit of it."""
+    """Return "well", "fairly", "poorly", "not" or "at a bound" for a parameter."""
     half_width = reach
     if profile is not None:
         half_width = (profile.high - profile.low) / 2
@@ -189,7 +203,7 @@ def _verdict(value: float, reach: float, profile: Interval | None, per_unit: flo
         if profile.low_is_bound or profile.high_is_bound:
             return "poorly"
     share = half_width * per_unit
-    if share > NOT:
+    if share > _POORLY:
         return "not"
     if share > FAIRLY:
         return "poorly"
@@ -197,7 +211,7 @@ def _verdict(value: float, reach: float, profile: Interval | None, per_unit: flo
 
 
 def _correlation(problem: Problem, noise: ResidualModel) -> dict[str, dict[str, float]]:
-    """Return the correlations of the free parameters; none where the data leave some open."""
+    """Return the correlations of the free parameters; none without a covariance."""
     if noise.covariance is None:
         return {}
     names = [p.name for p in problem.free]
@@ -213,15 +227,15 @@ def _correlation(problem: Problem, noise: ResidualModel) -> dict[str, dict[str, 
 def _runs_test(problem: Problem, point: FloatArray) -> float | None:
     """Return the probability of so few runs of residuals of one sign (Wald and Wolfowitz 1940).
 
-    Rows are taken pair by pair, by load within each. Noise changes sign at random; the residuals of
-    a law of the wrong shape do not. None for too few rows of either sign.
+    Rows are sorted by pair and load. Noise changes sign at random; residuals of a law of the wrong
+    shape do not. None if there are too few rows of either sign.
     """
     objective = measured(problem)
     _, group = objective.data.groups("pair")
     order = np.lexsort((objective.data.load, group))
     positive = objective.raw(problem.form(point[None, :]))[0][order] > 0
     n, m = int(positive.sum()), int((~positive).sum())
-    if min(n, m) < FEW_OF_A_SIGN:
+    if min(n, m) < _FEW_OF_A_SIGN:
         return None
     runs = 1 + int((positive[1:] != positive[:-1]).sum())
     mean = 1 + 2 * n * m / (n + m)
@@ -230,7 +244,7 @@ def _runs_test(problem: Problem, point: FloatArray) -> float | None:
 
 
 def _outliers(problem: Problem, noise: ResidualModel, point: FloatArray) -> list[Outlier]:
-    """Return the rows far from the law, in units of the residuals' robust spread."""
+    """Return the rows far from the law, in robust standard deviations."""
     objective = measured(problem)
     r = objective.raw(problem.form(point[None, :]))[0]
     spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(r)))

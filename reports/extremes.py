@@ -10,7 +10,7 @@ import numpy as np
 from cylcontact.arrays import FloatArray
 from cylcontact.materials import Material
 
-from ..paper import Y_SWITCH, Domain, difference
+from .paper import Y_SWITCH, Domain, difference
 
 Score = Callable[[FloatArray, FloatArray], FloatArray]
 FIRST_GRID = 401
@@ -32,19 +32,7 @@ class Extreme:
 
 
 def largest_difference(material: Material, domain: Domain) -> Extreme:
-    """Return the difference of largest magnitude (Eq 9) over `domain`.
-
-    Parameters
-    ----------
-    material : Material
-        The material of both bodies.
-    domain : Domain
-        Clearances and loads.
-
-    Returns
-    -------
-    Extreme
-    """
+    """Return the difference of largest magnitude (Eq 9) over `domain`."""
     return _extreme(material, domain, np.abs)
 
 
@@ -68,9 +56,9 @@ def share_below(percent: float, material: Material, domain: Domain) -> float:
 
 
 def best_load(material: Material, domain: Domain) -> Extreme:
-    """Return the largest difference over all clearances at the load where that is least.
+    """Return the largest difference over all clearances at the load where it is least.
 
-    If even this exceeds a bound, no choice of loads makes the bound hold for all clearances.
+    If even this exceeds a bound, the bound holds for all clearances at no load.
     """
     # The law has a kink at the switch point of Y, where the difference may be largest.
     dR = np.union1d(np.geomspace(*domain.clearances, 1501), float(Y_SWITCH))
@@ -109,9 +97,9 @@ def _extreme(
 def maximise(score: Score) -> tuple[float, float]:
     """Return the point of the unit square where `score` is highest.
 
-    A fine grid finds the hill; coarser ones, each two cells wide about the best point of the
-    last, then climb it to machine precision. Unlike a gradient method this does not mind the
-    kinks where the highest load passes from one limit to another. NaN scores are skipped.
+    A fine grid finds the hill; smaller grids around the best point so far refine it to machine
+    precision. Unlike a gradient method this copes with the kinks where the highest load passes
+    from one limit to another. NaN scores are skipped.
 
     Examples
     --------

@@ -1,0 +1,149 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cylcontact.errors import InputError
+
+__all__ = [
+    "LOSSES",
+    "RESULTS",
+    "STYLES",
+    "TABLES",
+    "TARGETS",
+    "Force",
+    "Jobs",
+    "Results",
+    "Runs",
+    "Scheduler",
+    "Seed",
+    "integer_from",
+    "modulus_in_MPa",
+    "resumable",
+]
+
+RESULTS = Path("fitting/results")
+# Keys of tables of functions, which are slow to import; tests/test_cli_choices.py compares them.
+LOSSES = ("linear", "soft_l1", "huber", "cauchy")
+STYLES = ("journal", "single-column", "double-column", "slides")
+TABLES = ("latex", "csv", "html")
+TARGETS = ("c", "fortran", "matlab", "json")
+# A smaller Young's modulus was probably meant in GPa; stiff plastics begin here.
+_SMALLEST_MODULUS = 1000.0  # MPa
+
+
+def integer_from(least: int) -> Callable[[str], int]:
+    """Return a parser of integers of at least `least`."""
+
+    def parse(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            number = least - 1
+        if number < least:
+            raise typer.BadParameter(f"{text!r} must be an integer of at least {least}")
+        return number
+
+    return parse
+
+
+def modulus_in_MPa(E: float | None) -> float | None:
+    """Return `E` in MPa, with a note on standard error if it was probably meant in GPa."""
+    if E is not None and 0 < E < _SMALLEST_MODULUS:
+        typer.echo(f"cylcontact: --E is in MPa; did you mean {E:g}e3?", err=True)
+    return E
+
+
+@contextmanager
+def resumable(out: Path, part: str) -> Iterator[Path]:
+    """Give the path of the journal beside an output, and remove the journal in the end.
+
+    If the block fails, the journal stays. An interruption says how many parts it holds.
+
+    Parameters
+    ----------
+    out : Path
+        The output.
+    part : str
+        What a part is called: "run" or "case".
+
+    Yields
+    ------
+    Path
+        The journal's path.
+    """
+    journal = out.with_name(out.name + ".partial")
+    try:
+        yield journal
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(_interrupted(journal, part)) from None
+    journal.unlink(missing_ok=True)
+
+
+def _interrupted(journal: Path, part: str) -> str:
+    """Return what an interrupted command says about its journal.
+
+    Examples
+    --------
+    >>> _interrupted(Path("no such.partial"), "run")
+    'interrupted before a run was complete; nothing is kept'
+    """
+    # The first line is the header.
+    count = journal.read_bytes().count(b"\n") - 1 if journal.is_file() else 0
+    if count < 1:
+        return f"interrupted before a {part} was complete; nothing is kept"
+    parts = f"{part} is" if count == 1 else f"{part}s are"
+    return (
+        f"interrupted; {count} complete {parts} kept in {journal}; "
+        "the same command with --resume goes on from there"
+    )
+
+
+def _existing_folder(folder: Path) -> Path:
+    """Refuse a folder of results that does not exist; only the default one may be missing."""
+    if folder != RESULTS and not folder.is_dir():
+        raise InputError(
+            "--results", "", str(folder), "is not a folder", "name one that holds fit results"
+        )
+    return folder
+
+
+Results = Annotated[
+    Path,
+    typer.Option("--results", callback=_existing_folder, help="The folder of fit results."),
+]
+Jobs = Annotated[
+    int | None,
+    typer.Option(
+        "--jobs",
+        "-j",
+        parser=integer_from(1),
+        metavar="INTEGER",
+        help="Worker processes; all cores by default.",
+    ),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="A Dask cluster instead, e.g. tcp://host:8786."),
+]
+Force = Annotated[
+    bool, typer.Option("--force", help="Replace an output that came from other inputs.")
+]
+Runs = Annotated[
+    int | None,
+    typer.Option(
+        parser=integer_from(1), metavar="INTEGER", help="Runs, instead of the campaign's."
+    ),
+]
+Seed = Annotated[
+    int | None,
+    typer.Option(
+        parser=integer_from(0), metavar="INTEGER", help="Seed, instead of the campaign's."
+    ),
+]

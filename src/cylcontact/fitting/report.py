@@ -1,0 +1,343 @@
+"""Fit results and studies of their uncertainty as text for a terminal and HTML for a notebook."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from html import escape
+from textwrap import fill
+from typing import TYPE_CHECKING
+
+from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, FEW_REFITS, FEWEST_REFITS
+from cylcontact.fitting.verdicts import identification, noise_verdicts, verdicts
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.result import FitResult
+    from cylcontact.fitting.uncertainty.bands import Band
+    from cylcontact.fitting.uncertainty.discrepancy import DiscrepancyStudy
+    from cylcontact.fitting.uncertainty.estimates import Uncertainty
+    from cylcontact.fitting.uncertainty.resampling import Bootstrap, LeftOut
+    from cylcontact.fitting.uncertainty.study import NoiseStudy
+
+__all__ = [
+    "as_html",
+    "as_text",
+    "compare",
+    "discrepancy_text",
+    "noise_text",
+    "text_table",
+]
+
+_WIDTH = 100
+
+_Rows = list[tuple[str, ...]]
+
+
+# --- one result -------------------------------------------------------------------------------
+
+
+def as_text(result: FitResult) -> str:
+    """Return the report on one result."""
+    return "\n".join(
+        [
+            fill(_headline(result), _WIDTH),
+            "",
+            text_table(_columns(result), _rows(result)),
+            *map(_item, verdicts(result)),
+        ]
+    )
+
+
+def as_html(result: FitResult) -> str:
+    """Return the report on one result as an HTML fragment, with all text escaped."""
+    head = "".join(f"<th>{column}</th>" for column in _columns(result))
+    body = "".join(
+        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>"
+        for row in _rows(result)
+    )
+    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in verdicts(result))
+    return (
+        f"<p>{escape(_headline(result))}</p>"
+        f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table><ul>{items}</ul>"
+    )
+
+
+def _headline(result: FitResult) -> str:
+    """Return what was fitted to what."""
+    law = f"{result.name}: {result.law} law, {result.contact} contact"
+    if result.uncertainty is not None:
+        return f"{law}, fitted to {result.counts.samples:,} measurements by {result.objective.name}"
+    return (
+        f"{law}, fitted to {result.reference} by {result.objective.name} on "
+        f"{result.counts.samples:,} samples ({result.counts.masked:,} masked by the reference's "
+        "domain)"
+    )
+
+
+def _columns(result: FitResult) -> tuple[str, ...]:
+    """Return the headings of the report's table.
+
+    The penalty is the relative rise of the best objective when a coefficient is fixed at its
+    published value.
+    """
+    if result.uncertainty is None:
+        return ("", "fitted", "published", "penalty at published", "within 1 %", "identified")
+    interval = f"{100 * result.uncertainty.level:g} % interval"
+    return ("", "fitted", "std. error", interval, "published", "determined")
+
+
+def _rows(result: FitResult) -> _Rows:
+    """Return the rows of the report's table."""
+    if result.uncertainty is not None:
+        return _measured_rows(result, result.uncertainty)
+    published, optimum = result.published, result.objective.value
+    rows: _Rows = []
+    for name, value in result.coefficients.items():
+        paper = f"{published.coefficients[name]:g}" if published else "-"
+        interval = penalty = ""
+        if name in result.profiles:
+            profile = result.profiles[name]
+            interval = profile.interval
+            if profile.objective_at_published is not None:
+                penalty = f"{profile.objective_at_published / optimum - 1:+.1%}"
+        rows.append((name, f"{value:.5g}", paper, penalty, interval, identification(result, name)))
+    paper = f"{published.objective:.5g}" if published else "-"
+    bound = f"bound {result.bound:.5g}" if result.bound is not None else ""
+    rows.append((result.objective.name, f"{optimum:.5g}", paper, "", bound, ""))
+    worst = result.max_abs_diff_percent
+    rows.append(("max |Eq 9|, %", f"{worst.fitted:.4g}", _or_dash(worst.published), "", "", ""))
+    return rows
+
+
+def _measured_rows(result: FitResult, uncertainty: Uncertainty) -> _Rows:
+    """Return the rows of the table of a fit to measurements."""
+    published = result.published
+    rows: _Rows = []
+    for name, value in result.coefficients.items():
+        paper = f"{published.coefficients[name]:.5g}" if published else "-"
+        estimate = uncertainty.estimates.get(name)
+        error = interval = ""
+        if estimate is not None and estimate.standard_error is not None:
+            error = f"{estimate.standard_error:.2g}"
+        if estimate is not None and estimate.profile is not None:
+            ends = estimate.profile
+            cut = ", bound" if ends.low_is_bound or ends.high_is_bound else ""
+            interval = f"{ends.low:.5g} … {ends.high:.5g}{cut}"
+        rows.append((name, f"{value:.5g}", error, interval, paper, identification(result, name)))
+    paper = f"{published.objective:.5g}" if published else "-"
+    rows.append((result.objective.name, f"{result.objective.value:.5g}", "", "", paper, ""))
+    worst = result.max_abs_diff_percent
+    rows.append(("max |Eq 9|, %", f"{worst.fitted:.4g}", "", "", _or_dash(worst.published), ""))
+    return rows
+
+
+# --- several results --------------------------------------------------------------------------
+
+
+def compare(results: Sequence[FitResult]) -> str:
+    """Return results side by side: one table for each law and contact, then the verdicts.
+
+    Parameters
+    ----------
+    results : sequence of FitResult
+        In the order of the columns.
+
+    Returns
+    -------
+    str
+        Each table has a column for the published coefficients and one for each result. The
+        objective of the published coefficients depends on the data and has a row of its own.
+    """
+    groups: dict[tuple[str, str], list[FitResult]] = {}
+    for result in results:
+        groups.setdefault((result.law, result.contact), []).append(result)
+    parts = [_compare_group(group) for group in groups.values()]
+    for result in results:
+        parts.append("\n".join([f"{result.name}:", *map(_item, verdicts(result))]))
+    return "\n\n".join(parts)
+
+
+def _compare_group(results: list[FitResult]) -> str:
+    """Return the table of results of one law and contact."""
+    first = results[0]
+    columns = (f"{first.law}, {first.contact}", "published", *(r.name for r in results))
+    rows: _Rows = []
+    for name in first.coefficients:
+        paper = f"{first.published.coefficients[name]:g}" if first.published else "-"
+        rows.append((name, paper, *(f"{r.coefficients[name]:.5g}" for r in results)))
+    rows += [
+        ("objective", "", *(r.objective.name for r in results)),
+        ("  fitted", "", *(f"{r.objective.value:.5g}" for r in results)),
+        (
+            "  published",
+            "",
+            *(_or_dash(r.published.objective if r.published else None) for r in results),
+        ),
+        ("  lower bound", "", *(_or_dash(r.bound) for r in results)),
+        ("max |Eq 9|, %", "", *(f"{r.max_abs_diff_percent.fitted:.4g}" for r in results)),
+        ("  published", "", *(_or_dash(r.max_abs_diff_percent.published) for r in results)),
+        ("samples", "", *(f"{r.counts.samples:,}" for r in results)),
+        ("  masked", "", *(f"{r.counts.masked:,}" for r in results)),
+    ]
+    return text_table(columns, rows)
+
+
+# --- studies of uncertainty -------------------------------------------------------------------
+
+
+def noise_text(study: NoiseStudy) -> str:
+    """Return the report on the uncertainty of a fit to measurements."""
+    uncertainty, bootstrap = study.uncertainty, study.bootstrap
+    level = f"{100 * uncertainty.level:g} %"
+    rows: _Rows = []
+    for name, estimate in uncertainty.estimates.items():
+        error = covariance = profile = "-"
+        if estimate.standard_error is not None:
+            error = f"{estimate.standard_error:.3g}"
+            covariance = _interval(estimate.low, estimate.high)
+        if estimate.profile is not None:
+            profile = _interval(estimate.profile.low, estimate.profile.high)
+        resampled = "-" if bootstrap is None else _resampled(bootstrap, name)
+        rows.append((name, f"{estimate.value:.5g}", error, covariance, profile, resampled))
+    intervals = [f"{level}, {method}" for method in ("covariance", "profile", "bootstrap")]
+    sentences = noise_verdicts(uncertainty)
+    if bootstrap is not None:
+        sentences.append(_on_bootstrap(bootstrap, level))
+    parts = [
+        f"{study.name}: uncertainty from the noise of the measurements",
+        text_table(("", "fitted", "std. error", *intervals), rows),
+        "\n".join(map(_item, sentences)),
+        *_left_out(study.left_out, list(uncertainty.estimates)),
+        *_on_bands(study.bands, level),
+    ]
+    return "\n\n".join(parts)
+
+
+def discrepancy_text(study: DiscrepancyStudy, result: FitResult) -> str:
+    """Return the report on the discrepancy of a fit to a reference law."""
+    rows: _Rows = [
+        (name, f"{result.coefficients[name]:.5g}", profile.interval)
+        for name, profile in study.profiles.items()
+    ]
+    low, middle, high = study.spread_percent.values()
+    sentences = [
+        f"{result.reference} is a law, not a measurement: the residuals are model discrepancy, "
+        "which has no standard error",
+        f"over the grid, Eq 9 lies between {low:+.3g} % and {high:+.3g} % for 95 % of the samples "
+        f"(median {middle:+.3g} %)",
+    ]
+    parts = [
+        f"{study.name}: how far each coefficient may move before the best objective rises by 1 %",
+        text_table(("", "fitted", "within 1 %"), rows),
+        "\n".join(map(_item, sentences)),
+        *_left_out(study.left_out, list(study.profiles)),
+    ]
+    return "\n\n".join(parts)
+
+
+def _interval(low: float | None, high: float | None) -> str:
+    """Return an interval."""
+    return "-" if low is None or high is None else f"{low:.5g} … {high:.5g}"
+
+
+def _resampled(bootstrap: Bootstrap, name: str) -> str:
+    """Return the bootstrap interval, or only the standard error after too few refits."""
+    if name not in bootstrap.intervals:
+        return f"error {bootstrap.standard_errors[name]:.3g}"
+    return _interval(bootstrap.intervals[name].low, bootstrap.intervals[name].high)
+
+
+def _on_bootstrap(bootstrap: Bootstrap, level: str) -> str:
+    """Say what was resampled, and whether often enough."""
+    plural = {"rows": "rows", "dR": "clearances"}.get(bootstrap.over, f"{bootstrap.over}s")
+    sentence = f"bootstrap: {bootstrap.replicates} refits to {bootstrap.groups} resampled {plural}"
+    refits = bootstrap.replicates - bootstrap.undefined
+    if bootstrap.undefined:
+        sentence += f", of which {bootstrap.undefined} left the law undefined and do not count"
+    if not bootstrap.intervals:
+        sentence += (
+            f"; {refits} refits give standard errors, and {level} intervals from {FEWEST_REFITS}"
+        )
+    elif refits < FEW_REFITS:
+        sentence += f"; {refits} refits are few for {level} intervals, take {FEW_REFITS} or more"
+    if bootstrap.groups < FEW_GROUPS:
+        sentence += f"; {bootstrap.groups} are few, and their intervals too narrow as a rule"
+    return sentence
+
+
+def _left_out(fits: Sequence[LeftOut], names: Sequence[str]) -> list[str]:
+    """Return the table of fits without one group; nothing if there are none."""
+    if not fits:
+        return []
+    rows = [
+        (
+            fit.group,
+            f"{fit.rows:,}",
+            *(f"{fit.coefficients[name]:.5g}" for name in names),
+            "-" if fit.own_rms is None else f"{fit.own_rms:.4g}",
+        )
+        for fit in fits
+    ]
+    table = text_table(("without", "samples", *names, "RMS on that group"), rows)
+    return ["Fits without one group, and how well they predict it:\n" + table]
+
+
+def _on_bands(bands: Sequence[Band], level: str) -> list[str]:
+    """Return the half-widths of the bands at both ends of each pair's range."""
+    if not bands:
+        return []
+    rows = [
+        (band.name, band.quantity, *_half_widths(band, 0), *_half_widths(band, -1))
+        for band in bands
+    ]
+    end = ("at", "curve ±%", "new ±%")
+    table = text_table(("pair", "predicted", *end, *end), rows)
+    return [f"Bands at the ends of the range ({level}):\n" + table]
+
+
+def _half_widths(band: Band, k: int) -> tuple[str, str, str]:
+    """Return a point of a band and its half-widths there, in percent."""
+    curve = 50 * (band.high[k] - band.low[k]) / band.value[k]
+    new = 50 * (band.new_high[k] - band.new_low[k]) / band.value[k]
+    return f"{band.at[k]:.4g}", f"{curve:.2g}", f"{new:.2g}"
+
+
+# --- pieces of text ---------------------------------------------------------------------------
+
+
+def text_table(columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> str:
+    """Return an aligned table of text, with numbers to the right.
+
+    Parameters
+    ----------
+    columns : sequence of str
+        The headings.
+    rows : sequence of tuple of str
+        The cells, row by row.
+
+    Returns
+    -------
+    str
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="")
+    for index, column in enumerate(columns):
+        table.add_column(column, justify="left" if index == 0 else "right", no_wrap=True)
+    for row in rows:
+        table.add_row(*row)
+    stream = io.StringIO()
+    width = max(_WIDTH, 24 * len(columns))
+    Console(file=stream, width=width, color_system=None, markup=False, highlight=False).print(table)
+    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines())
+
+
+def _item(sentence: str) -> str:
+    """Return a sentence as an item of a list, wrapped."""
+    return fill(sentence, _WIDTH, initial_indent="- ", subsequent_indent="  ")
+
+
+def _or_dash(value: float | None) -> str:
+    """Return a number, or a dash for None."""
+    return "-" if value is None else f"{value:.5g}"

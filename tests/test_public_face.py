@@ -1,0 +1,61 @@
+"""What completion shows of the package is what a user needs, and all of it is there."""
+
+import importlib
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import cylcontact
+
+PACKAGE = Path(cylcontact.__file__).parent
+FACES = (
+    "cylcontact",
+    "cylcontact.datasets",
+    "cylcontact.datasets.finite_element",
+    "cylcontact.export",
+    "cylcontact.fitting",
+    "cylcontact.laws",
+    "cylcontact.mechanism",
+    "cylcontact.parallel",
+    "cylcontact.plots",
+    "cylcontact.reports",
+)
+MODULES = sorted(
+    path
+    for path in PACKAGE.rglob("*.py")
+    if path.name != "__init__.py" and not path.name.startswith("_")
+)
+
+
+@pytest.mark.parametrize("name", FACES)
+def test_completion_shows_the_public_names_and_nothing_else(name):
+    face = importlib.import_module(name)
+    shown = {entry for entry in dir(face) if not entry.startswith("__")}
+    assert shown == set(face.__all__)
+    assert all(hasattr(face, entry) for entry in face.__all__)
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_every_module_lists_its_public_names(path):
+    module = importlib.import_module(
+        ".".join(("cylcontact", *path.relative_to(PACKAGE).with_suffix("").parts))
+    )
+    assert all(hasattr(module, name) for name in module.__all__)
+
+
+def test_the_parts_of_the_package_need_no_import_of_their_own():
+    code = (
+        "import cylcontact as cc; print(callable(cc.mechanism.simulate), "
+        "callable(cc.fitting.calibrate), callable(cc.datasets.read_grid))"
+    )
+    printed = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert printed.stdout.split() == ["True", "True", "True"]
+
+
+def test_an_unknown_name_is_no_attribute():
+    with pytest.raises(AttributeError, match="no attribute 'mechanisms'"):
+        _ = cylcontact.mechanisms
