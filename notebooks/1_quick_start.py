@@ -14,8 +14,8 @@
 # %% [markdown]
 # # Quick start
 #
-# A pin in a hole: how far does it sink in under a load, how stiff is the contact, and up to which
-# load does the answer mean anything? Five minutes, no files to write.
+# A pin in a hole: how deep is the penetration under a load, how stiff is the contact, and up to
+# which load are the answers valid? Five minutes, no files to write.
 #
 # Lengths are in mm, forces in N, stresses in MPa; a load is per unit of axial length, in N/mm.
 
@@ -42,7 +42,7 @@ print(f"load         {law.load(delta, pair):.3f} N/mm")
 print(f"stiffness    {law.stiffness(delta, pair):.0f} N/mm²")
 
 # %% [markdown]
-# Materials, pairs and laws show what they are made of.
+# Materials, pairs and laws display their values.
 
 # %%
 pair
@@ -51,8 +51,8 @@ pair
 cc.laws.Enhanced()
 
 # %% [markdown]
-# Everything takes arrays and broadcasts: here five loads against three clearances. Where a law has
-# no answer it says NaN, never a plausible number. Johnson's law ends inside this table.
+# All functions take arrays and broadcast: here five loads and three clearances. Outside its domain
+# a law returns NaN. Johnson's law ends inside this table.
 
 # %%
 loads = np.array([10.0, 100.0, 300.0, 1000.0, 3000.0])
@@ -67,7 +67,7 @@ pd.DataFrame(
 # %% [markdown]
 # ## Limits
 #
-# Two loads bound what an elastic law can tell: the one at which Hertz's peak pressure reaches the
+# Two loads limit an elastic law: the one at which Hertz's peak pressure reaches the
 # yield stress, and the one at which Johnson's law ends. The yield stress here is our assumption.
 
 # %%
@@ -80,9 +80,9 @@ pd.DataFrame(
 ).round(1)
 
 # %% [markdown]
-# Johnson's largest load is where its algebra ends, not where it stops being right. Against
-# Persson's solution for conformal contact its penetration is too small well before: the loads
-# (N/mm, for a pin and a hole of this steel, by clearance in mm) at which it is by so many percent.
+# Johnson's largest load is the end of its algebra, not of its accuracy. Well before it, the
+# penetration is too small against Persson's solution for conformal contact. The table has the loads
+# (N/mm, for a pin and a hole of this steel, by clearance in mm) for given percentages.
 
 # %%
 laws_table.departures(steel).round(1)
@@ -116,8 +116,8 @@ pd.Series(fig12.headline, name="Fig 12").round(2).to_frame()
 # %% [markdown]
 # ## With dissipation
 #
-# An impact at 100 mm/s that should come back with nine tenths of its speed. The published factor
-# gives a little more; the exact one gives what is asked for, whatever the elastic law.
+# An impact at 100 mm/s that should rebound with nine tenths of its speed. The published factor
+# gives a little more; the exact one gives this value for every elastic law.
 
 # %%
 published = cc.dissipation.FACTORS["lankarani-nikravesh"](0.9)

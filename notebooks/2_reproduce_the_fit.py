@@ -14,10 +14,10 @@
 # %% [markdown]
 # # Reproduce the fit
 #
-# The enhanced law has seven coefficients for internal contact. Here they are searched for again,
-# over the ranges of E, ν, ΔR and load that the paper states, and put beside the published ones. The
+# The enhanced law has seven coefficients for internal contact. This notebook fits them
+# again over the paper's ranges of E, ν, ΔR and load, and compares them with the published ones. The
 # search is short (four runs instead of the sixteen of `fitting/internal.toml`) so that it takes
-# seconds; the committed result stands beside it.
+# seconds; the committed result is shown for comparison.
 
 # %%
 from dataclasses import replace
@@ -35,7 +35,7 @@ committed = bench.result("internal")
 # ## The search
 #
 # A genetic search finds the basin, a local polish finishes it. The grid has some 340 000 samples;
-# six sums per clearance stand for all of them exactly, so a step costs microseconds.
+# six sums per clearance replace all of them exactly, so a step costs microseconds.
 
 # %%
 with live_progress() as progress:
@@ -43,10 +43,10 @@ with live_progress() as progress:
 result
 
 # %% [markdown]
-# ## Beside the committed result and the paper
+# ## Comparison with the committed result and the paper
 #
-# The published coefficients are not the optimum on this grid. The bound is what the best factor
-# and exponent at every single clearance would reach: no law of this form can do better.
+# The published coefficients are not the optimum on this grid. The bound is the objective of the
+# best factor and exponent at every single clearance: no law of this form can do better.
 
 # %%
 print(compare([result, committed]))
@@ -55,7 +55,7 @@ print(compare([result, committed]))
 # ## Runs
 #
 # Not every run ends at the same place: there is more than one basin, which is why a campaign has
-# several. The waterfall is that of the committed result.
+# several. The figure shows the committed result.
 
 # %%
 runs_drawing(committed)
@@ -66,8 +66,8 @@ runs_table(result).round(5)
 # %% [markdown]
 # ## How sharply is a coefficient known?
 #
-# The profile: the best objective that can be reached with b held at a value, the other six
-# optimised anew. A flat one means that the data hardly care.
+# The profile is the best objective with b fixed at a value and the other six coefficients
+# optimised. A flat profile means that the data hardly determine b.
 
 # %%
 profile_drawing(committed, "b", "coefficient b (mm, N, MPa)")

@@ -14,10 +14,10 @@
 # %% [markdown]
 # # Explore the maps
 #
-# Set a material, a contact, a clearance, a load and a law: the force–penetration curve, the
-# difference from Johnson's law and from conformal contact, and the limits follow. Choosing a
-# material fills in its numbers; change them for a material of your own. The yield stresses of the
-# table are assumptions.
+# Set a material, a contact, a clearance, a load and a law to see the force–penetration curve, the
+# difference from Johnson's law and from conformal contact, and the limits. Choosing a material
+# fills in its numbers; change them for your own material. The yield stresses of the table are
+# assumptions.
 #
 # The numbers come from `cylcontact.reports.explore`; this notebook only connects the controls.
 
@@ -64,14 +64,14 @@ material.observe(fill_in, names="value")
 fill_in()
 
 # %% [markdown]
-# ## What follows
+# ## Results
 
 # %%
 picture, table = widgets.HTML(), widgets.HTML()
 
 
 def update(_change=None):
-    """Show what follows from the controls, or the one line that says why nothing does."""
+    """Show the results for the controls, or the error message."""
     try:
         own = cc.Material(material.value, 1e3 * modulus.value, ratio.value, strength.value or None)
         choice = explore.Choice(

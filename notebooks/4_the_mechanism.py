@@ -15,7 +15,7 @@
 # # The mechanism
 #
 # A slider-crank whose joint between rod and slider has a clearance: a journal in a bearing, free to
-# fly, to hit and to roll. The contact law decides what the joint does.
+# fly, impact and roll. The contact law determines the motion in the joint.
 #
 # The masses and inertias are **assumed**, since the paper's table of them is missing; speed, radii,
 # length, material, friction and restitution are the paper's.
@@ -47,7 +47,7 @@ with live_progress() as progress:
 run
 
 # %% [markdown]
-# What is assumed goes with the result:
+# The result carries its assumptions:
 
 # %%
 for assumption in run.assumptions[:6]:
@@ -55,7 +55,7 @@ for assumption in run.assumptions[:6]:
 print(f"... and {len(run.assumptions) - 6} more")
 
 # %% [markdown]
-# ## What the joint does
+# ## Motion in the joint
 #
 # The journal's centre in the bearing, and the force in the joint, over the last two revolutions.
 
@@ -90,7 +90,7 @@ def joint(run, revolutions=2):
 joint(run)
 
 # %% [markdown]
-# The books balance: what the drive does is stored, or lost in the contact.
+# The energies balance: the work of the drive is stored or dissipated in the contact.
 
 # %%
 print(
@@ -103,17 +103,17 @@ print(f"largest error of the balance {np.abs(run.energy_error).max():.1e} J")
 # ## Does the law matter?
 #
 # Here the journal stays in contact after the first revolutions, and three laws give nearly the same
-# motion and drive work; their penetrations differ. Means over revolutions, the first two left out.
+# motion and drive work; their penetrations differ. Means over revolutions, without the first two.
 
 # %%
-shown = ["contact_fraction", "impacts", "mean_penetration_um", "max_penetration_um", "drive_work_J"]
+names = ["contact_fraction", "impacts", "mean_penetration_um", "max_penetration_um", "drive_work_J"]
 
 
 def means(first=2, **changes):
     """Return the mean statistics of a run with some things changed."""
     settings = {"law": "enhanced", "clearance": 0.5, "friction": 0.1, "restitution": 0.9}
     changed = read_mechanism(spec, revolutions=10, **settings | changes)
-    return simulate(changed).statistics(first=first).mean[shown]
+    return simulate(changed).statistics(first=first).mean[names]
 
 
 pd.DataFrame({law: means(law=law) for law in ("johnson", "enhanced", "explicit")}).round(3)
@@ -136,7 +136,7 @@ pd.DataFrame(
 # ## What can be reproduced
 #
 # Without friction and dissipation the motion is sensitive: the same run with a tolerance ten times
-# smaller parts from the first one. Beyond that point only statistics can be compared, not curves.
+# smaller diverges from the first one. Beyond that point only statistics can be compared.
 
 # %%
 free = {"law": "enhanced", "clearance": 0.5, "friction": 0.0, "restitution": 1.0}
@@ -155,8 +155,8 @@ print(f"the two part by more than 0.01 mm after {time[np.argmax(apart > 0.01)]:.
 # %% [markdown]
 # ## When the law ends
 #
-# At 0.02 mm Johnson's law reaches the end of its domain, and the simulation says so. It goes on
-# only if it is told to, along the tangent, and then the result carries that.
+# At 0.02 mm Johnson's law reaches the end of its domain, and the simulation stops with a
+# message. On request it continues along the tangent, and the result records it.
 
 # %%
 tight = {"clearance": 0.02, "friction": 0.1, "restitution": 1.0, "revolutions": 4}

@@ -14,12 +14,12 @@
 # %% [markdown]
 # # Finite elements
 #
-# A pin in a hole, solved by finite elements in the plane: what it says of the laws, and what it
-# cannot say. Two-dimensional bodies have no absolute approach: the penetration has an additive
-# constant that the plate's outer radius and the way the load acts decide. Here the outer radius is
-# **fitted** to Johnson's law outside the conformal range (`outer_ratio_like_johnson`), so that
-# their agreement there is in part by construction. How the penetration depends on load
-# and clearance is then computed, not tuned.
+# A pin in a hole, solved by finite elements in the plane: what the solution shows about the laws,
+# and what it cannot show. Two-dimensional bodies have no absolute approach: the penetration has an
+# additive constant that depends on the plate's outer radius and on the way the load acts. Here the
+# outer radius is **fitted** to Johnson's law outside the conformal range
+# (`outer_ratio_like_johnson`), so that their agreement there is partly by construction. The
+# dependence of the penetration on load and clearance is then computed, not tuned.
 
 # %%
 import numpy as np
@@ -102,7 +102,7 @@ pd.Series(drawn.headline).round(3).to_frame("ratio")
 # ## The laws over clearance
 #
 # The committed table, made by `cylcontact finite-element datasets/finite_element/recommended.toml`,
-# and how far the laws are from it.
+# and the laws' differences from it.
 
 # %%
 table = read_table(bench.root / "datasets" / "finite_element" / "recommended-embedded.csv")

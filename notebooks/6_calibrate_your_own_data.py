@@ -15,7 +15,7 @@
 # # Calibrate your own data
 #
 # From a CSV file to a C function: read measurements, fit laws, see which of them has the right
-# shape and how sure its constants are, and export it. Replace the table by yours.
+# shape and how uncertain its constants are, and export it. Replace the table with yours.
 
 # %%
 import shutil
@@ -63,7 +63,7 @@ measured = pd.read_csv(table)
 measured.T
 
 # %% [markdown]
-# What is the same in all rows: the material, the radii and the length.
+# The values common to all rows: the material, the radii and the length.
 
 # %%
 constants = {"E_GPa": 207, "nu": 0.3, "R_i_mm": 10.0, "R_j_mm": 9.97, "length_mm": 20.0}
@@ -75,12 +75,14 @@ constants = {"E_GPa": 207, "nu": 0.3, "R_i_mm": 10.0, "R_j_mm": 9.97, "length_mm
 # explicit law, whose shape is known and only the constant c free.
 
 # %%
-held = {name: {"value": value, "fixed": True} for name, value in (("A", 0.3602), ("B", 3.84))}
-one = {"kappa": {"value": 1.0, "fixed": True}}
-wanted = {"johnson": one, "power": {}, "explicit": held}
+explicit_fixed = {
+    name: {"value": value, "fixed": True} for name, value in (("A", 0.3602), ("B", 3.84))
+}
+johnson_fixed = {"kappa": {"value": 1.0, "fixed": True}}
+parameters_of = {"johnson": johnson_fixed, "power": {}, "explicit": explicit_fixed}
 results = {}
 with live_progress() as progress:
-    for law, parameters in wanted.items():
+    for law, parameters in parameters_of.items():
         campaign = campaign_of_table(table, law, "internal", constants, parameters=parameters)
         results[law] = fit_measurements(campaign, progress=progress)
 pd.Series(
@@ -89,7 +91,7 @@ pd.Series(
 ).round(2).to_frame()
 
 # %% [markdown]
-# The report of the best one: values, standard errors, intervals, and what to mind.
+# The report of the best one: values, standard errors, intervals, and warnings.
 
 # %%
 results["explicit"]
@@ -119,19 +121,19 @@ def fitted(law):
 
 
 def residuals():
-    """Draw how far the fitted laws are from the measurements."""
-    away = pd.DataFrame({"load_N_per_mm": load})
+    """Draw the differences of the fitted laws from the measurements."""
+    rows = pd.DataFrame({"load_N_per_mm": load})
     with figure_style():
         figure = new_figure("middle", 70.0)
         axes = figure.subplots()
         for law in results:
-            away[f"{law}_percent"] = 100 * (fitted(law).penetration(load, pair) / penetration - 1)
-            axes.plot(load, away[f"{law}_percent"], label=law)
+            rows[f"{law}_percent"] = 100 * (fitted(law).penetration(load, pair) / penetration - 1)
+            axes.plot(load, rows[f"{law}_percent"], label=law)
         axes.axhline(0.0, color="0.6", linewidth=0.6, marker="")
         axes.set(xscale="log", xlabel="load (N/mm)", ylabel="fitted less measured (%)")
         axes.legend()
-    worst = {law: float(np.abs(away[f"{law}_percent"]).max()) for law in results}
-    return Drawing(figure, away, worst, "Penetration of the fitted laws less the measured one.")
+    worst = {law: float(np.abs(rows[f"{law}_percent"]).max()) for law in results}
+    return Drawing(figure, rows, worst, "Penetration of the fitted laws less the measured one.")
 
 
 residuals()

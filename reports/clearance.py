@@ -1,8 +1,8 @@
-"""Figs 7 to 9 share this: curves over clearance, one line per material."""
+"""Curves over clearance, one line per material, for Figs 7 to 9."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from cylcontact.plots.figure import new_figure, panel_title, plain_log
 from cylcontact.plots.maps import RIM
 from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS
 
-from .paper import FIG7_CLEARANCES
+from .paper import FIG7_CLEARANCES, RADII
 
 # Where the curves are evaluated, in mm.
 CLEARANCES: FloatArray = np.geomspace(*FIG7_CLEARANCES, 100)
@@ -31,46 +31,12 @@ Quantity = Callable[[CylinderPair], FloatArray]
 def clearance_table(
     rows: Mapping[str, MaterialRow], quantity: Quantity, column: str, R_i: float | None = None
 ) -> pd.DataFrame:
-    """Evaluate a quantity over the clearances of Figs 7 to 9 for every material.
-
-    Parameters
-    ----------
-    rows : mapping of str to MaterialRow
-        The table of materials.
-    quantity : callable
-        From an internal pair to an array, one value per clearance.
-    column : str
-        The name of the quantity's column, with its unit.
-    R_i : float, optional
-        Radius of the hole in mm; left out for quantities that depend on ΔR only.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns material, dR_mm and `column`.
-
-    Examples
-    --------
-    >>> from cylcontact import Material, limits
-    >>> rows = {"steel": MaterialRow(Material("steel", E=207e3, nu=0.3), {}, "")}
-    >>> table = clearance_table(rows, limits.johnson_limit_load, "load_N_per_mm")
-    >>> print(table.iloc[0]["load_N_per_mm"].round(1))
-    193.4
-    """
-    pairs = {
-        name: CylinderPair.from_dR("internal", CLEARANCES, row.material, R_i=R_i)
-        for name, row in rows.items()
-    }
-    parts = [
-        pd.DataFrame(
-            {
-                "material": name,
-                "dR_mm": CLEARANCES,
-                column: quantity(pairs[name]),
-            }
-        )
-        for name in rows
-    ]
+    """Evaluate a quantity over the clearances of Figs 7 to 9 for every material."""
+    parts = []
+    for name, row in rows.items():
+        pair = CylinderPair.from_dR("internal", CLEARANCES, row.material, R_i=R_i)
+        values = {"material": name, "dR_mm": CLEARANCES, column: quantity(pair)}
+        parts.append(pd.DataFrame(values))
     return pd.concat(parts, ignore_index=True)
 
 
@@ -78,45 +44,13 @@ def clearance_panels(
     rows: Mapping[str, MaterialRow],
     quantity: Quantity,
     column: str,
-    radii: Sequence[float],
     label: str,
 ) -> tuple[Figure, list[Axes], pd.DataFrame]:
-    """Draw a quantity against clearance, a panel per radius of the hole and a line per material.
-
-    Parameters
-    ----------
-    rows : mapping of str to MaterialRow
-        The table of materials.
-    quantity : callable
-        From an internal pair to an array, one value per clearance.
-    column : str
-        The name of the quantity's column in the table, with its unit.
-    radii : sequence of float
-        Radii of the hole in mm.
-    label : str
-        What stands beside the vertical axis, with the unit.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-    panels : list of matplotlib.axes.Axes
-    table : pandas.DataFrame
-        Those of `clearance_table`, with a column R_i_mm.
-
-    Examples
-    --------
-    >>> from cylcontact import Material, limits
-    >>> rows = {"steel": MaterialRow(Material("steel", 207e3, 0.3, 1000.0), {}, "")}
-    >>> figure, panels, table = clearance_panels(
-    ...     rows, limits.yield_load, "load_N_per_mm", (100.0, 10.0), "load at yield (N/mm)"
-    ... )
-    >>> table.groupby("R_i_mm")["load_N_per_mm"].min().round().to_dict()
-    {10.0: 1105.0, 100.0: 135346.0}
-    """
+    """Draw a quantity against clearance, a panel per radius of the hole and a line per material."""
     figure = new_figure("full", 72.0)
-    panels = list(figure.subplots(1, len(radii), sharey=True, squeeze=False).flat)
+    panels = list(figure.subplots(1, len(RADII), sharey=True))
     tables = []
-    for number, (axes, R_i) in enumerate(zip(panels, radii, strict=True)):
+    for number, (axes, R_i) in enumerate(zip(panels, RADII, strict=True)):
         table = clearance_table(rows, quantity, column, R_i)
         draw_materials(axes, table, column)
         panel_title(axes, number, f"$R_i$ = {R_i:g} mm")
@@ -136,31 +70,23 @@ def clearance_panels(
 def draw_materials(axes: Axes, table: pd.DataFrame, column: str) -> None:
     """Draw one line per material on logarithmic axes."""
     for number, (name, lines) in enumerate(table.groupby("material", sort=False)):
-        # Markers are set apart from line to line, so that none hides another's.
+        # Staggered, so that no marker hides another line's.
         dR, values = lines["dR_mm"].to_numpy(), lines[column].to_numpy()
         every = (2 + 4 * number % 25, 25)
-        axes.plot(dR, values, label=str(name), markevery=every, **line_style(number))
+        axes.plot(dR, values, label=str(name), markevery=every, **_line_style(number))
     plain_log(axes, "x", CLEARANCE_TICKS)
     axes.set(xlabel=CLEARANCE_LABEL, xlim=(CLEARANCES[0], CLEARANCES[-1]))
-    decades_log(axes)
+    _decades_log(axes)
 
 
-def line_style(number: int) -> dict[str, Any]:
-    """Return the colour, line style and marker of a material's line: no two of 25 are alike.
-
-    Examples
-    --------
-    >>> line_style(0)["color"] == line_style(5)["color"]
-    True
-    >>> line_style(0)["linestyle"] == line_style(5)["linestyle"]
-    False
-    """
+def _line_style(number: int) -> dict[str, Any]:
+    """Return the colour, line style and marker of a material's line, unique up to 25 lines."""
     colour, turn = number % len(COLOURS), number // len(COLOURS)
     other = (colour + turn) % len(COLOURS)
     return {"color": COLOURS[colour], "linestyle": LINE_STYLES[other], "marker": MARKERS[other]}
 
 
-def decades_log(axes: Axes) -> None:
+def _decades_log(axes: Axes) -> None:
     """Make the vertical axis logarithmic with a tick at every decade, labelled as room allows."""
     axes.set_yscale("log")
     axes.yaxis.set_minor_locator(LogLocator(subs=(1.0,), numticks=20))
@@ -184,7 +110,7 @@ def mark_point(
 
 def mark_yield(axes: Axes, dR: float, stress: float, number: int) -> None:
     """Mark where the line of material `number` reaches its yield stress (MPa), at `dR` (mm)."""
-    style = line_style(number)
+    style = _line_style(number)
     colour = style["color"]
     ends = ([CLEARANCES[0], dR], [stress, stress])
     axes.plot(*ends, **style | {"marker": ""}, linewidth=0.5)

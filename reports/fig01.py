@@ -34,29 +34,31 @@ FORCE = ARROW | {
     "facecolor": ACCENT,
     "edgecolor": ACCENT,
 }
-# What is seen of each panel, in the unit of the radii: left, right, bottom and top.
+# The limits of each panel in units of the radii: left, right, bottom and top.
 VIEWS = ((-12.9, 13.3, -17.0, 13.6), (-10.0, 14.0, -11.0, 19.6), (-5.0, 18.5, -9.0, 21.6))
+CAPTION = (
+    "Symbols. (a) Internal contact: a pin of radius R_j in a hole of radius R_i, ΔR = R_i - R_j, "
+    "pressed by the load f per unit length until the axes are ΔR + δ apart; dashed, the pin with "
+    "its axis on the hole's. (b) External contact: two rollers, ΔR = R_i + R_j, the axes ΔR - δ "
+    "apart. (c) The contact strip of length L and width 2b under the elliptic pressure of Hertz. "
+    "Not to scale: the penetration δ, drawn as the overlap of the undeformed outlines, and the "
+    "strip's width are far too large; lengths are as drawn, in mm."
+)
+
+
+def draw(_bench: Bench) -> Drawing:
+    table = pd.concat([_lengths(INTERNAL), _lengths(EXTERNAL)], ignore_index=True)
+    headline = {
+        f"{pair.contact} {name}": value
+        for pair in (INTERNAL, EXTERNAL)
+        for name, value in (("dR, mm", pair.dR), ("centre distance, mm", pair.centre_distance))
+    }
+    return Drawing(_draw_panels(), table, headline, CAPTION)
 
 
 @dataclass(frozen=True)
 class DrawnPair:
-    """Two cylinders as drawn, in any unit of length, body *i* centred at the origin.
-
-    Attributes
-    ----------
-    contact : {"internal", "external"}
-        Pin in hole, or two rollers.
-    R_i, R_j : float
-        Radii.
-    penetration : float
-        δ, far larger than in any real contact.
-
-    Examples
-    --------
-    >>> pair = DrawnPair("internal", R_i=10.0, R_j=7.5, penetration=0.5)
-    >>> pair.dR, pair.centre_distance
-    (2.5, 3.0)
-    """
+    """Two cylinders as drawn, in any unit of length, body *i* centred at the origin."""
 
     contact: Contact
     R_i: float
@@ -87,47 +89,15 @@ class DrawnPair:
 
     @property
     def half_width(self) -> float:
-        """Half the length of that chord, drawn for half the width of the contact strip."""
+        """Half the length of that chord, drawn as half the width of the contact strip."""
         return float(np.sqrt(self.R_i**2 - self.chord**2))
 
 
-def draw_geometry(internal: DrawnPair, external: DrawnPair) -> tuple[Figure, pd.DataFrame]:
-    """Draw both contacts and their contact strip.
-
-    Parameters
-    ----------
-    internal, external : DrawnPair
-        Drawn to the same scale.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-    table : pandas.DataFrame
-        Columns panel, symbol, value_mm (as drawn, a unit read as 1 mm).
-
-    Examples
-    --------
-    >>> internal = DrawnPair("internal", R_i=10.0, R_j=7.5, penetration=0.5)
-    >>> external = DrawnPair("external", R_i=6.0, R_j=4.5, penetration=0.5)
-    >>> figure, table = draw_geometry(internal, external)
-    >>> table.loc[table["symbol"] == "dR", "value_mm"].tolist()
-    [2.5, 10.5]
-    """
-    figure = new_figure("full", 72.0)
-    widths = [right - left for left, right, _, _ in VIEWS]
-    panels = list(figure.subplots(1, 3, width_ratios=widths))
-    titles = ("internal contact", "external contact", "contact area")
-    for number, (axes, view, title) in enumerate(zip(panels, VIEWS, titles, strict=True)):
-        axes.set(xlim=view[:2], ylim=view[2:], aspect="equal")
-        axes.set_axis_off()
-        panel_title(axes, number, title)
-    _draw_internal(panels[0], internal)
-    _draw_external(panels[1], external)
-    _draw_strip(panels[2], half_width=3.0, length=16.0)
-    return figure, pd.concat([_numbers(internal), _numbers(external)], ignore_index=True)
+INTERNAL = DrawnPair("internal", R_i=10.0, R_j=7.0, penetration=0.6)
+EXTERNAL = DrawnPair("external", R_i=6.0, R_j=4.5, penetration=0.6)
 
 
-def _numbers(pair: DrawnPair) -> pd.DataFrame:
+def _lengths(pair: DrawnPair) -> pd.DataFrame:
     """Return the lengths of one panel."""
     lengths = {
         "R_i": pair.R_i,
@@ -142,6 +112,22 @@ def _numbers(pair: DrawnPair) -> pd.DataFrame:
     )
 
 
+def _draw_panels() -> Figure:
+    """Draw both contacts and their contact strip."""
+    figure = new_figure("full", 72.0)
+    widths = [right - left for left, right, _, _ in VIEWS]
+    panels = list(figure.subplots(1, 3, width_ratios=widths))
+    titles = ("internal contact", "external contact", "contact area")
+    for number, (axes, view, title) in enumerate(zip(panels, VIEWS, titles, strict=True)):
+        axes.set(xlim=view[:2], ylim=view[2:], aspect="equal")
+        axes.set_axis_off()
+        panel_title(axes, number, title)
+    _draw_internal(panels[0], INTERNAL)
+    _draw_external(panels[1], EXTERNAL)
+    _draw_strip(panels[2], half_width=3.0, length=16.0)
+    return figure
+
+
 def _draw_internal(axes: Axes, pair: DrawnPair) -> None:
     """Draw a pin pressed down into its hole."""
     centre = pair.centre
@@ -149,7 +135,7 @@ def _draw_internal(axes: Axes, pair: DrawnPair) -> None:
     axes.add_patch(Circle((0, 0), pair.R_i, facecolor="white", **OUTLINE))
     axes.add_patch(Circle(centre, pair.R_j, facecolor=BODY_J, **OUTLINE))
     _draw_overlap(axes, pair)
-    # Where the pin would stand with its axis on the hole's.
+    # The pin with its axis on the hole's.
     axes.add_patch(Circle((0, 0), pair.R_j, fill=False, linestyle=(0, (4, 3)), linewidth=0.6))
     cross(axes, (0.0, 0.0))
     cross(axes, centre)
@@ -162,6 +148,32 @@ def _draw_internal(axes: Axes, pair: DrawnPair) -> None:
     dimension(axes, *ends, "$2b$", (-2.2, 0.8))
     _force(axes, (0.0, centre[1] - 0.2), (0.0, centre[1] - 4.2))
     _force(axes, (0.0, -pair.R_i - 6.5), (0.0, -pair.R_i - 2.6))
+
+
+def _draw_overlap(axes: Axes, pair: DrawnPair) -> None:
+    """Fill the overlap of the undeformed outlines."""
+    x = np.linspace(-pair.half_width, pair.half_width, 201)
+    outline_i = np.copysign(np.sqrt(pair.R_i**2 - x**2), pair.chord)
+    outline_j = pair.centre[1] - np.sqrt(pair.R_j**2 - x**2)
+    axes.fill_between(x, outline_i, outline_j, color=STRIP, linewidth=0)
+
+
+def _small_dimension(
+    axes: Axes, upper: float, lower: float, x_from: float, x_to: float, label: str
+) -> None:
+    """Draw a vertical dimension too small for its arrows, which point at it from outside."""
+    for y in (upper, lower):
+        axes.plot([x_from, x_to], [y, y], **THIN)
+    x = x_to - np.sign(x_to) * 0.5
+    axes.annotate("", xy=(x, upper), xytext=(x, upper + 2.0), arrowprops=POINTER)
+    axes.annotate("", xy=(x, lower), xytext=(x, lower - 2.0), arrowprops=POINTER)
+    axes.text(x_to + np.sign(x_to) * 0.9, (upper + lower) / 2, label, ha="center", va="center")
+
+
+def _force(axes: Axes, start: Point, end: Point) -> None:
+    """Draw the load."""
+    axes.annotate("", xy=end, xytext=start, arrowprops=FORCE)
+    axes.text(end[0] + 1.0, (start[1] + end[1]) / 2, "$f$", ha="center", va="center")
 
 
 def _draw_external(axes: Axes, pair: DrawnPair) -> None:
@@ -206,51 +218,3 @@ def _draw_strip(axes: Axes, half_width: float, length: float) -> None:
     dimension(axes, tuple(right + aside), tuple(right + aside + depth), "$L$", (1.0, -1.0))
     axes.text(left[0], 8.6, "pressure", ha="left", va="bottom")
     axes.annotate("", xy=tuple(front[20]), xytext=(left[0] + 1.2, 8.5), arrowprops=POINTER)
-
-
-def _draw_overlap(axes: Axes, pair: DrawnPair) -> None:
-    """Fill the overlap of the undeformed outlines."""
-    x = np.linspace(-pair.half_width, pair.half_width, 201)
-    outline_i = np.copysign(np.sqrt(pair.R_i**2 - x**2), pair.chord)
-    outline_j = pair.centre[1] - np.sqrt(pair.R_j**2 - x**2)
-    axes.fill_between(x, outline_i, outline_j, color=STRIP, linewidth=0)
-
-
-def _small_dimension(
-    axes: Axes, upper: float, lower: float, x_from: float, x_to: float, label: str
-) -> None:
-    """Draw a vertical dimension too small for its arrows, which point at it from outside."""
-    for y in (upper, lower):
-        axes.plot([x_from, x_to], [y, y], **THIN)
-    x = x_to - np.sign(x_to) * 0.5
-    axes.annotate("", xy=(x, upper), xytext=(x, upper + 2.0), arrowprops=POINTER)
-    axes.annotate("", xy=(x, lower), xytext=(x, lower - 2.0), arrowprops=POINTER)
-    axes.text(x_to + np.sign(x_to) * 0.9, (upper + lower) / 2, label, ha="center", va="center")
-
-
-def _force(axes: Axes, start: Point, end: Point) -> None:
-    """Draw the load."""
-    axes.annotate("", xy=end, xytext=start, arrowprops=FORCE)
-    axes.text(end[0] + 1.0, (start[1] + end[1]) / 2, "$f$", ha="center", va="center")
-
-
-INTERNAL = DrawnPair("internal", R_i=10.0, R_j=7.0, penetration=0.6)
-EXTERNAL = DrawnPair("external", R_i=6.0, R_j=4.5, penetration=0.6)
-CAPTION = (
-    "Symbols. (a) Internal contact: a pin of radius R_j in a hole of radius R_i, ΔR = R_i - R_j, "
-    "pressed by the load f per unit length until the axes are ΔR + δ apart; dashed, the pin with "
-    "its axis on the hole's. (b) External contact: two rollers, ΔR = R_i + R_j, the axes ΔR - δ "
-    "apart. (c) The contact strip of length L and width 2b under the elliptic pressure of Hertz. "
-    "Not to scale: the penetration δ, drawn as the overlap of the undeformed outlines, and the "
-    "strip's width are far too large; lengths are as drawn, in mm."
-)
-
-
-def draw(_bench: Bench) -> Drawing:
-    figure, table = draw_geometry(INTERNAL, EXTERNAL)
-    headline = {
-        f"{pair.contact} {name}": value
-        for pair in (INTERNAL, EXTERNAL)
-        for name, value in (("dR, mm", pair.dR), ("centre distance, mm", pair.centre_distance))
-    }
-    return Drawing(figure, table, headline, CAPTION)

@@ -20,108 +20,6 @@ from cylcontact.reports.bench import Bench
 from .paper import FIG2_DR, FIG2_FITS, GOOD_CORRELATION
 from .power_fits import FIG2_LOADS, reference_pair
 
-
-@dataclass(frozen=True)
-class PowerCase:
-    """One panel of Fig 2.
-
-    Attributes
-    ----------
-    pair : CylinderPair
-        The pair.
-    loads : array of float
-        The loads in N/mm that the line is fitted to.
-    stated : tuple of str
-        K, n and R² as the paper prints them.
-    """
-
-    pair: CylinderPair
-    loads: FloatArray
-    stated: tuple[str, str, str]
-
-    def fit(self) -> PowerFit:
-        """Fit f = K·δⁿ to Johnson's law at the case's loads."""
-        return fit_power_to_law(Johnson(), self.loads, self.pair)
-
-
-def power_fit_panels(cases: Sequence[PowerCase]) -> tuple[Figure, pd.DataFrame]:
-    """Draw Johnson's points, the fitted power law, and below them how far apart they are.
-
-    Parameters
-    ----------
-    cases : sequence of PowerCase
-        One panel each.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-    table : pandas.DataFrame
-        Columns contact, dR_mm, load_N_per_mm, penetration_mm (Johnson), fitted_load_N_per_mm,
-        difference_percent (of the fitted load from Johnson's, at equal penetration).
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from cylcontact import Material
-    >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
-    >>> case = PowerCase(pair, np.array([10.0, 100.0, 1000.0]), ("", "", ""))
-    >>> figure, table = power_fit_panels([case])
-    >>> print(table["difference_percent"].round(1).tolist())
-    [-3.6, 8.0, -4.0]
-    """
-    figure = new_figure("full", 82.0)
-    grid = figure.subplots(2, len(cases), sharex="col", height_ratios=(3, 1), squeeze=False)
-    tables = [_fit_table(case) for case in cases]
-    for number, (case, table) in enumerate(zip(cases, tables, strict=True)):
-        _draw_fit(grid[0, number], case, table)
-        _draw_difference(grid[1, number], table)
-        pair = case.pair
-        panel_title(grid[0, number], number, f"{pair.contact}, $\\Delta R$ = {pair.dR:g} mm")
-    grid[0, 0].set_ylabel("load (N/mm)")
-    grid[1, 0].set_ylabel("difference\nof load (%)")
-    return figure, pd.concat(tables, ignore_index=True)
-
-
-def _fit_table(case: PowerCase) -> pd.DataFrame:
-    """Return the points of one case and the fitted load at each."""
-    fit, pair = case.fit(), case.pair
-    penetration = Johnson().penetration(case.loads, pair)
-    fitted = PowerLaw(n=fit.n, K=fit.K).load(penetration, pair)
-    return pd.DataFrame(
-        {
-            "contact": pair.contact,
-            "dR_mm": pair.dR,
-            "load_N_per_mm": case.loads,
-            "penetration_mm": penetration,
-            "fitted_load_N_per_mm": fitted,
-            "difference_percent": 100 * (fitted / case.loads - 1),
-        }
-    )
-
-
-def _draw_fit(axes: Axes, case: PowerCase, table: pd.DataFrame) -> None:
-    """Draw points and line, and print the fit beside the paper's."""
-    microns = 1e3 * table["penetration_mm"]
-    axes.plot(microns, table["load_N_per_mm"], "o", color="black", markersize=2.4, label="Johnson")
-    axes.plot(microns, table["fitted_load_N_per_mm"], "-", color=ACCENT, label="fitted power law")
-    axes.legend(loc="lower right")
-    axes.margins(0.03)
-    fit = case.fit()
-    ours = (f"{fit.K:.0f}", f"{fit.n:.4f}", f"{fit.r_squared:.4f}")
-    columns = (("", "$K$", "$n$", "$R^2$"), ("here", *ours), ("paper", *case.stated))
-    for x, cells in zip((0.04, 0.12, 0.29), columns, strict=True):
-        for line, cell in enumerate(cells):
-            axes.text(x, 0.93 - 0.09 * line, cell, transform=axes.transAxes, va="baseline")
-
-
-def _draw_difference(axes: Axes, table: pd.DataFrame) -> None:
-    """Draw how far the fitted load lies from Johnson's."""
-    axes.axhline(0, color=QUIET, linewidth=0.6, linestyle="-", marker="")
-    microns = 1e3 * table["penetration_mm"]
-    axes.plot(microns, table["difference_percent"], "o", color=ACCENT, markersize=1.4)
-    axes.set(xlabel="penetration (µm)")
-
-
 CAPTION = (
     "Load per unit length (N/mm) against penetration (µm): points of Johnson's law (Eq 1) and the "
     "line f = K δⁿ (Eq 3; K in N/mm per mmⁿ) fitted to them by least squares in ln δ and ln f; "
@@ -141,9 +39,77 @@ def draw(_bench: Bench) -> Drawing:
         )
         for contact, stated in FIG2_FITS.items()
     ]
-    figure, table = power_fit_panels(cases)
+    tables = [_fit_table(case) for case in cases]
     headline: dict[str, float] = {}
     for case in cases:
         fit, contact = case.fit(), case.pair.contact
         headline |= {f"{contact} K": fit.K, f"{contact} n": fit.n, f"{contact} R2": fit.r_squared}
-    return Drawing(figure, table, headline, CAPTION)
+    table = pd.concat(tables, ignore_index=True)
+    return Drawing(_draw_panels(cases, tables), table, headline, CAPTION)
+
+
+@dataclass(frozen=True)
+class PowerCase:
+    """One panel of Fig 2."""
+
+    pair: CylinderPair
+    loads: FloatArray
+    stated: tuple[str, str, str]
+
+    def fit(self) -> PowerFit:
+        """Fit f = K·δⁿ to Johnson's law at the case's loads."""
+        return fit_power_to_law(Johnson(), self.loads, self.pair)
+
+
+def _fit_table(case: PowerCase) -> pd.DataFrame:
+    """Return the points of one case and the fitted load at each."""
+    fit, pair = case.fit(), case.pair
+    penetration = Johnson().penetration(case.loads, pair)
+    fitted = PowerLaw(n=fit.n, K=fit.K).load(penetration, pair)
+    return pd.DataFrame(
+        {
+            "contact": pair.contact,
+            "dR_mm": pair.dR,
+            "load_N_per_mm": case.loads,
+            "penetration_mm": penetration,
+            "fitted_load_N_per_mm": fitted,
+            "difference_percent": 100 * (fitted / case.loads - 1),
+        }
+    )
+
+
+def _draw_panels(cases: Sequence[PowerCase], tables: Sequence[pd.DataFrame]) -> Figure:
+    """Draw Johnson's points and the fitted power law, and below them the difference."""
+    figure = new_figure("full", 82.0)
+    grid = figure.subplots(2, len(cases), sharex="col", height_ratios=(3, 1))
+    for number, (case, table) in enumerate(zip(cases, tables, strict=True)):
+        _draw_fit(grid[0, number], case, table)
+        _draw_difference(grid[1, number], table)
+        pair = case.pair
+        panel_title(grid[0, number], number, f"{pair.contact}, $\\Delta R$ = {pair.dR:g} mm")
+    grid[0, 0].set_ylabel("load (N/mm)")
+    grid[1, 0].set_ylabel("difference\nof load (%)")
+    return figure
+
+
+def _draw_fit(axes: Axes, case: PowerCase, table: pd.DataFrame) -> None:
+    """Draw points and line, and print the fit beside the paper's."""
+    microns = 1e3 * table["penetration_mm"]
+    axes.plot(microns, table["load_N_per_mm"], "o", color="black", markersize=2.4, label="Johnson")
+    axes.plot(microns, table["fitted_load_N_per_mm"], "-", color=ACCENT, label="fitted power law")
+    axes.legend(loc="lower right")
+    axes.margins(0.03)
+    fit = case.fit()
+    ours = (f"{fit.K:.0f}", f"{fit.n:.4f}", f"{fit.r_squared:.4f}")
+    columns = (("", "$K$", "$n$", "$R^2$"), ("here", *ours), ("paper", *case.stated))
+    for x, cells in zip((0.04, 0.12, 0.29), columns, strict=True):
+        for line, cell in enumerate(cells):
+            axes.text(x, 0.93 - 0.09 * line, cell, transform=axes.transAxes, va="baseline")
+
+
+def _draw_difference(axes: Axes, table: pd.DataFrame) -> None:
+    """Draw the difference of the fitted load from Johnson's."""
+    axes.axhline(0, color=QUIET, linewidth=0.6, linestyle="-", marker="")
+    microns = 1e3 * table["penetration_mm"]
+    axes.plot(microns, table["difference_percent"], "o", color=ACCENT, markersize=1.4)
+    axes.set(xlabel="penetration (µm)")

@@ -17,19 +17,21 @@ from cylcontact.reports.bench import Bench
 from .finite_elements import choices, study
 
 CLEARANCE = 0.1  # mm, of the paper's Fig 4
+WINDOWS = (0.8, 0.08)  # widths of the magnified parts in mm
 CAPTION = (
     "The mesh of four-node quads at ΔR = 0.1 mm: half of a pin (blue) in half of a plate with a "
     "hole (black), symmetric about x = 0; lengths in mm. (a) Whole. (b, c) The top of the hole, "
     "where the contact is. The smallest cells are {smallest:.2f} µm long, {cells} to the "
     "half-width of the contact at 20 N/mm; the paper gives 1.31 to 6.63 µm. {choices}"
 )
+BODIES = {"plate": COLOURS[0], "pin": COLOURS[1]}
 
 
 def draw(bench: Bench) -> Drawing:
-    planned = study(bench, "recommended")
-    setup = planned.setups["base"]
-    mesh = setup.mesh(CLEARANCE, planned.loads)
-    table = mesh_table(mesh)
+    recommended = study(bench, "recommended")
+    setup = recommended.setups["base"]
+    mesh = setup.mesh(CLEARANCE, recommended.loads)
+    table = _table(mesh)
     smallest = 1e3 * table["shortest_in_contact_mm"].max()
     headline = {
         "cells": float(table["cells"].sum()),
@@ -37,43 +39,11 @@ def draw(bench: Bench) -> Drawing:
         "length of the cells in the contact, µm": smallest,
     }
     caption = CAPTION.format(smallest=smallest, cells=setup.cells, choices=choices(bench))
-    return Drawing(mesh_panels(mesh, setup.hole_radius, (0.8, 0.08)), table, headline, caption)
+    return Drawing(_draw_panels(mesh, setup.hole_radius), table, headline, caption)
 
 
-BODIES = {"plate": COLOURS[0], "pin": COLOURS[1]}
-
-
-def mesh_panels(mesh: Mesh, hole_radius: float, windows: tuple[float, float]) -> Figure:
-    """Draw a mesh whole, and magnified in two windows (mm wide) at the top of the hole."""
-    figure = new_figure("full", 84.0)
-    panels = figure.subplots(1, 3, width_ratios=(0.62, 1, 1))
-    extent = float(mesh.plate.points[:, 1].max())
-    titles = ("whole", f"{windows[0]:g} mm wide", f"{1e3 * windows[1]:g} µm wide")
-    widths = (np.inf, *windows)
-    for number, (axes, width) in enumerate(zip(panels, widths, strict=True)):
-        for name, colour in BODIES.items():
-            _draw(axes, getattr(mesh, name), colour, 0.25 if number else 0.1)
-        axes.set_aspect("equal")
-        axes.set_xlabel("x (mm)")
-        panel_title(axes, number, titles[number])
-        if number == 0:
-            axes.set(xlim=(-0.15, extent + 0.15), ylim=(-extent - 0.15, extent + 0.15))
-            axes.set_ylabel("y (mm)")
-        else:
-            axes.set(xlim=(0, width), ylim=(hole_radius - width / 2, hole_radius + width / 2))
-    return figure
-
-
-def _draw(axes: Axes, body: Body, colour: str, linewidth: float) -> None:
-    """Draw a body's cells."""
-    outlines = list(body.points[body.quads])
-    axes.add_collection(
-        PolyCollection(outlines, facecolor="none", edgecolor=colour, linewidth=linewidth)
-    )
-
-
-def mesh_table(mesh: Mesh) -> pd.DataFrame:
-    """Return what the mesh consists of, one row for each body."""
+def _table(mesh: Mesh) -> pd.DataFrame:
+    """Return the counts and sizes of the cells, one row for each body."""
     parts = []
     for name in BODIES:
         body = getattr(mesh, name)
@@ -100,5 +70,34 @@ def _sides(body: Body) -> FloatArray:
 
 def _first_cell(body: Body) -> float:
     """Return the length in mm of the surface's first cell, on the axis."""
-    one, other = body.points[body.surface[:2]]
-    return float(np.hypot(*(other - one)))
+    start, end = body.points[body.surface[:2]]
+    return float(np.hypot(*(end - start)))
+
+
+def _draw_panels(mesh: Mesh, hole_radius: float) -> Figure:
+    """Draw a mesh whole, and magnified in two windows at the top of the hole."""
+    figure = new_figure("full", 84.0)
+    panels = figure.subplots(1, 3, width_ratios=(0.62, 1, 1))
+    extent = float(mesh.plate.points[:, 1].max())
+    titles = ("whole", f"{WINDOWS[0]:g} mm wide", f"{1e3 * WINDOWS[1]:g} µm wide")
+    widths = (np.inf, *WINDOWS)
+    for number, (axes, width) in enumerate(zip(panels, widths, strict=True)):
+        for name, colour in BODIES.items():
+            _draw_body(axes, getattr(mesh, name), colour, 0.25 if number else 0.1)
+        axes.set_aspect("equal")
+        axes.set_xlabel("x (mm)")
+        panel_title(axes, number, titles[number])
+        if number == 0:
+            axes.set(xlim=(-0.15, extent + 0.15), ylim=(-extent - 0.15, extent + 0.15))
+            axes.set_ylabel("y (mm)")
+        else:
+            axes.set(xlim=(0, width), ylim=(hole_radius - width / 2, hole_radius + width / 2))
+    return figure
+
+
+def _draw_body(axes: Axes, body: Body, colour: str, linewidth: float) -> None:
+    """Draw a body's cells."""
+    outlines = list(body.points[body.quads])
+    axes.add_collection(
+        PolyCollection(outlines, facecolor="none", edgecolor=colour, linewidth=linewidth)
+    )

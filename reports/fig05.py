@@ -32,48 +32,24 @@ CAPTION = (
     "one value per cell; x, y in mm. (c, d) Pressure (MPa) at the pairs of nodes, beside Hertz's "
     "ellipse and Persson's conformal solution. {choices}"
 )
+# How far the panels reach, in half-widths of Hertz's contact.
+REACH, DEPTH = 2.0, 1.6
 
 
 def draw(bench: Bench) -> Drawing:
     setup = study(bench, "recommended").setups["base"]
     solutions = [solve(setup, dR, [STRESS_LOAD])[0] for dR in FIG5_CLEARANCES]
-    table = profile_table(solutions)
+    table = _table(solutions)
     headline = {}
     for dR in FIG5_CLEARANCES:
         for theory in ("hertz", "persson"):
             key = f"{dR:g} mm: largest departure from {theory.capitalize()}, % of its peak"
-            headline[key] = largest_departure(table, dR, theory)
+            headline[key] = _largest_departure(table, dR, theory)
     caption = CAPTION.format(load_choice=STRESS_LOAD_CHOICE, choices=choices(bench))
-    return Drawing(stress_panels(solutions), table, headline, caption)
+    return Drawing(_draw_panels(solutions), table, headline, caption)
 
 
-# How far the panels reach, in half-widths of Hertz's contact.
-REACH, DEPTH = 2.0, 1.6
-
-
-def stress_panels(solutions: Sequence[Solution]) -> Figure:
-    """Draw stress maps above pressure profiles, a column for each solution."""
-    figure = new_figure("full", 116.0)
-    panels = figure.subplots(2, len(solutions), squeeze=False, by_rows=True)
-    for column, solution in enumerate(solutions):
-        _stress_map(figure, panels[0, column], solution)
-        panel_title(
-            panels[0, column],
-            column,
-            rf"$\Delta R$ = {solution.dR:g} mm, {solution.load:g} N/mm",
-        )
-        _profile(panels[1, column], solution)
-        panel_title(
-            panels[1, column],
-            len(solutions) + column,
-            rf"pressure on the surface, $\Delta R$ = {solution.dR:g} mm",
-        )
-    handles, labels = panels[1, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
-    return figure
-
-
-def profile_table(solutions: Sequence[Solution]) -> pd.DataFrame:
+def _table(solutions: Sequence[Solution]) -> pd.DataFrame:
     """Return the pressure of finite elements, Hertz and Persson at the pairs that may touch."""
     parts = []
     for solution in solutions:
@@ -95,11 +71,9 @@ def profile_table(solutions: Sequence[Solution]) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-def largest_departure(table: pd.DataFrame, dR: float, theory: str) -> float:
-    """Return the largest |pressure − theory| at one clearance, in percent of the theory's peak."""
-    rows = table[table["dR_mm"] == dR]
-    off = (rows["pressure_MPa"] - rows[f"{theory}_MPa"]).abs().max()
-    return float(100 * off / rows[f"{theory}_MPa"].max())
+def _hertz_width(solution: Solution) -> float:
+    """Return the half-width of Hertz's contact in mm."""
+    return float(limits.hertz_half_width(solution.load, solution.setup.pair(solution.dR)))
 
 
 def _theories(solution: Solution, arc: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -112,38 +86,63 @@ def _theories(solution: Solution, arc: FloatArray) -> tuple[FloatArray, FloatArr
     return hertz, persson_pressure(angle, solution.load, pair)
 
 
-def _hertz_width(solution: Solution) -> float:
-    """Return the half-width of Hertz's contact in mm."""
-    return float(limits.hertz_half_width(solution.load, solution.setup.pair(solution.dR)))
+def _largest_departure(table: pd.DataFrame, dR: float, theory: str) -> float:
+    """Return the largest |pressure − theory| at one clearance, in percent of the theory's peak."""
+    rows = table[table["dR_mm"] == dR]
+    departure = (rows["pressure_MPa"] - rows[f"{theory}_MPa"]).abs().max()
+    return float(100 * departure / rows[f"{theory}_MPa"].max())
 
 
-def _stress_map(figure: Figure, axes: Axes, solution: Solution) -> None:
+def _draw_panels(solutions: Sequence[Solution]) -> Figure:
+    """Draw stress maps above pressure profiles, a column for each solution."""
+    figure = new_figure("full", 116.0)
+    panels = figure.subplots(2, len(solutions), by_rows=True)
+    for column, solution in enumerate(solutions):
+        _draw_stress(figure, panels[0, column], solution)
+        panel_title(
+            panels[0, column],
+            column,
+            rf"$\Delta R$ = {solution.dR:g} mm, {solution.load:g} N/mm",
+        )
+        _draw_pressure(panels[1, column], solution)
+        panel_title(
+            panels[1, column],
+            len(solutions) + column,
+            rf"pressure on the surface, $\Delta R$ = {solution.dR:g} mm",
+        )
+    handles, labels = panels[1, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    return figure
+
+
+def _draw_stress(figure: Figure, axes: Axes, solution: Solution) -> None:
     """Draw the stress along the load, as compression, on both sides of the axis."""
     width = _hertz_width(solution)
     reach, depth = REACH * width, DEPTH * width
     top = solution.setup.hole_radius
     outlines, values = [], []
-    for body, moved in ((solution.mesh.plate, solution.plate), (solution.mesh.pin, solution.pin)):
+    bodies = ((solution.mesh.plate, solution.plate), (solution.mesh.pin, solution.pin))
+    for body, displacement in bodies:
         corners = body.points[body.quads]
-        compression = -stress_of(body, moved, solution.setup).yy
+        compression = -stress_of(body, displacement, solution.setup).yy
         middle = corners.mean(axis=1)
-        seen = (middle[:, 0] < 1.1 * reach) & (np.abs(middle[:, 1] - top) < 1.2 * depth)
+        visible = (middle[:, 0] < 1.1 * reach) & (np.abs(middle[:, 1] - top) < 1.2 * depth)
         for side in (1.0, -1.0):
-            outlines.append(corners[seen] * [side, 1.0])
-            values.append(compression[seen])
-    drawn = PolyCollection(
+            outlines.append(corners[visible] * [side, 1.0])
+            values.append(compression[visible])
+    cells = PolyCollection(
         list(np.concatenate(outlines)), array=np.concatenate(values), cmap="cividis"
     )
-    # Cells overlap a little, or hairlines would show between them.
-    drawn.set(edgecolor="face", linewidth=0.3, rasterized=True, clim=(0.0, solution.peak_pressure))
-    axes.add_collection(drawn)
+    # Cells overlap a little; otherwise hairlines would appear between them.
+    cells.set(edgecolor="face", linewidth=0.3, rasterized=True, clim=(0.0, solution.peak_pressure))
+    axes.add_collection(cells)
     axes.set(xlim=(-reach, reach), ylim=(top - depth, top + depth))
     axes.set_aspect("equal")
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
-    figure.colorbar(drawn, ax=axes, label=r"$-\sigma_{yy}$ (MPa)")
+    figure.colorbar(cells, ax=axes, label=r"$-\sigma_{yy}$ (MPa)")
 
 
-def _profile(axes: Axes, solution: Solution) -> None:
+def _draw_pressure(axes: Axes, solution: Solution) -> None:
     """Draw the pressure on the surface beside Hertz's and Persson's."""
     reach = REACH * _hertz_width(solution)
     arc = np.linspace(-reach, reach, 401)

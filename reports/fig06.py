@@ -16,7 +16,7 @@ from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
 from cylcontact.plots.style import COLOURS, LINE_STYLES
 from cylcontact.reports.bench import Bench
 
-from .finite_elements import LAWS_SHOWN, choices, penetrations, table
+from .finite_elements import LAWS_COMPARED, choices, penetrations, table
 
 CAPTION = (
     "Penetration of the pin's centre against ΔR (mm) at 20, 40 and 100 N/mm, E = 207 GPa, ν = 0.3, "
@@ -26,6 +26,13 @@ CAPTION = (
     "percent, interpolated between the clearances computed; grey, the 3 % that the paper states "
     "above 0.445 mm, and lines at its 10 %. {choices}"
 )
+LABELS = {
+    "johnson": "Johnson",
+    "enhanced": "enhanced",
+    "explicit": "explicit (ours)",
+    "persson": "Persson",
+}
+TICKS = (0.005, 0.05, 0.5)
 
 
 def draw(bench: Bench) -> Drawing:
@@ -37,37 +44,22 @@ def draw(bench: Bench) -> Drawing:
     headline = {}
     for load, group in numbers.groupby("load_N_per_mm"):
         for law in ("johnson", "enhanced", "explicit", "calculix"):
-            off = 100 * (group[f"{law}_mm"] / group["embedded_mm"] - 1)
-            headline[f"{load:g} N/mm: {law} less finite elements, largest, %"] = off.abs().max()
+            difference = (100 * (group[f"{law}_mm"] / group["embedded_mm"] - 1)).abs().max()
+            headline[f"{load:g} N/mm: {law} less finite elements, largest, %"] = difference
     caption = CAPTION.format(choices=choices(bench))
-    return Drawing(penetration_panels(numbers), numbers, headline, caption)
+    return Drawing(_draw_panels(numbers), numbers, headline, caption)
 
 
-LABELS = {
-    "johnson": "Johnson",
-    "enhanced": "enhanced",
-    "explicit": "explicit (ours)",
-    "persson": "Persson",
-}
-TICKS = (0.005, 0.05, 0.5)
-
-
-def penetration_panels(table: pd.DataFrame) -> Figure:
-    """Draw penetration above, and the laws' difference from finite elements below, by load.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        Columns dR_mm, load_N_per_mm, E_GPa, nu, embedded_mm, calculix_mm.
-    """
+def _draw_panels(table: pd.DataFrame) -> Figure:
+    """Draw penetration above, and the laws' difference from finite elements below, by load."""
     loads = sorted(table["load_N_per_mm"].unique())
     figure = new_figure("full", 112.0)
     panels = figure.subplots(2, len(loads), sharex=True, sharey="row", height_ratios=(1.15, 1))
     for number, load in enumerate(loads):
         rows = table[table["load_N_per_mm"] == load]
-        _penetrations(panels[0, number], rows)
+        _draw_penetrations(panels[0, number], rows)
         panel_title(panels[0, number], number, f"{load:g} N/mm")
-        _differences(panels[1, number], rows)
+        _draw_differences(panels[1, number], rows)
         panels[1, number].set_xlabel(r"$\Delta R$ (mm)")
     panels[0, 0].set_ylabel("penetration (µm)")
     panels[1, 0].set_ylabel("law less finite\nelements (%)")
@@ -76,22 +68,7 @@ def penetration_panels(table: pd.DataFrame) -> Figure:
     return figure
 
 
-def _curves(rows: pd.DataFrame) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return clearances in mm and the laws' penetrations in mm at the rows' load."""
-    dR = np.geomspace(rows["dR_mm"].min(), rows["dR_mm"].max(), 300)
-    first = rows.iloc[0]
-    material = Material("steel", 1e3 * first["E_GPa"], first["nu"])
-    pair = CylinderPair.from_dR("internal", dR, material)
-    load = first["load_N_per_mm"]
-    return dR, {name: LAWS[name]().penetration(load, pair) for name in LAWS_SHOWN}
-
-
-def _style(number: int) -> dict[str, Any]:
-    """Return how the curve of a law is drawn."""
-    return {"color": COLOURS[number], "linestyle": LINE_STYLES[number], "marker": ""}
-
-
-def _penetrations(axes: Axes, rows: pd.DataFrame) -> None:
+def _draw_penetrations(axes: Axes, rows: pd.DataFrame) -> None:
     """Draw every model's penetration."""
     dR, curves = _curves(rows)
     for number, (name, curve) in enumerate(curves.items()):
@@ -104,7 +81,22 @@ def _penetrations(axes: Axes, rows: pd.DataFrame) -> None:
     axes.set(xlim=(0.004, 2.0), ylim=(0, 2.8))
 
 
-def _differences(axes: Axes, rows: pd.DataFrame) -> None:
+def _curves(rows: pd.DataFrame) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Return clearances in mm and the laws' penetrations in mm at the rows' load."""
+    dR = np.geomspace(rows["dR_mm"].min(), rows["dR_mm"].max(), 300)
+    first = rows.iloc[0]
+    material = Material("steel", 1e3 * first["E_GPa"], first["nu"])
+    pair = CylinderPair.from_dR("internal", dR, material)
+    load = first["load_N_per_mm"]
+    return dR, {name: LAWS[name]().penetration(load, pair) for name in LAWS_COMPARED}
+
+
+def _style(number: int) -> dict[str, Any]:
+    """Return the line style of a law."""
+    return {"color": COLOURS[number], "linestyle": LINE_STYLES[number], "marker": ""}
+
+
+def _draw_differences(axes: Axes, rows: pd.DataFrame) -> None:
     """Draw the laws' differences from finite elements."""
     dR, curves = _curves(rows)
     reference = np.exp(np.interp(np.log(dR), np.log(rows["dR_mm"]), np.log(rows["embedded_mm"])))

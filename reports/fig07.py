@@ -27,7 +27,7 @@ CAPTION = (
 def draw(bench: Bench) -> Drawing:
     rows = {name: bench.material(name) for name in MATERIALS}
     figure, panels, table = clearance_panels(
-        rows, yield_load, "load_N_per_mm", RADII, "load at yield (N/mm)"
+        rows, yield_load, "load_N_per_mm", "load at yield (N/mm)"
     )
     for axes in panels:
         axes.axhspan(*LOADS, color="0.88", zorder=0, linewidth=0)
@@ -40,5 +40,5 @@ def draw(bench: Bench) -> Drawing:
         for R_i in RADII
         for name, row in rows.items()
     }
-    told = origins(rows, rows, ELASTIC, YIELD)
-    return Drawing(figure, table, headline, CAPTION.format(told=told))
+    caption = CAPTION.format(told=origins(rows, rows, ELASTIC, YIELD))
+    return Drawing(figure, table, headline, caption)

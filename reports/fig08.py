@@ -1,4 +1,4 @@
-"""Fig 8: the largest load of Johnson's law against clearance, and where it departs from truth."""
+"""Fig 8: the largest load of Johnson's law, and where it departs from conformal contact."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -16,14 +16,14 @@ from cylcontact.reports.laws_bounds import DEPARTURES, departure_number, johnson
 from .clearance import CLEARANCES, clearance_table, draw_materials, mark_point
 from .paper import ELASTIC, LOADS, MATERIALS, clearance_pair, origins
 
-# Material and clearance (mm) of the limits that Sect. 3.4 states; where their labels go.
+# Material and clearance (mm) of the limits in Sect. 3.4, and the offsets of their labels in points.
 STATED = {
     ("aluminium alloy", 0.0075): (-15, -16),
     ("aluminium alloy", 0.010): (10, -10),
     ("titanium alloy", 0.0075): (-62, 40),
 }
 # The material whose loads of departure from conformal contact are drawn, below all the limits,
-# and the load (N/mm) at which their labels stand.
+# and the load (N/mm) of their labels.
 DEPARTING = "aluminium alloy"
 LABELS_AT = 30.0
 CAPTION = (

@@ -27,7 +27,7 @@ CAPTION = (
 def draw(bench: Bench) -> Drawing:
     rows = {name: bench.material(name) for name in MATERIALS}
     figure, panels, table = clearance_panels(
-        rows, stress_at_johnson_limit, "stress_MPa", RADII, "peak pressure (MPa)"
+        rows, stress_at_johnson_limit, "stress_MPa", "peak pressure (MPa)"
     )
     headline = {}
     for axes, R_i in zip(panels, RADII, strict=True):
@@ -37,5 +37,5 @@ def draw(bench: Bench) -> Drawing:
             headline[f"{name}, R_i = {R_i:g} mm: dR (mm) of the star"] = dR
         axes.set_ylim(0.1, 1e6)
     panels[0].text(0.0013, 2e5, "stars: yield stress")
-    told = origins(rows, rows, ELASTIC, YIELD)
-    return Drawing(figure, table, headline, CAPTION.format(told=told))
+    caption = CAPTION.format(told=origins(rows, rows, ELASTIC, YIELD))
+    return Drawing(figure, table, headline, caption)

@@ -38,36 +38,6 @@ CAPTION = (
     "to scale: the clearance is magnified {scale:g} times against the radius, the "
     "penetration {depth:.0f} times. {assumed}"
 )
-
-
-def draw(bench: Bench) -> Drawing:
-    one = mechanism(bench)
-    shown = configuration(simulate(one, revolutions=2), REVOLUTION)
-    figure, table = draw_joint(shown)
-    lengths = table.set_index("symbol")
-    scale = lengths["drawn_mm"] / lengths["value_mm"]
-    headline = {
-        "eccentricity, mm": shown.eccentricity,
-        "penetration, um": 1e3 * shown.penetration,
-        "normal force, N": shown.normal_force,
-        "friction force, N": shown.friction_force,
-        "tangential velocity, m/s": shown.tangential_velocity,
-    }
-    caption = CAPTION.format(
-        R_i=shown.R_i,
-        R_j=shown.R_j,
-        c=shown.clearance,
-        delta=1e3 * shown.penetration,
-        f_n=shown.normal_force,
-        f_t=shown.friction_force,
-        revolution=shown.revolution,
-        scale=scale["c"],
-        depth=scale["delta"],
-        assumed=assumed(one),
-    )
-    return Drawing(figure, table, headline, caption)
-
-
 # The penetration as drawn and the global origin, in radii of the bearing.
 DRAWN_PENETRATION = 0.07
 ORIGIN = (-1.75, -1.3)
@@ -82,22 +52,37 @@ FORCE = ARROW | {
 UNIT = POINTER | {"mutation_scale": 7, "linewidth": 1.0, "zorder": 9}
 
 
-@dataclass(frozen=True)
-class Configuration:
-    """The joint at one step of a run in contact: lengths in mm, forces in N, angles in rad.
+def draw(bench: Bench) -> Drawing:
+    slider_crank = mechanism(bench)
+    joint = _joint_at(simulate(slider_crank, revolutions=2), REVOLUTION)
+    table = _table(joint)
+    lengths = table.set_index("symbol")
+    scale = lengths["drawn_mm"] / lengths["value_mm"]
+    headline = {
+        "eccentricity, mm": joint.eccentricity,
+        "penetration, um": 1e3 * joint.penetration,
+        "normal force, N": joint.normal_force,
+        "friction force, N": joint.friction_force,
+        "tangential velocity, m/s": joint.tangential_velocity,
+    }
+    caption = CAPTION.format(
+        R_i=joint.R_i,
+        R_j=joint.R_j,
+        c=joint.clearance,
+        delta=1e3 * joint.penetration,
+        f_n=joint.normal_force,
+        f_t=joint.friction_force,
+        revolution=joint.revolution,
+        scale=scale["c"],
+        depth=scale["delta"],
+        assumed=assumed(slider_crank),
+    )
+    return Drawing(_draw_joint(joint), table, headline, caption)
 
-    Attributes
-    ----------
-    R_i, R_j, clearance, penetration : float
-    normal : array of float, shape (2,)
-        n = e/|e|.
-    normal_force, friction_force, tangential_velocity : float
-        f_n, f_t along t, and v_t in m/s.
-    arm : float
-        The direction in which the bearing's body goes off.
-    revolution : float
-        When, in revolutions of the driver.
-    """
+
+@dataclass(frozen=True)
+class JointState:
+    """The joint at one step of a run in contact: lengths in mm, forces in N, angles in rad."""
 
     R_i: float
     R_j: float
@@ -107,7 +92,7 @@ class Configuration:
     normal_force: float
     friction_force: float
     tangential_velocity: float
-    arm: float
+    arm: float  # the direction of the bearing's body
     revolution: float
 
     @property
@@ -116,22 +101,14 @@ class Configuration:
         return self.clearance + self.penetration
 
 
-def configuration(run: Trajectory, revolution: float) -> Configuration:
-    """Return the joint at the first step in contact from a time on.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    revolution : float
-        The time in revolutions of the driver.
-    """
+def _joint_at(run: Trajectory, revolution: float) -> JointState:
+    """Return the joint at the first step in contact after a revolution of the driver."""
     joint = run.mechanism.clearance
     sliding = run.in_contact & (run.penetration > 0)
     row = int(np.flatnonzero(sliding & (run.revolution >= revolution))[0])
     e = run.eccentricity[row] * 1e3
     other = run.coordinates[row, joint.i, :2] - run.point(joint.i, joint.point_i)[0][row]
-    return Configuration(
+    return JointState(
         R_i=joint.R_bearing * 1e3,
         R_j=(joint.R_bearing - joint.radial) * 1e3,
         clearance=joint.radial * 1e3,
@@ -145,55 +122,43 @@ def configuration(run: Trajectory, revolution: float) -> Configuration:
     )
 
 
-def draw_joint(shown: Configuration) -> tuple[Figure, pd.DataFrame]:
-    """Draw bearing, journal, eccentricity, penetration, and the contact's directions and forces.
-
-    Parameters
-    ----------
-    shown : Configuration
-        In contact.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-    table : pandas.DataFrame
-        Columns symbol, value_mm (as it is) and drawn_mm (a bearing of 10 mm as drawn).
-    """
-    figure = new_figure("column", 76.0)
-    axes = figure.subplots()
-    n, distance = shown.normal, DRAWN + DRAWN_PENETRATION
-    journal = _point(-distance * n)
-    _draw_bodies(axes, shown, journal)
-    draw_clearance_circle(axes, DRAWN, zorder=6)
-    _draw_vectors(axes, n, journal)
-    _draw_contact(axes, shown, n)
-    _draw_origin(axes, journal)
-    axes.set(xlim=(-1.95, 1.75), ylim=(-1.62, 1.62), aspect="equal")
-    axes.set_axis_off()
-    return figure, _table(shown)
-
-
-def _table(shown: Configuration) -> pd.DataFrame:
+def _table(joint: JointState) -> pd.DataFrame:
     """Return the lengths as they are and as drawn."""
-    scale = shown.R_i
+    scale = joint.R_i
     rows = {
-        "R_i": (shown.R_i, scale),
-        "R_j": (shown.R_j, (1 - DRAWN) * scale),
-        "c": (shown.clearance, DRAWN * scale),
-        "delta": (shown.penetration, DRAWN_PENETRATION * scale),
-        "|e|": (shown.eccentricity, (DRAWN + DRAWN_PENETRATION) * scale),
+        "R_i": (joint.R_i, scale),
+        "R_j": (joint.R_j, (1 - DRAWN) * scale),
+        "c": (joint.clearance, DRAWN * scale),
+        "delta": (joint.penetration, DRAWN_PENETRATION * scale),
+        "|e|": (joint.eccentricity, (DRAWN + DRAWN_PENETRATION) * scale),
     }
     values, drawn = zip(*rows.values(), strict=True)
     return pd.DataFrame({"symbol": list(rows), "value_mm": values, "drawn_mm": drawn})
+
+
+def _draw_joint(joint: JointState) -> Figure:
+    """Draw bearing, journal, eccentricity, penetration, and the contact's directions and forces."""
+    figure = new_figure("column", 76.0)
+    axes = figure.subplots()
+    n, distance = joint.normal, DRAWN + DRAWN_PENETRATION
+    journal = _point(-distance * n)
+    _draw_bodies(axes, joint, journal)
+    draw_clearance_circle(axes, DRAWN, zorder=6)
+    _draw_vectors(axes, n, journal)
+    _draw_contact(axes, joint, n)
+    _draw_origin(axes, journal)
+    axes.set(xlim=(-1.95, 1.75), ylim=(-1.62, 1.62), aspect="equal")
+    axes.set_axis_off()
+    return figure
 
 
 def _point(place: FloatArray) -> Point:
     return (float(place[0]), float(place[1]))
 
 
-def _draw_bodies(axes: Axes, shown: Configuration, journal: Point) -> None:
+def _draw_bodies(axes: Axes, joint: JointState, journal: Point) -> None:
     """Draw the bearing's ring with the start of its arm, and the journal."""
-    along = np.exp(1j * shown.arm)
+    along = np.exp(1j * joint.arm)
     sides = [
         complex(*pair) * along for pair in ((1.0, 0.45), (1.75, 0.4), (1.75, -0.4), (1.0, -0.45))
     ]
@@ -228,6 +193,10 @@ def _draw_vectors(axes: Axes, n: FloatArray, journal: Point) -> None:
     _radius(axes, np.array(journal), n, 100.0, 1 - DRAWN, "$R_j$", 0.62)
 
 
+def _label(axes: Axes, at: FloatArray, text: str) -> None:
+    axes.text(*_point(at), text, ha="center", va="center", zorder=10)
+
+
 def _radius(
     axes: Axes, centre: FloatArray, n: FloatArray, turn: float, length: float, text: str, at: float
 ) -> None:
@@ -245,13 +214,13 @@ def _radius(
     _label(axes, centre + at * length * way + 0.1 * np.array([-way[1], way[0]]), text)
 
 
-def _draw_contact(axes: Axes, shown: Configuration, n: FloatArray) -> None:
+def _draw_contact(axes: Axes, joint: JointState, n: FloatArray) -> None:
     """Draw n and t at the contact, the forces on the bearing, and the penetration."""
     t, contact = np.array([n[1], -n[0]]), -n
     for way, text, aside in ((n, r"$\mathbf{n}$", 0.1 * t), (t, r"$\mathbf{t}$", 0.1 * n)):
         axes.annotate("", xy=_point(contact + 0.34 * way), xytext=_point(contact), arrowprops=UNIT)
         _label(axes, contact + 0.3 * way + aside, text)
-    sign = float(np.sign(shown.friction_force))
+    sign = float(np.sign(joint.friction_force))
     ends = (
         (-n, 0.5, r"$-f_n\mathbf{n}$", -0.14 * t),
         (sign * t, 0.42, r"$f_t\mathbf{t}$", 0.19 * n),
@@ -289,7 +258,3 @@ def _draw_origin(axes: Axes, journal: Point) -> None:
         way = np.subtract(end, ORIGIN)
         normal = np.array([-way[1], way[0]]) / np.hypot(*way)
         _label(axes, np.array(ORIGIN) + 0.2 * way + aside * normal, text)
-
-
-def _label(axes: Axes, at: FloatArray, text: str) -> None:
-    axes.text(*_point(at), text, ha="center", va="center", zorder=10)

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cylcontact.mechanism import Mechanism, Trajectory, simulate
+from cylcontact.mechanism import Mechanism, simulate
 from cylcontact.mechanism.drawing import (
     DRAWN,
     Magnified,
@@ -39,35 +39,7 @@ CAPTION = (
     "the right with its clearance of {c:g} mm magnified {scale:g} times against the bearing's "
     "radius of {R_i:g} mm. {assumed}"
 )
-
-
-def draw(bench: Bench) -> Drawing:
-    one = mechanism(bench)
-    run = simulate(one, revolutions=2)
-    figure, pose, joint = draw_overview(run, REVOLUTION)
-    table = point_table(pose)
-    crank_pin = pose.points["crank"]["pin"]
-    headline = {
-        "radius of the crank circle, mm": float(np.hypot(*crank_pin)),
-        "eccentricity, mm": float((pose.eccentricity[0] ** 2 + pose.eccentricity[1] ** 2) ** 0.5),
-        "magnification of the clearance, -": joint.factor,
-    }
-    caption = CAPTION.format(
-        revolution=REVOLUTION,
-        bodies=", ".join(body.name for body in one.bodies),
-        speed=60 / one.period,
-        sense="clockwise" if one.driver.speed < 0 else "anticlockwise",
-        bearing=one.bodies[one.clearance.i].name,
-        journal=one.bodies[one.clearance.j].name,
-        c=joint.radial,
-        scale=joint.factor,
-        R_i=joint.R_bearing,
-        assumed=assumed(one),
-    )
-    return Drawing(figure, table, headline, caption)
-
-
-# The clearance joint's panel against that of the mechanism.
+# Widths of the panels: the mechanism, then the joint with clearance.
 WIDTHS = (2.45, 1.0)
 CENTRE: dict[str, Any] = {
     "marker": ".",
@@ -77,52 +49,36 @@ CENTRE: dict[str, Any] = {
 }
 
 
-def draw_overview(run: Trajectory, revolution: float) -> tuple[Figure, Pose, Magnified]:
-    """Draw a mechanism at the first step of a run from some time on, its joint beside it.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    revolution : float
-        The time in revolutions of the driver.
-
-    Returns
-    -------
-    figure : matplotlib.figure.Figure
-    pose : Pose
-        What is drawn.
-    joint : Magnified
-        How the joint is drawn.
-    """
-    one = run.mechanism
-    row = int(np.searchsorted(run.revolution, revolution))
+def draw(bench: Bench) -> Drawing:
+    slider_crank = mechanism(bench)
+    run = simulate(slider_crank, revolutions=2)
+    row = int(np.searchsorted(run.revolution, REVOLUTION))
     (pose,) = poses(run, run.time[row : row + 1])
-    joint = Magnified.of(one)
-    figure = new_figure("full", 62.0, wide=True)
-    left, right = figure.subplots(1, 2, width_ratios=WIDTHS)
-    view = frame(one, [pose])
-    set_view(left, view)
-    draw_linkage(left, one, pose, view[1] - view[0])
-    draw_circle(left, one, pose)
-    _name_points(left, one, pose)
-    panel_title(left, 0, one.name)
-    centre = draw_magnified(right, joint, pose.eccentricity)
-    draw_clearance_circle(right, DRAWN, zorder=5)
-    for at in ((0.0, 0.0), centre):
-        cross(right, at, zorder=6)
-    panel_title(right, 1, f"its joint, clearance × {joint.factor:g}")
-    return figure, pose, joint
+    joint = Magnified.of(slider_crank)
+    crank_pin = pose.points["crank"]["pin"]
+    headline = {
+        "radius of the crank circle, mm": float(np.hypot(*crank_pin)),
+        "eccentricity, mm": float((pose.eccentricity[0] ** 2 + pose.eccentricity[1] ** 2) ** 0.5),
+        "magnification of the clearance, -": joint.factor,
+    }
+    bodies, clearance = slider_crank.bodies, slider_crank.clearance
+    caption = CAPTION.format(
+        revolution=REVOLUTION,
+        bodies=", ".join(body.name for body in bodies),
+        speed=60 / slider_crank.period,
+        sense="clockwise" if slider_crank.driver.speed < 0 else "anticlockwise",
+        bearing=bodies[clearance.i].name,
+        journal=bodies[clearance.j].name,
+        c=joint.radial,
+        scale=joint.factor,
+        R_i=joint.R_bearing,
+        assumed=assumed(slider_crank),
+    )
+    return Drawing(_draw_panels(slider_crank, pose, joint), _points(pose), headline, caption)
 
 
-def point_table(pose: Pose) -> pd.DataFrame:
-    """Return all named points of a pose.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns body, point, x_mm, y_mm; the ground comes first.
-    """
+def _points(pose: Pose) -> pd.DataFrame:
+    """Return all named points of a pose; the ground comes first."""
     rows = [
         {"body": body, "point": point, "x_mm": x, "y_mm": y}
         for body, points in pose.points.items()
@@ -131,24 +87,42 @@ def point_table(pose: Pose) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _name_points(axes: Axes, one: Mechanism, pose: Pose) -> None:
+def _draw_panels(slider_crank: Mechanism, pose: Pose, joint: Magnified) -> Figure:
+    """Draw the mechanism, and beside it its joint."""
+    figure = new_figure("full", 62.0, wide=True)
+    left, right = figure.subplots(1, 2, width_ratios=WIDTHS)
+    view = frame(slider_crank, [pose])
+    set_view(left, view)
+    draw_linkage(left, slider_crank, pose, view[1] - view[0])
+    draw_circle(left, slider_crank, pose)
+    _name_points(left, slider_crank, pose)
+    panel_title(left, 0, slider_crank.name)
+    centre = draw_magnified(right, joint, pose.eccentricity)
+    draw_clearance_circle(right, DRAWN, zorder=5)
+    for at in ((0.0, 0.0), centre):
+        cross(right, at, zorder=6)
+    panel_title(right, 1, f"its joint, clearance × {joint.factor:g}")
+    return figure
+
+
+def _name_points(axes: Axes, slider_crank: Mechanism, pose: Pose) -> None:
     """Name bodies and revolute joints, and mark the centres of mass."""
-    for body in one.bodies:
+    for body in slider_crank.bodies:
         places = np.array(list(pose.points[body.name].values()))
         middle = complex(*pose.centres[body.name])
         axes.plot(middle.real, middle.imag, **CENTRE)
         along = complex(*(places[-1] - places[0])) if len(places) > 1 else 1.0
         up = 1j * along / abs(along)
         _name(axes, body.name, middle, up if up.imag >= 0 else -up, 19 if len(places) > 1 else 22)
-    for joint in one.joints:
+    for joint in slider_crank.joints:
         if joint.kind == "revolute":
-            at = complex(*joint_place(one, pose, joint))
+            at = complex(*joint_place(slider_crank, pose, joint))
             way = 1j if -1 in (joint.i, joint.j) else -1j
             _name(axes, joint.name, at, way, 19, fontsize=small_text(), color="0.3")
 
 
 def _name(axes: Axes, text: str, at: complex, way: complex, distance: float, **style: Any) -> None:
-    """Write a name so many points away from what it names."""
+    """Write a name, `distance` points away from what it names."""
     axes.annotate(
         text,
         xy=(at.real, at.imag),

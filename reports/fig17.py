@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -39,7 +37,7 @@ CAPTION = (
 
 def draw(bench: Bench) -> Drawing:
     runs = {case: simulated(bench, case, 1) for case in CASES}
-    table = impact_table(runs)
+    table = pd.concat([_impact(case, run) for case, run in runs.items()], ignore_index=True)
     headline, crossed, impacts = {}, [], []
     for clearance, rows in table.groupby("clearance_mm", sort=False):
         case = Case("johnson", float(str(clearance)), 0.9, 0.0)
@@ -48,9 +46,9 @@ def draw(bench: Bench) -> Drawing:
         pair = runs[case].mechanism.clearance.pair
         assert pair is not None
         deepest = rows.loc[rows["law"] == case.law, "penetration_um"].max() * 1e-3
-        even = crossings(force_ratio("johnson", "enhanced", pair, deepest))
-        crossed.append(f"stiffer from {1e3 * even[-1]:.3g} µm on at {clearance:g} mm")
-        headline[f"{clearance:g} mm, Johnson stiffer than enhanced from, um"] = 1e3 * even[-1]
+        equal = crossings(force_ratio("johnson", "enhanced", pair, deepest))
+        crossed.append(f"stiffer from {1e3 * equal[-1]:.3g} µm on at {clearance:g} mm")
+        headline[f"{clearance:g} mm, Johnson stiffer than enhanced from, um"] = 1e3 * equal[-1]
         for law, loop in rows.groupby("law", sort=False):
             headline[f"{clearance:g} mm, {law}: penetration, um"] = loop["penetration_um"].max()
             headline[f"{clearance:g} mm, {law}: force, N"] = loop["force_N"].max()
@@ -61,30 +59,11 @@ def draw(bench: Bench) -> Drawing:
         ends=law_ends(list(runs.values())),
         assumed=assumed(mechanism(bench)),
     )
-    return Drawing(impact_panels(table, JOINT_CLEARANCES), table, headline, caption)
-
-
-def impact_table(runs: Mapping[Case, Trajectory]) -> pd.DataFrame:
-    """Return force and penetration over the first contact of every run.
-
-    The runs of one clearance are alike until then, so that all laws meet the same impact.
-
-    Parameters
-    ----------
-    runs : mapping of Case to Trajectory
-        Their first contact is complete.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns law, clearance_mm, time_us since the onset, penetration_um, force_N and
-        elastic_force_N (the same without dissipation).
-    """
-    return pd.concat([_impact(case, run) for case, run in runs.items()], ignore_index=True)
+    return Drawing(_draw_panels(table), table, headline, caption)
 
 
 def _impact(case: Case, run: Trajectory) -> pd.DataFrame:
-    """Return one law's impact."""
+    """Return force and penetration over the first contact of a run."""
     onset, release = run.contacts[["onset_s", "release_s"]].to_numpy(dtype=float)[0]
     rows = run.in_contact & (run.time >= onset) & (run.time <= release)
     pair = run.mechanism.clearance.pair
@@ -103,21 +82,13 @@ def _impact(case: Case, run: Trajectory) -> pd.DataFrame:
     )
 
 
-def impact_panels(table: pd.DataFrame, clearances: Sequence[float]) -> Figure:
-    """Draw force against penetration, a panel for each clearance and a loop for each law.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        Of `impact_table`.
-    clearances : sequence of float
-        In mm.
-    """
+def _draw_panels(table: pd.DataFrame) -> Figure:
+    """Draw force against penetration, a panel for each clearance and a loop for each law."""
     figure = new_figure("full", 74.0)
-    panels = figure.subplots(1, len(clearances), squeeze=False)[0]
-    for number, (axes, clearance) in enumerate(zip(panels, clearances, strict=True)):
-        chosen = table[table["clearance_mm"] == clearance]
-        for law, loop in chosen.groupby("law", sort=False):
+    panels = figure.subplots(1, len(JOINT_CLEARANCES))
+    for number, (axes, clearance) in enumerate(zip(panels, JOINT_CLEARANCES, strict=True)):
+        impacts = table[table["clearance_mm"] == clearance]
+        for law, loop in impacts.groupby("law", sort=False):
             _draw_loop(axes, str(law), loop)
         axes.set(xlabel="penetration δ (µm)", xlim=(0, None), ylim=(0, None))
         panel_title(axes, number, f"radial clearance {clearance:g} mm")

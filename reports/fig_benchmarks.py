@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Hashable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -26,32 +25,19 @@ CAPTION = (
     "cost of one on this grid. The power and the logarithm do less than the workbench: they are "
     "limits. Measured by `make bench`; docs/speed.md has the numbers, the machine and the versions."
 )
-
-
-def draw(bench: Bench) -> Drawing:
-    table = ratios_of(bench.input("datasets/benchmarks.json"))
-    headline = {
-        f"{group}: {side}": ratio
-        for group in GROUPS
-        for side, ratio in table.loc[table["group"] == group, ["side", "ratio"]].to_numpy()
-    }
-    return Drawing(ratio_panel(table), table, headline, CAPTION + left_out(table))
-
-
 MM_PER_LINE = 3.4
 COLUMNS = ["benchmark", "case", "side", "ratio", "ratio_low", "ratio_high", "note"]
 
 
-@dataclass(frozen=True)
-class Group:
-    """Cases of the results shown together: words in the names of the case and of our side."""
+class Group(NamedTuple):
+    """A benchmark, and words in the names of the cases and of our side."""
 
     benchmark: str
     case: str
     ours: str
 
 
-GROUPS: dict[str, Group] = {
+GROUPS = {
     "Johnson's load, 1,000,000 values at once": Group("law", "array, 1,000,000", "Johnson"),
     "Johnson's load, compiled, one value": Group("law", "compiled", "Johnson"),
     "Johnson's load, called from Python": Group("law", "called", "Johnson"),
@@ -62,25 +48,15 @@ GROUPS: dict[str, Group] = {
 }
 
 
+def draw(bench: Bench) -> Drawing:
+    table = ratios_of(bench.input("datasets/benchmarks.json"))
+    ratios = table[["group", "side", "ratio"]].to_numpy()
+    headline = {f"{group}: {side}": ratio for group, side, ratio in ratios}
+    return Drawing(ratio_panel(table), table, headline, CAPTION + left_out(table))
+
+
 def ratios_of(results: Path) -> pd.DataFrame:
-    """Return the ratios of the benchmarks' sides to ours.
-
-    Parameters
-    ----------
-    results : path
-        What `make bench` wrote.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns group, side, ratio, ratio_low, ratio_high (dimensionless) and computed. Groups
-        whose benchmark was skipped have no rows.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, or lacks a group whose benchmark was not skipped.
-    """
+    """Return the ratios of the other sides to ours, without the benchmarks that were skipped."""
     try:
         data = json.loads(results.read_text(encoding="utf-8"))
         rows, skipped = pd.DataFrame(data["rows"], columns=COLUMNS), data["skipped"]
@@ -92,46 +68,25 @@ def ratios_of(results: Path) -> pd.DataFrame:
     for name, group in GROUPS.items():
         if group.benchmark in skipped:
             continue
-        chosen = rows[
+        sides = rows[
             (rows["benchmark"] == group.benchmark)
             & rows["case"].str.contains(group.case, regex=False)
         ]
-        ours = chosen[
-            chosen["side"].str.contains(group.ours) & chosen["side"].str.contains("cylcontact")
+        ours = sides[
+            sides["side"].str.contains(group.ours) & sides["side"].str.contains("cylcontact")
         ]
         if ours.empty:
             raise InputError(str(results), "rows", name, "is not in the file", "redo make bench")
-        others = chosen[~chosen["side"].str.startswith("cylcontact")]
-        parts.append(_relative_to(float(ours["ratio"].iloc[0]), others).assign(group=name))
+        others = sides[~sides["side"].str.startswith("cylcontact")]
+        ratios = others[["ratio", "ratio_low", "ratio_high"]] / float(ours["ratio"].iloc[0])
+        computed = others["note"].str.startswith("computed")
+        parts.append(ratios.assign(group=name, side=others["side"], computed=computed))
     table = pd.concat(parts, ignore_index=True)
     return table[["group", "side", "ratio", "ratio_low", "ratio_high", "computed"]]
 
 
-def left_out(table: pd.DataFrame) -> str:
-    """Return a sentence for the caption on the groups that a table lacks, if there are any.
-
-    Parameters
-    ----------
-    table : DataFrame
-        From `ratios_of`.
-
-    Examples
-    --------
-    >>> left_out(pd.DataFrame({"group": list(GROUPS)[:-1]}))
-    ' Not measured (docs/speed.md says why): Slider-crank, one revolution.'
-    """
-    groups = [name for name in GROUPS if name not in set(table["group"])]
-    return f" Not measured (docs/speed.md says why): {'; '.join(groups)}." if groups else ""
-
-
 def ratio_panel(table: pd.DataFrame) -> Figure:
-    """Draw the ratios, a line for each side, group below group.
-
-    Parameters
-    ----------
-    table : DataFrame
-        From `ratios_of`.
-    """
+    """Draw the ratios, a line for each side, group below group."""
     lines = len(table) + table["group"].nunique()
     figure = new_figure("full", MM_PER_LINE * lines + 14)
     axes = figure.subplots()
@@ -168,7 +123,7 @@ def _draw_line(axes: Axes, place: int, row: dict[Hashable, Any]) -> None:
     axes.plot([row["ratio_low"], row["ratio_high"]], [place, place], "-", color=colour, marker="")
     face = "white" if row["computed"] else colour
     axes.plot(row["ratio"], place, "o", color=colour, markerfacecolor=face)
-    # Numbers keep away from the line at 1.
+    # The number is on the side away from the line at 1.
     shorter = row["ratio"] < 1
     axes.annotate(
         _short(row["ratio"]),
@@ -182,19 +137,11 @@ def _draw_line(axes: Axes, place: int, row: dict[Hashable, Any]) -> None:
 
 
 def _short(ratio: float) -> str:
-    """Return a ratio to two digits, without an exponent.
-
-    Examples
-    --------
-    >>> print(_short(0.0823), _short(1.26), _short(17432.0))
-    0.082 1.3 17,000
-    """
+    """Return a ratio to two digits, without an exponent."""
     return f"{float(f'{ratio:.2g}'):,.10g}"
 
 
-def _relative_to(ours: float, others: pd.DataFrame) -> pd.DataFrame:
-    """Return sides with their ratios to ours, which itself may not be a case's first side."""
-    columns = ["ratio", "ratio_low", "ratio_high"]
-    relative = others[["side", *columns]].copy()
-    relative[columns] = relative[columns] / ours
-    return relative.assign(computed=others["note"].str.startswith("computed"))
+def left_out(table: pd.DataFrame) -> str:
+    """Return a sentence for the caption on the groups that a table lacks, if there are any."""
+    groups = [name for name in GROUPS if name not in set(table["group"])]
+    return f" Not measured (docs/speed.md says why): {'; '.join(groups)}." if groups else ""

@@ -19,6 +19,7 @@ from cylcontact.reports.bench import Bench
 
 from .universal import (
     EXTERNAL_PHI,
+    FORMULA,
     PHI_MAX,
     PHI_MIN,
     Curve,
@@ -45,85 +46,71 @@ CAPTION = (
     "every law's largest and RMS error by decade of φ, the fit 'internal' (to Johnson) and the "
     "explicit law for external contact, judged by Johnson's law, among them."
 )
-
-
-def draw(bench: Bench) -> Drawing:
-    laws = dimensionless_curves()
-    enhanced = enhanced_curves({label: bench.result(name) for label, name in REFITS.items()})
-    rollers = external_curve()
-    tables = [
-        error_table([*laws, *enhanced], "internal", "persson"),
-        error_table([rollers], "external", "johnson"),
-    ]
-    table = pd.concat(tables, ignore_index=True)
-    drawn = [curve for curve in enhanced if "internal" not in curve.law]
-    whole = table[(table["range"] == "all") & (table["pair"] == "any")]
-    sizes = whole.set_index(["law", "contact", "error_of"])["largest_error_percent"]
-    span = f"{PHI_MIN:g} to {PHI_MAX:g}"
-    external_span = f"{EXTERNAL_PHI[0]:g} to {EXTERNAL_PHI[1]:g}"
-    headline = {
-        f"explicit, internal: largest error of the load, φ {span}, %": sizes[
-            "explicit", "internal", "load"
-        ],
-        f"explicit, external: largest error of the load, φ {external_span}, %": sizes[
-            "explicit", "external", "load"
-        ],
-        "explicit, internal: largest error of the penetration, %": sizes[
-            "explicit", "internal", "penetration"
-        ],
-        "explicit formula: largest error of the penetration, %": sizes[
-            laws[1].law, "internal", "penetration"
-        ],
-    }
-    for name in ("johnson", "liu", "winkler"):
-        headline[f"{name}: largest error of the load, %"] = sizes[name, "internal", "load"]
-    constants = asdict(CALIBRATED["internal"]).items()
-    caption = CAPTION.format(
-        constants=", ".join(f"{name} = {value:g}" for name, value in constants)
-    )
-    return Drawing(universal_panels(laws, drawn), table, headline, caption)
-
-
 LABELS = {
     "explicit": "explicit (3 constants)",
-    "explicit formula for the penetration": "explicit, one-line penetration",
+    FORMULA: "explicit, one-line penetration",
     "johnson": "Johnson (Eq 1)",
     "liu": "Liu et al.",
     "winkler": "Winkler",
     "enhanced": "enhanced, published",
     "enhanced fit conformal": "enhanced, refit",
 }
-# The enhanced law's two sets of coefficients, apart from the others in colour, width and marks.
-ENHANCED: tuple[dict[str, Any], ...] = (
-    {"color": "#56B4E9", "linestyle": "-", "linewidth": 0.9, "markerfacecolor": "#56B4E9"},
-    {"color": "#8C510A", "linestyle": "-", "linewidth": 0.9, "markerfacecolor": "white"},
-)
+# The enhanced law's two sets of coefficients differ from the other laws in colour and marks.
+ENHANCED: dict[str, dict[str, Any]] = {
+    "enhanced": {"color": "#56B4E9", "markerfacecolor": "#56B4E9"},
+    "enhanced fit conformal": {"color": "#8C510A", "markerfacecolor": "white"},
+}
+THIN = {"linestyle": "-", "linewidth": 0.9}
 MARKS = ("o", "s", "^")  # by clearance
 LINEAR = 0.1  # percent, within which the axis of errors is linear
 TICKS = (-100, -10, -1, -0.1, 0, 0.1, 1, 10, 100, 1000)
 
 
-def universal_panels(laws: Sequence[Curve], enhanced: Sequence[Curve]) -> Figure:
-    """Draw δ/ΔR and the error of the load against φ = f/(E*·ΔR).
+def draw(bench: Bench) -> Drawing:
+    laws = dimensionless_curves()
+    enhanced = enhanced_curves({label: bench.result(name) for label, name in REFITS.items()})
+    table = pd.concat(
+        [
+            error_table([*laws, *enhanced], "internal", "persson"),
+            error_table([external_curve()], "external", "johnson"),
+        ],
+        ignore_index=True,
+    )
+    constants = asdict(CALIBRATED["internal"]).items()
+    caption = CAPTION.format(
+        constants=", ".join(f"{name} = {value:g}" for name, value in constants)
+    )
+    drawn = [curve for curve in enhanced if "internal" not in curve.law]
+    return Drawing(_draw_panels(laws, drawn), table, _headline(table), caption)
 
-    Parameters
-    ----------
-    laws : sequence of Curve
-        The dimensionless laws, at most five.
-    enhanced : sequence of Curve
-        The enhanced law: clearance by clearance with one set of coefficients, then with another.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
+def _headline(table: pd.DataFrame) -> dict[str, float]:
+    """Return the largest errors of the dimensionless laws."""
+    whole = table[(table["range"] == "all") & (table["pair"] == "any")]
+    largest = whole.set_index(["law", "contact", "error_of"])["largest_error_percent"]
+    span = f"{PHI_MIN:g} to {PHI_MAX:g}"
+    external_span = f"{EXTERNAL_PHI[0]:g} to {EXTERNAL_PHI[1]:g}"
+    keys = {
+        f"explicit, internal: largest error of the load, φ {span}, %": (
+            "explicit", "internal", "load",
+        ),
+        f"explicit, external: largest error of the load, φ {external_span}, %": (
+            "explicit", "external", "load",
+        ),
+        "explicit, internal: largest error of the penetration, %": (
+            "explicit", "internal", "penetration",
+        ),
+        "explicit formula: largest error of the penetration, %": (
+            FORMULA, "internal", "penetration",
+        ),
+    }  # fmt: skip
+    for name in ("johnson", "liu", "winkler"):
+        keys[f"{name}: largest error of the load, %"] = (name, "internal", "load")
+    return {text: float(largest[key]) for text, key in keys.items()}
 
-    Examples
-    --------
-    >>> from .universal import dimensionless_curves, enhanced_curves
-    >>> figure = universal_panels(dimensionless_curves(), enhanced_curves({}))
-    >>> [len(axes.lines) for axes in figure.axes]
-    [9, 9]
-    """
+
+def _draw_panels(laws: Sequence[Curve], enhanced: Sequence[Curve]) -> Figure:
+    """Draw δ/ΔR and the error of the load against φ = f/(E*·ΔR)."""
     figure = new_figure("full", 112.0)
     left, right = figure.subplots(1, 2, width_ratios=(4, 6))
     left.plot(
@@ -131,16 +118,21 @@ def universal_panels(laws: Sequence[Curve], enhanced: Sequence[Curve]) -> Figure
     )
     right.axhline(0, color="0.8", linewidth=4.0, marker="", zorder=0)
     for number, curve in enumerate(laws):
-        look = {"color": COLOURS[number], "linestyle": LINE_STYLES[number], "zorder": 3}
-        _draw_curve(left, right, curve, look)
-    groups = list(dict.fromkeys(curve.law for curve in enhanced))
+        style = {"color": COLOURS[number], "linestyle": LINE_STYLES[number], "zorder": 3}
+        _draw_curve(left, right, curve, style)
     for number, curve in enumerate(enhanced):
         marker = MARKS[number % len(MARKS)]
-        _draw_curve(left, right, curve, ENHANCED[groups.index(curve.law)] | {"marker": marker})
-    _log_x(left)
-    _log_x(right)
+        _draw_curve(left, right, curve, ENHANCED[curve.law] | THIN | {"marker": marker})
+    for axes in (left, right):
+        axes.set(xscale="log", xlim=(PHI_MIN, PHI_MAX))
+        axes.set_xlabel(r"load $\varphi = f/(E^*\Delta R)$ (-)")
+        axes.xaxis.set_minor_locator(LogLocator(subs=(1.0,), numticks=20))
+        axes.xaxis.set_minor_formatter(NullFormatter())
     left.set(yscale="log", ylabel=r"penetration $\delta/\Delta R$ (-)", ylim=(2e-6, 100))
-    _error_axis(right)
+    right.set_yscale("symlog", linthresh=LINEAR, linscale=0.6)
+    right.set(ylim=(-130, 400), ylabel="error of the load (%)")
+    right.yaxis.set_major_locator(FixedLocator(TICKS))
+    right.yaxis.set_major_formatter(FuncFormatter(lambda value, _: signed(value)))
     panel_title(left, 0, "penetration")
     panel_title(right, 1, "error of the load at given penetration")
     handles, labels = left.get_legend_handles_labels()
@@ -148,27 +140,12 @@ def universal_panels(laws: Sequence[Curve], enhanced: Sequence[Curve]) -> Figure
     return figure
 
 
-def _draw_curve(left: Axes, right: Axes, curve: Curve, look: dict[str, Any]) -> None:
+def _draw_curve(left: Axes, right: Axes, curve: Curve, style: dict[str, Any]) -> None:
     """Draw a law in both panels."""
     every = max(1, curve.phi.size // 4)
-    marked = {"markevery": (every // 2, every)} if "marker" in look else {"marker": ""}
+    marked = {"markevery": (every // 2, every)} if "marker" in style else {"marker": ""}
     label = LABELS[curve.law]
     if curve.pair != "any":
         label += ", " + curve.pair.split("; ")[-1].replace("dR", r"$\Delta R$")
-    left.plot(curve.phi, curve.d, label=label, **look, **marked)
-    right.plot(curve.phi, curve.load_error, **look, **marked)
-
-
-def _log_x(axes: Axes) -> None:
-    """Give a panel the axis of φ."""
-    axes.set(xscale="log", xlim=(PHI_MIN, PHI_MAX), xlabel=r"load $\varphi = f/(E^*\Delta R)$ (-)")
-    axes.xaxis.set_minor_locator(LogLocator(subs=(1.0,), numticks=20))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-
-
-def _error_axis(axes: Axes) -> None:
-    """Make the vertical axis linear to ±0.1 % and logarithmic beyond."""
-    axes.set_yscale("symlog", linthresh=LINEAR, linscale=0.6)
-    axes.set(ylim=(-130, 400), ylabel="error of the load (%)")
-    axes.yaxis.set_major_locator(FixedLocator(TICKS))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: signed(value)))
+    left.plot(curve.phi, curve.d, label=label, **style, **marked)
+    right.plot(curve.phi, curve.load_error, **style, **marked)

@@ -1,4 +1,4 @@
-"""What each choice that Section 3.2 leaves open does to the finite elements' penetration."""
+"""Effect on the finite elements' penetration of each choice that Section 3.2 leaves open."""
 
 from __future__ import annotations
 
@@ -27,12 +27,11 @@ def draw(bench: Bench) -> Drawing:
     numbers = sensitivity_table(table(bench, "sensitivity"))
     sizes = numbers.groupby("variant", sort=False)["change_percent"]
     headline = {f"{name}: largest change, %": values.abs().max() for name, values in sizes}
-    return Drawing(
-        sensitivity_panels(numbers), numbers, headline, CAPTION.format(choices=choices(bench))
-    )
+    caption = CAPTION.format(choices=choices(bench))
+    return Drawing(_draw_panels(numbers), numbers, headline, caption)
 
 
-def sensitivity_panels(table: pd.DataFrame) -> Figure:
+def _draw_panels(table: pd.DataFrame) -> Figure:
     """Draw a row for each variant: the change in percent, and of the additive constant."""
     figure = new_figure("full", 92.0)
     panels = figure.subplots(1, 2, sharey=True)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.fitting.minimax import minimise_largest
@@ -31,16 +30,27 @@ CAPTION = (
     "constants, which costs a little. The forms tried are our choice; each has at most four "
     "constants."
 )
+FIT_POINTS, CHECK_POINTS = 400, 4001
+# The bounds of the constants; D alone may be negative.
+LOW, HIGH = 0.02, 12.0
+D_LOW, D_HIGH = -2.0, 2.0
+UNDEFINED = 1e3  # percent, where a form has no value
+Given = Literal["penetration", "load"]
+Function = Callable[..., FloatArray]
+TITLES: dict[Given, str] = {
+    "penetration": "load explicit: $L(d)$ =",
+    "load": r"penetration explicit: $L(\varphi)$ =",
+}
+BARS: dict[Given, dict[str, Any]] = {
+    "penetration": {"facecolor": "#f6bb84", "height": 0.66},
+    "load": {"facecolor": "#a8cee7", "height": 0.66, "hatch": "////"},
+}
+CHOSEN = "c + ln(1 + A/d [c + ln(1 + A/d ln(B/d))])"
+SIMPLEST = "c + ln(1 + A/φ)"
 
 
 def draw(_bench: Bench) -> Drawing:
-    table = forms_table()
-    figure = new_figure("full", 112.0, wide=True)
-    axes = figure.subplots()
-    draw_forms(axes, table)
-    axes.set(xlim=(1e-3, 60))
-    span = rf"{PHI_MIN:g} $\leq \varphi \leq$ {PHI_MAX:g}"
-    axes.set_xlabel(f"largest error for {span}, constants unrounded (%)")
+    table = _table()
     errors = table.set_index("form")["largest_error_percent"]
     of_penetration = errors[(table["given"] == "load").to_numpy()]
     headline = {
@@ -51,206 +61,21 @@ def draw(_bench: Bench) -> Drawing:
         "penetration explicit, best form: largest error, %": of_penetration.min(),
         "forms": float(len(table)),
     }
-    return Drawing(figure, table, headline, CAPTION)
+    return Drawing(_draw_bars(table), table, headline, CAPTION)
 
 
-FIT_POINTS, CHECK_POINTS = 400, 4001
-# Where the constants are sought; D alone may be negative.
-LOW, HIGH = 0.02, 12.0
-D_LOW, D_HIGH = -2.0, 2.0
-UNDEFINED = 1e3  # percent, of a form that has no value
-
-Given = Literal["penetration", "load"]
-TITLES: dict[Given, str] = {
-    "penetration": "load explicit: $L(d)$ =",
-    "load": r"penetration explicit: $L(\varphi)$ =",
-}
-BARS: dict[Given, dict[str, Any]] = {
-    "penetration": {"facecolor": "#f6bb84", "height": 0.66},
-    "load": {"facecolor": "#a8cee7", "height": 0.66, "hatch": "////"},
-}
-
-
-@dataclass(frozen=True)
-class Form:
-    """A candidate for L.
-
-    Attributes
-    ----------
-    text : str
-        The form in plain text, an argument after "ln" without a sign between them.
-    given : {"penetration", "load"}
-        What L is a function of: d, or φ.
-    function : callable
-        From d or φ and the constants to L.
-    start : mapping of str to float
-        The constants by name, where the fit starts.
-    logarithms : int
-        How many of them one evaluation takes.
-    """
-
-    text: str
-    given: Given
-    function: Callable[..., FloatArray]
-    start: dict[str, float]
-    logarithms: int
-
-
-def _ln1(x: FloatArray) -> FloatArray:
-    return as_floats(np.log1p(x))
-
-
-CHOSEN = "c + ln(1 + A/d [c + ln(1 + A/d ln(B/d))])"
-SIMPLEST = "c + ln(1 + A/φ)"
-FORMS = (
-    Form(
-        "c + k ln(1 + B/d^m)",
-        "penetration",
-        lambda d, c, k, B, m: c + k * _ln1(B / d**m),
-        {"c": 1.47, "k": 0.66, "B": 1.0, "m": 1.75},
-        1,
-    ),
-    Form(
-        "c + ln(1 + A/d [c + ln(1 + B/d)])",
-        "penetration",
-        lambda d, c, A, B: c + _ln1(A / d * (c + _ln1(B / d))),
-        {"c": 1.4, "A": 0.4, "B": 0.76},
-        2,
-    ),
-    Form(
-        "c + ln(1 + A/d ln(B/d))",
-        "penetration",
-        lambda d, c, A, B: c + _ln1(A / d * np.log(B / d)),
-        {"c": 1.5, "A": 0.32, "B": 6.0},
-        2,
-    ),
-    Form(
-        "c + ln(1 + B/d ln(1 + A/d))",
-        "penetration",
-        lambda d, c, A, B: c + _ln1(B / d * _ln1(A / d)),
-        {"c": 1.46, "A": 4.7, "B": 0.35},
-        2,
-    ),
-    Form(
-        "c + ln(1 + B/d ln(e + A/d))",
-        "penetration",
-        lambda d, c, A, B: c + _ln1(B / d * np.log(np.e + A / d)),
-        {"c": 1.41, "A": 1.9, "B": 0.46},
-        2,
-    ),
-    Form(
-        "c + ln(1 + A/d [c + ln(1 + A/d [c + ln(1 + A/d [c + ln(1 + A/d)])])])",
-        "penetration",
-        lambda d, c, A: c + _ln1(A / d * (c + _ln1(A / d * (c + _ln1(A / d * (c + _ln1(A / d))))))),
-        {"c": 1.42, "A": 0.35},
-        4,
-    ),
-    Form(
-        "c + ln(1 + B/d [ln(1 + A/d) + D])",
-        "penetration",
-        lambda d, c, A, B, D: c + _ln1(B / d * (_ln1(A / d) + D)),
-        {"c": 1.44, "A": 1.2, "B": 0.44, "D": 0.7},
-        2,
-    ),
-    Form(
-        "c + ln(1 + B/d ln(1 + A/d)) + D/(1 + d)",
-        "penetration",
-        lambda d, c, A, B, D: c + _ln1(B / d * _ln1(A / d)) + D / (1 + d),
-        {"c": 1.44, "A": 2.6, "B": 0.32, "D": 0.3},
-        2,
-    ),
-    Form(
-        "c + ln(1 + A/d [c + ln(1 + A/d ln(1 + B/d))])",
-        "penetration",
-        lambda d, c, A, B: c + _ln1(A / d * (c + _ln1(A / d * _ln1(B / d)))),
-        {"c": 1.42, "A": 0.36, "B": 3.4},
-        3,
-    ),
-    Form(
-        CHOSEN,
-        "penetration",
-        lambda d, c, A, B: c + _ln1(A / d * (c + _ln1(A / d * np.log(B / d)))),
-        {"c": 1.43, "A": 0.36, "B": 3.8},
-        3,
-    ),
-    Form(
-        "c + ln(1 + A/d [c + ln(1 + D/d ln(B/d))])",
-        "penetration",
-        lambda d, c, A, B, D: c + _ln1(A / d * (c + _ln1(D / d * np.log(B / d)))),
-        {"c": 1.43, "A": 0.36, "B": 3.8, "D": 0.36},
-        3,
-    ),
-    Form(SIMPLEST, "load", lambda phi, c, A: c + _ln1(A / phi), {"c": 1.42, "A": 1.1}, 1),
-    Form(
-        "c + k ln(1 + A/φ)",
-        "load",
-        lambda phi, c, A, k: c + k * _ln1(A / phi),
-        {"c": 1.42, "A": 1.1, "k": 1.0},
-        1,
-    ),
-    Form(
-        "c + ln(1 + A/φ) + Dφ/(1 + kφ)^2",
-        "load",
-        lambda phi, c, A, D, k: c + _ln1(A / phi) + D * phi / (1 + k * phi) ** 2,
-        {"c": 1.43, "A": 1.1, "D": -0.03, "k": 0.46},
-        1,
-    ),
-)
-
-
-def fit_form(form: Form) -> tuple[dict[str, float], float]:
-    """Fit a form minimax, and measure its largest error on a finer grid.
-
-    Parameters
-    ----------
-    form : Form
-        The candidate.
-
-    Returns
-    -------
-    constants : dict of str to float
-    largest : float
-        The largest magnitude of the error in percent, of the load at given penetration or of
-        the penetration at given load.
-
-    Examples
-    --------
-    >>> (simplest,) = [form for form in FORMS if form.text == SIMPLEST]
-    >>> constants, largest = fit_form(simplest)
-    >>> print({name: round(value, 4) for name, value in constants.items()}, f"{largest:.3f} %")
-    {'c': 1.4232, 'A': 1.0942} 0.363 %
-    """
-    low = np.array([D_LOW if name == "D" else LOW for name in form.start])
-    high = np.array([D_HIGH if name == "D" else HIGH for name in form.start])
-    coarse, fine = _samples(FIT_POINTS), _samples(CHECK_POINTS)
-    point = minimise_largest(
-        lambda points: _errors(form, points, *coarse),
-        low,
-        high,
-        np.array(list(form.start.values())),
-    )
-    constants = dict(zip(form.start, map(float, point), strict=True))
-    return constants, float(np.abs(_errors(form, point[None, :], *fine)).max())
-
-
-def forms_table() -> pd.DataFrame:
-    """Fit every form and list them, the least accurate first, load-explicit forms before others.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns form, given, constants, logarithms, largest_error_percent and fitted
-        (the constants and their values).
-    """
+def _table() -> pd.DataFrame:
+    """Fit every form and list them, the least accurate first, load-explicit forms before others."""
     rows = []
-    for form in FORMS:
-        constants, largest = fit_form(form)
+    for form, (function, start) in FORMS.items():
+        given: Given = "load" if "φ" in form else "penetration"
+        constants, largest = _fit(function, start, given)
         rows.append(
             {
-                "form": form.text,
-                "given": form.given,
+                "form": form,
+                "given": given,
                 "constants": len(constants),
-                "logarithms": form.logarithms,
+                "logarithms": form.count("ln"),
                 "largest_error_percent": largest,
                 "fitted": " ".join(f"{name}={value:.6g}" for name, value in constants.items()),
             }
@@ -260,44 +85,86 @@ def forms_table() -> pd.DataFrame:
     )
 
 
-def draw_forms(axes: Axes, table: pd.DataFrame) -> None:
-    """Draw a bar per form, its formula to the left and its error and cost to the right."""
-    places = np.arange(1, len(table) + 1) + np.where(table["given"] == "load", 1, 0)
-    errors = table["largest_error_percent"].to_numpy()
-    shipped = table["form"].isin([CHOSEN, SIMPLEST])
-    for at, error, bold, given, constants, logarithms in zip(
-        places,
-        errors,
-        shipped,
-        table["given"],
-        table["constants"],
-        table["logarithms"],
-        strict=True,
-    ):
-        axes.barh(at, error, **BARS[given], edgecolor="black", linewidth=1.6 if bold else 0.5)
-        note = f"{error:.3g} %,  {constants} constants,  {logarithms} ln"
-        weight = "bold" if bold else "normal"
-        axes.text(error * 1.1, at, note, va="center", fontsize=small_text(), weight=weight)
-    axes.set(xscale="log", ylim=(places[-1] + 0.6, -0.6))
-    axes.set_yticks(places, [f"${mathtext(form)}$" for form in table["form"]])
-    axes.tick_params(axis="y", length=0)
-    for given, title in TITLES.items():
-        above = places[table["given"] == given][0] - 1
-        axes.text(
-            -0.015, above, title, transform=axes.get_yaxis_transform(), ha="right", va="center"
-        )
+def _ln1(x: FloatArray) -> FloatArray:
+    return as_floats(np.log1p(x))
 
 
-def mathtext(form: str) -> str:
-    r"""Write a form for matplotlib, without dollar signs.
+# Each form of L as a function of d or φ, and the constants at which its fit starts.
+FORMS: dict[str, tuple[Function, dict[str, float]]] = {
+    "c + k ln(1 + B/d^m)": (
+        lambda d, c, k, B, m: c + k * _ln1(B / d**m),
+        {"c": 1.47, "k": 0.66, "B": 1.0, "m": 1.75},
+    ),
+    "c + ln(1 + A/d [c + ln(1 + B/d)])": (
+        lambda d, c, A, B: c + _ln1(A / d * (c + _ln1(B / d))),
+        {"c": 1.4, "A": 0.4, "B": 0.76},
+    ),
+    "c + ln(1 + A/d ln(B/d))": (
+        lambda d, c, A, B: c + _ln1(A / d * np.log(B / d)),
+        {"c": 1.5, "A": 0.32, "B": 6.0},
+    ),
+    "c + ln(1 + B/d ln(1 + A/d))": (
+        lambda d, c, A, B: c + _ln1(B / d * _ln1(A / d)),
+        {"c": 1.46, "A": 4.7, "B": 0.35},
+    ),
+    "c + ln(1 + B/d ln(e + A/d))": (
+        lambda d, c, A, B: c + _ln1(B / d * np.log(np.e + A / d)),
+        {"c": 1.41, "A": 1.9, "B": 0.46},
+    ),
+    "c + ln(1 + A/d [c + ln(1 + A/d [c + ln(1 + A/d [c + ln(1 + A/d)])])])": (
+        lambda d, c, A: c + _ln1(A / d * (c + _ln1(A / d * (c + _ln1(A / d * (c + _ln1(A / d))))))),
+        {"c": 1.42, "A": 0.35},
+    ),
+    "c + ln(1 + B/d [ln(1 + A/d) + D])": (
+        lambda d, c, A, B, D: c + _ln1(B / d * (_ln1(A / d) + D)),
+        {"c": 1.44, "A": 1.2, "B": 0.44, "D": 0.7},
+    ),
+    "c + ln(1 + B/d ln(1 + A/d)) + D/(1 + d)": (
+        lambda d, c, A, B, D: c + _ln1(B / d * _ln1(A / d)) + D / (1 + d),
+        {"c": 1.44, "A": 2.6, "B": 0.32, "D": 0.3},
+    ),
+    "c + ln(1 + A/d [c + ln(1 + A/d ln(1 + B/d))])": (
+        lambda d, c, A, B: c + _ln1(A / d * (c + _ln1(A / d * _ln1(B / d)))),
+        {"c": 1.42, "A": 0.36, "B": 3.4},
+    ),
+    CHOSEN: (
+        lambda d, c, A, B: c + _ln1(A / d * (c + _ln1(A / d * np.log(B / d)))),
+        {"c": 1.43, "A": 0.36, "B": 3.8},
+    ),
+    "c + ln(1 + A/d [c + ln(1 + D/d ln(B/d))])": (
+        lambda d, c, A, B, D: c + _ln1(A / d * (c + _ln1(D / d * np.log(B / d)))),
+        {"c": 1.43, "A": 0.36, "B": 3.8, "D": 0.36},
+    ),
+    SIMPLEST: (
+        lambda phi, c, A: c + _ln1(A / phi),
+        {"c": 1.42, "A": 1.1},
+    ),
+    "c + k ln(1 + A/φ)": (
+        lambda phi, c, A, k: c + k * _ln1(A / phi),
+        {"c": 1.42, "A": 1.1, "k": 1.0},
+    ),
+    "c + ln(1 + A/φ) + Dφ/(1 + kφ)^2": (
+        lambda phi, c, A, D, k: c + _ln1(A / phi) + D * phi / (1 + k * phi) ** 2,
+        {"c": 1.43, "A": 1.1, "D": -0.03, "k": 0.46},
+    ),
+}
 
-    Examples
-    --------
-    >>> print(mathtext("c + ln(1 + A/d ln(B/φ))"))
-    c + \ln(1 + A/d\,\ln(B/\varphi ))
-    """
-    spaced = form.replace("φ", r"\varphi ").replace(" [", r"\,[")
-    return re.sub(r"\bln", r"\\ln", re.sub(r"(?<=[dk]) ln", r"\\,ln", spaced))
+
+def _fit(
+    function: Function, start: dict[str, float], given: Given
+) -> tuple[dict[str, float], float]:
+    """Return the constants fitted minimax, and the largest error in percent on a finer grid."""
+    low = np.array([D_LOW if name == "D" else LOW for name in start])
+    high = np.array([D_HIGH if name == "D" else HIGH for name in start])
+    coarse, fine = _samples(FIT_POINTS), _samples(CHECK_POINTS)
+    point = minimise_largest(
+        lambda points: _errors(function, given, points, *coarse),
+        low,
+        high,
+        np.array(list(start.values())),
+    )
+    constants = dict(zip(start, map(float, point), strict=True))
+    return constants, float(np.abs(_errors(function, given, point[None, :], *fine)).max())
 
 
 def _samples(count: int) -> tuple[FloatArray, FloatArray]:
@@ -306,12 +173,45 @@ def _samples(count: int) -> tuple[FloatArray, FloatArray]:
     return phi, Persson().penetration(phi, UNIT_PAIR)
 
 
-def _errors(form: Form, points: FloatArray, phi: FloatArray, d: FloatArray) -> FloatArray:
+def _errors(
+    function: Function, given: Given, points: FloatArray, phi: FloatArray, d: FloatArray
+) -> FloatArray:
     """Return the errors in percent of every set of constants, shape (P, k) to (P, q)."""
     constants = points.T[:, :, None]
-    with np.errstate(all="ignore"):  # where a form is undefined it counts as very wrong
-        if form.given == "penetration":
-            ratio = np.pi * d / form.function(d, *constants) / phi
+    with np.errstate(all="ignore"):
+        if given == "penetration":
+            ratio = np.pi * d / function(d, *constants) / phi
         else:
-            ratio = phi / np.pi * form.function(phi, *constants) / d
+            ratio = phi / np.pi * function(phi, *constants) / d
         return np.nan_to_num(100 * (ratio - 1), nan=UNDEFINED, posinf=UNDEFINED, neginf=-UNDEFINED)
+
+
+def _draw_bars(table: pd.DataFrame) -> Figure:
+    """Draw a bar per form, its formula to the left and its error and cost to the right."""
+    figure = new_figure("full", 112.0, wide=True)
+    axes = figure.subplots()
+    places = np.arange(1, len(table) + 1) + np.where(table["given"] == "load", 1, 0)
+    for place, row in zip(places, table.to_dict("records"), strict=True):
+        error, shipped = row["largest_error_percent"], row["form"] in {CHOSEN, SIMPLEST}
+        width, weight = (1.6, "bold") if shipped else (0.5, "normal")
+        axes.barh(place, error, **BARS[row["given"]], edgecolor="black", linewidth=width)
+        note = f"{error:.3g} %,  {row['constants']} constants,  {row['logarithms']} ln"
+        axes.text(error * 1.1, place, note, va="center", fontsize=small_text(), weight=weight)
+    axes.set(xscale="log", ylim=(places[-1] + 0.6, -0.6))
+    axes.set_yticks(places, [f"${_mathtext(form)}$" for form in table["form"]])
+    axes.tick_params(axis="y", length=0)
+    for given, title in TITLES.items():
+        above = places[table["given"] == given][0] - 1
+        axes.text(
+            -0.015, above, title, transform=axes.get_yaxis_transform(), ha="right", va="center"
+        )
+    axes.set(xlim=(1e-3, 60))
+    span = rf"{PHI_MIN:g} $\leq \varphi \leq$ {PHI_MAX:g}"
+    axes.set_xlabel(f"largest error for {span}, constants unrounded (%)")
+    return figure
+
+
+def _mathtext(form: str) -> str:
+    r"""Write a form for matplotlib, without dollar signs."""
+    spaced = form.replace("φ", r"\varphi ").replace(" [", r"\,[")
+    return re.sub(r"\bln", r"\\ln", re.sub(r"(?<=[dk]) ln", r"\\,ln", spaced))

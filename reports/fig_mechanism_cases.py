@@ -24,24 +24,24 @@ from .slider_crank import (
     statistics_table,
 )
 
-COLUMNS = {
-    "law": "law",
-    "clearance": "clearance_mm",
-    "restitution": "restitution",
-    "friction": "friction",
-    "contact_fraction": "contact_fraction",
-    "contact_fraction_std": "contact_fraction_std",
-    "impacts": "impacts",
-    "impacts_std": "impacts_std",
-    "step_us": "step_us",
-    "step_us_std": "step_us_std",
-    "mean_penetration_um": "mean_penetration_um",
-    "max_penetration_um": "max_penetration_um",
-    "force_p99_N": "force_p99_N",
-    "onsets": "onsets",
-    "continued": "continued",
-    "left": "left",
-}
+COLUMNS = [
+    "law",
+    "clearance",
+    "restitution",
+    "friction",
+    "contact_fraction",
+    "contact_fraction_std",
+    "impacts",
+    "impacts_std",
+    "step_us",
+    "step_us_std",
+    "mean_penetration_um",
+    "max_penetration_um",
+    "force_p99_N",
+    "onsets",
+    "continued",
+    "left",
+]
 CAPTION = (
     "Share of the time in contact, impacts per revolution and the integrator's mean step of the "
     "slider-crank, by radial clearance (mm), restitution c_e and friction c_f, for three laws. "
@@ -52,6 +52,13 @@ CAPTION = (
     "largest penetration: {continued:.0f} of {onsets:.0f} of its contacts, {left:.0f} of them "
     "beyond its end, all at 0.02 mm without dissipation. {assumed}"
 )
+GROUPS = [(c, ce, cf) for c in JOINT_CLEARANCES for ce in RESTITUTIONS for cf in FRICTIONS]
+LABELS = [f"{ce:g}\n{cf:g}" for _, ce, cf in GROUPS]
+# From one law to the next within a group, in groups.
+APART = 0.22
+# Room above the data for the clearances.
+HEADROOM = 1.12
+BARS: dict[str, Any] = {"linestyle": "none", "capsize": 1.5, "elinewidth": 0.7, "capthick": 0.7}
 
 
 def draw(bench: Bench) -> Drawing:
@@ -75,27 +82,12 @@ def draw(bench: Bench) -> Drawing:
         left=johnson["left"].sum(),
         assumed=assumed(mechanism(bench)),
     )
-    shown = table[list(COLUMNS)].rename(columns=COLUMNS)
-    return Drawing(case_panels(table), shown, headline, caption)
+    csv = table[COLUMNS].rename(columns={"clearance": "clearance_mm"})
+    return Drawing(_draw_panels(table), csv, headline, caption)
 
 
-GROUPS = [(c, ce, cf) for c in JOINT_CLEARANCES for ce in RESTITUTIONS for cf in FRICTIONS]
-LABELS = [f"{ce:g}\n{cf:g}" for _, ce, cf in GROUPS]
-# Laws stand beside each other by so much.
-APART = 0.22
-# Room for the clearances above what is drawn.
-HEADROOM = 1.12
-BARS: dict[str, Any] = {"linestyle": "none", "capsize": 1.5, "elinewidth": 0.7, "capthick": 0.7}
-
-
-def case_panels(table: pd.DataFrame) -> Figure:
-    """Draw the share of time in contact, impacts per revolution and the mean step.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        From `statistics_table`.
-    """
+def _draw_panels(table: pd.DataFrame) -> Figure:
+    """Draw the share of time in contact, impacts per revolution and the mean step."""
     figure = new_figure("full", 70.0)
     panels = figure.subplots(1, 3)
     columns = (
@@ -109,37 +101,19 @@ def case_panels(table: pd.DataFrame) -> Figure:
         _label_groups(axes)
         axes.set(ylabel=label, ylim=(0, HEADROOM * axes.get_ylim()[1]))
         panel_title(axes, number, label.partition(" (")[0])
-    _legend(figure, panels[0])
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure
-
-
-def balance_panel(axes: Axes, table: pd.DataFrame, bound: float) -> None:
-    """Draw the largest error of the energy balance of every case, relative to its peak.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        To draw in.
-    table : pandas.DataFrame
-        From `statistics_table`.
-    bound : float
-        What the error is to stay below.
-    """
-    for law, rows in table.groupby("law", sort=False):
-        _draw_law(axes, str(law), rows, "energy_error", None)
-    axes.axhline(bound, color=QUIET, linewidth=0.8, linestyle=":", marker="")
-    _label_groups(axes)
-    axes.set(ylabel="largest error of the balance (-)", yscale="log", ylim=(1e-10, 1e-3))
 
 
 def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, scatter: str | None) -> None:
     """Draw a law's cases, with bars of one standard deviation."""
-    found = rows.set_index(["clearance", "restitution", "friction"]).loc[GROUPS]
+    cases = rows.set_index(["clearance", "restitution", "friction"]).loc[GROUPS]
     at = np.arange(len(GROUPS)) + APART * (list(JOINT_LAWS).index(law) - 1)
     style = law_style(law)
-    bars = None if scatter is None else found[scatter].to_numpy()
+    bars = None if scatter is None else cases[scatter].to_numpy()
     axes.errorbar(
-        at, found[column].to_numpy(), yerr=bars, color=style["color"], marker=style["marker"],
+        at, cases[column].to_numpy(), yerr=bars, color=style["color"], marker=style["marker"],
         label=JOINT_LAWS[law], **BARS,
     )  # fmt: skip
 
@@ -158,6 +132,10 @@ def _label_groups(axes: Axes) -> None:
     axes.set_xlabel("$c_e$ (above), $c_f$ (below)")
 
 
-def _legend(figure: Figure, axes: Axes) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+def balance_panel(axes: Axes, table: pd.DataFrame, bound: float) -> None:
+    """Draw the largest error of the energy balance of every case, relative to its peak."""
+    for law, rows in table.groupby("law", sort=False):
+        _draw_law(axes, str(law), rows, "energy_error", None)
+    axes.axhline(bound, color=QUIET, linewidth=0.8, linestyle=":", marker="")
+    _label_groups(axes)
+    axes.set(ylabel="largest error of the balance (-)", yscale="log", ylim=(1e-10, 1e-3))

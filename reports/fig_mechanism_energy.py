@@ -15,7 +15,7 @@ from .fig_mechanism_cases import balance_panel
 from .slider_crank import REVOLUTIONS, assumed, mechanism, simulated, statistics_table
 
 CASE = Case("enhanced", 0.5, 0.9, 0.1)
-SHOWN = 3
+DRAWN = 3  # revolutions
 BOUND = 1e-5
 CAPTION = (
     "(a) Energies (J) of the slider-crank since its start, over {shown} revolutions with the "
@@ -25,31 +25,6 @@ CAPTION = (
     "the peak of the kinetic energy, {peak:.3g} J, for three laws and eight cases at a tolerance "
     "of {tolerance:g}; dotted: the bound that we set, {bound:g}. {assumed}"
 )
-
-
-def draw(bench: Bench) -> Drawing:
-    run = simulated(bench, CASE, SHOWN)
-    cases = statistics_table(bench)
-    table = energy_table(run)
-    headline = {
-        "largest error over the peak of the kinetic energy, -": cases["energy_error"].max(),
-        "drive's work per revolution, J": run.drive_work[-1] / SHOWN,
-        "lost in the normal force per revolution, J": run.normal_dissipation[-1] / SHOWN,
-        "lost in friction per revolution, J": run.friction_dissipation[-1] / SHOWN,
-        "peak of the kinetic energy, J": run.kinetic_energy.max(),
-    }
-    one = mechanism(bench)
-    caption = CAPTION.format(
-        shown=SHOWN,
-        revolutions=REVOLUTIONS,
-        peak=run.kinetic_energy.max(),
-        tolerance=one.integration.tolerance,
-        bound=BOUND,
-        assumed=assumed(one),
-    )
-    return Drawing(energy_panels(table, cases, BOUND), table, headline, caption)
-
-
 # Rows of the table for each revolution.
 POINTS = 180
 LEDGERS = {
@@ -60,23 +35,33 @@ LEDGERS = {
 }
 
 
-def energy_table(run: Trajectory) -> pd.DataFrame:
-    """Return the energies of a run, a few times per degree of the crank.
+def draw(bench: Bench) -> Drawing:
+    run = simulated(bench, CASE, DRAWN)
+    cases = statistics_table(bench)
+    table = _energies(run)
+    headline = {
+        "largest error over the peak of the kinetic energy, -": cases["energy_error"].max(),
+        "drive's work per revolution, J": run.drive_work[-1] / DRAWN,
+        "lost in the normal force per revolution, J": run.normal_dissipation[-1] / DRAWN,
+        "lost in friction per revolution, J": run.friction_dissipation[-1] / DRAWN,
+        "peak of the kinetic energy, J": run.kinetic_energy.max(),
+    }
+    slider_crank = mechanism(bench)
+    caption = CAPTION.format(
+        shown=DRAWN,
+        revolutions=REVOLUTIONS,
+        peak=run.kinetic_energy.max(),
+        tolerance=slider_crank.integration.tolerance,
+        bound=BOUND,
+        assumed=assumed(slider_crank),
+    )
+    return Drawing(_draw_panels(table, cases), table, headline, caption)
 
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns revolution, kinetic_J (less that at the start), drive_work_J,
-        normal_dissipation_J, friction_dissipation_J, elastic_J, error_J; at the steps nearest
-        after evenly spaced times.
-    """
-    wanted = np.linspace(0, run.revolutions, POINTS * run.revolutions + 1)
-    rows = np.minimum(np.searchsorted(run.revolution, wanted), run.time.size - 1)
+def _energies(run: Trajectory) -> pd.DataFrame:
+    """Return the energies of a run at the steps nearest after evenly spaced times."""
+    times = np.linspace(0, run.revolutions, POINTS * run.revolutions + 1)
+    rows = np.minimum(np.searchsorted(run.revolution, times), run.time.size - 1)
     return pd.DataFrame(
         {
             "revolution": run.revolution[rows],
@@ -90,23 +75,13 @@ def energy_table(run: Trajectory) -> pd.DataFrame:
     )
 
 
-def energy_panels(table: pd.DataFrame, cases: pd.DataFrame, bound: float) -> Figure:
-    """Draw the ledgers of one run beside the errors of all.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        Of `energy_table`.
-    cases : pandas.DataFrame
-        Of `runs.statistics_table`.
-    bound : float
-        What the error of the balance is to stay below, relative to the peak kinetic energy.
-    """
+def _draw_panels(table: pd.DataFrame, cases: pd.DataFrame) -> Figure:
+    """Draw the ledgers of one run beside the errors of all."""
     figure = new_figure("full", 74.0)
     left, right = figure.subplots(1, 2)
     _draw_ledgers(left, table)
     panel_title(left, 0, "since the start")
-    balance_panel(right, cases, bound)
+    balance_panel(right, cases, BOUND)
     panel_title(right, 1, "error over the peak of the kinetic energy")
     right.legend(loc="lower left", handlelength=1.2)
     return figure

@@ -16,7 +16,7 @@ from cylcontact.reports.bench import Bench
 from .paper import JOINT_CLEARANCES
 from .slider_crank import assumed, mechanism, simulated
 
-REVOLUTION = 3
+REVOLUTION = 3  # from 0
 LOSSES = ((1.0, 0.0), (0.9, 0.1))
 CASES = [Case("enhanced", c, *losses) for c in JOINT_CLEARANCES for losses in LOSSES]
 CAPTION = (
@@ -26,53 +26,37 @@ CAPTION = (
     "contact is found by root and followed by a short first step, which makes the combs. The "
     "paper's largest step is 100 µs. {assumed}"
 )
-
-
-def draw(bench: Bench) -> Drawing:
-    runs = {case: simulated(bench, case, REVOLUTION + 1) for case in CASES}
-    tables = {case: step_table(case, run, REVOLUTION) for case, run in runs.items()}
-    headline = {}
-    for case, table in tables.items():
-        name = f"{case.clearance:g} mm, c_e = {case.restitution:g}, c_f = {case.friction:g}"
-        headline[f"{name}: steps"] = float(len(table))
-        for mode, steps in table.groupby("mode")["step_us"]:
-            headline[f"{name}: mean step in {mode}, us"] = float(steps.mean())
-    one = mechanism(bench)
-    caption = CAPTION.format(
-        tolerance=one.integration.tolerance, revolution=REVOLUTION + 1, assumed=assumed(one)
-    )
-    table = pd.concat(tables.values(), ignore_index=True)
-    return Drawing(step_panels(tables), table, headline, caption)
-
-
 STYLES = {
     "flight": {"color": "black", "marker": "s", "markerfacecolor": "black"},
     "contact": {"color": ACCENT, "marker": "o", "markerfacecolor": ACCENT},
 }
 
 
-def step_table(case: Case, run: Trajectory, revolution: int) -> pd.DataFrame:
-    """Return every step of one revolution.
+def draw(bench: Bench) -> Drawing:
+    runs = {case: simulated(bench, case, REVOLUTION + 1) for case in CASES}
+    tables = {case: _steps(case, run) for case, run in runs.items()}
+    headline = {}
+    for case, table in tables.items():
+        name = f"{case.clearance:g} mm, c_e = {case.restitution:g}, c_f = {case.friction:g}"
+        headline[f"{name}: steps"] = float(len(table))
+        for mode, steps in table.groupby("mode")["step_us"]:
+            headline[f"{name}: mean step in {mode}, us"] = float(steps.mean())
+    slider_crank = mechanism(bench)
+    caption = CAPTION.format(
+        tolerance=slider_crank.integration.tolerance,
+        revolution=REVOLUTION + 1,
+        assumed=assumed(slider_crank),
+    )
+    table = pd.concat(tables.values(), ignore_index=True)
+    return Drawing(_draw_panels(tables), table, headline, caption)
 
-    Parameters
-    ----------
-    case : Case
-        What the rows are marked with.
-    run : Trajectory
-        The run.
-    revolution : int
-        From 0.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns law, clearance_mm, restitution, friction, revolution (at the step's end), step_us
-        and mode, "contact" or "flight".
-    """
+def _steps(case: Case, run: Trajectory) -> pd.DataFrame:
+    """Return every step of the revolution."""
     length, touching = np.diff(run.time) * 1e6, run.in_contact[1:]
     at = run.revolution[1:]
     # An onset or a release has two rows at one time.
-    rows = (at > revolution) & (at <= revolution + 1) & (length > 0)
+    rows = (at > REVOLUTION) & (at <= REVOLUTION + 1) & (length > 0)
     return pd.DataFrame(
         {
             "law": case.law,
@@ -86,26 +70,17 @@ def step_table(case: Case, run: Trajectory, revolution: int) -> pd.DataFrame:
     )
 
 
-def step_panels(tables: Mapping[Case, pd.DataFrame]) -> Figure:
-    """Draw step against time, a row of panels for each clearance.
-
-    Parameters
-    ----------
-    tables : mapping of Case to pandas.DataFrame
-        Those of `step_table`, as many for each clearance.
-    """
-    clearances = list(dict.fromkeys(case.clearance for case in tables))
+def _draw_panels(tables: Mapping[Case, pd.DataFrame]) -> Figure:
+    """Draw step against time, a row of panels for each clearance."""
     figure = new_figure("full", 96.0)
-    panels = figure.subplots(
-        len(clearances), len(tables) // len(clearances), sharex=True, sharey=True, squeeze=False
-    )
+    panels = figure.subplots(len(JOINT_CLEARANCES), len(LOSSES), sharex=True, sharey=True)
     for number, (case, table) in enumerate(tables.items()):
         axes = panels.flat[number]
-        for mode, look in STYLES.items():
+        for mode, style in STYLES.items():
             rows = table[table["mode"] == mode]
             axes.plot(
                 rows["revolution"], rows["step_us"], label=mode,
-                linestyle="none", markersize=1.2, markeredgewidth=0, rasterized=True, **look,
+                linestyle="none", markersize=1.2, markeredgewidth=0, rasterized=True, **style,
             )  # fmt: skip
         losses = rf"$c_e$ = {case.restitution:g}, $c_f$ = {case.friction:g}"
         panel_title(axes, number, f"{case.clearance:g} mm, {losses}")

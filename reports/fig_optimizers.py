@@ -1,4 +1,4 @@
-"""Four optimisers on the calibration for internal contact: what each run reached."""
+"""Four optimisers on the calibration for internal contact: the objective of every run."""
 
 from __future__ import annotations
 
@@ -24,47 +24,27 @@ CAPTION = (
     "basin. Least squares and CMA-ES start anew where they have converged, until the budget is "
     "spent. Budgets and settings are ours; the paper used a genetic search only."
 )
-
-
-def draw(bench: Bench) -> Drawing:
-    runs = optimizer_runs(bench, CAMPAIGN)
-    table = waterfall_table(runs)
-    headline = {"best objective": float(runs["polished"].min())}
-    for optimizer, share in in_best_basin(runs).items():
-        headline[f"{optimizer}: share of runs in the best basin"] = share
-    caption = CAPTION.format(
-        runs=runs["run"].nunique(), evaluations=float(runs["evaluations"].median())
-    )
-    return Drawing(waterfall_panels(table), table, headline, caption)
-
-
-# Excesses below this many percent are drawn as none.
+# Excesses below this, in percent, are drawn as zero.
 FLOOR = 1e-3
-# Between two optimisers at one place, in places.
+# Distance between the optimisers of one place, in places.
 APART = 0.18
 STEPS = {"searched": "after the search", "polished": "after the polish"}
 
 
+def draw(bench: Bench) -> Drawing:
+    runs = optimizer_runs(bench, CAMPAIGN)
+    table = _table(runs)
+    headline = {"best objective": float(runs["polished"].min())}
+    for optimizer, share in _in_best_basin(runs).items():
+        headline[f"{optimizer}: share of runs in the best basin"] = share
+    caption = CAPTION.format(
+        runs=runs["run"].nunique(), evaluations=float(runs["evaluations"].median())
+    )
+    return Drawing(_draw_panels(table), table, headline, caption)
+
+
 def optimizer_runs(bench: Bench, campaign: str) -> pd.DataFrame:
-    """Read the runs that `cylcontact optimizers` wrote for a campaign, timings left out.
-
-    Parameters
-    ----------
-    bench : Bench
-        Its results folder holds `optimizers-CAMPAIGN.csv`.
-    campaign : str
-        The campaign's name.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns optimizer, run, seed, searched, polished and evaluations.
-
-    Raises
-    ------
-    InputError
-        If the file is missing or is another one.
-    """
+    """Read the runs that `cylcontact optimizers` wrote, without the timings."""
     path = bench.result_file(f"optimizers-{campaign}.csv")
     remedy = f"make it with: cylcontact optimizers fitting/{campaign}.toml -o {path}"
     _require(path.is_file(), path, "this comparison does not exist", remedy)
@@ -81,19 +61,8 @@ def _require(holds: bool, path: Path, rule: str, remedy: str) -> None:
         raise InputError(str(path), "", None, rule, remedy)
 
 
-def waterfall_table(runs: pd.DataFrame) -> pd.DataFrame:
-    """Return every optimiser's runs, best first, with their excess over the best of all.
-
-    Parameters
-    ----------
-    runs : pandas.DataFrame
-        From `optimizer_runs`.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns optimizer, step, place, objective and excess_percent.
-    """
+def _table(runs: pd.DataFrame) -> pd.DataFrame:
+    """Return every optimiser's runs, best first, with their excess over the best of all."""
     best = runs["polished"].min()
     tables = []
     for optimizer in runs["optimizer"].unique():
@@ -113,32 +82,32 @@ def waterfall_table(runs: pd.DataFrame) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True)
 
 
-def in_best_basin(runs: pd.DataFrame, step: str = "polished") -> dict[str, float]:
+def _in_best_basin(runs: pd.DataFrame) -> dict[str, float]:
     """Return the share of each optimiser's runs within 0.1 % of the best of all."""
     limit = runs["polished"].min() * (1 + SAME_BASIN)
-    shares = (runs[step] <= limit).groupby(runs["optimizer"], sort=False).mean()
+    shares = (runs["polished"] <= limit).groupby(runs["optimizer"], sort=False).mean()
     return {str(name): float(share) for name, share in shares.items()}
 
 
-def waterfall_panels(table: pd.DataFrame) -> StyledFigure:
+def _draw_panels(table: pd.DataFrame) -> StyledFigure:
     """Draw the waterfalls of a table, one panel after the search and one after the polish."""
     figure = new_figure("full", 70.0)
     panels = figure.subplots(1, 2, sharey=True)
     for number, (axes, (step, title)) in enumerate(zip(panels, STEPS.items(), strict=True)):
-        _waterfalls(axes, table[table["step"] == step])
+        _draw_runs(axes, table[table["step"] == step])
         panel_title(axes, number, title)
     panels[0].set_ylabel("objective above the best found (%)")
     panels[1].legend(loc="upper left")
     return figure
 
 
-def _waterfalls(axes: Axes, table: pd.DataFrame) -> None:
+def _draw_runs(axes: Axes, table: pd.DataFrame) -> None:
     """Draw every optimiser's runs, best first."""
     optimizers = table["optimizer"].nunique()
     axes.axhspan(0, 100 * SAME_BASIN, color="0.9", linewidth=0)
     for number, (optimizer, runs) in enumerate(table.groupby("optimizer", sort=False)):
-        # No lines: across the axis' linear part they would invent slopes. The optimisers stand
-        # side by side at each place, or those at zero would hide each other.
+        # No lines: across the linear part of the axis they would suggest slopes. The optimisers
+        # are side by side at each place, so that those at zero do not hide each other.
         axes.plot(
             runs["place"] + APART * (number - (optimizers - 1) / 2),
             runs["excess_percent"].where(runs["excess_percent"] > FLOOR, 0.0),

@@ -1,4 +1,4 @@
-"""Wanted against achieved restitution: what each hysteresis factor makes of an impact."""
+"""Achieved against wanted restitution of each hysteresis factor."""
 
 from __future__ import annotations
 
@@ -30,30 +30,10 @@ CAPTION = (
     "χ(1 + e) = ln[(1 + χ)/(1 − χe)], which achieves what is wanted. Dotted: 0.9, the value of the "
     "paper's mechanism. Mind the two scales of the errors below."
 )
-
-
-def draw(_bench: Bench) -> Drawing:
-    table = restitution_table(list(FACTORS))
-    rows = table.set_index(["factor", "wanted_restitution"])
-    achieved, chi = rows["achieved_restitution"], rows["chi"]
-    paper = "lankarani-nikravesh"
-    headline = {
-        f"{paper}, 0.9 wanted: achieved": float(achieved.loc[(paper, 0.9)]),
-        # Its factor is largest at e = 0, where it is 3/4.
-        f"{paper}: least that it can achieve": float(achieved_restitution(0.75)),
-        "exact, 0.9 wanted: factor": float(chi.loc[("exact", 0.9)]),
-    }
-    for name, errors in table[table["factor"] != "exact"].groupby("factor", sort=False)["error"]:
-        headline[f"{name}: largest error from 0.1 to 1"] = errors.abs().max()
-    return Drawing(restitution_panels(GROUPS), table, headline, CAPTION)
-
-
 # The wanted restitutions of the table, and those that the lines are drawn through.
 WANTED: FloatArray = np.arange(1, 11) / 10
 LINE: FloatArray = np.arange(5, 101) / 100
-MARKED = (5, 10)  # where WANTED stands in LINE: the first one, and the step to the next
-
-# What the legend calls a factor.
+MARKED = (5, 10)  # the values of WANTED in LINE: the first one and the step to the next
 LABELS = {
     "hunt-crossley": "Hunt–Crossley",
     "herbert-mcwhannell": "Herbert–McWhannell",
@@ -66,28 +46,24 @@ LABELS = {
 }
 
 
-def restitution_table(names: Sequence[str], wanted: FloatArray = WANTED) -> pd.DataFrame:
-    """Tabulate wanted against achieved restitution.
+def draw(_bench: Bench) -> Drawing:
+    table = _table(list(FACTORS), WANTED)
+    rows = table.set_index(["factor", "wanted_restitution"])
+    achieved, chi = rows["achieved_restitution"], rows["chi"]
+    paper = "lankarani-nikravesh"
+    headline = {
+        f"{paper}, 0.9 wanted: achieved": float(achieved.loc[(paper, 0.9)]),
+        # Its factor is largest at e = 0, where it is 3/4.
+        f"{paper}: least that it can achieve": float(achieved_restitution(0.75)),
+        "exact, 0.9 wanted: factor": float(chi.loc[("exact", 0.9)]),
+    }
+    for name, errors in table[table["factor"] != "exact"].groupby("factor", sort=False)["error"]:
+        headline[f"{name}: largest error from 0.1 to 1"] = errors.abs().max()
+    return Drawing(_draw_panels(), table, headline, CAPTION)
 
-    Parameters
-    ----------
-    names : sequence of str
-        Hysteresis factors, by the names of `cylcontact.dissipation.FACTORS`.
-    wanted : array of float, optional
-        Wanted coefficients of restitution.
 
-    Returns
-    -------
-    pandas.DataFrame
-        Columns factor, wanted_restitution, chi, achieved_restitution and error (achieved less
-        wanted), all dimensionless.
-
-    Examples
-    --------
-    >>> table = restitution_table(["lankarani-nikravesh", "exact"], np.array([0.5, 0.9]))
-    >>> print(table["achieved_restitution"].round(4).tolist())
-    [0.7252, 0.9132, 0.5, 0.9]
-    """
+def _table(names: Sequence[str], wanted: FloatArray) -> pd.DataFrame:
+    """Tabulate wanted against achieved restitution."""
     parts = []
     for name in names:
         chi = hysteresis_factor(name)(wanted)
@@ -99,7 +75,7 @@ def restitution_table(names: Sequence[str], wanted: FloatArray = WANTED) -> pd.D
                     "wanted_restitution": wanted,
                     "chi": chi,
                     "achieved_restitution": achieved,
-                    # Rounding noise would differ from machine to machine; + 0.0 ends −0.0.
+                    # Round-off would differ from machine to machine; + 0.0 removes −0.0.
                     "error": np.round(achieved - wanted, 12) + 0.0,
                 }
             )
@@ -107,32 +83,16 @@ def restitution_table(names: Sequence[str], wanted: FloatArray = WANTED) -> pd.D
     return pd.concat(parts, ignore_index=True)
 
 
-def restitution_panels(groups: Sequence[tuple[str, Sequence[str]]]) -> Figure:
-    """Draw achieved against wanted restitution, and below it the error, a column per group.
-
-    Parameters
-    ----------
-    groups : sequence of (str, sequence of str)
-        A title and the factors of each column, at most five of them.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Examples
-    --------
-    >>> figure = restitution_panels([("early", ["hunt-crossley"]), ("late", ["hu-guo"])])
-    >>> len(figure.axes)
-    4
-    """
+def _draw_panels() -> Figure:
+    """Draw achieved against wanted restitution, and below it the error, a column per group."""
     figure = new_figure("full", 118.0)
-    grid = figure.subplots(2, len(groups), sharex="col", height_ratios=(5, 3), squeeze=False)
-    for number, (title, names) in enumerate(groups):
+    grid = figure.subplots(2, len(GROUPS), sharex="col", height_ratios=(5, 3))
+    for number, (title, names) in enumerate(GROUPS):
         upper, lower = grid[:, number]
         _draw_lines(upper, names, "achieved_restitution", LINE)
         _draw_lines(lower, names, "error", np.zeros_like(LINE))
         panel_title(upper, number, title)
-        panel_title(lower, number + len(groups), f"error of ({'abcdefgh'[number]})")
+        panel_title(lower, number + len(GROUPS), f"error of ({'abcdefgh'[number]})")
         upper.legend(loc="lower right")
         upper.set(ylim=(0, 1.02))
         lower.axvline(0.9, color=QUIET, linewidth=0.6, linestyle=":", marker="", zorder=0)
@@ -148,5 +108,5 @@ def _draw_lines(axes: Axes, names: Sequence[str], column: str, exact: FloatArray
         LINE, exact, "-", marker="", color="0.8", linewidth=3.0, label="wanted (exact factor)"
     )
     for name in names:
-        table = restitution_table([name], LINE)
+        table = _table([name], LINE)
         axes.plot(LINE, table[column].to_numpy(), label=LABELS[name], markevery=MARKED)

@@ -1,8 +1,6 @@
-"""How sure two coefficients are together: noise of measured data beside discrepancy of laws."""
+"""The joint uncertainty of two coefficients: noise of measured data, discrepancy of laws."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -19,53 +17,29 @@ from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import ACCENT, COLOURS
 from cylcontact.reports.bench import Bench
 
-
-def draw(bench: Bench) -> Drawing:
-    measured = calibrate(read_plan(bench.input("fitting/examples/pin-in-hole.toml")))
-    labels = (r"$\kappa$ (-)", "$c$ (-)", "$b$ (mm$^{2-n}$)", "$n$ (-)")
-    return uncertainty_drawing(measured, bench.result("external"), ("b", "n"), labels)
-
-
 STYLES = ("-", "--", ":")
-# Points of a map as it is drawn.
+# Points of the finer grid along each axis.
 FINE = 241
 
 
-def uncertainty_drawing(
-    measured: FitResult, reference: FitResult, names: tuple[str, str], labels: Sequence[str]
-) -> Drawing:
-    """Draw a pair of coefficients of a fit to data, and one of a fit to a reference law.
-
-    Parameters
-    ----------
-    measured : FitResult
-        A fit to measurements with two free parameters.
-    reference : FitResult
-        A fit to a reference law.
-    names : tuple of str
-        The two coefficients of the second one, in the order of its law.
-    labels : sequence of str
-        What stands on the four axes, with the units: x and y of the first panel, then the second.
-
-    Returns
-    -------
-    Drawing
-    """
+def draw(bench: Bench) -> Drawing:
+    measured = calibrate(read_plan(bench.input("fitting/examples/pin-in-hole.toml")))
+    reference = bench.result("external")
     noise = study_noise(measured, with_pairs=True).pairs[0]
     pairs = study_discrepancy(reference, with_pairs=True).pairs
-    discrepancy = next(pair for pair in pairs if pair.names == names)
+    discrepancy = next(pair for pair in pairs if pair.names == ("b", "n"))
     figure = new_figure("full", 84.0)
     left, right = figure.subplots(1, 2)
     _draw_noise(left, measured, noise)
     _draw_discrepancy(right, reference, discrepancy)
-    for axes, (x, y) in zip((left, right), (labels[:2], labels[2:]), strict=True):
-        axes.set(xlabel=x, ylabel=y)
+    left.set(xlabel=r"$\kappa$ (-)", ylabel="$c$ (-)")
+    right.set(xlabel="$b$ (mm$^{2-n}$)", ylabel="$n$ (-)")
+    for axes in (left, right):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3, columnspacing=1.2)
     panel_title(left, 0, "measured data (synthetic): noise")
     panel_title(right, 1, f"fit to {reference.reference.capitalize()}: model discrepancy")
-    return Drawing(
-        figure, _table(noise, discrepancy), _headline(measured), _caption(measured, reference)
-    )
+    table = _table(noise, discrepancy)
+    return Drawing(figure, table, _headline(measured), _caption(measured, reference))
 
 
 def _draw_noise(axes: Axes, result: FitResult, pair: PairMap) -> None:
@@ -76,15 +50,6 @@ def _draw_noise(axes: Axes, result: FitResult, pair: PairMap) -> None:
     ):
         axes.contour(x, y, height_map, [np.sqrt(height)], colors=[colour], linestyles=[style])
         axes.plot([], [], style, color=colour, marker="", label=f"{level} % region")
-    _mark(axes, result, pair.names)
-
-
-def _draw_discrepancy(axes: Axes, result: FitResult, pair: DiscrepancyPair) -> None:
-    """Draw by how much the best attainable objective rises."""
-    x, y, height_map = _smooth(pair.x, pair.y, pair.rise)
-    for style, colour, height in zip(STYLES, COLOURS, RISES, strict=False):
-        axes.contour(x, y, height_map, [np.sqrt(height)], colors=[colour], linestyles=[style])
-        axes.plot([], [], style, color=colour, marker="", label=f"objective +{100 * height:g} %")
     _mark(axes, result, pair.names)
 
 
@@ -106,13 +71,22 @@ def _smooth(
 
 
 def _mark(axes: Axes, result: FitResult, names: tuple[str, str]) -> None:
-    """Mark the fitted and the published coefficients, the latter where they lie within the map."""
+    """Mark the fitted and the published coefficients, the latter if within the map."""
     limits = axes.axis()
     axes.plot(*(result.coefficients[n] for n in names), "*", color=ACCENT, label="fitted")
     if result.published is not None:
         x, y = (result.published.coefficients[n] for n in names)
         if limits[0] <= x <= limits[1] and limits[2] <= y <= limits[3]:
             axes.plot(x, y, "o", color=COLOURS[1], label="published")
+
+
+def _draw_discrepancy(axes: Axes, result: FitResult, pair: DiscrepancyPair) -> None:
+    """Draw by how much the best attainable objective rises."""
+    x, y, height_map = _smooth(pair.x, pair.y, pair.rise)
+    for style, colour, height in zip(STYLES, COLOURS, RISES, strict=False):
+        axes.contour(x, y, height_map, [np.sqrt(height)], colors=[colour], linestyles=[style])
+        axes.plot([], [], style, color=colour, marker="", label=f"objective +{100 * height:g} %")
+    _mark(axes, result, pair.names)
 
 
 def _table(noise: PairMap, discrepancy: DiscrepancyPair) -> pd.DataFrame:
@@ -132,8 +106,7 @@ def _table(noise: PairMap, discrepancy: DiscrepancyPair) -> pd.DataFrame:
 
 def _headline(measured: FitResult) -> dict[str, float]:
     """Return the intervals of the fit to data."""
-    found = measured.uncertainty
-    estimates = {} if found is None else found.estimates
+    estimates = measured.uncertainty.estimates if measured.uncertainty else {}
     headline = {}
     for name, estimate in estimates.items():
         headline[f"fitted {name}"] = estimate.value
@@ -144,7 +117,7 @@ def _headline(measured: FitResult) -> dict[str, float]:
 
 
 def _caption(measured: FitResult, reference: FitResult) -> str:
-    """Say what the two panels show, and how they differ."""
+    """Return the caption."""
     return (
         f"Two coefficients at a time, the others refitted. (a) The fit {measured.name!r} of the "
         f"{measured.law} law to {measured.counts.samples} synthetic measurements (derived: "

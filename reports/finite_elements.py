@@ -14,10 +14,10 @@ from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench, MissingInputError
 
-# Where a bench keeps set-ups and tables.
+# Set-ups and tables of a bench.
 FOLDER = Path("datasets", "finite_element")
-# The models held against finite elements, by their names in the package.
-LAWS_SHOWN = ("johnson", "enhanced", "explicit", "persson")
+# The models compared with finite elements, by their names in the package.
+LAWS_COMPARED = ("johnson", "enhanced", "explicit", "persson")
 CHOICES = (
     "Set-up: plane strain, the load spread over the pin's section, the upper half of the plate's "
     "outer boundary held, and its radius, {ratio:g} hole radii, fitted to Johnson's law outside "
@@ -25,19 +25,13 @@ CHOICES = (
     "held boundary are our choice: a plane body has no absolute approach, and the paper does not "
     "state the radius."
 )
-# Of the contact stress in Fig 5, in N/mm.
+# Load of the contact stress in Fig 5, in N/mm.
 STRESS_LOAD = 20.0
 STRESS_LOAD_CHOICE = "the load of the contact stress is our choice, as the paper names none"
 
 
 def study(bench: Bench, name: str) -> Study:
-    """Return the set-up file `NAME.toml` of the bench.
-
-    Raises
-    ------
-    MissingInputError
-        If there is none.
-    """
+    """Read the set-up file `NAME.toml` of the bench."""
     file = bench.input(FOLDER / f"{name}.toml")
     if not file.is_file():
         rule, remedy = "this set-up does not exist", "cylcontact init lays out a bench that has it"
@@ -46,50 +40,32 @@ def study(bench: Bench, name: str) -> Study:
 
 
 def table(bench: Bench, name: str, engine: Engine = "embedded") -> pd.DataFrame:
-    """Return the cases of `NAME-ENGINE.csv`.
-
-    Raises
-    ------
-    InputError
-        If it is missing, was edited by hand, or was made from another set-up than `NAME.toml`.
-    """
-    planned = study(bench, name)
+    """Return the cases of `NAME-ENGINE.csv`, after checking that `NAME.toml` made them."""
+    setups = study(bench, name)
     path = bench.input(FOLDER / f"{name}-{engine}.csv")
-    found = read_table(path)
-    if found.header["set-up"] != planned.key:
+    cases = read_table(path)
+    if cases.header["set-up"] != setups.key:
         raise InputError(
             str(path),
             "set-up",
-            found.header["set-up"],
-            f"is not that of {planned.source}, which has {planned.key}",
+            cases.header["set-up"],
+            f"is not that of {setups.source}, which has {setups.key}",
             "make finite-element brings the table up to date",
         )
-    return found.rows
+    return cases.rows
 
 
 def choices(bench: Bench, name: str = "recommended") -> str:
-    """Return the sentences that every figure of a set-up carries."""
+    """Return the sentences on the set-up that end every caption."""
     return CHOICES.format(ratio=study(bench, name).setups["base"].outer_ratio)
 
 
 def penetrations(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return clearance, load and every model's penetration in mm, for the rows of a table.
-
-    Parameters
-    ----------
-    rows : pandas.DataFrame
-        Rows of one variant.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns dR_mm, load_N_per_mm, fe_mm, and NAME_mm of each of `LAWS_SHOWN`; NaN outside a
-        law's domain.
-    """
+    """Return clearance, load and every model's penetration in mm, for the rows of a table."""
     material = Material("steel", rows["E_GPa"].to_numpy() * 1e3, rows["nu"].to_numpy())
     pair = CylinderPair.from_dR("internal", rows["dR_mm"].to_numpy(), material)
     load = rows["load_N_per_mm"].to_numpy()
-    columns = {f"{name}_mm": LAWS[name]().penetration(load, pair) for name in LAWS_SHOWN}
+    columns = {f"{name}_mm": LAWS[name]().penetration(load, pair) for name in LAWS_COMPARED}
     return pd.DataFrame(
         {
             "dR_mm": rows["dR_mm"].to_numpy(),
@@ -101,19 +77,7 @@ def penetrations(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def sensitivity_table(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return what each variant changes, case by case.
-
-    Parameters
-    ----------
-    rows : pandas.DataFrame
-        A study's table, its set-up as the variant "base".
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns variant, dR_mm, load_N_per_mm, change_percent of the penetration, and constant,
-        the change of the additive constant C in δ = f/(πE*)·(ln(πE*ΔR/f) + C).
-    """
+    """Return each variant's change of the penetration (%) and of the additive constant, by case."""
     keys = ["dR_mm", "load_N_per_mm"]
     base = rows[rows["variant"] == "base"][[*keys, "penetration_mm"]]
     others = rows[rows["variant"] != "base"]

@@ -25,7 +25,7 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import grid_from
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import law_of
-from cylcontact.laws import LAWS, ContactLaw, Enhanced, Johnson, difference_percent, reference_law
+from cylcontact.laws import LAWS, ContactLaw, Enhanced, difference_percent, reference_law
 from cylcontact.limits import yield_load
 from cylcontact.materials import MaterialRow
 from cylcontact.plots import Drawing
@@ -45,7 +45,7 @@ from .paper import (
 )
 
 POINTS = (161, 81)  # along ΔR and along the load
-# What the references are called beside the colour scale and in the caption, and where they end.
+# For each reference: the label of the colour scale, its name and its end in the caption.
 REFERENCE_WORDS = {
     "johnson": (
         "difference of penetration, Eq 9 (%)",
@@ -67,11 +67,11 @@ FRAME = Frame(
     x_label=r"radial clearance $\Delta R$ (mm)",
     y_label="load (N/mm)",
 )
-NOTE_HEIGHT = 1.025  # of the notes above the frame, in heights of it
+NOTE_HEIGHT = 1.025  # of the notes above the map, in heights of the map
 NOTE_LINE = 1.45  # from one line of notes to the next, in sizes of the font
 BEYOND_GREY = "0.72"
 
-# The fit behind each variant of the paper's maps, and what the title calls it.
+# The fit of each variant of the paper's maps, and its name in the title.
 VARIANTS = {
     "": ("enhanced", ""),
     "r": ("internal", "refit coefficients"),
@@ -82,27 +82,13 @@ VARIANTS = {
 
 @dataclass(frozen=True)
 class MappedLaw:
-    """A law on a map, and how it is worded.
-
-    Attributes
-    ----------
-    law, reference : ContactLaw
-        The law, and what it is judged by.
-    name : str
-        Of the law in the caption.
-    label : str
-        Of its coefficients in the title and the caption.
-    fitted_from : float or None
-        The smallest clearance in mm of its calibration; None for a law without one.
-    coefficients : str
-        A sentence that ends the caption.
-    """
+    """A law on a map, with the words for its caption and title."""
 
     law: ContactLaw
     reference: ContactLaw
     name: str
     label: str
-    fitted_from: float | None = None
+    fitted_from: float | None = None  # the smallest clearance of the fit in mm
     coefficients: str = ""
 
 
@@ -129,9 +115,9 @@ def difference_map(
         A law's name, such as "explicit" ("enhanced" has the published coefficients), or the name
         of a fit result for internal contact, such as "practical".
     reference : str, optional
-        "johnson" or "persson"; by default the one that the law was fitted to, or Johnson's.
+        "johnson" or "persson"; by default the law that the fit was made to, or Johnson's.
     label : str, optional
-        What the title calls the coefficients of a fit result.
+        Name of a fit result's coefficients in the title.
 
     Returns
     -------
@@ -142,32 +128,26 @@ def difference_map(
     InputError
         If the material, the law or the reference is unknown, the material has no yield stress,
         or the law is for external contact.
-
-    Examples
-    --------
-    >>> drawing = difference_map(Bench(Path()), "low-carbon steel")
-    >>> print(f"{drawing.headline['highest difference, %']:.2f} %")
-    33.68 %
     """
     row = bench.material(material)
     if row.material.yield_stress is None:
         rule, remedy = "has no yield stress, which the map needs", "add it to the table"
         raise InputError("maps", "material", material, rule, remedy)
-    return _draw_map(row, mapped_law(bench, law, reference, label))
+    return _draw_map(row, _mapped_law(bench, law, reference, label))
 
 
-def mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") -> MappedLaw:
-    """Return the law of a name or a fit result, and what a map says about it."""
+def _mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") -> MappedLaw:
+    """Return the law of a name or a fit result, with its words for the map."""
     if reference and reference not in REFERENCE_WORDS:
         remedy = f"choose {', '.join(REFERENCE_WORDS)}"
         raise InputError("maps", "reference", reference, "is not a reference of the maps", remedy)
-    judge = reference_law(reference or "johnson")
+    default = reference_law(reference or "johnson")
     if law == "enhanced":
         own = "the enhanced law (Eqs 5-6)"
         fitted_from = TRAINING_DR["internal"][0]
-        return MappedLaw(Enhanced(), judge, own, "published coefficients", fitted_from)
+        return MappedLaw(Enhanced(), default, own, "published coefficients", fitted_from)
     if law in LAWS:
-        return MappedLaw(LAWS[law](), judge, f"the {law} law", f"{law} law")
+        return MappedLaw(LAWS[law](), default, f"the {law} law", f"{law} law")
     result = bench.result(law)
     if result.contact != "internal" or "dataset" not in result.settings:
         rule, remedy = "is not a fit on a grid of internal contacts", "choose one that is"
@@ -183,41 +163,16 @@ def mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") -> 
     )
 
 
-def map_table(
-    row: MaterialRow, law: ContactLaw, reference: ContactLaw | None = None
-) -> pd.DataFrame:
+def _map_table(row: MaterialRow, law: ContactLaw, reference: ContactLaw) -> pd.DataFrame:
     """Evaluate a law and its reference over the window of the maps.
 
     Where Johnson's law is the reference and ends inside the window, the loads end there too, so
     that the map is filled exactly to that line and the table holds no empty cells.
-
-    Parameters
-    ----------
-    row : MaterialRow
-        The material of both bodies.
-    law : ContactLaw
-        The law that is judged, for internal contact.
-    reference : ContactLaw, optional
-        The law that it is judged by; left out, Johnson's.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns dR_mm, load_N_per_mm, penetration_mm, johnson_penetration_mm (or whatever the
-        reference is), difference_percent and yield_load_N_per_mm, clearance by clearance.
-
-    Examples
-    --------
-    >>> from cylcontact import Material
-    >>> row = MaterialRow(Material("steel", 207e3, 0.3, 250.0), {}, "")
-    >>> print(map_table(row, Enhanced())["difference_percent"].abs().max().round(1))
-    31.6
     """
-    judge = reference or Johnson()
     along_dR, along_load = (np.linspace(0.0, 1.0, count) for count in POINTS)
     dR, load = JOHNSON_ONLY.point(along_dR[:, np.newaxis], along_load, row.material)
     pair = clearance_pair(dR, row.material, PRACTICAL.R_i)
-    if np.isinf(judge.max_load(pair)).all():
+    if np.isinf(reference.max_load(pair)).all():
         load = as_floats(np.geomspace(*FRAME.y, POINTS[1]))
     dR, load = np.broadcast_arrays(dR, load)
     pair = clearance_pair(dR, row.material, PRACTICAL.R_i)
@@ -225,8 +180,8 @@ def map_table(
         "dR_mm": dR,
         "load_N_per_mm": load,
         "penetration_mm": law.penetration(load, pair),
-        f"{judge.name}_penetration_mm": judge.penetration(load, pair),
-        "difference_percent": difference_percent(law, judge, load, pair),
+        f"{reference.name}_penetration_mm": reference.penetration(load, pair),
+        "difference_percent": difference_percent(law, reference, load, pair),
         "yield_load_N_per_mm": yield_load(pair),
     }
     return pd.DataFrame({name: values.ravel() for name, values in columns.items()})
@@ -234,7 +189,7 @@ def map_table(
 
 def _draw_map(row: MaterialRow, mapped: MappedLaw) -> Drawing:
     """Draw the map."""
-    table = map_table(row, mapped.law, mapped.reference)
+    table = _map_table(row, mapped.law, mapped.reference)
     dR, load, difference = (
         table[name].to_numpy().reshape(POINTS)
         for name in ("dR_mm", "load_N_per_mm", "difference_percent")
@@ -246,13 +201,13 @@ def _draw_map(row: MaterialRow, mapped: MappedLaw) -> Drawing:
     figure, axes = new_map(FRAME, f"{_title(row)}: {mapped.label}", scale_label)
     lines = draw_contours(axes, dR, load, difference)
     ends, yields = mapped.reference.max_load(pair), yield_load(pair)
-    stacked = stack_notes(axes, ends, yields, figure.style.narrow)
-    shade_beyond_johnson(axes, clearances, ends)
-    mark_fitted_range(axes, fitted_from)
-    draw_yield_line(axes, clearances, yields)
+    stacked = _stack_notes(axes, ends, yields, figure.style.narrow)
+    _shade_beyond_johnson(axes, clearances, ends)
+    _mark_fitted_range(axes, fitted_from)
+    _draw_yield_line(axes, clearances, yields)
     figure.draw_without_rendering()
-    label_contours(axes, lines, keep_clear(fitted_from))
-    label_yield_line(axes, clearances, yields, stacked)
+    label_contours(axes, lines, _keep_clear(fitted_from))
+    _label_yield_line(axes, clearances, yields, stacked)
     return Drawing(figure, table, _headline(table, fitted_from), _caption(row, mapped))
 
 
@@ -284,7 +239,7 @@ def _title(row: MaterialRow) -> str:
 
 
 def _caption(row: MaterialRow, mapped: MappedLaw) -> str:
-    """Return what a map shows, what was chosen and what is assumed."""
+    """Return the caption."""
     material = row.material
     origin = origins({material.name: row}, (material.name,), ELASTIC, YIELD)
     _, reference, end = REFERENCE_WORDS[mapped.reference.name]
@@ -301,7 +256,7 @@ def _caption(row: MaterialRow, mapped: MappedLaw) -> str:
 
 
 def _calibration(mapped: MappedLaw) -> str:
-    """Return the part of the caption about the clearances of the calibration."""
+    """Return the caption's part on the clearances of the calibration."""
     if mapped.fitted_from is None:
         return ""
     extrapolated = mapped.fitted_from > FRAME.x[0]
@@ -312,18 +267,8 @@ def _calibration(mapped: MappedLaw) -> str:
     )
 
 
-def stack_notes(axes: Axes, ends: FloatArray, yields: FloatArray, narrow: bool) -> bool:
-    """Make room for a second line of notes if two do not fit side by side; return whether so.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        A map with its title.
-    ends, yields : array of float
-        The largest load of Johnson's law and the load at yield in N/mm, along the clearances.
-    narrow : bool
-        Whether the map is a column wide.
-    """
+def _stack_notes(axes: Axes, ends: FloatArray, yields: FloatArray, narrow: bool) -> bool:
+    """Return whether the notes need two lines, after making room for the second."""
     ceiling = FRAME.y[1]
     stacked = bool(ends[0] < ceiling and (narrow or not (yields < ceiling).any()))
     if stacked:
@@ -332,7 +277,7 @@ def stack_notes(axes: Axes, ends: FloatArray, yields: FloatArray, narrow: bool) 
     return stacked
 
 
-def shade_beyond_johnson(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
+def _shade_beyond_johnson(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
     """Shade and label the region in which Johnson's law gives no penetration (Eq 8)."""
     ceiling = FRAME.y[1]
     if limit[0] >= ceiling:
@@ -363,8 +308,8 @@ def shade_beyond_johnson(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
     )
 
 
-def mark_fitted_range(axes: Axes, fitted_from: float) -> None:
-    """Mark the clearance from which on the coefficients were fitted, unless all were."""
+def _mark_fitted_range(axes: Axes, fitted_from: float) -> None:
+    """Mark the smallest clearance of the fit, if it is inside the map."""
     if fitted_from <= FRAME.x[0]:
         return
     axes.axvline(fitted_from, color="0.25", linewidth=0.8, linestyle=":", marker="")
@@ -377,23 +322,23 @@ def mark_fitted_range(axes: Axes, fitted_from: float) -> None:
     )
 
 
-def keep_clear(fitted_from: float) -> FloatArray:
-    """Return points along the note on the fitted range, for contour labels to avoid."""
+def _keep_clear(fitted_from: float) -> FloatArray:
+    """Return points along the note on the fitted range, which contour labels avoid."""
     loads = np.geomspace(FRAME.y[0], 3.5 * FRAME.y[0], 6)
     return np.column_stack([np.full_like(loads, 1.06 * fitted_from), loads])
 
 
-def draw_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
-    """Draw the load at which the contact yields, ticks on the side where it does."""
+def _draw_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
+    """Draw the load at which the contact yields, with ticks on the side that yields."""
     comb = TickedStroke(spacing=6, angle=90, length=0.6, linewidth=0.8, foreground="black")
     rim = withStroke(linewidth=3.2, foreground="white")
     axes.plot(dR, limit, "-", color="black", linewidth=1.6, marker="", path_effects=[rim, comb])
 
 
-def label_yield_line(
+def _label_yield_line(
     axes: Axes, dR: FloatArray, limit: FloatArray, second_line: bool = False
 ) -> None:
-    """Write along the yield line, on the side that yields, what it is; or that there is none."""
+    """Label the yield line on the side that yields, or note that there is none."""
     inside = np.flatnonzero(limit < FRAME.y[1])
     words = "yield line" if inside.size else "no yield in this window"
     note = rf"{words} for $R_i$ = {PRACTICAL.R_i:g} mm, $\sigma_Y$ assumed"

@@ -29,7 +29,7 @@ from .slider_crank import (
     simulated,
 )
 
-# The first revolution that is drawn, from 0, when those runs that settle have done so.
+# The first revolution drawn, from 0; the runs that settle have settled by then.
 FIRST = 3
 NUMBERS = {
     "contact_fraction": "share of time in contact, -",
@@ -44,123 +44,65 @@ CAPTION = (
     "{share}. {whirls}{horizons} Beyond that a path is one of many, and only its statistics are of "
     "use. Which revolutions the paper draws is not said. {ends} {assumed}"
 )
-
-
-def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
-    """Draw the journal's paths at one clearance, for all laws, restitutions and frictions.
-
-    Parameters
-    ----------
-    bench : Bench
-        Where the mechanism's spec lies.
-    clearance : float
-        In mm, one of `paper.JOINT_CLEARANCES`.
-    revolutions : int
-        How many are drawn, from `FIRST` on.
-    """
-    chosen = [case for case in CASES if case.clearance == clearance]
-    runs = {case: simulated(bench, case, FIRST + revolutions) for case in chosen}
-    paths = {case: path_table(case, run, FIRST) for case, run in runs.items()}
-    found = {case: run.statistics(FIRST).mean for case, run in runs.items()}
-    headline = {
-        f"{case.law}, c_e = {case.restitution:g}, c_f = {case.friction:g}: {text}": mean[column]
-        for case, mean in found.items()
-        for column, text in NUMBERS.items()
-    }
-    always = sum(mean["contact_fraction"] == 1.0 for mean in found.values())
-    last = FIRST + revolutions
-    caption = CAPTION.format(
-        drawn=f"revolutions {FIRST + 1} to {last}" if revolutions > 1 else f"revolution {last}",
-        clearance=clearance,
-        whirls=_whirls(runs, clearance),
-        share=f"In {always} of the {len(chosen)} the journal never leaves the bearing",
-        horizons=horizons(bench, clearance),
-        ends=law_ends(list(runs.values())),
-        assumed=assumed(mechanism(bench)),
-    )
-    table = pd.concat(paths.values(), ignore_index=True)
-    return Drawing(path_panels(paths), table, headline, caption)
-
-
-def _whirls(runs: Mapping[Case, Trajectory], clearance: float) -> str:
-    """Return a sentence on the runs that go in deeper than the clearance, or nothing.
-
-    What drives them is read off the runs: how often the journal's centre goes around the bearing's
-    per revolution of the crank.
-    """
-    deep = {
-        case: run
-        for case, run in runs.items()
-        if run.statistics(FIRST).mean["max_penetration_um"] > 1e3 * clearance
-    }
-    if not deep:
-        return ""
-    turns = [_turns(run) for run in deep.values()]
-    held = sorted({(case.restitution, case.friction) for case in deep})
-    named = " and ".join(f"c_e = {c_e:g}, c_f = {c_f:g}" for c_e, c_f in held)
-    return (
-        f"At {named} the penetration exceeds the clearance in {len(deep)} runs: the journal's "
-        f"centre whirls about the bearing's, {min(turns):.2g} to {max(turns):.2g} turns per "
-        "revolution of the crank, both senses counted, and its inertia presses it outwards. "
-    )
-
-
-def _turns(run: Trajectory) -> float:
-    """Return the turns of the journal's centre about the bearing's per revolution, without sign."""
-    rows = run.revolution >= FIRST
-    angle = np.unwrap(np.arctan2(*run.eccentricity[rows].T[::-1]))
-    return float(np.abs(np.diff(angle)).sum() / (2 * np.pi) / np.ptp(run.revolution[rows]))
-
-
-# What is left out of a path changes it by less than that, in clearances: a tenth of a line's width.
+# The points omitted change a path by less than this, in clearances: a tenth of a line's width.
 TOLERANCE = 0.002
 FLIGHT: dict[str, Any] = {"color": "0.6", "linewidth": 0.35, "linestyle": "-", "marker": ""}
 TOUCH: dict[str, Any] = {"color": ACCENT, "linewidth": 0.7, "linestyle": "-", "marker": ""}
 CIRCLE: dict[str, Any] = {"linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 4}
 
 
+def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
+    """Draw the journal's paths at one clearance, for all laws, restitutions and frictions."""
+    drawn = [case for case in CASES if case.clearance == clearance]
+    runs = {case: simulated(bench, case, FIRST + revolutions) for case in drawn}
+    paths = {case: path_table(case, run, FIRST) for case, run in runs.items()}
+    means = {case: run.statistics(FIRST).mean for case, run in runs.items()}
+    headline = {
+        f"{case.law}, c_e = {case.restitution:g}, c_f = {case.friction:g}: {text}": mean[column]
+        for case, mean in means.items()
+        for column, text in NUMBERS.items()
+    }
+    always = sum(mean["contact_fraction"] == 1.0 for mean in means.values())
+    last = FIRST + revolutions
+    caption = CAPTION.format(
+        drawn=f"revolutions {FIRST + 1} to {last}" if revolutions > 1 else f"revolution {last}",
+        clearance=clearance,
+        whirls=_whirls(runs, clearance),
+        share=f"In {always} of the {len(drawn)} the journal never leaves the bearing",
+        horizons=horizons(bench, clearance),
+        ends=law_ends(list(runs.values())),
+        assumed=assumed(mechanism(bench)),
+    )
+    table = pd.concat(paths.values(), ignore_index=True)
+    return Drawing(_draw_panels(paths), table, headline, caption)
+
+
 def path_table(case: Case, run: Trajectory, first: int) -> pd.DataFrame:
-    """Return the journal centre's way from a revolution on, without the steps that do not show.
-
-    Parameters
-    ----------
-    case : Case
-        What the rows are marked with.
-    run : Trajectory
-        The run.
-    first : int
-        The first revolution, from 0.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns law, clearance_mm, restitution, friction, revolution, x_um and y_um of the
-        journal's centre from the bearing's (−e), and mode, "contact" or "flight".
-    """
+    """Return the path of the journal's centre (−e), without the points that a line needs not."""
     rows = run.revolution >= first
     places = -run.eccentricity[rows] * 1e6
     touching = run.in_contact[rows]
-    kept = _kept(places, touching, TOLERANCE * run.mechanism.clearance.radial * 1e6)
+    drawn = _simplified(places, touching, TOLERANCE * run.mechanism.clearance.radial * 1e6)
     return pd.DataFrame(
         {
             "law": case.law,
             "clearance_mm": case.clearance,
             "restitution": case.restitution,
             "friction": case.friction,
-            "revolution": run.revolution[rows][kept],
-            "x_um": places[kept, 0],
-            "y_um": places[kept, 1],
-            "mode": np.where(touching[kept], "contact", "flight"),
+            "revolution": run.revolution[rows][drawn],
+            "x_um": places[drawn, 0],
+            "y_um": places[drawn, 1],
+            "mode": np.where(touching[drawn], "contact", "flight"),
         }
     )
 
 
-def _kept(places: FloatArray, touching: BoolArray, tolerance: float) -> BoolArray:
-    """Choose the points to keep; where the mode changes both rows stay."""
+def _simplified(places: FloatArray, touching: BoolArray, tolerance: float) -> BoolArray:
+    """Return a mask of the points that the path needs; both rows of a change of mode stay."""
     changes = np.flatnonzero(np.diff(touching))
     ends = np.unique(np.concatenate(([0, len(places) - 1], changes, changes + 1)))
-    kept = np.zeros(len(places), dtype=bool)
-    kept[ends] = True
+    needed = np.zeros(len(places), dtype=bool)
+    needed[ends] = True
     stretches = [(int(a), int(b)) for a, b in pairwise(ends)]
     while stretches:
         start, end = stretches.pop()
@@ -170,9 +112,9 @@ def _kept(places: FloatArray, touching: BoolArray, tolerance: float) -> BoolArra
         farthest = int(away.argmax())
         if away[farthest] > tolerance:
             middle = start + 1 + farthest
-            kept[middle] = True
+            needed[middle] = True
             stretches += [(start, middle), (middle, end)]
-    return kept
+    return needed
 
 
 def _distances(places: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
@@ -186,14 +128,34 @@ def _distances(places: FloatArray, start: FloatArray, end: FloatArray) -> FloatA
     return distances
 
 
-def path_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
-    """Draw the paths of one clearance, a row for each law and a column for each dissipation.
+def _whirls(runs: Mapping[Case, Trajectory], clearance: float) -> str:
+    """Return a sentence on the runs whose penetration exceeds the clearance, or nothing."""
+    deep = {
+        case: run
+        for case, run in runs.items()
+        if run.statistics(FIRST).mean["max_penetration_um"] > 1e3 * clearance
+    }
+    if not deep:
+        return ""
+    turns = [_turns(run) for run in deep.values()]
+    losses = sorted({(case.restitution, case.friction) for case in deep})
+    text = " and ".join(f"c_e = {c_e:g}, c_f = {c_f:g}" for c_e, c_f in losses)
+    return (
+        f"At {text} the penetration exceeds the clearance in {len(deep)} runs: the journal's "
+        f"centre whirls about the bearing's, {min(turns):.2g} to {max(turns):.2g} turns per "
+        "revolution of the crank, both senses counted, and its inertia presses it outwards. "
+    )
 
-    Parameters
-    ----------
-    paths : mapping of Case to pandas.DataFrame
-        Those of `path_table`.
-    """
+
+def _turns(run: Trajectory) -> float:
+    """Return the turns of the journal's centre about the bearing's per revolution, without sign."""
+    rows = run.revolution >= FIRST
+    angle = np.unwrap(np.arctan2(*run.eccentricity[rows].T[::-1]))
+    return float(np.abs(np.diff(angle)).sum() / (2 * np.pi) / np.ptp(run.revolution[rows]))
+
+
+def _draw_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
+    """Draw the paths of one clearance, a row for each law and a column for each dissipation."""
     columns = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
     figure = new_figure("full", 118.0, wide=True)
     panels = figure.subplots(len(JOINT_LAWS), len(columns), sharex=True, sharey=True)
@@ -222,8 +184,8 @@ def _draw_path(axes: Axes, path: pd.DataFrame) -> None:
     """Draw flights thin and grey, contacts over them."""
     x, y = path["x_um"].to_numpy(), path["y_um"].to_numpy()
     touching = (path["mode"] == "contact").to_numpy()
-    for look, shown, order in ((FLIGHT, ~touching, 2), (TOUCH, touching, 3)):
-        axes.plot(np.where(shown, x, np.nan), np.where(shown, y, np.nan), **look, zorder=order)
+    for style, drawn, order in ((FLIGHT, ~touching, 2), (TOUCH, touching, 3)):
+        axes.plot(np.where(drawn, x, np.nan), np.where(drawn, y, np.nan), **style, zorder=order)
 
 
 FIGURES: dict[str, Callable[[Bench], Drawing]] = {

@@ -1,7 +1,7 @@
-"""All laws over the whole domain of conformal contact, in the variables that make them one curve.
+"""All laws over the whole domain of conformal contact, in dimensionless variables.
 
 With φ = f/(E*·ΔR) and d = δ/ΔR a dimensionless law is a single curve for every pair. The enhanced
-law is not dimensionless: it is a curve of its own for every clearance, drawn for a stated pair.
+law is not dimensionless: every clearance has its own curve, drawn for a stated pair.
 """
 
 from __future__ import annotations
@@ -36,9 +36,11 @@ UNIT_ROLLERS = CylinderPair.from_dR("external", 1.0, _UNIT)
 PHI_MIN, PHI_MAX = BOUNDED["internal"]
 EXTERNAL_PHI = BOUNDED["external"]
 PER_DECADE = 200
+# What the table calls the formula for the penetration.
+FORMULA = "explicit formula for the penetration"
 INVERSION_POINTS = 100_001
 
-# The pairs that the laws which are not dimensionless are drawn for.
+# The pairs for which the laws that are not dimensionless are drawn.
 EXAMPLE = STEEL
 EXAMPLE_CLEARANCES = (0.01, 0.05, 0.5)  # mm
 EXAMPLE_LOADS = (1.0, 1e4)  # N/mm
@@ -46,24 +48,7 @@ EXAMPLE_LOADS = (1.0, 1e4)  # N/mm
 
 @dataclass(frozen=True)
 class Curve:
-    """A law in the universal variables, beside its reference.
-
-    Attributes
-    ----------
-    law : str
-        Its name.
-    pair : str
-        The pair that it holds for; "any" for a dimensionless law.
-    phi : array of float
-        Loads, logarithmically spaced.
-    d : array of float
-        The law's penetration; NaN where it has none.
-    reference_d : array of float
-        The reference's penetration.
-    load_error, penetration_error : array of float
-        In percent of the reference: of the load at the reference's penetration, and of the
-        penetration at the load.
-    """
+    """A law in the universal variables, beside its reference."""
 
     law: str
     pair: str
@@ -74,7 +59,7 @@ class Curve:
     penetration_error: FloatArray
 
 
-def law_curve(
+def _law_curve(
     law: ContactLaw,
     label: str,
     reference: ContactLaw,
@@ -82,31 +67,7 @@ def law_curve(
     ends: tuple[float, float] = (PHI_MIN, PHI_MAX),
     pair_label: str = "any",
 ) -> Curve:
-    """Evaluate a law and its reference at `PER_DECADE` loads to the decade.
-
-    Parameters
-    ----------
-    law, reference : ContactLaw
-        The law judged and the one it is judged by.
-    label : str
-        What the table calls the law.
-    pair : CylinderPair, optional
-        The pair; left out, the internal one whose E* and ΔR are 1.
-    ends : tuple of float, optional
-        Lowest and highest φ.
-    pair_label : str, optional
-        What the table calls the pair.
-
-    Returns
-    -------
-    Curve
-
-    Examples
-    --------
-    >>> curve = law_curve(Johnson(), "johnson", Persson(), ends=(1e-6, 0.052804))
-    >>> print(curve.penetration_error[[0, -1]].round(3))
-    [-0. -1.]
-    """
+    """Evaluate a law and its reference at `PER_DECADE` loads to the decade."""
     unit = float(pair.E_star * pair.dR)
     phi = _loads(ends, _last_loads(law, reference, pair) / unit)
     load, depth = phi * unit, reference.penetration(phi * unit, pair)
@@ -122,15 +83,15 @@ def law_curve(
     )
 
 
-def formula_curve() -> Curve:
+def _formula_curve() -> Curve:
     """Evaluate the formula for the penetration; its load is the formula inverted numerically."""
     phi = _loads((PHI_MIN, PHI_MAX))
-    truth, d = Persson().penetration(phi, UNIT_PAIR), explicit_penetration(phi, UNIT_PAIR)
+    reference_d, d = Persson().penetration(phi, UNIT_PAIR), explicit_penetration(phi, UNIT_PAIR)
     line = np.geomspace(PHI_MIN / 2, 2 * PHI_MAX, INVERSION_POINTS)
     depths = np.log(explicit_penetration(line, UNIT_PAIR))
-    load = np.exp(np.interp(np.log(truth), depths, np.log(line)))
-    errors = (as_floats(100 * (ratio - 1)) for ratio in (load / phi, d / truth))
-    return Curve("explicit formula for the penetration", "any", phi, d, truth, *errors)
+    load = np.exp(np.interp(np.log(reference_d), depths, np.log(line)))
+    errors = (as_floats(100 * (ratio - 1)) for ratio in (load / phi, d / reference_d))
+    return Curve(FORMULA, "any", phi, d, reference_d, *errors)
 
 
 def dimensionless_curves() -> list[Curve]:
@@ -141,23 +102,12 @@ def dimensionless_curves() -> list[Curve]:
         ("liu", Liu()),
         ("winkler", Winkler()),
     )
-    curves = [law_curve(law, name, Persson()) for name, law in laws]
-    return [curves[0], formula_curve(), *curves[1:]]
+    curves = [_law_curve(law, name, Persson()) for name, law in laws]
+    return [curves[0], _formula_curve(), *curves[1:]]
 
 
 def enhanced_curves(refits: dict[str, FitResult]) -> list[Curve]:
-    """Return the enhanced law for the pairs of `EXAMPLE`, published and refitted.
-
-    Parameters
-    ----------
-    refits : mapping of str to FitResult
-        What the table calls a refit, and the refit.
-
-    Returns
-    -------
-    list of Curve
-        Law by law, clearance by clearance.
-    """
+    """Return the enhanced law for the pairs of `EXAMPLE`, published and refitted."""
     laws = {"enhanced": Enhanced()}
     laws |= {name: Enhanced(result.coefficients) for name, result in refits.items()}
     return [
@@ -167,37 +117,11 @@ def enhanced_curves(refits: dict[str, FitResult]) -> list[Curve]:
 
 def external_curve() -> Curve:
     """Return the explicit law for rollers, judged by Johnson's."""
-    return law_curve(Explicit(), "explicit", Johnson(), UNIT_ROLLERS, EXTERNAL_PHI)
+    return _law_curve(Explicit(), "explicit", Johnson(), UNIT_ROLLERS, EXTERNAL_PHI)
 
 
 def error_table(curves: list[Curve], contact: str, reference: str) -> pd.DataFrame:
-    """List each curve's errors, decade by decade and over the whole of its range.
-
-    Parameters
-    ----------
-    curves : list of Curve
-        The laws.
-    contact, reference : str
-        What they are for and judged by.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns law, contact, reference, pair, error_of, range, phi_from, phi_to,
-        largest_error_percent and rms_error_percent. The last two are over loads spaced
-        logarithmically from phi_from to phi_to, which is as much of the range as the law covers.
-
-    Examples
-    --------
-    >>> curve = law_curve(Johnson(), "johnson", Persson(), ends=(0.01, 0.1))
-    >>> table = error_table([curve], "internal", "persson")
-    >>> print(table[["error_of", "range", "largest_error_percent"]].round(3).to_string(index=False))
-       error_of range  largest_error_percent
-           load   all                  2.976
-           load 1e-02                  2.976
-    penetration   all                  2.141
-    penetration 1e-02                  2.141
-    """
+    """List each curve's errors, decade by decade and over the whole of its range."""
     rows = []
     for curve in curves:
         errors = {"load": curve.load_error, "penetration": curve.penetration_error}
@@ -228,18 +152,18 @@ def _example_curve(law: ContactLaw, label: str, dR: float) -> Curve:
     unit = float(pair.E_star) * dR
     low, high = (load / unit for load in EXAMPLE_LOADS)
     name = f"E = {EXAMPLE.E / 1e3:g} GPa; nu = {EXAMPLE.nu:g}; dR = {dR:g} mm"
-    return law_curve(law, label, Persson(), pair, (low, high), name)
+    return _law_curve(law, label, Persson(), pair, (low, high), name)
 
 
 def _last_loads(law: ContactLaw, reference: ContactLaw, pair: CylinderPair) -> FloatArray:
     """Return the law's largest load, and the reference's at the law's largest penetration."""
     ends = law.max_load(pair), reference.load(law.max_penetration(pair), pair)
-    # A rounding error inside, so that both are defined there.
+    # Just inside, so that rounding leaves neither undefined.
     return as_floats(ends) * (1 - 1e-12)
 
 
 def _loads(ends: tuple[float, float], more: ArrayLike = ()) -> FloatArray:
-    """Return φ between two ends, with both of them and those of `more` that lie between."""
+    """Return φ from one end to the other, with the values of `more` between them."""
     count = round(PER_DECADE * np.log10(ends[1] / ends[0])) + 1
     inside = [phi for phi in np.atleast_1d(more) if ends[0] < phi < ends[1]]
     return np.unique([*np.geomspace(*ends, count), *inside])

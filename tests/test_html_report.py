@@ -191,7 +191,7 @@ def test_theme_follows_the_system_until_it_is_chosen(browser, site):
 
 def test_claims_are_filtered_by_verdict_section_and_words(browser, site):
     with opened(browser, site.index) as view:
-        told = view.locator("#claims-shown")
+        told = view.locator("#claims-count")
         every = view.locator(".claim").count()
         assert told.text_content() == f"{every} of {every} claims shown"
         view.get_by_label(re.compile("^reproduced with a stated choice")).uncheck()

@@ -1,4 +1,4 @@
-"""Figures for papers: styles, figures that arrange themselves, maps and curves over clearance."""
+"""Figures for papers: styles, figures that fit their style, contour maps, sketches."""
 
 from cylcontact.plots.figure import Drawing, StyledFigure, new_figure
 from cylcontact.plots.style import FigureStyle, figure_style

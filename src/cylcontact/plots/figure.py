@@ -30,12 +30,14 @@ from cylcontact.plots.style import (
     figure_style,
 )
 
+__all__ = ["Drawing", "StyledFigure", "new_figure", "panel_title", "plain_log", "plain_number"]
+
 SCREEN_DPI = 120
-# A panel below another is at most that high, in widths of it.
+# Largest height of a stacked panel, relative to its width.
 PANEL_HEIGHT = 0.68
-# Text that does not fit is made smaller step by step, down to that many points.
+# Text that does not fit shrinks by this factor until it fits or has this many points.
 SMALLEST, SHRINKING = 5.0, 0.93
-# A legend of so many lines leaves a narrow panel no room.
+# A legend with this many lines leaves no room in a narrow panel.
 LONG = 5
 
 
@@ -50,9 +52,9 @@ class Drawing:
     table : pandas.DataFrame
         The numbers drawn, one row each, units in the columns' names.
     headline : mapping of str to float
-        The numbers that a reader takes away and a test pins.
+        The main results, which tests check.
     caption : str
-        What is shown, with the units, the choices made and what is assumed.
+        What the figure shows, with units, choices and assumptions.
     """
 
     figure: Figure
@@ -72,15 +74,15 @@ class Drawing:
 
 
 class StyledFigure(Figure):
-    """A matplotlib figure whose panels, titles and legends make do with the style's width.
+    """A matplotlib figure whose panels, titles and legends fit the style's width.
 
-    In a narrow style, panels that a recipe asks for side by side stand below one another, legends
-    have fewer columns and titles more lines. A recipe need not know.
+    In a narrow style, panels side by side are stacked, legends have fewer columns and titles more
+    lines. The recipe stays the same.
 
     Parameters
     ----------
     style : FigureStyle
-        What it is drawn for.
+        The style of the figure.
     **settings
         Those of `matplotlib.figure.Figure`.
 
@@ -100,7 +102,7 @@ class StyledFigure(Figure):
     def subplots(self, nrows: int = 1, ncols: int = 1, **settings: Any) -> Any:
         """Add panels as `Figure.subplots` does, in one column where the style is narrow.
 
-        They then follow each other column by column; with `by_rows=True`, row by row.
+        They are then ordered column by column; with `by_rows=True`, row by row.
         """
         by_rows = settings.pop("by_rows", False)
         if not self.style.narrow or ncols == 1:
@@ -123,7 +125,7 @@ class StyledFigure(Figure):
         return legend
 
     def draw_without_rendering(self) -> None:
-        """Settle the layout; in another style than the journal's, make the texts fit before."""
+        """Settle the layout; in styles other than the journal's, first make the texts fit."""
         if self.style == JOURNAL:
             super().draw_without_rendering()
             return
@@ -150,7 +152,7 @@ class StyledFigure(Figure):
         self.legend(handles, labels, title=title, loc="outside lower center", ncols=2)
 
     def _settles(self) -> bool:
-        """Settle the layout and tell whether everything is inside the page."""
+        """Settle the layout and return whether everything is inside the page."""
         with warnings.catch_warnings(record=True) as collapsed:
             warnings.simplefilter("always")
             super().draw_without_rendering()
@@ -159,14 +161,14 @@ class StyledFigure(Figure):
         return bool(inside and not collapsed)
 
     def _grow(self, rows: int, columns: int) -> None:
-        """Make room for the panels of all columns below one another."""
+        """Make room for the stacked panels of all columns."""
         width, height = self.get_size_inches()
-        one = min(height * columns, PANEL_HEIGHT * width * max(1.0, 0.75 * rows))
+        panel = min(height * columns, PANEL_HEIGHT * width * max(1.0, 0.75 * rows))
         highest = (self.style.highest_mm or np.inf) / MM_PER_INCH
-        self.set_size_inches(width, min(one * columns, highest))
+        self.set_size_inches(width, min(panel * columns, highest))
 
     def _stack(self, rows: int, columns: int, settings: dict[str, Any], by_rows: bool) -> Any:
-        """Return axes of shape (rows, columns) that stand in one column, in the order asked for."""
+        """Return axes of shape (rows, columns), stacked in one column in the given order."""
         sharex, sharey = settings.get("sharex", False), settings.get("sharey", False)
         places = np.arange(rows * columns).reshape((rows, columns) if by_rows else (columns, rows))
         places = places if by_rows else places.T
@@ -188,26 +190,26 @@ class StyledFigure(Figure):
 
 
 def _leader(panels: Any, row: int, column: int, share: bool | str) -> Axes | None:
-    """Return the panel whose axis this one shares, by matplotlib's words for sharing."""
+    """Return the panel whose axis this one shares; `share` is as in `Figure.subplots`."""
     first = {
         "col": panels[0, column],
         "row": panels[row, 0],
         "all": panels[0, 0],
         True: panels[0, 0],
     }
-    found: Axes | None = first.get(share)
-    return found
+    leader: Axes | None = first.get(share)
+    return leader
 
 
 def _repeat_label(axes: Axes) -> None:
-    """Give a panel below the one whose vertical axis it shares that one's label."""
+    """Repeat the label of a shared vertical axis on a panel that is stacked below it."""
     leader: Axes | None = axes._sharey  # type: ignore[attr-defined]
     if leader is not None and axes.yaxis.get_tick_params().get("labelleft", True):
         axes.set_ylabel(axes.get_ylabel() or leader.get_ylabel())
 
 
 def _break_texts(axes: Axes, right: float) -> None:
-    """Break a panel's title at the page's right edge, and its labels at the panel's ends."""
+    """Break a panel's title at the page's right edge, and its labels at the ends of its axes."""
     for title in (axes._left_title, axes.title):  # type: ignore[attr-defined]
         _break(title, right - title.get_window_extent().x0)
     _break(axes.xaxis.label, 1.3 * axes.bbox.width)
@@ -218,10 +220,10 @@ def _break(text: Text, room: float) -> None:
     """Break a text that is longer than `room` pixels."""
     box = text.get_window_extent()
     if max(box.width, box.height) > room > 0:
-        text.set_text(broken(text, room))
+        text.set_text(_broken(text, room))
 
 
-def broken(title: Text, room: float) -> str:
+def _broken(title: Text, room: float) -> str:
     """Return a text with line breaks so that no line is wider than `room` pixels.
 
     Formulas between dollar signs stay whole.
@@ -239,9 +241,9 @@ def broken(title: Text, room: float) -> str:
 
 
 def new_figure(width: Width, height_mm: float, wide: bool = False) -> StyledFigure:
-    """Return an empty figure of a journal's width, apart from pyplot.
+    """Return an empty figure of a journal's width, without pyplot.
 
-    A style with a width of its own takes it instead, and the height in proportion.
+    A style with its own width replaces that width, and scales the height in proportion.
 
     Parameters
     ----------
@@ -250,7 +252,7 @@ def new_figure(width: Width, height_mm: float, wide: bool = False) -> StyledFigu
     height_mm : float
         In mm.
     wide : bool, optional
-        Whether the content needs that width whatever the style: it then spans both columns.
+        Whether the content needs both columns of a narrow style.
 
     Returns
     -------
@@ -265,9 +267,9 @@ def new_figure(width: Width, height_mm: float, wide: bool = False) -> StyledFigu
     style = current_style()
     if wide and style.narrow:
         style = replace(style, width_mm=STYLES["double-column"].width_mm)
-    chosen = style.width_mm or WIDTHS_MM[width]
-    height = min(height_mm * chosen / WIDTHS_MM[width], style.highest_mm or np.inf)
-    size = (chosen / MM_PER_INCH, height / MM_PER_INCH)
+    width_mm = style.width_mm or WIDTHS_MM[width]
+    height = min(height_mm * width_mm / WIDTHS_MM[width], style.highest_mm or np.inf)
+    size = (width_mm / MM_PER_INCH, height / MM_PER_INCH)
     return StyledFigure(style, figsize=size, layout="constrained")
 
 
@@ -277,7 +279,7 @@ def panel_title(axes: Axes, number: int, text: str) -> None:
 
 
 def plain_log(axes: Axes, which: Literal["x", "y"], ticks: Sequence[float]) -> None:
-    """Make an axis logarithmic, with ticks at the given values, written out plainly."""
+    """Make an axis logarithmic, with ticks at the given values and plain labels."""
     axes.set(**{f"{which}scale": "log"})
     axis = axes.xaxis if which == "x" else axes.yaxis
     axis.set_major_locator(FixedLocator(list(ticks)))
@@ -287,7 +289,7 @@ def plain_log(axes: Axes, which: Literal["x", "y"], ticks: Sequence[float]) -> N
 
 
 def plain_number(value: float) -> str:
-    """Write a number without an exponent, thousands set apart from 10 000 upwards.
+    """Write a number without an exponent, with a thin space between thousands from 10 000.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Signed contour maps in percent that compare with each other and read in grey."""
+"""Signed contour maps in percent, with common levels and legible in grey."""
 
 from __future__ import annotations
 
@@ -16,8 +16,10 @@ from cylcontact.arrays import FloatArray
 from cylcontact.plots.figure import StyledFigure, new_figure, plain_log
 from cylcontact.plots.style import small_text
 
+__all__ = ["RIM", "Frame", "draw_contours", "label_contours", "new_map", "signed"]
+
 # One set of levels (percent) and colours for every map. Blue is below zero, orange above; each
-# side darkens outwards, so in grey the sign is told by dashes and by the contours' labels.
+# side darkens outwards, so in grey dashes and the contours' labels show the sign.
 LEVELS = (-40, -20, -12, -8, -4, 0, 4, 8, 12, 20, 40)
 COLOURS = (
     *("#2f7fb8", "#5b9dcb", "#82b6da", "#a8cee7", "#cae1f1", "#e9f3fa"),
@@ -38,11 +40,11 @@ class Frame:
     Attributes
     ----------
     x, y : tuple of float
-        Their ends.
+        Their limits.
     x_ticks, y_ticks : tuple of float
-        The values that they label.
+        Their labelled values.
     x_label, y_label : str
-        What they show, with the unit.
+        Their labels, with the unit.
     """
 
     x: tuple[float, float]
@@ -61,9 +63,9 @@ def new_map(frame: Frame, title: str, scale_label: str) -> tuple[StyledFigure, A
     frame : Frame
         The axes.
     title : str
-        Stands above the map; between it and the map is room for a line of notes.
+        Title above the map, with room for a line of notes between them.
     scale_label : str
-        Stands beside the colour scale.
+        Label of the colour scale.
 
     Returns
     -------
@@ -116,9 +118,9 @@ def draw_contours(axes: Axes, x: FloatArray, y: FloatArray, percent: FloatArray)
 
 
 def label_contours(axes: Axes, lines: QuadContourSet, keep_clear: FloatArray) -> None:
-    """Write each contour's value on it where there is most room, if there is enough.
+    """Label each contour where there is most room, if there is enough.
 
-    The figure's layout must be settled: labels interrupt their lines by their printed length.
+    The layout must be settled, because labels interrupt their lines by their printed length.
 
     Parameters
     ----------
@@ -127,7 +129,7 @@ def label_contours(axes: Axes, lines: QuadContourSet, keep_clear: FloatArray) ->
     lines : matplotlib.contour.QuadContourSet
         From `draw_contours`.
     keep_clear : array of float
-        Points in data coordinates, shape (m, 2), that labels stay away from.
+        Points in data coordinates, shape (m, 2), that labels avoid.
 
     Examples
     --------
@@ -158,7 +160,7 @@ def label_contours(axes: Axes, lines: QuadContourSet, keep_clear: FloatArray) ->
 
 
 def _room(axes: Axes, points: FloatArray, taken: list[FloatArray]) -> FloatArray:
-    """Return how far each point is from the frame and from the places taken, in pixels."""
+    """Return the distance in pixels of each point from the frame and the places taken."""
     frame = axes.bbox
     to_frame = np.minimum(points - frame.min, frame.max - points).min(axis=1)
     to_taken = [np.hypot(*(points - place).T) for place in taken]

@@ -1,4 +1,4 @@
-"""What drawings of definitions are made of: arrows, dimensions, crosses."""
+"""Parts of drawings of definitions: arrows, dimensions, crosses."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+
+__all__ = ["ARROW", "OUTLINE", "POINTER", "THIN", "Point", "cross", "dimension", "polar", "radius"]
 
 Point = tuple[float, float]
 
@@ -17,7 +19,7 @@ POINTER = DIMENSION | {"arrowstyle": "-|>"}
 
 
 def polar(radius: float, degrees: float, centre: Point = (0.0, 0.0)) -> Point:
-    """Return a point by its distance and direction from a centre."""
+    """Return the point at a distance and a direction from a centre."""
     angle = np.radians(degrees)
     return (
         float(centre[0] + radius * np.cos(angle)),
@@ -26,7 +28,7 @@ def polar(radius: float, degrees: float, centre: Point = (0.0, 0.0)) -> Point:
 
 
 def cross(axes: Axes, at: Point, zorder: float = 2.0) -> None:
-    """Mark an axis."""
+    """Mark an axis with a cross."""
     axes.plot(*at, marker="+", color="black", markersize=6, markeredgewidth=0.7, zorder=zorder)
 
 

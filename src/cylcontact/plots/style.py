@@ -1,4 +1,4 @@
-"""What figures look like: journal columns or slides, colours, fonts, a user's own choices."""
+"""Styles of figures: widths, colours and fonts, and the choices in a style file."""
 
 from __future__ import annotations
 
@@ -17,31 +17,54 @@ from cylcontact.choices import FORMATS, Format
 from cylcontact.errors import InputError
 from cylcontact.spec import Spec, parse_spec, read_toml
 
+__all__ = [
+    "ACCENT",
+    "COLOURS",
+    "DEFAULT_OPTIONS",
+    "FORMATS",
+    "JOURNAL",
+    "LINE_STYLES",
+    "MARKERS",
+    "MM_PER_INCH",
+    "QUIET",
+    "STYLES",
+    "WIDTHS_MM",
+    "FigureOptions",
+    "FigureStyle",
+    "Format",
+    "StyleFile",
+    "Width",
+    "choose",
+    "current_style",
+    "figure_style",
+    "small_text",
+]
+
 SMALLEST_FONT, LARGEST_FONT = 4.0, 40.0  # points
 NARROWEST, WIDEST = 60.0, 500.0  # mm
 
-# Below this width panels stand below one another instead of side by side.
+# Below this width panels are stacked instead of side by side.
 SIDE_BY_SIDE = 120.0  # mm
 
 
 @dataclass(frozen=True)
 class FigureStyle:
-    """How figures are laid out, whatever they show.
+    """The layout of figures, whatever their content.
 
     Attributes
     ----------
     name : str
-        What `--style` calls it.
+        Its name for `--style`.
     width_mm : float or None
-        The width of every figure; None for the width that its recipe asks for.
+        The width of every figure; None for the recipe's own width.
     font_size : float
-        Of labels and titles, in points; numbers on axes and legends are an eighth smaller.
+        Size of labels and titles in points; tick labels and legends are an eighth smaller.
     lines : float
-        Lines and markers are that many times as thick as in the journal's.
+        Thickness of lines and markers relative to the journal's.
     highest_mm : float or None
-        What no figure exceeds.
+        The greatest height of a figure.
     font : str or None
-        A font family that is installed; None for the one that comes with matplotlib.
+        An installed font family; None for matplotlib's own.
     """
 
     name: str
@@ -72,7 +95,7 @@ STYLES: dict[str, FigureStyle] = {
 
 
 class StyleFile(Spec):
-    """A reader's own choices, `reports/style.toml`; all of them optional."""
+    """A user's choices in `reports/style.toml`, all optional."""
 
     style: Literal["journal", "single-column", "double-column", "slides"] = Field(
         "journal", description="the style to start from"
@@ -107,7 +130,7 @@ def choose(
     formats: tuple[str, ...] = (),
     font_size: float | None = None,
 ) -> FigureOptions:
-    """Return the style and formats asked for; a command line's go before a file's.
+    """Return the chosen style and formats; the command line overrides the file.
 
     Parameters
     ----------
@@ -139,37 +162,37 @@ def choose(
     own = StyleFile()
     if style_file is not None and style_file.is_file():
         own = parse_spec(StyleFile, read_toml(style_file), str(style_file))
-    chosen = STYLES[_one_of("--style", style or own.style, tuple(STYLES))]
+    base = STYLES[_one_of("--style", style or own.style, tuple(STYLES))]
     if font_size is not None and not SMALLEST_FONT <= font_size <= LARGEST_FONT:
         rule = f"must be from {SMALLEST_FONT:g} to {LARGEST_FONT:g}"
         raise InputError("report", "--font-size", font_size, rule, "give it in points")
     if own.font is not None:
         _require_font(str(style_file), own.font)
-    chosen = replace(
-        chosen,
-        width_mm=own.width_mm or chosen.width_mm,
-        font_size=font_size or own.font_size or chosen.font_size,
-        lines=chosen.lines * (own.lines or 1.0),
+    figure_style = replace(
+        base,
+        width_mm=own.width_mm or base.width_mm,
+        font_size=font_size or own.font_size or base.font_size,
+        lines=base.lines * (own.lines or 1.0),
         font=own.font,
     )
-    wanted = formats or tuple(own.formats or ("png", "pdf"))
-    return FigureOptions(chosen, tuple(_as_format(form) for form in dict.fromkeys(wanted)))
+    names = formats or tuple(own.formats or ("png", "pdf"))
+    return FigureOptions(figure_style, tuple(_as_format(form) for form in dict.fromkeys(names)))
 
 
 def _as_format(form: str) -> Format:
-    """Return a known format, or say which there are."""
+    """Return a format, or raise `InputError` with the known ones."""
     return cast(Format, _one_of("--format", form, FORMATS))
 
 
 def _one_of(option: str, value: str, known: tuple[str, ...]) -> str:
-    """Return `value`, or say what there is."""
+    """Return `value`, or raise `InputError` with the known values."""
     if value not in known:
         raise InputError("report", option, value, "is unknown", f"choose {', '.join(known)}")
     return value
 
 
 def _require_font(source: str, font: str) -> None:
-    """Refuse a font that matplotlib does not find."""
+    """Raise `InputError` for a font that matplotlib does not find."""
     from matplotlib.font_manager import findfont
 
     try:
@@ -182,19 +205,19 @@ def _require_font(source: str, font: str) -> None:
 
 Width = Literal["column", "middle", "full"]
 
-# The widths that Springer's journals print figures at, in mm.
+# The widths of figures in Springer's journals, in mm.
 WIDTHS_MM: dict[Width, float] = {"column": 84.0, "middle": 129.0, "full": 174.0}
 MM_PER_INCH = 25.4
 
-# Okabe and Ito's colours without the yellow, each with a line style and a marker of its own, so
-# that lines stay apart for colour-blind readers and in grey.
+# Okabe and Ito's colours without the yellow. Each has its own line style and marker, so that lines
+# are distinct for colour-blind readers and in grey.
 COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7")
 LINE_STYLES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (6, 1.5, 1, 1.5, 1, 1.5)))
 MARKERS = ("o", "s", "^", "D", "v")
 ACCENT = COLOURS[2]
 QUIET = "0.45"
 
-# What depends on the style: sizes in points for text of 8 points, and lines as in the journal.
+# Sizes in points that scale with the font size from 8 points, and widths that scale with `lines`.
 TEXT: dict[str, float] = {
     "font.size": 8.0,
     "axes.titlesize": 8.0,
@@ -244,14 +267,14 @@ def current_style() -> FigureStyle:
 
 @contextmanager
 def figure_style(style: FigureStyle | None = None) -> Iterator[None]:
-    """Apply a style's rcParams, over matplotlib's defaults, for a while.
+    """Apply a style's rcParams to a `with` block.
 
-    The defaults come first, so a reader's own matplotlibrc changes no figure.
+    They start from matplotlib's defaults, so a user's matplotlibrc changes no figure.
 
     Parameters
     ----------
     style : FigureStyle, optional
-        Left out, the one in force, which is the journal's at first.
+        By default the style in force, which is initially the journal's.
 
     Examples
     --------
@@ -284,5 +307,5 @@ def _rc(style: FigureStyle) -> dict[str, Any]:
 
 
 def small_text() -> float:
-    """Return the size of the smaller of the two texts in a figure, in points."""
+    """Return the size of tick labels and legends in points."""
     return TEXT["legend.fontsize"] * _CURRENT.get().font_size / TEXT["font.size"]

@@ -1,4 +1,4 @@
-"""The bench: the folders that recipes and claims live in and read from, and how they are loaded."""
+"""The bench: the folders of recipes, claims and their inputs, and how recipes are imported."""
 
 from __future__ import annotations
 
@@ -16,27 +16,29 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.materials import SHIPPED, MaterialRow, known_materials, shipped_materials
 from cylcontact.parallel import Workers
 
-# The name under which the files of a bench's `reports` folder are imported. It is private, so
-# that a folder called `reports` hides nobody's package and needs no `__init__.py`.
+__all__ = ["Bench", "MissingInputError", "call_in_bench"]
+
+# The package name of the files in a bench's `reports` folder. It is private, so that the folder
+# hides no other package called `reports` and needs no `__init__.py`.
 PACKAGE = "_cylcontact_bench"
 
 
 class MissingInputError(InputError):
-    """An input that has not been made yet: a claim that needs it cannot be tested."""
+    """An input that does not exist yet; claims that need it cannot be tested."""
 
 
 @dataclass(frozen=True)
 class Bench:
-    """The folders that recipes read from and figures go to.
+    """The folders that recipes read from and figures are written to.
 
     Parameters
     ----------
     root : path
         The folder that holds `datasets`, `fitting` and `reports`.
     results : path, optional
-        The folder of fit results; left out, `fitting/results` under the root.
+        The folder of fit results; by default `fitting/results` under the root.
     jobs : int or Cluster, optional
-        Worker processes for computations that take long; the numbers do not depend on it.
+        Worker processes for long computations; the numbers do not depend on it.
 
     Examples
     --------
@@ -51,25 +53,25 @@ class Bench:
 
     @property
     def results_folder(self) -> Path:
-        """Where fit results are read from."""
+        """The folder of fit results."""
         return self.results or self.root / "fitting" / "results"
 
     @property
     def recipes_folder(self) -> Path:
-        """Where the recipes lie, one Python file per figure."""
+        """The folder of the recipes, one Python file per figure."""
         return self.root / "reports"
 
     @property
     def figures_folder(self) -> Path:
-        """Where figures are written unless another folder is named."""
+        """The default folder for figures."""
         return self.recipes_folder / "figures"
 
     def noted(self, path: Path) -> Path:
-        """Return a file that is about to be read; a bench that watches its recipes notes it."""
+        """Return a file that is about to be read; a subclass can record it."""
         return path
 
     def input(self, name: Path | str) -> Path:
-        """Return where a file lies that a figure is drawn from, by its path below the root.
+        """Return an input file of a figure, by its path below the root.
 
         Examples
         --------
@@ -80,14 +82,14 @@ class Bench:
 
     @property
     def materials_file(self) -> Path:
-        """The bench's own table of materials, beside the one that ships; it may be absent."""
+        """The bench's own table of materials, which is optional."""
         return self.root / "datasets" / "materials.csv"
 
     def module(self, name: str) -> ModuleType:
         """Import a file of the `reports` folder, such as "maps" or "claims.section1".
 
-        Such a file imports its neighbours relatively: `from .paper import MATERIALS`. A file that
-        has changed since is read anew, and so is everything else in the folder.
+        Such a file imports its neighbours relatively: `from .paper import MATERIALS`. If a file of
+        the folder has changed, all of them are imported again.
 
         Examples
         --------
@@ -139,7 +141,7 @@ class Bench:
         return rows[name]
 
     def result_file(self, name: str) -> Path:
-        """Return where a file of the results folder lies that a figure is drawn from."""
+        """Return an input file of a figure, by its name in the results folder."""
         return self.noted(self.results_folder / name)
 
     def result(self, name: str) -> FitResult:
@@ -162,7 +164,7 @@ class Bench:
         return FitResult.load(path)
 
     def results_by_name(self) -> dict[str, FitResult]:
-        """Load every fit result of the results folder, name → result; none where there are none.
+        """Load every fit result of the results folder, name → result.
 
         Raises
         ------
@@ -175,24 +177,24 @@ class Bench:
 
 
 def call_in_bench(root: Path, module: str, function: str, *arguments: Any) -> Any:
-    """Call a function of a bench's module; what worker processes get instead of the function.
+    """Call a function of a bench's module in a worker process.
 
-    They cannot unpickle it, because the bench is not on their import path.
+    Workers cannot unpickle the function itself, because the bench is not on their import path.
 
     Parameters
     ----------
     root : path
-        The bench's.
+        The bench's folder.
     module, function : str
-        Where it is, as for `Bench.module`, and its name.
+        The module, as for `Bench.module`, and the function's name.
     *arguments
-        Those of the function.
+        Arguments of the function.
     """
     return getattr(Bench(root).module(module), function)(*arguments)
 
 
 def _open_package(folder: Path) -> None:
-    """Make `PACKAGE` stand for a folder as it is now."""
+    """Bind `PACKAGE` to a folder in its present state."""
     stamp = {
         file: (status.st_mtime_ns, status.st_size)
         for file in folder.rglob("*.py")
@@ -211,7 +213,7 @@ def _open_package(folder: Path) -> None:
 
 @contextmanager
 def _without_bytecode() -> Iterator[None]:
-    """Leave no compiled files in a user's folder; they could also be older than an edit."""
+    """Write no compiled files to a user's folder; they could also be stale after an edit."""
     before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:
         yield

@@ -41,12 +41,11 @@ __all__ = [
     "chosen_recipes",
     "draw",
     "find_recipes",
-    "require_programs",
     "write",
 ]
 
 DPI = 300
-# Seven significant digits: finer than any figure is read, coarser than rounding noise.
+# Seven significant digits: more than a figure can show, fewer than round-off affects.
 NUMBER_FORMAT = "%.7g"
 SOURCES = Path(__file__).parents[1]
 
@@ -55,24 +54,24 @@ Arguments = Mapping[str, str]
 
 @dataclass(frozen=True)
 class FigureResult:
-    """What became of one recipe.
+    """The outcome of one recipe.
 
     Attributes
     ----------
     name : str
         The recipe's name.
     paths : tuple of path
-        The pictures, in the order of the formats, and the CSV; none where it failed.
+        The pictures, in the order of the formats, and the CSV; empty on failure.
     caption : str
         The figure's caption.
     headline : mapping of str to float
-        The numbers that sum it up.
+        The figure's main results.
     inputs : mapping of str to str
-        The files that it was drawn from → the first twelve digits of their SHA-256.
+        The files read for the figure → the first twelve digits of their SHA-256.
     size_mm : tuple of float
         Width and height.
     problem : InputError or None
-        Why there is no figure.
+        The reason of a failure.
     """
 
     name: str
@@ -87,7 +86,7 @@ class FigureResult:
 def find_recipes(bench: Bench) -> dict[str, Path]:
     """Return the figures that the bench can draw, in alphabetical order, name → file.
 
-    Files that only help others, such as constants, are left out.
+    Files without a figure, such as constants and helpers, do not appear.
 
     Parameters
     ----------
@@ -135,7 +134,7 @@ def find_recipes(bench: Bench) -> dict[str, Path]:
 def draw(
     name: str, bench: Bench, style: FigureStyle = JOURNAL, arguments: Arguments | None = None
 ) -> Drawing:
-    """Draw one figure, writing nothing.
+    """Draw one figure, without writing files.
 
     Parameters
     ----------
@@ -144,9 +143,9 @@ def draw(
     bench : Bench
         Where the recipe and its inputs are.
     style : FigureStyle, optional
-        What it is drawn for; by default the journal.
+        The style; by default the journal's.
     arguments : mapping of str to str, optional
-        For a recipe that takes some, such as `{"material": "titanium alloy"}`.
+        The recipe's keyword arguments, such as `{"material": "titanium alloy"}`.
 
     Returns
     -------
@@ -176,10 +175,10 @@ def build(
     progress: Progress = silent,
     arguments: Arguments | None = None,
 ) -> list[FigureResult]:
-    """Draw figures over `bench.jobs` processes, and write the pictures and the CSV of each.
+    """Draw figures in `bench.jobs` processes, and write the pictures and the CSV of each.
 
-    A figure's files appear complete or not at all, and the same input gives the same bytes,
-    whatever the number of processes.
+    A figure's files are complete or absent. The same input gives the same bytes for every number
+    of processes.
 
     Parameters
     ----------
@@ -194,18 +193,18 @@ def build(
     progress : callable, optional
         Called with the stage, the number of figures done and their total.
     arguments : mapping of str to str, optional
-        For a recipe that takes some; its files then have them in their names.
+        The recipe's keyword arguments, which become part of the files' names.
 
     Returns
     -------
     list of FigureResult
-        In the order of the names; a recipe that failed has the reason and no files.
+        In the order of the names; a failed recipe has a `problem` and no files.
 
     Raises
     ------
     InputError
-        If a name is unknown, a format needs a program that is absent, or a worker was ended by
-        the system.
+        If a name is unknown, a format needs a program that is absent, or the system ended
+        a worker.
 
     Examples
     --------
@@ -225,7 +224,7 @@ def build(
     >>> [path.name for path in figure.paths], figure.headline
     (['fig99.png', 'fig99.pdf', 'fig99.csv'], {'load, N/mm': 10.0})
     """
-    require_programs(options.formats)
+    _require_programs(options.formats)
     target, chosen, given = folder or bench.figures_folder, chosen_recipes(bench, names), arguments
     work = [call(_attempt, bench, name, target, options, given) for name in chosen]
     results: list[FigureResult] = []
@@ -262,12 +261,12 @@ def chosen_recipes(bench: Bench, names: Iterable[str] = ()) -> list[str]:
 def write(
     drawing: Drawing, name: str, folder: Path, options: FigureOptions = DEFAULT_OPTIONS
 ) -> tuple[Path, ...]:
-    """Write a drawing's pictures and the CSV of its numbers, complete or not at all.
+    """Write a drawing's pictures and the CSV of its numbers; on an error, write none of them.
 
     Parameters
     ----------
     drawing : Drawing
-        What to write.
+        The drawing.
     name : str
         The files' name without its ending.
     folder : path
@@ -285,7 +284,7 @@ def write(
     InputError
         If the folder cannot be written to, or a format needs a program that is absent.
     """
-    require_programs(options.formats)
+    _require_programs(options.formats)
     endings = (*options.formats, "csv")
     with ExitStack() as stack:
         *pictures, csv = (
@@ -297,7 +296,7 @@ def write(
     return tuple(folder / f"{name}.{ending}" for ending in endings)
 
 
-def require_programs(formats: Iterable[Format]) -> None:
+def _require_programs(formats: Iterable[Format]) -> None:
     """Raise `InputError` where a format needs a program that is not installed."""
     if "pgf" in formats and which("xelatex") is None:
         raise InputError(
@@ -310,8 +309,8 @@ def require_programs(formats: Iterable[Format]) -> None:
 
 
 def _save(drawing: Drawing, picture: Path, form: Format, style: FigureStyle) -> None:
-    """Write one picture, the caption inside where the format has room for it."""
-    # Dates and versions off: they would change the bytes and tell the reader nothing.
+    """Write one picture, with the caption as metadata where the format allows it."""
+    # No dates and versions: they would change the bytes.
     metadata: dict[Format, dict[str, str | None]] = {
         "png": {"Software": None, "Description": drawing.caption},
         "pdf": {
@@ -342,7 +341,7 @@ class _WatchedBench(Bench):
 def _attempt(
     bench: Bench, name: str, folder: Path, options: FigureOptions, arguments: Arguments | None
 ) -> FigureResult:
-    """Draw and write one figure, or return why not, also where the recipe itself is at fault."""
+    """Draw and write one figure; return any error, including one raised by the recipe."""
     watched = _WatchedBench(bench.root, bench.results)
     try:
         drawing = draw(name, watched, options.style, arguments)
@@ -360,7 +359,7 @@ def _attempt(
         )
         return FigureResult(name, inputs=_inputs(watched, name), problem=problem)
     width, height = (float(inches) * 25.4 for inches in drawing.figure.get_size_inches())
-    # A figure is a web of references; left to itself it would stay until a worker seems to leak.
+    # A figure has reference cycles, so it would stay in the worker's memory for long.
     drawing.figure.clear()
     gc.collect()
     return FigureResult(
@@ -414,7 +413,7 @@ def _relative_imports(file: Path) -> list[str]:
 
 
 def _name_of(file: Path, root: Path) -> str:
-    """Return a file's path in the package or below the bench's root, or else the whole of it."""
+    """Return a file's path in the package or below the bench's root, or its full path."""
     for folder in (SOURCES.parent, root):
         if file.is_relative_to(folder):
             return file.relative_to(folder).as_posix()
@@ -437,7 +436,7 @@ def _parsed_as_it_is(file: Path, _time: int, _size: int) -> ast.Module | None:
 
 
 def _top_level_names(file: Path) -> set[str]:
-    """Return what a file defines, without running it; with a syntax error it counts as a recipe."""
+    """Return the names that a file defines; one with a syntax error counts as a recipe."""
     tree = _parsed(file)
     if tree is None:
         return {"draw"}
@@ -455,7 +454,7 @@ def _top_level_names(file: Path) -> set[str]:
 
 
 def _needs_arguments(name: str, file: Path) -> bool:
-    """Whether a recipe named after its file draws nothing unless it is given an argument."""
+    """Return whether a recipe named after its file needs an argument."""
     tree = _parsed(file) if file.stem == name else None
     for node in tree.body if tree else ():
         if isinstance(node, ast.FunctionDef) and node.name == "draw":
@@ -474,7 +473,7 @@ def _function_of(name: str, bench: Bench) -> Callable[..., Drawing]:
 
 
 def _require_arguments(name: str, function: Callable[..., Any], given: Arguments) -> None:
-    """Refuse arguments that a recipe does not take, and the lack of one that it needs."""
+    """Raise `InputError` for an argument that is unknown or missing."""
     # The functions of FIGURES are bound to their arguments; only a file's `draw` takes others.
     bound = isinstance(function, partial)
     parameters = {} if bound else inspect.signature(function).parameters
@@ -492,7 +491,7 @@ def _require_arguments(name: str, function: Callable[..., Any], given: Arguments
 
 
 def _refuse_unknown(name: str, bench: Bench, recipes: Mapping[str, Path]) -> None:
-    """Raise the error for a name that is no recipe."""
+    """Raise `InputError` for a name that is no recipe."""
     file = bench.recipes_folder / f"{name}.py"
     if file.is_file():
         raise InputError(

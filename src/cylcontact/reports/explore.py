@@ -1,7 +1,7 @@
-"""One pair at one load, looked at from all sides: what the explorer's widgets show.
+"""Results for one pair at one load, for the widgets of the notebook's explorer.
 
-A `Choice` is what a reader has set. `numbers` gives what follows from it, `verdicts` what it
-means, and `view` draws it; none of them knows of widgets.
+A `Choice` is the setting of the widgets. `numbers` computes its results, `verdicts` states them in
+sentences and `view` draws them. This module does not depend on widgets.
 """
 
 from __future__ import annotations
@@ -24,10 +24,12 @@ from cylcontact.pair import Contact, CylinderPair
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.style import ACCENT, COLOURS, QUIET
 
-# Curves go from this share of the chosen load to this many times it.
+__all__ = ["Choice", "as_message", "as_table", "curve", "numbers", "verdicts", "view"]
+
+# The ends of the curves, relative to the chosen load.
 SPAN = (0.02, 5.0)
 POINTS = 161
-# Figs 10 to 14 call differences within this many percent good.
+# Percent; Figs 10 to 14 call smaller differences good.
 TOLERANCE = 10.0
 
 
@@ -46,7 +48,7 @@ class Choice:
     load : float
         In N/mm.
     law : ContactLaw
-        The law looked at.
+        The law to evaluate.
     R_i : float
         The radius of the hole in mm; not used for rollers, whose radii follow from ΔR.
     length : float
@@ -63,13 +65,13 @@ class Choice:
 
     @property
     def pair(self) -> CylinderPair:
-        """The pair, its radii known."""
+        """The pair with its radii."""
         R_i = self.R_i if self.contact == "internal" else self.dR / 2
         return CylinderPair.from_dR(self.contact, self.dR, self.material, self.length, R_i)
 
 
 def numbers(choice: Choice) -> dict[str, float]:
-    """Return what follows from a choice, each number under its name and unit.
+    """Return the results of a choice by name and unit.
 
     Parameters
     ----------
@@ -79,8 +81,8 @@ def numbers(choice: Choice) -> dict[str, float]:
     Returns
     -------
     dict of str to float
-        NaN where a law has no answer, a reference does not apply, or the material has no yield
-        stress; inf for a limit that there is not.
+        NaN where a law is undefined, a reference does not apply, or the material has no yield
+        stress; inf where there is no limit.
 
     Raises
     ------
@@ -91,14 +93,14 @@ def numbers(choice: Choice) -> dict[str, float]:
     --------
     >>> from cylcontact import laws
     >>> steel = Material("steel", E=207e3, nu=0.3, yield_stress=250.0)
-    >>> found = numbers(Choice(steel, "internal", 0.05, 100.0, laws.Enhanced()))
-    >>> print(f"{found['penetration, µm']:.4f}, {found['difference from Johnson, %']:.2f} %")
+    >>> results = numbers(Choice(steel, "internal", 0.05, 100.0, laws.Enhanced()))
+    >>> print(f"{results['penetration, µm']:.4f}, {results['difference from Johnson, %']:.2f} %")
     1.5144, -2.88 %
     """
     _require_load(choice.load)
     law, load, pair = choice.law, choice.load, choice.pair
     delta = law.penetration(load, pair)
-    found = {
+    results = {
         "penetration, µm": 1e3 * delta,
         "stiffness, N/mm²": law.stiffness(delta, pair),
         "Johnson's penetration, µm": 1e3 * Johnson().penetration(load, pair),
@@ -110,11 +112,11 @@ def numbers(choice: Choice) -> dict[str, float]:
         "the law's largest load, N/mm": law.max_load(pair),
         "f/(E*·ΔR), -": load / (pair.E_star * choice.dR),
     }
-    return {name: float(value) for name, value in found.items()}
+    return {name: float(value) for name, value in results.items()}
 
 
 def verdicts(choice: Choice) -> list[str]:
-    """Return in sentences where a choice lies: the law's domain, Johnson's, and yield.
+    """Return sentences on a choice: the law's domain, Johnson's limit, and yield.
 
     Examples
     --------
@@ -125,30 +127,34 @@ def verdicts(choice: Choice) -> list[str]:
     Johnson's law has ended: 600 N/mm is beyond its 493.8 N/mm.
     Elastic: Hertz's peak pressure reaches the yield stress at 82354.7 N/mm.
     """
-    found = numbers(choice)
-    said = []
-    if np.isnan(found["penetration, µm"]):
-        said.append(f"The {choice.law.name} law has no answer here: outside its domain.")
-    end = found["Johnson's largest load, N/mm"]
+    results = numbers(choice)
+    sentences = []
+    if np.isnan(results["penetration, µm"]):
+        sentences.append(f"The {choice.law.name} law has no answer here: outside its domain.")
+    end = results["Johnson's largest load, N/mm"]
     if choice.load > end:
-        said.append(f"Johnson's law has ended: {choice.load:g} N/mm is beyond its {end:.1f} N/mm.")
-    elif abs(found["difference from Persson, %"]) > TOLERANCE:
-        away = found["difference from Persson, %"]
-        said.append(f"{away:+.1f} % from conformal contact, more than {TOLERANCE:g} %.")
-    top = found["load at yield, N/mm"]
+        sentences.append(
+            f"Johnson's law has ended: {choice.load:g} N/mm is beyond its {end:.1f} N/mm."
+        )
+    elif abs(results["difference from Persson, %"]) > TOLERANCE:
+        difference = results["difference from Persson, %"]
+        sentences.append(f"{difference:+.1f} % from conformal contact, more than {TOLERANCE:g} %.")
+    top = results["load at yield, N/mm"]
     if np.isnan(top):
-        said.append("No yield limit: the material has no yield stress.")
+        sentences.append("No yield limit: the material has no yield stress.")
     elif choice.load > top:
-        said.append(
+        sentences.append(
             f"Not elastic: Hertz's peak pressure reaches the yield stress at {top:.1f} N/mm."
         )
     else:
-        said.append(f"Elastic: Hertz's peak pressure reaches the yield stress at {top:.1f} N/mm.")
-    return said
+        sentences.append(
+            f"Elastic: Hertz's peak pressure reaches the yield stress at {top:.1f} N/mm."
+        )
+    return sentences
 
 
 def curve(choice: Choice) -> pd.DataFrame:
-    """Return loads around the chosen one, and what the law and the references say there.
+    """Return the penetrations of the law and the references at loads around the chosen one.
 
     Parameters
     ----------
@@ -194,7 +200,7 @@ def view(choice: Choice) -> Drawing:
     InputError
         If the law is not for this contact, or the load is not positive.
     """
-    table, found = curve(choice), numbers(choice)
+    table, results = curve(choice), numbers(choice)
     figure = new_figure("full", 78.0)
     force, difference = figure.subplots(1, 2)
     load, micrometres = table["load_N_per_mm"], 1e3 * table["penetration_mm"]
@@ -207,8 +213,8 @@ def view(choice: Choice) -> Drawing:
         label="Johnson",
     )
     force.plot(micrometres, load, **plain, color=COLOURS[1], label=choice.law.name)
-    chosen = (found["penetration, µm"], choice.load)
-    force.plot(*chosen, "o", color=ACCENT, label="chosen load", zorder=3)
+    point = (results["penetration, µm"], choice.load)
+    force.plot(*point, "o", color=ACCENT, label="chosen load", zorder=3)
     force.set(xlabel="penetration (µm)", ylabel="load (N/mm)", xlim=0, ylim=(0, load.iloc[-1]))
     difference.axhspan(-TOLERANCE, TOLERANCE, color="0.93", linewidth=0)
     for name, style in (("johnson", "-"), ("persson", "-.")):
@@ -216,22 +222,22 @@ def view(choice: Choice) -> Drawing:
         if values.notna().any():
             label = f"from {name.capitalize()}"
             difference.plot(load, values, **plain | {"linestyle": style}, label=label)
-    difference.plot(choice.load, found["difference from Johnson, %"], "o", color=ACCENT, zorder=3)
+    difference.plot(choice.load, results["difference from Johnson, %"], "o", color=ACCENT, zorder=3)
     difference.set(
         xscale="log",
         xlabel="load (N/mm)",
         ylabel="difference of penetration (%)",
         xlim=(load.iloc[0], load.iloc[-1]),
     )
-    _mark_limits(difference, found, (load.iloc[0], load.iloc[-1]))
+    _mark_limits(difference, results, (load.iloc[0], load.iloc[-1]))
     for axes in (force, difference):
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="best")
-    return Drawing(figure, table, found, " ".join(verdicts(choice)))
+    return Drawing(figure, table, results, " ".join(verdicts(choice)))
 
 
-def as_table(found: Mapping[str, float]) -> str:
-    """Return the numbers as an HTML table: a dash for NaN, "none" for a limit that there is not.
+def as_table(results: Mapping[str, float]) -> str:
+    """Return the results of `numbers` as an HTML table, with a dash for NaN and "none" for inf.
 
     Examples
     --------
@@ -239,14 +245,14 @@ def as_table(found: Mapping[str, float]) -> str:
     True
     """
 
-    def shown(value: float) -> object:
+    def cell(value: float) -> object:
         return None if np.isnan(value) else "none" if np.isinf(value) else value
 
-    return table_html("What follows", {name: shown(value) for name, value in found.items()})
+    return table_html("What follows", {name: cell(value) for name, value in results.items()})
 
 
 def as_message(error: InputError) -> str:
-    """Return why there are no numbers, as HTML.
+    """Return an error message as HTML.
 
     Examples
     --------
@@ -256,15 +262,15 @@ def as_message(error: InputError) -> str:
     return f'<p role="alert">{escape(str(error))}</p>'
 
 
-def _mark_limits(axes: Axes, found: Mapping[str, float], span: tuple[float, float]) -> None:
-    """Draw the loads at yield and at Johnson's limit, where they lie on the axis."""
+def _mark_limits(axes: Axes, results: Mapping[str, float], span: tuple[float, float]) -> None:
+    """Draw the loads at yield and at Johnson's limit, if they are on the axis."""
     lines = {
         "load at yield, N/mm": ("load at yield", ":"),
         "Johnson's largest load, N/mm": ("Johnson's limit", "--"),
     }
     for key, (label, style) in lines.items():
-        if span[0] <= found[key] <= span[1]:
-            axes.axvline(found[key], color=QUIET, linestyle=style, label=label)
+        if span[0] <= results[key] <= span[1]:
+            axes.axvline(results[key], color=QUIET, linestyle=style, label=label)
 
 
 def _difference_from_persson(choice: Choice, load: FloatArray) -> FloatArray:
@@ -282,6 +288,6 @@ def _yield_load(choice: Choice) -> FloatArray:
 
 
 def _require_load(load: float) -> None:
-    """Refuse a load that is not positive and finite."""
+    """Raise `InputError` for a load that is not positive and finite."""
     if not (load > 0 and np.isfinite(load)):
         raise InputError("explorer", "load", load, "must be positive and finite", "give it in N/mm")

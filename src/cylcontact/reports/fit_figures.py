@@ -40,7 +40,7 @@ def runs_table(result: FitResult) -> pd.DataFrame:
 
 
 def runs_drawing(result: FitResult) -> Drawing:
-    """Draw what every run reached before and after the polish, best first: a waterfall.
+    """Draw the objective of every run before and after the polish, best first.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def runs_drawing(result: FitResult) -> Drawing:
     Returns
     -------
     Drawing
-        Its headline has the best objective and how many runs reached it within 0.1 %.
+        Its headline has the best objective and the number of runs within 0.1 % of it.
     """
     table = runs_table(result)
     figure = new_figure("column", 66.0)
@@ -84,7 +84,7 @@ def profile_drawing(result: FitResult, name: str, label: str) -> Drawing:
     name : str
         The coefficient.
     label : str
-        What stands below the horizontal axis, with the unit.
+        Label of the horizontal axis, with the unit.
 
     Returns
     -------
@@ -111,8 +111,8 @@ def profile_drawing(result: FitResult, name: str, label: str) -> Drawing:
     axes.plot(best, result.objective.value, "*", color=ACCENT, markersize=8, label="fitted")
     if result.published is not None and profile.objective_at_published is not None:
         published = result.published.coefficients[name]
-        reached = profile.objective_at_published
-        axes.plot(published, reached, "o", color=COLOURS[1], label="held at the published value")
+        objective = profile.objective_at_published
+        axes.plot(published, objective, "o", color=COLOURS[1], label="held at the published value")
     axes.set(xlabel=label, ylabel=f"best attainable objective (-)\n{result.objective.name}", ylim=0)
     axes.set_title(f"{result.contact} contact")
     axes.legend(loc="lower right")
@@ -121,7 +121,7 @@ def profile_drawing(result: FitResult, name: str, label: str) -> Drawing:
 
 
 def _headline(result: FitResult, name: str) -> dict[str, float]:
-    """Return the optimum, its 1 % interval, and what the published value costs."""
+    """Return the optimum, its 1 % interval, and the rise at the published value."""
     profile = result.profiles[name]
     headline = {
         f"fitted {name}": result.coefficients[name],
@@ -136,7 +136,7 @@ def _headline(result: FitResult, name: str) -> dict[str, float]:
 
 
 def _caption(result: FitResult, name: str) -> str:
-    """Say what a profile shows and what it rests on."""
+    """Return the caption of a profile."""
     return (
         f"The fit {result.name!r} of the enhanced law (Eqs 5-6, {result.contact} contact) to "
         f"Johnson's: the objective {result.objective.name} that can be reached with {name} held at "

@@ -1,6 +1,6 @@
-"""Where Johnson's law departs from conformal contact, and how far the explicit law is off.
+"""Departure of Johnson's law from conformal contact, and the error of the explicit law.
 
-Both are told in φ = f/(E*·ΔR), the only variable that they depend on.
+Both depend on φ = f/(E*·ΔR) only.
 """
 
 from __future__ import annotations
@@ -17,23 +17,36 @@ from cylcontact.laws import ContactLaw, Explicit, Johnson, Persson, explicit_pen
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 
+__all__ = [
+    "BOUNDED",
+    "CLEARANCES",
+    "DEPARTURES",
+    "STEEL",
+    "TRUTH",
+    "departure_number",
+    "departures",
+    "explicit_error",
+    "johnson_end",
+    "johnson_shortfall",
+]
+
 STEEL = Material("steel", E=207e3, nu=0.3)  # of Fig 2
-# What the other laws are judged by.
+# The reference for the other laws.
 TRUTH: dict[Contact, ContactLaw] = {"internal": Persson(), "external": Johnson()}
-# Where the explicit law's error is sought, in φ.
+# The range of φ for the explicit law's error.
 BOUNDED: dict[Contact, tuple[float, float]] = {"internal": (1e-6, 60.0), "external": (1e-9, 0.02)}
 SCAN = 2001
 
 DEPARTURES = (1.0, 3.0, 5.0, 10.0)  # percent
 CLEARANCES = (0.0075, 0.02, 0.05, 0.2, 0.5)  # mm
 
-# A ratio of loads or penetrations under a load in N/mm; 1 where nothing is wrong.
+# Ratio of a law's load or penetration to the reference's, as a function of the load in N/mm.
 Ratio = Callable[[FloatArray], FloatArray]
 
 
 @cache
 def departure_number(percent: float) -> float:
-    """Return the φ at which Johnson's penetration is low against Persson's by that much.
+    """Return the φ at which Johnson's penetration is that percentage below Persson's.
 
     Parameters
     ----------
@@ -64,9 +77,9 @@ def johnson_end() -> float:
 
 
 def johnson_shortfall(number: float) -> float:
-    """Return by how many percent Johnson's penetration is below Persson's at φ."""
+    """Return the percentage by which Johnson's penetration is below Persson's at φ."""
     pair = CylinderPair.from_dR("internal", 1.0, STEEL)
-    # Not a rounding error beyond the end of Johnson's law.
+    # Round-off must not put the load beyond the end of Johnson's law.
     load = np.minimum(number * pair.E_star, Johnson().max_load(pair))
     ratio = Johnson().penetration(load, pair) / Persson().penetration(load, pair)
     return float(100 * (1 - ratio))
@@ -119,25 +132,25 @@ def explicit_error() -> dict[str, float]:
     dict
         "internal load" and "internal penetration" (against Persson's law), "external load" and
         "external penetration" (against Johnson's), "one-line penetration" (of
-        `explicit_penetration` against Persson's): each in percent, and, under the same name with
-        ", at φ" after it, where.
+        `explicit_penetration` against Persson's), each in percent. The same names followed by
+        ", at φ" give the φ of these errors.
 
     Examples
     --------
-    >>> found = explicit_error()
-    >>> found["internal load"] < 0.12, found["external load"] < 0.07
+    >>> error = explicit_error()
+    >>> error["internal load"] < 0.12, error["external load"] < 0.07
     (True, True)
     """
-    found = {}
+    errors = {}
     for contact, ends in BOUNDED.items():
         pair = CylinderPair.from_dR(contact, 1.0, STEEL)
         for name, ratio in _ratios(pair).items():
-            found[name], found[f"{name}, at φ"] = _largest(ratio, float(pair.E_star), *ends)
-    return found
+            errors[name], errors[f"{name}, at φ"] = _largest(ratio, float(pair.E_star), *ends)
+    return errors
 
 
 def _ratios(pair: CylinderPair) -> dict[str, Ratio]:
-    """Return what the explicit law's errors are the errors of, by their names."""
+    """Return the explicit law's ratios to the reference, by name."""
     law, truth = Explicit(), TRUTH[pair.contact]
 
     def load(f: FloatArray) -> FloatArray:

@@ -16,17 +16,17 @@ from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_
 
 __all__ = ["case", "comparison", "departures", "deviations", "explicit_error", "to_text"]
 
-# The case that the laws are compared for: the steel and the clearance of Fig 2, the radius and
-# the length of the paper's bearing.
+# The default case: the steel and the clearance of Fig 2, the radius and the length of the paper's
+# bearing.
 R_I = LENGTH = 10.0  # mm
 LOAD = 100.0  # N/mm
 
-# Where deviations are tabulated, in φ = f/(E*·ΔR).
+# The values of φ = f/(E*·ΔR) in the table of deviations.
 LOAD_NUMBERS: dict[Contact, tuple[float, ...]] = {
     "internal": (1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0),
     "external": (1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3),
 }
-NOTHING = "-"
+MISSING = "-"
 HUGE = 1e12
 
 
@@ -38,7 +38,7 @@ def case(
     R_i: float = R_I,
     length: float = LENGTH,
 ) -> CylinderPair:
-    """Return the pair that the laws are compared for, with whatever is given changed.
+    """Return the default pair of the comparison, with the given values changed.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def case(
     nu : float
         Poisson's ratio of both bodies.
     dR : float, optional
-        ΔR in mm; left out, 0.05 for internal and 2·R_i for external contact.
+        ΔR in mm; by default 0.05 for internal and 2·R_i for external contact.
     R_i, length : float
         Radius of body *i* and axial length in mm.
 
@@ -60,7 +60,7 @@ def case(
     Raises
     ------
     InputError
-        If a number is out of its range.
+        If a _number is out of its range.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def case(
     >>> print(f"{pair.R_j:.2f} mm, {pair.E_star:.0f} MPa")
     9.98 mm, 113736 MPa
     """
-    # Anything else than these two is refused when the pair is built.
+    # The pair refuses any other contact.
     kind = cast(Contact, contact)
     gap = {"internal": 0.05, "external": 2 * R_i}.get(kind, 1.0) if dR is None else dR
     material = Material("the material of both bodies", E, nu)
@@ -76,20 +76,20 @@ def case(
 
 
 def comparison(pair: CylinderPair, load: float) -> pd.DataFrame:
-    """Ask every law of `cylcontact.laws.LAWS` about one pair under one load.
+    """Evaluate every law of `cylcontact.laws.LAWS` for one pair under one load.
 
     Parameters
     ----------
     pair : CylinderPair
-        One pair, its numbers no arrays.
+        One pair with scalar numbers.
     load : float
         Load per unit length in N/mm, positive.
 
     Returns
     -------
     pandas.DataFrame
-        Columns law, penetration_um, stiffness_N_per_mm2, max_load_N_per_mm (inf where there is
-        none) and note; NaN where a law has no answer, and the note says why.
+        Columns law, penetration_um, stiffness_N_per_mm2, max_load_N_per_mm (inf for no limit)
+        and note; NaN where a law is undefined, for the reason in the note.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def _answers(name: str, pair: CylinderPair, load: float) -> dict[str, object]:
     law, note = LAWS[name](), ""
     penetration = stiffness = highest = np.nan
     try:
-        # Loads of no meaning may overflow; what comes out is then no answer.
+        # A meaningless load may overflow; the result is then NaN.
         with np.errstate(over="ignore", invalid="ignore"):
             penetration = _finite(law.penetration(load, pair))
             stiffness = _finite(law.stiffness(penetration, pair))
@@ -126,7 +126,7 @@ def _answers(name: str, pair: CylinderPair, load: float) -> dict[str, object]:
     except InputError as error:
         note = error.rule
     if not note and np.isnan(penetration):
-        beyond = "beyond its largest load" if load > highest else "too large for a number"
+        beyond = "beyond its largest load" if load > highest else "too large for a _number"
         note = "undefined at this ΔR" if np.isnan(highest) else beyond
     return {
         "law": name,
@@ -138,14 +138,14 @@ def _answers(name: str, pair: CylinderPair, load: float) -> dict[str, object]:
 
 
 def _finite(value: FloatArray) -> float:
-    """Return a number, NaN in place of inf."""
+    """Return a _number, NaN in place of inf."""
     return float(value) if np.isfinite(value) else np.nan
 
 
 def deviations(pair: CylinderPair) -> pd.DataFrame:
-    """Tabulate how far each law's penetration lies from the truth at equal load.
+    """Tabulate the _deviation of each law's penetration from the reference at equal load.
 
-    The truth is Persson's law for internal contact and Johnson's for external contact.
+    The reference is Persson's law for internal contact and Johnson's for external contact.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def deviations(pair: CylinderPair) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        A row per law, a column per φ = f/(E*·ΔR), in percent; NaN where a law has no answer.
+        A row per law, a column per φ = f/(E*·ΔR), in percent; NaN where a law is undefined.
 
     Examples
     --------
@@ -175,12 +175,12 @@ def deviations(pair: CylinderPair) -> pd.DataFrame:
 
 
 def to_text(pair: CylinderPair, load: float) -> str:
-    """Tell, to be read, everything that this module can compute about a pair and a load.
+    """Return the whole comparison of laws for a pair and a load as text.
 
     Parameters
     ----------
     pair : CylinderPair
-        One pair, its numbers no arrays.
+        One pair with scalar numbers.
     load : float
         Load per unit length in N/mm, positive.
 
@@ -213,55 +213,55 @@ def to_text(pair: CylinderPair, load: float) -> str:
     return "\n\n".join([*parts, _explicit()]) + "\n"
 
 
-def number(value: float, form: str) -> str:
-    """Return a number by `form`, or with six digits if huge; a dash for NaN, "none" for inf."""
+def _number(value: float, form: str) -> str:
+    """Format a _number, with six digits if huge; a dash for NaN, "none" for inf."""
     if np.isnan(value):
-        return NOTHING
+        return MISSING
     return "none" if np.isinf(value) else format(value, form if abs(value) < HUGE else ".6g")
 
 
-def deviation(value: float) -> str:
-    """Return a deviation in percent with two decimals, none from 1000 on; no sign on zero."""
-    shown = number(value, "+.2f" if abs(value) < 1000 else "+.0f")
-    return shown.removeprefix("-") if shown == "-0.00" else shown.replace("+0.00", "0.00")
+def _deviation(value: float) -> str:
+    """Format a _deviation in percent with two decimals, none from 1000 on; no sign on zero."""
+    text = _number(value, "+.2f" if abs(value) < 1000 else "+.0f")
+    return text.removeprefix("-") if text == "-0.00" else text.replace("+0.00", "0.00")
 
 
-def load_text(value: float) -> str:
-    """Return a load in N/mm with one decimal."""
-    return number(value, ".1f")
+def _load_text(value: float) -> str:
+    """Format a load in N/mm with one decimal."""
+    return _number(value, ".1f")
 
 
 def _comparison(table: pd.DataFrame) -> str:
-    """Return the comparison with its columns named for reading."""
-    shown = pd.DataFrame(
+    """Return the comparison with readable names of its columns."""
+    texts = pd.DataFrame(
         {
             "law": table["law"],
-            "penetration, µm": [number(value, ".5f") for value in table["penetration_um"]],
-            "stiffness, N/mm²": [number(value, ".1f") for value in table["stiffness_N_per_mm2"]],
-            "largest load, N/mm": [number(value, ".1f") for value in table["max_load_N_per_mm"]],
+            "penetration, µm": [_number(value, ".5f") for value in table["penetration_um"]],
+            "stiffness, N/mm²": [_number(value, ".1f") for value in table["stiffness_N_per_mm2"]],
+            "largest load, N/mm": [_number(value, ".1f") for value in table["max_load_N_per_mm"]],
             "": table["note"],
         }
     )
-    return _lines(shown)
+    return _lines(texts)
 
 
 def _deviations(table: pd.DataFrame) -> str:
     """Return the deviations, one line per law."""
-    shown = table.map(deviation).rename(columns="{:g}".format)
-    return _lines(shown.reset_index())
+    texts = table.map(_deviation).rename(columns="{:g}".format)
+    return _lines(texts.reset_index())
 
 
 def _departures(table: pd.DataFrame) -> str:
     """Return the departures, one line per percentage."""
     low_by, numbers, *gaps = table.columns
-    shown = pd.DataFrame(
+    texts = pd.DataFrame(
         {
             "too low by, %": [f"{value:.1f}" for value in table[low_by]],
             "φ": [f"{value:.6f}" for value in table[numbers]],
         }
-        | {f"{gap:g}": [load_text(value) for value in table[gap]] for gap in gaps}
+        | {f"{gap:g}": [_load_text(value) for value in table[gap]] for gap in gaps}
     )
-    return _lines(shown)
+    return _lines(texts)
 
 
 def _explicit() -> str:
@@ -284,7 +284,7 @@ def _explicit() -> str:
 
 
 def _lines(table: pd.DataFrame) -> str:
-    """Return a table of texts: the first column to the left, numbers to the right."""
+    """Return a table of texts with the first column left-aligned and numbers right-aligned."""
     columns = [[str(name), *table[name].tolist()] for name in table.columns]
     widths = [max(map(len, column)) for column in columns]
     lines = []

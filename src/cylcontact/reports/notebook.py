@@ -1,4 +1,4 @@
-"""What the notebooks need beside the package: the bench, and a bar that moves while they wait."""
+"""Helpers of the notebooks: the bench of a folder, and live progress bars."""
 
 from __future__ import annotations
 
@@ -14,16 +14,18 @@ from cylcontact.errors import InputError
 from cylcontact.progress import Progress
 from cylcontact.reports.bench import Bench
 
+__all__ = ["live_progress", "open_bench", "progress_bar", "require_extra"]
+
 REMEDY = "run `make extras` in the repository, or: pip install 'cylcontact[notebooks]'"
 
 
 def open_bench(folder: Path | None = None) -> Bench:
-    """Return the bench that a folder lies in.
+    """Return the bench that contains a folder.
 
     Parameters
     ----------
     folder : path, optional
-        Where to look, and upwards from there; left out, the working directory.
+        Where the search upwards starts; by default the working directory.
 
     Returns
     -------
@@ -57,7 +59,7 @@ def open_bench(folder: Path | None = None) -> Bench:
 
 
 def require_extra(module: str) -> ModuleType:
-    """Return a module of the extra `notebooks`, or say what to install.
+    """Return a module of the extra `notebooks`, or raise `InputError` with the remedy.
 
     Raises
     ------
@@ -84,7 +86,7 @@ def live_progress() -> Iterator[Progress]:
     Yields
     ------
     callable
-        Takes the stage, the number of its parts done and their total.
+        Takes the stage, the number of parts done and their total.
     """
     display = require_extra("IPython.display")
     handles: dict[str, Any] = {}
@@ -92,7 +94,7 @@ def live_progress() -> Iterator[Progress]:
     def show(stage: str, done: int, total: int) -> None:
         bar = display.HTML(progress_bar(stage, done, total))
         if stage not in handles:
-            # Without a notebook around it, IPython returns nothing that could be updated.
+            # Outside a notebook, IPython returns None, which cannot be updated.
             handles[stage] = display.display(bar, display_id=True)
         elif handles[stage] is not None:
             handles[stage].update(bar)
@@ -101,7 +103,7 @@ def live_progress() -> Iterator[Progress]:
 
 
 def progress_bar(stage: str, done: int, total: int) -> str:
-    """Return one bar as HTML.
+    """Return a progress bar as HTML.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Coefficients, claims and captions as LaTeX, CSV or HTML, to be input by a manuscript."""
+"""Coefficients, claims and captions as LaTeX, CSV or HTML, for a manuscript."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import chosen_recipes, draw
 from cylcontact.reports.claims import ledger, to_table
 
+__all__ = ["KINDS", "latex", "write_tables"]
+
 
 def write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -> list[Path]:
     r"""Write coefficients, claims and the figures' captions.
@@ -22,9 +24,9 @@ def write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) ->
     Parameters
     ----------
     bench : Bench
-        Where recipes, fits and materials lie.
+        The bench with recipes, fits and materials.
     names : sequence of str
-        The figures whose captions to write; none for all of them.
+        The figures whose captions to write; empty for all of them.
     kind : {"latex", "csv", "html"}
         As `longtable` and `\caption` to input, as CSV, or as HTML fragments.
     folder : path
@@ -33,7 +35,7 @@ def write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) ->
     Returns
     -------
     list of path
-        The files: all of them complete, or none.
+        The files; on an error none is written.
 
     Raises
     ------
@@ -50,11 +52,11 @@ def write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) ->
         rule, remedy = "is unknown", f"choose {', '.join(KINDS)}"
         raise InputError("report", "--tables", kind, rule, remedy)
     ending, table, captions = KINDS[kind]
-    told = {name: draw(name, bench).caption for name in chosen_recipes(bench, names)}
+    caption_of = {name: draw(name, bench).caption for name in chosen_recipes(bench, names)}
     texts = {
-        "coefficients": table(coefficients_table(bench)),
-        "claims": table(claims_table(bench)),
-    } | captions(told)
+        "coefficients": table(_coefficients_table(bench)),
+        "claims": table(_claims_table(bench)),
+    } | captions(caption_of)
     paths = [folder / f"{name}.{ending}" for name in texts]
     with ExitStack() as stack:
         for path, text in zip(paths, texts.values(), strict=True):
@@ -63,7 +65,7 @@ def write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) ->
     return paths
 
 
-def coefficients_table(bench: Bench) -> pd.DataFrame:
+def _coefficients_table(bench: Bench) -> pd.DataFrame:
     """Return a row for each coefficient of each fit, beside the published value."""
     rows = [
         {
@@ -82,7 +84,7 @@ def coefficients_table(bench: Bench) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=columns)
 
 
-def claims_table(bench: Bench) -> pd.DataFrame:
+def _claims_table(bench: Bench) -> pd.DataFrame:
     """Return a row for each claim: section, statement, the paper's value, ours, the verdict."""
     return to_table(ledger(bench))[["section", "statement", "paper", "ours", "verdict"]]
 
@@ -150,7 +152,7 @@ def _csv_captions(captions: Mapping[str, str]) -> dict[str, str]:
 
 
 Kind = tuple[str, Callable[[pd.DataFrame], str], Callable[[Mapping[str, str]], dict[str, str]]]
-# The files' ending, how a table is written, and how captions are.
+# For each kind: the files' ending, and the functions that write a table and the captions.
 KINDS: Mapping[str, Kind] = {
     "latex": ("tex", _latex_table, _latex_captions),
     "csv": ("csv", _csv_table, _csv_captions),
@@ -158,7 +160,7 @@ KINDS: Mapping[str, Kind] = {
 }
 
 
-# LaTeX's own characters, and those beyond ASCII that our texts use.
+# LaTeX's special characters, and the characters beyond ASCII in our texts.
 LATEX = {
     "\\": r"\textbackslash{}",
     **{mark: f"\\{mark}" for mark in "&%$#_{}"},
@@ -196,9 +198,9 @@ LATEX = {
 
 
 def latex(text: str) -> str:
-    r"""Return a text as LaTeX that shows it.
+    r"""Escape a text for LaTeX.
 
-    None of it is a command; characters that are not listed stay as they are, in UTF-8.
+    No part of it acts as a command; characters that are not listed stay as they are, in UTF-8.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The report as pages that open from disk: figures, claims, coefficients, laws to play with."""
+"""The report as HTML pages that open from disk: figures, claims, coefficients, interactive laws."""
 
 from cylcontact.reports.html.site import Site, build_site
 

@@ -1,4 +1,4 @@
-"""The fits side by side: coefficients of all campaigns, and those that have none."""
+"""Tables of the coefficients of all campaigns, and the results that cannot be read."""
 
 from __future__ import annotations
 
@@ -10,17 +10,28 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.verdicts import verdicts
 from cylcontact.reports.bench import Bench
 
-NOTHING = "–"
+__all__ = [
+    "MISSING",
+    "Campaigns",
+    "Column",
+    "Table",
+    "headline",
+    "made_with",
+    "read_campaigns",
+    "tables",
+]
+
+MISSING = "–"
 OBJECTIVE = "objective"
 SAME_DATA = "published, same data"
 LARGEST = "largest |Eq 9|, %"
-# What objectives are counted in, by a word of their names, the first that fits.
+# The unit of an objective, by the first of these words in its name.
 UNITS = {"percent": "%", "-log-": "(ln)", "relative": "(relative)"}
 
 
 @dataclass(frozen=True)
 class Campaigns:
-    """The bench's fit results, and why others are missing."""
+    """The bench's fit results, and the reasons why others are missing."""
 
     results: Mapping[str, FitResult]
     missing: Mapping[str, str]
@@ -28,7 +39,7 @@ class Campaigns:
 
 @dataclass(frozen=True)
 class Column:
-    """One fit in a table: its name, what it was fitted to, and its cells."""
+    """One fit in a table: its name, reference and objective, and its cells."""
 
     name: str
     about: str
@@ -43,11 +54,11 @@ class Table:
     Attributes
     ----------
     law, contact : str
-        What they have in common.
+        The law and the contact of the fits.
     rows : tuple of str
         The names of the rows, coefficients first.
     coefficients : int
-        How many rows are coefficients.
+        The number of rows that are coefficients.
     published : tuple of str
         The column of the published values.
     columns : tuple of Column
@@ -63,9 +74,9 @@ class Table:
 
 
 def read_campaigns(bench: Bench) -> Campaigns:
-    """Read every result of the bench; one that cannot be read has a reason.
+    """Read every result of the bench, and the reasons why some cannot be read.
 
-    A campaign that has not been run is no fault: a figure that needs its result says so.
+    A campaign without a result is not missing here; the figures that need it report it.
     """
     results, missing = {}, {}
     for name in sorted(path.stem for path in bench.results_folder.glob("*.json")):
@@ -77,7 +88,7 @@ def read_campaigns(bench: Bench) -> Campaigns:
 
 
 def tables(results: Mapping[str, FitResult]) -> list[Table]:
-    """Return the fits side by side, those of one law and contact in one table.
+    """Return a table for each law and contact, with their fits side by side.
 
     Parameters
     ----------
@@ -87,7 +98,7 @@ def tables(results: Mapping[str, FitResult]) -> list[Table]:
     Returns
     -------
     list of Table
-        The largest first.
+        Those with most fits first.
     """
     groups: dict[tuple[str, str], list[FitResult]] = {}
     for result in results.values():
@@ -97,7 +108,7 @@ def tables(results: Mapping[str, FitResult]) -> list[Table]:
 
 
 def headline(results: Mapping[str, FitResult], names: Sequence[str]) -> list[Table]:
-    """Return the main fits, each beside the published coefficients, as far as they exist."""
+    """Return the main fits, each beside the published coefficients, if they exist."""
     main = [results[name] for name in names if name in results]
     return [
         replace(table, columns=tuple(replace(c, name="refit", about="") for c in table.columns))
@@ -113,7 +124,7 @@ def _table(law: str, contact: str, results: Sequence[FitResult]) -> Table:
     paper = {n: f"{published.coefficients[n]:g}" for n in names} if published else {}
     columns = [_cells(result) for result in results]
     if len(results) == 1:
-        # One set of data: what the published coefficients reach there stands in their column.
+        # One set of data: the published coefficients' results on it go to their column.
         paper |= _published_cells(results[0])
         del columns[0][SAME_DATA]
     rows = tuple(columns[0])
@@ -122,7 +133,7 @@ def _table(law: str, contact: str, results: Sequence[FitResult]) -> Table:
         contact,
         rows,
         len(names),
-        tuple(paper.get(row, NOTHING) for row in rows),
+        tuple(paper.get(row, MISSING) for row in rows),
         tuple(
             Column(
                 result.name,
@@ -147,12 +158,12 @@ def _cells(result: FitResult) -> dict[str, str]:
         LARGEST: f"{result.max_abs_diff_percent.fitted:.4g}",
         "samples": f"{result.counts.samples:,}".replace(",", "\u2009"),
         "masked": f"{result.counts.masked:,}".replace(",", "\u2009"),
-        "commit": commit(result),
+        "commit": _commit(result),
     }
 
 
 def _published_cells(result: FitResult) -> dict[str, str]:
-    """Return what the published coefficients reach on the data of a fit, row → cell."""
+    """Return the results of the published coefficients on the data of a fit, row → cell."""
     if result.published is None:
         return {}
     return {
@@ -161,28 +172,28 @@ def _published_cells(result: FitResult) -> dict[str, str]:
     }
 
 
-def commit(result: FitResult) -> str:
-    """Return the start of the commit that a fit was made at, and whether files differed from it."""
-    told = str(result.provenance.get("git_commit") or "unknown")
-    return f"{told[:10]}, modified" if told.endswith("-dirty") else told[:10]
+def _commit(result: FitResult) -> str:
+    """Return the start of a fit's commit, and whether files were modified."""
+    name = str(result.provenance.get("git_commit") or "unknown")
+    return f"{name[:10]}, modified" if name.endswith("-dirty") else name[:10]
 
 
 def made_with(results: Mapping[str, FitResult]) -> dict[str, str]:
-    """Return the version and the commit of the fits, "several" where they differ."""
+    """Return the version and the commit of the fits, "several" if they differ."""
     versions = {str(r.provenance.get("cylcontact", "unknown")) for r in results.values()}
-    commits = {commit(result) for result in results.values()}
+    commits = {_commit(result) for result in results.values()}
     return {
-        name: next(iter(found)) if len(found) == 1 else "several"
-        for name, found in (("version", versions), ("commit", commits))
-        if found
+        name: next(iter(values)) if len(values) == 1 else "several"
+        for name, values in (("version", versions), ("commit", commits))
+        if values
     }
 
 
 def _unit(result: FitResult) -> str:
-    """Return what an objective is counted in: percent, mm, N/mm, or the logarithm of a ratio."""
+    """Return the unit of an objective."""
     return next((unit for word, unit in UNITS.items() if word in result.objective.name), "")
 
 
 def _number(value: float | None, unit: str = "") -> str:
-    """Return a number with its unit, or a dash where there is none."""
-    return NOTHING if value is None else f"{value:.5g} {unit}".rstrip()
+    """Return a number with its unit, or a dash for None."""
+    return MISSING if value is None else f"{value:.5g} {unit}".rstrip()

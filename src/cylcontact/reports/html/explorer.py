@@ -1,4 +1,4 @@
-"""What the interactive page computes with: laws as exported, materials, ranges."""
+"""Data of the interactive page: exported laws, materials, ranges."""
 
 from __future__ import annotations
 
@@ -16,10 +16,12 @@ from cylcontact.materials import MaterialRow
 from cylcontact.pair import CONTACTS
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH
 
-# The parts of an exported law that a page needs to compute it.
+__all__ = ["explorer_data"]
+
+# The parts of an exported law that the page computes it from.
 NEEDED = ("constants", "steps", "conditions")
-SHOWN = ("johnson", "persson", "enhanced", "explicit", "fit:internal", "fit:external")
-# Of each slider: the ends, and where it stands at first; logarithmic where that is natural.
+INITIAL_LAWS = ("johnson", "persson", "enhanced", "explicit", "fit:internal", "fit:external")
+# For each slider: its ends and its initial value.
 CONTROLS: Mapping[str, Mapping[str, Any]] = {
     "internal": {"dR": (0.001, 10.0, 0.05), "load": (1.0, 10000.0, 100.0)},
     "external": {"dR": (5.0, 500.0, 20.0), "load": (1.0, 10000.0, 100.0)},
@@ -29,14 +31,14 @@ CONTROLS: Mapping[str, Mapping[str, Any]] = {
 def explorer_data(
     materials: Mapping[str, MaterialRow], results: Mapping[Path, FitResult]
 ) -> dict[str, Any]:
-    """Return everything that the page computes with, as plain data.
+    """Return the page's data, ready for JSON.
 
     Parameters
     ----------
     materials : mapping of str to MaterialRow
         The table of materials.
     results : mapping of path to FitResult
-        Fits by their files; the laws that they found stand beside the package's.
+        Fits by their files; their laws are added to the package's.
 
     Returns
     -------
@@ -55,12 +57,12 @@ def explorer_data(
         "truth": {contact: law.name for contact, law in TRUTH.items()},
         "explicit_range": {contact: list(BOUNDED[contact]) for contact in CONTACTS},
         "trained_dR": {contact: list(PUBLISHED_DR[contact]) for contact in CONTACTS},
-        "shown": SHOWN,
+        "initial_laws": INITIAL_LAWS,
     }
 
 
 def _material(row: MaterialRow) -> dict[str, Any]:
-    """Return a material with the provenance of its numbers; E and yield stress in MPa."""
+    """Return a material with its provenance; E and yield stress in MPa."""
     material = row.material
     return {
         "name": material.name,
@@ -72,7 +74,7 @@ def _material(row: MaterialRow) -> dict[str, Any]:
 
 
 def _package_laws() -> Iterator[dict[str, Any]]:
-    """Yield the package's laws for each contact that they are for."""
+    """Yield the package's laws for each of their contacts."""
     for name in LAWS:
         for contact in CONTACTS:
             if name == "persson":
@@ -88,7 +90,7 @@ def _package_laws() -> Iterator[dict[str, Any]]:
 
 
 def _fitted_laws(results: Mapping[Path, FitResult]) -> Iterator[dict[str, Any]]:
-    """Yield the laws that campaigns found, but for those that only Python can compute."""
+    """Yield the laws fitted by campaigns, except those that only Python can compute."""
     for path, result in results.items():
         try:
             text = export_named(str(path), None, "json")

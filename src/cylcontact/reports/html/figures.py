@@ -1,4 +1,4 @@
-"""What the report shows of each figure, and the checklist of the paper's."""
+"""The figures of the report, and the checklist of the paper's figures."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from pathlib import Path
 from cylcontact.reports.build import FigureResult
 from cylcontact.reports.paper import Paper
 
+__all__ = ["Download", "Figure", "Plate", "describe", "plates"]
+
 NAME = re.compile(r"fig(\d\d)([a-z]*)")
 
 
 @dataclass(frozen=True)
 class Download:
-    """A file to take away."""
+    """A file for download."""
 
     kind: str
     href: str
@@ -30,21 +32,21 @@ class Figure:
     Attributes
     ----------
     name, title, variant : str
-        The recipe's name, what it shows, and which version of it.
+        The recipe's name, the figure's title, and its variant.
     recipe : str
         The recipe's file.
     caption, problem : str
-        The caption, or why there is no figure.
+        The caption, or the reason why there is no figure.
     picture : str
         The PNG's address on the page.
     width, height : int
         Of the picture on the page, in pixels.
     downloads : tuple of Download
-        The files to take away.
+        The files for download.
     headline : mapping of str to str
-        The numbers that sum the figure up.
+        The figure's main results.
     inputs : mapping of str to str
-        The files that it was drawn from, and the start of their hashes.
+        The files read for the figure, and the start of their hashes.
     """
 
     name: str
@@ -63,7 +65,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Plate:
-    """One of the paper's figures with all its variants, or one of our own."""
+    """One of the paper's figures with all its variants, or another figure."""
 
     id: str
     number: int | None
@@ -73,30 +75,30 @@ class Plate:
 
     @property
     def status(self) -> str:
-        """Whether the figure is there."""
+        """Either "missing" or "drawn"."""
         return "missing" if self.problem else "drawn"
 
 
 def describe(result: FigureResult, recipe: Path, root: Path, page: Path, paper: Paper) -> Figure:
-    """Return what the page says about a figure.
+    """Return a figure as the page presents it.
 
     Parameters
     ----------
     result : FigureResult
-        What became of it.
+        The recipe's outcome.
     recipe : path
-        Its file.
+        The recipe's file.
     root, page : path
         The bench's folder and the page's.
     paper : Paper
-        What the bench says of its paper.
+        The bench's description of its paper.
     """
     match = NAME.fullmatch(result.name)
     files = {path.suffix[1:]: path for path in result.paths}
     width, height = (round(mm * 96 / 25.4) for mm in result.size_mm)
     return Figure(
         name=result.name,
-        title=first_line(recipe),
+        title=_title(recipe),
         variant=paper.variants.get(match[2], match[2]) if match else "",
         recipe=recipe.relative_to(root).as_posix(),
         caption=result.caption,
@@ -119,7 +121,7 @@ def plates(figures: Iterable[Figure], paper: Paper) -> tuple[list[Plate], list[P
     Parameters
     ----------
     figures : iterable of Figure
-        Every recipe's.
+        The figures of all recipes.
     paper : Paper
         Its `figures` are the checklist.
 
@@ -150,25 +152,25 @@ def _plate(number: int, figures: Sequence[Figure], title: str) -> Plate:
     return Plate(name, number, title, tuple(ordered), problem)
 
 
-def first_line(recipe: Path) -> str:
-    """Return what a recipe's docstring says it draws; nothing where it cannot be read.
+def _title(recipe: Path) -> str:
+    """Return the first paragraph of a recipe's docstring, or nothing if it cannot be read.
 
     Examples
     --------
     >>> import tempfile
     >>> recipe = Path(tempfile.mkdtemp()) / "fig98.py"
     >>> _ = recipe.write_text("'''Fig 98: a line, drawn.'''")
-    >>> first_line(recipe)
+    >>> _title(recipe)
     'A line, drawn'
     """
     try:
-        told = ast.get_docstring(ast.parse(recipe.read_text(encoding="utf-8"))) or ""
+        text = ast.get_docstring(ast.parse(recipe.read_text(encoding="utf-8"))) or ""
     except (SyntaxError, ValueError, OSError):
         return ""
-    line = re.sub(r"^Figs? \d+\w*:\s*", "", told.split("\n\n", 1)[0].replace("\n", " "))
+    line = re.sub(r"^Figs? \d+\w*:\s*", "", text.split("\n\n", 1)[0].replace("\n", " "))
     return (line[:1].upper() + line[1:]).rstrip(".")
 
 
 def _size(path: Path) -> str:
-    """Return a file's size for people."""
+    """Return a file's size in kB as text."""
     return f"{max(1, round(path.stat().st_size / 1000))} kB"

@@ -1,4 +1,4 @@
-"""Build the report: draw every figure, gather what is known, write the pages."""
+"""Build the report: draw every figure, collect fits and claims, write the pages."""
 
 from __future__ import annotations
 
@@ -28,6 +28,8 @@ from cylcontact.reports.html.explorer import explorer_data
 from cylcontact.reports.html.figures import Figure, describe, plates
 from cylcontact.reports.paper import Paper, paper_of
 
+__all__ = ["Site", "build_site"]
+
 # A symbol of one letter with an index.
 SYMBOL = re.compile(r"(?<!\w)([^\W\d_])_([A-Za-z]+|\d)(?!\w)")
 PAGES = ("index", "explore")
@@ -44,7 +46,7 @@ class Site:
     index : path
         The page to open.
     missing : tuple of str
-        What is missing in it, each with its reason.
+        The missing parts, each with its reason.
     """
 
     index: Path
@@ -53,7 +55,7 @@ class Site:
 
 @dataclass(frozen=True)
 class _ReadableBench(Bench):
-    """A bench that passes over fit results that cannot be read; the page lists these apart."""
+    """A bench without the fit results that cannot be read, which the page lists separately."""
 
     def results_by_name(self) -> dict[str, FitResult]:
         """Load every readable fit result, name → result."""
@@ -61,8 +63,8 @@ class _ReadableBench(Bench):
 
 
 @dataclass(frozen=True)
-class Ledger:
-    """The claims, or why there are none."""
+class _Ledger:
+    """The claims, or the reason why there are none."""
 
     claims: tuple[Claim, ...]
     problem: str = ""
@@ -71,17 +73,17 @@ class Ledger:
 def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
     """Draw all figures and write `index.html`, `explore.html` and `figures/` in a folder.
 
-    The pages need no server and no network. A figure, a fit or a claim that cannot be had is
-    listed as missing, with the reason.
+    The pages need no server and no network. Figures, fits and claims that fail are listed as
+    missing, with the reason.
 
     Parameters
     ----------
     bench : Bench
-        Where the recipes and their inputs are; its `jobs` draw, and run what takes long.
+        The recipes and their inputs; its `jobs` processes draw and run long computations.
     folder : path
         Where to write.
     progress : callable, optional
-        Called with the stage, what is done of it and its total.
+        Called with the stage, the number of parts done and their total.
 
     Returns
     -------
@@ -110,7 +112,7 @@ def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
         "explore": _explore(bench, campaigns),
     }
     for page, content in pages.items():
-        text = render(page, common | content)
+        text = _render(page, common | content)
         with replacing(folder / f"{page}.html") as temporary:
             temporary.write_text(text, encoding="utf-8")
     missing = [f"{figure.name}: {figure.problem}" for figure in figures if figure.problem]
@@ -119,15 +121,15 @@ def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
     return Site(folder / "index.html", tuple(missing))
 
 
-def render(page: str, content: Mapping[str, Any]) -> str:
-    """Return a page's HTML, whatever stands in its content escaped.
+def _render(page: str, content: Mapping[str, Any]) -> str:
+    """Return a page's HTML, with its content escaped.
 
     Parameters
     ----------
     page : str
         Of `PAGES`.
     content : mapping
-        What its template names.
+        The variables of its template.
 
     Returns
     -------
@@ -143,14 +145,14 @@ def render(page: str, content: Mapping[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    # Our own styles and scripts go in as they are; everything else is escaped.
+    # Our own styles and scripts are inserted verbatim; everything else is escaped.
     environment.filters["subscripts"] = lambda text: Markup(_subscripts(str(escape(text))))
     environment.globals["asset"] = lambda name: Markup(_asset(name))
     return environment.get_template(f"{page}.html.j2").render(page=page, **content)
 
 
 def _subscripts(escaped: str) -> str:
-    """Return HTML in which symbols such as c_e and R_i have their index below the line.
+    """Return HTML with the indices of symbols such as c_e and R_i as subscripts.
 
     Examples
     --------
@@ -161,12 +163,12 @@ def _subscripts(escaped: str) -> str:
 
 
 def _asset(name: str) -> str:
-    """Return the text of a style sheet or script of ours."""
+    """Return the text of one of our style sheets or scripts."""
     return (files("cylcontact.reports.html") / "assets" / name).read_text(encoding="utf-8")
 
 
 def _index(
-    figures: list[Figure], campaigns: Campaigns, claims: Ledger, paper: Paper
+    figures: list[Figure], campaigns: Campaigns, claims: _Ledger, paper: Paper
 ) -> dict[str, Any]:
     """Return the content of the report's page."""
     numbered, others = plates(figures, paper)
@@ -196,11 +198,11 @@ def _explore(bench: Bench, campaigns: Campaigns) -> dict[str, Any]:
     return {"data": explorer_data(materials, files_of), "materials_problem": problem}
 
 
-def _claims(bench: Bench, progress: Progress) -> Ledger:
-    """Return the ledger, or why there is none."""
+def _claims(bench: Bench, progress: Progress) -> _Ledger:
+    """Return the ledger, or the reason why there is none."""
     try:
-        return Ledger(
+        return _Ledger(
             tuple(ledger(_ReadableBench(bench.root, bench.results, bench.jobs), progress))
         )
     except InputError as error:
-        return Ledger((), str(error))
+        return _Ledger((), str(error))

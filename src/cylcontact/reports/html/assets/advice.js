@@ -1,12 +1,12 @@
-// Which law when: what rules a law out at a pair and load, then how far each is from the truth.
-// Pure: numbers in, words out; the page around it draws them.
+// Which law to use: what rules a law out at a pair and load, and how far each is from the reference.
+// Pure functions from numbers to text; explore.js displays the text.
 "use strict";
 
 const Advice = (() => {
   const { number, percent } = Charts;
 
   // The load at yield by Hertz's peak pressure, and whether his theory holds at that load: the
-  // contact must be narrow beside the bodies there, not only at the load that is looked at.
+  // contact must be narrow there, not only at the chosen load.
   function yieldOf(stress, pair) {
     const load = Laws.limits.yieldLoad(stress, pair);
     const halfWidth = Laws.limits.hertzHalfWidth(load, pair);

@@ -1,4 +1,4 @@
-// Two charts in SVG, drawn at the width that they have so that their text keeps its size.
+// Charts in SVG, drawn at their width on the page so that the text keeps its size.
 "use strict";
 
 const Charts = (() => {
@@ -86,7 +86,7 @@ const Charts = (() => {
     make("circle", { class: `point c${slot % 6}`, r: 4.5, cx: frame.sx.at(x), cy: frame.sy.at(y) }, frame.layer);
   }
 
-  // A line across at a value of x or of y, with a word beside it on the row given.
+  // A line across the chart at a value of x or y, with a label on the given row.
   function mark(frame, axis, value, kind, word, row = 0) {
     const scale = axis === "x" ? frame.sx : frame.sy;
     if (!(value >= scale.from && value <= scale.to)) return;
@@ -116,13 +116,13 @@ const Charts = (() => {
 
   function plain(value) {
     if (value !== 0 && (Math.abs(value) >= 1e6 || Math.abs(value) < 1e-4)) return value.toExponential(0);
-    // Thousands are set apart from 10 000 upwards.
+    // Thousands are separated from 10 000.
     return Number(value.toPrecision(6))
       .toLocaleString("en", { maximumFractionDigits: 6, useGrouping: Math.abs(value) >= 1e4 })
       .replaceAll(",", "\u2009").replace("-", "\u2212");
   }
 
-  // Numbers as the page writes them: so many digits, and signed percentages.
+  // Numbers as the page prints them: with a number of digits, or as signed percentages.
   function number(value, digits = 6) {
     if (value === Infinity) return "none";
     if (!Number.isFinite(value)) return "–";

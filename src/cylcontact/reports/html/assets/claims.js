@@ -6,7 +6,7 @@
   if (!form) return;
   const claims = [...document.querySelectorAll(".claim")];
   const texts = new Map(claims.map((claim) => [claim, claim.textContent.toLowerCase()]));
-  const shown = document.getElementById("claims-shown");
+  const countText = document.getElementById("claims-count");
 
   function apply() {
     const verdicts = new Set(
@@ -22,7 +22,7 @@
       claim.hidden = !fits;
       count += fits;
     }
-    shown.textContent = `${count} of ${claims.length} claims shown`;
+    countText.textContent = `${count} of ${claims.length} claims shown`;
   }
   form.addEventListener("input", apply);
   form.addEventListener("submit", (event) => event.preventDefault());

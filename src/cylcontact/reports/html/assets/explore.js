@@ -14,11 +14,10 @@
     R_i: [1, 500, 10, "log"], length: [1, 500, 10, "log"],
   };
   const values = Object.fromEntries(Object.entries(FIXED).map(([name, [, , start]]) => [name, start]));
-  const shown = { internal: new Set(data.shown), external: new Set(data.shown) };
+  const selected = { internal: new Set(data.initial_laws), external: new Set(data.initial_laws) };
   let contact = "internal";
 
-  // Sliders: a range of a thousand steps, on a logarithmic scale where that is natural, and a
-  // field beside it for the exact number.
+  // Sliders: a range of a thousand steps, linear or logarithmic, and a field for the exact number.
   const range = (name) => (name in FIXED ? FIXED[name] : [...data.controls[contact][name], "log"]);
   const toShare = ([low, high, , scale], value) => (scale === "log"
     ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low));
@@ -80,7 +79,7 @@
     if (material.yield_stress !== null) values.yield_stress = material.yield_stress;
     for (const name of ["E", "nu", "yield_stress"]) place(name);
   }
-  function tellOrigin() {
+  function showOrigin() {
     const material = data.materials.find((each) => each.name === form.elements.material.value);
     const words = { E_GPa: "E", nu: "ν", yield_stress_MPa: "yield stress" };
     document.getElementById("material-origin").textContent = material
@@ -96,10 +95,10 @@
     for (const law of here()) {
       const label = document.createElement("label");
       const input = Object.assign(document.createElement("input"), {
-        type: "checkbox", name: "law", value: law.id, checked: shown[contact].has(law.id),
+        type: "checkbox", name: "law", value: law.id, checked: selected[contact].has(law.id),
       });
       input.addEventListener("change", () => {
-        shown[contact][input.checked ? "add" : "delete"](law.id);
+        selected[contact][input.checked ? "add" : "delete"](law.id);
         update();
       });
       const text = document.createElement("span");
@@ -137,7 +136,7 @@
     const find = (id) => here().find((law) => law.id === id).compute;
     const johnson = find("johnson"), truth = find(data.truth[contact]);
     const reference = johnson.penetration(load, pair), exact = truth.penetration(load, pair);
-    const answers = here().filter((law) => shown[contact].has(law.id)).map((law) => {
+    const answers = here().filter((law) => selected[contact].has(law.id)).map((law) => {
       const penetration = law.compute.penetration(load, pair);
       return {
         law,
@@ -154,7 +153,7 @@
 
   function showNumbers(now) {
     const { pair, load } = now;
-    const told = [
+    const entries = [
       ["E_star", "composite modulus E*", pair.E_star, "MPa"],
       ["R_j", "radius of body j", pair.R_j, "mm"],
       ["phi", "load number f/(E*ΔR)", load / (pair.E_star * pair.dR), ""],
@@ -164,7 +163,7 @@
       ["hertz_stress", "peak pressure, Hertz", Laws.limits.hertzStress(load, pair), "MPa"],
       ["half_width", "half width of contact", Laws.limits.hertzHalfWidth(load, pair), "mm"],
     ];
-    document.getElementById("numbers").replaceChildren(...told.map(([key, name, value, unitText]) => {
+    document.getElementById("numbers").replaceChildren(...entries.map(([key, name, value, unitText]) => {
       const box = document.createElement("div");
       const term = Object.assign(document.createElement("dt"), { textContent: name });
       const detail = document.createElement("dd");
@@ -204,7 +203,7 @@
     }));
   }
 
-  // What the advice needs of the page, gathered; the words are Advice's.
+  // Collect the input of Advice.advise.
   function adviseHere(now) {
     const { pair, load, truth } = now;
     const exact = truth.penetration(load, pair);
@@ -221,7 +220,7 @@
     const { tone, title, points } = adviseHere(now);
     const box = document.getElementById("verdict");
     box.dataset.tone = tone;
-    // Read out once the slider rests, not at every step of it.
+    // Announce the advice when the slider stops, not at every step.
     clearTimeout(waiting);
     waiting = setTimeout(() => {
       const heading = Object.assign(document.createElement("h2"), { textContent: title });
@@ -254,7 +253,7 @@
     if (now.yields.holds) Charts.mark(frame, "y", now.yields.load, "limit", "yield");
     Charts.mark(frame, "y", now.johnsonLoad, "limit johnson", "end of Johnson's law");
     answers.forEach(({ penetration }, slot) => Charts.point(frame, 1000 * penetration, load, slot));
-    document.getElementById("force-told").textContent = `At ${number(load, 4)} N/mm: `
+    document.getElementById("force-text").textContent = `At ${number(load, 4)} N/mm: `
       + answers.map((a) => `${a.law.label} ${number(1000 * a.penetration, 4)} µm`).join(", ");
   }
 
@@ -271,7 +270,7 @@
       }
       return { ...answer, points };
     });
-    // High enough for most of the curves and for every point, whatever happens near the limits.
+    // High enough for most of the curves and for every point; curves may diverge near the limits.
     const heights = curves.flatMap(({ points }) => points.map(([, value]) => Math.abs(value)))
       .filter(Number.isFinite).sort((a, b) => a - b);
     const most = heights[Math.floor(0.8 * heights.length)] || 0;
@@ -286,14 +285,14 @@
     if (now.yields.holds) Charts.mark(frame, "x", now.yields.load, "limit", "yield", 0);
     Charts.mark(frame, "x", now.johnsonLoad, "limit johnson", "end of Johnson's law", 1);
     for (const { law, difference } of curves) Charts.point(frame, load, difference, slotOf(answers, law));
-    document.getElementById("difference-told").textContent = `At ${number(load, 4)} N/mm: `
+    document.getElementById("difference-text").textContent = `At ${number(load, 4)} N/mm: `
       + curves.map((a) => `${a.law.label} ${percent(a.difference)} %`).join(", ");
   }
   const slotOf = (answers, law) => answers.findIndex((answer) => answer.law === law);
 
   function update() {
     const now = compute();
-    tellOrigin();
+    showOrigin();
     drawSwatches(now.answers.map(({ law }) => law));
     showNumbers(now);
     showAnswers(now);
@@ -319,8 +318,8 @@
   for (const radio of document.querySelectorAll("input[name=scale]")) radio.addEventListener("change", update);
   form.addEventListener("submit", (event) => event.preventDefault());
   fillMaterials();
-  // On a phone the results are nearer where the list of laws is closed.
-  document.getElementById("laws-shown").open = matchMedia("(min-width: 62rem)").matches;
+  // On a phone the list of laws starts closed, so that the results are near.
+  document.getElementById("laws-list").open = matchMedia("(min-width: 62rem)").matches;
   switchContact();
   let frameWaiting = 0;
   addEventListener("resize", () => {

@@ -1,5 +1,5 @@
-// Contact laws computed in the page, from the laws that Python exported as JSON: each is a list of
-// assignments in a small notation, and its coefficients. Units are mm, N and MPa throughout.
+// Contact laws computed in the page from the JSON that Python exported: each law is a list of
+// assignments in a small notation, with its coefficients. Units are mm, N and MPa throughout.
 "use strict";
 
 const Laws = (() => {
@@ -20,7 +20,7 @@ const Laws = (() => {
   };
   const TOKEN = /\s*(\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?|[A-Za-z_]\w*|\*\*|[<>]=?|[-+*/(),])/gy;
 
-  // From text to a function of the named values; no eval, so that data stay data.
+  // Compile text to a function of the named values, without eval, so that data cannot run.
   function compile(text) {
     const tokens = tokenise(text);
     let at = 0;
@@ -93,9 +93,9 @@ const Laws = (() => {
     const tokens = [];
     TOKEN.lastIndex = 0;
     while (TOKEN.lastIndex < text.length) {
-      const found = TOKEN.exec(text);
-      if (!found) throw new Error(`cannot read ${text}`);
-      tokens.push(found[1]);
+      const match = TOKEN.exec(text);
+      if (!match) throw new Error(`cannot read ${text}`);
+      tokens.push(match[1]);
     }
     return tokens;
   }
@@ -152,7 +152,7 @@ const Laws = (() => {
     return { penetration, maxLoad, maxPenetration: (pair) => compliance(pair) * maxLoad(pair) };
   }
 
-  // The others have no largest load; where such a law is undefined, nothing is known of one.
+  // The other laws have no largest load; the limit is NaN where such a law is undefined.
   function unlimited(both) {
     const limit = (pair) => (Number.isNaN(both(pair.dR, pair)[0]) ? NaN : Infinity);
     return {
@@ -240,7 +240,7 @@ const Laws = (() => {
     johnsonPenetration: (pair) => (4 * pair.dR) / (Math.E * Math.E),
   };
 
-  // Johnson's load by Lambert's W, the independent way that the exported steps are checked by.
+  // Johnson's load by Lambert's W, an independent check of the exported steps.
   function johnsonLoad(penetration, pair) {
     const x = (-Math.E * penetration) / (4 * pair.dR);
     return (-Math.PI * pair.E_star * penetration) / lambertWm1(x);

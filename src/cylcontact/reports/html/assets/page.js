@@ -1,4 +1,4 @@
-// What both pages do: switch the theme, open everything for the printer.
+// For both pages: switch the theme, open everything for the printer.
 "use strict";
 
 (() => {
@@ -7,18 +7,18 @@
   const dark = () => (root.dataset.theme
     ? root.dataset.theme === "dark"
     : matchMedia("(prefers-color-scheme: dark)").matches);
-  const tell = () => {
+  const updateButton = () => {
     button.setAttribute("aria-pressed", String(dark()));
   };
   button.addEventListener("click", () => {
     root.dataset.theme = dark() ? "light" : "dark";
     try {
       localStorage.setItem("cylcontact-theme", root.dataset.theme);
-    } catch { /* then it lasts until the page is left */ }
-    tell();
+    } catch { /* without storage it lasts until the page is left */ }
+    updateButton();
   });
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", tell);
-  tell();
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", updateButton);
+  updateButton();
 
   let opened = [];
   addEventListener("beforeprint", () => {

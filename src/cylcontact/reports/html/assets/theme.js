@@ -1,6 +1,6 @@
-// Before the page is painted: the theme that the reader chose last.
+// Apply the reader's last choice of theme before the page is painted.
 "use strict";
 try {
   const chosen = localStorage.getItem("cylcontact-theme");
   if (chosen === "light" || chosen === "dark") document.documentElement.dataset.theme = chosen;
-} catch { /* a browser that keeps nothing for pages opened from disk */ }
+} catch { /* no storage for pages opened from disk */ }
