@@ -145,6 +145,7 @@ def difference_map(
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> drawing = difference_map(Bench(Path()), "low-carbon steel")
     >>> print(f"{drawing.headline['highest difference, %']:.2f} %")
     33.68 %
