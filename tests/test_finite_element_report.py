@@ -126,7 +126,7 @@ class TestClaims:
         assert len(untested) == 6
         for claim in untested:
             assert claim.verdict == "not testable"
-            assert "recommended.toml: this set-up does not exist" in claim.choice
+            assert ".toml: this set-up does not exist" in claim.choice
 
     def test_a_table_of_an_older_set_up_is_refused(self, tmp_path):
         folder = tmp_path / "datasets" / "finite_element"

@@ -119,7 +119,7 @@ def find_recipes(bench: Bench) -> dict[str, Path]:
         if "draw" in defined:
             recipes[file.stem] = file
         if "FIGURES" in defined:
-            recipes |= dict.fromkeys(bench.module(file.stem).FIGURES, file)
+            recipes |= dict.fromkeys(_figures_of(file.stem, bench), file)
     if not recipes:
         raise InputError(
             str(bench.recipes_folder),
@@ -451,6 +451,15 @@ def _top_level_names(file: Path) -> set[str]:
         elif isinstance(node, ast.ImportFrom):
             names |= {alias.asname or alias.name for alias in node.names}
     return names
+
+
+def _figures_of(name: str, bench: Bench) -> Iterable[str]:
+    """Return the figures that a file lists; only its own name where it cannot be imported."""
+    try:
+        figures: Mapping[str, Any] = bench.module(name).FIGURES
+    except Exception:  # drawing it reports what is wrong
+        return (name,)
+    return figures
 
 
 def _needs_arguments(name: str, file: Path) -> bool:
