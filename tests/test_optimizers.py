@@ -211,7 +211,7 @@ def test_the_figures_headline(figures):
 
 @pytest.mark.parametrize("contents", [None, "", "a,b\n1,2\n", "\0\0"])
 def test_a_comparison_that_is_not_there_is_asked_for(tmp_path, contents):
-    from cylcontact.reports.optimizers import optimizer_runs
+    from _cylcontact_bench.fig_optimizers import optimizer_runs
 
     path = tmp_path / "optimizers-internal.csv"
     if contents is not None:

@@ -10,6 +10,8 @@ from cylcontact.fitting.verdicts import basins
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.style import ACCENT, COLOURS, QUIET
 
+__all__ = ["profile_drawing", "runs_drawing", "runs_table"]
+
 
 def runs_table(result: FitResult) -> pd.DataFrame:
     """Return the runs of a result, best first.
