@@ -148,7 +148,7 @@ def test_a_bench_with_a_broken_table_of_materials_still_has_a_report(tmp_path):
     site = build_site(Bench(tmp_path), tmp_path / "html")
     explore = (site.index.parent / "explore.html").read_text(encoding="utf-8")
     assert "materials.csv: cannot be read" in explore
-    assert "none of the main fits is there" in site.index.read_text(encoding="utf-8")
+    assert "none of the main fits exists" in site.index.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("page", ["index", "explore"])

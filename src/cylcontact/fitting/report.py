@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 from textwrap import fill
 from typing import TYPE_CHECKING
@@ -20,15 +20,30 @@ if TYPE_CHECKING:
     from cylcontact.fitting.uncertainty.study import NoiseStudy
 
 __all__ = [
+    "NUMBERS",
     "as_html",
     "as_text",
+    "by_law",
     "compare",
     "discrepancy_text",
     "noise_text",
+    "side_by_side",
     "text_table",
 ]
 
 _WIDTH = 100
+
+# The rows below the coefficients where results are compared, with their labels in text and their
+# formats. Those of the published coefficients are computed on the data of each fit.
+NUMBERS = {
+    "objective": ("  fitted", ".5g"),
+    "published objective": ("  published", ".5g"),
+    "lower bound": ("  lower bound", ".5g"),
+    "largest |Eq 9|, %": ("max |Eq 9|, %", ".4g"),
+    "published largest |Eq 9|, %": ("  published", ".5g"),
+    "samples": ("samples", ",d"),
+    "masked": ("  masked", ",d"),
+}
 
 _Rows = list[tuple[str, ...]]
 
@@ -148,37 +163,78 @@ def compare(results: Sequence[FitResult]) -> str:
         Each table has a column for the published coefficients and one for each result. The
         objective of the published coefficients depends on the data and has a row of its own.
     """
-    groups: dict[tuple[str, str], list[FitResult]] = {}
-    for result in results:
-        groups.setdefault((result.law, result.contact), []).append(result)
-    parts = [_compare_group(group) for group in groups.values()]
+    parts = [_side_by_side_text(group) for group in by_law(results)]
     for result in results:
         parts.append("\n".join([f"{result.name}:", *map(_item, verdicts(result))]))
     return "\n\n".join(parts)
 
 
-def _compare_group(results: list[FitResult]) -> str:
-    """Return the table of results of one law and contact."""
+def by_law(results: Iterable[FitResult]) -> list[list[FitResult]]:
+    """Return the results of each law and contact, in the order of their first."""
+    groups: dict[tuple[str, str], list[FitResult]] = {}
+    for result in results:
+        groups.setdefault((result.law, result.contact), []).append(result)
+    return list(groups.values())
+
+
+def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
+    """Return results of one law and contact side by side, for the renderings of such a table.
+
+    Parameters
+    ----------
+    results : sequence of FitResult
+        In the order of the columns.
+
+    Returns
+    -------
+    dict
+        The coefficients, then the rows of `NUMBERS`: row → the published value ("" below the
+        coefficients) and each fit's; None for a number that does not exist.
+
+    Examples
+    --------
+    >>> from cylcontact.fitting import FitResult
+    >>> side_by_side([FitResult.load("fitting/results/external.json")])["n"]
+    ['1.094', '1.0847']
+    """
+    # Some results of a group may be of data for which nothing was published.
+    published = next((r.published.coefficients for r in results if r.published), None)
+    rows: dict[str, list[str | None]] = {
+        name: [
+            f"{published[name]:g}" if published else None,
+            *(f"{r.coefficients[name]:.5g}" for r in results),
+        ]
+        for name in results[0].coefficients
+    }
+    columns = [_numbers(result) for result in results]
+    for number, (row, (_, form)) in enumerate(NUMBERS.items()):
+        values = [column[number] for column in columns]
+        rows[row] = ["", *(None if v is None else format(v, form) for v in values)]
+    return rows
+
+
+def _numbers(result: FitResult) -> tuple[float | None, ...]:
+    """Return the numbers of `NUMBERS`."""
+    return (
+        result.objective.value,
+        result.published.objective if result.published else None,
+        result.bound,
+        result.max_abs_diff_percent.fitted,
+        result.max_abs_diff_percent.published,
+        result.counts.samples,
+        result.counts.masked,
+    )
+
+
+def _side_by_side_text(results: list[FitResult]) -> str:
+    """Return results of one law and contact side by side as text."""
     first = results[0]
-    columns = (f"{first.law}, {first.contact}", "published", *(r.name for r in results))
-    rows: _Rows = []
-    for name in first.coefficients:
-        paper = f"{first.published.coefficients[name]:g}" if first.published else "-"
-        rows.append((name, paper, *(f"{r.coefficients[name]:.5g}" for r in results)))
-    rows += [
-        ("objective", "", *(r.objective.name for r in results)),
-        ("  fitted", "", *(f"{r.objective.value:.5g}" for r in results)),
-        (
-            "  published",
-            "",
-            *(_or_dash(r.published.objective if r.published else None) for r in results),
-        ),
-        ("  lower bound", "", *(_or_dash(r.bound) for r in results)),
-        ("max |Eq 9|, %", "", *(f"{r.max_abs_diff_percent.fitted:.4g}" for r in results)),
-        ("  published", "", *(_or_dash(r.max_abs_diff_percent.published) for r in results)),
-        ("samples", "", *(f"{r.counts.samples:,}" for r in results)),
-        ("  masked", "", *(f"{r.counts.masked:,}" for r in results)),
+    rows: _Rows = [
+        (NUMBERS[row][0] if row in NUMBERS else row, *("-" if c is None else c for c in cells))
+        for row, cells in side_by_side(results).items()
     ]
+    rows.insert(len(first.coefficients), ("objective", "", *(r.objective.name for r in results)))
+    columns = (f"{first.law}, {first.contact}", "published", *(r.name for r in results))
     return text_table(columns, rows)
 
 

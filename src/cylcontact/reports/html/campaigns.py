@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from cylcontact.errors import InputError
+from cylcontact.fitting.report import by_law, side_by_side
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.verdicts import verdicts
 from cylcontact.reports.bench import Bench
@@ -22,11 +23,9 @@ __all__ = [
 ]
 
 MISSING = "–"
-OBJECTIVE = "objective"
-SAME_DATA = "published, same data"
-LARGEST = "largest |Eq 9|, %"
+_ROW_NAMES = {"published objective": "published, same data"}
 # The unit of an objective, by the first of these words in its name.
-UNITS = {"percent": "%", "-log-": "(ln)", "relative": "(relative)"}
+_UNITS = {"percent": "%", "-log-": "(ln)", "relative": "(relative)"}
 
 
 @dataclass(frozen=True)
@@ -100,11 +99,10 @@ def tables(results: Mapping[str, FitResult]) -> list[Table]:
     list of Table
         Those with most fits first.
     """
-    groups: dict[tuple[str, str], list[FitResult]] = {}
-    for result in results.values():
-        groups.setdefault((result.law, result.contact), []).append(result)
-    ordered = sorted(groups.items(), key=lambda item: (-len(item[1]), item[0]))
-    return [_table(law, contact, members) for (law, contact), members in ordered]
+    groups = sorted(
+        by_law(results.values()), key=lambda group: (-len(group), group[0].law, group[0].contact)
+    )
+    return [_table(group) for group in groups]
 
 
 def headline(results: Mapping[str, FitResult], names: Sequence[str]) -> list[Table]:
@@ -112,64 +110,52 @@ def headline(results: Mapping[str, FitResult], names: Sequence[str]) -> list[Tab
     main = [results[name] for name in names if name in results]
     return [
         replace(table, columns=tuple(replace(c, name="refit", about="") for c in table.columns))
-        for table in (_table(result.law, result.contact, [result]) for result in main)
+        for table in (_table([result]) for result in main)
     ]
 
 
-def _table(law: str, contact: str, results: Sequence[FitResult]) -> Table:
+def _table(results: Sequence[FitResult]) -> Table:
     """Return one table."""
-    # Some results of a group may have been made where nothing was published.
-    published = next((r.published for r in results if r.published is not None), None)
-    names = tuple(results[0].coefficients)
-    paper = {n: f"{published.coefficients[n]:g}" for n in names} if published else {}
-    columns = [_cells(result) for result in results]
+    first, rows = results[0], side_by_side(results)
     if len(results) == 1:
         # One set of data: the published coefficients' results on it go to their column.
-        paper |= _published_cells(results[0])
-        del columns[0][SAME_DATA]
-    rows = tuple(columns[0])
+        for row in [row for row in rows if row.startswith("published")]:
+            rows[row.removeprefix("published ")][0] = rows.pop(row)[1]
+    else:
+        del rows["published largest |Eq 9|, %"]
+    rows["commit"] = ["", *map(_commit, results)]
+    units = [_unit(result) for result in results]
+    cells = {
+        row: [
+            _cell(cell, row, unit) for cell, unit in zip(row_cells, [units[0], *units], strict=True)
+        ]
+        for row, row_cells in rows.items()
+    }
+    published, *columns = zip(*cells.values(), strict=True)
     return Table(
-        law,
-        contact,
-        rows,
-        len(names),
-        tuple(paper.get(row, MISSING) for row in rows),
+        first.law,
+        first.contact,
+        tuple(_ROW_NAMES.get(row, row) for row in cells),
+        len(first.coefficients),
+        published,
         tuple(
             Column(
                 result.name,
                 f"to {result.reference}, {result.objective.name}",
-                tuple(cells.values()),
+                column,
                 tuple(verdicts(result)),
             )
-            for result, cells in zip(results, columns, strict=True)
+            for result, column in zip(results, columns, strict=True)
         ),
     )
 
 
-def _cells(result: FitResult) -> dict[str, str]:
-    """Return one fit's cells, row → cell, coefficients first."""
-    unit = _unit(result)
-    published = result.published.objective if result.published else None
-    return {
-        **{name: f"{value:.5g}" for name, value in result.coefficients.items()},
-        OBJECTIVE: _number(result.objective.value, unit),
-        SAME_DATA: _number(published, unit),
-        "lower bound": _number(result.bound, unit),
-        LARGEST: f"{result.max_abs_diff_percent.fitted:.4g}",
-        "samples": f"{result.counts.samples:,}".replace(",", "\u2009"),
-        "masked": f"{result.counts.masked:,}".replace(",", "\u2009"),
-        "commit": _commit(result),
-    }
-
-
-def _published_cells(result: FitResult) -> dict[str, str]:
-    """Return the results of the published coefficients on the data of a fit, row → cell."""
-    if result.published is None:
-        return {}
-    return {
-        OBJECTIVE: _number(result.published.objective, _unit(result)),
-        LARGEST: _number(result.max_abs_diff_percent.published),
-    }
+def _cell(number: str | None, row: str, unit: str) -> str:
+    """Return a number with its unit, or a dash if it does not exist."""
+    if not number:
+        return MISSING
+    with_unit = row == "lower bound" or row.endswith("objective")
+    return f"{number} {unit if with_unit else ''}".rstrip().replace(",", "\u2009")
 
 
 def _commit(result: FitResult) -> str:
@@ -191,9 +177,4 @@ def made_with(results: Mapping[str, FitResult]) -> dict[str, str]:
 
 def _unit(result: FitResult) -> str:
     """Return the unit of an objective."""
-    return next((unit for word, unit in UNITS.items() if word in result.objective.name), "")
-
-
-def _number(value: float | None, unit: str = "") -> str:
-    """Return a number with its unit, or a dash for None."""
-    return MISSING if value is None else f"{value:.5g} {unit}".rstrip()
+    return next((unit for word, unit in _UNITS.items() if word in result.objective.name), "")
