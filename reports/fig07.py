@@ -20,7 +20,7 @@ CAPTION = (
     "Load per unit length (N/mm) at which the peak pressure of Hertz's line contact (Eq 7) equals "
     "the yield stress, against radial clearance (mm); internal contact, hole of radius R_i, both "
     "bodies of one material, elastic below its line. Grey band: the loads of Figs 10 to 14, 10 to "
-    "1000 N/mm. Material values that are not the paper's: {told}."
+    "1000 N/mm. Material values that are not the paper's: {origins}."
 )
 
 
@@ -40,5 +40,5 @@ def draw(bench: Bench) -> Drawing:
         for R_i in RADII
         for name, row in rows.items()
     }
-    caption = CAPTION.format(told=origins(rows, rows, ELASTIC, YIELD))
+    caption = CAPTION.format(origins=origins(rows, rows, ELASTIC, YIELD))
     return Drawing(figure, table, headline, caption)

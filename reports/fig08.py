@@ -30,8 +30,8 @@ CAPTION = (
     "Largest load per unit length (N/mm) that Johnson's law can carry, 4π E* ΔR / e² (Eq 8), "
     "against radial clearance (mm), internal contact, both bodies of one material. Grey line: the "
     "highest load of Figs 10 to 14. Stars: the three limits that the paper's text states as 494, "
-    "658 and 865 N/mm, as computed here. Material values that are not the paper's: {told}; so the "
-    "stars show that the moduli derived from these limits are consistent, no more. Eq 8 bounds the "
+    "658 and 865 N/mm, as computed here. Material values that are not the paper's: {origins}; so "
+    "the stars show that the moduli derived from these limits are consistent, no more. Eq 8 bounds the "
     "algebra, not the physics: thin lines are the loads φ E* ΔR at which Johnson's penetration is "
     "{percents} % below Persson's conformal solution (its datum matched to Johnson's law at small "
     "loads, our choice), φ = {numbers}; drawn for {departing} only, and in proportion to E* for "
@@ -62,7 +62,7 @@ def draw(bench: Bench) -> Drawing:
     axes.set(ylabel="load (N/mm)", ylim=(1.5, 3e6))
     axes.legend(loc="upper left", title="limit of Johnson's law (Eq 8)", alignment="left")
     caption = CAPTION.format(
-        told=origins(rows, rows, ELASTIC),
+        origins=origins(rows, rows, ELASTIC),
         percents=", ".join(f"{percent:g}" for percent in numbers),
         numbers=", ".join(f"{number:.4f}" for number in numbers.values()),
         departing=DEPARTING,

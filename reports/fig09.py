@@ -20,7 +20,7 @@ CAPTION = (
     "(Eq 8), against radial clearance (mm); internal contact, hole of radius R_i, both bodies of "
     "one material. Stars: where the pressure equals the yield stress, which the thin lines carry "
     "to the axis; left of its star Johnson's law ends before the material yields, right of it the "
-    "material yields first. Material values that are not the paper's: {told}."
+    "material yields first. Material values that are not the paper's: {origins}."
 )
 
 
@@ -37,5 +37,5 @@ def draw(bench: Bench) -> Drawing:
             headline[f"{name}, R_i = {R_i:g} mm: dR (mm) of the star"] = dR
         axes.set_ylim(0.1, 1e6)
     panels[0].text(0.0013, 2e5, "stars: yield stress")
-    caption = CAPTION.format(told=origins(rows, rows, ELASTIC, YIELD))
+    caption = CAPTION.format(origins=origins(rows, rows, ELASTIC, YIELD))
     return Drawing(figure, table, headline, caption)

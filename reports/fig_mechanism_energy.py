@@ -18,7 +18,7 @@ CASE = Case("enhanced", 0.5, 0.9, 0.1)
 DRAWN = 3  # revolutions
 BOUND = 1e-5
 CAPTION = (
-    "(a) Energies (J) of the slider-crank since its start, over {shown} revolutions with the "
+    "(a) Energies (J) of the slider-crank since its start, over {drawn} revolutions with the "
     "enhanced law at 0.5 mm, c_e = 0.9 and c_f = 0.1: the drive's work and both losses are "
     "integrated with the motion. (b) The largest error of the balance (kinetic and elastic energy, "
     "less the drive's work, plus the losses) over {revolutions} revolutions or more, relative to "
@@ -48,7 +48,7 @@ def draw(bench: Bench) -> Drawing:
     }
     slider_crank = mechanism(bench)
     caption = CAPTION.format(
-        shown=DRAWN,
+        drawn=DRAWN,
         revolutions=REVOLUTIONS,
         peak=run.kinetic_energy.max(),
         tolerance=slider_crank.integration.tolerance,

@@ -10,7 +10,7 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.fitting import FitResult, compare, read_campaign, verdicts
-from cylcontact.fitting.provenance import provenance
+from cylcontact.fitting.planning import provenance
 from tests.spec_files import DROP, assert_told, changed, labels, tree, write_bench
 
 COMMITTED = sorted((Path(__file__).resolve().parents[1] / "fitting/results").glob("*.json"))

@@ -15,10 +15,9 @@ from cylcontact.fitting.measured_campaign import MeasuredCampaign
 from cylcontact.fitting.measured_fit import fit_measurements, robust_problem
 from cylcontact.fitting.objectives import ON_ROWS, make_objective
 from cylcontact.fitting.optimizers import require_installed
-from cylcontact.fitting.planning import AnyCampaign
+from cylcontact.fitting.planning import AnyCampaign, provenance
 from cylcontact.fitting.problem import Problem, require_defined_somewhere
 from cylcontact.fitting.profile import Profile, profile
-from cylcontact.fitting.provenance import provenance
 from cylcontact.fitting.result import (
     FitResult,
     MaxDifference,

@@ -14,8 +14,8 @@ from cylcontact.fitting.loss import TUNING, Loss
 from cylcontact.fitting.measured_campaign import MeasuredCampaign
 from cylcontact.fitting.measured_objective import MeasuredObjective
 from cylcontact.fitting.optimizers import require_installed
+from cylcontact.fitting.planning import provenance
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.provenance import provenance
 from cylcontact.fitting.result import (
     FitResult,
     MaxDifference,

@@ -12,9 +12,12 @@ from cylcontact.fitting.measured_campaign import (
     measured_from_settings,
     read_measured_campaign,
 )
+from cylcontact.provenance import made_with
 from cylcontact.spec import read_toml
 
-__all__ = ["AnyCampaign", "plan_from_settings", "read_plan"]
+__all__ = ["AnyCampaign", "plan_from_settings", "provenance", "read_plan"]
+
+_LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
 
 AnyCampaign = Campaign | MeasuredCampaign
 
@@ -64,3 +67,8 @@ def plan_from_settings(name: str, settings: dict[str, Any], source: str) -> AnyC
     ):
         return measured_from_settings(name, settings, source)
     return campaign_from_settings(name, settings, source)
+
+
+def provenance(campaign: AnyCampaign) -> dict[str, Any]:
+    """Return package version, git commit, hashes of the specs and library versions."""
+    return made_with(Path(campaign.source).parent, campaign.settings, _LIBRARIES)

@@ -12,7 +12,7 @@ from cylcontact.dissipation import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.errors import InputError
 from cylcontact.laws import LAWS, ContactLaw
 from cylcontact.materials import Material
-from cylcontact.mechanism.provenance import assumptions
+from cylcontact.mechanism.assumptions import assumptions
 from cylcontact.mechanism.spec import MechanismSpec
 from cylcontact.pair import CylinderPair
 from cylcontact.spec import parse_spec, read_toml

@@ -8,7 +8,7 @@ from pydantic import Field, Strict, model_validator
 
 from cylcontact.dissipation import FACTORS
 from cylcontact.laws import LAWS
-from cylcontact.mechanism.provenance import check_provenance
+from cylcontact.mechanism.assumptions import check_provenance
 from cylcontact.spec import Spec, broken
 
 __all__ = [

@@ -203,11 +203,11 @@ def _numbers(run: Trajectory, first: int) -> dict[str, float]:
         return {}
     statistics = run.statistics(first)
     scatter = statistics.scatter
-    found: dict[str, float] = {}
+    numbers: dict[str, float] = {}
     for name, mean in statistics.mean.items():
-        found[str(name)] = float(mean)
-        found[f"{name}_std"] = float(scatter[str(name)])
-    return found
+        numbers[str(name)] = float(mean)
+        numbers[f"{name}_std"] = float(scatter[str(name)])
+    return numbers
 
 
 def _require_possible(mechanism: Mechanism, wanted: Sequence[Case], plan: Plan) -> None:
