@@ -28,14 +28,14 @@ DEPARTING = "aluminium alloy"
 LABELS_AT = 30.0
 CAPTION = (
     "Largest load per unit length (N/mm) that Johnson's law can carry, 4π E* ΔR / e² (Eq 8), "
-    "against radial clearance (mm), internal contact, both bodies of one material. Grey line: the "
-    "highest load of Figs 10 to 14. Stars: the three limits that the paper's text states as 494, "
-    "658 and 865 N/mm, as computed here. Material values that are not the paper's: {origins}; so "
-    "the stars show that the moduli derived from these limits are consistent, no more. Eq 8 bounds the "
-    "algebra, not the physics: thin lines are the loads φ E* ΔR at which Johnson's penetration is "
-    "{percents} % below Persson's conformal solution (its datum matched to Johnson's law at small "
-    "loads, our choice), φ = {numbers}; drawn for {departing} only, and in proportion to E* for "
-    "the others."
+    "against radial clearance (mm), internal contact, both bodies of one material. Grey line: the"
+    " highest load of Figs 10 to 14. Stars: the three limits that the paper's text states as 494,"
+    " 658 and 865 N/mm, as computed here. Material values that are not the paper's: {origins}; so"
+    " the stars show that the moduli derived from these limits are consistent, no more. Eq 8 "
+    "bounds the algebra, not the physics: thin lines are the loads φ E* ΔR at which Johnson's "
+    "penetration is {percents} % below Persson's conformal solution (its datum matched to "
+    "Johnson's law at small loads, our choice), φ = {numbers}; drawn for {departing} only, and in"
+    " proportion to E* for the others."
 )
 
 
