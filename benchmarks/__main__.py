@@ -105,13 +105,13 @@ def machine() -> dict[str, str | int]:
         for line in (about.read_text().splitlines() if about.exists() else [])
         if line.startswith("model name")
     ]
-    found: dict[str, str | int] = {
+    actual: dict[str, str | int] = {
         "processor": models[0] if models else platform.processor() or platform.machine(),
         "cores": os.cpu_count() or 1,
         "system": platform.system(),
         "python": platform.python_version(),
     }
-    return found | {name: version(name) for name in LIBRARIES}
+    return actual | {name: version(name) for name in LIBRARIES}
 
 
 if __name__ == "__main__":

@@ -121,10 +121,10 @@ def rows(
 ) -> list[Row]:
     """Return what was measured as rows: medians, quartiles and ratios to the first side."""
     first = next(iter(seconds.values()))
-    found = []
+    actual = []
     for name, times in seconds.items():
         ratios = [a / b for a, b in zip(times, first, strict=True)]
-        found.append(
+        actual.append(
             Row(
                 benchmark,
                 case,
@@ -135,7 +135,7 @@ def rows(
                 (notes or {}).get(name, ""),
             )
         )
-    return found
+    return actual
 
 
 def _spread(numbers: Sequence[float]) -> tuple[float, float, float]:

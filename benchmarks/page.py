@@ -47,10 +47,10 @@ class Aim:
 
 def find(rows: Iterable[Row], benchmark: str, case: str, side: str) -> Row:
     """Return the one row whose case and side contain these words."""
-    (found,) = (
+    (actual,) = (
         row for row in rows if row.benchmark == benchmark and case in row.case and side in row.side
     )
-    return found
+    return actual
 
 
 def over(benchmark: str, case: str, side: str, other: str) -> Callable[[Sequence[Row]], float]:

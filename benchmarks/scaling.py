@@ -157,16 +157,16 @@ def memory_of(pid: int) -> float:
 
 def _parents() -> dict[int, int]:
     """Return the parent of every process."""
-    found = {}
+    actual = {}
     for folder in Path("/proc").iterdir():
         if folder.name.isdigit():
             try:
-                found[int(folder.name)] = int(
+                actual[int(folder.name)] = int(
                     (folder / "stat").read_text().rsplit(")", 1)[1].split()[1]
                 )
             except (OSError, IndexError):
                 continue
-    return found
+    return actual
 
 
 def _proportional_set_size(pid: int) -> int:

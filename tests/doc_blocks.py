@@ -46,14 +46,14 @@ class Block:
 
 def blocks(page):
     """Return the blocks of a page in order."""
-    found, text, end = [], page.read_text(encoding="utf-8"), -1
+    actual, text, end = [], page.read_text(encoding="utf-8"), -1
     for match in FENCE.finditer(text):
         indent, language, title, body = match.groups()
         body = re.sub(rf"^{indent}", "", body, flags=re.MULTILINE)
         adjacent = end >= 0 and not text[end : match.start()].strip()
-        found.append(Block(language, title or "", body, adjacent))
+        actual.append(Block(language, title or "", body, adjacent))
         end = match.end()
-    return found
+    return actual
 
 
 def copy_bench(folder):

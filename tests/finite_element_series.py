@@ -44,8 +44,8 @@ class PinInRing:
         matrix[-1, :-1] = np.pi * self.a * part[1]
         ray = self.dR * np.cos(middle) + np.sqrt(self.b**2 - (self.dR * np.sin(middle)) ** 2)
         right = np.append(-(self.a - ray) - self._lift(middle) * load, load)
-        found = np.linalg.solve(matrix, right)
-        return found[:-1], found[-1]
+        actual = np.linalg.solve(matrix, right)
+        return actual[:-1], actual[-1]
 
     def _ring(self, n):
         """Return the radial displacement at the hole under a pressure cos nθ of 1 MPa."""
@@ -69,8 +69,8 @@ class PinInRing:
                 [force(c)[0], (k - 2) * c**2, 1 / c**2, 1],
                 [force(c)[1], (k + 2) * c**2, 1 / c**2, -1],
             ]
-            found = np.linalg.solve(rows, [-1, 0, 0, 0])
-            return found @ [force(a)[0], (k - 2) * a**2, 1 / a**2, 1] / (2 * self.mu)
+            actual = np.linalg.solve(rows, [-1, 0, 0, 0])
+            return actual @ [force(a)[0], (k - 2) * a**2, 1 / a**2, 1] / (2 * self.mu)
         q = (a / c) ** n  # the functions that grow are scaled to 1 at c, the others at a
         rows = [
             [
@@ -83,9 +83,9 @@ class PinInRing:
             [(k - n - 1) * c, (k + n - 1) * c * q, -n / c, n / c * q],
             [(k + n + 1) * c, -(k - n + 1) * c * q, n / c, n / c * q],
         ]
-        found = np.linalg.solve(rows, [-1, 0, 0, 0])
+        actual = np.linalg.solve(rows, [-1, 0, 0, 0])
         shape = [(k - n - 1) * a * q, (k + n - 1) * a, -n / a * q, n / a]
-        return found @ shape / (2 * self.mu)
+        return actual @ shape / (2 * self.mu)
 
     def _disc(self, n):
         """Return by how much a pressure cos nθ of 1 MPa moves the pin's surface inwards."""
@@ -95,8 +95,8 @@ class PinInRing:
         if n == 1:
             return 0.0  # with the body force, in _lift
         rows = [[-(n + 1) * (n - 2), -n * (n - 1) / b**2], [n * (n + 1), n * (n - 1) / b**2]]
-        found = np.linalg.solve(rows, [-1, 0])
-        return -found @ [(k - n - 1) * b, -n / b] / (2 * self.mu)
+        actual = np.linalg.solve(rows, [-1, 0])
+        return -actual @ [(k - n - 1) * b, -n / b] / (2 * self.mu)
 
     def _lift(self, theta):
         """Return the opening per N/mm by the body force and the pressure's first harmonic.
@@ -115,6 +115,6 @@ class PinInRing:
         assert np.isclose(*wanted)  # one function meets both: the forces balance
         moved += wanted[0] / r3[0] * (k - 2) * radius**2 / (2 * self.mu) * np.cos(theta)
         rows = [[-4 * radius**3, -6 * radius], [12 * radius**3, 6 * radius]]  # r⁵ and r³, n = 3
-        found = np.linalg.solve(rows, [-radial[3], -shear[3]])
-        third = found @ [(k - 4) * radius**4, -3 * radius**2] / (2 * self.mu)
+        actual = np.linalg.solve(rows, [-radial[3], -shear[3]])
+        third = actual @ [(k - 4) * radius**4, -3 * radius**2] / (2 * self.mu)
         return -(moved + third * np.cos(3 * theta))

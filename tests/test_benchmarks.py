@@ -81,12 +81,12 @@ def test_answers_that_differ_end_a_benchmark():
 
 
 def test_ratios_are_formed_round_by_round():
-    found = rows("law", "a case", {"one": [1.0, 2.0, 4.0], "other": [3.0, 2.0, 8.0]}, "ms", 1e3)
-    assert [(row.value, row.low, row.high) for row in found] == [
+    actual = rows("law", "a case", {"one": [1.0, 2.0, 4.0], "other": [3.0, 2.0, 8.0]}, "ms", 1e3)
+    assert [(row.value, row.low, row.high) for row in actual] == [
         (2e3, 1.5e3, 3e3),
         (3e3, 2.5e3, 5.5e3),
     ]
-    assert (found[1].ratio, found[1].ratio_low, found[1].ratio_high) == (2.0, 1.5, 2.5)
+    assert (actual[1].ratio, actual[1].ratio_low, actual[1].ratio_high) == (2.0, 1.5, 2.5)
 
 
 def test_one_interrupted_round_does_not_decide_the_range():
@@ -306,7 +306,7 @@ def test_every_aim_is_judged_by_what_was_measured():
 
 def results_in(folder, leave_out="", skipped=()):
     """Results of the figure's groups, some of them perhaps left out; ours is twice the first."""
-    found = []
+    actual = []
     for name, group in GROUPS.items():
         if name == leave_out or group.benchmark in skipped:
             continue
@@ -316,9 +316,9 @@ def results_in(folder, leave_out="", skipped=()):
             "another": [8.0, 10.0],
         }
         notes = {"another": "computed: 3 evaluations"}
-        found += rows(group.benchmark, f"{group.case} …", seconds, "s", 1.0, notes)
+        actual += rows(group.benchmark, f"{group.case} …", seconds, "s", 1.0, notes)
     path = folder / "datasets" / "benchmarks.json"
-    save(path, {"skipped": dict.fromkeys(skipped, "needs a program"), "rows": found})
+    save(path, {"skipped": dict.fromkeys(skipped, "needs a program"), "rows": actual})
     return path
 
 

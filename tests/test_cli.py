@@ -459,17 +459,17 @@ def test_there_is_progress_on_a_terminal():
     master, terminal = os.openpty()
     process = start("fit", "fitting/small.toml", "-o", "r.json", "--jobs", "1", stderr=terminal)
     os.close(terminal)
-    shown = b""
+    visible = b""
     while True:
         try:
-            shown += os.read(master, 4096)
+            visible += os.read(master, 4096)
         except OSError:  # the other end is closed
             break
     os.close(master)
     said, _ = process.communicate(timeout=60)
     assert process.returncode == 0
     for stage in (b"sampling", b"searching", b"profiling"):
-        assert stage in shown
+        assert stage in visible
     assert "\x1b" not in said
 
 

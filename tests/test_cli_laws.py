@@ -32,10 +32,10 @@ def test_laws_leaves_out_what_is_not_for_rollers(run):
         ("--load", "many", "Invalid value for '--load'"),
     ],
 )
-def test_laws_refuses_a_bad_pair_in_one_line(run, option, value, told):
+def test_laws_refuses_a_bad_pair_in_one_line(run, option, value, message):
     code, out, err = run("laws", option, value)
     assert (code, out, err.count("\n")) == (2, "", 1)
-    assert told in err
+    assert message in err
 
 
 def test_export_prints_a_function(run):
@@ -46,9 +46,9 @@ def test_export_prints_a_function(run):
 
 def test_export_writes_a_refit_to_a_file(run, tmp_path):
     result, out = ROOT / "fitting/results/external.json", tmp_path / "new" / "law.json"
-    code, told, err = run("export", result, "--to", "json", "-o", out)
+    code, message, err = run("export", result, "--to", "json", "-o", out)
     assert (code, err) == (0, "")
-    assert told == f"{result} written to {out}\n"
+    assert message == f"{result} written to {out}\n"
     assert json.loads(out.read_text(encoding="ascii"))["law"] == "enhanced"
 
 
@@ -61,11 +61,11 @@ def test_export_writes_a_refit_to_a_file(run, tmp_path):
         (("johnson",), "--to"),
     ],
 )
-def test_export_refuses_in_one_line_and_writes_nothing(run, tmp_path, arguments, told):
+def test_export_refuses_in_one_line_and_writes_nothing(run, tmp_path, arguments, message):
     out = tmp_path / "law.c"
     code, printed, err = run("export", *arguments, "-o", out)
     assert (code, printed, err.count("\n")) == (2, "", 1)
-    assert told in err
+    assert message in err
     assert not out.exists()
 
 

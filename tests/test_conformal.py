@@ -142,13 +142,13 @@ def test_arcs_hold_their_digits_however_small_or_complete(exponent):
     with mp.workdps(320):
         u = U_mp() * mp.mpf(t) / (1 + mp.mpf(t))
         exact = load_mp(u), approach_mp(u), 2 * mp.atan(mp.sqrt(u)), pressure_mp(mp.mpf(0), u)
-    found = (
+    actual = (
         persson.load_number(arc),
         persson.approach(arc),
         persson.contact_angle(arc),
         persson.pressure_number(np.float64(0.0), arc),
     )
-    np.testing.assert_allclose(found, [float(x) for x in exact], rtol=8 * EPS)
+    np.testing.assert_allclose(actual, [float(x) for x in exact], rtol=8 * EPS)
 
 
 def test_the_limit_is_the_root_that_bounds_the_arc():

@@ -99,8 +99,8 @@ def test_the_two_kinds_are_not_confused(tmp_path, small_result):
     with pytest.raises(InputError, match="was fitted to measurements; study its noise"):
         study_discrepancy(measured)
     small_result.save(tmp_path / "r.json")
-    found = CliRunner().invoke(app, ["uncertainty", str(tmp_path / "r.json"), "--bootstrap", "9"])
-    assert "carry no noise to resample" in found.exception.rule
+    actual = CliRunner().invoke(app, ["uncertainty", str(tmp_path / "r.json"), "--bootstrap", "9"])
+    assert "carry no noise to resample" in actual.exception.rule
 
 
 def test_coefficients_that_define_no_law_are_refused(tmp_path, small_result):
@@ -116,8 +116,8 @@ def test_coefficients_that_define_no_law_are_refused(tmp_path, small_result):
 def test_the_command_reports_discrepancy(tmp_path, small_result):
     small_result.save(tmp_path / "r.json")
     arguments = ["uncertainty", str(tmp_path / "r.json"), "--leave-out", "nu", "-j", "1", "--pairs"]
-    found = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "study.json")])
-    assert found.exit_code == 0, found.output
-    assert "nu = 0.25" in found.output
+    actual = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "study.json")])
+    assert actual.exit_code == 0, actual.output
+    assert "nu = 0.25" in actual.output
     study = json.loads((tmp_path / "study.json").read_text("utf-8"))
     assert (study["kind"], len(study["pairs"])) == ("discrepancy", 1)

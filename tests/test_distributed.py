@@ -65,8 +65,8 @@ def test_moments_sampled_on_a_cluster_agree_to_the_bit(loopback, small_campaign)
 def test_results_come_in_the_order_of_the_calls(loopback):
     calls = [call(abs, -number) for number in range(20)]
     assert list(run_calls(calls, Cluster(loopback.address))) == list(range(20))
-    found = run_calls(calls, Cluster(loopback.address), ordered=False)
-    assert sorted(found) == list(range(20))
+    actual = run_calls(calls, Cluster(loopback.address), ordered=False)
+    assert sorted(actual) == list(range(20))
 
 
 def test_no_calls_need_no_workers(loopback):
@@ -84,10 +84,10 @@ def test_a_worker_killed_on_the_way_changes_nothing(short_lived, small_campaign,
         if (stage, done) == ("searching", 1):
             kill(short_lived.workers[0])
 
-    found = calibrate(small_campaign, Cluster(short_lived.address), kill_one)
+    actual = calibrate(small_campaign, Cluster(short_lived.address), kill_one)
     assert short_lived.workers[0].poll() is not None
     assert short_lived.workers[1].poll() is None
-    assert bits(found) == bits(small_result)
+    assert bits(actual) == bits(small_result)
 
 
 def test_a_worker_killed_in_the_middle_of_its_calls_has_them_redone(short_lived):

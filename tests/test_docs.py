@@ -121,8 +121,8 @@ def test_links_and_files_of_the_site_exist(site):
     # Those of 404.html start at the server's root.
     pages = [page for page in site.rglob("*.html") if page.name != "404.html"]
     parsed = {page: Links(page.read_text(encoding="utf-8")) for page in pages}
-    for page, found in parsed.items():
-        for link in found.links + found.loaded:
+    for page, actual in parsed.items():
+        for link in actual.links + actual.loaded:
             path, _, anchor = link.partition("#")
             if re.match(r"[a-z]+:", link):
                 continue
@@ -146,14 +146,14 @@ def test_git_ignores_the_site():
 
 def test_search_works_from_disk_and_asks_the_network_for_nothing(site):
     with chromium() as browser, opened(browser, site / "tutorial.html") as page:
-        found = page.locator(".md-search-result__item", has_text="conformal")
+        actual = page.locator(".md-search-result__item", has_text="conformal")
         for _ in range(30):  # what is typed before the search is ready is lost
             page.fill("input.md-search__input", "")
             page.locator("input.md-search__input").press_sequentially("Persson")
             page.wait_for_timeout(500)
-            if found.count():
+            if actual.count():
                 break
-        assert found.count()
+        assert actual.count()
 
 
 def test_outputs_can_be_written_anew(tmp_path, monkeypatch):

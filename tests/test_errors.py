@@ -235,8 +235,8 @@ def test_bad_input_is_told_by_source_key_value_rule_and_remedy(
     error = caught.value
     assert (error.source, error.key, error.rule, error.remedy) == (source, key, rule, remedy)
     assert repr(error.value) == repr(value)  # so that NaN equals itself
-    shown = f"{key} = {value!r}" if value is not None else key
-    assert str(error) == f"{source}: {shown}: {rule}; {remedy}"
+    visible = f"{key} = {value!r}" if value is not None else key
+    assert str(error) == f"{source}: {visible}: {rule}; {remedy}"
 
 
 # --- the message itself -----------------------------------------------------------------------

@@ -118,12 +118,12 @@ class Case:
         return {key: value + np.zeros_like(values) for key, value in block.items()}
 
     def compare(self, load, stiffness):
-        for found, wanted in ((load, self.load), (stiffness, self.stiffness)):
-            assert found.shape == wanted.shape
-            np.testing.assert_array_equal(np.isnan(found), np.isnan(wanted))
-            np.testing.assert_array_equal(np.isinf(found), np.isinf(wanted))
+        for actual, wanted in ((load, self.load), (stiffness, self.stiffness)):
+            assert actual.shape == wanted.shape
+            np.testing.assert_array_equal(np.isnan(actual), np.isnan(wanted))
+            np.testing.assert_array_equal(np.isinf(actual), np.isinf(wanted))
             finite = np.isfinite(wanted)
-            error = np.abs(found[finite] - wanted[finite])
+            error = np.abs(actual[finite] - wanted[finite])
             # Below 1e-300 there are fewer digits.
             allowed = self.tolerance[finite] * np.abs(wanted[finite]) + 1e-300
             assert np.all(error <= allowed), np.max(error / allowed)
@@ -201,8 +201,8 @@ def test_json_steps_give_its_check_values(name):
     rows = [dict(zip(table, row, strict=True)) for row in zip(*table.values(), strict=True)]
     wanted = np.array([(row.pop("load"), row.pop("stiffness")) for row in rows])
     with np.errstate(divide="ignore"):
-        found = np.array([evaluate(document, row) for row in rows])
-    np.testing.assert_allclose(found, wanted, rtol=1e-12)
+        actual = np.array([evaluate(document, row) for row in rows])
+    np.testing.assert_allclose(actual, wanted, rtol=1e-12)
     assert np.isnan(wanted).any()
     assert np.isfinite(wanted).sum() > 20
     assert list(document["arguments"]) == list(rows[0])

@@ -178,14 +178,14 @@ class TestStyleFile:
             'style = "slides"\nfont_size = 18.0\nwidth_mm = 200.0\nformats = ["svg"]\nlines = 1.5'
         )
         path = self.write(tmp_path, text)
-        found = choose(path)
-        assert found.formats == ("svg",)
-        assert (found.style.name, found.style.font_size, found.style.width_mm) == (
+        actual = choose(path)
+        assert actual.formats == ("svg",)
+        assert (actual.style.name, actual.style.font_size, actual.style.width_mm) == (
             "slides",
             18.0,
             200,
         )
-        assert found.style.lines == 3.0
+        assert actual.style.lines == 3.0
         own = choose(path, style="double-column", formats=("pdf", "pdf"), font_size=9.0)
         assert (own.style.name, own.style.font_size, own.formats) == (
             "double-column",

@@ -46,25 +46,25 @@ def ccx():
 @pytest.mark.parametrize("dR", [0.01, 0.1, 1.0])
 def test_penetration_of_nine_cases_is_the_embedded_solvers(ccx, dR):
     for case in solve(SETUP, dR, LOADS):
-        found = run_case(SETUP, dR, case.load, LOADS, ccx)
-        assert found.penetration == pytest.approx(case.penetration, rel=0.002)
-        assert found.peak_pressure == pytest.approx(case.peak_pressure, rel=0.01)
-        assert found.cells == case.mesh.cells
+        actual = run_case(SETUP, dR, case.load, LOADS, ccx)
+        assert actual.penetration == pytest.approx(case.penetration, rel=0.002)
+        assert actual.peak_pressure == pytest.approx(case.peak_pressure, rel=0.01)
+        assert actual.cells == case.mesh.cells
 
 
 def test_plane_stress_by_its_equivalent_moduli(ccx):
     setup = Setup(2.245, 3.3, 207e3, 0.3, plane="stress", load_on="disc", clamp="whole", cells=8)
     (case,) = solve(setup, 0.01, [40.0])
-    found = run_case(setup, 0.01, 40.0, np.array([40.0]), ccx)
-    assert found.penetration == pytest.approx(case.penetration, rel=0.002)
+    actual = run_case(setup, 0.01, 40.0, np.array([40.0]), ccx)
+    assert actual.penetration == pytest.approx(case.penetration, rel=0.002)
 
 
 def test_committed_table_is_reproduced(ccx):
     rows = read_table(TABLES / "recommended-calculix.csv").rows
     row = rows[(rows["dR_mm"] == 0.005) & (rows["load_N_per_mm"] == 100)].iloc[0]
     setup = Setup(hole_radius=2.245, outer_ratio=3.3, E=207e3, nu=0.3)
-    found = run_case(setup, 0.005, 100.0, LOADS, ccx)
-    assert found.penetration == pytest.approx(row["penetration_mm"], rel=1e-5)
+    actual = run_case(setup, 0.005, 100.0, LOADS, ccx)
+    assert actual.penetration == pytest.approx(row["penetration_mm"], rel=1e-5)
 
 
 def test_version_is_read_and_recorded(ccx):

@@ -62,9 +62,9 @@ class TestClaims:
     @pytest.mark.parametrize(("name", "lowest"), [("10", 0.0), ("3", 0.445)])
     @pytest.mark.parametrize("load", [20.0, 40.0, 100.0])
     def test_largest_differences_from_the_equations(self, claims, name, lowest, load):
-        found = rows("recommended")
-        found = found[(found["dR_mm"] >= lowest) & (found["load_N_per_mm"] == load)]
-        dR, fe = found["dR_mm"].to_numpy(), found["penetration_mm"].to_numpy()
+        actual = rows("recommended")
+        actual = actual[(actual["dR_mm"] >= lowest) & (actual["load_N_per_mm"] == load)]
+        dR, fe = actual["dR_mm"].to_numpy(), actual["penetration_mm"].to_numpy()
         values = claims[f"3.2-below-{name}-percent"].ours_values
         for label, off in {
             "Johnson to finite elements": johnson(load, dR) / fe - 1,
@@ -105,10 +105,10 @@ class TestClaims:
         )
 
     def test_hertz(self, claims):
-        found = rows("recommended")
+        actual = rows("recommended")
         for dR in (1.0, 0.01):
             pair = CylinderPair.from_dR("internal", dR, STEEL, R_i=2.245)
-            row = found[(found["dR_mm"] == dR) & (found["load_N_per_mm"] == 100)].iloc[0]
+            row = actual[(actual["dR_mm"] == dR) & (actual["load_N_per_mm"] == 100)].iloc[0]
             off = 100 * (row["peak_pressure_MPa"] / float(limits.hertz_stress(100.0, pair)) - 1)
             values = claims[f"3.2-hertz-{dR:g}-mm"].ours_values
             assert values["peak pressure less Hertz's, 100 N/mm, percent"] == pytest.approx(off)
@@ -140,8 +140,8 @@ class TestClaims:
 class TestFigures:
     def test_fig04_counts_the_mesh(self, figures):
         drawing = figures["fig04"].drawing
-        found = rows("recommended")
-        assert drawing.headline["cells"] == found.loc[found["dR_mm"] == 0.1, "cells"].iloc[0]
+        actual = rows("recommended")
+        assert drawing.headline["cells"] == actual.loc[actual["dR_mm"] == 0.1, "cells"].iloc[0]
         assert 1.31 < drawing.headline["length of the cells in the contact, µm"] < 6.63
 
     def test_fig05_is_hertz_at_1_mm_and_departs_at_10_um(self, figures):
@@ -157,22 +157,24 @@ class TestFigures:
 
     def test_fig06_holds_every_model(self, figures):
         drawing = figures["fig06"].drawing
-        found = drawing.table
-        assert len(found) == 39
-        load, dR = found["load_N_per_mm"].to_numpy(), found["dR_mm"].to_numpy()
-        assert found["johnson_mm"].to_numpy() == pytest.approx(johnson(load, dR), rel=1e-9)
-        assert found["enhanced_mm"].to_numpy() == pytest.approx(enhanced(load, dR), rel=1e-9)
+        actual = drawing.table
+        assert len(actual) == 39
+        load, dR = actual["load_N_per_mm"].to_numpy(), actual["dR_mm"].to_numpy()
+        assert actual["johnson_mm"].to_numpy() == pytest.approx(johnson(load, dR), rel=1e-9)
+        assert actual["enhanced_mm"].to_numpy() == pytest.approx(enhanced(load, dR), rel=1e-9)
         for load in (20, 40, 100):
             headline = drawing.headline[f"{load} N/mm: calculix less finite elements, largest, %"]
             assert headline < 0.2
 
     def test_sensitivities_are_shifts_of_one_constant(self, figures):
-        found = figures["fig_fe_sensitivity"].drawing.table.set_index("variant")
+        actual = figures["fig_fe_sensitivity"].drawing.table.set_index("variant")
         for name in ("outer radius 10 hole radii", "load on a disc of a quarter radius"):
-            constants = found.loc[name, "constant"]
+            constants = actual.loc[name, "constant"]
             assert np.ptp(constants) < 0.06 * constants.abs().max()
-        assert found.loc["plane stress", "change_percent"].to_numpy() == pytest.approx(9.3, abs=0.3)
-        assert found.loc["32 cells instead of 16", "change_percent"].abs().max() < 0.1
+        assert actual.loc["plane stress", "change_percent"].to_numpy() == pytest.approx(
+            9.3, abs=0.3
+        )
+        assert actual.loc["32 cells instead of 16", "change_percent"].abs().max() < 0.1
 
     def test_a_missing_table_is_told(self, tmp_path):
         folder = tmp_path / "datasets" / "finite_element"

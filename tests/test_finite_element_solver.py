@@ -185,15 +185,15 @@ class TestSetups:
         assert 1.08 < stress.penetration / strain.penetration < 1.10
 
     def test_load_on_one_node_grows_with_refinement(self):
-        found = {}
+        actual = {}
         for load_on in ("pin", "disc", "centre"):
             setups = (replace(SETUP, load_on=load_on, cells=cells) for cells in (8, 16))
             coarse, fine = (solve(setup, 0.1, [20.0])[0].penetration for setup in setups)
-            found[load_on] = (coarse, fine / coarse - 1)
-        assert found["pin"][0] < found["disc"][0] < found["centre"][0]
-        assert abs(found["pin"][1]) < 0.003
-        assert abs(found["disc"][1]) < 0.003
-        assert found["centre"][1] > 0.01
+            actual[load_on] = (coarse, fine / coarse - 1)
+        assert actual["pin"][0] < actual["disc"][0] < actual["centre"][0]
+        assert abs(actual["pin"][1]) < 0.003
+        assert abs(actual["disc"][1]) < 0.003
+        assert actual["centre"][1] > 0.01
 
     def test_contact_does_not_know_where_the_load_acts(self):
         pressures = [

@@ -83,14 +83,16 @@ class TestSpec:
 class TestCommittedTables:
     @pytest.mark.parametrize("name", NAMES)
     def test_they_are_of_their_set_ups(self, name):
-        study, found = (
+        study, actual = (
             read_study(TABLES / f"{name}.toml"),
             read_table(TABLES / f"{name}-embedded.csv"),
         )
-        assert found.header["set-up"] == study.key
-        told = "outer_radius_mm = 7.4085 (3.3 hole radii, {})".format(study.origin["outer_ratio"])
-        assert told in found.header["calibrated"]
-        assert len(found.rows) == len(study.setups) * len(study.dR) * len(study.load)
+        assert actual.header["set-up"] == study.key
+        sentence = "outer_radius_mm = 7.4085 (3.3 hole radii, {})".format(
+            study.origin["outer_ratio"]
+        )
+        assert sentence in actual.header["calibrated"]
+        assert len(actual.rows) == len(study.setups) * len(study.dR) * len(study.load)
 
     def test_embedded_and_calculix_agree_in_all_39_cases(self):
         one, other = (
@@ -105,25 +107,25 @@ class TestCommittedTables:
         study = read_study(TABLES / "recommended.toml")
         rows = read_table(TABLES / "recommended-embedded.csv").rows
         for dR in (0.005, 0.1):
-            found = [case.penetration for case in solve(study.setups["base"], dR, study.load)]
+            actual = [case.penetration for case in solve(study.setups["base"], dR, study.load)]
             committed = rows.loc[rows["dR_mm"] == dR, "penetration_mm"].to_numpy()
-            assert found == pytest.approx(committed, rel=1e-6)
+            assert actual == pytest.approx(committed, rel=1e-6)
 
     def test_johnson_outside_the_conformal_range(self):
         rows = read_table(TABLES / "recommended-embedded.csv").rows
         pair = read_study(TABLES / "recommended.toml").setups["base"].pair(rows["dR_mm"].to_numpy())
-        load, found = rows["load_N_per_mm"].to_numpy(), rows["penetration_mm"].to_numpy()
+        load, actual = rows["load_N_per_mm"].to_numpy(), rows["penetration_mm"].to_numpy()
         johnson = laws.Johnson().penetration(load, pair)
         persson = laws.Persson().penetration(load, pair)
         plain = np.abs(johnson / persson - 1) < 0.001
         assert np.count_nonzero(plain) > 20
-        assert np.abs(found / johnson - 1)[plain].max() < 0.0015
+        assert np.abs(actual / johnson - 1)[plain].max() < 0.0015
         # Inside it, above Johnson, and as much as Persson has it but for the plate's finite size.
         conformal = johnson / persson < 0.98
         assert np.count_nonzero(conformal) >= 2
-        above, predicted = (found / johnson - 1)[conformal], (persson / johnson - 1)[conformal]
+        above, predicted = (actual / johnson - 1)[conformal], (persson / johnson - 1)[conformal]
         assert np.all((above > predicted) & (above < 1.4 * predicted))
-        assert np.corrcoef(found / johnson, persson / johnson)[0, 1] > 0.99
+        assert np.corrcoef(actual / johnson, persson / johnson)[0, 1] > 0.99
 
     def test_the_outer_ratio_is_the_one_that_gives_johnsons_constant(self):
         study = read_study(TABLES / "recommended.toml")

@@ -70,20 +70,20 @@ def test_polish_improves_every_objective_to_nothing_on_exact_data(objective):
 @pytest.mark.parametrize("crossover", CROSSOVERS)
 def test_search_approaches_the_optimum_with_every_crossover(crossover):
     problem = exact_problem("external")
-    found = search(problem, population=40, generations=60, crossover=crossover, seed=3)
+    actual = search(problem, population=40, generations=60, crossover=crossover, seed=3)
     middle = problem.value((problem.low + problem.high) / 2)
-    assert found.value < 0.05 * middle
-    assert found.value == problem.value(found.point)
-    assert (found.point >= problem.low).all()
-    assert (found.point <= problem.high).all()
+    assert actual.value < 0.05 * middle
+    assert actual.value == problem.value(actual.point)
+    assert (actual.point >= problem.low).all()
+    assert (actual.point <= problem.high).all()
 
 
 def test_search_counts_its_evaluations():
     problem = exact_problem("external")
     calls = []
     counting = Problem(problem.family, problem.parameters, Counting(problem.objective, calls))
-    found = search(counting, population=10, generations=5, crossover="uniform", seed=1)
-    assert found.evaluations == sum(calls)
+    actual = search(counting, population=10, generations=5, crossover="uniform", seed=1)
+    assert actual.evaluations == sum(calls)
 
 
 class Counting:

@@ -27,10 +27,10 @@ class Links(HTMLParser):
         self.feed(text)
 
     def handle_starttag(self, tag, attrs):
-        found = dict(attrs)
-        self.addresses += [found[key] for key in ("href", "src") if found.get(key)]
-        self.ids += [found["id"]] if "id" in found else []
-        self.pictures += [found.get("alt")] if tag == "img" else []
+        actual = dict(attrs)
+        self.addresses += [actual[key] for key in ("href", "src") if actual.get(key)]
+        self.ids += [actual["id"]] if "id" in actual else []
+        self.pictures += [actual.get("alt")] if tag == "img" else []
 
 
 @pytest.fixture(scope="module")
@@ -173,7 +173,7 @@ def test_all_text_has_enough_contrast(browser, site, page, theme):
         view.wait_for_timeout(300)
         ratios = view.evaluate(CONTRAST)
         assert len(ratios) > 50
-        assert [found for found in ratios if found[0] < 4.5] == []
+        assert [actual for actual in ratios if actual[0] < 4.5] == []
 
 
 def test_theme_follows_the_system_until_it_is_chosen(browser, site):
@@ -191,9 +191,9 @@ def test_theme_follows_the_system_until_it_is_chosen(browser, site):
 
 def test_claims_are_filtered_by_verdict_section_and_words(browser, site):
     with opened(browser, site.index) as view:
-        told = view.locator("#claims-count")
+        message = view.locator("#claims-count")
         every = view.locator(".claim").count()
-        assert told.text_content() == f"{every} of {every} claims shown"
+        assert message.text_content() == f"{every} of {every} claims shown"
         view.get_by_label(re.compile("^reproduced with a stated choice")).uncheck()
         view.get_by_label("Section").select_option("3.4")
         left = view.locator(".claim:visible")
@@ -201,10 +201,10 @@ def test_claims_are_filtered_by_verdict_section_and_words(browser, site):
         assert set(left.evaluate_all("nodes => nodes.map((n) => n.dataset.section)")) == {"3.4"}
         assert "choice" not in left.evaluate_all("nodes => nodes.map((n) => n.dataset.verdict)")
         view.get_by_label("Words").fill("no such word anywhere")
-        assert told.text_content() == f"0 of {every} claims shown"
+        assert message.text_content() == f"0 of {every} claims shown"
         view.get_by_role("button", name="Show all").click()
         view.wait_for_timeout(50)
-        assert told.text_content() == f"{every} of {every} claims shown"
+        assert message.text_content() == f"{every} of {every} claims shown"
 
 
 def test_downloads_are_the_files(browser, site):

@@ -42,8 +42,8 @@ def explore(site):
 @pytest.fixture(scope="module")
 def data(explore):
     text = explore.read_text(encoding="utf-8")
-    found = re.search(r'<script id="data" type="application/json">(.*?)</script>', text)
-    return json.loads(found[1])
+    actual = re.search(r'<script id="data" type="application/json">(.*?)</script>', text)
+    return json.loads(actual[1])
 
 
 def python_law(law, folder):
@@ -78,18 +78,18 @@ def test_every_law_answers_as_python_does(browser, explore, site, data):
         law = python_law(entry["id"], folder)
         for E, nu in MATERIALS:
             for dR, load in CASES[entry["contact"]]:
-                told = answers(law, load, pair_of(entry["contact"], E, nu, dR))
-                if told is None:
+                message = answers(law, load, pair_of(entry["contact"], E, nu, dR))
+                if message is None:
                     continue
                 case = {"contact": entry["contact"], "E": E, "nu": nu, "dR": dR, "load": load}
                 cases.append(
                     case | {"R_i": 10, "length": 12, "law": f"{entry['contact']}/{entry['id']}"}
                 )
-                expected.append(told)
+                expected.append(message)
     with opened(browser, explore) as view:
-        found = [[float(value) for value in row] for row in view.evaluate(COMPUTE, cases)]
+        actual = [[float(value) for value in row] for row in view.evaluate(COMPUTE, cases)]
     assert len(cases) > 600
-    for case, ours, theirs in zip(cases, expected, found, strict=True):
+    for case, ours, theirs in zip(cases, expected, actual, strict=True):
         assert theirs == pytest.approx(ours, rel=AS_PYTHON, nan_ok=True), case
 
 
@@ -100,7 +100,7 @@ def test_lambert_w_and_its_law_agree_with_mpmath_and_the_exported_steps(browser,
         -(10.0**-k) for k in (1, 2, 9, 99, 300)
     ]
     with opened(browser, explore) as view:
-        found = view.evaluate("(x) => x.map(Laws.lambertWm1)", x)
+        actual = view.evaluate("(x) => x.map(Laws.lambertWm1)", x)
         depths = [0.99 * 4 * 0.05 / math.e**2 * 10.0**-k for k in range(8)]
         loads = view.evaluate(
             """(depths) => {
@@ -112,8 +112,8 @@ def test_lambert_w_and_its_law_agree_with_mpmath_and_the_exported_steps(browser,
         )
     exact = [float(mpmath.lambertw(mpmath.mpf(value), -1).real) for value in x]
     # Near the branch point W itself is known to half the digits of x only.
-    assert found == pytest.approx(exact, rel=1e-7)
-    assert found[4:] == pytest.approx(exact[4:], rel=1e-14)
+    assert actual == pytest.approx(exact, rel=1e-7)
+    assert actual[4:] == pytest.approx(exact[4:], rel=1e-14)
     johnson = cc.laws.Johnson().load(depths, pair_of("internal", 207e3, 0.3, 0.05))
     assert loads == pytest.approx(johnson.tolist(), rel=AS_PYTHON)
 
@@ -271,8 +271,8 @@ def test_everything_is_reached_and_moved_by_keys(browser, explore):
         for _ in range(5):
             view.keyboard.press("ArrowRight")
         assert value_of(view, "phi") > before
-        told = view.locator("#load-range").get_attribute("aria-valuetext")
-        assert told == f"{float(view.locator('#load').input_value()):g} N/mm"
+        message = view.locator("#load-range").get_attribute("aria-valuetext")
+        assert message == f"{float(view.locator('#load').input_value()):g} N/mm"
 
 
 def test_controls_and_charts_have_names(browser, explore):

@@ -64,5 +64,7 @@ def test_no_module_imports_from_a_later_layer(path):
 def test_importing_the_package_leaves_the_heavy_libraries_alone():
     heavy = ("pandas", "matplotlib", "pygad", "pydantic", "pyarrow", "joblib", "numba", "sksundae")
     code = f"import sys, cylcontact; print([m for m in {heavy} if m in sys.modules])"
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "[]"
+    actual = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert actual.stdout.strip() == "[]"

@@ -151,8 +151,8 @@ def test_a_law_of_ones_own_is_tabulated_to_its_end(part):
     made = TWO_SPRINGS
     delta = part * pair.dR
     assert made.max_penetration == 2 * pair.dR
-    found = kernel_load(made.kind, made.parameters, delta)
-    assert found == pytest.approx(float(law.load(delta, pair)), rel=TABLE_ERROR)
+    actual = kernel_load(made.kind, made.parameters, delta)
+    assert actual == pytest.approx(float(law.load(delta, pair)), rel=TABLE_ERROR)
 
 
 TWO_SPRINGS = kernel(TwoSprings(), PAIRS["wide"])
@@ -235,8 +235,8 @@ class Hole(TwoSprings):
     name = "law with a hole"
 
     def load(self, penetration, pair):
-        found = super().load(penetration, pair)
-        return np.where(np.abs(penetration - 0.1 * pair.dR) < 0.05 * pair.dR, np.nan, found)
+        actual = super().load(penetration, pair)
+        return np.where(np.abs(penetration - 0.1 * pair.dR) < 0.05 * pair.dR, np.nan, actual)
 
 
 @dataclass(frozen=True)

@@ -76,32 +76,32 @@ PINNED = {
 
 
 @pytest.fixture(scope="module")
-def found():
+def actual():
     return comparison(case(), F).set_index("law")
 
 
 @pytest.mark.parametrize("name", PINNED)
-def test_pinned_penetrations(found, name):
+def test_pinned_penetrations(actual, name):
     pinned, plain = PINNED[name]
     assert round(plain, 5) == pinned
-    assert found.loc[name, "penetration_um"] == pytest.approx(plain, rel=1e-10)
+    assert actual.loc[name, "penetration_um"] == pytest.approx(plain, rel=1e-10)
 
 
-def test_the_rest_of_the_pinned_case(found):
-    assert list(found.index) == list(laws.LAWS)
-    assert set(found.index) - set(PINNED) == {"winkler", "persson", "explicit"}
-    truth = found.loc["persson", "penetration_um"]
-    assert found.loc["explicit", "penetration_um"] == pytest.approx(truth, rel=1e-3)
-    assert found["note"].eq("").all()
+def test_the_rest_of_the_pinned_case(actual):
+    assert list(actual.index) == list(laws.LAWS)
+    assert set(actual.index) - set(PINNED) == {"winkler", "persson", "explicit"}
+    truth = actual.loc["persson", "penetration_um"]
+    assert actual.loc["explicit", "penetration_um"] == pytest.approx(truth, rel=1e-3)
+    assert actual["note"].eq("").all()
 
 
 @pytest.mark.parametrize("name", laws.LAWS)
-def test_stiffness_is_the_slope(found, name):
+def test_stiffness_is_the_slope(actual, name):
     law, pair = laws.LAWS[name](), case()
-    delta = found.loc[name, "penetration_um"] / 1e3
+    delta = actual.loc[name, "penetration_um"] / 1e3
     step = 1e-4 * delta
     slope = (law.load(delta + step, pair) - law.load(delta - step, pair)) / (2 * step)
-    assert found.loc[name, "stiffness_N_per_mm2"] == pytest.approx(float(slope), rel=1e-6)
+    assert actual.loc[name, "stiffness_N_per_mm2"] == pytest.approx(float(slope), rel=1e-6)
 
 
 # --- the numbers in the page ---
@@ -187,13 +187,13 @@ def test_explicit_error_on_another_grid_and_by_the_formula(contact):
 
 def test_convention_table():
     rows = table("Conventions and sources")
-    found = {name: (float(kappa), float(c)) for name, kappa, _, c, _ in rows}
+    actual = {name: (float(kappa), float(c)) for name, kappa, _, c, _ in rows}
     logarithmic_laws = {
         name: law()
         for name, law in laws.LAWS.items()
         if issubclass(type(law()), laws.LogarithmicLaw)
     }
-    assert found == {n: (law.kappa, round(law.shift, 4)) for n, law in logarithmic_laws.items()}
+    assert actual == {n: (law.kappa, round(law.shift, 4)) for n, law in logarithmic_laws.items()}
     pair = case()
     reaches = {
         "4π·ΔR": 4 * math.pi * DR,
@@ -292,23 +292,23 @@ def test_text_holds_what_the_page_shows():
 
 
 def test_external_contact_leaves_out_what_needs_a_hole():
-    found = comparison(case("external"), F).set_index("law")
-    silent = found.index[found["penetration_um"].isna()]
+    actual = comparison(case("external"), F).set_index("law")
+    silent = actual.index[actual["penetration_um"].isna()]
     assert set(silent) == {"liu", "winkler", "persson"}
-    assert found.loc[silent, "note"].str.contains("hole").all()
+    assert actual.loc[silent, "note"].str.contains("hole").all()
     assert deviations(case("external")).loc["johnson"].abs().max() == 0
     assert "too low by" not in to_text(case("external"), F)
 
 
 def test_notes_say_why_there_is_no_number():
-    found = comparison(case(dR=0.001), 3000.0).set_index("law")["note"]
-    assert found["johnson"] == "beyond its largest load"
-    assert found["enhanced"] == "undefined at this ΔR"
+    actual = comparison(case(dR=0.001), 3000.0).set_index("law")["note"]
+    assert actual["johnson"] == "beyond its largest load"
+    assert actual["enhanced"] == "undefined at this ΔR"
     assert "too large for a number" in to_text(case(), 1e300)
     short = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
-    found = comparison(short, F).set_index("law")["note"]
-    assert "needs the axial length" in found["dubowsky-freudenstein"]
-    assert "needs both radii" in found["goldsmith"]
+    actual = comparison(short, F).set_index("law")["note"]
+    assert "needs the axial length" in actual["dubowsky-freudenstein"]
+    assert "needs both radii" in actual["goldsmith"]
 
 
 @pytest.mark.parametrize("load", [0.0, -1.0, math.nan, math.inf])

@@ -228,8 +228,8 @@ def test_persson_s_peak_at_the_conformal_yield_load_is_the_yield_stress(dR, stre
 
 def test_conformal_yield_load_is_that_of_a_bracketing_search():
     pair = CylinderPair.internal(R_i=10.0, R_j=9.95, material=ALUMINIUM)
-    found = brentq(lambda f: float(conformal.peak_pressure(f, pair)) - 276.0, 1.0, 1e5, rtol=1e-14)
-    assert limits.conformal_yield_load(pair) == pytest.approx(found, rel=1e-12)
+    actual = brentq(lambda f: float(conformal.peak_pressure(f, pair)) - 276.0, 1.0, 1e5, rtol=1e-14)
+    assert limits.conformal_yield_load(pair) == pytest.approx(actual, rel=1e-12)
 
 
 def test_conformal_yield_load_is_hertz_s_where_the_contact_is_small():

@@ -154,8 +154,8 @@ def test_losses_are_scipys(name):
     from scipy.optimize import least_squares
 
     r = np.array([-7.0, -1.0, -0.2, 0.0, 0.3, 1.0, 2.0, 50.0])
-    found = least_squares(lambda _: r, [0.0], loss=name, f_scale=1.5, max_nfev=1)
-    assert 0.5 * (Loss(name, 1.5).residual(r) ** 2).sum() == pytest.approx(found.cost)
+    actual = least_squares(lambda _: r, [0.0], loss=name, f_scale=1.5, max_nfev=1)
+    assert 0.5 * (Loss(name, 1.5).residual(r) ** 2).sum() == pytest.approx(actual.cost)
     step = 1e-6
     loss = Loss(name, 1.5)
     slope = (loss.residual(r + step) ** 2 - loss.residual(r - step) ** 2) / (4 * step)
@@ -175,13 +175,13 @@ def test_weights_count_like_repeated_rows(tmp_path):
     weighted = tmp_path / "weighted.csv"
     text = [f"{header},weight", *(f"{row},{2 if k < 5 else 1}" for k, row in enumerate(rows))]
     weighted.write_text("\n".join(text))
-    found = [
+    actual = [
         fit_measurements(campaign_of_table(path, "johnson", "internal", CONSTANTS, starts=2))
         for path in (repeated, weighted)
     ]
-    assert found[1].coefficients == pytest.approx(found[0].coefficients, rel=1e-6)
-    assert len(found[0].uncertainty.duplicates) == 5
-    assert any("identical rows" in sentence for sentence in verdicts(found[0]))
+    assert actual[1].coefficients == pytest.approx(actual[0].coefficients, rel=1e-6)
+    assert len(actual[0].uncertainty.duplicates) == 5
+    assert any("identical rows" in sentence for sentence in verdicts(actual[0]))
 
 
 # --- laws -------------------------------------------------------------------------------------
@@ -331,12 +331,12 @@ def test_the_shipped_example_is_what_its_script_writes():
 
 def test_the_shipped_example_finds_the_law_it_was_made_of(example):
     assert example.kind == "noise"
-    found = example.uncertainty
+    actual = example.uncertainty
     for name, truth in (("kappa", 1.0), ("c", -1.0)):
-        assert found.estimates[name].profile.low < truth < found.estimates[name].profile.high
-    assert found.duplicates == [[16, 17]]
-    assert [row.line for row in found.outliers] == [38]
-    assert found.residual_sigma == pytest.approx(0.03, rel=0.3)
+        assert actual.estimates[name].profile.low < truth < actual.estimates[name].profile.high
+    assert actual.duplicates == [[16, 17]]
+    assert [row.line for row in actual.outliers] == [38]
+    assert actual.residual_sigma == pytest.approx(0.03, rel=0.3)
     text = str(example)
     for part in ("61 measurements", "95 % interval", "lines 16 = 17", "E derived", "robust loss"):
         assert part in text
@@ -472,19 +472,19 @@ def run(*arguments):
 def test_a_table_is_fitted_from_the_command_line(tmp_path):
     table = write_measured(tmp_path / "measured.csv", "johnson", "internal", noise=0.01)
     out = tmp_path / "out" / "mine.json"
-    found = run(
+    actual = run(
         *("fit", table, "--law", "johnson", "--contact", "internal", "--E", 207e3, "--nu", 0.3),
         *("--Ri", 10, "--length", 12, "--bound", "c=-2:0", "--fix", "Lambda_factor=1"),
         *("--runs", 2, "--seed", 3, "-j", 1, "-o", out),
     )
-    assert found.exit_code == 0, found.output
+    assert actual.exit_code == 0, actual.output
     result = FitResult.load(out)
     assert result.settings["campaign"]["seed"] == 3
     assert result.settings["campaign"]["parameters"]["c"] == {
         **{"low": -2.0, "high": 0.0, "fixed": False}
     }
     assert len(result.runs) == 2
-    assert "36 measurements" in found.output
+    assert "36 measurements" in actual.output
 
 
 BAD_LINES = [
@@ -510,25 +510,25 @@ BAD_LINES = [
 def test_a_bad_command_line_is_told_and_leaves_nothing(tmp_path, arguments, key, rule):
     table = write_measured(tmp_path / "measured.csv", "johnson", "internal")
     before = tree(tmp_path)
-    found = run("fit", table, *arguments, "-o", tmp_path / "r.json")
-    assert isinstance(found.exception, InputError)
-    assert found.exception.key == key
-    assert rule in found.exception.rule
+    actual = run("fit", table, *arguments, "-o", tmp_path / "r.json")
+    assert isinstance(actual.exception, InputError)
+    assert actual.exception.key == key
+    assert rule in actual.exception.rule
     assert tree(tmp_path) == before
 
 
 def test_options_for_tables_are_refused_beside_a_campaign():
     for option, value in (("--law", "power"), ("--E", 1.0), ("--material-j", "x"), ("--Ri", 1)):
-        found = run("fit", EXAMPLE, option, value)
-        assert isinstance(found.exception, InputError)
-        assert "is an option for tables of measurements" in found.exception.rule
+        actual = run("fit", EXAMPLE, option, value)
+        assert isinstance(actual.exception, InputError)
+        assert "is an option for tables of measurements" in actual.exception.rule
 
 
 def test_the_fitted_law_is_exported_with_its_constants(tmp_path, example):
     example.save(tmp_path / "r.json")
-    found = run("export", tmp_path / "r.json", "--to", "json")
-    assert found.exit_code == 0
-    exported = json.loads(found.output)["coefficients"]
+    actual = run("export", tmp_path / "r.json", "--to", "json")
+    assert actual.exit_code == 0
+    exported = json.loads(actual.output)["coefficients"]
     assert exported["kappa"] == pytest.approx(example.coefficients["kappa"], rel=1e-14)
     assert exported["c"] == pytest.approx(example.coefficients["c"], rel=1e-14)
 
@@ -536,11 +536,11 @@ def test_the_fitted_law_is_exported_with_its_constants(tmp_path, example):
 def test_what_cannot_be_exported_says_so(tmp_path):
     for law, rule in (("liu", "has factors of its own"), ("persson", "has factors of its own")):
         fit_measurements(measured_campaign(tmp_path, law, starts=1)).save(tmp_path / "r.json")
-        found = run("export", tmp_path / "r.json", "--to", "c")
-        assert rule in found.exception.rule
+        actual = run("export", tmp_path / "r.json", "--to", "c")
+        assert rule in actual.exception.rule
     fit_measurements(user_campaign(tmp_path)).save(tmp_path / "r.json")
-    found = run("export", tmp_path / "r.json", "--to", "c")
-    assert "is a Python function of your own" in found.exception.rule
+    actual = run("export", tmp_path / "r.json", "--to", "c")
+    assert "is a Python function of your own" in actual.exception.rule
 
 
 # --- the rig ----------------------------------------------------------------------------------
@@ -601,9 +601,9 @@ def test_the_rig_is_not_exported(tmp_path):
         objective="rms-penetration",
     )
     fit_measurements(campaign).save(tmp_path / "r.json")
-    found = run("export", tmp_path / "r.json", "--to", "json")
-    assert found.exit_code == 0, found.output
-    assert json.loads(found.output)["coefficients"] == pytest.approx(TRUTHS["power", "internal"])
+    actual = run("export", tmp_path / "r.json", "--to", "json")
+    assert actual.exit_code == 0, actual.output
+    assert json.loads(actual.output)["coefficients"] == pytest.approx(TRUTHS["power", "internal"])
 
 
 @pytest.mark.parametrize(("offset", "compliance"), [(0.0, 0.0), (1e-3, 0.0), (-1e-4, 3e-6)])

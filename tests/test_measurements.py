@@ -35,11 +35,11 @@ def without(*names):
 
 
 def test_columns_come_out_in_mm_newton_and_megapascal(tmp_path):
-    found = measured(write_table(tmp_path / "t.csv", GOOD))
-    assert found.load == pytest.approx([10, 20, 40])
-    assert found.penetration == pytest.approx([2e-4, 4e-4, 7e-4])
-    assert found.pair.dR == pytest.approx([0.05, 0.05, 0.08])
-    assert found.pair.E_star == pytest.approx(
+    actual = measured(write_table(tmp_path / "t.csv", GOOD))
+    assert actual.load == pytest.approx([10, 20, 40])
+    assert actual.penetration == pytest.approx([2e-4, 4e-4, 7e-4])
+    assert actual.pair.dR == pytest.approx([0.05, 0.05, 0.08])
+    assert actual.pair.E_star == pytest.approx(
         [207e3 / 1.82, 207e3 / 1.82, 69e3 / (2 * (1 - 0.33**2))]
     )
 
@@ -105,17 +105,17 @@ def test_comments_and_empty_lines_keep_the_numbers_of_the_others(tmp_path):
     text = "# made up\nload_N_per_mm,penetration_um\n\n# more\n10,0.2\n20,0.4\n"
     path.write_text("\ufeff" + text, encoding="utf-8")
     constants = {"E_GPa": 207.0, "nu": 0.3, "dR_um": 50}
-    found = measured(path, constants=constants)
-    assert [found.line(k) for k in range(2)] == [5, 6]
+    actual = measured(path, constants=constants)
+    assert [actual.line(k) for k in range(2)] == [5, 6]
 
 
 def test_constants_stand_for_columns(tmp_path):
     columns = without("E_GPa", "nu", "dR_um")
     table = write_table(tmp_path / "t.csv", columns)
     constants = {"E_MPa": 207e3, "nu": 0.3, "R_i_mm": 10, "R_j_mm": 9.95}
-    found = measured(table, constants=constants)
-    assert found.pair.dR == pytest.approx([0.05] * 3)
-    assert found.pair.R_j == pytest.approx([9.95] * 3)
+    actual = measured(table, constants=constants)
+    assert actual.pair.dR == pytest.approx([0.05] * 3)
+    assert actual.pair.R_j == pytest.approx([9.95] * 3)
     force = write_table(tmp_path / "f.csv", {**without("load_N_per_mm"), "load_N": [100, 200, 400]})
     assert measured(force, constants={"length_mm": 10.0}).load == pytest.approx([10, 20, 40])
 
@@ -125,11 +125,11 @@ def test_materials_are_looked_up_and_their_provenance_kept(tmp_path):
     columns = {**without("E_GPa", "nu"), "material_i": names}
     table = write_table(tmp_path / "t.csv", columns)
     data = read_measured(table, "internal", {"material_j": "aluminium alloy"})
-    found = measurements_of(data, "t")
-    assert found.columns["E_i"] == pytest.approx([200e3, 120e3, 200e3])
-    assert found.columns["E_j"] == pytest.approx([69e3] * 3)
+    actual = measurements_of(data, "t")
+    assert actual.columns["E_i"] == pytest.approx([200e3, 120e3, 200e3])
+    assert actual.columns["E_j"] == pytest.approx([69e3] * 3)
     assert any("titanium alloy" in note and "derived" in note for note in data.notes)
-    assert found.groups("material")[0] == [
+    assert actual.groups("material")[0] == [
         "low-carbon steel on aluminium alloy",
         "titanium alloy on aluminium alloy",
     ]
@@ -156,22 +156,22 @@ def test_geometry_is_completed(tmp_path, contact, given, expected):
 def test_groups_and_duplicates(tmp_path):
     columns = {name: [*column, column[0]] for name, column in GOOD.items()}
     columns["group"] = ["a", "a", "b", "a"]
-    found = measured(write_table(tmp_path / "t.csv", columns))
-    assert found.groups("rows")[0] == ["line 2", "line 3", "line 4", "line 5"]
-    assert found.groups("group")[1].tolist() == [0, 0, 1, 0]
-    assert found.groups("dR")[0] == ["ΔR = 0.05 mm", "ΔR = 0.08 mm"]
-    assert found.groups("material")[0] == ["E = 207000 MPa", "E = 69000 MPa"]
-    assert found.groups("pair")[0][0] == "E = 207000 MPa, ΔR = 0.05 mm"
-    assert found.duplicates() == [[2, 5]]
-    part = found.take(np.array([3, 3, 1]))
+    actual = measured(write_table(tmp_path / "t.csv", columns))
+    assert actual.groups("rows")[0] == ["line 2", "line 3", "line 4", "line 5"]
+    assert actual.groups("group")[1].tolist() == [0, 0, 1, 0]
+    assert actual.groups("dR")[0] == ["ΔR = 0.05 mm", "ΔR = 0.08 mm"]
+    assert actual.groups("material")[0] == ["E = 207000 MPa", "E = 69000 MPa"]
+    assert actual.groups("pair")[0][0] == "E = 207000 MPa, ΔR = 0.05 mm"
+    assert actual.duplicates() == [[2, 5]]
+    part = actual.take(np.array([3, 3, 1]))
     assert [part.line(k) for k in range(3)] == [5, 5, 3]
 
 
 def test_different_bodies_are_named_by_both_moduli(tmp_path):
     columns = {**without("E_GPa", "nu"), "E_i_GPa": [200] * 3, "nu_i": [0.3] * 3}
     columns |= {"E_j_GPa": [70] * 3, "nu_j": [0.33] * 3}
-    found = measured(write_table(tmp_path / "t.csv", columns))
-    assert found.groups("material")[0] == ["E = 200000 and 70000 MPa"]
+    actual = measured(write_table(tmp_path / "t.csv", columns))
+    assert actual.groups("material")[0] == ["E = 200000 and 70000 MPa"]
 
 
 # --- every way to go wrong --------------------------------------------------------------------
@@ -324,11 +324,11 @@ def test_materials_of_ones_own_stand_beside_those_that_ship(tmp_path):
 
 
 def test_unknown_groupings_are_refused(tmp_path):
-    found = measured(write_table(tmp_path / "t.csv", GOOD))
+    actual = measured(write_table(tmp_path / "t.csv", GOOD))
     with pytest.raises(InputError, match="over = 'moon': is unknown"):
-        found.groups("moon")
+        actual.groups("moon")
     with pytest.raises(InputError, match="is not a column of the table; add a column group"):
-        found.groups("group")
+        actual.groups("group")
 
 
 @pytest.mark.parametrize(
@@ -380,8 +380,8 @@ def test_the_objective_follows_the_standard_deviations(tmp_path):
     ],
 )
 def test_an_objective_that_contradicts_the_data_is_refused(tmp_path, added, given, key, rule):
-    found = measured(write_table(tmp_path / "t.csv", {**GOOD, **added}))
+    actual = measured(write_table(tmp_path / "t.csv", {**GOOD, **added}))
     with pytest.raises(InputError) as caught:
-        objective_name(given, found, False, "c.toml")
+        objective_name(given, actual, False, "c.toml")
     assert (caught.value.source, caught.value.key) == ("c.toml", key)
     assert rule in caught.value.rule

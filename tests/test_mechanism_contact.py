@@ -27,14 +27,14 @@ def test_the_normal_force_is_that_of_the_law_and_the_dissipation(law, clearance)
     for delta in (1e-9, 1e-7, 3e-6):
         for rate in (-1.0, 0.0, 0.4):
             e, e_dot = (0.0, joint.radial + delta), (0.0, rate)
-            found = contact.contact_force(e, e_dot, 0.0, 0.0, p)
+            actual = contact.contact_force(e, e_dot, 0.0, 0.0, p)
             elastic = joint.law.load(delta * 1e3, joint.pair) * joint.length
             wanted = dissipation.dissipative_load(elastic, rate * 1e3, 0.7e3, joint.chi)
             # δ is a difference of numbers of the size of the clearance.
             digits = 1e-8 + 1e-18 / delta
-            assert found[4] == pytest.approx(float(wanted), rel=digits)
-            assert found[1] == pytest.approx(-float(wanted), rel=digits)
-            assert found[5] == pytest.approx((found[4] - elastic) * rate, rel=1e-6, abs=1e-9)
+            assert actual[4] == pytest.approx(float(wanted), rel=digits)
+            assert actual[1] == pytest.approx(-float(wanted), rel=digits)
+            assert actual[5] == pytest.approx((actual[4] - elastic) * rate, rel=1e-6, abs=1e-9)
 
 
 @pytest.mark.parametrize("v_t", [-3.0, -0.005, -0.0005, 0.0, 0.002, 0.02])
@@ -42,18 +42,18 @@ def test_the_friction_is_that_of_the_modified_coulomb_law(v_t):
     mechanism = slider_crank()
     joint, p = mechanism.clearance, in_contact(mechanism)
     # n = (0, 1), t = [n_y, −n_x] = (1, 0), so that ė_x is v_t.
-    found = contact.contact_force((0.0, joint.radial + 1e-6), (v_t, 0.0), 0.0, 0.0, p)
-    wanted = friction.friction_load(found[4], v_t * 1e3, joint.friction, 1.0, 10.0)
-    assert found[0] == pytest.approx(float(wanted), abs=1e-9)
-    assert found[6] == pytest.approx(-float(wanted) * v_t, abs=1e-9)
+    actual = contact.contact_force((0.0, joint.radial + 1e-6), (v_t, 0.0), 0.0, 0.0, p)
+    wanted = friction.friction_load(actual[4], v_t * 1e3, joint.friction, 1.0, 10.0)
+    assert actual[0] == pytest.approx(float(wanted), abs=1e-9)
+    assert actual[6] == pytest.approx(-float(wanted) * v_t, abs=1e-9)
 
 
 def test_the_force_never_pulls():
     mechanism = slider_crank(restitution=0.3)
     e, e_dot = (0.0, mechanism.clearance.radial + 1e-6), (0.0, -50.0)
-    found = contact.contact_force(e, e_dot, 0.0, 0.0, in_contact(mechanism))
-    assert found[4] == 0.0
-    assert found[0] == found[1] == 0.0
+    actual = contact.contact_force(e, e_dot, 0.0, 0.0, in_contact(mechanism))
+    assert actual[4] == 0.0
+    assert actual[0] == actual[1] == 0.0
 
 
 @pytest.mark.parametrize("bearing", ["rod", "slider"])

@@ -89,9 +89,9 @@ class TestCases:
         run = simulated(BENCH, case, 1)
         depths = run.contacts["max_penetration_m"].to_numpy() * 1e3
         limit = 4 * 0.02 / math.e**2
-        told = law_ends([run])
-        assert f"{(depths > 0.9 * limit).sum()} of {depths.size} contacts" in told
-        assert f"{(depths > limit).sum()} of them beyond the limit of 10.83 µm" in told
+        sentence = law_ends([run])
+        assert f"{(depths > 0.9 * limit).sum()} of {depths.size} contacts" in sentence
+        assert f"{(depths > limit).sum()} of them beyond the limit of 10.83 µm" in sentence
         assert (depths > limit).any()
 
     def test_nothing_is_told_where_the_law_holds(self, settled):
@@ -100,29 +100,29 @@ class TestCases:
     @pytest.mark.parametrize("clearance", [0.5, 0.02])
     def test_horizons_are_the_tables(self, clearance):
         table = pd.read_csv(ROOT / "datasets/mechanism/cases.csv")
-        found = table[table["clearance_mm"] == clearance]["horizon_revolutions"]
-        told = horizons(BENCH, clearance)
-        assert f"in {(found == 20).sum()} of the 12 cases" in told
-        assert f"{found.min():.2g} to {found[found < 20].max():.2g} revolutions" in told
+        actual = table[table["clearance_mm"] == clearance]["horizon_revolutions"]
+        sentence = horizons(BENCH, clearance)
+        assert f"in {(actual == 20).sum()} of the 12 cases" in sentence
+        assert f"{actual.min():.2g} to {actual[actual < 20].max():.2g} revolutions" in sentence
 
     def test_assumptions_are_the_specs(self):
-        told = assumed(mechanism(BENCH))
-        assert "crank 50 mm, 0.3 kg, 0.0001 kg m²" in told
-        assert "rod 120 mm, 0.21 kg, 0.00025 kg m²" in told
-        assert "slider 0.14 kg" in told
+        sentence = assumed(mechanism(BENCH))
+        assert "crank 50 mm, 0.3 kg, 0.0001 kg m²" in sentence
+        assert "rod 120 mm, 0.21 kg, 0.00025 kg m²" in sentence
+        assert "slider 0.14 kg" in sentence
 
 
 class TestDrawnMechanism:
     def test_fig15_is_eqs_11_to_14(self, figures):
         drawing = figures["fig15"].drawing
-        found = drawing.headline
+        actual = drawing.headline
         lengths = drawing.table.set_index("symbol")["value_mm"]
-        assert lengths["|e|"] == lengths["c"] + lengths["delta"] == found["eccentricity, mm"]
+        assert lengths["|e|"] == lengths["c"] + lengths["delta"] == actual["eccentricity, mm"]
         assert lengths["c"] == lengths["R_i"] - lengths["R_j"] == 0.5
         # Far above v_1 = 10 mm/s all of Coulomb's friction acts, against the sliding.
-        assert abs(found["tangential velocity, m/s"]) > 0.01
-        ratio = found["friction force, N"] / found["normal force, N"]
-        assert ratio == pytest.approx(-0.1 * np.sign(found["tangential velocity, m/s"]))
+        assert abs(actual["tangential velocity, m/s"]) > 0.01
+        ratio = actual["friction force, N"] / actual["normal force, N"]
+        assert ratio == pytest.approx(-0.1 * np.sign(actual["tangential velocity, m/s"]))
         drawn = drawing.table.set_index("symbol")["drawn_mm"]
         assert drawn["|e|"] == pytest.approx(drawn["c"] + drawn["delta"])
         assert drawn["c"] == pytest.approx(drawn["R_i"] - drawn["R_j"])
@@ -178,15 +178,15 @@ class TestImpacts:
             assert max(rates) - min(rates) < 1e-9 * max(rates)
 
     def test_headlines(self, drawing):
-        found = drawing.headline
-        assert found["0.5 mm, Johnson stiffer than enhanced from, um"] == pytest.approx(
+        actual = drawing.headline
+        assert actual["0.5 mm, Johnson stiffer than enhanced from, um"] == pytest.approx(
             27.73, abs=0.05
         )
-        assert found["0.02 mm, Johnson stiffer than enhanced from, um"] == pytest.approx(
+        assert actual["0.02 mm, Johnson stiffer than enhanced from, um"] == pytest.approx(
             5.53, abs=0.02
         )
-        assert found["0.5 mm, johnson: force, N"] == pytest.approx(54218, rel=1e-3)
-        assert found["0.02 mm, enhanced: force, N"] == pytest.approx(16910, rel=1e-3)
+        assert actual["0.5 mm, johnson: force, N"] == pytest.approx(54218, rel=1e-3)
+        assert actual["0.02 mm, enhanced: force, N"] == pytest.approx(16910, rel=1e-3)
 
 
 class TestPaths:

@@ -85,8 +85,8 @@ def test_the_multiplier_form_gives_the_accelerations_of_the_closed_form(t):
 def test_the_minimal_form_gives_the_reaction_of_the_closed_form(t):
     system = build(slider_crank(clearance=0.0), "minimal")
     start = int(system.block[minimal_coordinates.contact.MODEL_START])
-    found = minimal_coordinates.ideal_reaction(t, np.zeros(7), system.block[start:])
-    assert found == pytest.approx([float(x) for x in reaction(t)], rel=1e-10, abs=1e-6)
+    actual = minimal_coordinates.ideal_reaction(t, np.zeros(7), system.block[start:])
+    assert actual == pytest.approx([float(x) for x in reaction(t)], rel=1e-10, abs=1e-6)
 
 
 @pytest.mark.parametrize("method", ["minimal", "multiplier"])

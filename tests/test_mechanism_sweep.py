@@ -51,8 +51,8 @@ def test_the_table_does_not_depend_on_the_workers(table):
 def test_a_second_tolerance_gives_the_horizon_and_what_lies_beyond():
     wanted = cases(["johnson"], [0.5], [1.0, 0.9], [0.1])
     plan = Plan(revolutions=3, against=1e-10)
-    found = sweep(slider_crank(), wanted, plan)
-    sensitive, steady = found.iloc[0], found.iloc[1]
+    actual = sweep(slider_crank(), wanted, plan)
+    sensitive, steady = actual.iloc[0], actual.iloc[1]
     assert 0 < sensitive["horizon_revolutions"] < 2
     assert sensitive["first"] == np.ceil(sensitive["horizon_revolutions"])
     assert steady["horizon_revolutions"] == 3
@@ -75,12 +75,12 @@ def test_an_interrupted_sweep_keeps_its_cases_and_goes_on(table, tmp_path):
     assert len(path.read_text().splitlines()) == 3
     with path.open("a") as file:
         file.write('{"case": {"law"')  # cut short by a kill
-    told = []
+    calls = []
     again = sweep(
         slider_crank(), WANTED, PLAN, checkpoint=path, resume=True,
-        progress=lambda _, done, __: told.append(done),
+        progress=lambda _, done, __: calls.append(done),
     )  # fmt: skip
-    assert told == [2, 3, 4]
+    assert calls == [2, 3, 4]
     pd.testing.assert_frame_equal(table, again)
 
 
@@ -157,8 +157,8 @@ def test_the_committed_cases_are_what_comes_out():
     # No row counts the start.
     assert committed["first"].min() == 3
     steady = [Case("johnson", 0.02, 0.9, 0.1), Case("lankarani-nikravesh", 0.5, 0.9, 0.1)]
-    found = sweep(slider_crank(), steady, Plan(revolutions=20, first=3, beyond="tangent"))
-    for case, (_, row) in zip(steady, found.iterrows(), strict=True):
+    actual = sweep(slider_crank(), steady, Plan(revolutions=20, first=3, beyond="tangent"))
+    for case, (_, row) in zip(steady, actual.iterrows(), strict=True):
         kept = committed.iloc[cases(*PAPER).index(case)]
         assert (kept["horizon_revolutions"], kept["first"]) == (20, 3)
         for name in ("contact_fraction", "impacts", "drive_work_J", "max_penetration_um"):
@@ -239,12 +239,12 @@ def test_bad_input_is_one_line_and_exit_code_two(run, tmp_path, monkeypatch, arg
 def test_sweep_writes_a_table_and_tells_what_stopped(run, tmp_path):
     out = tmp_path / "table.csv"
     options = ("--laws", "johnson,enhanced", "--clearances", 0.02, "--restitutions", 1)
-    code, told, _ = run(
+    code, sentence, _ = run(
         "sweep", SPEC, "-o", out, *options, "--frictions", 0.1, "--revolutions", 1, "--jobs", 1
     )
     assert code == 0
-    assert "2 cases, 1 of them stopped" in told
-    assert "leaves its domain" in told
+    assert "2 cases, 1 of them stopped" in sentence
+    assert "leaves its domain" in sentence
     assert list(pd.read_csv(out)["status"]) == ["stopped", "complete"]
     assert list(tmp_path.iterdir()) == [out]
     parquet = tmp_path / "table.parquet"

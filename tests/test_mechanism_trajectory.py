@@ -91,10 +91,10 @@ def test_a_revolution_without_flight_has_no_step_in_flight():
 
 
 def test_it_shows_itself_in_a_few_lines(run):
-    shown = repr(run)
-    assert shown.startswith("Trajectory of 'slider-crank'")
-    assert "law: enhanced" in shown
-    assert len(shown.splitlines()) < 16
+    visible = repr(run)
+    assert visible.startswith("Trajectory of 'slider-crank'")
+    assert "law: enhanced" in visible
+    assert len(visible.splitlines()) < 16
     assert "<caption" in run._repr_html_()
 
 
@@ -155,9 +155,9 @@ def test_a_run_interrupted_at_once_keeps_nothing():
 
 
 def test_progress_is_told():
-    told = []
-    simulate(slider_crank(), revolutions=2, progress=lambda *what: told.append(what))
-    assert told == [("revolutions", done, 2) for done in (0, 1, 2)]
+    calls = []
+    simulate(slider_crank(), revolutions=2, progress=lambda *what: calls.append(what))
+    assert calls == [("revolutions", done, 2) for done in (0, 1, 2)]
 
 
 def test_a_law_of_ones_own_can_be_used_and_its_run_is_saved_but_not_read_back(tmp_path):

@@ -206,9 +206,9 @@ def numbers_of(m):
 @given(points=samples.filter(lambda points: np.ptp(points, axis=0).min() > 1e-3))
 def test_of_samples_agrees_with_exact_arithmetic(points):
     mean_s, mean_j, ss, sj, jj = exact(points)
-    found = numbers_of(moments_of(points))
-    assert found[:2] == pytest.approx((mean_s, mean_j), rel=1e-13, abs=1e-13)
-    assert found[2:] == pytest.approx((ss, sj, jj), rel=1e-10, abs=1e-10 * np.sqrt(ss * jj))
+    actual = numbers_of(moments_of(points))
+    assert actual[:2] == pytest.approx((mean_s, mean_j), rel=1e-13, abs=1e-13)
+    assert actual[2:] == pytest.approx((ss, sj, jj), rel=1e-10, abs=1e-10 * np.sqrt(ss * jj))
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e2, 1e4, 1e5])

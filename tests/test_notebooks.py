@@ -86,23 +86,23 @@ def test_outside_a_checkout_the_notebooks_say_so(tmp_path):
 
 def test_progress_is_shown_and_escaped(monkeypatch):
     display = import_module("IPython.display")
-    shown = []
+    visible = []
 
     class Handle:
         def update(self, bar):
-            shown.append(bar.data)
+            visible.append(bar.data)
 
     def show(bar, display_id):
         assert display_id
-        shown.append(bar.data)
+        visible.append(bar.data)
         return Handle()
 
     monkeypatch.setattr(display, "display", show)
     with notebook.live_progress() as progress:
         progress("a<b", 0, 2)
         progress("a<b", 2, 2)
-    assert shown == [notebook.progress_bar("a<b", done, 2) for done in (0, 2)]
-    assert "<b" not in shown[0]
+    assert visible == [notebook.progress_bar("a<b", done, 2) for done in (0, 2)]
+    assert "<b" not in visible[0]
 
 
 # --- the explorer ---
@@ -167,16 +167,16 @@ def test_what_is_wrong_is_said_in_place_of_numbers(explorer):
 
 def test_numbers_by_hand():
     choice = explore.Choice(STEEL, "internal", 0.05, 100.0, laws.Johnson())
-    found = explore.numbers(choice)
+    actual = explore.numbers(choice)
     johnson = 100 / (math.pi * E_STAR) * (math.log(4 * math.pi * E_STAR * 0.05 / 100) - 1)
-    assert found["penetration, µm"] == pytest.approx(1e3 * johnson, rel=1e-12)
-    assert found["difference from Johnson, %"] == 0
+    assert actual["penetration, µm"] == pytest.approx(1e3 * johnson, rel=1e-12)
+    assert actual["difference from Johnson, %"] == 0
     R = 10 * 9.95 / 0.05
-    assert found["load at yield, N/mm"] == pytest.approx(math.pi * 250**2 * R / E_STAR, rel=1e-9)
+    assert actual["load at yield, N/mm"] == pytest.approx(math.pi * 250**2 * R / E_STAR, rel=1e-9)
     end = 4 * math.pi * E_STAR * 0.05 / math.e**2
-    assert found["Johnson's largest load, N/mm"] == pytest.approx(end, rel=1e-12)
-    assert found["the law's largest load, N/mm"] == pytest.approx(end, rel=1e-12)
-    assert found["f/(E*·ΔR), -"] == pytest.approx(100 / (E_STAR * 0.05), rel=1e-12)
+    assert actual["Johnson's largest load, N/mm"] == pytest.approx(end, rel=1e-12)
+    assert actual["the law's largest load, N/mm"] == pytest.approx(end, rel=1e-12)
+    assert actual["f/(E*·ΔR), -"] == pytest.approx(100 / (E_STAR * 0.05), rel=1e-12)
 
 
 def test_rollers_share_their_radii_and_have_no_conformal_reference():
@@ -224,7 +224,7 @@ def test_runs_are_shown_best_first(small_result):
 
 def test_a_drawing_shows_its_picture_and_its_caption_escaped(small_result):
     hostile = small_result.model_copy(update={"name": '"><script>'})
-    shown = runs_drawing(hostile)._repr_html_()
-    assert "<script>" not in shown
-    assert shown.count("&quot;&gt;&lt;script&gt;") == 2
-    assert 'src="data:image/png;base64,iVBOR' in shown
+    visible = runs_drawing(hostile)._repr_html_()
+    assert "<script>" not in visible
+    assert visible.count("&quot;&gt;&lt;script&gt;") == 2
+    assert 'src="data:image/png;base64,iVBOR' in visible

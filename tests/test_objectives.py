@@ -113,9 +113,9 @@ def test_bound_is_reached_by_a_direct_search_at_each_clearance(name):
         options = {"xatol": 1e-11, "fatol": 1e-13, "maxfev": 20000, "maxiter": 20000}
         start = np.array([1.0, 1.09])
         for _ in range(4):  # a simplex may collapse; restart it
-            found = minimize(value, start, method="Nelder-Mead", options=options)
-            start = found.x
-        per_clearance.append(found.fun)
+            actual = minimize(value, start, method="Nelder-Mead", options=options)
+            start = actual.x
+        per_clearance.append(actual.fun)
     combined = (
         max(per_clearance) if name.startswith("max") else np.sqrt(np.mean(np.square(per_clearance)))
     )

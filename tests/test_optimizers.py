@@ -42,8 +42,8 @@ def problem():
 
 
 def test_every_optimiser_finds_the_optimum_that_is_known(problem, optimizer):
-    found = search(problem, optimizer, 40, 60, "blend", seed=3)
-    point, value = polish(problem, found.point)
+    actual = search(problem, optimizer, 40, 60, "blend", seed=3)
+    point, value = polish(problem, actual.point)
     assert value == pytest.approx(0.0547, abs=5e-5)
     assert problem.coefficients(point) == pytest.approx(
         {"a": 0.391, "b": 1.049, "n": 1.0933}, abs=5e-4
@@ -58,22 +58,22 @@ def test_every_optimiser_keeps_to_the_budget(problem, optimizer):
 
 
 def test_the_same_seed_gives_the_same_bits_whatever_the_global_generator(problem, optimizer):
-    found = []
+    actual = []
     for state in (1, 2):
         np.random.seed(state)  # noqa: NPY002 - the one that must play no part
         before = np.random.get_state()[1].copy()  # noqa: NPY002
-        found.append(search(problem, optimizer, 12, 20, "blend", seed=5))
+        actual.append(search(problem, optimizer, 12, 20, "blend", seed=5))
         assert (np.random.get_state()[1] == before).all()  # noqa: NPY002
-    assert found[0].value == found[1].value
-    assert found[0].point.tobytes() == found[1].point.tobytes()
-    assert search(problem, optimizer, 12, 20, "blend", seed=6).value != found[0].value
+    assert actual[0].value == actual[1].value
+    assert actual[0].point.tobytes() == actual[1].point.tobytes()
+    assert search(problem, optimizer, 12, 20, "blend", seed=6).value != actual[0].value
 
 
 def test_the_value_is_that_of_the_point_which_lies_within_the_bounds(problem, optimizer):
-    found = search(problem, optimizer, 12, 20, "blend", seed=5)
-    assert found.value == problem.value(found.point)
-    assert (found.point >= problem.low).all()
-    assert (found.point <= problem.high).all()
+    actual = search(problem, optimizer, 12, 20, "blend", seed=5)
+    assert actual.value == problem.value(actual.point)
+    assert (actual.point >= problem.low).all()
+    assert (actual.point <= problem.high).all()
 
 
 def test_candidates_for_which_the_law_is_undefined_are_survived(problem, optimizer):
@@ -81,8 +81,8 @@ def test_candidates_for_which_the_law_is_undefined_are_survived(problem, optimiz
     wide = tuple(
         replace(p, low=-3.0, high=1.5) if p.name in "ab" else p for p in problem.parameters
     )
-    found = search(replace(problem, parameters=wide), optimizer, 30, 40, "blend", seed=1)
-    assert np.isfinite(found.value)
+    actual = search(replace(problem, parameters=wide), optimizer, 30, 40, "blend", seed=1)
+    assert np.isfinite(actual.value)
 
 
 def test_a_budget_is_spent_to_the_last_candidate_and_the_best_is_kept(problem):

@@ -79,11 +79,11 @@ def test_a_signal_while_workers_start_takes_effect_at_once_after(monkeypatch, na
 
 
 def test_another_thread_may_start_workers():
-    found = []
-    thread = threading.Thread(target=lambda: found.extend(run_calls(calls(abs, -1, -2), 2)))
+    actual = []
+    thread = threading.Thread(target=lambda: actual.extend(run_calls(calls(abs, -1, -2), 2)))
     thread.start()
     thread.join()
-    assert found == [1, 2]
+    assert actual == [1, 2]
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
@@ -121,5 +121,5 @@ def test_workers_stand_where_their_parent_does(tmp_path, monkeypatch):
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
         monkeypatch.chdir(tmp_path / name)
-        found = list(run_calls([call(os.getcwd)] * 2, 2))
-        assert found == [str(tmp_path / name)] * 2
+        actual = list(run_calls([call(os.getcwd)] * 2, 2))
+        assert actual == [str(tmp_path / name)] * 2

@@ -32,8 +32,8 @@ MODULES = sorted(
 @pytest.mark.parametrize("name", FACES)
 def test_completion_shows_the_public_names_and_nothing_else(name):
     face = importlib.import_module(name)
-    shown = {entry for entry in dir(face) if not entry.startswith("__")}
-    assert shown == set(face.__all__)
+    visible = {entry for entry in dir(face) if not entry.startswith("__")}
+    assert visible == set(face.__all__)
     assert all(hasattr(face, entry) for entry in face.__all__)
 
 

@@ -122,8 +122,8 @@ def test_moments_are_those_of_the_rows_by_hand(grid):
         E, nu, _, load, delta = rows[rows[:, 2] == dR].T
         s, j = np.log(load * 2 * (1 - nu**2) / (1e3 * E)), np.log(delta)
         expected = (s.size, s.mean(), j.mean(), s.size * s.var(), s.size * j.var())
-        found = [getattr(moments, n)[index] for n in ("count", "mean_s", "mean_j", "ss", "jj")]
-        assert found == pytest.approx(expected, rel=1e-12)
+        actual = [getattr(moments, n)[index] for n in ("count", "mean_s", "mean_j", "ss", "jj")]
+        assert actual == pytest.approx(expected, rel=1e-12)
         covariance = ((s - s.mean()) * (j - j.mean())).sum()
         assert moments.sj[index] == pytest.approx(covariance, rel=1e-12)
 

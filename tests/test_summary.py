@@ -81,8 +81,8 @@ def test_report_reads_as_it_should():
 
 def test_published_optimum_is_told():
     paper = {"coefficients": {"a": 0.4, "b": 3.0, "n": 1.1}, "objective": 0.05}
-    told = verdicts(made_by_hand(published=paper))
-    assert told[0] == "the published coefficients are the optimum on this grid, within 0.1 %"
+    message = verdicts(made_by_hand(published=paper))
+    assert message[0] == "the published coefficients are the optimum on this grid, within 0.1 %"
 
 
 def test_without_published_coefficients_nothing_is_said_of_them():
@@ -92,13 +92,13 @@ def test_without_published_coefficients_nothing_is_said_of_them():
 
 
 def test_agreeing_runs_leave_no_sentence_about_other_basins():
-    told = verdicts(made_by_hand(runs=[run(0, 0.05), run(1, 0.05)]))
-    assert told[-1] == "2 of 2 runs reached the best objective within 0.1 %"
+    message = verdicts(made_by_hand(runs=[run(0, 0.05), run(1, 0.05)]))
+    assert message[-1] == "2 of 2 runs reached the best objective within 0.1 %"
 
 
 def test_well_identified_coefficients_are_said_to_be():
-    told = verdicts(made_by_hand(profiles={"a": profile(0.399, 0.41), "b": profile(2.9, 3.1)}))
-    assert "no coefficient inside its bounds is poorly identified" in told
+    message = verdicts(made_by_hand(profiles={"a": profile(0.399, 0.41), "b": profile(2.9, 3.1)}))
+    assert "no coefficient inside its bounds is poorly identified" in message
 
 
 def test_comparison_separates_contacts_and_names_every_result():

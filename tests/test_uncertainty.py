@@ -72,7 +72,7 @@ def curve_problem(campaign, model, x, y, low, high):
     parameters = tuple(
         LawParameter(name, *ends) for name, *ends in zip(names, low, high, strict=True)
     )
-    law = LawModel("curve", "internal", parameters, lambda found: Curve(model, dict(found)))
+    law = LawModel("curve", "internal", parameters, lambda actual: Curve(model, dict(actual)))
     x, y = np.array(x, dtype=float), np.array(y, dtype=float)
     data = campaign.measurements.take(np.zeros(x.size, dtype=int))
     data = data.with_values(load=y, penetration=x)
@@ -142,10 +142,10 @@ def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
     # Minuit takes all second derivatives; without those of the law the errors are Gauss-Newton's.
     assert np.diag(noise.covariance) ** 0.5 == pytest.approx(np.array(minuit.errors), rel=0.02)
     for name in names:
-        found = interval(known, noise, name, known.coefficients(point), LEVEL)
+        actual = interval(known, noise, name, known.coefficients(point), LEVEL)
         merror = minuit.merrors[name]
-        assert found.low == pytest.approx(minuit.values[name] + merror.lower, rel=1e-3)
-        assert found.high == pytest.approx(minuit.values[name] + merror.upper, rel=1e-3)
+        assert actual.low == pytest.approx(minuit.values[name] + merror.lower, rel=1e-3)
+        assert actual.high == pytest.approx(minuit.values[name] + merror.upper, rel=1e-3)
 
 
 def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
@@ -162,20 +162,20 @@ def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
     for name in names:
         parameters.add(name, value=best[name])
     fitter = lmfit.Minimizer(residuals, parameters)
-    found = fitter.minimize()
-    ends = lmfit.conf_interval(fitter, found, sigmas=[LEVEL])
+    actual = fitter.minimize()
+    ends = lmfit.conf_interval(fitter, actual, sigmas=[LEVEL])
     mine = uncertainty_of(problem, best, LEVEL)
     for name in names:
         estimate = mine.estimates[name]
-        assert estimate.value == pytest.approx(found.params[name].value, rel=1e-6)
-        assert estimate.standard_error == pytest.approx(found.params[name].stderr, rel=1e-3)
+        assert estimate.value == pytest.approx(actual.params[name].value, rel=1e-6)
+        assert estimate.standard_error == pytest.approx(actual.params[name].stderr, rel=1e-3)
         (_, low), _, (_, high) = ends[name]
         assert estimate.profile.low == pytest.approx(low, rel=2e-4)
         assert estimate.profile.high == pytest.approx(high, rel=2e-4)
     assert mine.correlation["kappa"]["c"] == pytest.approx(
-        found.params["kappa"].correl["c"], abs=1e-4
+        actual.params["kappa"].correl["c"], abs=1e-4
     )
-    assert mine.residual_sigma == pytest.approx(np.sqrt(found.redchi))
+    assert mine.residual_sigma == pytest.approx(np.sqrt(actual.redchi))
 
 
 def test_a_linear_problem_has_the_textbook_intervals(tmp_path):
@@ -188,9 +188,9 @@ def test_a_linear_problem_has_the_textbook_intervals(tmp_path):
     r = measured(held).raw(held.form(point[None, :]))[0]
     error = r.std(ddof=1) / np.sqrt(r.size) * 1.1  # of ln K_star
     reach = stats.t.ppf(0.975, r.size - 1) * error
-    found = interval(held, noise, "K_star", held.coefficients(point), LEVEL)
-    assert found.low == pytest.approx(point[0] * np.exp(-reach), rel=1e-5)
-    assert found.high == pytest.approx(point[0] * np.exp(reach), rel=1e-5)
+    actual = interval(held, noise, "K_star", held.coefficients(point), LEVEL)
+    assert actual.low == pytest.approx(point[0] * np.exp(-reach), rel=1e-5)
+    assert actual.high == pytest.approx(point[0] * np.exp(reach), rel=1e-5)
 
 
 # --- coverage ---------------------------------------------------------------------------------
@@ -234,7 +234,7 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
         hits["curve"].append(band.low[0] <= depth <= band.high[0])
         new = depth * np.exp(size * rng.normal())
         hits["new"].append(band.new_low[0] <= new <= band.new_high[0])
-    return {kind: float(np.mean(found)) for kind, found in hits.items()}
+    return {kind: float(np.mean(actual)) for kind, actual in hits.items()}
 
 
 @pytest.mark.slow
@@ -255,8 +255,8 @@ def test_coverage_of_every_law(tmp_path, law, contact):
 
 def test_a_map_of_a_pair_is_the_sum_of_squares_refitted(noisy):
     problem, best, noise = noisy
-    found = {n: interval(problem, noise, n, best, LEVEL) for n in ("kappa", "c")}
-    mapped = pair_map(problem, noise, ("kappa", "c"), best, found, (0.68, LEVEL), points=7)
+    actual = {n: interval(problem, noise, n, best, LEVEL) for n in ("kappa", "c")}
+    mapped = pair_map(problem, noise, ("kappa", "c"), best, actual, (0.68, LEVEL), points=7)
     assert pairs_of(problem) == [("kappa", "c")]
     k, m = 2, 4
     value = problem.value(np.array([mapped.x[m], mapped.y[k]]))
@@ -272,23 +272,23 @@ def test_an_interval_that_the_data_leave_open_ends_at_the_bound(tmp_path):
     campaign = measured_campaign(
         tmp_path, "liu", noise=NOISE, parameters=bounds, starts=2, objective="rms-penetration"
     )
-    found = fit_measurements(campaign).uncertainty
-    ends = found.estimates["clearance_factor"].profile
+    actual = fit_measurements(campaign).uncertainty
+    ends = actual.estimates["clearance_factor"].profile
     assert (ends.low, ends.low_is_bound, ends.high, ends.high_is_bound) == (0.5, True, 2.0, True)
-    assert found.estimates["clearance_factor"].verdict in ("not", "at a bound")
-    assert abs(found.correlation["modulus_factor"]["clearance_factor"]) > 0.99
-    assert any("correlation" in sentence for sentence in noise_verdicts(found))
+    assert actual.estimates["clearance_factor"].verdict in ("not", "at a bound")
+    assert abs(actual.correlation["modulus_factor"]["clearance_factor"]) > 0.99
+    assert any("correlation" in sentence for sentence in noise_verdicts(actual))
 
 
 def test_parameters_that_act_only_together_are_named(tmp_path):
     bounds = {"Lambda_factor": {"low": 0.1, "high": 10.0}}
     campaign = measured_campaign(tmp_path, noise=NOISE, parameters=bounds, starts=2)
     result = fit_measurements(campaign)
-    found = result.uncertainty
-    assert set(found.only_together) == {"c", "Lambda_factor"}
-    assert {e.verdict for e in found.estimates.values()} == {"not"}
-    assert found.correlation == {}
-    assert "c and Lambda_factor are not identifiable" in noise_verdicts(found)[1]
+    actual = result.uncertainty
+    assert set(actual.only_together) == {"c", "Lambda_factor"}
+    assert {e.verdict for e in actual.estimates.values()} == {"not"}
+    assert actual.correlation == {}
+    assert "c and Lambda_factor are not identifiable" in noise_verdicts(actual)[1]
     study = study_noise(result, with_pairs=True)
     assert (study.bands, study.pairs) == ([], [])
     assert "not identifiable" in noise_text(study)
@@ -322,9 +322,9 @@ def test_refits_that_cannot_start_are_left_out_and_counted(noisy):
     load[0] = 1e9  # beyond the end of Johnson's law
     broken = data.with_values(load=load, penetration=data.penetration)
     partly = replace(problem, objective=MeasuredObjective(broken, "rms-log-penetration"))
-    found = bootstrap(partly, best, "rows", 120, 1, LEVEL)
+    actual = bootstrap(partly, best, "rows", 120, 1, LEVEL)
     # A row is missing from a resample with probability (1 − 1/N)^N, near 1/e.
-    assert 120 - found.undefined == pytest.approx(120 * (1 - 1 / 36) ** 36, abs=20)
+    assert 120 - actual.undefined == pytest.approx(120 * (1 - 1 / 36) ** 36, abs=20)
     lost = measured(problem).data.take(np.array([0, 1]))
     load = np.array([1e9, 1e9])
     lost = lost.with_values(load=load, penetration=lost.penetration)
@@ -335,16 +335,16 @@ def test_refits_that_cannot_start_are_left_out_and_counted(noisy):
 
 def test_leaving_a_clearance_out_is_fitting_the_others(noisy):
     problem, best, _ = noisy
-    found = leave_one_out(problem, best, "dR")
-    assert [left.group for left in found] == ["ΔR = 0.1 mm", "ΔR = 0.3 mm", "ΔR = 1 mm"]
+    actual = leave_one_out(problem, best, "dR")
+    assert [left.group for left in actual] == ["ΔR = 0.1 mm", "ΔR = 0.3 mm", "ΔR = 1 mm"]
     data = measured(problem).data
     rest = np.flatnonzero(data.columns["dR"] != 0.3)
     alone = replace(problem, objective=MeasuredObjective(data.take(rest), "rms-log-penetration"))
     point, _, _ = descend(alone, alone.point(best))
-    assert found[1].coefficients == pytest.approx(alone.coefficients(point), rel=1e-9)
+    assert actual[1].coefficients == pytest.approx(alone.coefficients(point), rel=1e-9)
     own = np.flatnonzero(data.columns["dR"] == 0.3)
     judged = replace(problem, objective=MeasuredObjective(data.take(own), "rms-log-penetration"))
-    assert found[1].own_rms == pytest.approx(judged.value(point), rel=1e-9)
+    assert actual[1].own_rms == pytest.approx(judged.value(point), rel=1e-9)
 
 
 def test_one_group_cannot_be_resampled(noisy):
@@ -416,24 +416,26 @@ def with_deviations(noisy, size, loss=Loss()):  # noqa: B008
     ],
 )
 def test_given_deviations_are_held_against_the_residuals(noisy, size, words):
-    found = with_deviations(noisy, size)
-    assert found.sigma_known
-    assert words in noise_verdicts(found)[0]
-    assert found.chi_square_p == pytest.approx(
-        stats.chi2.sf(found.residual_sigma**2 * found.degrees_of_freedom, found.degrees_of_freedom),
+    actual = with_deviations(noisy, size)
+    assert actual.sigma_known
+    assert words in noise_verdicts(actual)[0]
+    assert actual.chi_square_p == pytest.approx(
+        stats.chi2.sf(
+            actual.residual_sigma**2 * actual.degrees_of_freedom, actual.degrees_of_freedom
+        ),
         rel=1e-6,
     )
 
 
 @pytest.mark.parametrize("loss", ["soft_l1", "cauchy", "huber"])
 def test_a_robust_loss_has_no_chi_square_test(noisy, loss):
-    found = with_deviations(noisy, 1.0, Loss(loss, 1.345))
-    assert found.sigma_known
-    assert found.chi_square_p is None
+    actual = with_deviations(noisy, 1.0, Loss(loss, 1.345))
+    assert actual.sigma_known
+    assert actual.chi_square_p is None
     # From the median of 36 residuals, whose standard error is a fifth.
-    assert found.residual_sigma == pytest.approx(1.0, abs=0.4)
-    assert "no chi-square test" in noise_verdicts(found)[0]
-    assert "look too large" not in noise_verdicts(found)[0]
+    assert actual.residual_sigma == pytest.approx(1.0, abs=0.4)
+    assert "no chi-square test" in noise_verdicts(actual)[0]
+    assert "look too large" not in noise_verdicts(actual)[0]
 
 
 def test_a_verdict_does_not_depend_on_where_zero_is(tmp_path):
@@ -444,8 +446,8 @@ def test_a_verdict_does_not_depend_on_where_zero_is(tmp_path):
         moved = problem.fixing("Lambda_factor", float(np.exp(-shift)))
         shifted = {**best, "c": best["c"] + shift, "Lambda_factor": float(np.exp(-shift))}
         assert moved.value_of(shifted) == pytest.approx(problem.value_of(best), rel=1e-9)
-        found = uncertainty_of(moved, shifted, LEVEL)
-        verdicts.append({name: e.verdict for name, e in found.estimates.items()})
+        actual = uncertainty_of(moved, shifted, LEVEL)
+        verdicts.append({name: e.verdict for name, e in actual.estimates.items()})
         # kappa is a factor, judged by its share of the value.
         assert noise.per_unit[0] == pytest.approx(1 / best["kappa"], rel=1e-6)
     assert verdicts[0] == verdicts[1] == verdicts[2]
@@ -475,9 +477,9 @@ def test_a_profile_says_when_it_finds_a_better_fit(noisy):
     problem, best, _ = noisy
     short = problem.fixing("kappa", best["kappa"] * 1.02)
     point, _, _ = descend(short, short.point(best))
-    found = uncertainty_of(problem, short.coefficients(point), LEVEL)
-    assert found.estimates["c"].profile.lowest < -1e-3
-    assert any("found a better fit" in note for note in noise_verdicts(found))
+    actual = uncertainty_of(problem, short.coefficients(point), LEVEL)
+    assert actual.estimates["c"].profile.lowest < -1e-3
+    assert any("found a better fit" in note for note in noise_verdicts(actual))
     assert not any("found a better fit" in note for note in uncertainty_of(problem, best).notes)
 
 
@@ -591,9 +593,9 @@ def test_a_loss_without_curvature_has_no_intervals(noisy):
     assert noise.covariance is None
     assert noise.blind == ()
     assert np.isnan(noise.unit)
-    found = uncertainty_of(robust, far, LEVEL)
-    assert {e.verdict for e in found.estimates.values()} == {"not"}
-    assert any("not positive definite" in sentence for sentence in noise_verdicts(found))
+    actual = uncertainty_of(robust, far, LEVEL)
+    assert {e.verdict for e in actual.estimates.values()} == {"not"}
+    assert any("not positive definite" in sentence for sentence in noise_verdicts(actual))
 
 
 def test_a_form_without_laws_is_not_for_measurements(noisy):
@@ -630,23 +632,23 @@ def saved(tmp_path):
 
 def test_the_command_reports_noise(saved, tmp_path):
     out = tmp_path / "study.json"
-    found = run(
+    actual = run(
         *("uncertainty", saved, "--bootstrap", 30, "--over", "dR", "--leave-out", "dR"),
         *("--pairs", "--level", 0.9, "--seed", 3, "-j", 1, "-o", out),
     )
-    assert found.exit_code == 0, found.output
+    assert actual.exit_code == 0, actual.output
     few = "30 refits give standard errors, and 90 % intervals from 40"
     for part in ("from the noise", "90 %, bootstrap", few, "3 are few", "ΔR = 0.3 mm", "new ±%"):
-        assert part in " ".join(found.output.split()), part
+        assert part in " ".join(actual.output.split()), part
     study = json.loads(out.read_text("utf-8"))
     assert study["kind"] == "noise"
     assert study["pairs"][0]["names"] == ["kappa", "c"]
     assert study["bootstrap"]["seed"] == 3
     assert study["uncertainty"]["level"] == 0.9
     assert len(study["bands"]) == 6
-    found = run("uncertainty", saved, "--bootstrap", 40, "-j", 1)
+    actual = run("uncertainty", saved, "--bootstrap", 40, "-j", 1)
     assert "40 refits are few for 95 % intervals, take 1000 or more" in " ".join(
-        found.output.split()
+        actual.output.split()
     )
 
 
@@ -654,11 +656,11 @@ def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatc
     result = fit_measurements(user_campaign(tmp_path))
     result.save(tmp_path / "r.json")
     monkeypatch.chdir(tmp_path)
-    found = run("uncertainty", "r.json")
-    assert "not run because a result names it" in found.exception.rule
+    actual = run("uncertainty", "r.json")
+    assert "not run because a result names it" in actual.exception.rule
     assert run("uncertainty", "r.json", "--law", "mine:load").exit_code == 0
-    found = run("uncertainty", "r.json", "--law", "mine:flat")
-    assert "is not its law, mine:load" in found.exception.rule
+    actual = run("uncertainty", "r.json", "--law", "mine:flat")
+    assert "is not its law, mine:load" in actual.exception.rule
 
 
 @pytest.mark.parametrize(
@@ -673,9 +675,9 @@ def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatc
     ],
 )
 def test_what_cannot_be_asked_is_refused(saved, arguments, rule):
-    found = run("uncertainty", saved, *arguments)
-    assert isinstance(found.exception, InputError)
-    assert rule in found.exception.rule
+    actual = run("uncertainty", saved, *arguments)
+    assert isinstance(actual.exception, InputError)
+    assert rule in actual.exception.rule
 
 
 def test_an_interval_is_plain_data():

@@ -53,12 +53,12 @@ def test_the_map_is_the_rise_of_the_loss_over_the_table(drawing):
 
 
 def test_the_published_external_coefficients_cost_what_the_profiles_say(drawing):
-    found = drawing.table[drawing.table.panel == "discrepancy"]
-    assert {*found.coefficient_x} == {"b"}
-    assert {*found.coefficient_y} == {"n"}
-    assert 0 <= found.height.min() < 1e-3
-    near = (found.x - 0.85).abs() / 0.3 + (found.y - 1.094).abs() / 0.015
-    assert 0.05 < found.height[near.idxmin()] < 0.12
+    actual = drawing.table[drawing.table.panel == "discrepancy"]
+    assert {*actual.coefficient_x} == {"b"}
+    assert {*actual.coefficient_y} == {"n"}
+    assert 0 <= actual.height.min() < 1e-3
+    near = (actual.x - 0.85).abs() / 0.3 + (actual.y - 1.094).abs() / 0.015
+    assert 0.05 < actual.height[near.idxmin()] < 0.12
 
 
 def test_the_two_kinds_are_told_apart_on_the_figure(drawing):

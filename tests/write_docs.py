@@ -19,8 +19,8 @@ def rewritten(page, folder, monkeypatch):
     ran = run_page(page, folder, monkeypatch)
     text, pieces, end, before = page.read_text(encoding="utf-8"), [], 0, None
     for (block, printed), match in zip(ran, FENCE.finditer(text), strict=True):
-        shown = block.language == "text" and block.adjacent and before is not None
-        if shown and "..." not in block.text and not same(block.text, before):
+        visible = block.language == "text" and block.adjacent and before is not None
+        if visible and "..." not in block.text and not same(block.text, before):
             pieces += [text[end : match.start(4)], re.sub(r" +$", "", before.rstrip(), flags=re.M)]
             pieces.append("\n")
             end = match.end(4)

@@ -33,8 +33,8 @@ def report(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Recipes, e.g. fig10 fig10r; all by default. One that takes arguments gets them "
-            'behind it, e.g. maps material="titanium alloy" law=explicit.'
+            help="Recipes, e.g. fig10 fig10r; all by default. Arguments of a recipe follow its "
+            'name, e.g. maps material="titanium alloy" law=explicit.'
         ),
     ] = None,
     results: Results = RESULTS,
