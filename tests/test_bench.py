@@ -175,7 +175,7 @@ class TestRecipes:
         file = put(bench, f"{name}.py", text)
         broken, sound = sorted(build(bench, options=SVG), key=lambda figure: not figure.problem)
         assert (broken.name, sound.name) == (name, "fig99")
-        assert str(broken.problem).startswith(f"{file}: draw: {problem}")
+        assert str(broken.problem).startswith(f"{file}: {problem}")
         assert [path.name for path in sound.paths] == ["fig99.svg", "fig99.csv"]
         assert sound.problem is None
 

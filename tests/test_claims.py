@@ -97,7 +97,7 @@ def test_two_claims_with_one_id_are_refused(bench):
 
 def test_a_syntax_error_is_told_in_one_line(bench):
     file = write(bench, "a", "def broken(:")
-    with pytest.raises(InputError, match=r"is not Python") as caught:
+    with pytest.raises(InputError, match=r"failed with SyntaxError") as caught:
         ledger(bench)
     assert str(file) in str(caught.value)
     assert "\n" not in str(caught.value)

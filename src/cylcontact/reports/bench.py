@@ -91,6 +91,11 @@ class Bench:
         Such a file imports its neighbours relatively: `from .paper import MATERIALS`. If a file of
         the folder has changed, all of them are imported again.
 
+        Raises
+        ------
+        InputError
+            If the file, or one that it imports, fails.
+
         Examples
         --------
         >>> import tempfile
@@ -101,8 +106,15 @@ class Bench:
         (10.0, 1000.0)
         """
         _open_package(self.recipes_folder.resolve())
-        with _without_bytecode():
-            return importlib.import_module(f"{PACKAGE}.{name}")
+        try:
+            with _without_bytecode():
+                return importlib.import_module(f"{PACKAGE}.{name}")
+        except InputError:
+            raise
+        except Exception as error:
+            file = self.recipes_folder.joinpath(*name.split(".")).with_suffix(".py")
+            rule = f"failed with {type(error).__name__} ({error})"
+            raise InputError(str(file), "", None, rule, "correct the file") from error
 
     def materials(self) -> dict[str, MaterialRow]:
         """Return the materials that ship and the bench's own, name → row.

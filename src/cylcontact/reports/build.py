@@ -457,7 +457,7 @@ def _figures_of(name: str, bench: Bench) -> Iterable[str]:
     """Return the figures that a file lists; only its own name where it cannot be imported."""
     try:
         figures: Mapping[str, Any] = bench.module(name).FIGURES
-    except Exception:  # drawing it reports what is wrong
+    except InputError:  # drawing it reports what is wrong
         return (name,)
     return figures
 

@@ -268,11 +268,7 @@ def _claim_functions(bench: Bench) -> list[ClaimFunction]:
     """Return the claims of a bench, file by file in the order in which they are written."""
     functions: list[ClaimFunction] = []
     for file in sorted((bench.recipes_folder / "claims").glob("*.py"), key=lambda path: path.stem):
-        try:
-            module = bench.module(f"claims.{file.stem}")
-        except SyntaxError as error:
-            rule, remedy = f"is not Python ({error})", "correct it"
-            raise InputError(str(file), "", None, rule, remedy) from None
+        module = bench.module(f"claims.{file.stem}")
         functions += [
             value
             for value in vars(module).values()
