@@ -126,7 +126,7 @@ def _answers(name: str, pair: CylinderPair, load: float) -> dict[str, object]:
     except InputError as error:
         note = error.rule
     if not note and np.isnan(penetration):
-        beyond = "beyond its largest load" if load > highest else "too large for a _number"
+        beyond = "beyond its largest load" if load > highest else "too large for a number"
         note = "undefined at this ΔR" if np.isnan(highest) else beyond
     return {
         "law": name,
@@ -138,12 +138,12 @@ def _answers(name: str, pair: CylinderPair, load: float) -> dict[str, object]:
 
 
 def _finite(value: FloatArray) -> float:
-    """Return a _number, NaN in place of inf."""
+    """Return a number, NaN in place of inf."""
     return float(value) if np.isfinite(value) else np.nan
 
 
 def deviations(pair: CylinderPair) -> pd.DataFrame:
-    """Tabulate the _deviation of each law's penetration from the reference at equal load.
+    """Tabulate the deviation of each law's penetration from the reference at equal load.
 
     The reference is Persson's law for internal contact and Johnson's for external contact.
 
@@ -214,14 +214,14 @@ def to_text(pair: CylinderPair, load: float) -> str:
 
 
 def _number(value: float, form: str) -> str:
-    """Format a _number, with six digits if huge; a dash for NaN, "none" for inf."""
+    """Format a number, with six digits if huge; a dash for NaN, "none" for inf."""
     if np.isnan(value):
         return MISSING
     return "none" if np.isinf(value) else format(value, form if abs(value) < HUGE else ".6g")
 
 
 def _deviation(value: float) -> str:
-    """Format a _deviation in percent with two decimals, none from 1000 on; no sign on zero."""
+    """Format a deviation in percent with two decimals, none from 1000 on; no sign on zero."""
     text = _number(value, "+.2f" if abs(value) < 1000 else "+.0f")
     return text.removeprefix("-") if text == "-0.00" else text.replace("+0.00", "0.00")
 
