@@ -24,7 +24,7 @@ def test_laws_leaves_out_what_is_not_for_rollers(run):
 
 
 @pytest.mark.parametrize(
-    ("option", "value", "told"),
+    ("option", "value", "message"),
     [
         ("--nu", "0.7", "nu = 0.7: Poisson's ratio must lie in [0, 0.5]"),
         ("--dR", "-1", "dR = -1.0: must be positive"),
@@ -53,7 +53,7 @@ def test_export_writes_a_refit_to_a_file(run, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (("explicit", "--to", "c"), "give --contact internal or --contact external"),
         (("explicit", "--to", "ada", "--contact", "internal"), "choose c, fortran, matlab or json"),

@@ -60,7 +60,7 @@ def case(
     Raises
     ------
     InputError
-        If a _number is out of its range.
+        If a number is out of its range.
 
     Examples
     --------
