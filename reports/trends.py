@@ -1,4 +1,4 @@
-"""How a number of the mechanism's runs changes with one condition, all others being equal."""
+"""Changes of a number in the mechanism's runs with one condition, the others being equal."""
 
 from __future__ import annotations
 

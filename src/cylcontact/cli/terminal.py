@@ -1,4 +1,4 @@
-"""Where commands run and how they show progress."""
+"""Worker processes of the commands, and their progress bars."""
 
 from __future__ import annotations
 

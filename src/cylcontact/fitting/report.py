@@ -304,7 +304,7 @@ def _resampled(bootstrap: Bootstrap, name: str) -> str:
 
 
 def _on_bootstrap(bootstrap: Bootstrap, level: str) -> str:
-    """Say what was resampled, and whether often enough."""
+    """Return a sentence on the bootstrap: the groups resampled, and if the refits suffice."""
     plural = {"rows": "rows", "dR": "clearances"}.get(bootstrap.over, f"{bootstrap.over}s")
     sentence = f"bootstrap: {bootstrap.replicates} refits to {bootstrap.groups} resampled {plural}"
     refits = bootstrap.replicates - bootstrap.undefined

@@ -1,4 +1,4 @@
-"""What a fit result means, in sentences computed from its numbers."""
+"""Verdicts: sentences on the quality of a fit, computed from its numbers."""
 
 from __future__ import annotations
 
@@ -176,7 +176,7 @@ def _is_exact(uncertainty: Uncertainty) -> bool:
 
 
 def _on_noise(uncertainty: Uncertainty) -> str:
-    """Say how large the noise is, and whether the given standard deviations explain it."""
+    """Return sentences on the noise, and on its agreement with the given standard deviations."""
     sigma, unit = uncertainty.residual_sigma, uncertainty.residual_unit
     if _is_exact(uncertainty):
         return (
@@ -209,7 +209,7 @@ def _on_noise(uncertainty: Uncertainty) -> str:
 
 
 def _on_shape(uncertainty: Uncertainty) -> str:
-    """Say if neighbouring residuals are correlated, which those of noise are not."""
+    """Return a sentence if neighbouring residuals are correlated, unlike those of noise."""
     p = uncertainty.runs_test_p
     if p is None or p > _SURPRISING or _is_exact(uncertainty):
         return ""

@@ -290,7 +290,7 @@ class Trajectory:
 
     @property
     def continuation(self) -> tuple[str, ...]:
-        """Where the law was continued beyond its domain, and for how many steps; often empty."""
+        """A note on the steps for which the law was continued beyond its domain, or none."""
         limit = float(self.block[contact.LAST_PENETRATION]) * 1e-3
         if self.settings.beyond == "stop" or not np.isfinite(limit) or not self.in_contact.any():
             return ()

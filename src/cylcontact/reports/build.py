@@ -15,7 +15,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from functools import lru_cache
 from pathlib import Path
 from shutil import which
 from typing import Any
@@ -405,11 +405,11 @@ def _imported_files(bench: Bench, file: Path) -> list[Path]:
 def _relative_imports(file: Path) -> list[str]:
     """Return the neighbours that a file of the `reports` folder imports, "paper" for `.paper`."""
     tree = _parsed(file)
-    nodes = [] if tree is None else [n for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)]
-    named = [node.module for node in nodes if node.level == 1 and node.module]
-    plain = [alias.name for node in nodes if node.level == 1 and not node.module
-             for alias in node.names]  # fmt: skip
-    return [*named, *plain]
+    names: list[str] = []
+    for node in ast.walk(tree) if tree else ():
+        if isinstance(node, ast.ImportFrom) and node.level == 1:
+            names += [node.module] if node.module else [alias.name for alias in node.names]
+    return names
 
 
 def _name_of(file: Path, root: Path) -> str:
@@ -477,15 +477,22 @@ def _function_of(name: str, bench: Bench) -> Callable[..., Drawing]:
     if name not in recipes:
         _refuse_unknown(name, bench, recipes)
     module: Any = bench.module(recipes[name].stem)
-    function: Callable[..., Drawing] = getattr(module, "FIGURES", {}).get(name) or module.draw
-    return function
+    listed = getattr(module, "FIGURES", {}).get(name)
+    if listed is None:
+        own: Callable[..., Drawing] = module.draw
+        return own
+
+    # Functions of FIGURES may have keywords too, already bound; only a file's `draw` takes any.
+    def draw_listed(bench: Bench) -> Drawing:
+        drawing: Drawing = listed(bench)
+        return drawing
+
+    return draw_listed
 
 
 def _require_arguments(name: str, function: Callable[..., Any], given: Arguments) -> None:
     """Raise `InputError` for an argument that is unknown or missing."""
-    # The functions of FIGURES are bound to their arguments; only a file's `draw` takes others.
-    bound = isinstance(function, partial)
-    parameters = {} if bound else inspect.signature(function).parameters
+    parameters = inspect.signature(function).parameters
     keywords = [p for p in parameters.values() if p.kind is inspect.Parameter.KEYWORD_ONLY]
     known = [parameter.name for parameter in keywords]
     needed = [p.name for p in keywords if p.default is inspect.Parameter.empty]
