@@ -1,4 +1,5 @@
-# `make` sets up the environment, fits both contacts and draws the maps; `make help` lists the rest.
+# `make` sets up the environment, recovers the published coefficients, refits them and draws the
+# maps; `make help` lists the rest.
 
 PYTHON ?= python3
 VENV := .venv
@@ -27,7 +28,7 @@ unexport PYTHONHOME PYTHONPATH
 
 ##@ The main job
 
-all: build/comparison.txt build/.figures ## Set up, fit both contacts, compare with the paper, draw the maps (default)
+all: build/comparison.txt build/.figures ## Set up, recover the coefficients, refit them, draw the maps (default)
 	@cat build/comparison.txt
 	@echo "The figures, each with its numbers as CSV, are in reports/figures."
 
@@ -35,7 +36,9 @@ build/%.json: fitting/%.toml datasets/%.toml $(SOURCES) $(VENV)/.dependencies | 
 	@mkdir -p $(@D)
 	$(CYLCONTACT) fit $< -o $@
 
-build/comparison.txt: build/internal.json build/external.json
+# First the published coefficients recovered, then all of them searched freely.
+build/comparison.txt: build/recovered-internal.json build/recovered-external.json \
+		build/internal.json build/external.json
 	@$(CYLCONTACT) compare $^ > $@
 
 build/.figures: build/internal.json build/external.json $(RECIPES) $(BENCH)

@@ -15,7 +15,7 @@ from cylcontact import CylinderPair, Material, laws
 from cylcontact.laws.kernels import kernel, kernel_load
 
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.5, material=Material("steel", E=207e3, nu=0.3))
-JOHNSON, ENHANCED = laws.Johnson(), laws.Enhanced()
+JOHNSON, ENHANCED, EXPLICIT = laws.Johnson(), laws.Enhanced(), laws.Explicit()
 E_STAR, DR = float(PAIR.E_star), float(PAIR.dR)
 K, N = float(ENHANCED.factor(PAIR)), float(ENHANCED.exponent(PAIR))
 # scipy's Lambert function loses digits near the limit, so the comparison stops before it.
@@ -50,7 +50,7 @@ def _in_arrays(deltas: np.ndarray, rounds: int) -> list[Row]:
 
 
 def _in_compiled_code(deltas: np.ndarray, rounds: int) -> list[Row]:
-    johnson, enhanced = kernel(JOHNSON, PAIR), kernel(ENHANCED, PAIR)
+    johnson, enhanced, explicit = (kernel(law, PAIR) for law in (JOHNSON, ENHANCED, EXPLICIT))
     sides = [
         Side(
             "cylcontact: kernel_load, Johnson",
@@ -62,6 +62,10 @@ def _in_compiled_code(deltas: np.ndarray, rounds: int) -> list[Row]:
         Side(
             "cylcontact: kernel_load, enhanced law",
             lambda: _sum_of_kernel(enhanced.kind, enhanced.parameters, deltas),
+        ),
+        Side(
+            "cylcontact: kernel_load, explicit law",
+            lambda: _sum_of_kernel(explicit.kind, explicit.parameters, deltas),
         ),
         Side("a power alone", lambda: _sum_of_powers(deltas, K, N)),
     ]

@@ -21,6 +21,7 @@ __all__ = [
     "replacing",
     "require_suffix",
     "require_writable",
+    "shipped_bench",
     "unwritable",
 ]
 
@@ -266,3 +267,9 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+def shipped_bench() -> Path:
+    """Return the folder of the shipped bench: in the package, or the checkout around it."""
+    package = Path(__file__).parent
+    return package / "bench" if (package / "bench").is_dir() else package.parents[1]

@@ -12,9 +12,8 @@ from typing import Annotated
 
 import typer
 
-import cylcontact
 from cylcontact.errors import InputError
-from cylcontact.files import folder_of, require_writable, unwritable
+from cylcontact.files import folder_of, require_writable, shipped_bench, unwritable
 
 __all__ = ["FOLDERS", "copy_files", "init", "shipped_files"]
 
@@ -32,19 +31,13 @@ def init(
     ] = Path(),
 ) -> None:
     """Lay out a bench: datasets, campaigns with their results, figures' recipes, notebooks."""
-    source = _shipped_bench()
+    source = shipped_bench()
     names = shipped_files(source)
     copy_files(source, folder, _missing(source, folder, names))
     typer.echo(
         f"{len(names)} files in {folder.resolve()}: {', '.join(FOLDERS)}\n"
         "in that folder, try: cylcontact report fig12"
     )
-
-
-def _shipped_bench() -> Path:
-    """Return the folder of the shipped bench: in the package, or the checkout around it."""
-    package = Path(cylcontact.__file__).parent
-    return package / "bench" if (package / "bench").is_dir() else package.parents[1]
 
 
 def shipped_files(source: Path) -> list[Path]:

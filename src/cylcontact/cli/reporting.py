@@ -20,7 +20,7 @@ from cylcontact.cli.options import (
 )
 from cylcontact.cli.terminal import cores, progress_bars
 from cylcontact.errors import InputError
-from cylcontact.files import replacing
+from cylcontact.files import replacing, shipped_bench
 from cylcontact.pair import CONTACTS
 
 if TYPE_CHECKING:
@@ -184,10 +184,16 @@ def compare_laws(
     load: Annotated[float, typer.Option(help="Load per unit length, N/mm.")] = 100.0,
     contact: Annotated[str, typer.Option(help=f"{listed(CONTACTS)}.")] = "internal",
 ) -> None:
-    """Show all contact laws side by side for one pair, and how accurate the explicit law is."""
+    """Compare the laws: which one to use, and all of them side by side for one pair."""
+    from cylcontact.reports import laws_to_use
+    from cylcontact.reports.bench import Bench
     from cylcontact.reports.laws_table import case, to_text
 
-    typer.echo(to_text(case(contact, E, nu, dR, R_i, length), load), nl=False)
+    pair = case(contact, E, nu, dR, R_i, length)
+    side_by_side = to_text(pair, load)
+    typer.echo(
+        f"{laws_to_use.to_text(pair.contact, Bench(shipped_bench()))}\n\n{side_by_side}", nl=False
+    )
 
 
 def export(

@@ -239,21 +239,28 @@ def _enhanced_coefficients(law: Enhanced, contact: Contact | None) -> Coefficien
 
 
 def _power(law: PowerLaw, contact: Contact | None) -> Formula:
-    """Eqs 3-4: f = K*penetration^n."""
-    scales = law.K_star is not None
-    factor = {"K_star": law.K_star} if law.K_star is not None else {"K_factor": law.K}
-    numbers = {name: float(value) for name, value in factor.items() if value is not None}
-    numbers["n"] = float(law.n)
-    line = "factor = K_star * (E_star / dR)\n" if scales else "factor = K_factor\n"
+    """Eqs 3-4, f = K*penetration^n, and its dimensionless form."""
+    if law.C is not None:
+        name, value, step = "C_factor", law.C, "C_factor * E_star * dR ** (1 - n)"
+        equation = "f = C_factor*E_star*dR*(penetration/dR)^n"
+        remark = "Dimensionless in penetration/dR and f/(E_star*dR)."
+    elif law.K_star is not None:
+        name, value, step = "K_star", law.K_star, "K_star * (E_star / dR)"
+        equation, remark = "f = K_star*E_star/dR*penetration^n", _MM_N_MPA
+    else:
+        name, value, step = "K_factor", float(law.K or 0), "K_factor"
+        equation = "f = K_factor*penetration^n"
+        remark = f"{_MM_N_MPA} For the one pair that it was fitted to."
+    numbers = {name: float(value), "n": float(law.n)}
     return Formula(
         name=_named(law.name, contact),
         law=law.name,
         contact=contact,
-        equation=f"f = {'K_star*E_star/dR' if scales else 'K_factor'}*penetration^n",
-        text=line + _POWER_STEPS.lstrip(),
+        equation=equation,
+        text=f"factor = {step}\n" + _POWER_STEPS.lstrip(),
         coefficients=numbers,
         constants=numbers,
-        remark=_MM_N_MPA + ("" if scales else " For the one pair that it was fitted to."),
+        remark=remark,
     )
 
 

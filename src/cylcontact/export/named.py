@@ -46,7 +46,7 @@ def find_law(what: str, contact: Contact | None) -> FoundLaw:
     """
     if what in LAWS:
         return FoundLaw(LAWS[what](), contact)
-    if what == PowerLaw.name:
+    if what.startswith(PowerLaw.name):
         raise InputError(
             "export", "law", what, "has no coefficients of its own", "name a fit result of it"
         )

@@ -17,20 +17,24 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.parameters import Family, Parameter, family_of
+from cylcontact.fitting.ties import require_valid
 from cylcontact.provenance import spec_hash
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
 __all__ = [
+    "TIES",
     "Campaign",
     "CampaignSpec",
     "GeneticSpec",
     "ParameterSpec",
     "campaign_from_settings",
     "read_campaign",
+    "require_free",
 ]
 
 # Limit on the runs of a campaign and on a population, for memory.
 _MOST = 100_000
+TIES = 'a table [ties] of expressions that set parameters, e.g. b = "a/10"'
 _PARAMETER_REMEDY = "give low and high, or value with fixed = true"
 
 
@@ -61,6 +65,12 @@ class ParameterSpec(Spec):
                 "exchange them, or give value with fixed = true",
             )
         return self
+
+    def parameter(self, name: str) -> Parameter:
+        """Return the parameter that the table describes."""
+        low = math.nan if self.low is None else self.low
+        high = math.nan if self.high is None else self.high
+        return Parameter(name, low, high, self.value, self.fixed)
 
 
 class GeneticSpec(Spec):
@@ -109,6 +119,7 @@ class CampaignSpec(Spec):
     parameters: dict[str, ParameterSpec] = Field(
         description="a table [parameters.NAME] for each parameter of the law"
     )
+    ties: dict[str, str] | None = Field(None, description=TIES)
     optimizer: str = Field(OPTIMIZERS[0], description=f"one of {', '.join(OPTIMIZERS)}")
     genetic: GeneticSpec = Field(GeneticSpec(), description="a table [genetic]")
 
@@ -254,6 +265,7 @@ def _find_dataset(campaign: Path, dataset: str) -> Path:
 def _parameters(spec: CampaignSpec, family: Family, source: str) -> tuple[Parameter, ...]:
     """Return the parameters of the law, in the order of the family."""
     known = ", ".join(family.names)
+    ties = spec.ties or {}
     for name in spec.parameters:
         if name not in family.names:
             raise InputError(
@@ -264,25 +276,29 @@ def _parameters(spec: CampaignSpec, family: Family, source: str) -> tuple[Parame
                 f"its parameters: {known}",
             )
     for name in family.names:
-        if name not in spec.parameters:
+        if name not in spec.parameters and name not in ties:
             raise InputError(
                 source, f"parameters.{name}", None, "is required", f"the law has {known}"
             )
+    require_valid(ties, spec.parameters, family.names, source)
     parameters = tuple(
-        Parameter(
-            name=name,
-            low=math.nan if table.low is None else table.low,
-            high=math.nan if table.high is None else table.high,
-            value=table.value,
-            fixed=table.fixed,
-        )
-        for name, table in ((name, spec.parameters[name]) for name in family.names)
+        Parameter(name, tie=ties[name]) if name in ties else spec.parameters[name].parameter(name)
+        for name in family.names
     )
-    if all(p.fixed for p in parameters):
-        raise InputError(
-            source, "parameters", None, "all are fixed", "free at least one: give it low and high"
-        )
+    require_free(parameters, source)
     return parameters
+
+
+def require_free(parameters: tuple[Parameter, ...], source: str) -> None:
+    """Refuse parameters of which none is searched."""
+    if not any(p.is_free for p in parameters):
+        raise InputError(
+            source,
+            "parameters",
+            None,
+            "all are fixed or tied",
+            "free at least one: give it low and high",
+        )
 
 
 def _require_range(grid: Grid, family: Family, source: str) -> None:

@@ -4,6 +4,7 @@
 |---|---|---|
 | power | K_star, n | f = K_star·(E*/ΔR)·δⁿ |
 | power-one-pair | K, n | f = K·δⁿ, for one pair |
+| power-dimensionless | C, n | f = C·E*·ΔR·(δ/ΔR)ⁿ |
 | enhanced, internal | a, b, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent | Eqs 5–6 |
 | enhanced, external | a, b, n | Eqs 5–6 |
 | explicit | c, A, B | `laws.explicit` |
@@ -237,7 +238,7 @@ def _dimensionless(name: str, base: ContactLaw) -> LawModel:
 
 
 def _power(values: _Coefficients) -> ContactLaw:
-    """Return the power law of K or K_star, and n."""
+    """Return the power law of n and one of K, K_star and C."""
     return PowerLaw(**values)
 
 
@@ -289,10 +290,14 @@ def _models() -> dict[tuple[str, Contact], LawModel]:
     exponent = LawParameter("n", 0.8, 2.0)
     models = []
     for contact in CONTACTS:
-        power = (LawParameter("K_star", 1e-3, 1e3), exponent)
-        models.append(LawModel("power", contact, power, _power))
-        one_pair = (LawParameter("K", 1.0, 1e9), exponent)
-        models.append(LawModel("power-one-pair", contact, one_pair, _power))
+        powers = {
+            "power": LawParameter("K_star", 1e-3, 1e3),
+            "power-one-pair": LawParameter("K", 1.0, 1e9),
+            "power-dimensionless": LawParameter("C", 1e-3, 1e3),
+        }
+        models += [
+            LawModel(name, contact, (factor, exponent), _power) for name, factor in powers.items()
+        ]
         models += [_enhanced(contact), _explicit(contact)]
         point = (
             LawParameter("factor", 1e-2, 1e2, nominal=1.0),

@@ -66,6 +66,7 @@ def run_from(problem: Problem, start: FloatArray, index: int, seed: int) -> RunR
         population=1,
         crossover=None,
         objective_before_polish=before,
+        coefficients_before_polish=problem.coefficients(start),
         objective=value,
         coefficients=problem.coefficients(point),
         evaluations=evaluations,

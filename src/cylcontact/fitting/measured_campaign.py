@@ -15,7 +15,7 @@ from cylcontact.arrays import FloatArray
 from cylcontact.datasets.measured_columns import Constants, MeasuredData, read_measured
 from cylcontact.datasets.measurements import Measurements, measurements_of
 from cylcontact.errors import InputError
-from cylcontact.fitting.campaign import ParameterSpec
+from cylcontact.fitting.campaign import ParameterSpec, require_free
 from cylcontact.fitting.law_models import (
     RIG_NAMES,
     LawModel,
@@ -28,6 +28,7 @@ from cylcontact.fitting.measured_objective import MeasuredObjective, objective_n
 from cylcontact.fitting.measured_spec import MeasuredSpec
 from cylcontact.fitting.parameters import Family, Parameter
 from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.ties import require_valid
 from cylcontact.fitting.user_law import UserFunction, named_user_model, user_model
 from cylcontact.pair import Contact
 from cylcontact.provenance import spec_hash
@@ -95,7 +96,7 @@ class MeasuredCampaign:
     def nominal(self) -> FloatArray | None:
         """The nominal values of the free parameters, shape (k,); None if one has none."""
         nominal = {p.name: p.nominal for p in self.model.parameters}
-        values = [nominal[p.name] for p in self.parameters if not p.fixed]
+        values = [nominal[p.name] for p in self.parameters if p.is_free]
         return None if None in values else np.array(values, dtype=np.float64)
 
     def problem(self) -> Problem:
@@ -216,7 +217,7 @@ def _make(
     """Return the checked campaign, with defaults for what the spec leaves out."""
     model = with_rig(model, spec.parameters)
     parameters = _parameters(spec, model, source)
-    free = sum(not p.fixed for p in parameters)
+    free = sum(p.is_free for p in parameters)
     if len(measured) <= free:
         raise InputError(
             source,
@@ -226,7 +227,7 @@ def _make(
             "measure more points, or fix parameters with fixed = true",
         )
     objective = objective_name(spec.objective, measured, is_user_law(spec.law), source)
-    tables = {p.name: _table_of(p) for p in parameters}
+    tables = {p.name: _table_of(p) for p in parameters if p.tie is None}
     complete = spec.model_copy(update={"parameters": tables, "objective": objective})
     return MeasuredCampaign(name, complete, measured, model, parameters, objective, source)
 
@@ -242,25 +243,24 @@ def _parameters(spec: MeasuredSpec, model: LawModel, source: str) -> tuple[Param
                 f"is not a parameter of {model.law} for {model.contact} contact",
                 f"its parameters: {', '.join(model.names)}; the rig's: {', '.join(RIG_NAMES)}",
             )
+    ties = spec.ties or {}
+    require_valid(ties, spec.parameters, model.names, source)
     parameters = tuple(
-        _parameter(default, spec.parameters.get(default.name), source)
+        Parameter(default.name, tie=ties[default.name])
+        if default.name in ties
+        else _parameter(default, spec.parameters.get(default.name), source)
         for default in model.parameters
     )
-    if all(p.fixed for p in parameters):
-        raise InputError(
-            source, "parameters", None, "all are fixed", "free at least one: give it low and high"
-        )
+    require_free(parameters, source)
     return parameters
 
 
 def _parameter(default: LawParameter, table: ParameterSpec | None, source: str) -> Parameter:
     """Return one parameter from its table in the campaign, or the default."""
     if table is not None:
-        low = math.nan if table.low is None else table.low
-        high = math.nan if table.high is None else table.high
-        return Parameter(default.name, low, high, table.value, table.fixed)
+        return table.parameter(default.name)
     if not default.free:
-        return Parameter(default.name, math.nan, math.nan, default.nominal, fixed=True)
+        return Parameter(default.name, value=default.nominal, fixed=True)
     if not math.isfinite(default.high - default.low):
         raise InputError(
             source,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field, model_validator
 
 from cylcontact.choices import OPTIMIZERS
-from cylcontact.fitting.campaign import GeneticSpec, ParameterSpec
+from cylcontact.fitting.campaign import TIES, GeneticSpec, ParameterSpec
 from cylcontact.fitting.loss import LOSSES
 from cylcontact.pair import Contact
 from cylcontact.spec import Spec, broken
@@ -35,6 +35,7 @@ class MeasuredSpec(Spec):
         {},
         description="tables [parameters.NAME] for parameters with other bounds, or fixed ones",
     )
+    ties: dict[str, str] | None = Field(None, description=TIES)
     optimizer: str | None = Field(
         None, description=f"a search instead of several starts, one of {', '.join(OPTIMIZERS)}"
     )

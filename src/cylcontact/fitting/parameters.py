@@ -6,6 +6,7 @@ Most laws are a power law at each clearance, f = K*(ΔR)·E*/ΔR·δ^n(ΔR). A p
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Protocol
@@ -23,7 +24,7 @@ from cylcontact.laws.enhanced import (
     stiffness_factor,
 )
 from cylcontact.laws.explicit import Explicit, ExplicitCoefficients, is_defined
-from cylcontact.pair import Contact
+from cylcontact.pair import CONTACTS, Contact
 
 __all__ = ["FAMILIES", "Family", "Form", "LawForm", "Parameter", "PowerForm", "family_of"]
 
@@ -32,25 +33,33 @@ _EXPLICIT_NAMES = tuple(field.name for field in fields(ExplicitCoefficients))
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a campaign, searched between two bounds or fixed.
+    """A parameter of a campaign: searched between two bounds, fixed, or tied to others.
 
     Parameters
     ----------
     name : str
         The parameter's name in its family.
     low, high : float
-        Bounds of the search.
+        Bounds of the search; NaN if it is not searched.
     value : float, optional
         Its value if it is fixed.
     fixed : bool
         Whether it is fixed.
+    tie : str, optional
+        The expression that sets it, e.g. "a/10" (`fitting.ties`).
     """
 
     name: str
-    low: float
-    high: float
+    low: float = math.nan
+    high: float = math.nan
     value: float | None = None
     fixed: bool = False
+    tie: str | None = None
+
+    @property
+    def is_free(self) -> bool:
+        """Whether it is searched."""
+        return not self.fixed and self.tie is None
 
 
 class Form(Protocol):
@@ -184,6 +193,12 @@ def _power(candidates: FloatArray, dR: FloatArray) -> PowerForm:
     return _power_form(K_star, n, dR)
 
 
+def _power_dimensionless(candidates: FloatArray, dR: FloatArray) -> PowerForm:
+    """f = C·E*·ΔR·(δ/ΔR)^n, that is K* = C·ΔR^(2 − n)."""
+    C, n = candidates.T[:, :, None] + np.zeros_like(dR)
+    return _power_form(C * dR ** (2 - n), n, dR)
+
+
 def _explicit(candidates: FloatArray, _: FloatArray) -> LawForm:
     """Return explicit laws with these c, A and B; None if they define none."""
     names = _EXPLICIT_NAMES
@@ -198,7 +213,7 @@ def _explicit(candidates: FloatArray, _: FloatArray) -> LawForm:
 def _families() -> dict[tuple[str, Contact], Family]:
     """Return the families for campaigns on a grid."""
     internal, external = asdict(PUBLISHED["internal"]), asdict(PUBLISHED["external"])
-    families = (
+    families: tuple[Family, ...] = (
         Family(
             law="enhanced",
             contact="internal",
@@ -209,11 +224,13 @@ def _families() -> dict[tuple[str, Contact], Family]:
             dR_max=INTERNAL_DR_MAX,
         ),
         Family("enhanced", "external", tuple(external), _enhanced_external, published=external),
-        Family("power", "internal", ("K_star", "n"), _power),
-        Family("power", "external", ("K_star", "n"), _power),
-        Family("explicit", "internal", _EXPLICIT_NAMES, _explicit, is_power_law=False),
-        Family("explicit", "external", _EXPLICIT_NAMES, _explicit, is_power_law=False),
     )
+    for contact in CONTACTS:
+        families += (
+            Family("power", contact, ("K_star", "n"), _power),
+            Family("power-dimensionless", contact, ("C", "n"), _power_dimensionless),
+            Family("explicit", contact, _EXPLICIT_NAMES, _explicit, is_power_law=False),
+        )
     return {(family.law, family.contact): family for family in families}
 
 

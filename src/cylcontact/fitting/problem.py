@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
 from cylcontact.fitting.objectives import Objective
 from cylcontact.fitting.parameters import Family, Form, Parameter
+from cylcontact.fitting.ties import evaluate
 
 __all__ = ["Problem", "require_defined_somewhere"]
 
@@ -36,7 +38,7 @@ class Problem:
     @property
     def free(self) -> tuple[Parameter, ...]:
         """The parameters that are searched."""
-        return tuple(p for p in self.parameters if not p.fixed)
+        return tuple(p for p in self.parameters if p.is_free)
 
     @property
     def low(self) -> FloatArray:
@@ -69,7 +71,7 @@ class Problem:
         return self.family.form(self._complete(points), self.objective.dR)
 
     def coefficients(self, point: FloatArray) -> dict[str, float]:
-        """Return all coefficients by name, including the fixed ones."""
+        """Return all coefficients by name, including the fixed and the tied ones."""
         complete = self._complete(point[None, :])[0]
         return {p.name: float(v) for p, v in zip(self.parameters, complete, strict=True)}
 
@@ -90,15 +92,15 @@ class Problem:
         return replace(self, parameters=parameters)
 
     def _complete(self, points: FloatArray) -> FloatArray:
-        """Insert the fixed parameters into P points, shape (P, k) to (P, all)."""
+        """Add the fixed and the tied parameters to P points, shape (P, k) to (P, all)."""
+        columns: dict[str, ArrayLike] = {
+            p.name: points[:, column] for column, p in enumerate(self.free)
+        }
+        columns |= {p.name: p.value for p in self.parameters if p.value is not None}
+        columns |= {p.name: evaluate(p.tie, columns) for p in self.parameters if p.tie is not None}
         complete = np.empty((len(points), len(self.parameters)))
-        column = 0
         for index, parameter in enumerate(self.parameters):
-            if parameter.fixed:
-                complete[:, index] = np.nan if parameter.value is None else parameter.value
-            else:
-                complete[:, index] = points[:, column]
-                column += 1
+            complete[:, index] = columns[parameter.name]
         return complete
 
 

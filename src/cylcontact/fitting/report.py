@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from textwrap import fill
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, FEW_REFITS, FEWEST_REFITS
-from cylcontact.fitting.verdicts import identification, noise_verdicts, verdicts
+from cylcontact.fitting.verdicts import held, identification, noise_verdicts, ties, verdicts
 
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
@@ -23,9 +23,10 @@ __all__ = [
     "NUMBERS",
     "as_html",
     "as_text",
-    "by_law",
+    "by_search",
     "compare",
     "discrepancy_text",
+    "labels",
     "noise_text",
     "side_by_side",
     "text_table",
@@ -44,6 +45,9 @@ NUMBERS = {
     "samples": ("samples", ",d"),
     "masked": ("  masked", ",d"),
 }
+
+# The axes of a grid, with symbols and units.
+_AXES = {"E": ("E", " GPa"), "nu": ("ν", ""), "dR": ("ΔR", " mm"), "load": ("load", " N/mm")}
 
 _Rows = list[tuple[str, ...]]
 
@@ -150,7 +154,7 @@ def _measured_rows(result: FitResult, uncertainty: Uncertainty) -> _Rows:
 
 
 def compare(results: Sequence[FitResult]) -> str:
-    """Return results side by side: one table for each law and contact, then the verdicts.
+    """Return results side by side: a table for those of one kind, then the verdicts.
 
     Parameters
     ----------
@@ -160,21 +164,37 @@ def compare(results: Sequence[FitResult]) -> str:
     Returns
     -------
     str
-        Each table has a column for the published coefficients and one for each result. The
-        objective of the published coefficients depends on the data and has a row of its own.
+        Results of one kind are of the same law, contact and search (`by_search`). A table has a
+        column for the published coefficients and one for each result, and the samples of each
+        beneath. That of a single result gives its difference from the published coefficients.
     """
-    parts = [_side_by_side_text(group) for group in by_law(results)]
+    parts = [_side_by_side_text(group) for group in by_search(results)]
     for result in results:
         parts.append("\n".join([f"{result.name}:", *map(_item, verdicts(result))]))
     return "\n\n".join(parts)
 
 
-def by_law(results: Iterable[FitResult]) -> list[list[FitResult]]:
-    """Return the results of each law and contact, in the order of their first."""
-    groups: dict[tuple[str, str], list[FitResult]] = {}
+def by_search(results: Iterable[FitResult]) -> list[list[FitResult]]:
+    """Return the results in groups of the same law, contact, held and tied coefficients."""
+    groups: dict[tuple[str, ...], list[FitResult]] = {}
     for result in results:
-        groups.setdefault((result.law, result.contact), []).append(result)
+        kind = (result.law, result.contact, *labels(result).values())
+        groups.setdefault(kind, []).append(result)
     return list(groups.values())
+
+
+def labels(result: FitResult) -> dict[str, str]:
+    """Return the label of each coefficient in tables: its name, its tie, whether it was held.
+
+    Examples
+    --------
+    >>> from cylcontact.fitting import FitResult
+    >>> labels(FitResult.load("fitting/results/recovered-external.json"))
+    {'a': 'a', 'b': 'b', 'n': 'n (held)'}
+    """
+    of_ties = {name: f"{name} = {expression}" for name, expression in ties(result).items()}
+    of_held = {name: f"{name} (held)" for name in held(result)}
+    return {name: (of_ties | of_held).get(name, name) for name in result.coefficients}
 
 
 def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
@@ -188,29 +208,51 @@ def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
     Returns
     -------
     dict
-        The coefficients, then the rows of `NUMBERS`: row → the published value ("" below the
-        coefficients) and each fit's; None for a number that does not exist.
+        The labels of the coefficients, then the rows of `NUMBERS`: row → the published value (""
+        below the coefficients) and each fit's; None for a number that does not exist. With a
+        single result the published coefficients' numbers are in their own column, and a third one
+        holds the difference of the fit from them in percent.
 
     Examples
     --------
     >>> from cylcontact.fitting import FitResult
-    >>> side_by_side([FitResult.load("fitting/results/external.json")])["n"]
-    ['1.094', '1.0847']
+    >>> table = side_by_side([FitResult.load("fitting/results/external.json")])
+    >>> table["n"], table["objective"]
+    (['1.094', '1.0847', '-0.8'], ['0.065965', '0.051954', '-21.2'])
     """
     # Some results of a group may be of data for which nothing was published.
     published = next((r.published.coefficients for r in results if r.published), None)
     rows: dict[str, list[str | None]] = {
-        name: [
+        label: [
             f"{published[name]:g}" if published else None,
             *(f"{r.coefficients[name]:.5g}" for r in results),
         ]
-        for name in results[0].coefficients
+        for name, label in labels(results[0]).items()
     }
     columns = [_numbers(result) for result in results]
     for number, (row, (_, form)) in enumerate(NUMBERS.items()):
         values = [column[number] for column in columns]
         rows[row] = ["", *(None if v is None else format(v, form) for v in values)]
+    if len(results) == 1:
+        _add_differences(rows, results[0])
     return rows
+
+
+def _add_differences(rows: dict[str, list[str | None]], result: FitResult) -> None:
+    """Move the numbers of the published coefficients to their column, and add the differences."""
+    for row in ("objective", "largest |Eq 9|, %"):
+        rows[row][0] = rows.pop(f"published {row}")[1]
+    differences = {}
+    if result.published is not None:
+        published = result.published.coefficients | {"objective": result.published.objective}
+        fitted = result.coefficients | {"objective": result.objective.value}
+        differences = {
+            label: f"{100 * (fitted[name] / published[name] - 1):+.1f}"
+            for name, label in (labels(result) | {"objective": "objective"}).items()
+            if published[name] and name not in held(result)
+        }
+    for row, cells in rows.items():
+        cells.append(differences.get(row, ""))
 
 
 def _numbers(result: FitResult) -> tuple[float | None, ...]:
@@ -229,13 +271,45 @@ def _numbers(result: FitResult) -> tuple[float | None, ...]:
 def _side_by_side_text(results: list[FitResult]) -> str:
     """Return results of one law and contact side by side as text."""
     first = results[0]
+    names = {row: label for row, (label, _) in NUMBERS.items()}
+    columns = [f"{first.law}, {first.contact}", "published", *(r.name for r in results)]
+    if len(results) == 1:
+        names["objective"] = first.objective.name
+        columns.append("difference, %")
     rows: _Rows = [
-        (NUMBERS[row][0] if row in NUMBERS else row, *("-" if c is None else c for c in cells))
+        (names.get(row, row), *("-" if c is None else c for c in cells))
         for row, cells in side_by_side(results).items()
     ]
-    rows.insert(len(first.coefficients), ("objective", "", *(r.objective.name for r in results)))
-    columns = (f"{first.law}, {first.contact}", "published", *(r.name for r in results))
-    return text_table(columns, rows)
+    if len(results) > 1:
+        objectives = ("objective", "", *(result.objective.name for result in results))
+        rows.insert(len(first.coefficients), objectives)
+    return "\n".join([text_table(columns, rows), *map(_samples_text, results)])
+
+
+def _samples_text(result: FitResult) -> str:
+    """Return which samples a result was fitted to, in a line."""
+    if result.uncertainty is not None:
+        return f"{result.name}: {result.counts.samples:,} measurements"
+    axes = result.settings["dataset"]["axes"]
+    texts = [_axis_text(*_AXES[name], axes[name]) for name in _AXES]
+    return f"{result.name}: samples at {', '.join(texts)}"
+
+
+def _axis_text(symbol: str, unit: str, axis: Mapping[str, Any]) -> str:
+    """Return an axis of a grid in a few words.
+
+    Examples
+    --------
+    >>> _axis_text("ΔR", " mm", {"min": 0.05, "max": 10.0, "points": 20, "spacing": "log"})
+    'ΔR 0.05…10 mm (20 log)'
+    """
+    values = axis.get("values")
+    if values is None:
+        low, high, count = axis["min"], axis["max"], f" ({axis['points']} {axis['spacing']})"
+    else:
+        low, high, count = values[0], values[-1], f" ({len(values)})" if len(values) > 1 else ""
+    span = f"{low:g}" if low == high else f"{low:g}…{high:g}"
+    return f"{symbol} {span}{unit}{count}"
 
 
 # --- studies of uncertainty -------------------------------------------------------------------

@@ -38,6 +38,7 @@ class RunRecord(Spec):
     population: int = Field(description="the population, which sets the budget of every search")
     crossover: str | None = Field(description="the crossover of a genetic search")
     objective_before_polish: float = Field(description="the best of the search")
+    coefficients_before_polish: dict[str, float] = Field(description="those of the search alone")
     objective: float = Field(description="the objective after the polish")
     coefficients: dict[str, float] = Field(description="the coefficients after the polish")
     evaluations: int = Field(description="candidates that the search evaluated")
@@ -121,6 +122,7 @@ def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRec
         population=plan.population,
         crossover=plan.crossover,
         objective_before_polish=best.value,
+        coefficients_before_polish=problem.coefficients(best.point),
         objective=value,
         coefficients=problem.coefficients(point),
         evaluations=best.evaluations,

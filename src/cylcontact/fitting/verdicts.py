@@ -16,9 +16,11 @@ if TYPE_CHECKING:
 __all__ = [
     "SAME_BASIN",
     "basins",
+    "held",
     "identification",
     "noise_verdicts",
     "same_basin",
+    "ties",
     "verdicts",
 ]
 
@@ -55,13 +57,26 @@ def verdicts(result: FitResult) -> list[str]:
 
 
 def identification(result: FitResult, name: str) -> str:
-    """Return "well", "fairly", "poorly", "not", "at a bound" or "fixed" for a coefficient."""
+    """Return "well", "fairly", "poorly", "not", "at a bound", "fixed" or its tie."""
+    if name in ties(result):
+        return f"= {ties(result)[name]}"
     if result.uncertainty is not None:
         estimate = result.uncertainty.estimates.get(name)
         return "fixed" if estimate is None else estimate.verdict
     if name not in result.profiles:
         return "fixed"
     return result.profiles[name].verdict(result.coefficients[name])
+
+
+def ties(result: FitResult) -> dict[str, str]:
+    """Return the expressions that set coefficients of a result, by name."""
+    return result.settings["campaign"].get("ties") or {}
+
+
+def held(result: FitResult) -> list[str]:
+    """Return the coefficients that a result's campaign holds at a value."""
+    tables = result.settings["campaign"]["parameters"]
+    return [name for name, table in tables.items() if table.get("fixed")]
 
 
 def basins(result: FitResult) -> list[tuple[float, int]]:
@@ -87,10 +102,18 @@ def _on_published(result: FitResult) -> str:
     ratio = result.published.objective / result.objective.value
     if ratio <= 1 + SAME_BASIN:
         return "the published coefficients are the optimum on this grid, within 0.1 %"
+    excess = f"{100 * (ratio - 1):.1f} % above" if ratio < 1.1 else f"{ratio:.2f} times"
     return (
-        f"the published coefficients are not the optimum on this grid: their objective is "
-        f"{result.published.objective:.4g}, {ratio:.2f} times the fitted one"
+        f"with {_searched(result)} the published coefficients are not the optimum on this grid: "
+        f"their objective is {result.published.objective:.4g}, {excess} the fitted one"
     )
+
+
+def _searched(result: FitResult) -> str:
+    """Return which coefficients of a result were free."""
+    if not held(result) and not ties(result):
+        return "all coefficients free"
+    return f"only {' and '.join(result.profiles)} free"
 
 
 def _on_published_law(result: FitResult) -> str:

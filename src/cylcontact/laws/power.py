@@ -71,7 +71,7 @@ def _power(penetration: ArrayLike, factor: FloatArray, n: FloatArray) -> FloatAr
 
 @dataclass(frozen=True)
 class PowerLaw(PowerShaped):
-    """The power law f = K·δⁿ (Eq 3), with a factor K or K* = K·ΔR/E* (Eq 4).
+    """The power law f = K·δⁿ (Eq 3), with K given as such or scaled to other pairs.
 
     Parameters
     ----------
@@ -80,7 +80,9 @@ class PowerLaw(PowerShaped):
     K : float, optional
         Factor in N/mm per mmⁿ, for the pair it was fitted to.
     K_star : float, optional
-        Factor K* in K = K*·E*/ΔR (per unit length), which applies to other pairs as well.
+        Factor K* in K = K*·E*/ΔR (Eq 4, per unit length).
+    C : float, optional
+        Dimensionless factor in f = C·E*·ΔR·(δ/ΔR)ⁿ, which scales as Johnson's law does.
 
     Raises
     ------
@@ -93,22 +95,27 @@ class PowerLaw(PowerShaped):
     >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
     >>> print(f"{PowerLaw(n=1.237, K=312148).load(1e-3, pair):.2f} N/mm")
     60.72 N/mm
+    >>> law = PowerLaw(n=1.0848, C=0.580)
+    >>> print(f"{law.load(1e-3, pair) / law.load(2e-3, pair):.4f}")
+    0.4715
     """
 
     n: float
     K: float | None = None
     K_star: float | None = None
+    C: float | None = None
     name: ClassVar[str] = "power"
 
     def __post_init__(self) -> None:
-        given = [value for value in (self.K, self.K_star) if value is not None]
+        factors = (self.K, self.K_star, self.C)
+        given = [value for value in factors if value is not None]
         if len(given) != 1 or not (given[0] > 0 and np.isfinite(given[0])):
             raise InputError(
                 "PowerLaw",
-                "K, K_star",
-                (self.K, self.K_star),
+                "K, K_star, C",
+                factors,
                 "exactly one of them must be given, positive and finite",
-                "use K for one pair, K_star for a law that scales with E*/ΔR",
+                "use K for one pair, K_star or C for a law that scales to others",
             )
         if not (self.n > 0 and np.isfinite(self.n)):
             raise InputError(
@@ -117,7 +124,10 @@ class PowerLaw(PowerShaped):
 
     def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
         """Return K in N/mm per mmⁿ and n."""
-        scale = pair.E_star / as_floats(pair.dR)
+        E_star, dR, n = pair.E_star, as_floats(pair.dR), as_floats(self.n)
+        if self.C is not None:
+            return as_floats(self.C * E_star * dR ** (1 - n)), n
+        scale = E_star / dR
         if self.K_star is not None:
-            return as_floats(self.K_star * scale), as_floats(self.n)
-        return as_floats(np.full_like(scale, self.K)), as_floats(self.n)
+            return as_floats(self.K_star * scale), n
+        return as_floats(np.full_like(scale, self.K)), n

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.report import by_law, side_by_side
+from cylcontact.fitting.report import by_search, side_by_side
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.verdicts import verdicts
 from cylcontact.reports.bench import Bench
@@ -48,7 +48,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """The fits of one law and contact side by side.
+    """The fits of one law, contact and search side by side.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ def read_campaigns(bench: Bench) -> Campaigns:
 
 
 def tables(results: Mapping[str, FitResult]) -> list[Table]:
-    """Return a table for each law and contact, with their fits side by side.
+    """Return a table for each law, contact and search, with their fits side by side.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def tables(results: Mapping[str, FitResult]) -> list[Table]:
         Those with most fits first.
     """
     groups = sorted(
-        by_law(results.values()), key=lambda group: (-len(group), group[0].law, group[0].contact)
+        by_search(results.values()), key=lambda group: (-len(group), group[0].law, group[0].contact)
     )
     return [_table(group) for group in groups]
 
@@ -117,35 +117,33 @@ def headline(results: Mapping[str, FitResult], names: Sequence[str]) -> list[Tab
 def _table(results: Sequence[FitResult]) -> Table:
     """Return one table."""
     first, rows = results[0], side_by_side(results)
-    if len(results) == 1:
-        # One set of data: the published coefficients' results on it go to their column.
-        for row in [row for row in rows if row.startswith("published")]:
-            rows[row.removeprefix("published ")][0] = rows.pop(row)[1]
-    else:
-        del rows["published largest |Eq 9|, %"]
-    rows["commit"] = ["", *map(_commit, results)]
-    units = [_unit(result) for result in results]
+    alone = len(results) == 1
+    rows.pop("published largest |Eq 9|, %", None)
+    rows["commit"] = ["", *map(_commit, results), *([""] if alone else [])]
+    units = [_unit(first), *map(_unit, results), *(["%"] if alone else [])]
     cells = {
-        row: [
-            _cell(cell, row, unit) for cell, unit in zip(row_cells, [units[0], *units], strict=True)
-        ]
+        row: [_cell(cell, row, unit) for cell, unit in zip(row_cells, units, strict=True)]
         for row, row_cells in rows.items()
     }
     published, *columns = zip(*cells.values(), strict=True)
+    differences = [Column("difference, %", "", columns.pop(), ())] if alone else []
     return Table(
         first.law,
         first.contact,
         tuple(_ROW_NAMES.get(row, row) for row in cells),
         len(first.coefficients),
         published,
-        tuple(
-            Column(
-                result.name,
-                f"to {result.reference}, {result.objective.name}",
-                column,
-                tuple(verdicts(result)),
-            )
-            for result, column in zip(results, columns, strict=True)
+        (
+            *(
+                Column(
+                    result.name,
+                    f"to {result.reference}, {result.objective.name}",
+                    column,
+                    tuple(verdicts(result)),
+                )
+                for result, column in zip(results, columns, strict=True)
+            ),
+            *differences,
         ),
     )
 

@@ -1,0 +1,253 @@
+"""Five laws for each contact, from the published one to Johnson's: which one to use.
+
+All are compared on the samples of the campaigns `internal` and `external`: the paper's ranges of E,
+ν, ΔR and load, as far as Johnson's law reaches (Eq 8).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.datasets.grid import grid_from
+from cylcontact.errors import InputError
+from cylcontact.fitting.parameters import Form, LawForm, family_of
+from cylcontact.fitting.report import text_table
+from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.samples import Samples, collect_samples
+from cylcontact.laws import Explicit, Johnson
+from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
+from cylcontact.laws.explicit import CALIBRATED
+from cylcontact.pair import Contact
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, johnson_end
+
+__all__ = ["laws_to_use", "to_text"]
+
+BENCHMARKS = "datasets/benchmarks.json"
+# The compiled functions whose times `benchmarks` measures; a power law costs as much as another.
+_TIMED = {"power": "enhanced law", "explicit": "explicit law", "johnson": "Johnson"}
+_ROUND_OFF = 1e-9
+_ENHANCED = "f = (a·ΔR + b)·E*/ΔR·δⁿ"
+_POWER = "f = C·E*·ΔR·(δ/ΔR)ⁿ"
+_EXPLICIT = "f = π·E*·δ/(c + ln(1 + A/d·(c + ln(1 + A/d·ln(B/d))))), d = δ/ΔR"
+_JOHNSON = "f = π·E*·δ/(−W₋₁(−e·δ/(4ΔR)))"
+_NOTHING: dict[str, float] = {}
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """A law to compare.
+
+    Attributes
+    ----------
+    name : str
+        What the table calls it.
+    formula : str
+        Its load.
+    constants : mapping
+        Its constants by name.
+    form : Form
+        It, as a population of one.
+    domain : str
+        Where it is defined or was calibrated.
+    timed : str
+        A key of `_TIMED`.
+    """
+
+    name: str
+    formula: str
+    constants: Mapping[str, float]
+    form: Form
+    domain: str
+    timed: str
+
+
+def laws_to_use(contact: Contact, bench: Bench) -> pd.DataFrame:
+    """Compare five laws on the samples that the main campaign was fitted to.
+
+    Parameters
+    ----------
+    contact : {"internal", "external"}
+        Pin in a hole, or two rollers.
+    bench : Bench
+        With the results of the campaigns named after the contact and power-CONTACT.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row for each law: formula, constants, error of the penetration at equal load, domain, and
+        the time of a compiled load relative to a power law. The error is the root mean square of
+        ln(δ/δ_Johnson) and the largest |Eq 9| in percent; for internal contact also against
+        conformal contact.
+
+    Raises
+    ------
+    InputError
+        If a result is missing.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> table = laws_to_use("external", Bench(Path())).set_index("law")
+    >>> print(table["rms_johnson"].round(4).to_string())
+    law
+    published              0.0660
+    refit                  0.0520
+    power-dimensionless    0.0287
+    explicit               0.0005
+    johnson                0.0000
+    """
+    result = bench.result(contact)
+    samples, _ = collect_samples(grid_from(result.settings["dataset"], result.name))
+    to_johnson = np.zeros_like(samples.j)
+    references: dict[str, FloatArray] = {"johnson": to_johnson}
+    if contact == "internal":
+        truth = TRUTH[contact].penetration(samples.load, samples.pair)
+        references["conformal"] = as_floats(samples.j - np.log(truth))
+    times = _relative_times(bench)
+    rows = []
+    for candidate in _candidates(result, bench.result(f"power-{contact}"), samples):
+        ratio = candidate.form.log_penetration_ratio(0, samples)
+        errors: dict[str, float] = {}
+        for reference, shift in references.items():
+            errors[f"rms_{reference}"] = float(np.sqrt(np.mean((ratio + shift) ** 2)))
+            largest = float(np.abs(np.expm1(ratio + shift)).max())
+            errors[f"max_{reference}_percent"] = 100 * largest
+        rows.append(
+            {
+                "law": candidate.name,
+                "formula": candidate.formula,
+                "constants": ", ".join(f"{k} = {v:.5g}" for k, v in candidate.constants.items()),
+                **errors,
+                "domain": candidate.domain,
+                "relative_time": times[candidate.timed],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def to_text(contact: Contact, bench: Bench) -> str:
+    """Return the comparison of `laws_to_use` as text, with the constants beneath.
+
+    Parameters
+    ----------
+    contact, bench
+        As for `laws_to_use`.
+
+    Returns
+    -------
+    str
+    """
+    table = laws_to_use(contact, bench)
+    references = ["johnson", *(["conformal"] if "rms_conformal" in table else [])]
+    columns = ["law", *(f"{what}, {name}" for name in references for what in ("RMS", "max %"))]
+    rows = [
+        (
+            row["law"],
+            *(
+                text
+                for name in references
+                for text in (
+                    _error(row[f"rms_{name}"], ".4f"),
+                    _error(row[f"max_{name}_percent"], ".3g"),
+                )
+            ),
+            f"{row['relative_time']:.1f}",
+            row["domain"],
+        )
+        for row in table.to_dict("records")
+    ]
+    lines = [
+        f"laws for {contact} contact: error of the penetration at equal load, on the samples of "
+        f"the fit '{contact}',\nand the time of a compiled load relative to that of a power law",
+        text_table([*columns, "time", "domain"], rows),
+        *(", ".join(filter(None, texts)) for texts in _formulas(table)),
+    ]
+    return "\n".join(lines)
+
+
+def _formulas(table: pd.DataFrame) -> list[tuple[str, str]]:
+    """Return the formula of each law behind its name, and its constants."""
+    columns = (table[name].tolist() for name in ("law", "formula", "constants"))
+    return [
+        (f"{law}: {formula}", constants) for law, formula, constants in zip(*columns, strict=True)
+    ]
+
+
+def _error(value: float, form: str) -> str:
+    """Format an error, 0 for round-off."""
+    return "0" if value < _ROUND_OFF else format(value, form)
+
+
+def _candidates(refit: FitResult, power: FitResult, samples: Samples) -> list[_Candidate]:
+    """Return the five laws."""
+    contact = refit.contact
+    published = refit.published.coefficients if refit.published else _NOTHING
+    low, high = BOUNDED[contact]
+    where = f"{INTERNAL_DR_MIN:g} ≤ ΔR < {INTERNAL_DR_MAX:g} mm; " if contact == "internal" else ""
+    enhanced = partial(_Candidate, domain=f"{where}mm, N, MPa", timed="power")
+    return [
+        enhanced("published", _ENHANCED, published, _fitted(refit, published, samples)),
+        enhanced(
+            "refit", _ENHANCED, refit.coefficients, _fitted(refit, refit.coefficients, samples)
+        ),
+        _Candidate(
+            power.law,
+            _POWER,
+            power.coefficients,
+            _fitted(power, power.coefficients, samples),
+            "any ΔR and units",
+            "power",
+        ),
+        _Candidate(
+            "explicit",
+            _EXPLICIT,
+            asdict(CALIBRATED[contact]),
+            LawForm((Explicit(),)),
+            f"calibrated for {low:g} ≤ φ ≤ {high:g}",
+            "explicit",
+        ),
+        _Candidate(
+            "johnson",
+            _JOHNSON,
+            _NOTHING,
+            LawForm((Johnson(),)),
+            f"φ ≤ {johnson_end():.3f} (Eq 8)",
+            "johnson",
+        ),
+    ]
+
+
+def _fitted(fit: FitResult, coefficients: Mapping[str, float], samples: Samples) -> Form:
+    """Return a fitted law at the clearances of the samples, the open end of its range included."""
+    family = family_of(fit.law, fit.contact, fit.name)
+    candidate = np.array([[coefficients[name] for name in family.names]])
+    return family.form(candidate, samples.dR)
+
+
+def _relative_times(bench: Bench) -> dict[str, float]:
+    """Return the measured times of compiled loads over that of a power law.
+
+    Raises
+    ------
+    InputError
+        If the benchmarks lack one.
+    """
+    path = bench.input(BENCHMARKS)
+    rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
+    compiled = [row for row in rows if row["case"].startswith("compiled scalar")]
+    measured = {row["side"]: row["value"] for row in compiled}
+    try:
+        times = {key: measured[f"cylcontact: kernel_load, {side}"] for key, side in _TIMED.items()}
+    except KeyError as error:
+        raise InputError(
+            str(path), "rows", None, f"lack the time of {error}", "measure it: make bench"
+        ) from None
+    return {key: value / times["power"] for key, value in times.items()}
