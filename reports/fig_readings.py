@@ -32,13 +32,10 @@ from cylcontact.progress import silent
 from cylcontact.reports.bench import Bench
 
 CAPTION = (
-    "Recovered coefficients against the published ones over {count} readings of how the law was "
-    "fitted, (a, b) internal, (c, d) external contact. Left: the number of points on every axis, "
-    "the rest as in the campaigns recovered-internal and recovered-external. Right: each point is "
-    "a reading with the change named; linear within 1 %, logarithmic beyond. Internal: x1 = a = "
-    "10b and x2 = Y_log_scale, on which the other constants of Y depend. External: a and b with n "
-    "held at 1.094, and n where it is searched as well. All readings are ours: the paper gives "
-    "ranges only."
+    "Recovered coefficients against the published ones under {count} readings of how they were "
+    "fitted; the readings are ours. Left: the points on every axis, the rest as in the campaigns "
+    "recovered-internal and recovered-external. Right: one change each. Internal: x1 = a = 10b, "
+    "x2 = Y_log_scale. External: a and b with n held; n from a search of all three."
 )
 POINTS = (8, 10, 12, 15, 18, 20, 21, 22, 25, 30, 40, 50, 60, 80, 100)
 NOTHING, POINTS_CHANGED, OTHER_AXES = "nothing", "points per axis", "the other contact's axes"
@@ -92,14 +89,18 @@ class Reading:
 
 def draw(bench: Bench) -> Drawing:
     table = readings(bench)
-    headline = {"readings": float(len(table))}
-    for contact, name, group in _groups(table, ("points", "other changes")):
+    count = len(table.drop_duplicates(["contact", "changed", "reading"]))
+    headline = {"readings": float(count)}
+    of_points = np.where(
+        table["changed"].isin([NOTHING, POINTS_CHANGED]), "points", "other changes"
+    )
+    groups = table.groupby(["contact", "coefficient", of_points], sort=False)["difference_percent"]
+    for (contact, name, what), differences in groups:
         headline |= {
-            f"{contact} {name}, {group[0]}: {end} difference, %": value
-            for end, value in (("lowest", group[1].min()), ("highest", group[1].max()))
+            f"{contact} {name}, {what}: {end} difference, %": float(value)
+            for end, value in (("lowest", differences.min()), ("highest", differences.max()))
         }
-    caption = CAPTION.format(count=len(table))
-    return Drawing(_draw_panels(table), table, headline, caption)
+    return Drawing(_draw_panels(table), table, headline, CAPTION.format(count=count))
 
 
 def readings(bench: Bench) -> pd.DataFrame:
@@ -113,8 +114,8 @@ def readings(bench: Bench) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        A row for each reading: the coefficients, each followed by its difference from the
-        published one in percent, and the objective of both.
+        A row for each reading and coefficient: its value, the difference from the published one in
+        percent, and the objective of both.
     """
     results = {contact: bench.result(f"recovered-{contact}") for contact in CONTACTS}
     sampled = {contact: _sampled(result.settings) for contact, result in results.items()}
@@ -124,7 +125,7 @@ def readings(bench: Bench) -> pd.DataFrame:
         for reading in _readings(contact, result.settings):
             as_other = _sampled(reading.settings) == others and reading.changed != NOTHING
             changed = OTHER_AXES if as_other else reading.changed
-            rows.append(_row(contact, replace(reading, changed=changed), result))
+            rows += _rows(contact, replace(reading, changed=changed), result)
     return pd.DataFrame(rows)
 
 
@@ -178,8 +179,8 @@ def _changed(base: dict[str, Any], what: str, label: str, **axes: dict[str, Any]
     return Reading(what, label, settings)
 
 
-def _row(contact: Contact, reading: Reading, result: FitResult) -> dict[str, Any]:
-    """Return the coefficients recovered under one reading."""
+def _rows(contact: Contact, reading: Reading, result: FitResult) -> list[dict[str, Any]]:
+    """Return the coefficients recovered under one reading, a row for each."""
     published = dict(result.published.coefficients) if result.published else {}
     campaign = campaign_from_settings("reading", reading.settings, "reading")
     problem, _ = problem_of(campaign, 1, silent)
@@ -189,17 +190,15 @@ def _row(contact: Contact, reading: Reading, result: FitResult) -> dict[str, Any
         # With n searched as well; a and b stay those with n held.
         with_n = replace(problem, parameters=(*problem.parameters[:2], N_SEARCHED))
         coefficients["n"] = with_n.coefficients(best(with_n)[0])["n"]
-    row: dict[str, Any] = {
-        "contact": contact,
-        "changed": reading.changed,
-        "reading": reading.label,
-        "objective": objective,
-        "objective_published": problem.value_of(published),
-    }
-    for name in DRAWN[contact]:
-        row[name] = coefficients[name]
-        row[f"{name}_difference_percent"] = 100 * (coefficients[name] / published[name] - 1)
-    return row
+    of_reading = {"contact": contact, "changed": reading.changed, "reading": reading.label}
+    objectives = {"objective": objective, "objective_published": problem.value_of(published)}
+    return [
+        of_reading
+        | {"coefficient": name, "value": coefficients[name]}
+        | {"difference_percent": 100 * (coefficients[name] / published[name] - 1)}
+        | objectives
+        for name in DRAWN[contact]
+    ]
 
 
 def best(problem: Problem) -> tuple[FloatArray, float]:
@@ -216,19 +215,6 @@ def best(problem: Problem) -> tuple[FloatArray, float]:
     # Only the internal law has kinks, where the branches of Y meet.
     descend = polish_across_kinks if problem.family.contact == "internal" else polish
     return descend(problem, start)
-
-
-def _groups(
-    table: pd.DataFrame, names: tuple[str, str]
-) -> Iterator[tuple[str, str, tuple[str, FloatArray]]]:
-    """Yield contact, coefficient, and the differences of the refined and of the other readings."""
-    for contact in CONTACTS:
-        rows = table[table["contact"] == contact]
-        refined = rows["changed"].isin([NOTHING, POINTS_CHANGED])
-        for name in DRAWN[contact]:
-            differences = rows[f"{name}_difference_percent"]
-            for label, part in zip(names, (refined, ~refined), strict=True):
-                yield contact, name, (label, differences[part].to_numpy())
 
 
 def _draw_panels(table: pd.DataFrame) -> StyledFigure:
@@ -251,9 +237,10 @@ def _draw_refinement(axes: Axes, contact: Contact, rows: pd.DataFrame) -> None:
     lines = lines.assign(points=lines["reading"].astype(int))
     axes.axhline(0, color=QUIET, linewidth=0.5, marker="")
     for number, (name, label) in enumerate(DRAWN[contact].items()):
+        line = lines[lines["coefficient"] == name]
         axes.plot(
-            lines["points"],
-            lines[f"{name}_difference_percent"],
+            line["points"],
+            line["difference_percent"],
             color=COLOURS[number],
             marker=MARKERS[number],
             label=label,
@@ -274,9 +261,10 @@ def _draw_changes(axes: Axes, contact: Contact, rows: pd.DataFrame) -> None:
     axes.axvline(0, color=QUIET, linewidth=0.5, marker="")
     for number, name in enumerate(DRAWN[contact]):
         offset = APART * (number - (len(DRAWN[contact]) - 1) / 2)
+        dots = rows[rows["coefficient"] == name]
         axes.plot(
-            rows[f"{name}_difference_percent"],
-            [changes.index(change) + offset for change in rows["changed"]],
+            dots["difference_percent"],
+            [changes.index(change) + offset for change in dots["changed"]],
             color=COLOURS[number],
             marker=MARKERS[number],
             linestyle="none",

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
@@ -13,6 +10,7 @@ from cylcontact.pair import CONTACTS
 from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title
 from cylcontact.plots.style import COLOURS, MARKERS
 from cylcontact.reports.bench import Bench
+from cylcontact.reports.fit_figures import runs_table
 
 CAPTION = (
     "Coefficients of every run of the genetic search before any polish: how far each is from the "
@@ -30,28 +28,24 @@ APART = 0.26
 def draw(bench: Bench) -> Drawing:
     table = pd.concat(
         [
-            runs(bench.result(f"{campaign}-{contact}".removeprefix("-"))).assign(
-                contact=contact, kind=label
-            )
+            searches(bench.result(f"{campaign}-{contact}".removeprefix("-"))).assign(kind=kind)
             for contact in CONTACTS
-            for campaign, label in CAMPAIGNS.items()
+            for campaign, kind in CAMPAIGNS.items()
         ],
         ignore_index=True,
     )
     headline: dict[str, float] = {}
-    for name, rows in table.groupby("campaign", sort=False):
-        away = rows.filter(like="_away_percent")
+    for campaign, rows in table.groupby("campaign", sort=False):
         headline |= {
-            f"{name}: runs": float(len(rows)),
-            f"{name}: largest excess of a search, %": rows["excess_percent"].max(),
-            f"{name}: median distance of a coefficient, %": float(np.nanmedian(away)),
-            f"{name}: largest distance of a coefficient, %": float(np.nanmax(away)),
+            f"{campaign}: runs": float(rows["run"].nunique()),
+            f"{campaign}: median distance, %": float(rows["away_percent"].median()),
+            f"{campaign}: largest distance, %": float(rows["away_percent"].max()),
         }
     return Drawing(_draw_panels(table), table, headline, CAPTION)
 
 
-def runs(result: FitResult) -> pd.DataFrame:
-    """Return what the search of each run reached before the polish.
+def searches(result: FitResult) -> pd.DataFrame:
+    """Return the coefficients that the search of each run reached before the polish.
 
     Parameters
     ----------
@@ -61,64 +55,44 @@ def runs(result: FitResult) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        A row for each run: the objective before and after the polish, the excess of the search
-        over the best polished objective in percent, and each coefficient searched with its
-        distance from the best polished one in percent.
+        A row for each run and coefficient: the objective before and after the polish, the
+        coefficient before it, and its distance from the best polished one in percent.
     """
-    return pd.DataFrame([_row(result, index) for index in range(len(result.runs))])
-
-
-def _row(result: FitResult, index: int) -> dict[str, Any]:
-    """Return one run."""
-    run = result.runs[index]
-    row: dict[str, Any] = {
-        "campaign": result.name,
-        "run": run.index,
-        "population": run.population,
-        "crossover": run.crossover,
-        "evaluations": run.evaluations,
-        "searched": run.objective_before_polish,
-        "polished": run.objective,
-        "excess_percent": 100 * (run.objective_before_polish / result.objective.value - 1),
-    }
-    for name in result.profiles:
-        value, best = run.coefficients_before_polish[name], result.coefficients[name]
-        row |= {name: value, f"{name}_away_percent": 100 * abs(value / best - 1)}
-    return row
+    runs = runs_table(result).drop(columns="seconds")
+    names = [f"{name}_searched" for name in result.profiles]
+    kept = [column for column in runs if column not in names]
+    table = runs.melt(kept, names, "coefficient", "value")
+    table["coefficient"] = table["coefficient"].str.removesuffix("_searched")
+    best = table["coefficient"].map(result.coefficients)
+    table["away_percent"] = 100 * (table["value"] / best - 1).abs()
+    return table.assign(campaign=result.name, contact=result.contact)
 
 
 def _draw_panels(table: pd.DataFrame) -> StyledFigure:
     """Draw a panel for each contact, as wide as it has coefficients."""
-    names = {contact: _searched(table, contact) for contact in CONTACTS}
     figure = new_figure("full", 80.0)
-    widths = [len(names[contact]) for contact in CONTACTS]
+    of_contact = {contact: table[table["contact"] == contact] for contact in CONTACTS}
+    widths = [rows["coefficient"].nunique() for rows in of_contact.values()]
     panels = figure.subplots(1, 2, sharey=True, gridspec_kw={"width_ratios": widths})
-    for number, (axes, contact) in enumerate(zip(panels, CONTACTS, strict=True)):
-        _draw_runs(axes, table[table["contact"] == contact], names[contact])
+    for number, (axes, (contact, rows)) in enumerate(zip(panels, of_contact.items(), strict=True)):
+        _draw_runs(axes, rows)
         panel_title(axes, number, f"{contact} contact")
     panels[0].set_ylabel("distance from the best polished value (%)")
     panels[0].legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3)
     return figure
 
 
-def _searched(table: pd.DataFrame, contact: str) -> list[str]:
-    """Return the coefficients that some campaign of a contact searches."""
-    rows = table[table["contact"] == contact].filter(like="_away_percent")
-    return [str(name).removesuffix("_away_percent") for name in rows.dropna(axis=1, how="all")]
-
-
-def _draw_runs(axes: Axes, table: pd.DataFrame, names: list[str]) -> None:
+def _draw_runs(axes: Axes, table: pd.DataFrame) -> None:
     """Draw each run's distances, the campaigns side by side at every coefficient."""
+    names = list(dict.fromkeys(table["coefficient"]))
     for number, (kind, rows) in enumerate(table.groupby("kind", sort=False)):
-        away = rows[[f"{name}_away_percent" for name in names]].to_numpy()
-        places = np.arange(len(names)) + APART * (number - 1)
         axes.plot(
-            np.broadcast_to(places, away.shape).ravel(),
-            np.maximum(away, FLOOR).ravel(),
+            [names.index(name) + APART * (number - 1) for name in rows["coefficient"]],
+            rows["away_percent"].clip(lower=FLOOR),
             color=COLOURS[number],
             marker=MARKERS[number],
             linestyle="none",
-            label=kind,
+            label=str(kind),
         )
     axes.set(yscale="log", ylim=(0.6 * FLOOR, 5e3), xlim=(-0.6, len(names) - 0.4))
     axes.set_xticks(range(len(names)), ["\n".join(name.rsplit("_", 1)) for name in names])

@@ -34,7 +34,7 @@ COEFFICIENT = (
 )
 FACTOR = (
     "exactly one of them must be given, positive and finite",
-    "use K for one pair, K_star for a law that scales with E*/ΔR",
+    "use K for one pair, K_star or C for a law that scales to others",
 )
 NO_YIELD = (
     "is not known for both materials",
@@ -154,11 +154,19 @@ BAD_INPUT = [
     ],
     *[
         (
-            lambda K=K, K_star=K_star: laws.PowerLaw(n=1.1, K=K, K_star=K_star),
-            *("PowerLaw", "K, K_star", (K, K_star)),
+            lambda factors=factors: laws.PowerLaw(1.1, *factors),
+            *("PowerLaw", "K, K_star, C", factors),
             *FACTOR,
         )
-        for K, K_star in ((None, None), (1.0, 1.0), (0.0, None), (None, -1.0), (np.inf, None))
+        for factors in (
+            (None, None, None),
+            (1.0, 1.0, None),
+            (1.0, None, 1.0),
+            (0.0, None, None),
+            (None, -1.0, None),
+            (None, None, np.nan),
+            (np.inf, None, None),
+        )
     ],
     *[
         (

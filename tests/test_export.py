@@ -36,6 +36,7 @@ LAWS = {
     "undefined": (laws.Enhanced(coefficients(INTERNAL) | {"a": -1.0, "b": 0.5}), "internal"),
     "power": (laws.PowerLaw(n=1.237, K_star=0.3), "external"),
     "power-of-one-pair": (laws.PowerLaw(n=1.237, K=312148.0), "internal"),
+    "power-dimensionless": (laws.PowerLaw(n=1.14, C=0.913), "internal"),
     "linear": (laws.PowerLaw(n=1.0, K_star=0.3), "internal"),
     "softening": (laws.PowerLaw(n=0.9, K_star=0.3), "internal"),
     "explicit-own": (laws.Explicit({"c": 1.4, "A": 0.4, "B": 3.0}), "internal"),
@@ -344,7 +345,8 @@ def test_every_law_that_campaigns_fit_can_be_exported():
 @pytest.mark.parametrize("path", sorted(RESULTS.glob("*.json")), ids=lambda path: path.stem)
 def test_every_committed_result_can_be_exported(path):
     result = FitResult.load(path)
-    assert f"void cylcontact_{result.law}_{result.contact}(" in export_named(str(path), None, "c")
+    name = f"cylcontact_{result.law.replace('-', '_')}_{result.contact}"
+    assert f"void {name}(" in export_named(str(path), None, "c")
 
 
 def test_an_absent_program_skips_but_where_no_test_may(monkeypatch):

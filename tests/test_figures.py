@@ -50,6 +50,9 @@ WORDS |= {"body", "variant", "point", "mode"}
 WORDS |= {"law", "reference", "pair", "error_of", "range"}
 WORDS |= {"group", "side", "computed", "optimizer", "step", "factor"}
 WORDS |= {"coefficient_x", "coefficient_y"}
+WORDS |= {"changed", "reading", "coefficient", "campaign", "crossover", "kind"}
+UNITLESS |= {"value", "objective_published", "run", "population", "evaluations"}
+UNITLESS |= {"searched", "polished"}
 UNITS = ("_mm", "_um", "_us", "_us_std", "_N", "_J")
 UNITS += ("_N_per_mm", "_MPa", "_GPa", "_percent", "_N_per_mm_n")
 

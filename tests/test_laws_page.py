@@ -2,6 +2,7 @@
 
 import math
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,10 @@ from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.dissipation import FACTORS, achieved_restitution
 from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.reports import laws_bounds, laws_table
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.laws_bounds import explicit_error, johnson_end, johnson_shortfall
 from cylcontact.reports.laws_table import case, comparison, deviations, to_text
+from cylcontact.reports.laws_to_use import laws_to_use
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = (ROOT / "docs" / "laws.md").read_text(encoding="utf-8")
@@ -224,14 +228,51 @@ def test_restitution_table():
 
 def test_chooser():
     error = laws_bounds.explicit_error()
-    text = " ".join(" ".join(row) for row in table("Which law when"))
-    low, one = laws_bounds.departure_number, "1 % low at φ = {:.3f}, 10 % at {:.3f}"
-    assert one.format(low(1.0), low(10.0)) in text
+    text = " ".join(PAGE.split("## Which law when\n")[1].split("\n## ")[0].split())
     for contact, said in (("internal", "0.12 % of conformal"), ("external", "0.07 % of Johnson")):
         assert said in text
         assert error[f"{contact} load"] <= float(said.split()[0])
         assert "{:g} ≤ φ ≤ {:g}".format(*laws_bounds.BOUNDED[contact]) in text
-    assert low(1.0) > 0.05  # "a pin with φ < 0.05"
+
+
+def test_the_laws_to_use_are_right():
+    """The errors once more, from the formulas and without samples, objectives or families."""
+    table = laws_to_use("external", Bench(ROOT)).set_index("law")
+    E = np.geomspace(20.7e3, 1e7, 25)[:, None, None, None]
+    nu = np.linspace(0.1, 0.5, 9)[:, None, None]
+    dR, f = np.geomspace(5, 500, 61)[:, None], np.geomspace(10, 1000, 25)
+    E_star = E / (2 * (1 - nu**2))
+    johnson = f / (math.pi * E_star) * (np.log(4 * math.pi * E_star * dR / f) - 1)
+    deltas = {
+        "published": (f * dR / (E_star * (0.39 * dR + 0.85))) ** (1 / 1.094),
+        "power-dimensionless": dR * (f / (0.580159106 * E_star * dR)) ** (1 / 1.084759742),
+    }
+    for name, delta in deltas.items():
+        ratio = np.log(delta / johnson)
+        assert table["rms_johnson"][name] == pytest.approx(np.sqrt(np.mean(ratio**2)), rel=1e-6)
+        largest = 100 * np.abs(np.expm1(ratio)).max()
+        assert table["max_johnson_percent"][name] == pytest.approx(largest, rel=1e-6)
+    assert table["rms_johnson"]["johnson"] < 1e-12
+
+
+def test_explicit_is_the_law_to_use_for_a_pin_in_a_hole():
+    table = laws_to_use("internal", Bench(ROOT)).set_index("law")
+    assert table["rms_conformal"].idxmin() == table["max_conformal_percent"].idxmin() == "explicit"
+    assert table["max_conformal_percent"]["explicit"] <= explicit_error()["internal penetration"]
+    assert table["max_conformal_percent"]["johnson"] < johnson_shortfall(johnson_end())
+    assert table["relative_time"].idxmin() == "published"
+
+
+def test_laws_to_use_name_what_is_missing(tmp_path):
+    with pytest.raises(InputError, match=r"internal\.json.*make it with"):
+        laws_to_use("internal", Bench(tmp_path))
+    for name in ("internal", "power-internal"):
+        (tmp_path / "fitting/results").mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / f"fitting/results/{name}.json", tmp_path / "fitting/results")
+    (tmp_path / "datasets").mkdir()
+    (tmp_path / "datasets/benchmarks.json").write_text('{"rows": []}')
+    with pytest.raises(InputError, match=r"benchmarks\.json: rows: lack the time of .*make bench"):
+        laws_to_use("internal", Bench(tmp_path))
 
 
 def test_numbers_between_the_tables():
@@ -246,6 +287,11 @@ def test_numbers_between_the_tables():
         "0.005": "0.005 ≤ ΔR < 10 mm",
         "0.05": "ΔR = 0.05 mm",
         "0.3": "ν = 0.3",
+        "0.12": "within 0.12 % of conformal contact",
+        "0.07": "within 0.07 % of Johnson's law",
+        "0.02": "for 1e-09 ≤ φ ≤ 0.02",
+        "1.0848": "n=1.0848",
+        "0.58016": "C=0.58016",
         "0.5": "at ΔR = 0.5 mm, 337 and 339",
     }
     for number, where in known.items():

@@ -12,6 +12,7 @@ METHODS = ("load", "penetration", "stiffness")
 LAWS = {
     "K": PowerLaw(n=1.237, K=312148.0),
     "K_star": PowerLaw(n=1.094, K_star=0.9),
+    "C": PowerLaw(n=1.0848, C=0.58),
     "Lankarani-Nikravesh": LankaraniNikravesh(),
     "Lankarani-Nikravesh, n = 1.2": LankaraniNikravesh(n=1.2),
 }
@@ -56,6 +57,15 @@ def test_K_star_is_K_times_dR_over_E_star(material, dR, n):
     pair = CylinderPair.from_dR("external", dR, material)
     scaled, fixed = PowerLaw(n=n, K_star=0.7), PowerLaw(n=n, K=float(0.7 * (pair.E_star / pair.dR)))
     assert scaled.load(1e-3, pair) == fixed.load(1e-3, pair)
+
+
+@given(materials, st.floats(0.01, 500.0), exponents, st.floats(1e-6, 1.0))
+def test_C_makes_the_law_dimensionless(material, dR, n, d):
+    pair = CylinderPair.from_dR("external", dR, material)
+    law, unit = PowerLaw(n=n, C=0.58), pair.E_star * dR
+    assert law.load(d * dR, pair) / unit == pytest.approx(0.58 * d**n, rel=1e-12)
+    scaled = PowerLaw(n=n, K_star=0.58 * dR ** (2 - n))
+    assert law.load(d * dR, pair) == pytest.approx(float(scaled.load(d * dR, pair)), rel=1e-13)
 
 
 def test_K_belongs_to_one_pair_and_K_star_carries_over(pair):

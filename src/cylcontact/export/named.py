@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
 from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.power import PowerLaw
 from cylcontact.pair import Contact
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ def find_law(what: str, contact: Contact | None) -> FoundLaw:
     """
     if what in LAWS:
         return FoundLaw(LAWS[what](), contact)
-    if what.startswith(PowerLaw.name):
+    if what.startswith("power"):
         raise InputError(
             "export", "law", what, "has no coefficients of its own", "name a fit result of it"
         )

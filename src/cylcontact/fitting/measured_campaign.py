@@ -186,7 +186,7 @@ def measured_from_settings(name: str, settings: dict[str, Any], source: str) -> 
     where = f"{source}, settings.measurements"
     measured = measurements_of(parse_spec(MeasuredData, settings["measurements"], where), where)
     if is_user_law(spec.law):
-        own = [key for key in spec.parameters if key not in RIG_NAMES]
+        own = [key for key in (*spec.parameters, *(spec.ties or {})) if key not in RIG_NAMES]
         named = tuple(LawParameter(key, -math.inf, math.inf) for key in own)
         model = named_user_model(UserFunction(spec.law, None), named, spec.contact)
     else:
@@ -215,7 +215,7 @@ def _make(
     name: str, spec: MeasuredSpec, measured: Measurements, model: LawModel, source: str
 ) -> MeasuredCampaign:
     """Return the checked campaign, with defaults for what the spec leaves out."""
-    model = with_rig(model, spec.parameters)
+    model = with_rig(model, [*spec.parameters, *(spec.ties or {})])
     parameters = _parameters(spec, model, source)
     free = sum(p.is_free for p in parameters)
     if len(measured) <= free:

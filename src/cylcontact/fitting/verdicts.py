@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from cylcontact.fitting.uncertainty.estimates import Uncertainty
 
 __all__ = [
+    "ROUND_OFF",
     "SAME_BASIN",
     "basins",
     "held",
@@ -26,8 +27,9 @@ __all__ = [
 
 # Runs whose objectives are this close, relatively, ended in the same basin.
 SAME_BASIN = 1e-3
-# The objective of data that follow the law exactly is round-off, below this.
-_EXACT = 1e-12
+# The objective of data that follow the law exactly is round-off, below this; sums of moments lose
+# half of the digits.
+ROUND_OFF = 1e-6
 # A coefficient this close to a bound, relative to the search interval, is at the bound.
 _AT_BOUND = 1e-6
 # Below this probability the residuals are not those of the noise assumed.
@@ -92,16 +94,16 @@ def basins(result: FitResult) -> list[tuple[float, int]]:
 
 def same_basin(record: RunRecord, objective: float) -> bool:
     """Return whether a run reached an objective, to 0.1 % and round-off."""
-    return record.objective <= objective * (1 + SAME_BASIN) + _EXACT
+    return record.objective <= objective * (1 + SAME_BASIN) + ROUND_OFF
 
 
 def _on_published(result: FitResult) -> str:
     """Compare the objective of the published coefficients with the fitted one."""
     if result.published is None:
         return ""
-    ratio = result.published.objective / result.objective.value
-    if ratio <= 1 + SAME_BASIN:
+    if result.published.objective <= result.objective.value * (1 + SAME_BASIN) + ROUND_OFF:
         return "the published coefficients are the optimum on this grid, within 0.1 %"
+    ratio = result.published.objective / result.objective.value
     excess = f"{100 * (ratio - 1):.1f} % above" if ratio < 1.1 else f"{ratio:.2f} times"
     return (
         f"with {_searched(result)} the published coefficients are not the optimum on this grid: "

@@ -8,6 +8,7 @@ from pathlib import Path
 from cylcontact.fitting.calibrate import calibrate, problem_of
 from cylcontact.fitting.planning import plan_from_settings
 from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.verdicts import ROUND_OFF
 from cylcontact.parallel import Workers
 from cylcontact.progress import Progress
 
@@ -36,8 +37,9 @@ class Check:
 
     @property
     def holds(self) -> bool:
-        """Whether it is within the tolerance."""
-        return self.deviation <= self.tolerance
+        """Whether it is within the tolerance, or both numbers are round-off."""
+        is_round_off = max(abs(self.committed), abs(self.fresh)) < ROUND_OFF
+        return is_round_off or self.deviation <= self.tolerance
 
     def __str__(self) -> str:
         verdict = "holds" if self.holds else "DOES NOT HOLD"

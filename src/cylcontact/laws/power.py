@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -104,7 +103,6 @@ class PowerLaw(PowerShaped):
     K: float | None = None
     K_star: float | None = None
     C: float | None = None
-    name: ClassVar[str] = "power"
 
     def __post_init__(self) -> None:
         factors = (self.K, self.K_star, self.C)
@@ -121,6 +119,11 @@ class PowerLaw(PowerShaped):
             raise InputError(
                 "PowerLaw", "n", self.n, "must be positive and finite", "contact has n ≥ 1"
             )
+
+    @property
+    def name(self) -> str:
+        """The law's name, that of its fits."""
+        return "power" if self.C is None else "power-dimensionless"
 
     def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
         """Return K in N/mm per mmⁿ and n."""

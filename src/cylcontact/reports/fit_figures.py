@@ -25,7 +25,7 @@ def runs_table(result: FitResult) -> pd.DataFrame:
     -------
     pandas.DataFrame
         Columns run, population, crossover, searched and polished (the objective before and after
-        the polish), evaluations and seconds.
+        the polish), evaluations, seconds, and each coefficient of the search before the polish.
     """
     ordered = sorted(result.runs, key=lambda run: (run.objective, run.index))
     return pd.DataFrame(
@@ -37,6 +37,10 @@ def runs_table(result: FitResult) -> pd.DataFrame:
             "polished": [run.objective for run in ordered],
             "evaluations": [run.evaluations for run in ordered],
             "seconds": [run.seconds for run in ordered],
+        }
+        | {
+            f"{name}_searched": [run.coefficients_before_polish[name] for run in ordered]
+            for name in result.profiles
         }
     )
 

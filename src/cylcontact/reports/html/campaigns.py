@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from cylcontact.errors import InputError
 from cylcontact.fitting.report import by_search, side_by_side
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.verdicts import verdicts
+from cylcontact.fitting.verdicts import held, ties, verdicts
 from cylcontact.reports.bench import Bench
 
 __all__ = [
@@ -107,11 +107,15 @@ def tables(results: Mapping[str, FitResult]) -> list[Table]:
 
 def headline(results: Mapping[str, FitResult], names: Sequence[str]) -> list[Table]:
     """Return the main fits, each beside the published coefficients, if they exist."""
-    main = [results[name] for name in names if name in results]
-    return [
-        replace(table, columns=tuple(replace(c, name="refit", about="") for c in table.columns))
-        for table in (_table([result]) for result in main)
-    ]
+    return [_main_fit(results[name]) for name in names if name in results]
+
+
+def _main_fit(result: FitResult) -> Table:
+    """Return the table of a main fit, which is "recovered" if it holds or ties coefficients."""
+    table = _table([result])
+    name = "recovered" if held(result) or ties(result) else "refit"
+    column, *others = table.columns
+    return replace(table, columns=(replace(column, name=name, about=""), *others))
 
 
 def _table(results: Sequence[FitResult]) -> Table:

@@ -1,0 +1,265 @@
+"""Ties: parameters set by arithmetic on others, and the coefficients that come back with them."""
+
+import ast
+import pickle
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import least_squares
+
+from cylcontact import InputError
+from cylcontact.fitting import FitResult, calibrate, read_campaign, read_plan
+from cylcontact.fitting.calibrate import problem_of
+from cylcontact.fitting.ties import evaluate, names_in, require_valid
+from cylcontact.progress import silent
+from tests.spec_files import DROP, write_bench
+
+ROOT = Path(__file__).resolve().parents[1]
+NAMES = ("a", "b", "n")
+TIED = {"parameters.K_star": DROP, "ties": {"K_star": "2*n"}}
+
+
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [
+        ("a/10", 0.3),
+        ("1 + a/10", 1.3),
+        ("-a/10", -0.3),
+        ("+a - -b", 7.0),
+        ("2**a", 8.0),
+        ("-a**2", -9.0),
+        ("(a + b)*1e-1", 0.7),
+        ("a", 3.0),
+        ("  a - b - 1 ", -2.0),
+        ("0.5", 0.5),
+    ],
+)
+def test_expressions_are_arithmetic(expression, value):
+    require_valid({"n": expression}, ["a", "b"], NAMES, "campaign")
+    assert evaluate(expression, {"a": 3.0, "b": 4.0}) == pytest.approx(value, rel=1e-15)
+    arrays = {"a": np.full(5, 3.0), "b": np.full(5, 4.0)}
+    assert np.all(evaluate(expression, arrays) == evaluate(expression, {"a": 3.0, "b": 4.0}))
+
+
+numbers = st.floats(0.1, 10.0).map(lambda number: f"{number:.3f}")
+expressions = st.recursive(
+    st.one_of(numbers, st.sampled_from(["a", "b"])),
+    lambda inner: st.tuples(inner, st.sampled_from("+-*/"), inner).map(
+        lambda parts: f"({parts[0]} {parts[1]} {parts[2]})"
+    ),
+    max_leaves=6,
+)
+
+
+@given(expressions, st.floats(0.1, 10), st.floats(0.1, 10))
+def test_expressions_agree_with_python(expression, a, b):
+    tree = compile(ast.parse(expression, mode="eval"), "test", "eval")
+    try:
+        expected = eval(tree, {"__builtins__": {}}, {"a": a, "b": b})
+    except ZeroDivisionError:
+        assert not np.isfinite(evaluate(expression, {"a": a, "b": b}))
+        return
+    assert evaluate(expression, {"a": a, "b": b}) == expected
+
+
+def test_names_are_those_of_the_expression():
+    assert names_in("a/10 + a*b - 3") == {"a", "b"}
+    assert names_in("0.5") == frozenset()
+
+
+@pytest.mark.parametrize("expression", ["a/0", "a**a**a**a", "0**-1", "(a - 3)/0", "1e300*1e300"])
+def test_arithmetic_without_a_value_is_not_a_number_or_infinite(expression):
+    assert not np.isfinite(evaluate(expression, {"a": 30.0}))
+
+
+ARITHMETIC = "may hold only numbers, names of parameters"
+
+
+@pytest.mark.parametrize(
+    ("ties", "key", "rule"),
+    [
+        ({"z": "a"}, "z", "is not a parameter of the law; its parameters: a, b, n"),
+        ({"a": "b"}, "a", "conflicts with [parameters.a]; keep one"),
+        ({"n": "x/10"}, "n", "names x, which is no parameter; use a, b"),
+        ({"n": "n + 1"}, "n", "names n, which is tied itself; use a, b"),
+        ({"b": "a", "n": "b"}, "n", "names b, which is tied itself; use a"),
+        *(
+            ({"n": text}, "n", ARITHMETIC)
+            for text in (
+                "",
+                "a +",
+                "a b",
+                "exp(a)",
+                "a.real",
+                "a[0]",
+                "[a]",
+                "a if a else b",
+                "a < b",
+                "a and b",
+                "not a",
+                "~1",
+                "a // 2",
+                "a % 2",
+                "a @ b",
+                "'a'",
+                "True",
+                "None",
+                "1j",
+                "1e999",
+                "lambda: 1",
+                "(a := 2)",
+                "a; b",
+                "a\nb",
+                "a\0",
+                "1or 2",
+                "__import__('os').getcwd()",
+                "().__class__",
+                "(" * 150 + "a" + ")" * 150,
+                "-" * 150 + "a" + "+0" * 50,
+                "a" + "+a" * 200,
+                "9" * 5000,
+            )
+        ),
+    ],
+)
+def test_what_cannot_be_a_tie_is_refused(ties, key, rule):
+    tables = [name for name in ("a", "b") if name not in ties or name == "a"]
+    with pytest.raises(InputError) as refused:
+        require_valid(ties, tables, NAMES, "campaign.toml")
+    message = str(refused.value)
+    assert message.startswith(f"campaign.toml: ties.{key}")
+    assert rule in message
+    assert "\n" not in message
+
+
+def test_a_tied_parameter_follows_the_others(tmp_path):
+    problem, _ = problem_of(read_campaign(write_bench(tmp_path, TIED)), 1, silent)
+    assert [p.name for p in problem.free] == ["n"]
+    point = np.array([1.2])
+    assert problem.coefficients(point) == {"K_star": 2.4, "n": 1.2}
+    assert problem.value(point) == problem.value_of({"K_star": 2.4, "n": 1.2})
+    assert pickle.loads(pickle.dumps(problem)).value(point) == problem.value(point)
+
+
+def test_a_fit_keeps_its_ties_and_says_so(tmp_path):
+    result = calibrate(read_campaign(write_bench(tmp_path, TIED)))
+    assert result.coefficients["K_star"] == 2 * result.coefficients["n"]
+    assert all(run.coefficients["K_star"] == 2 * run.coefficients["n"] for run in result.runs)
+    assert set(result.profiles) == {"n"}
+    result.save(tmp_path / "result.json")
+    again = FitResult.load(tmp_path / "result.json")
+    assert again == result
+    assert again.settings["campaign"]["ties"] == {"K_star": "2*n"}
+    (line,) = (line for line in str(again).splitlines() if line.startswith("K_star"))
+    assert line.endswith("= 2*n")
+
+
+def test_campaigns_without_ties_have_no_such_key(tmp_path):
+    assert "ties" not in read_campaign(write_bench(tmp_path)).settings["campaign"]
+
+
+def test_everything_tied_or_fixed_leaves_nothing_to_search(tmp_path):
+    fixed = {"parameters.n": {"value": 1.1, "fixed": True}}
+    with pytest.raises(InputError, match="all are fixed or tied; free at least one"):
+        read_campaign(write_bench(tmp_path, TIED | fixed))
+
+
+def test_a_tie_that_has_no_value_leaves_the_law_undefined(tmp_path):
+    broken = TIED | {"ties": {"K_star": "n/(n - n)"}}
+    with pytest.raises(InputError, match="within these bounds the law is undefined"):
+        problem_of(read_campaign(write_bench(tmp_path, broken)), 1, silent)
+
+
+def test_a_law_fitted_to_measurements_may_have_ties(tmp_path):
+    rows = [(dR, f) for dR in (0.05, 0.5) for f in (10.0, 30.0, 100.0, 300.0)]
+    n = 1.1
+    lines = [f"{f},{(f * dR / (2 * n * 1e5)) ** (1 / n)!r},{dR}" for dR, f in rows]
+    text = "load_N_per_mm,penetration_mm,dR_mm\n" + "\n".join(lines) + "\n"
+    (tmp_path / "table.csv").write_text(text)
+    (tmp_path / "campaign.toml").write_text(
+        'data = "table.csv"\ncontact = "internal"\nlaw = "power"\n'
+        '[constants]\nE_GPa = 182.0\nnu = 0.3\n[ties]\nK_star = "2*n"\n'
+    )
+    result = calibrate(read_plan(tmp_path / "campaign.toml"))
+    assert result.coefficients == pytest.approx({"K_star": 2.2, "n": 1.1}, rel=1e-9)
+    assert list(result.uncertainty.estimates) == ["n"]
+    result.save(tmp_path / "result.json")
+    assert FitResult.load(tmp_path / "result.json") == result
+
+
+# --- the coefficients of the paper ------------------------------------------------------------
+
+
+def samples(contact):
+    """Return E* in MPa, ΔR in mm, load in N/mm and Johnson's penetration on the campaign's grid."""
+    E = np.linspace(20.7e3, {"internal": 1000e3, "external": 10000e3}[contact], 20)
+    dR = np.geomspace(0.05, 10, 20) if contact == "internal" else np.linspace(5, 500, 20)
+    E_star, dR, f = (
+        axis.ravel()
+        for axis in np.meshgrid(E / (2 * 0.91), dR, np.linspace(10, 1000, 20), indexing="ij")
+    )
+    inside = f <= 4 * np.pi / np.e**2 * E_star * dR
+    E_star, dR, f = E_star[inside], dR[inside], f[inside]
+    return E_star, dR, f, f / (np.pi * E_star) * (np.log(4 * np.pi * E_star * dR / f) - 1)
+
+
+def residuals(contact, x):
+    """Return ln(δ/δ_Johnson) of the two numbers searched, written without the package."""
+    E_star, dR, f, johnson = samples(contact)
+    if contact == "internal":
+        a, b = x[0], x[0] / 10
+        logarithm = np.log(1000 * dR)
+        Y = np.maximum(x[1] * logarithm ** (-x[1] / 10), x[1] / 100 * dR + 1 + x[1] / 10)
+        n = Y * dR**-0.005
+    else:
+        (a, b), n = x, 1.094
+    return np.log((f * dR / ((a * dR + b) * E_star)) ** (1 / n) / johnson)
+
+
+@pytest.mark.parametrize(
+    ("contact", "names", "published", "rms"),
+    [
+        ("internal", ("a", "Y_log_scale"), (0.965, 1.51), (0.1164, 0.1176)),
+        ("external", ("a", "b"), (0.39, 0.85), (0.0506, 0.0508)),
+    ],
+)
+def test_the_published_coefficients_come_back(contact, names, published, rms):
+    result = FitResult.load(ROOT / f"fitting/results/recovered-{contact}.json")
+    actual = [result.coefficients[name] for name in names]
+    assert actual == pytest.approx(published, rel=0.006)
+    assert result.objective.value == pytest.approx(rms[0], abs=5e-5)
+    assert result.published.objective == pytest.approx(rms[1], abs=5e-5)
+
+    def rms_of(x):
+        return np.sqrt(np.mean(residuals(contact, x) ** 2))
+
+    assert rms_of(actual) == pytest.approx(result.objective.value, rel=1e-10)
+    assert rms_of(published) == pytest.approx(result.published.objective, rel=1e-10)
+    solution = least_squares(lambda x: residuals(contact, x), published, xtol=1e-13, ftol=1e-13)
+    assert rms_of(solution.x) >= result.objective.value * (1 - 1e-9)
+    assert solution.x == pytest.approx(actual, rel=2e-3)
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_the_search_alone_finds_the_coefficients_of_the_recovered_campaigns(contact):
+    result = FitResult.load(ROOT / f"fitting/results/recovered-{contact}.json")
+    for run in result.runs:
+        for name in result.profiles:
+            searched = run.coefficients_before_polish[name]
+            assert searched == pytest.approx(result.coefficients[name], rel=1e-3)
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_the_coefficients_of_a_law_that_is_there_come_back(contact):
+    campaign = read_campaign(ROOT / f"fitting/synthetic-{contact}.toml")
+    genetic = campaign.spec.genetic.model_copy(update={"generations": 100})
+    campaign = replace(campaign, spec=campaign.spec.model_copy(update={"genetic": genetic}))
+    for parameter in campaign.parameters:
+        value = campaign.family.published[parameter.name]
+        assert (parameter.high - parameter.low) > abs(value)
+    result = calibrate(campaign, jobs=2)
+    assert result.coefficients == pytest.approx(result.published.coefficients, rel=1e-6)
