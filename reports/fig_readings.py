@@ -65,7 +65,7 @@ DRAWN: Mapping[Contact, Mapping[str, str]] = {
 }
 # Ends of the axes of differences, in percent.
 REFINED, LARGEST = (-8.0, 55.0), 150.0
-APART = 0.2
+APART = 0.25
 
 
 @dataclass(frozen=True)
@@ -219,7 +219,7 @@ def best(problem: Problem) -> tuple[FloatArray, float]:
 
 def _draw_panels(table: pd.DataFrame) -> StyledFigure:
     """Draw refinement to the left, every other change to the right, a row for each contact."""
-    figure = new_figure("full", 158.0)
+    figure = new_figure("full", 118.0)
     panels = figure.subplots(2, 2, by_rows=True, gridspec_kw={"width_ratios": [1, 1.35]})
     for row, contact in enumerate(CONTACTS):
         rows = table[table["contact"] == contact]
@@ -272,7 +272,8 @@ def _draw_changes(axes: Axes, contact: Contact, rows: pd.DataFrame) -> None:
     axes.set_xscale("symlog", linthresh=1.0)
     axes.set(xlim=(-LARGEST, LARGEST), ylim=(len(changes) - 0.5, -0.5))
     ticks = [-100, -10, -1, 0, 1, 10, 100]
-    axes.set_xticks(ticks, [f"{tick:+d}" if tick else "0" for tick in ticks])
+    labels = [f"{tick:+d}".replace("-", "\N{MINUS SIGN}") if tick else "0" for tick in ticks]
+    axes.set_xticks(ticks, labels)
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_yticks(range(len(changes)), changes)
     axes.tick_params(axis="y", length=0)

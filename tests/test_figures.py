@@ -151,8 +151,9 @@ class TestFiles:
 
 @pytest.mark.parametrize("name", [name for name in GOLDEN if name in NAMES])
 def test_headline_is_the_pinned_one(figures: DrawnFigures, name: str) -> None:
-    # A committed fit that is made again may differ in its last digits.
-    tolerance = 1e-4 if name[-1] in "rpc" else 1e-5
+    # A committed fit that is made again may differ in its last digits; so may the readings, which
+    # are fits made when they are drawn.
+    tolerance = {"r": 1e-4, "p": 1e-4, "c": 1e-4, "s": 1e-3}.get(name[-1], 1e-5)
     assert dict(figures[name].drawing.headline) == pytest.approx(GOLDEN[name], rel=tolerance)
 
 

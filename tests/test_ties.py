@@ -1,15 +1,12 @@
-"""Ties: parameters set by arithmetic on others, and the coefficients that come back with them."""
+"""Ties: parameters set by arithmetic on others."""
 
 import ast
 import pickle
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.optimize import least_squares
 
 from cylcontact import InputError
 from cylcontact.fitting import FitResult, calibrate, read_campaign, read_plan
@@ -18,7 +15,6 @@ from cylcontact.fitting.ties import evaluate, names_in, require_valid
 from cylcontact.progress import silent
 from tests.spec_files import DROP, write_bench
 
-ROOT = Path(__file__).resolve().parents[1]
 NAMES = ("a", "b", "n")
 TIED = {"parameters.K_star": DROP, "ties": {"K_star": "2*n"}}
 
@@ -189,77 +185,3 @@ def test_a_law_fitted_to_measurements_may_have_ties(tmp_path):
     assert list(result.uncertainty.estimates) == ["n"]
     result.save(tmp_path / "result.json")
     assert FitResult.load(tmp_path / "result.json") == result
-
-
-# --- the coefficients of the paper ------------------------------------------------------------
-
-
-def samples(contact):
-    """Return E* in MPa, ΔR in mm, load in N/mm and Johnson's penetration on the campaign's grid."""
-    E = np.linspace(20.7e3, {"internal": 1000e3, "external": 10000e3}[contact], 20)
-    dR = np.geomspace(0.05, 10, 20) if contact == "internal" else np.linspace(5, 500, 20)
-    E_star, dR, f = (
-        axis.ravel()
-        for axis in np.meshgrid(E / (2 * 0.91), dR, np.linspace(10, 1000, 20), indexing="ij")
-    )
-    inside = f <= 4 * np.pi / np.e**2 * E_star * dR
-    E_star, dR, f = E_star[inside], dR[inside], f[inside]
-    return E_star, dR, f, f / (np.pi * E_star) * (np.log(4 * np.pi * E_star * dR / f) - 1)
-
-
-def residuals(contact, x):
-    """Return ln(δ/δ_Johnson) of the two numbers searched, written without the package."""
-    E_star, dR, f, johnson = samples(contact)
-    if contact == "internal":
-        a, b = x[0], x[0] / 10
-        logarithm = np.log(1000 * dR)
-        Y = np.maximum(x[1] * logarithm ** (-x[1] / 10), x[1] / 100 * dR + 1 + x[1] / 10)
-        n = Y * dR**-0.005
-    else:
-        (a, b), n = x, 1.094
-    return np.log((f * dR / ((a * dR + b) * E_star)) ** (1 / n) / johnson)
-
-
-@pytest.mark.parametrize(
-    ("contact", "names", "published", "rms"),
-    [
-        ("internal", ("a", "Y_log_scale"), (0.965, 1.51), (0.1164, 0.1176)),
-        ("external", ("a", "b"), (0.39, 0.85), (0.0506, 0.0508)),
-    ],
-)
-def test_the_published_coefficients_come_back(contact, names, published, rms):
-    result = FitResult.load(ROOT / f"fitting/results/recovered-{contact}.json")
-    actual = [result.coefficients[name] for name in names]
-    assert actual == pytest.approx(published, rel=0.006)
-    assert result.objective.value == pytest.approx(rms[0], abs=5e-5)
-    assert result.published.objective == pytest.approx(rms[1], abs=5e-5)
-
-    def rms_of(x):
-        return np.sqrt(np.mean(residuals(contact, x) ** 2))
-
-    assert rms_of(actual) == pytest.approx(result.objective.value, rel=1e-10)
-    assert rms_of(published) == pytest.approx(result.published.objective, rel=1e-10)
-    solution = least_squares(lambda x: residuals(contact, x), published, xtol=1e-13, ftol=1e-13)
-    assert rms_of(solution.x) >= result.objective.value * (1 - 1e-9)
-    assert solution.x == pytest.approx(actual, rel=2e-3)
-
-
-@pytest.mark.parametrize("contact", ["internal", "external"])
-def test_the_search_alone_finds_the_coefficients_of_the_recovered_campaigns(contact):
-    result = FitResult.load(ROOT / f"fitting/results/recovered-{contact}.json")
-    for run in result.runs:
-        for name in result.profiles:
-            searched = run.coefficients_before_polish[name]
-            assert searched == pytest.approx(result.coefficients[name], rel=1e-3)
-
-
-@pytest.mark.parametrize("contact", ["internal", "external"])
-def test_the_coefficients_of_a_law_that_is_there_come_back(contact):
-    campaign = read_campaign(ROOT / f"fitting/synthetic-{contact}.toml")
-    genetic = campaign.spec.genetic.model_copy(update={"generations": 100})
-    campaign = replace(campaign, spec=campaign.spec.model_copy(update={"genetic": genetic}))
-    for parameter in campaign.parameters:
-        value = campaign.family.published[parameter.name]
-        assert (parameter.high - parameter.low) > abs(value)
-    result = calibrate(campaign, jobs=2)
-    assert result.coefficients == pytest.approx(result.published.coefficients, rel=1e-6)

@@ -1,0 +1,151 @@
+"""The coefficients that come back: the paper's, and those of a law that is there.
+
+The paper's are derived once more with numpy and scipy alone, sample by sample.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from cylcontact.fitting import FitResult, calibrate, read_campaign
+
+ROOT = Path(__file__).resolve().parents[1]
+SPACED = {"linear": np.linspace, "log": np.geomspace}
+PUBLISHED = {"internal": (0.965, 1.51), "external": (0.39, 0.85)}
+SEARCHED = {"internal": ("a", "Y_log_scale"), "external": ("a", "b")}
+
+
+def samples(contact, points=20, spacing=None, E_end=None):
+    """Return E* in MPa, ΔR in mm, load in N/mm and Johnson's penetration at every sample."""
+    E_end = E_end or {"internal": 1000e3, "external": 10000e3}[contact]
+    dR_ends = {"internal": (0.05, 10.0), "external": (5.0, 500.0)}[contact]
+    spacing = (
+        spacing or {"internal": "linear log linear", "external": "linear linear linear"}[contact]
+    )
+    ends = ((20.7e3, E_end), dR_ends, (10.0, 1000.0))
+    axes = [SPACED[how](*end, points) for how, end in zip(spacing.split(), ends, strict=True)]
+    E, dR, f = (axis.ravel() for axis in np.meshgrid(*axes, indexing="ij"))
+    E_star = E / (2 * (1 - 0.3**2))
+    inside = f <= 4 * np.pi / np.e**2 * E_star * dR
+    E_star, dR, f = E_star[inside], dR[inside], f[inside]
+    return E_star, dR, f, f / (np.pi * E_star) * (np.log(4 * np.pi * E_star * dR / f) - 1)
+
+
+def residuals(contact, x, sampled):
+    """Return ln(δ/δ_Johnson) of the numbers searched; a third one for external contact is n."""
+    E_star, dR, f, johnson = sampled
+    if contact == "internal":
+        a, b = x[0], x[0] / 10
+        Y = np.maximum(x[1] * np.log(1000 * dR) ** (-x[1] / 10), x[1] / 100 * dR + 1 + x[1] / 10)
+        n = Y * dR**-0.005
+    else:
+        a, b, n = (*x, 1.094)[:3]
+    return np.log((f * dR / ((a * dR + b) * E_star)) ** (1 / n) / johnson)
+
+
+def searched_again(contact, start, sampled):
+    """Return the coefficients at the least sum of squares, by scipy from a start."""
+    solution = least_squares(
+        lambda x: residuals(contact, x, sampled), start, xtol=1e-14, ftol=1e-14, gtol=1e-14
+    )
+    return solution.x
+
+
+@pytest.mark.parametrize(
+    ("contact", "rms"), [("internal", (0.1164, 0.1176)), ("external", (0.0506, 0.0508))]
+)
+def test_the_published_coefficients_come_back(contact, rms):
+    result = FitResult.load(ROOT / f"fitting/results/recovered-{contact}.json")
+    actual = [result.coefficients[name] for name in SEARCHED[contact]]
+    assert actual == pytest.approx(PUBLISHED[contact], rel=0.006)
+    sampled = samples(contact)
+
+    def rms_of(x):
+        return np.sqrt(np.mean(residuals(contact, x, sampled) ** 2))
+
+    assert rms_of(actual) == pytest.approx(result.objective.value, rel=1e-10)
+    assert rms_of(PUBLISHED[contact]) == pytest.approx(result.published.objective, rel=1e-10)
+    assert result.objective.value == pytest.approx(rms[0], abs=5e-5)
+    assert result.published.objective == pytest.approx(rms[1], abs=5e-5)
+    again = searched_again(contact, PUBLISHED[contact], sampled)
+    assert rms_of(again) >= result.objective.value * (1 - 1e-9)
+    assert again == pytest.approx(actual, rel=2e-3)
+
+
+READINGS = [
+    ("internal", "points per axis", "12", {"points": 12}),
+    ("internal", "points per axis", "30", {"points": 30}),
+    ("internal", "spacing", "E log, dR log, load linear", {"spacing": "log log linear"}),
+    ("internal", "end of E", "200 GPa", {"E_end": 200e3}),
+    (
+        *("internal", "the other contact's axes", "E linear, dR linear, load linear"),
+        {"spacing": "linear linear linear", "E_end": 10000e3},
+    ),
+    ("external", "points per axis", "8", {"points": 8}),
+    ("external", "points per axis", "50", {"points": 50}),
+    ("external", "spacing", "E log, dR log, load log", {"spacing": "log log log"}),
+    (
+        *("external", "the other contact's axes", "E linear, dR log, load linear"),
+        {"spacing": "linear log linear", "E_end": 1000e3},
+    ),
+]
+
+
+@pytest.mark.parametrize(("contact", "changed", "label", "sampling"), READINGS)
+def test_readings_are_right(figures, contact, changed, label, sampling):
+    table = figures["fig_readings"].drawing.table
+    chosen = table[
+        (table[["contact", "changed", "reading"]] == [contact, changed, label]).all(axis=1)
+    ]
+    values = chosen.set_index("coefficient")["value"]
+    actual = [values[name] for name in SEARCHED[contact]]
+    sampled = samples(contact, **sampling)
+    assert searched_again(contact, actual, sampled) == pytest.approx(actual, rel=1e-4)
+    rms = np.sqrt(np.mean(residuals(contact, actual, sampled) ** 2))
+    assert chosen["objective"].to_numpy() == pytest.approx(rms, rel=1e-9)
+    far = searched_again(contact, PUBLISHED[contact], sampled)
+    assert np.sqrt(np.mean(residuals(contact, far, sampled) ** 2)) >= rms * (1 - 1e-6)
+    if contact == "external":
+        assert far == pytest.approx(actual, rel=1e-4)
+        with_n = searched_again(contact, (*PUBLISHED[contact], 1.094), sampled)
+        assert with_n[2] == pytest.approx(values["n"], rel=1e-5)
+
+
+def test_what_the_page_on_the_fitter_says_of_the_readings(figures):
+    table = figures["fig_readings"].drawing.table
+    away = table["difference_percent"].abs()
+    refined = table["changed"] == "points per axis"
+    b = (table["contact"] == "external") & (table["coefficient"] == "b")
+    assert away[refined & ~b].max() < 5
+    near = table["reading"].isin(["18", "20", "21", "22"])
+    assert away[refined & b & near].max() < 2
+    assert away[refined & b & ~near].min() > 3.5
+    others = table[table["changed"] == "the other contact's axes"]
+    others = others.set_index(["contact", "coefficient"])["difference_percent"]
+    assert others["internal"].max() < -50
+    assert others["external"][["a", "n"]].abs().max() < 1
+    assert others["external"]["b"] > 20
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_the_search_alone_finds_the_coefficients_of_the_recovered_campaigns(contact):
+    result = FitResult.load(ROOT / f"fitting/results/recovered-{contact}.json")
+    for run in result.runs:
+        for name in result.profiles:
+            searched = run.coefficients_before_polish[name]
+            assert searched == pytest.approx(result.coefficients[name], rel=1e-3)
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+def test_the_coefficients_of_a_law_that_is_there_come_back(contact):
+    campaign = read_campaign(ROOT / f"fitting/synthetic-{contact}.toml")
+    genetic = campaign.spec.genetic.model_copy(update={"generations": 100})
+    campaign = replace(campaign, spec=campaign.spec.model_copy(update={"genetic": genetic}))
+    for parameter in campaign.parameters:
+        value = campaign.family.published[parameter.name]
+        assert parameter.high - parameter.low > abs(value)
+    result = calibrate(campaign, jobs=2)
+    assert result.coefficients == pytest.approx(result.published.coefficients, rel=1e-6)
