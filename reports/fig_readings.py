@@ -1,7 +1,7 @@
 """How firmly the coefficients come back: each recovered again on some fifty other samplings.
 
-The paper states ranges, but no points, spacing or objective. `READINGS` changes one of these at a
-time, or two, and the search is repeated with the same coefficients held and tied.
+The paper states ranges, but no points, spacing or objective. Each reading changes one of these, or
+two, and the search is repeated with the same coefficients held and tied.
 """
 
 from __future__ import annotations
@@ -223,7 +223,7 @@ def _draw_panels(table: pd.DataFrame) -> StyledFigure:
     panels = figure.subplots(2, 2, by_rows=True, gridspec_kw={"width_ratios": [1, 1.35]})
     for row, contact in enumerate(CONTACTS):
         rows = table[table["contact"] == contact]
-        refined, others = np.atleast_2d(panels.reshape(2, 2))[row]
+        refined, others = panels[row]
         _draw_refinement(refined, contact, rows)
         _draw_changes(others, contact, rows)
         panel_title(refined, 2 * row, f"{contact}: points per axis")

@@ -150,6 +150,14 @@ def test_a_tampered_result_is_found_out(results, name):
     assert [c.what for c in compare_results(tampered, fresh) if not c.holds] == ["objective"]
 
 
+def test_round_off_is_not_compared_digit_by_digit():
+    committed = FitResult.load(ROOT / "fitting/results/synthetic-external.json")
+    for objective, holds in ((3e-8, True), (1e-5, False)):
+        value = committed.objective.model_copy(update={"value": objective})
+        checks = compare_results(committed, committed.model_copy(update={"objective": value}))
+        assert checks[0].holds == holds
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("name", BEST)

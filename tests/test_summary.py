@@ -181,3 +181,13 @@ def test_html_escapes_names(name):
 def test_repr_is_short():
     assert repr(made_by_hand()).startswith("FitResult('made by hand', rms-log-penetration = 0.05")
     assert "\n" not in repr(made_by_hand())
+
+
+def test_round_off_is_one_basin_and_the_optimum():
+    paper = {"coefficients": {"a": 0.4, "b": 3.0, "n": 1.1}, "objective": 2.6e-8}
+    exact = {"objective": {"name": "rms-log-penetration", "value": 1.8e-8}, "bound": 1.8e-8}
+    message = verdicts(
+        made_by_hand(**exact, published=paper, runs=[run(0, 1.8e-8), run(1, 2.6e-8), run(2, 1e-3)])
+    )
+    assert message[0] == "the published coefficients are the optimum on this grid, within 0.1 %"
+    assert "2 of 3 runs reached the best objective within 0.1 %" in message

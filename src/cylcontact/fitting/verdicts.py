@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from cylcontact.fitting.uncertainty.estimates import Uncertainty
 
 __all__ = [
-    "ROUND_OFF",
     "SAME_BASIN",
     "basins",
     "held",
     "identification",
     "noise_verdicts",
+    "round_off",
     "same_basin",
     "ties",
     "verdicts",
@@ -27,9 +27,10 @@ __all__ = [
 
 # Runs whose objectives are this close, relatively, ended in the same basin.
 SAME_BASIN = 1e-3
-# The objective of data that follow the law exactly is round-off, below this; sums of moments lose
-# half of the digits.
-ROUND_OFF = 1e-6
+# The objective of data that follow the law exactly is round-off, below this.
+_EXACT = 1e-12
+# From moments it has half of the digits.
+_EXACT_FROM_MOMENTS = 1e-6
 # A coefficient this close to a bound, relative to the search interval, is at the bound.
 _AT_BOUND = 1e-6
 # Below this probability the residuals are not those of the noise assumed.
@@ -85,23 +86,29 @@ def basins(result: FitResult) -> list[tuple[float, int]]:
     """Return the distinct objectives of the runs with the number of runs at each, best first."""
     counts: list[tuple[float, int]] = []
     for record in sorted(result.runs, key=lambda record: record.objective):
-        if counts and same_basin(record, counts[-1][0]):
+        if counts and same_basin(record, counts[-1][0], round_off(result)):
             counts[-1] = (counts[-1][0], counts[-1][1] + 1)
         else:
             counts.append((record.objective, 1))
     return counts
 
 
-def same_basin(record: RunRecord, objective: float) -> bool:
+def same_basin(record: RunRecord, objective: float, exact: float = _EXACT) -> bool:
     """Return whether a run reached an objective, to 0.1 % and round-off."""
-    return record.objective <= objective * (1 + SAME_BASIN) + ROUND_OFF
+    return record.objective <= objective * (1 + SAME_BASIN) + exact
+
+
+def round_off(result: FitResult) -> float:
+    """Return the objective below which the law follows the samples of a result exactly."""
+    return _EXACT if result.uncertainty is not None else _EXACT_FROM_MOMENTS
 
 
 def _on_published(result: FitResult) -> str:
     """Compare the objective of the published coefficients with the fitted one."""
     if result.published is None:
         return ""
-    if result.published.objective <= result.objective.value * (1 + SAME_BASIN) + ROUND_OFF:
+    optimum = result.objective.value * (1 + SAME_BASIN) + round_off(result)
+    if result.published.objective <= optimum:
         return "the published coefficients are the optimum on this grid, within 0.1 %"
     ratio = result.published.objective / result.objective.value
     excess = f"{100 * (ratio - 1):.1f} % above" if ratio < 1.1 else f"{ratio:.2f} times"

@@ -8,7 +8,7 @@ from pathlib import Path
 from cylcontact.fitting.calibrate import calibrate, problem_of
 from cylcontact.fitting.planning import plan_from_settings
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.verdicts import ROUND_OFF
+from cylcontact.fitting.verdicts import round_off
 from cylcontact.parallel import Workers
 from cylcontact.progress import Progress
 
@@ -22,12 +22,16 @@ _EXACT_TOLERANCE = 1e-9
 
 @dataclass(frozen=True)
 class Check:
-    """A number of a committed result and its fresh value."""
+    """A number of a committed result and its fresh value.
+
+    Below `exact` both are round-off.
+    """
 
     what: str
     committed: float
     fresh: float
     tolerance: float
+    exact: float = 0.0
 
     @property
     def deviation(self) -> float:
@@ -38,7 +42,7 @@ class Check:
     @property
     def holds(self) -> bool:
         """Whether it is within the tolerance, or both numbers are round-off."""
-        is_round_off = max(abs(self.committed), abs(self.fresh)) < ROUND_OFF
+        is_round_off = max(abs(self.committed), abs(self.fresh)) < self.exact
         return is_round_off or self.deviation <= self.tolerance
 
     def __str__(self) -> str:
@@ -81,6 +85,7 @@ def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
         committed.objective.value,
         problem.value_of(committed.coefficients),
         _EXACT_TOLERANCE,
+        round_off(committed),
     )
     fresh = calibrate(campaign, jobs, progress)
     return [of_coefficients, *compare_results(committed, fresh)]
@@ -88,19 +93,15 @@ def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
 
 def compare_results(committed: FitResult, fresh: FitResult) -> list[Check]:
     """Compare a committed result with a fresh one."""
+    objective, exact = (committed.objective.value, fresh.objective.value), round_off(committed)
     checks = [
-        Check("objective", committed.objective.value, fresh.objective.value, _OBJECTIVE_TOLERANCE),
+        Check("objective", *objective, _OBJECTIVE_TOLERANCE, exact),
         Check("samples", committed.counts.samples, fresh.counts.samples, 0.0),
     ]
     if committed.bound is not None and fresh.bound is not None:
-        checks.append(Check("lower bound", committed.bound, fresh.bound, _EXACT_TOLERANCE))
+        bounds = committed.bound, fresh.bound
+        checks.append(Check("lower bound", *bounds, _EXACT_TOLERANCE, exact))
     if committed.published and fresh.published:
-        checks.append(
-            Check(
-                "published objective",
-                committed.published.objective,
-                fresh.published.objective,
-                _EXACT_TOLERANCE,
-            )
-        )
+        published = committed.published.objective, fresh.published.objective
+        checks.append(Check("published objective", *published, _EXACT_TOLERANCE, exact))
     return checks
