@@ -15,12 +15,12 @@ from cylcontact.reports.fit_figures import runs_table
 CAPTION = (
     "Coefficients of every run of the genetic search before any polish: how far each is from the "
     "best polished one of the same campaign (%, absolute; 0.001 and below are drawn at 0.001). "
-    "Synthetic: samples of the published law itself, all coefficients searched. Recovered: "
-    "Johnson's law, two coefficients searched, the others held or tied. Refit: Johnson's law, all "
-    "coefficients searched. Populations, generations and bounds are ours."
+    "Synthetic: fitted to samples of the published law itself, all coefficients free. Recovered: "
+    "to Johnson's law, two coefficients free, the others fixed or tied. Refit: to Johnson's law, "
+    "all coefficients free. Populations, generations and bounds are ours."
 )
-# The campaigns of each contact, and what the legend calls them.
-CAMPAIGNS = {"synthetic": "synthetic", "recovered": "recovered", "": "refit"}
+# The campaigns of a contact, and what the legend calls them.
+CAMPAIGNS = {"synthetic-{}": "synthetic", "recovered-{}": "recovered", "{}": "refit"}
 FLOOR = 1e-3  # percent
 APART = 0.26
 
@@ -28,7 +28,7 @@ APART = 0.26
 def draw(bench: Bench) -> Drawing:
     table = pd.concat(
         [
-            searches(bench.result(f"{campaign}-{contact}".removeprefix("-"))).assign(kind=kind)
+            searches(bench.result(campaign.format(contact))).assign(kind=kind)
             for contact in CONTACTS
             for campaign, kind in CAMPAIGNS.items()
         ],

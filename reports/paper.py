@@ -224,8 +224,8 @@ PAPER = Paper(
     variants=VARIANTS,
     fits=("recovered-internal", "recovered-external", "internal", "external"),
     fits_note=(
-        "Fitted to Johnson's law by genetic search and polished. Recovered: some coefficients held "
-        "or tied, on samples that the paper's words allow, a different reading for each contact. "
+        "Fitted to Johnson's law by genetic search and polished. Recovered: some coefficients "
+        "fixed or tied, on samples chosen for it, different ones for each contact. "
         "Refit: all coefficients free, on the ranges of the paper. The objective is the root mean "
         "square of ln(δ/δ_Johnson); no law of this form can go below the lower bound."
     ),

@@ -50,7 +50,7 @@ def test_the_recovered_coefficients_are_those_of_the_committed_results(contact):
     for label, published, recovered, difference in rows_of(f"{contact} contact"):
         expected, value, form = numbers.pop(label)
         assert (published, recovered) == (expected, format(value, form))
-        if not label.endswith("(held)"):
+        if not label.endswith("(fixed)"):
             true = paper.objective if label.startswith("RMS") else float(published)
             assert difference == f"{100 * (value / true - 1):+.1f}"
     assert not numbers
@@ -66,7 +66,9 @@ def test_the_laws_to_use_are_computed(contact, table):
             row["law"],
             row["constants"],
             *("0" if row[f"rms_{r}"] < 1e-9 else f"{row[f'rms_{r}']:.4f}" for r in references),
-            row["domain"],
+            row["units"],
+            row["defined"],
+            row["calibrated"],
             f"{row['relative_time']:.1f}",
         ]
         for row in laws_to_use(contact, Bench(ROOT)).to_dict("records")
@@ -76,7 +78,8 @@ def test_the_laws_to_use_are_computed(contact, table):
 
 def test_the_numbers_between_the_tables(figures):
     assert f"under {figures['fig_readings'].drawing.headline['readings']:.0f} readings" in README
-    assert f"by 10 % at φ = f/(E*·ΔR) = {departure_number(10.0):.2f}, by half" in README
+    assert f"by 10 % at φ = {departure_number(10.0):.2f} and by half" in README
+    assert f"φ = {johnson_end():.2f}, where Johnson's law ends" in README
     assert 45 < johnson_shortfall(johnson_end()) < 55
     assert f"has {'fourteen' if len(laws.LAWS) == 14 else len(laws.LAWS)}, with" in README
 

@@ -9,7 +9,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, FEW_REFITS, FEWEST_REFITS
-from cylcontact.fitting.verdicts import held, identification, noise_verdicts, ties, verdicts
+from cylcontact.fitting.verdicts import fixed, identification, noise_verdicts, ties, verdicts
 
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
@@ -175,7 +175,7 @@ def compare(results: Sequence[FitResult]) -> str:
 
 
 def by_search(results: Iterable[FitResult]) -> list[list[FitResult]]:
-    """Return the results in groups of the same law, contact, held and tied coefficients."""
+    """Return the results in groups of the same law, contact, fixed and tied coefficients."""
     groups: dict[tuple[str, ...], list[FitResult]] = {}
     for result in results:
         kind = (result.law, result.contact, *labels(result).values())
@@ -184,17 +184,17 @@ def by_search(results: Iterable[FitResult]) -> list[list[FitResult]]:
 
 
 def labels(result: FitResult) -> dict[str, str]:
-    """Return the label of each coefficient in tables: its name, its tie, whether it was held.
+    """Return the label of each coefficient in tables: its name, its tie, whether it was fixed.
 
     Examples
     --------
     >>> from cylcontact.fitting import FitResult
     >>> labels(FitResult.load("fitting/results/recovered-external.json"))
-    {'a': 'a', 'b': 'b', 'n': 'n (held)'}
+    {'a': 'a', 'b': 'b', 'n': 'n (fixed)'}
     """
     of_ties = {name: f"{name} = {expression}" for name, expression in ties(result).items()}
-    of_held = {name: f"{name} (held)" for name in held(result)}
-    return {name: (of_ties | of_held).get(name, name) for name in result.coefficients}
+    of_fixed = {name: f"{name} (fixed)" for name in fixed(result)}
+    return {name: (of_ties | of_fixed).get(name, name) for name in result.coefficients}
 
 
 def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
@@ -249,7 +249,7 @@ def _add_differences(rows: dict[str, list[str | None]], result: FitResult) -> No
         differences = {
             label: f"{100 * (fitted[name] / published[name] - 1):+.1f}"
             for name, label in (labels(result) | {"objective": "objective"}).items()
-            if published[name] and name not in held(result)
+            if published[name] and name not in fixed(result)
         }
     for row, cells in rows.items():
         cells.append(differences.get(row, ""))

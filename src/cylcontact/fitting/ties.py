@@ -1,7 +1,7 @@
 """Ties: parameters computed from others by arithmetic, e.g. b = "a/10" in a campaign's [ties].
 
 An expression holds numbers, names of parameters, parentheses and + - * / **. It is parsed, not
-executed: anything else is refused.
+executed, and anything else than arithmetic is refused.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def evaluate(expression: str, values: Mapping[str, ArrayLike]) -> FloatArray:
     Returns
     -------
     array of float
-        Of that shape.
+        Of that shape, or a number if no array is named.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def names_in(expression: str) -> frozenset[str]:
 
 
 def require_valid(
-    ties: Mapping[str, str], tables: Collection[str], names: Collection[str], source: str
+    ties: Mapping[str, str], own_tables: Collection[str], names: Collection[str], source: str
 ) -> None:
     """Refuse ties that cannot be computed.
 
@@ -83,7 +83,7 @@ def require_valid(
     ----------
     ties : mapping
         Expressions by the parameters that they set.
-    tables : collection of str
+    own_tables : collection of str
         The parameters that have a table of their own in the campaign.
     names : collection of str
         All parameters of the law.
@@ -105,7 +105,7 @@ def require_valid(
         if name not in names:
             known = f"its parameters: {', '.join(names)}"
             raise InputError(source, key, expression, "is not a parameter of the law", known)
-        if name in tables:
+        if name in own_tables:
             raise InputError(
                 source,
                 key,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 __all__ = [
     "SAME_BASIN",
     "basins",
-    "held",
+    "fixed",
     "identification",
     "noise_verdicts",
     "round_off",
@@ -76,8 +76,8 @@ def ties(result: FitResult) -> dict[str, str]:
     return result.settings["campaign"].get("ties") or {}
 
 
-def held(result: FitResult) -> list[str]:
-    """Return the coefficients that a result's campaign holds at a value."""
+def fixed(result: FitResult) -> list[str]:
+    """Return the coefficients that a result's campaign fixes at a value."""
     tables = result.settings["campaign"]["parameters"]
     return [name for name, table in tables.items() if table.get("fixed")]
 
@@ -120,7 +120,7 @@ def _on_published(result: FitResult) -> str:
 
 def _searched(result: FitResult) -> str:
     """Return which coefficients of a result were free."""
-    if not held(result) and not ties(result):
+    if not fixed(result) and not ties(result):
         return "all coefficients free"
     return f"only {' and '.join(result.profiles)} free"
 
@@ -142,8 +142,8 @@ def _on_lower_bound(result: FitResult) -> str:
         return ""
     excess = result.objective.value / result.bound - 1
     return (
-        f"the fit is {100 * excess:.1f} % above the lower bound {result.bound:.4g}, "
-        "which the best K* and n at every single clearance would reach"
+        f"the fit is {100 * excess:.1f} % above the lower bound {result.bound:.4g}, reached with "
+        "K* and n fitted separately at each clearance"
     )
 
 
@@ -151,11 +151,11 @@ def _on_identification(result: FitResult) -> str:
     """Name the coefficients that are poorly identified."""
     poor = [name for name in result.profiles if identification(result, name) == "poorly"]
     if not poor:
-        return "no coefficient inside its bounds is poorly identified"
+        return "every coefficient inside its bounds is at least fairly identified"
     return (
-        f"poorly identified: {', '.join(poor)} (each can move by more than {FAIRLY:.0%} of its "
-        f"value, or to a bound, while the best objective rises by less than {TOLERANCE:.0%}; "
-        f"well means less than {WELL:.0%})"
+        f"poorly identified: {', '.join(poor)} (the best objective rises by less than "
+        f"{100 * TOLERANCE:g} % while the coefficient moves by more than {100 * FAIRLY:g} % of its "
+        f"value, or to a bound; well identified is {100 * WELL:g} %)"
     )
 
 

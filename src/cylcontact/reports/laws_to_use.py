@@ -1,4 +1,4 @@
-"""Five laws for each contact, from the published one to Johnson's: which one to use.
+"""Five laws for each contact, from the published one to Johnson's, to choose one from.
 
 All are compared on the samples of the campaigns `internal` and `external`: the paper's ranges of E,
 ν, ΔR and load, as far as Johnson's law reaches (Eq 8).
@@ -21,7 +21,7 @@ from cylcontact.fitting.parameters import Form, LawForm, family_of
 from cylcontact.fitting.report import text_table
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import Samples, collect_samples
-from cylcontact.laws import Explicit, Johnson
+from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.pair import Contact
@@ -38,7 +38,6 @@ _ENHANCED = "f = (a·ΔR + b)·E*/ΔR·δⁿ"
 _POWER = "f = C·E*·ΔR·(δ/ΔR)ⁿ"
 _EXPLICIT = "f = π·E*·δ/(c + ln(1 + A/d·(c + ln(1 + A/d·ln(B/d))))), d = δ/ΔR"
 _JOHNSON = "f = π·E*·δ/(−W₋₁(−e·δ/(4ΔR)))"
-_NOTHING: dict[str, float] = {}
 
 
 @dataclass(frozen=True)
@@ -54,9 +53,9 @@ class _Candidate:
     constants : mapping
         Its constants by name.
     form : Form
-        It, as a population of one.
-    domain : str
-        Where it is defined or was calibrated.
+        The law, as a form of one candidate.
+    units, defined, calibrated : str
+        The units of its constants, where it is defined, and what it was fitted to.
     timed : str
         A key of `_TIMED`.
     """
@@ -65,7 +64,9 @@ class _Candidate:
     formula: str
     constants: Mapping[str, float]
     form: Form
-    domain: str
+    units: str
+    defined: str
+    calibrated: str
     timed: str
 
 
@@ -82,10 +83,10 @@ def laws_to_use(contact: Contact, bench: Bench) -> pd.DataFrame:
     Returns
     -------
     pandas.DataFrame
-        A row for each law: formula, constants, error of the penetration at equal load, domain, and
-        the time of a compiled load relative to a power law. The error is the root mean square of
-        ln(δ/δ_Johnson) and the largest |Eq 9| in percent; for internal contact also against
-        conformal contact.
+        A row for each law: formula, constants, error of the penetration at equal load, units, where
+        it is defined, what it was fitted to, and the time of a compiled load relative to a power
+        law, from the committed benchmarks. The error is the root mean square of ln(δ/δ_Johnson) and
+        the largest |Eq 9| in percent; for internal contact also against conformal contact.
 
     Raises
     ------
@@ -126,7 +127,9 @@ def laws_to_use(contact: Contact, bench: Bench) -> pd.DataFrame:
                 "formula": candidate.formula,
                 "constants": ", ".join(f"{k} = {v:.5g}" for k, v in candidate.constants.items()),
                 **errors,
-                "domain": candidate.domain,
+                "units": candidate.units,
+                "defined": candidate.defined,
+                "calibrated": candidate.calibrated,
                 "relative_time": times[candidate.timed],
             }
         )
@@ -160,25 +163,22 @@ def to_text(contact: Contact, bench: Bench) -> str:
                 )
             ),
             f"{row['relative_time']:.1f}",
-            row["domain"],
+            row["units"],
+            row["defined"],
+            row["calibrated"],
         )
         for row in table.to_dict("records")
     ]
     lines = [
         f"laws for {contact} contact: error of the penetration at equal load, on the samples of "
         f"the fit '{contact}',\nand the time of a compiled load relative to that of a power law",
-        text_table([*columns, "time", "domain"], rows),
-        *(", ".join(filter(None, texts)) for texts in _formulas(table)),
+        text_table([*columns, "time", "units", "defined for", "fitted over"], rows),
+        *(
+            ", ".join(filter(None, (f"{row['law']}: {row['formula']}", row["constants"])))
+            for row in table.to_dict("records")
+        ),
     ]
     return "\n".join(lines)
-
-
-def _formulas(table: pd.DataFrame) -> list[tuple[str, str]]:
-    """Return the formula of each law behind its name, and its constants."""
-    columns = (table[name].tolist() for name in ("law", "formula", "constants"))
-    return [
-        (f"{law}: {formula}", constants) for law, formula, constants in zip(*columns, strict=True)
-    ]
 
 
 def _error(value: float, form: str) -> str:
@@ -189,38 +189,49 @@ def _error(value: float, form: str) -> str:
 def _candidates(refit: FitResult, power: FitResult, samples: Samples) -> list[_Candidate]:
     """Return the five laws."""
     contact = refit.contact
-    published = refit.published.coefficients if refit.published else _NOTHING
+    published = asdict(PUBLISHED[contact])
+    phi = samples.load / samples.pair.dR
     low, high = BOUNDED[contact]
-    where = f"{INTERNAL_DR_MIN:g} ≤ ΔR < {INTERNAL_DR_MAX:g} mm; " if contact == "internal" else ""
-    enhanced = partial(_Candidate, domain=f"{where}mm, N, MPa", timed="power")
+    where = f"{INTERNAL_DR_MIN:g} ≤ ΔR < {INTERNAL_DR_MAX:g} mm" if contact == "internal" else ""
+    enhanced = partial(
+        _Candidate,
+        units="mm, N, MPa",
+        defined=where or "every ΔR",
+        calibrated=f"ΔR {samples.dR.min():g}…{samples.dR.max():g} mm",
+        timed="power",
+    )
+    dimensionless = partial(_Candidate, units="any")
     return [
         enhanced("published", _ENHANCED, published, _fitted(refit, published, samples)),
         enhanced(
             "refit", _ENHANCED, refit.coefficients, _fitted(refit, refit.coefficients, samples)
         ),
-        _Candidate(
+        dimensionless(
             power.law,
             _POWER,
             power.coefficients,
             _fitted(power, power.coefficients, samples),
-            "any ΔR and units",
-            "power",
+            defined="every ΔR",
+            calibrated=f"φ {phi.min():.1e}…{phi.max():.2g}",
+            timed="power",
         ),
-        _Candidate(
+        dimensionless(
             "explicit",
             _EXPLICIT,
             asdict(CALIBRATED[contact]),
             LawForm((Explicit(),)),
-            f"calibrated for {low:g} ≤ φ ≤ {high:g}",
-            "explicit",
+            defined="every δ",
+            calibrated=f"φ {low:.1e}…{high:g}",
+            timed="explicit",
         ),
-        _Candidate(
+        dimensionless(
             "johnson",
             _JOHNSON,
-            _NOTHING,
+            {},
             LawForm((Johnson(),)),
-            f"φ ≤ {johnson_end():.3f} (Eq 8)",
-            "johnson",
+            defined=f"φ ≤ {johnson_end():.3f} (Eq 8)",
+            calibrated="",
+            timed="johnson",
         ),
     ]
 

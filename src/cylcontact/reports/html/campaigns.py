@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from cylcontact.errors import InputError
 from cylcontact.fitting.report import by_search, side_by_side
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.verdicts import held, ties, verdicts
+from cylcontact.fitting.verdicts import fixed, ties, verdicts
 from cylcontact.reports.bench import Bench
 
 __all__ = [
@@ -111,9 +111,9 @@ def headline(results: Mapping[str, FitResult], names: Sequence[str]) -> list[Tab
 
 
 def _main_fit(result: FitResult) -> Table:
-    """Return the table of a main fit, which is "recovered" if it holds or ties coefficients."""
+    """Return the table of a main fit, "recovered" if it fixes or ties coefficients."""
     table = _table([result])
-    name = "recovered" if held(result) or ties(result) else "refit"
+    name = "recovered" if fixed(result) or ties(result) else "refit"
     column, *others = table.columns
     return replace(table, columns=(replace(column, name=name, about=""), *others))
 
@@ -124,7 +124,7 @@ def _table(results: Sequence[FitResult]) -> Table:
     alone = len(results) == 1
     rows.pop("published largest |Eq 9|, %", None)
     rows["commit"] = ["", *map(_commit, results), *([""] if alone else [])]
-    units = [_unit(first), *map(_unit, results), *(["%"] if alone else [])]
+    units = [_unit(first), *map(_unit, results), *([""] if alone else [])]
     cells = {
         row: [_cell(cell, row, unit) for cell, unit in zip(row_cells, units, strict=True)]
         for row, row_cells in rows.items()
