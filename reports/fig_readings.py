@@ -276,7 +276,7 @@ def _draw_changes(axes: Axes, rows: pd.DataFrame, names: Mapping[str, str]) -> N
         )
     axes.set_xscale("symlog", linthresh=1.0)
     axes.set(xlim=(-LARGEST, LARGEST), ylim=(len(changes) - 0.5, -0.5))
-    ticks = [-100, -10, 0, 10, 100]
+    ticks = [-100, -1, 0, 1, 100]
     labels = [f"{tick:+d}".replace("-", "\N{MINUS SIGN}") if tick else "0" for tick in ticks]
     axes.set_xticks(ticks, labels)
     axes.xaxis.set_minor_formatter(NullFormatter())
