@@ -11,8 +11,9 @@ from benchmarks.harness import Row, Side, compare
 from benchmarks.sampling import grid_of
 from cylcontact.datasets import reduce_grid
 from cylcontact.fitting import genetic
+from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import RmsLogPenetration
-from cylcontact.fitting.parameters import FAMILIES, Parameter
+from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.problem import Problem
 
 # The bounds of the paper's internal campaign.
@@ -45,7 +46,7 @@ def problem_of(*shape: int) -> Problem:
     """Return the calibration of the enhanced law for internal contact on a grid of that shape."""
     moments, _ = reduce_grid(grid_of(*shape))
     parameters = tuple(Parameter(name, low, high) for name, (low, high) in BOUNDS.items())
-    return Problem(FAMILIES["enhanced", "internal"], parameters, RmsLogPenetration(moments))
+    return Problem(MODELS["enhanced", "internal"], parameters, RmsLogPenetration(moments))
 
 
 def plain_pygad(problem: Problem, population: int, generations: int, seed: int) -> pygad.GA:

@@ -223,7 +223,7 @@ def best(problem: Problem) -> tuple[FloatArray, float]:
     lattice = problem.low + lattice * (problem.high - problem.low)
     start = lattice[np.argmin(problem.values(lattice))]
     # Only the internal law has kinks, where the branches of Y meet.
-    descend = polish_across_kinks if problem.family.contact == "internal" else polish
+    descend = polish_across_kinks if problem.model.contact == "internal" else polish
     return descend(problem, start)
 
 

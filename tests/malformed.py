@@ -246,7 +246,6 @@ VALUES = {
         "law": ["", "hertz", "Power"],
         "objective": ["", "rms", "max"],
         "optimizer": ["", "simplex"],
-        "parameters.K_star": [DROP],
         "parameters.K_star.low": [10.0, 11.0],
         "parameters.n": [{"value": 1.2}, {"fixed": True}, {"low": 1.0}, {"low": 2, "high": 1}],
         "ties": ["n", {"z": "n"}, {"n": "K_star"}, {"n": 2}, {"n": ""}, {"n": "2*(" * 100}],

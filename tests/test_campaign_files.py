@@ -9,6 +9,7 @@ from cylcontact import InputError
 from cylcontact.fitting import read_campaign
 from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.genetic import CROSSOVERS
+from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import OBJECTIVES
 from tests.spec_files import (
     CAMPAIGN,
@@ -33,15 +34,15 @@ INTERNAL = ("a", "b", "Y_log_scale", "Y_log_exponent", "Y_slope", "Y_offset", "n
 def test_every_shipped_campaign_parses(path):
     campaign = read_campaign(path)
     assert campaign.name == path.stem
-    assert {p.name for p in campaign.parameters} == set(campaign.family.names)
+    assert {p.name for p in campaign.parameters} == set(campaign.model.names)
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_published_coefficients_lie_within_the_bounds_of_every_search(path):
     campaign = read_campaign(path)
     for parameter in campaign.parameters:
-        if campaign.family.published is not None and parameter.is_free:
-            assert parameter.low < campaign.family.published[parameter.name] < parameter.high
+        if campaign.model.published is not None and parameter.is_free:
+            assert parameter.low < campaign.model.published[parameter.name] < parameter.high
 
 
 @pytest.mark.parametrize("contact", ["internal", "external"])
@@ -60,7 +61,7 @@ def test_the_main_campaigns_search_with_different_populations_and_crossovers(con
 def test_settings_come_out_as_written(tmp_path):
     campaign = read_campaign(write_bench(tmp_path))
     assert (campaign.name, campaign.spec.seed, campaign.spec.law) == ("small", 7, "power")
-    assert campaign.family.contact == "internal"
+    assert campaign.model.contact == "internal"
     assert campaign.grid.shape == (3, 2, 4, 4)
     K_star, n = campaign.parameters
     assert (K_star.name, K_star.low, K_star.high, K_star.fixed) == ("K_star", 0.5, 10.0, False)
@@ -83,6 +84,16 @@ def test_a_fixed_parameter_keeps_its_value_whatever_its_bounds(tmp_path):
     for table in (held, {**held, "low": 2.0, "high": 1.0}):
         campaign = read_campaign(write_bench(tmp_path, {"parameters.n": table}))
         assert (campaign.parameters[1].value, campaign.parameters[1].fixed) == (1.1, True)
+
+
+def test_a_parameter_left_out_is_searched_between_the_bounds_of_the_law(tmp_path):
+    n = MODELS["power", "internal"].parameters[1]
+    for left_out in ({"parameters.n": DROP}, {"parameters": DROP}):
+        campaign = read_campaign(write_bench(tmp_path, left_out))
+        assert campaign.parameters[1] == n
+        tables = campaign.settings["campaign"]["parameters"]
+        assert tables["n"] == {"low": n.low, "high": n.high, "fixed": False}
+        assert list(tables) == ["K_star", "n"]
 
 
 def test_parameters_come_in_the_order_of_the_law(tmp_path):
@@ -160,8 +171,6 @@ HELD = {"value": 1.1, "fixed": True}
 # Changes to a good campaign; the key, value, rule and remedy of the error.
 BAD_INPUT = [
     # missing and unknown keys
-    ({"parameters.n": DROP}, "parameters.n", None, "is required", "the law has K_star, n"),
-    ({"parameters": {}}, "parameters.K_star", None, "is required", "the law has K_star, n"),
     ({"parameters.n.low": DROP}, "parameters.n.low", None, "is required", EITHER),
     ({"parameters.n.high": DROP}, "parameters.n.high", None, "is required", EITHER),
     (

@@ -7,8 +7,9 @@ import pytest
 from cylcontact import laws
 from cylcontact.datasets import Moments, concatenate
 from cylcontact.fitting.genetic import CROSSOVERS, OPERATORS, WholePopulations, search
+from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import OBJECTIVES, make_objective
-from cylcontact.fitting.parameters import FAMILIES, Parameter
+from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.run import plan_runs
@@ -31,9 +32,9 @@ DR = {"internal": np.geomspace(0.05, 9.9, 31), "external": np.geomspace(5, 500, 
 
 def exact_problem(contact, objective="rms-log-penetration"):
     """A problem whose data are the published law itself: its coefficients are the answer."""
-    family = FAMILIES["enhanced", contact]
-    published = np.array([list(family.published.values())])
-    form = family.form(published, DR[contact])
+    model = MODELS["enhanced", contact]
+    published = np.array([list(model.published.values())])
+    form = model.form(published, DR[contact])
     s = np.tile(np.linspace(-10, -4, 9), (DR[contact].size, 1))
     j = (s + form.c[0][:, None]) / form.n[0][:, None]
     if objective != "rms-log-penetration":
@@ -44,14 +45,14 @@ def exact_problem(contact, objective="rms-log-penetration"):
             Moments.of_samples(dR, *row)
             for dR, row in zip(DR[contact], np.stack([s, j], axis=1), strict=True)
         )
-    parameters = tuple(Parameter(name, *BOUNDS[contact][name]) for name in family.names)
-    return Problem(family, parameters, make_objective(objective, data))
+    parameters = tuple(Parameter(name, *BOUNDS[contact][name]) for name in model.names)
+    return Problem(model, parameters, make_objective(objective, data))
 
 
 @pytest.mark.parametrize("contact", ["internal", "external"])
 def test_polish_recovers_the_coefficients_that_made_the_data(contact):
     problem = exact_problem(contact)
-    truth = problem.point(problem.family.published)
+    truth = problem.point(problem.model.published)
     start = truth + 0.02 * (problem.high - problem.low) * np.cos(np.arange(truth.size))
     point, value = polish(problem, start)
     assert value < 1e-7
@@ -64,7 +65,7 @@ def test_polish_improves_every_objective_to_nothing_on_exact_data(objective):
     start = problem.low + 0.4 * (problem.high - problem.low)
     point, value = polish(problem, start)
     assert value < 1e-4 * problem.value(start)
-    assert point == pytest.approx(problem.point(problem.family.published), rel=1e-3)
+    assert point == pytest.approx(problem.point(problem.model.published), rel=1e-3)
 
 
 @pytest.mark.parametrize("crossover", CROSSOVERS)
@@ -81,7 +82,7 @@ def test_search_approaches_the_optimum_with_every_crossover(crossover):
 def test_search_counts_its_evaluations():
     problem = exact_problem("external")
     calls = []
-    counting = Problem(problem.family, problem.parameters, Counting(problem.objective, calls))
+    counting = Problem(problem.model, problem.parameters, Counting(problem.objective, calls))
     actual = search(counting, population=10, generations=5, crossover="uniform", seed=1)
     assert actual.evaluations == sum(calls)
 
@@ -91,6 +92,9 @@ class Counting:
 
     def __init__(self, objective, calls):
         self.objective, self.calls, self.dR = objective, calls, objective.dR
+
+    def form(self, model, candidates):
+        return self.objective.form(model, candidates)
 
     def values(self, form):
         self.calls.append(len(form.n))
@@ -176,5 +180,5 @@ def test_more_runs_leave_the_first_ones_as_they_were():
 
 def test_published_coefficients_are_those_of_the_law():
     for contact in ("internal", "external"):
-        family = FAMILIES["enhanced", contact]
-        assert dict(family.published) == vars(laws.PUBLISHED[contact])
+        model = MODELS["enhanced", contact]
+        assert dict(model.published) == vars(laws.PUBLISHED[contact])

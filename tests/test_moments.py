@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.datasets import Grid, Moments, concatenate, merge, reduce_grid
+from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import RmsLogPenetration
-from cylcontact.fitting.parameters import FAMILIES
 from tests.strategies import powers_of_ten
 
 JOHNSON = laws.Johnson()
@@ -98,14 +98,14 @@ enhanced = {
 @given(grid=grids, data=st.data())
 def test_objective_is_the_one_of_the_rows_for_the_enhanced_law(grid, data):
     candidate = data.draw(enhanced[grid.contact])
-    family = FAMILIES["enhanced", grid.contact]
-    law = laws.Enhanced(dict(zip(family.names, candidate, strict=True)))
+    model = MODELS["enhanced", grid.contact]
+    law = laws.Enhanced(dict(zip(model.names, candidate, strict=True)))
     squares, count = row_by_row(grid, lambda _: law)
     if count == 0:
         return
     moments, _ = reduce_grid(grid)
     objective = RmsLogPenetration(moments)
-    value = objective.values(family.form(np.array([candidate]), moments.dR))[0]
+    value = objective.values(model.form(np.array([candidate]), moments.dR))[0]
     assert value == pytest.approx(np.sqrt(squares / count), rel=1e-10, abs=1e-13)
 
 

@@ -8,9 +8,9 @@ from scipy.optimize import minimize
 
 from cylcontact import CylinderPair, Material, laws
 from cylcontact.datasets import Grid, reduce_grid
+from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.max_difference import max_abs_difference_percent
 from cylcontact.fitting.objectives import OBJECTIVES, make_objective
-from cylcontact.fitting.parameters import FAMILIES
 from cylcontact.fitting.samples import collect_samples
 
 GRIDS = {
@@ -40,9 +40,9 @@ CANDIDATES = {
 }
 
 
-def differences(grid, family, candidate):
+def differences(grid, model, candidate):
     """Penetration and force ratios minus one, sample by sample, through the laws themselves."""
-    law = laws.Enhanced(coefficients=dict(zip(family.names, candidate, strict=True)))
+    law = laws.Enhanced(coefficients=dict(zip(model.names, candidate, strict=True)))
     johnson = laws.Johnson()
     penetration, force = [], []
     for E, nu, dR, load in product(grid.E, grid.nu, grid.dR, grid.load):
@@ -72,25 +72,25 @@ def make(name, contact):
 @pytest.mark.parametrize("contact", ["internal", "external"])
 @pytest.mark.parametrize("name", OBJECTIVES)
 def test_value_is_what_the_laws_give_sample_by_sample(name, contact):
-    family, objective = FAMILIES["enhanced", contact], make(name, contact)
+    model, objective = MODELS["enhanced", contact], make(name, contact)
     candidates = np.array(CANDIDATES[contact])
-    values = objective.values(family.form(candidates, objective.dR))
+    values = objective.values(model.form(candidates, objective.dR))
     for candidate, value in zip(candidates, values, strict=True):
-        by_hand = BY_HAND[name](*differences(GRIDS[contact], family, candidate))
+        by_hand = BY_HAND[name](*differences(GRIDS[contact], model, candidate))
         assert value == pytest.approx(by_hand, rel=1e-10)
 
 
 @pytest.mark.parametrize("name", ["rms-difference-percent", "rms-relative-force"])
 def test_squared_residuals_add_up_to_the_objective(name):
-    family, objective = FAMILIES["enhanced", "internal"], make(name, "internal")
-    form = family.form(np.array(CANDIDATES["internal"][:1]), objective.dR)
+    model, objective = MODELS["enhanced", "internal"], make(name, "internal")
+    form = model.form(np.array(CANDIDATES["internal"][:1]), objective.dR)
     total = np.sqrt((objective.residuals(form) ** 2).sum())
     assert total == pytest.approx(objective.values(form)[0], rel=1e-12)
 
 
 def test_residuals_of_moments_leave_exactly_the_bound_out():
-    family, objective = FAMILIES["enhanced", "internal"], make("rms-log-penetration", "internal")
-    form = family.form(np.array(CANDIDATES["internal"][:1]), objective.dR)
+    model, objective = MODELS["enhanced", "internal"], make("rms-log-penetration", "internal")
+    form = model.form(np.array(CANDIDATES["internal"][:1]), objective.dR)
     squares = (objective.residuals(form) ** 2).sum() + objective.bound**2
     assert np.sqrt(squares) == pytest.approx(objective.values(form)[0], rel=1e-12)
 
@@ -98,7 +98,7 @@ def test_residuals_of_moments_leave_exactly_the_bound_out():
 @pytest.mark.parametrize("name", OBJECTIVES)
 def test_bound_is_reached_by_a_direct_search_at_each_clearance(name):
     """Nelder-Mead on ln K* and n, one clearance at a time, arrives at the same bound."""
-    family, objective = FAMILIES["power", "external"], make(name, "external")
+    model, objective = MODELS["power", "external"], make(name, "external")
     grid = GRIDS["external"]
     per_clearance = []
     for dR in grid.dR:
@@ -108,7 +108,7 @@ def test_bound_is_reached_by_a_direct_search_at_each_clearance(name):
 
         def value(x, alone=alone):
             candidate = np.array([[np.exp(x[0]), x[1]]])
-            return alone.values(family.form(candidate, alone.dR))[0]
+            return alone.values(model.form(candidate, alone.dR))[0]
 
         options = {"xatol": 1e-11, "fatol": 1e-13, "maxfev": 20000, "maxiter": 20000}
         start = np.array([1.0, 1.09])
@@ -124,19 +124,19 @@ def test_bound_is_reached_by_a_direct_search_at_each_clearance(name):
 
 @pytest.mark.parametrize("name", OBJECTIVES)
 def test_undefined_candidates_are_infinitely_bad(name):
-    family, objective = FAMILIES["enhanced", "external"], make(name, "external")
+    model, objective = MODELS["enhanced", "external"], make(name, "external")
     undefined = np.array([[-1.0, 0.0, 1.1], [0.4, 0.8, -1.0], [0.39, 0.85, 1.094]])
-    values = objective.values(family.form(undefined, objective.dR))
+    values = objective.values(model.form(undefined, objective.dR))
     assert np.isinf(values[:2]).all()
     assert np.isfinite(values[2])
 
 
 def test_largest_difference_over_a_grid_is_the_one_found_sample_by_sample():
-    family, grid = FAMILIES["enhanced", "internal"], GRIDS["internal"]
-    names = family.names
+    model, grid = MODELS["enhanced", "internal"], GRIDS["internal"]
+    names = model.names
     candidates = [dict(zip(names, c, strict=True)) for c in CANDIDATES["internal"]]
-    worst = max_abs_difference_percent(grid, family, candidates)
+    worst = max_abs_difference_percent(grid, model, candidates)
     for candidate, value in zip(CANDIDATES["internal"], worst, strict=True):
         assert value == pytest.approx(
-            100 * np.abs(differences(grid, family, candidate)[0]).max(), rel=1e-10
+            100 * np.abs(differences(grid, model, candidate)[0]).max(), rel=1e-10
         )

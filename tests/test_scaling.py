@@ -26,12 +26,12 @@ from dataclasses import replace
 from benchmarks.scaling import thinned
 from cylcontact.datasets import read_grid, reduce_grid
 from cylcontact.fitting.max_difference import max_abs_difference_percent
-from cylcontact.fitting.parameters import FAMILIES
+from cylcontact.fitting.law_models import MODELS
 shape = tuple(map(int, sys.argv[1:]))
 grid = thinned(read_grid("datasets/huge.toml"), shape)
 moments, counts = reduce_grid(grid, 2)
-family = FAMILIES["enhanced", "internal"]
-max_abs_difference_percent(replace(grid, dR=grid.dR[:2]), family, [family.published], 2)
+model = MODELS["enhanced", "internal"]
+max_abs_difference_percent(replace(grid, dR=grid.dR[:2]), model, [model.published], 2)
 assert counts.samples + counts.masked == grid.size
 status = dict(line.split(":", 1) for line in open("/proc/self/status"))
 print(int(status["VmHWM"].split()[0]) / 1024)

@@ -10,12 +10,13 @@ from typer.testing import CliRunner
 
 from cylcontact import CylinderPair, InputError
 from cylcontact.cli.app import app
-from cylcontact.fitting.law_models import MODELS, LawModel, LawParameter
+from cylcontact.fitting.forms import PowerForm
+from cylcontact.fitting.law_models import MODELS, LawModel
 from cylcontact.fitting.least_squares import descend, jacobian
 from cylcontact.fitting.loss import Loss
 from cylcontact.fitting.measured_fit import fit_measurements
 from cylcontact.fitting.measured_objective import MeasuredObjective
-from cylcontact.fitting.parameters import Parameter, PowerForm
+from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.report import noise_text
 from cylcontact.fitting.uncertainty.bands import bands_of_data, predict
@@ -69,15 +70,12 @@ class Curve:
 def curve_problem(campaign, model, x, y, low, high):
     """A regression of y on x by the machinery that fits laws."""
     names = [f"b{k + 1}" for k in range(len(low))]
-    parameters = tuple(
-        LawParameter(name, *ends) for name, *ends in zip(names, low, high, strict=True)
-    )
+    parameters = tuple(Parameter(name, *ends) for name, *ends in zip(names, low, high, strict=True))
     law = LawModel("curve", "internal", parameters, lambda actual: Curve(model, dict(actual)))
     x, y = np.array(x, dtype=float), np.array(y, dtype=float)
     data = campaign.measurements.take(np.zeros(x.size, dtype=int))
     data = data.with_values(load=y, penetration=x)
-    searched = tuple(Parameter(p.name, p.low, p.high) for p in parameters)
-    return Problem(law.family, searched, MeasuredObjective(data, "rms-load"))
+    return Problem(law, parameters, MeasuredObjective(data, "rms-load"))
 
 
 @pytest.mark.parametrize("name", NIST_MODELS)

@@ -103,15 +103,15 @@ def calibrate(
     journal = Journal(checkpoint, "campaign", campaign.key) if checkpoint else None
     records = search_all(problem, campaign, jobs, progress, journal, resume)
     best = min(records, key=lambda record: (record.objective, record.index))
-    published = campaign.family.published
+    published = campaign.model.published
     return FitResult(
         name=campaign.name,
-        law=campaign.family.law,
-        contact=campaign.family.contact,
+        law=campaign.model.law,
+        contact=campaign.model.contact,
         reference=campaign.grid.reference,
         coefficients=best.coefficients,
         objective=ObjectiveValue(name=campaign.spec.objective, value=best.objective),
-        bound=problem.objective.bound if campaign.family.is_power_law else None,
+        bound=problem.objective.bound if campaign.model.power_form is not None else None,
         published=None
         if published is None
         else Published(coefficients=dict(published), objective=problem.value_of(published)),
@@ -147,7 +147,7 @@ def problem_of(campaign: AnyCampaign, jobs: Workers, progress: Progress) -> tupl
         return robust_problem(campaign), Counts(len(campaign.measurements), 0)
     data, counts = _data(campaign, jobs, progress)
     objective = make_objective(campaign.spec.objective, data)
-    problem = Problem(campaign.family, campaign.parameters, objective)
+    problem = Problem(campaign.model, campaign.parameters, objective)
     require_defined_somewhere(problem, campaign.source)
     return problem, counts
 
@@ -157,7 +157,7 @@ def _data(
 ) -> tuple[Moments | Samples, Counts]:
     """Sample the campaign's grid: moments where the objective allows, else rows."""
     grid = campaign.grid
-    if campaign.family.is_power_law and campaign.spec.objective not in ON_ROWS:
+    if campaign.model.power_form is not None and campaign.spec.objective not in ON_ROWS:
         return reduce_grid(grid, jobs, lambda done: progress("sampling", done, grid.dR.size))
     if grid.size > _MAX_ROWS:
         raise InputError(
@@ -250,12 +250,12 @@ def _max_difference(
     campaign: Campaign, best: Mapping[str, float], jobs: Workers, progress: Progress
 ) -> MaxDifference:
     """Return the largest |Eq 9| over the grid, fitted and published."""
-    family, published = campaign.family, campaign.family.published
+    model, published = campaign.model, campaign.model.published
     candidates = [best] if published is None else [best, published]
     grid = campaign.grid
     progress("comparing", 0, grid.dR.size)
     worst = max_abs_difference_percent(
-        grid, family, candidates, jobs, lambda done: progress("comparing", done, grid.dR.size)
+        grid, model, candidates, jobs, lambda done: progress("comparing", done, grid.dR.size)
     )
     return MaxDifference(
         fitted=float(worst[0]), published=float(worst[1]) if published is not None else None

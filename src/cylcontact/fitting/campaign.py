@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import Field, model_validator
 
@@ -15,8 +16,9 @@ from cylcontact.choices import OPTIMIZERS
 from cylcontact.datasets.grid import Grid, grid_from, read_grid_data
 from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import CROSSOVERS
+from cylcontact.fitting.law_models import LawModel, grid_model_of
 from cylcontact.fitting.objectives import OBJECTIVES
-from cylcontact.fitting.parameters import Family, Parameter, family_of
+from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.ties import require_valid
 from cylcontact.provenance import spec_hash
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
@@ -28,9 +30,14 @@ __all__ = [
     "GeneticSpec",
     "ParameterSpec",
     "campaign_from_settings",
+    "completed",
+    "parameters_of",
     "read_campaign",
+    "require_complete",
     "require_free",
 ]
+
+_SpecType = TypeVar("_SpecType", bound=Spec)
 
 # Limit on the runs of a campaign and on a population, for memory.
 _MOST = 100_000
@@ -66,11 +73,18 @@ class ParameterSpec(Spec):
             )
         return self
 
-    def parameter(self, name: str) -> Parameter:
-        """Return the parameter that the table describes."""
+    def applied_to(self, parameter: Parameter) -> Parameter:
+        """Return a parameter with the table's bounds, or its value."""
         low = math.nan if self.low is None else self.low
         high = math.nan if self.high is None else self.high
-        return Parameter(name, low, high, self.value, self.fixed)
+        return replace(parameter, low=low, high=high, value=self.value, fixed=self.fixed)
+
+    @classmethod
+    def of(cls, parameter: Parameter) -> ParameterSpec:
+        """Return the table of a parameter that is searched or fixed."""
+        if parameter.fixed:
+            return cls(value=parameter.value, fixed=True)
+        return cls(low=parameter.low, high=parameter.high)
 
 
 class GeneticSpec(Spec):
@@ -117,7 +131,8 @@ class CampaignSpec(Spec):
     objective: str = Field(OBJECTIVES[0], description=f"one of {', '.join(OBJECTIVES)}")
     seed: int = Field(20150101, ge=0, description="the seed, an integer of at least 0")
     parameters: dict[str, ParameterSpec] = Field(
-        description="a table [parameters.NAME] for each parameter of the law"
+        {},
+        description="tables [parameters.NAME] for parameters with other bounds, or fixed ones",
     )
     ties: dict[str, str] | None = Field(None, description=TIES)
     optimizer: str = Field(OPTIMIZERS[0], description=f"one of {', '.join(OPTIMIZERS)}")
@@ -156,10 +171,10 @@ class Campaign:
         The contents of the grid spec.
     grid : Grid
         The grid that they describe.
-    family : Family
+    model : LawModel
         The law and contact.
     parameters : tuple of Parameter
-        In the order of the family's names.
+        In the order of the model's names.
     source : str
         Its name in errors.
     """
@@ -168,7 +183,7 @@ class Campaign:
     spec: CampaignSpec
     grid_data: dict[str, Any]
     grid: Grid
-    family: Family
+    model: LawModel
     parameters: tuple[Parameter, ...]
     source: str
 
@@ -231,7 +246,10 @@ def campaign_from_settings(name: str, settings: dict[str, Any], source: str) -> 
             source, "settings", None, "lacks the campaign or the dataset", "redo the fit"
         )
     spec = parse_spec(CampaignSpec, settings["campaign"], f"{source}, settings.campaign")
-    return _campaign_of(name, spec, settings["dataset"], source, f"{source}, settings.dataset")
+    grid_source = f"{source}, settings.dataset"
+    campaign = _campaign_of(name, spec, settings["dataset"], source, grid_source)
+    require_complete(spec.parameters, campaign.parameters, source)
+    return campaign
 
 
 def _campaign_of(
@@ -239,10 +257,10 @@ def _campaign_of(
 ) -> Campaign:
     """Return the campaign of a spec and a grid, checked against the law."""
     grid = grid_from(grid_data, grid_source)
-    family = family_of(spec.law, grid.contact, source)
-    _require_range(grid, family, source)
-    parameters = _parameters(spec, family, source)
-    return Campaign(name, spec, grid_data, grid, family, parameters, source)
+    model = grid_model_of(spec.law, grid.contact, source)
+    _require_range(grid, model, source)
+    parameters = parameters_of(model, spec.parameters, spec.ties, source)
+    return Campaign(name, completed(spec, parameters), grid_data, grid, model, parameters, source)
 
 
 def _find_dataset(campaign: Path, dataset: str) -> Path:
@@ -262,31 +280,84 @@ def _find_dataset(campaign: Path, dataset: str) -> Path:
     )
 
 
-def _parameters(spec: CampaignSpec, family: Family, source: str) -> tuple[Parameter, ...]:
-    """Return the parameters of the law, in the order of the family."""
-    known = ", ".join(family.names)
-    ties = spec.ties or {}
-    for name in spec.parameters:
-        if name not in family.names:
-            raise InputError(
-                source,
-                f"parameters.{name}",
-                None,
-                f"is not a parameter of {family.law} for {family.contact} contact",
-                f"its parameters: {known}",
-            )
-    for name in family.names:
-        if name not in spec.parameters and name not in ties:
-            raise InputError(
-                source, f"parameters.{name}", None, "is required", f"the law has {known}"
-            )
-    require_valid(ties, spec.parameters, family.names, source)
+def completed(spec: _SpecType, parameters: tuple[Parameter, ...]) -> _SpecType:
+    """Return a campaign's settings with a table for every parameter that is not tied."""
+    tables = {p.name: ParameterSpec.of(p) for p in parameters if p.tie is None}
+    return spec.model_copy(update={"parameters": tables})
+
+
+def parameters_of(
+    model: LawModel,
+    tables: Mapping[str, ParameterSpec],
+    ties: Mapping[str, str] | None,
+    source: str,
+    others: str = "",
+) -> tuple[Parameter, ...]:
+    """Return the parameters of a campaign, in the order of the law.
+
+    Parameters
+    ----------
+    model : LawModel
+        The law, with default bounds for what the campaign leaves out.
+    tables : mapping
+        The campaign's tables [parameters.NAME].
+    ties : mapping or None
+        Its table [ties].
+    source : str
+        The campaign's name in errors.
+    others : str, optional
+        Further parameters that may be named, for an error message.
+
+    Returns
+    -------
+    tuple of Parameter
+
+    Raises
+    ------
+    InputError
+        If a table is not of a parameter of the law, a tie is invalid, a parameter has no default
+        bounds and no table, or nothing is searched.
+    """
+    for name in tables:
+        if name not in model.names:
+            rule = f"is not a parameter of {model.law} for {model.contact} contact"
+            remedy = f"its parameters: {', '.join(model.names)}{others}"
+            raise InputError(source, f"parameters.{name}", None, rule, remedy)
+    ties = ties or {}
+    require_valid(ties, tables, model.names, source)
     parameters = tuple(
-        Parameter(name, tie=ties[name]) if name in ties else spec.parameters[name].parameter(name)
-        for name in family.names
+        Parameter(default.name, tie=ties[default.name], shift=default.shift)
+        if default.name in ties
+        else _parameter(default, tables.get(default.name), source)
+        for default in model.parameters
     )
     require_free(parameters, source)
     return parameters
+
+
+def _parameter(default: Parameter, table: ParameterSpec | None, source: str) -> Parameter:
+    """Return one parameter from its table in the campaign, or the default."""
+    if table is not None:
+        return table.applied_to(default)
+    if not default.fixed and not math.isfinite(default.high - default.low):
+        raise InputError(
+            source,
+            f"parameters.{default.name}",
+            None,
+            "is required: a law of your own has no default bounds",
+            "give low and high, or value with fixed = true",
+        )
+    return default
+
+
+def require_complete(
+    tables: Mapping[str, ParameterSpec], parameters: tuple[Parameter, ...], source: str
+) -> None:
+    """Refuse the settings of a result that leave a parameter to the defaults."""
+    for parameter in parameters:
+        if parameter.name not in tables and parameter.tie is None:
+            known = f"the law has {', '.join(p.name for p in parameters)}"
+            raise InputError(source, f"parameters.{parameter.name}", None, "is required", known)
 
 
 def require_free(parameters: tuple[Parameter, ...], source: str) -> None:
@@ -301,15 +372,15 @@ def require_free(parameters: tuple[Parameter, ...], source: str) -> None:
         )
 
 
-def _require_range(grid: Grid, family: Family, source: str) -> None:
+def _require_range(grid: Grid, model: LawModel, source: str) -> None:
     """Refuse clearances outside the range of the law."""
     low, high = float(grid.dR.min()), float(grid.dR.max())
-    if low < family.dR_min or high > family.dR_max:
+    if low < model.dR_min or high > model.dR_max:
         raise InputError(
             source,
             "dataset",
             [low, high],
-            f"its ΔR (mm) leave the range of the {family.law} law for {family.contact} contact, "
-            f"{family.dR_min:g} to {family.dR_max:g} mm",
+            f"its ΔR (mm) leave the range of the {model.law} law for {model.contact} contact, "
+            f"{model.dR_min:g} to {model.dR_max:g} mm",
             "narrow the dR axis of the grid",
         )

@@ -26,16 +26,26 @@ which is not identifiable beside modulus_factor at small loads.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING
 
-from cylcontact.arrays import FloatArray
+import numpy as np
+
+from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
-from cylcontact.fitting.parameters import Family, LawForm
+from cylcontact.fitting.forms import Form, LawForm, PowerForm
+from cylcontact.fitting.parameters import Parameter
 from cylcontact.laws import LAWS, PUBLISHED, ContactLaw
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw, adjusted_logarithmic
-from cylcontact.laws.enhanced import Enhanced
+from cylcontact.laws.enhanced import (
+    INTERNAL_DR_MAX,
+    INTERNAL_DR_MIN,
+    Enhanced,
+    internal_exponent,
+    stiffness_factor,
+)
 from cylcontact.laws.explicit import CALIBRATED, Explicit, ExplicitCoefficients
 from cylcontact.laws.logarithmic import LogarithmicLaw
 from cylcontact.laws.power import PowerLaw
@@ -50,7 +60,7 @@ __all__ = [
     "MODELS",
     "RIG_NAMES",
     "LawModel",
-    "LawParameter",
+    "grid_model_of",
     "is_user_law",
     "law_of",
     "model_of",
@@ -58,32 +68,6 @@ __all__ = [
 ]
 
 _Coefficients = Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class LawParameter:
-    """A parameter of a law with its default bounds.
-
-    Attributes
-    ----------
-    name : str
-        Its name in campaigns and results.
-    low, high : float
-        Default bounds of the search.
-    nominal : float or None
-        Its value in the published law; None if there is none.
-    free : bool
-        Whether it is searched by default; otherwise it is fixed at its nominal value.
-    shift : bool
-        Whether its zero is arbitrary, so that a relative error has no meaning.
-    """
-
-    name: str
-    low: float
-    high: float
-    nominal: float | None = None
-    free: bool = True
-    shift: bool = False
 
 
 @dataclass(frozen=True)
@@ -96,41 +80,49 @@ class LawModel:
         Its name in campaigns.
     contact : {"internal", "external"}
         The contact it is for.
-    parameters : tuple of LawParameter
-        Its parameters.
+    parameters : tuple of Parameter
+        Its parameters, each with default bounds, or fixed.
     build : callable
         From values by name to the law. Raises InputError if they define none.
+    power_form : callable, optional
+        For power laws at each clearance: from candidates, shape (P, k), and clearances ΔR in mm,
+        shape (m,), to a `PowerForm`, which can be evaluated from moments and has a lower bound.
+    on_grid : bool
+        Whether the law can be fitted on a grid, where a sample has ΔR and f/E* only.
     nominal_is_published : bool
         Whether the nominal values are those of the law's source, not of this project.
+    dR_min, dR_max : float
+        The range of ΔR in mm, both ends included: calibration may use the open end of [0.005, 10[,
+        which the law itself excludes.
     """
 
     law: str
     contact: Contact
-    parameters: tuple[LawParameter, ...]
+    parameters: tuple[Parameter, ...]
     build: Callable[[_Coefficients], ContactLaw]
+    power_form: Callable[[FloatArray, FloatArray], PowerForm] | None = None
+    on_grid: bool = False
     nominal_is_published: bool = True
+    dR_min: float = 0.0
+    dR_max: float = math.inf
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the parameters."""
+        """The names of the parameters, in the order of the columns of candidates."""
         return tuple(parameter.name for parameter in self.parameters)
 
     @property
-    def family(self) -> Family:
-        """The family of candidates for a search."""
+    def published(self) -> dict[str, float] | None:
+        """The published values of the parameters, if all have one."""
         nominal = {p.name: p.nominal for p in self.parameters if p.nominal is not None}
         is_published = self.nominal_is_published and len(nominal) == len(self.parameters)
-        return Family(
-            law=self.law,
-            contact=self.contact,
-            names=self.names,
-            form=self.form,
-            is_power_law=False,
-            published=nominal if is_published else None,
-            shifts=tuple(p.name for p in self.parameters if p.shift),
-        )
+        return nominal if is_published else None
 
-    def form(self, candidates: FloatArray, _: FloatArray) -> LawForm:
+    def form(self, candidates: FloatArray, dR: FloatArray) -> Form:
+        """Return candidates, shape (P, k), at clearances ΔR in mm, shape (m,)."""
+        return self.laws(candidates) if self.power_form is None else self.power_form(candidates, dR)
+
+    def laws(self, candidates: FloatArray) -> LawForm:
         """Return the laws of candidates, shape (P, k); None for one that defines none."""
         return LawForm(tuple(self._law_or_none(row) for row in candidates))
 
@@ -144,8 +136,8 @@ class LawModel:
 
 # What a test rig adds to a reading.
 _RIG = (
-    LawParameter("offset", -1.0, 1.0, nominal=0.0, free=False, shift=True),
-    LawParameter("compliance", 0.0, 1.0, nominal=0.0, free=False, shift=True),
+    Parameter("offset", -1.0, 1.0, nominal=0.0, value=0.0, fixed=True, shift=True),
+    Parameter("compliance", 0.0, 1.0, nominal=0.0, value=0.0, fixed=True, shift=True),
 )
 # Terms of sums in the enhanced law, and exponents that may be zero.
 _ENHANCED_SHIFTS = ("Y_log_exponent", "Y_slope", "Y_offset", "n_exponent")
@@ -213,12 +205,27 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
     )
 
 
+def grid_model_of(law: str, contact: Contact, source: str) -> LawModel:
+    """Return the model of a law that can be fitted on a grid.
+
+    Raises
+    ------
+    InputError
+        If the law cannot be fitted on a grid.
+    """
+    model = MODELS.get((law, contact))
+    if model is None or not model.on_grid:
+        known = " or ".join(sorted({model.law for model in MODELS.values() if model.on_grid}))
+        raise InputError(source, "law", law, "is not a law that can be fitted", f"choose {known}")
+    return model
+
+
 def _logarithmic(name: str, base: LogarithmicLaw, contact: Contact) -> LawModel:
     """Return the model of a logarithmic law."""
     parameters = (
-        LawParameter("kappa", 0.2, 5.0, nominal=float(base.kappa)),
-        LawParameter("c", -5.0, 5.0, nominal=float(base.shift), shift=True),
-        LawParameter("Lambda_factor", 1e-3, 1e3, nominal=1.0, free=False),
+        Parameter("kappa", 0.2, 5.0, nominal=float(base.kappa)),
+        Parameter("c", -5.0, 5.0, nominal=float(base.shift), shift=True),
+        Parameter("Lambda_factor", 1e-3, 1e3, nominal=1.0, value=1.0, fixed=True),
     )
     return LawModel(name, contact, parameters, lambda values: adjusted_logarithmic(base, **values))
 
@@ -231,15 +238,57 @@ def _dimensionless(name: str, base: ContactLaw) -> LawModel:
         return ScaledLaw(base, values["modulus_factor"] * clearance, clearance)
 
     parameters = (
-        LawParameter("modulus_factor", 0.05, 20.0, nominal=1.0),
-        LawParameter("clearance_factor", 0.05, 20.0, nominal=1.0, free=False),
+        Parameter("modulus_factor", 0.05, 20.0, nominal=1.0),
+        Parameter("clearance_factor", 0.05, 20.0, nominal=1.0, value=1.0, fixed=True),
     )
     return LawModel(name, "internal", parameters, build)
 
 
-def _power(values: _Coefficients) -> ContactLaw:
+def _power_law(values: _Coefficients) -> ContactLaw:
     """Return the power law of n and one of K, K_star and C."""
     return PowerLaw(**values)
+
+
+def _enhanced_law(values: _Coefficients) -> ContactLaw:
+    """Return the enhanced law."""
+    return Enhanced(coefficients=values)
+
+
+def _explicit_law(values: _Coefficients) -> ContactLaw:
+    """Return the explicit law."""
+    return Explicit(coefficients=values)
+
+
+def _at_clearances(K_star: FloatArray, n: FloatArray, dR: FloatArray) -> PowerForm:
+    """Return the candidates with these K* and n, (P, m) each, at ΔR in mm, (m,)."""
+    K_star = np.where(K_star > 0, K_star, np.nan)
+    return PowerForm(
+        c=as_floats(np.log(dR) - np.log(K_star)), n=as_floats(np.where(n > 0, n, np.nan))
+    )
+
+
+def _internal_form(candidates: FloatArray, dR: FloatArray) -> PowerForm:
+    """Eqs 5–6 for internal contact."""
+    a, b, *rest = candidates.T[:, :, None]
+    return _at_clearances(stiffness_factor(dR, a, b), internal_exponent(dR, *rest), dR)
+
+
+def _external_form(candidates: FloatArray, dR: FloatArray) -> PowerForm:
+    """Eqs 5–6 for external contact."""
+    a, b, n = candidates.T[:, :, None]
+    return _at_clearances(stiffness_factor(dR, a, b), n + np.zeros_like(dR), dR)
+
+
+def _power_form(candidates: FloatArray, dR: FloatArray) -> PowerForm:
+    """Eqs 3–4: the same K* and n at every ΔR."""
+    K_star, n = candidates.T[:, :, None] + np.zeros_like(dR)
+    return _at_clearances(K_star, n, dR)
+
+
+def _dimensionless_form(candidates: FloatArray, dR: FloatArray) -> PowerForm:
+    """f = C·E*·ΔR·(δ/ΔR)^n, that is K* = C·ΔR^(2 − n)."""
+    C, n = candidates.T[:, :, None] + np.zeros_like(dR)
+    return _at_clearances(C * dR ** (2 - n), n, dR)
 
 
 def _winkler(values: _Coefficients) -> ContactLaw:
@@ -258,17 +307,27 @@ def _enhanced(contact: Contact) -> LawModel:
     bounds = (*internal, (-0.1, 0.1)) if contact == "internal" else ((0.1, 1.5), (0, 3), (1, 1.5))
     nominal = asdict(PUBLISHED[contact])
     parameters = tuple(
-        LawParameter(name, low, high, nominal=value, shift=name in _ENHANCED_SHIFTS)
+        Parameter(name, low, high, nominal=value, shift=name in _ENHANCED_SHIFTS)
         for (name, value), (low, high) in zip(nominal.items(), bounds, strict=True)
     )
-    return LawModel("enhanced", contact, parameters, lambda values: Enhanced(coefficients=values))
+    is_internal = contact == "internal"
+    return LawModel(
+        "enhanced",
+        contact,
+        parameters,
+        _enhanced_law,
+        power_form=_internal_form if is_internal else _external_form,
+        on_grid=True,
+        dR_min=INTERNAL_DR_MIN if is_internal else 0.0,
+        dR_max=INTERNAL_DR_MAX if is_internal else math.inf,
+    )
 
 
 def _explicit(contact: Contact) -> LawModel:
     """Return the model of the explicit law."""
     bounds = {"c": (0.5, 3.0), "A": (0.05, 5.0), "B": (0.5, 20.0)}
     parameters = tuple(
-        LawParameter(
+        Parameter(
             f.name,
             *bounds[f.name],
             nominal=getattr(CALIBRATED[contact], f.name),
@@ -280,28 +339,29 @@ def _explicit(contact: Contact) -> LawModel:
         "explicit",
         contact,
         parameters,
-        lambda values: Explicit(coefficients=values),
+        _explicit_law,
+        on_grid=True,
         nominal_is_published=False,
     )
 
 
 def _models() -> dict[tuple[str, Contact], LawModel]:
     """Return every model, by law and contact."""
-    exponent = LawParameter("n", 0.8, 2.0)
+    exponent = Parameter("n", 0.8, 2.0)
     models = []
     for contact in CONTACTS:
-        powers = {
-            "power": LawParameter("K_star", 1e-3, 1e3),
-            "power-one-pair": LawParameter("K", 1.0, 1e9),
-            "power-dimensionless": LawParameter("C", 1e-3, 1e3),
-        }
-        models += [
-            LawModel(name, contact, (factor, exponent), _power) for name, factor in powers.items()
-        ]
+        one_pair = (Parameter("K", 1.0, 1e9), exponent)
+        models.append(LawModel("power-one-pair", contact, one_pair, _power_law))
+        for name, factor, form in (
+            ("power", Parameter("K_star", 1e-3, 1e3), _power_form),
+            ("power-dimensionless", Parameter("C", 1e-3, 1e3), _dimensionless_form),
+        ):
+            parameters = (factor, exponent)
+            models.append(LawModel(name, contact, parameters, _power_law, form, on_grid=True))
         models += [_enhanced(contact), _explicit(contact)]
         point = (
-            LawParameter("factor", 1e-2, 1e2, nominal=1.0),
-            LawParameter("n", 0.8, 2.0, nominal=1.5),
+            Parameter("factor", 1e-2, 1e2, nominal=1.0),
+            Parameter("n", 0.8, 2.0, nominal=1.5),
         )
         models.append(LawModel("lankarani-nikravesh", contact, point, _lankarani_nikravesh))
         for name, make in LAWS.items():
@@ -309,7 +369,7 @@ def _models() -> dict[tuple[str, Contact], LawModel]:
             if isinstance(base, LogarithmicLaw):
                 models.append(_logarithmic(name, base, contact))
     models += [_dimensionless(name, LAWS[name]()) for name in ("persson", "liu")]
-    depth = LawParameter("depth", 0.05, 20.0, nominal=DEPTH)
+    depth = Parameter("depth", 0.05, 20.0, nominal=DEPTH)
     models.append(LawModel("winkler", "internal", (depth,), _winkler, nominal_is_published=False))
     return {(model.law, model.contact): model for model in models}
 

@@ -10,7 +10,7 @@ import numpy as np
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.sampling import blocks
-from cylcontact.fitting.parameters import Family
+from cylcontact.fitting.law_models import LawModel
 from cylcontact.fitting.samples import samples_of
 from cylcontact.parallel import Workers, call, run_calls
 
@@ -19,7 +19,7 @@ __all__ = ["max_abs_difference_percent"]
 
 def max_abs_difference_percent(
     grid: Grid,
-    family: Family,
+    model: LawModel,
     candidates: list[Mapping[str, float]],
     jobs: Workers = 1,
     progress: Callable[[int], None] | None = None,
@@ -30,7 +30,7 @@ def max_abs_difference_percent(
     ----------
     grid : Grid
         The grid, sampled block by block.
-    family : Family
+    model : LawModel
         The law.
     candidates : list of mapping
         Coefficients by name, P of them.
@@ -43,8 +43,8 @@ def max_abs_difference_percent(
     -------
     array of float, shape (P,)
     """
-    points = np.array([[c[name] for name in family.names] for c in candidates])
-    work = [call(_at_clearance, grid, family, points, float(dR)) for dR in grid.dR]
+    points = np.array([[c[name] for name in model.names] for c in candidates])
+    work = [call(_at_clearance, grid, model, points, float(dR)) for dR in grid.dR]
     worst = np.zeros(len(candidates))
     with closing(run_calls(work, jobs, threads=True)) as results:
         for done, at_clearance in enumerate(results, start=1):
@@ -54,13 +54,13 @@ def max_abs_difference_percent(
     return 100 * worst
 
 
-def _at_clearance(grid: Grid, family: Family, points: FloatArray, dR: float) -> FloatArray:
+def _at_clearance(grid: Grid, model: LawModel, points: FloatArray, dR: float) -> FloatArray:
     """Return the largest |Eq 9| at one ΔR, as a fraction, shape (P,).
 
     Eq 9 increases with the log ratio, so only the extremes are exponentiated.
     """
     low, high = np.zeros(len(points)), np.zeros(len(points))
-    form = family.form(points, np.array([dR]))
+    form = model.form(points, np.array([dR]))
     for block in blocks(grid, dR):
         rows = samples_of(grid.contact, block)
         for k in range(len(points)):

@@ -15,20 +15,18 @@ from cylcontact.arrays import FloatArray
 from cylcontact.datasets.measured_columns import Constants, MeasuredData, read_measured
 from cylcontact.datasets.measurements import Measurements, measurements_of
 from cylcontact.errors import InputError
-from cylcontact.fitting.campaign import ParameterSpec, require_free
+from cylcontact.fitting.campaign import completed, parameters_of, require_complete
 from cylcontact.fitting.law_models import (
     RIG_NAMES,
     LawModel,
-    LawParameter,
     is_user_law,
     model_of,
     with_rig,
 )
 from cylcontact.fitting.measured_objective import MeasuredObjective, objective_name
 from cylcontact.fitting.measured_spec import MeasuredSpec
-from cylcontact.fitting.parameters import Family, Parameter
+from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.ties import require_valid
 from cylcontact.fitting.user_law import UserFunction, named_user_model, user_model
 from cylcontact.pair import Contact
 from cylcontact.provenance import spec_hash
@@ -75,11 +73,6 @@ class MeasuredCampaign:
     source: str
 
     @property
-    def family(self) -> Family:
-        """The law and contact."""
-        return self.model.family
-
-    @property
     def settings(self) -> dict[str, Any]:
         """Everything that the result depends on, including the data, as plain data."""
         return {
@@ -95,14 +88,13 @@ class MeasuredCampaign:
     @property
     def nominal(self) -> FloatArray | None:
         """The nominal values of the free parameters, shape (k,); None if one has none."""
-        nominal = {p.name: p.nominal for p in self.model.parameters}
-        values = [nominal[p.name] for p in self.parameters if p.is_free]
+        values = [p.nominal for p in self.parameters if p.is_free]
         return None if None in values else np.array(values, dtype=np.float64)
 
     def problem(self) -> Problem:
         """Return the problem, with plain least squares."""
         objective = MeasuredObjective(self.measurements, self.objective)
-        return Problem(self.family, self.parameters, objective)
+        return Problem(self.model, self.parameters, objective)
 
 
 def read_measured_campaign(
@@ -187,11 +179,13 @@ def measured_from_settings(name: str, settings: dict[str, Any], source: str) -> 
     measured = measurements_of(parse_spec(MeasuredData, settings["measurements"], where), where)
     if is_user_law(spec.law):
         own = [key for key in (*spec.parameters, *(spec.ties or {})) if key not in RIG_NAMES]
-        named = tuple(LawParameter(key, -math.inf, math.inf) for key in own)
+        named = tuple(Parameter(key, -math.inf, math.inf) for key in own)
         model = named_user_model(UserFunction(spec.law, None), named, spec.contact)
     else:
         model = model_of(spec.law, spec.contact, source)
-    return _make(name, spec, measured, model, source)
+    campaign = _make(name, spec, measured, model, source)
+    require_complete(spec.parameters, campaign.parameters, source)
+    return campaign
 
 
 def _planned(
@@ -216,7 +210,8 @@ def _make(
 ) -> MeasuredCampaign:
     """Return the checked campaign, with defaults for what the spec leaves out."""
     model = with_rig(model, [*spec.parameters, *(spec.ties or {})])
-    parameters = _parameters(spec, model, source)
+    rig = f"; the rig's: {', '.join(RIG_NAMES)}"
+    parameters = parameters_of(model, spec.parameters, spec.ties, source, rig)
     free = sum(p.is_free for p in parameters)
     if len(measured) <= free:
         raise InputError(
@@ -227,56 +222,8 @@ def _make(
             "measure more points, or fix parameters with fixed = true",
         )
     objective = objective_name(spec.objective, measured, is_user_law(spec.law), source)
-    tables = {p.name: _table_of(p) for p in parameters if p.tie is None}
-    complete = spec.model_copy(update={"parameters": tables, "objective": objective})
+    complete = completed(spec, parameters).model_copy(update={"objective": objective})
     return MeasuredCampaign(name, complete, measured, model, parameters, objective, source)
-
-
-def _parameters(spec: MeasuredSpec, model: LawModel, source: str) -> tuple[Parameter, ...]:
-    """Return the law's parameters, with defaults for those that the spec leaves out."""
-    for name in spec.parameters:
-        if name not in model.names:
-            raise InputError(
-                source,
-                f"parameters.{name}",
-                None,
-                f"is not a parameter of {model.law} for {model.contact} contact",
-                f"its parameters: {', '.join(model.names)}; the rig's: {', '.join(RIG_NAMES)}",
-            )
-    ties = spec.ties or {}
-    require_valid(ties, spec.parameters, model.names, source)
-    parameters = tuple(
-        Parameter(default.name, tie=ties[default.name])
-        if default.name in ties
-        else _parameter(default, spec.parameters.get(default.name), source)
-        for default in model.parameters
-    )
-    require_free(parameters, source)
-    return parameters
-
-
-def _parameter(default: LawParameter, table: ParameterSpec | None, source: str) -> Parameter:
-    """Return one parameter from its table in the campaign, or the default."""
-    if table is not None:
-        return table.parameter(default.name)
-    if not default.free:
-        return Parameter(default.name, value=default.nominal, fixed=True)
-    if not math.isfinite(default.high - default.low):
-        raise InputError(
-            source,
-            f"parameters.{default.name}",
-            None,
-            "is required: a law of your own has no default bounds",
-            "give low and high, or value with fixed = true",
-        )
-    return Parameter(default.name, default.low, default.high)
-
-
-def _table_of(parameter: Parameter) -> ParameterSpec:
-    """Return a parameter as a table of a campaign file."""
-    if parameter.fixed:
-        return ParameterSpec(value=parameter.value, fixed=True)
-    return ParameterSpec(low=parameter.low, high=parameter.high)
 
 
 def _beside_or_above(campaign: Path, name: str) -> Path | None:

@@ -87,7 +87,7 @@ def fit_measurements(
     problem = robust_problem(campaign)
     runs = _runs(problem, campaign, jobs, progress)
     best = min(runs, key=lambda run: (run.objective, run.index))
-    published = campaign.family.published
+    published = campaign.model.published
     value = None if published is None else problem.value_of(published)
     usable = published is not None and value is not None and np.isfinite(value)
     law = campaign.model.build(best.coefficients)

@@ -19,8 +19,9 @@ import numpy as np
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Measurements
 from cylcontact.errors import InputError
+from cylcontact.fitting.forms import Form, LawForm
+from cylcontact.fitting.law_models import LawModel
 from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.parameters import Form, LawForm
 from cylcontact.laws.contact_law import ContactLaw
 
 __all__ = ["MeasuredObjective", "laws_of", "objective_name"]
@@ -76,6 +77,10 @@ class MeasuredObjective:
     def bound(self) -> float:
         """No objective is below 0."""
         return 0.0
+
+    def form(self, model: LawModel, candidates: FloatArray) -> Form:
+        """Return the laws of P candidates."""
+        return model.laws(candidates)
 
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,); inf if undefined."""

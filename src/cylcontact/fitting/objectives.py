@@ -20,7 +20,8 @@ from scipy.optimize import least_squares, linprog
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.moments import Moments
-from cylcontact.fitting.parameters import Form, PowerForm
+from cylcontact.fitting.forms import Form, PowerForm
+from cylcontact.fitting.law_models import LawModel
 from cylcontact.fitting.samples import Samples
 
 __all__ = [
@@ -49,6 +50,10 @@ class Objective(Protocol):
         """The clearances in mm, shape (m,)."""
         ...
 
+    def form(self, model: LawModel, candidates: FloatArray) -> Form:
+        """Return P candidates of a law, shape (P, k), as the objective evaluates them."""
+        ...
+
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,); inf if undefined."""
         ...
@@ -73,6 +78,10 @@ class RmsLogPenetration:
     def dR(self) -> FloatArray:
         """The clearances in mm, shape (m,)."""
         return self.moments.dR
+
+    def form(self, model: LawModel, candidates: FloatArray) -> Form:
+        """Return P candidates of a law at the clearances."""
+        return model.form(candidates, self.dR)
 
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,)."""
@@ -120,6 +129,10 @@ class _RowObjective(ABC):
     def dR(self) -> FloatArray:
         """The clearances in mm, shape (m,)."""
         return self.rows.dR
+
+    def form(self, model: LawModel, candidates: FloatArray) -> Form:
+        """Return P candidates of a law at the clearances."""
+        return model.form(candidates, self.dR)
 
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,)."""

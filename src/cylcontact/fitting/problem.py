@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
+from cylcontact.fitting.forms import Form
+from cylcontact.fitting.law_models import LawModel
 from cylcontact.fitting.objectives import Objective
-from cylcontact.fitting.parameters import Family, Form, Parameter
+from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.ties import evaluate
 
 __all__ = ["Problem", "require_defined_somewhere"]
@@ -19,19 +21,19 @@ __all__ = ["Problem", "require_defined_somewhere"]
 
 @dataclass(frozen=True)
 class Problem:
-    """Minimise an objective over the free parameters of a family.
+    """Minimise an objective over the free parameters of a law.
 
     Attributes
     ----------
-    family : Family
+    model : LawModel
         The law and contact.
     parameters : tuple of Parameter
-        One for each of the family's names, in their order.
+        One for each of the model's names, in their order.
     objective : Objective
         The objective with its data.
     """
 
-    family: Family
+    model: LawModel
     parameters: tuple[Parameter, ...]
     objective: Objective
 
@@ -68,7 +70,7 @@ class Problem:
 
     def form(self, points: FloatArray) -> Form:
         """Return the laws at P points of the free parameters, shape (P, k)."""
-        return self.family.form(self._complete(points), self.objective.dR)
+        return self.objective.form(self.model, self._complete(points))
 
     def coefficients(self, point: FloatArray) -> dict[str, float]:
         """Return all coefficients by name, including the fixed and the tied ones."""
@@ -81,8 +83,8 @@ class Problem:
 
     def value_of(self, coefficients: Mapping[str, float]) -> float:
         """Return the objective of coefficients by name, which may be outside the bounds."""
-        candidate = np.array([[coefficients[name] for name in self.family.names]])
-        return float(self.objective.values(self.family.form(candidate, self.objective.dR))[0])
+        candidate = np.array([[coefficients[name] for name in self.model.names]])
+        return float(self.objective.values(self.objective.form(self.model, candidate))[0])
 
     def fixing(self, name: str, value: float) -> Problem:
         """Return the problem with one parameter fixed at a value."""

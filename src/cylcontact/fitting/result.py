@@ -203,21 +203,21 @@ def _differences(before: Any, now: Any, key: str = "") -> list[str]:
 def _require_consistent(result: FitResult, source: str) -> None:
     """Refuse a result with invalid settings or inconsistent parts."""
     plan = plan_from_settings(result.name, result.settings, source)
-    family = plan.family
+    names = plan.model.names
     _require_of_campaign(result, plan, source)
     sets = {"coefficients": result.coefficients}
     if result.published is not None:
         sets["published.coefficients"] = result.published.coefficients
     sets |= {f"runs.{run.index}.coefficients": run.coefficients for run in result.runs}
     for key, coefficients in sets.items():
-        if set(coefficients) != set(family.names):
-            rule = f"must be the coefficients of its campaign: {', '.join(family.names)}"
+        if set(coefficients) != set(names):
+            rule = f"must be the coefficients of its campaign: {', '.join(names)}"
             raise InputError(source, key, sorted(coefficients), rule, "redo the fit")
-    if result.uncertainty is not None and not {*result.uncertainty.estimates} <= {*family.names}:
-        rule = f"must be those of coefficients of its campaign: {', '.join(family.names)}"
+    if result.uncertainty is not None and not {*result.uncertainty.estimates} <= {*names}:
+        rule = f"must be those of coefficients of its campaign: {', '.join(names)}"
         raise InputError(source, "uncertainty.estimates", None, rule, "redo the fit")
     for name, curve in result.profiles.items():
-        if name not in family.names or len(curve.values) != len(curve.objective):
+        if name not in names or len(curve.values) != len(curve.objective):
             rule = "must be that of a coefficient, with as many values as objectives"
             raise InputError(source, f"profiles.{name}", None, rule, "redo the fit")
     if not result.runs:
@@ -227,7 +227,7 @@ def _require_consistent(result: FitResult, source: str) -> None:
 def _require_of_campaign(result: FitResult, plan: AnyCampaign, source: str) -> None:
     """Refuse a result whose law, contact, reference or kind is not that of its campaign."""
     is_measured = not isinstance(plan, Campaign)
-    expected: dict[str, str] = {"law": plan.family.law, "contact": plan.family.contact}
+    expected: dict[str, str] = {"law": plan.model.law, "contact": plan.model.contact}
     expected["kind"] = "noise" if is_measured else "discrepancy"
     if isinstance(plan, Campaign):
         expected["reference"] = plan.grid.reference

@@ -25,7 +25,8 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.errors import InputError
-from cylcontact.fitting.law_models import LawModel, LawParameter
+from cylcontact.fitting.law_models import LawModel
+from cylcontact.fitting.parameters import Parameter
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
 
@@ -191,7 +192,7 @@ def user_model(spec: str, folder: Path, contact: Contact, source: str) -> LawMod
 
 
 def named_user_model(
-    function: UserFunction, parameters: tuple[LawParameter, ...], contact: Contact
+    function: UserFunction, parameters: tuple[Parameter, ...], contact: Contact
 ) -> LawModel:
     """Return the model of a function with these parameters, without importing it."""
 
@@ -201,7 +202,7 @@ def named_user_model(
     return LawModel(function.spec, contact, parameters, build, nominal_is_published=False)
 
 
-def _parameters_of(function: Callable[..., Any], spec: str) -> tuple[LawParameter, ...]:
+def _parameters_of(function: Callable[..., Any], spec: str) -> tuple[Parameter, ...]:
     """Return the arguments of a function after penetration and pair."""
     remedy = "write it as def load(penetration, pair, K, n): ... with at least one parameter"
     try:
@@ -221,7 +222,7 @@ def _parameters_of(function: Callable[..., Any], spec: str) -> tuple[LawParamete
             raise InputError(spec, "law", None, rule, remedy)
         nominal = float(argument.default) if has_default else None
         parameters.append(
-            LawParameter(argument.name, -np.inf, np.inf, nominal, free=not has_default)
+            Parameter(argument.name, -np.inf, np.inf, nominal, value=nominal, fixed=has_default)
         )
     return tuple(parameters)
 

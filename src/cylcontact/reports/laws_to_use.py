@@ -17,7 +17,8 @@ import pandas as pd
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import grid_from
 from cylcontact.errors import InputError
-from cylcontact.fitting.parameters import Form, LawForm, family_of
+from cylcontact.fitting.forms import Form, LawForm
+from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.report import text_table
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import Samples, collect_samples
@@ -238,9 +239,9 @@ def _candidates(refit: FitResult, power: FitResult, samples: Samples) -> list[_C
 
 def _fitted(fit: FitResult, coefficients: Mapping[str, float], samples: Samples) -> Form:
     """Return a fitted law at the clearances of the samples, the open end of its range included."""
-    family = family_of(fit.law, fit.contact, fit.name)
-    candidate = np.array([[coefficients[name] for name in family.names]])
-    return family.form(candidate, samples.dR)
+    model = grid_model_of(fit.law, fit.contact, fit.name)
+    candidate = np.array([[coefficients[name] for name in model.names]])
+    return model.form(candidate, samples.dR)
 
 
 def _relative_times(bench: Bench) -> dict[str, float]:

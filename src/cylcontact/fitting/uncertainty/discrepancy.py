@@ -224,9 +224,9 @@ def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
     """Return quantiles of Eq 9 over the grid in percent, from a histogram of ln(δ/δ_reference)."""
     edges = np.arange(-_LARGEST, _LARGEST + _BIN, _BIN)
     counts = np.zeros(edges.size - 1)
-    candidate = np.array([[best[name] for name in campaign.family.names]])
+    candidate = np.array([[best[name] for name in campaign.model.names]])
     for dR in campaign.grid.dR:
-        form = campaign.family.form(candidate, np.array([dR]))
+        form = campaign.model.form(candidate, np.array([dR]))
         for block in blocks(campaign.grid, float(dR)):
             ratio = form.log_penetration_ratio(0, samples_of(campaign.grid.contact, block))
             if not np.isfinite(ratio).all():

@@ -210,7 +210,7 @@ def _sandwich(
 def _per_unit(problem: Problem, point: FloatArray, effect: FloatArray) -> FloatArray:
     """Return the factors from half-widths to relative ones, shape (k,)."""
     # Bounds on either side of zero make it arbitrary, whatever the law declares.
-    is_shift = [p.name in problem.family.shifts or p.low < 0 < p.high for p in problem.free]
+    is_shift = [p.shift or p.low < 0 < p.high for p in problem.free]
     with np.errstate(divide="ignore"):
         return as_floats(np.where(is_shift, effect, 1 / np.abs(point)))
 
