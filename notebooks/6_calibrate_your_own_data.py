@@ -29,8 +29,8 @@ import pandas as pd
 from cylcontact import CylinderPair, Material
 from cylcontact.export import export
 from cylcontact.export.named import find_law
-from cylcontact.fitting.measured_campaign import campaign_of_table
-from cylcontact.fitting.measured_fit import fit_measurements
+from cylcontact.fitting.calibrate import calibrate
+from cylcontact.fitting.campaign import campaign_of_table
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.style import figure_style
 from cylcontact.reports.notebook import live_progress
@@ -84,7 +84,7 @@ results = {}
 with live_progress() as progress:
     for law, parameters in parameters_of.items():
         campaign = campaign_of_table(table, law, "internal", constants, parameters=parameters)
-        results[law] = fit_measurements(campaign, progress=progress)
+        results[law] = calibrate(campaign, progress=progress)
 pd.Series(
     {law: 100 * result.objective.value for law, result in results.items()},
     name="root mean square of the residuals, %",

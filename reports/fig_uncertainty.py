@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.calibrate import calibrate
-from cylcontact.fitting.planning import read_plan
+from cylcontact.fitting.campaign import read_campaign
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.discrepancy import RISES, DiscrepancyPair, study_discrepancy
 from cylcontact.fitting.uncertainty.likelihood import PairMap
@@ -23,7 +23,7 @@ FINE = 241
 
 
 def draw(bench: Bench) -> Drawing:
-    measured = calibrate(read_plan(bench.input("fitting/examples/pin-in-hole.toml")))
+    measured = calibrate(read_campaign(bench.input("fitting/examples/pin-in-hole.toml")))
     reference = bench.result("external")
     noise = study_noise(measured, with_pairs=True).pairs[0]
     pairs = study_discrepancy(reference, with_pairs=True).pairs

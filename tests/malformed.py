@@ -15,8 +15,7 @@ from cylcontact import InputError
 from cylcontact.datasets.finite_element.spec import StudySpec
 from cylcontact.datasets.grid import GridSpec
 from cylcontact.fitting import FitResult
-from cylcontact.fitting.campaign import CampaignSpec
-from cylcontact.fitting.measured_spec import MeasuredSpec
+from cylcontact.fitting.specs import CampaignSpec, MeasuredSpec
 from cylcontact.materials import COLUMNS
 from cylcontact.mechanism.spec import MechanismSpec
 from cylcontact.plots.style import StyleFile

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from cylcontact import CylinderPair, Material
+from cylcontact.fitting.campaign import Campaign, campaign_of_table
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.measured_campaign import MeasuredCampaign, campaign_of_table
 
 STEEL = Material("steel", E=207e3, nu=0.3)
 CONSTANTS = {"E_GPa": 207.0, "nu": 0.3, "R_i_mm": 10.0, "length_mm": 12.0}
@@ -70,7 +70,7 @@ def measured_campaign(
     noise: float = 0.0,
     seed: int = 1,
     **settings: Any,
-) -> MeasuredCampaign:
+) -> Campaign:
     """Return a campaign on points of a law."""
     table = write_measured(folder / "measured.csv", law, contact, noise, seed)
     return campaign_of_table(table, law, contact, CONSTANTS, **settings)

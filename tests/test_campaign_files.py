@@ -49,7 +49,7 @@ def test_published_coefficients_lie_within_the_bounds_of_every_search(path):
 def test_the_main_campaigns_search_with_different_populations_and_crossovers(contact):
     campaign = read_campaign(ROOT / f"fitting/{contact}.toml")
     genetic = campaign.spec.genetic
-    assert campaign.grid.contact == contact
+    assert campaign.data.grid.contact == contact
     assert campaign.spec.law == "enhanced"
     assert campaign.spec.objective == "rms-log-penetration"
     assert genetic.runs >= len(genetic.populations) * len(genetic.crossovers) > 1
@@ -62,7 +62,7 @@ def test_settings_come_out_as_written(tmp_path):
     campaign = read_campaign(write_bench(tmp_path))
     assert (campaign.name, campaign.spec.seed, campaign.spec.law) == ("small", 7, "power")
     assert campaign.model.contact == "internal"
-    assert campaign.grid.shape == (3, 2, 4, 4)
+    assert campaign.data.grid.shape == (3, 2, 4, 4)
     K_star, n = campaign.parameters
     assert (K_star.name, K_star.low, K_star.high, K_star.fixed) == ("K_star", 0.5, 10.0, False)
     assert (n.name, n.low, n.high, n.fixed) == ("n", 1.0, 1.5, False)
@@ -116,23 +116,23 @@ def test_runs_and_seed_may_be_given_instead_of_the_files(tmp_path):
 def test_a_dataset_is_found_beside_the_campaign(tmp_path, dataset):
     write_toml(tmp_path / "fitting" / dataset, GRID)
     path = write_toml(tmp_path / "fitting/c.toml", changed(CAMPAIGN, {"dataset": dataset}))
-    assert read_campaign(path).grid.size == 96
+    assert read_campaign(path).data.grid.size == 96
 
 
 def test_a_dataset_is_found_above_the_campaign_from_wherever_it_is_read(tmp_path, monkeypatch):
     path = write_bench(tmp_path)
     monkeypatch.chdir(tmp_path)
-    assert read_campaign(path.relative_to(tmp_path)).grid.source == "datasets/small.toml"
+    assert read_campaign(path.relative_to(tmp_path)).data.grid.source == "datasets/small.toml"
     monkeypatch.chdir(path.parent)
-    assert read_campaign(path.name).grid.source == "../datasets/small.toml"
+    assert read_campaign(path.name).data.grid.source == "../datasets/small.toml"
     monkeypatch.chdir("/")
-    assert read_campaign(path).grid.size == 96
+    assert read_campaign(path).data.grid.size == 96
 
 
 def test_a_dataset_may_be_given_by_its_whole_path(tmp_path):
     dataset = write_toml(tmp_path / "far/away.toml", GRID)
     path = write_bench(tmp_path / "bench", {"dataset": str(dataset)})
-    assert read_campaign(path).grid.source == str(dataset)
+    assert read_campaign(path).data.grid.source == str(dataset)
 
 
 def test_the_key_changes_with_whatever_the_result_depends_on(tmp_path):
@@ -157,7 +157,7 @@ def test_a_campaign_is_redone_from_its_settings(tmp_path):
     again = campaign_from_settings("small", settings, "r.json")
     assert again.key == campaign.key
     assert again.parameters == campaign.parameters
-    assert again.grid.shape == campaign.grid.shape
+    assert again.data.grid.shape == campaign.data.grid.shape
 
 
 # --- bad input --------------------------------------------------------------------------------

@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 
 from cylcontact import InputError
 from cylcontact.cli.app import app
-from cylcontact.fitting.calibrate import problem_of
-from cylcontact.fitting.measured_fit import fit_measurements
+from cylcontact.fitting.calibrate import calibrate, problem_of
+from cylcontact.fitting.data import with_grid
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.report import discrepancy_text
 from cylcontact.fitting.samples import collect_samples
@@ -32,7 +32,7 @@ def study(small_result):
 
 
 def test_the_spread_is_that_of_eq_9_over_the_samples(small_campaign, small_result, study):
-    rows, _ = collect_samples(small_campaign.grid)
+    rows, _ = collect_samples(small_campaign.data.grid)
     point = np.array([[small_result.coefficients[name] for name in small_campaign.model.names]])
     ratio = small_campaign.model.form(point, rows.dR).log_penetration_ratio(0, rows)
     for share, value in study.spread_percent.items():
@@ -41,13 +41,13 @@ def test_the_spread_is_that_of_eq_9_over_the_samples(small_campaign, small_resul
 
 
 def test_leaving_a_clearance_out_is_fitting_the_others(small_campaign, small_result, study):
-    grid = small_campaign.grid
+    grid = small_campaign.data.grid
     assert [left.group for left in study.left_out] == [f"dR = {v:.6g}" for v in grid.dR]
-    rest = replace(small_campaign, grid=replace(grid, dR=grid.dR[1:]))
+    rest = with_grid(small_campaign, replace(grid, dR=grid.dR[1:]))
     problem, _ = problem_of(rest, 1, silent)
     point, _ = polish(problem, problem.point(small_result.coefficients))
     assert study.left_out[0].coefficients == pytest.approx(problem.coefficients(point), rel=1e-4)
-    alone, _ = problem_of(replace(small_campaign, grid=replace(grid, dR=grid.dR[:1])), 1, silent)
+    alone, _ = problem_of(with_grid(small_campaign, replace(grid, dR=grid.dR[:1])), 1, silent)
     assert study.left_out[0].own_rms == pytest.approx(alone.value(point), rel=1e-4)
     assert sum(left.rows for left in study.left_out) == small_result.counts.samples
 
@@ -75,7 +75,7 @@ def test_the_report_does_not_speak_of_noise(small_result, study):
 
 def test_a_masked_value_has_no_say(small_campaign, small_result):
     # At the smallest clearance a load beyond Johnson's limit masks every sample of that load.
-    grid = replace(small_campaign.grid, load=np.array([10.0, 1000.0, 1e9]))
+    grid = replace(small_campaign.data.grid, load=np.array([10.0, 1000.0, 1e9]))
     settings = json.loads(json.dumps(small_result.settings))
     settings["dataset"]["axes"]["load"] = {"values": grid.load.tolist()}
     changed = small_result.model_copy(update={"settings": settings})
@@ -95,7 +95,7 @@ def test_what_cannot_be_left_out_is_refused(small_result, axis, rule):
 
 
 def test_the_two_kinds_are_not_confused(tmp_path, small_result):
-    measured = fit_measurements(measured_campaign(tmp_path, noise=0.01, starts=1))
+    measured = calibrate(measured_campaign(tmp_path, noise=0.01, starts=1))
     with pytest.raises(InputError, match="was fitted to measurements; study its noise"):
         study_discrepancy(measured)
     small_result.save(tmp_path / "r.json")
@@ -107,7 +107,7 @@ def test_coefficients_that_define_no_law_are_refused(tmp_path, small_result):
     wrong = small_result.model_copy(update={"coefficients": {"K_star": -1.0, "n": 1.1}})
     with pytest.raises(InputError, match="leave the law undefined for some of its samples"):
         study_discrepancy(wrong)
-    measured = fit_measurements(measured_campaign(tmp_path, noise=0.01, starts=1))
+    measured = calibrate(measured_campaign(tmp_path, noise=0.01, starts=1))
     changed = {**measured.coefficients, "kappa": -1.0}
     with pytest.raises(InputError, match="leave the law undefined for some of the data"):
         study_noise(measured.model_copy(update={"coefficients": changed}))

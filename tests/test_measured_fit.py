@@ -12,11 +12,9 @@ from cylcontact import CylinderPair, InputError, laws
 from cylcontact.cli.app import app
 from cylcontact.fitting import FitResult, compare, verdicts
 from cylcontact.fitting.calibrate import calibrate
+from cylcontact.fitting.campaign import campaign_of_table, read_campaign
 from cylcontact.fitting.law_models import MODELS, model_of
 from cylcontact.fitting.loss import LOSSES, Loss
-from cylcontact.fitting.measured_campaign import campaign_of_table
-from cylcontact.fitting.measured_fit import fit_measurements
-from cylcontact.fitting.planning import read_plan
 from cylcontact.fitting.verify import verify
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw, adjusted_logarithmic
 from tests.measured_files import (
@@ -63,7 +61,7 @@ table = 3
 
 @pytest.mark.parametrize(("law", "contact"), TRUTHS, ids=lambda word: word)
 def test_exact_points_of_a_law_give_its_coefficients_back(tmp_path, law, contact):
-    result = fit_measurements(measured_campaign(tmp_path, law, contact, starts=4))
+    result = calibrate(measured_campaign(tmp_path, law, contact, starts=4))
     assert result.coefficients == pytest.approx(TRUTHS[law, contact], rel=1e-6)
     assert result.objective.value < 1e-9
     assert "no noise to estimate" in verdicts(result)[0]
@@ -96,7 +94,7 @@ def test_the_enhanced_internal_law_comes_back_from_many_clearances(tmp_path):
             parameters=tuple(replace(p, nominal=None) for p in campaign.model.parameters),
         ),
     )
-    result = fit_measurements(campaign)
+    result = calibrate(campaign)
     assert result.coefficients == pytest.approx(truth, rel=1e-6)
 
 
@@ -105,14 +103,14 @@ def test_the_enhanced_internal_law_comes_back_from_many_clearances(tmp_path):
 )
 def test_every_objective_finds_the_same_exact_law(tmp_path, objective):
     campaign = measured_campaign(tmp_path, objective=objective, starts=3)
-    result = fit_measurements(campaign)
+    result = calibrate(campaign)
     assert result.objective.name == objective
     assert result.coefficients == pytest.approx(TRUTHS["johnson", "internal"], rel=1e-6)
 
 
 def test_a_parameter_is_held_or_bounded_as_the_campaign_says(tmp_path):
     held = {"kappa": {"value": 1.1, "fixed": True}, "c": {"low": -2.0, "high": -0.9}}
-    result = fit_measurements(measured_campaign(tmp_path, starts=3, parameters=held))
+    result = calibrate(measured_campaign(tmp_path, starts=3, parameters=held))
     assert result.coefficients["kappa"] == 1.1
     assert result.coefficients["c"] == pytest.approx(-0.9)
     assert result.uncertainty.estimates.keys() == {"c"}
@@ -120,12 +118,10 @@ def test_a_parameter_is_held_or_bounded_as_the_campaign_says(tmp_path):
 
 def test_the_result_does_not_depend_on_workers_or_on_the_search(tmp_path):
     campaign = measured_campaign(tmp_path, noise=0.02, starts=3)
-    one, two = fit_measurements(campaign, 1), fit_measurements(campaign, 2)
+    one, two = calibrate(campaign, 1), calibrate(campaign, 2)
     assert one.repeatable() == two.repeatable()
     genetic = {"runs": 2, "populations": [20], "generations": 20}
-    other = fit_measurements(
-        measured_campaign(tmp_path, noise=0.02, optimizer="genetic", genetic=genetic)
-    )
+    other = calibrate(measured_campaign(tmp_path, noise=0.02, optimizer="genetic", genetic=genetic))
     assert other.coefficients == pytest.approx(one.coefficients, rel=1e-5)
     assert other.runs[0].population == 20
 
@@ -141,7 +137,7 @@ def test_a_robust_loss_lessens_the_pull_of_outliers(tmp_path):
     errors = {}
     for loss in LOSSES:
         campaign = campaign_of_table(table, "johnson", "internal", CONSTANTS, loss=loss, starts=3)
-        result = fit_measurements(campaign)
+        result = calibrate(campaign)
         errors[loss] = abs(result.coefficients["kappa"] - truth)
         outliers = result.uncertainty.outliers
         assert {row.line for row in outliers if row.deviations > 3.5} >= {2, 3, 4}
@@ -164,7 +160,7 @@ def test_losses_are_scipys(name):
 
 def test_a_given_scale_of_the_loss_is_kept(tmp_path):
     campaign = measured_campaign(tmp_path, noise=0.01, loss="huber", loss_scale=0.5, starts=2)
-    assert fit_measurements(campaign).uncertainty.loss_scale == 0.5
+    assert calibrate(campaign).uncertainty.loss_scale == 0.5
 
 
 def test_weights_count_like_repeated_rows(tmp_path):
@@ -176,7 +172,7 @@ def test_weights_count_like_repeated_rows(tmp_path):
     text = [f"{header},weight", *(f"{row},{2 if k < 5 else 1}" for k, row in enumerate(rows))]
     weighted.write_text("\n".join(text))
     actual = [
-        fit_measurements(campaign_of_table(path, "johnson", "internal", CONSTANTS, starts=2))
+        calibrate(campaign_of_table(path, "johnson", "internal", CONSTANTS, starts=2))
         for path in (repeated, weighted)
     ]
     assert actual[1].coefficients == pytest.approx(actual[0].coefficients, rel=1e-6)
@@ -248,8 +244,8 @@ def user_campaign(folder, law="mine:load", objective=None, parameters=None, cont
 @pytest.mark.parametrize("objective", [None, "rms-log-penetration"])
 def test_a_function_of_ones_own_is_fitted_like_a_law(tmp_path, objective):
     campaign = user_campaign(tmp_path, objective=objective)
-    assert campaign.objective == (objective or "rms-log-load")
-    result = fit_measurements(campaign, jobs=2)
+    assert campaign.spec.objective == (objective or "rms-log-load")
+    result = calibrate(campaign, jobs=2)
     truth = {**TRUTHS["power", "internal"], "offset": 0.0}
     assert result.coefficients == pytest.approx(truth, rel=1e-6)
     law = campaign.model.build(truth)
@@ -281,7 +277,7 @@ def test_a_function_of_ones_own_is_fitted_like_a_law(tmp_path, objective):
 def test_what_is_wrong_with_a_function_is_told(tmp_path, law, key, rule):
     bounds = {"K": {"low": 0.5, "high": 10.0}}
     with pytest.raises(InputError) as caught:
-        fit_measurements(user_campaign(tmp_path, law, parameters=bounds))
+        calibrate(user_campaign(tmp_path, law, parameters=bounds))
     assert caught.value.key == key
     assert rule in caught.value.rule
     assert len(str(caught.value).splitlines()) == 1
@@ -300,7 +296,7 @@ def test_a_parameter_of_ones_own_law_needs_bounds(tmp_path):
 
 
 def test_nothing_is_imported_because_a_result_names_it(tmp_path):
-    result = fit_measurements(user_campaign(tmp_path))
+    result = calibrate(user_campaign(tmp_path))
     path = tmp_path / "r.json"
     result.save(path)
     marker = tmp_path / "ran"
@@ -317,7 +313,7 @@ def test_nothing_is_imported_because_a_result_names_it(tmp_path):
 
 @pytest.fixture(scope="module")
 def example():
-    return calibrate(read_plan(EXAMPLE))
+    return calibrate(read_campaign(EXAMPLE))
 
 
 def test_the_shipped_example_is_what_its_script_writes():
@@ -402,9 +398,9 @@ def write_campaign(folder, **changes):
 
 
 def test_a_campaign_file_reads_like_its_table(tmp_path):
-    campaign = read_plan(write_campaign(tmp_path), runs=3, seed=5)
-    assert (campaign.spec.starts, campaign.spec.seed, len(campaign.measurements)) == (3, 5, 36)
-    genetic = read_plan(write_campaign(tmp_path), runs=3, optimizer="genetic")
+    campaign = read_campaign(write_campaign(tmp_path), runs=3, seed=5)
+    assert (campaign.spec.starts, campaign.spec.seed, len(campaign.data.measurements)) == (3, 5, 36)
+    genetic = read_campaign(write_campaign(tmp_path), runs=3, optimizer="genetic")
     assert (genetic.spec.genetic.runs, genetic.spec.optimizer) == (3, "genetic")
     assert campaign.key != genetic.key
 
@@ -436,7 +432,7 @@ BAD_CAMPAIGNS = [
 def test_a_bad_campaign_is_told(tmp_path, changes, key, rule):
     path = write_campaign(tmp_path, **changes)
     with pytest.raises(InputError) as caught:
-        read_plan(path)
+        read_campaign(path)
     assert caught.value.key == key
     assert rule in caught.value.rule
     assert len(str(caught.value).splitlines()) == 1
@@ -457,7 +453,7 @@ def test_rows_that_no_coefficients_reach_are_named(tmp_path):
         table, "johnson", "internal", {**CONSTANTS, "dR_um": 50}, parameters=bounds
     )
     with pytest.raises(InputError) as caught:
-        fit_measurements(campaign)
+        calibrate(campaign)
     assert caught.value.source == f"{table}, line 4"
     assert "lies outside the domain of johnson" in caught.value.rule
 
@@ -535,10 +531,10 @@ def test_the_fitted_law_is_exported_with_its_constants(tmp_path, example):
 
 def test_what_cannot_be_exported_says_so(tmp_path):
     for law, rule in (("liu", "has factors of its own"), ("persson", "has factors of its own")):
-        fit_measurements(measured_campaign(tmp_path, law, starts=1)).save(tmp_path / "r.json")
+        calibrate(measured_campaign(tmp_path, law, starts=1)).save(tmp_path / "r.json")
         actual = run("export", tmp_path / "r.json", "--to", "c")
         assert rule in actual.exception.rule
-    fit_measurements(user_campaign(tmp_path)).save(tmp_path / "r.json")
+    calibrate(user_campaign(tmp_path)).save(tmp_path / "r.json")
     actual = run("export", tmp_path / "r.json", "--to", "c")
     assert "is a Python function of your own" in actual.exception.rule
 
@@ -571,7 +567,7 @@ def test_a_rig_that_is_off_and_gives_way_is_found_with_the_law(tmp_path, objecti
     campaign = campaign_of_table(
         table, "persson", "internal", CONSTANTS, parameters=RIG, objective=objective, starts=2
     )
-    result = fit_measurements(campaign)
+    result = calibrate(campaign)
     truth = {**TRUTHS["persson", "internal"], "offset": 2e-3, "compliance": 1.5e-6}
     assert result.coefficients == pytest.approx(truth, rel=1e-6)
     result.save(tmp_path / "r.json")
@@ -590,7 +586,7 @@ def test_a_compliance_is_not_to_be_told_from_the_constant_of_a_logarithm(tmp_pat
         objective="rms-penetration",
         starts=3,
     )
-    assert set(fit_measurements(campaign).uncertainty.only_together) == {"c", "compliance"}
+    assert set(calibrate(campaign).uncertainty.only_together) == {"c", "compliance"}
 
 
 def test_the_rig_is_not_exported(tmp_path):
@@ -600,7 +596,7 @@ def test_the_rig_is_not_exported(tmp_path):
         parameters={"offset": RIG["offset"]},
         objective="rms-penetration",
     )
-    fit_measurements(campaign).save(tmp_path / "r.json")
+    calibrate(campaign).save(tmp_path / "r.json")
     actual = run("export", tmp_path / "r.json", "--to", "json")
     assert actual.exit_code == 0, actual.output
     assert json.loads(actual.output)["coefficients"] == pytest.approx(TRUTHS["power", "internal"])

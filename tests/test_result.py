@@ -10,7 +10,6 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.fitting import FitResult, compare, read_campaign, verdicts
-from cylcontact.fitting.planning import provenance
 from tests.spec_files import DROP, assert_told, changed, labels, tree, write_bench
 
 COMMITTED = sorted((Path(__file__).resolve().parents[1] / "fitting/results").glob("*.json"))
@@ -83,19 +82,19 @@ def test_the_commit_is_that_of_the_campaign_and_marked_when_changed(tmp_path):
     git(tmp_path, "add", ".")
     git(tmp_path, "commit", "--quiet", "--message", "all")
     commit = git(tmp_path, "rev-parse", "HEAD").strip()
-    assert provenance(campaign)["git_commit"] == commit
+    assert campaign.provenance["git_commit"] == commit
     result = tmp_path / "fitting/results/small.json"
     result.parent.mkdir()
     result.write_text("{}")
     git(tmp_path, "add", ".")
-    assert provenance(campaign)["git_commit"] == commit  # results are what is made
+    assert campaign.provenance["git_commit"] == commit  # results are what is made
     write_bench(tmp_path, {"seed": 8})
-    assert provenance(campaign)["git_commit"] == f"{commit}-dirty"
+    assert campaign.provenance["git_commit"] == f"{commit}-dirty"
 
 
 def test_outside_git_there_is_no_commit(small_campaign, monkeypatch):
     monkeypatch.setenv("GIT_DIR", "there/is/none")
-    assert provenance(small_campaign)["git_commit"] is None
+    assert small_campaign.provenance["git_commit"] is None
 
 
 def test_a_result_introduces_itself(small_result):

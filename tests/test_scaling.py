@@ -14,6 +14,7 @@ from benchmarks import scaling
 from benchmarks.scaling import COLUMNS, SHAPES, log_pass, memory_of, read_table, thinned
 from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibrate import problem_of
+from cylcontact.fitting.data import with_grid
 
 ROOT = Path(__file__).resolve().parents[1]
 HUGE = ROOT / "benchmarks/huge.toml"
@@ -47,11 +48,11 @@ def peak_of(shape):
 
 def campaign_of(shape):
     campaign = read_campaign(HUGE, runs=1)
-    return replace(campaign, grid=thinned(campaign.grid, shape))
+    return with_grid(campaign, thinned(campaign.data.grid, shape))
 
 
 def test_the_huge_grid_has_a_thousand_million_samples():
-    grid = read_campaign(HUGE).grid
+    grid = read_campaign(HUGE).data.grid
     assert grid.size == 10**9
     assert grid.shape == SHAPES[-1]
 

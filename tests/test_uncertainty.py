@@ -10,11 +10,12 @@ from typer.testing import CliRunner
 
 from cylcontact import CylinderPair, InputError
 from cylcontact.cli.app import app
+from cylcontact.fitting.calibrate import calibrate
+from cylcontact.fitting.data import plain_problem
 from cylcontact.fitting.forms import PowerForm
 from cylcontact.fitting.law_models import MODELS, LawModel
 from cylcontact.fitting.least_squares import descend, jacobian
 from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.measured_fit import fit_measurements
 from cylcontact.fitting.measured_objective import MeasuredObjective
 from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.problem import Problem
@@ -73,7 +74,7 @@ def curve_problem(campaign, model, x, y, low, high):
     parameters = tuple(Parameter(name, *ends) for name, *ends in zip(names, low, high, strict=True))
     law = LawModel("curve", "internal", parameters, lambda actual: Curve(model, dict(actual)))
     x, y = np.array(x, dtype=float), np.array(y, dtype=float)
-    data = campaign.measurements.take(np.zeros(x.size, dtype=int))
+    data = campaign.data.measurements.take(np.zeros(x.size, dtype=int))
     data = data.with_values(load=y, penetration=x)
     return Problem(law, parameters, MeasuredObjective(data, "rms-load"))
 
@@ -100,7 +101,7 @@ def test_nist_certified_values_and_standard_deviations(tmp_path, name):
 
 def best_of(campaign):
     """The problem of a campaign, its optimum and its noise."""
-    problem = campaign.problem()
+    problem = plain_problem(campaign)
     truth = problem.point(TRUTHS[campaign.model.law, campaign.model.contact])
     point, _, _ = descend(problem, truth)
     return problem, problem.coefficients(point), residual_model_at(problem, point)
@@ -207,7 +208,7 @@ COVERED = sorted({key for key in TRUTHS if key[1] == "internal"} | {("enhanced",
 def coverage(campaign, replicates=REPLICATES, seed=7):
     """Repeat an experiment; return the share of intervals that hold the truth, of each kind."""
     truth = TRUTHS[campaign.model.law, campaign.model.contact]
-    problem = campaign.problem()
+    problem = plain_problem(campaign)
     data = measured(problem).data
     law = campaign.model.build(truth)
     exact = law.penetration(data.load, data.pair)
@@ -219,7 +220,7 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
     rng = np.random.default_rng(seed)
     for _ in range(replicates):
         seen = data.with_values(penetration=exact * np.exp(size * rng.normal(size=len(data))))
-        again = replace(problem, objective=MeasuredObjective(seen, campaign.objective))
+        again = replace(problem, objective=MeasuredObjective(seen, campaign.spec.objective))
         point, _, _ = descend(again, start)
         noise, best = residual_model_at(again, point), again.coefficients(point)
         errors = noise.half_width(LEVEL) * np.sqrt(np.diag(noise.covariance))
@@ -270,7 +271,7 @@ def test_an_interval_that_the_data_leave_open_ends_at_the_bound(tmp_path):
     campaign = measured_campaign(
         tmp_path, "liu", noise=NOISE, parameters=bounds, starts=2, objective="rms-penetration"
     )
-    actual = fit_measurements(campaign).uncertainty
+    actual = calibrate(campaign).uncertainty
     ends = actual.estimates["clearance_factor"].profile
     assert (ends.low, ends.low_is_bound, ends.high, ends.high_is_bound) == (0.5, True, 2.0, True)
     assert actual.estimates["clearance_factor"].verdict in ("not", "at a bound")
@@ -281,7 +282,7 @@ def test_an_interval_that_the_data_leave_open_ends_at_the_bound(tmp_path):
 def test_parameters_that_act_only_together_are_named(tmp_path):
     bounds = {"Lambda_factor": {"low": 0.1, "high": 10.0}}
     campaign = measured_campaign(tmp_path, noise=NOISE, parameters=bounds, starts=2)
-    result = fit_measurements(campaign)
+    result = calibrate(campaign)
     actual = result.uncertainty
     assert set(actual.only_together) == {"c", "Lambda_factor"}
     assert {e.verdict for e in actual.estimates.values()} == {"not"}
@@ -484,13 +485,13 @@ def test_a_profile_says_when_it_finds_a_better_fit(noisy):
 def test_a_law_of_the_wrong_shape_is_told_by_its_residuals(tmp_path):
     wrong = measured_campaign(tmp_path, "explicit", noise=0.002)
     table = tmp_path / "measured.csv"
-    from cylcontact.fitting.measured_campaign import campaign_of_table
+    from cylcontact.fitting.campaign import campaign_of_table
     from tests.measured_files import CONSTANTS
 
-    result = fit_measurements(campaign_of_table(table, "power", "internal", CONSTANTS, starts=2))
+    result = calibrate(campaign_of_table(table, "power", "internal", CONSTANTS, starts=2))
     assert result.uncertainty.runs_test_p < 1e-3
     assert "wrong shape" in noise_verdicts(result.uncertainty)[1]
-    right = fit_measurements(wrong)
+    right = calibrate(wrong)
     assert right.uncertainty.runs_test_p > 0.01
 
 
@@ -521,7 +522,7 @@ def test_the_sandwich_is_the_spread_of_repeated_experiments(tmp_path, loss, scal
     # is all there is to refit, and many experiments of a thousand rows are quick.
     campaign = measured_campaign(tmp_path, "power")
     truth = TRUTHS["power", "internal"]
-    problem = campaign.problem().fixing("n", truth["n"])
+    problem = plain_problem(campaign).fixing("n", truth["n"])
     data = measured(problem).data
     data = data.take(np.tile(np.arange(len(data)), 28))
     exact = campaign.model.build(truth).penetration(data.load, data.pair)
@@ -530,7 +531,7 @@ def test_the_sandwich_is_the_spread_of_repeated_experiments(tmp_path, loss, scal
     seen = contaminated(rng, len(data))
     measured_again = data.with_values(penetration=exact * np.exp(seen))
     again = replace(
-        problem, objective=MeasuredObjective(measured_again, campaign.objective, robust)
+        problem, objective=MeasuredObjective(measured_again, campaign.spec.objective, robust)
     )
     point, _, _ = descend(again, again.point(truth) * 1.2)
     noise = residual_model_at(again, point)
@@ -623,7 +624,7 @@ def run(*arguments):
 
 @pytest.fixture
 def saved(tmp_path):
-    result = fit_measurements(measured_campaign(tmp_path, noise=NOISE, loss="huber", starts=2))
+    result = calibrate(measured_campaign(tmp_path, noise=NOISE, loss="huber", starts=2))
     result.save(tmp_path / "r.json")
     return tmp_path / "r.json"
 
@@ -651,7 +652,7 @@ def test_the_command_reports_noise(saved, tmp_path):
 
 
 def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatch):
-    result = fit_measurements(user_campaign(tmp_path))
+    result = calibrate(user_campaign(tmp_path))
     result.save(tmp_path / "r.json")
     monkeypatch.chdir(tmp_path)
     actual = run("uncertainty", "r.json")

@@ -18,7 +18,7 @@ from cylcontact.files import replacing, require_suffix, require_writable
 from cylcontact.pair import CONTACTS
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.planning import AnyCampaign
+    from cylcontact.fitting.campaign import Campaign
 
 __all__ = [
     "CONSTANTS",
@@ -131,9 +131,9 @@ def plan(
     runs: int | None,
     seed: int | None,
     optimizer: str | None,
-) -> AnyCampaign:
+) -> Campaign:
     """Return the campaign of a file, or of a table and its options."""
-    from cylcontact.fitting.planning import read_plan
+    from cylcontact.fitting.campaign import read_campaign
 
     given = {f.name: getattr(options, f.name) for f in fields(options)}
     given = {name: value for name, value in given.items() if value not in (None, [])}
@@ -146,15 +146,15 @@ def plan(
                 "is an option for tables of measurements, and this is a campaign",
                 "set it in the campaign file",
             )
-        return read_plan(path, runs, seed, optimizer)
+        return read_campaign(path, runs, seed, optimizer)
     return _plan_of_table(path, given, runs, seed, optimizer)
 
 
 def _plan_of_table(
     path: Path, given: dict[str, Any], runs: int | None, seed: int | None, optimizer: str | None
-) -> AnyCampaign:
+) -> Campaign:
     """Return the campaign of a table."""
-    from cylcontact.fitting.measured_campaign import campaign_of_table
+    from cylcontact.fitting.campaign import campaign_of_table
 
     for name, example in (("law", "power"), ("contact", "internal")):
         if name not in given:

@@ -1,163 +1,51 @@
-"""Campaigns on a grid: the file, and the checked campaign that is run."""
+"""Campaigns: a law, the parameters to search, and the data to fit to."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from pydantic import Field, model_validator
+import numpy as np
 
-from cylcontact.choices import OPTIMIZERS
+from cylcontact.arrays import FloatArray
 from cylcontact.datasets.grid import Grid, grid_from, read_grid_data
+from cylcontact.datasets.measured_columns import Constants, MeasuredData, read_measured
+from cylcontact.datasets.measurements import Measurements, measurements_of
 from cylcontact.errors import InputError
-from cylcontact.fitting.genetic import CROSSOVERS
-from cylcontact.fitting.law_models import LawModel, grid_model_of
-from cylcontact.fitting.objectives import OBJECTIVES
+from cylcontact.fitting.data import Data, GridData, TableData
+from cylcontact.fitting.law_models import (
+    RIG_NAMES,
+    LawModel,
+    grid_model_of,
+    is_user_law,
+    model_of,
+    with_rig,
+)
+from cylcontact.fitting.measured_objective import objective_name
 from cylcontact.fitting.parameters import Parameter
-from cylcontact.fitting.ties import require_valid
-from cylcontact.provenance import spec_hash
-from cylcontact.spec import Spec, broken, parse_spec, read_toml
+from cylcontact.fitting.specs import (
+    CampaignSpec,
+    MeasuredSpec,
+    completed,
+    parameters_of,
+    require_complete,
+)
+from cylcontact.fitting.user_law import UserFunction, named_user_model, user_model
+from cylcontact.pair import Contact
+from cylcontact.provenance import made_with, spec_hash
+from cylcontact.spec import parse_spec, read_toml
 
-__all__ = [
-    "TIES",
-    "Campaign",
-    "CampaignSpec",
-    "GeneticSpec",
-    "ParameterSpec",
-    "campaign_from_settings",
-    "completed",
-    "parameters_of",
-    "read_campaign",
-    "require_complete",
-    "require_free",
-]
+__all__ = ["Campaign", "campaign_from_settings", "campaign_of_table", "read_campaign"]
 
-_SpecType = TypeVar("_SpecType", bound=Spec)
-
-# Limit on the runs of a campaign and on a population, for memory.
-_MOST = 100_000
-TIES = 'a table [ties] of expressions that set parameters, e.g. b = "a/10"'
-_PARAMETER_REMEDY = "give low and high, or value with fixed = true"
+_MATERIALS = "datasets/materials.csv"
+_LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
 
 
-class ParameterSpec(Spec):
-    """A table [parameters.NAME]."""
-
-    low: float | None = Field(None, description="the lower bound, a number")
-    high: float | None = Field(None, description="the upper bound, a number")
-    value: float | None = Field(None, description="the value of a fixed parameter, a number")
-    fixed: bool = Field(False, description="true or false")
-
-    @model_validator(mode="after")
-    def _check(self) -> ParameterSpec:
-        if self.fixed:
-            if self.value is None:
-                raise broken("value", None, "is required when fixed = true", _PARAMETER_REMEDY)
-            return self
-        if self.value is not None:
-            raise broken("value", self.value, "is used only with fixed = true", _PARAMETER_REMEDY)
-        for key in ("low", "high"):
-            if getattr(self, key) is None:
-                raise broken(key, None, "is required", _PARAMETER_REMEDY)
-        if (self.low or 0.0) >= (self.high or 0.0):
-            raise broken(
-                "low",
-                self.low,
-                f"must be below high = {self.high}",
-                "exchange them, or give value with fixed = true",
-            )
-        return self
-
-    def applied_to(self, parameter: Parameter) -> Parameter:
-        """Return a parameter with the table's bounds, or its value."""
-        low = math.nan if self.low is None else self.low
-        high = math.nan if self.high is None else self.high
-        return replace(parameter, low=low, high=high, value=self.value, fixed=self.fixed)
-
-    @classmethod
-    def of(cls, parameter: Parameter) -> ParameterSpec:
-        """Return the table of a parameter that is searched or fixed."""
-        if parameter.fixed:
-            return cls(value=parameter.value, fixed=True)
-        return cls(low=parameter.low, high=parameter.high)
-
-
-class GeneticSpec(Spec):
-    """The table [genetic]."""
-
-    runs: int = Field(
-        16, ge=1, le=_MOST, description=f"the number of runs, an integer from 1 to {_MOST}"
-    )
-    populations: tuple[int, ...] = Field(
-        (60, 120), strict=False, description="a list of population sizes, integers of at least 4"
-    )
-    generations: int = Field(300, ge=1, description="the generations, an integer of at least 1")
-    crossovers: tuple[str, ...] = Field(
-        ("single_point", "uniform", "blend"),
-        strict=False,
-        description=f"a list from {', '.join(CROSSOVERS)}",
-    )
-
-    @model_validator(mode="after")
-    def _check(self) -> GeneticSpec:
-        if not self.populations or not 4 <= min(self.populations) <= max(self.populations) <= _MOST:
-            raise broken(
-                "populations",
-                list(self.populations),
-                f"must be a list of sizes from 4 to {_MOST}",
-                "e.g. [60, 120]",
-            )
-        unknown = [name for name in self.crossovers if name not in CROSSOVERS]
-        if unknown or not self.crossovers:
-            raise broken(
-                "crossovers",
-                list(self.crossovers),
-                "must be a list of known crossovers",
-                f"choose from {', '.join(CROSSOVERS)}",
-            )
-        return self
-
-
-class CampaignSpec(Spec):
-    """A campaign file."""
-
-    dataset: str = Field(description="the path of a grid spec, beside or above the campaign")
-    law: str = Field(description="the law to fit, a string")
-    objective: str = Field(OBJECTIVES[0], description=f"one of {', '.join(OBJECTIVES)}")
-    seed: int = Field(20150101, ge=0, description="the seed, an integer of at least 0")
-    parameters: dict[str, ParameterSpec] = Field(
-        {},
-        description="tables [parameters.NAME] for parameters with other bounds, or fixed ones",
-    )
-    ties: dict[str, str] | None = Field(None, description=TIES)
-    optimizer: str = Field(OPTIMIZERS[0], description=f"one of {', '.join(OPTIMIZERS)}")
-    genetic: GeneticSpec = Field(GeneticSpec(), description="a table [genetic]")
-
-    @model_validator(mode="after")
-    def _check(self) -> CampaignSpec:
-        if self.objective not in OBJECTIVES:
-            raise broken(
-                "objective",
-                self.objective,
-                "is not a known objective",
-                f"choose {', '.join(OBJECTIVES)}",
-            )
-        if self.optimizer not in OPTIMIZERS:
-            raise broken(
-                "optimizer",
-                self.optimizer,
-                "is not a known optimiser",
-                f"choose {', '.join(OPTIMIZERS)}",
-            )
-        return self
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Campaign:
     """A campaign ready to run.
 
@@ -165,12 +53,10 @@ class Campaign:
     ----------
     name : str
         The file's name without suffix.
-    spec : CampaignSpec
-        Its settings, defaults filled in.
-    grid_data : dict
-        The contents of the grid spec.
-    grid : Grid
-        The grid that they describe.
+    spec : CampaignSpec or MeasuredSpec
+        Its settings, with a table for every parameter of the law.
+    data : Data
+        What the law is fitted to.
     model : LawModel
         The law and contact.
     parameters : tuple of Parameter
@@ -180,9 +66,8 @@ class Campaign:
     """
 
     name: str
-    spec: CampaignSpec
-    grid_data: dict[str, Any]
-    grid: Grid
+    spec: CampaignSpec | MeasuredSpec
+    data: Data
     model: LawModel
     parameters: tuple[Parameter, ...]
     source: str
@@ -190,15 +75,24 @@ class Campaign:
     @property
     def settings(self) -> dict[str, Any]:
         """Everything that the result depends on, as plain data."""
-        return {
-            "campaign": self.spec.model_dump(mode="json", exclude_none=True),
-            "dataset": self.grid_data,
-        }
+        campaign = self.spec.model_dump(mode="json", exclude_none=True)
+        return {"campaign": campaign, **self.data.settings}
 
     @property
     def key(self) -> str:
         """A hash of `settings`."""
         return spec_hash(self.settings)
+
+    @property
+    def nominal(self) -> FloatArray | None:
+        """The nominal values of the free parameters, shape (k,); None if one has none."""
+        values = [p.nominal for p in self.parameters if p.is_free]
+        return None if None in values else np.array(values, dtype=np.float64)
+
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """Package version, git commit, hashes of the specs and library versions."""
+        return made_with(Path(self.source).parent, self.settings, _LIBRARIES)
 
 
 def read_campaign(
@@ -207,16 +101,15 @@ def read_campaign(
     seed: int | None = None,
     optimizer: str | None = None,
 ) -> Campaign:
-    """Read a campaign file and the grid spec that it names.
+    """Read a campaign file, and the grid or the table that it names.
 
     Parameters
     ----------
     path : path
-        A TOML file. Its dataset is searched for beside it and in the folder above.
-    runs, seed : int, optional
-        Replaces the file's.
-    optimizer : str, optional
-        Replaces the file's.
+        A TOML file: one with `dataset` is on a grid, one with `data` on measurements. Either is
+        searched for beside it and in the folder above.
+    runs, seed, optimizer : optional
+        Replace the file's. On measurements runs are starts if no optimiser is named.
 
     Returns
     -------
@@ -225,34 +118,93 @@ def read_campaign(
     Raises
     ------
     InputError
-        If either file is invalid.
+        If a file is invalid.
     """
-    data = read_toml(path)
-    if runs is not None and isinstance(data.get("genetic", {}), dict):
-        data["genetic"] = {**data.get("genetic", {}), "runs": runs}
-    if seed is not None:
-        data["seed"] = seed
-    if optimizer is not None:
-        data["optimizer"] = optimizer
-    spec = parse_spec(CampaignSpec, data, str(path))
-    dataset = _find_dataset(Path(path), spec.dataset)
-    return _campaign_of(Path(path).stem, spec, read_grid_data(dataset), str(path), str(dataset))
+    contents = read_toml(path)
+    is_measured = "data" in contents
+    if is_measured and "dataset" in contents:
+        raise InputError(
+            str(path),
+            "data",
+            contents["data"],
+            "conflicts with dataset",
+            "keep data for measurements, or dataset for a grid",
+        )
+    contents |= {"seed": seed} if seed is not None else {}
+    contents |= {"optimizer": optimizer} if optimizer is not None else {}
+    if runs is not None and is_measured and "optimizer" not in contents:
+        contents["starts"] = runs
+    elif runs is not None and isinstance(contents.get("genetic", {}), dict):
+        contents["genetic"] = {**contents.get("genetic", {}), "runs": runs}
+    read = _read_on_table if is_measured else _read_on_grid
+    return read(Path(path), contents, str(path))
+
+
+def campaign_of_table(
+    table: Path,
+    law: str,
+    contact: Contact,
+    constants: Constants,
+    **settings: Any,
+) -> Campaign:
+    """Return a campaign on a table, without a file of its own.
+
+    Parameters
+    ----------
+    table : path
+        The measurements.
+    law, contact, constants
+        As in a campaign file.
+    **settings
+        Any other key of a campaign file.
+
+    Returns
+    -------
+    Campaign
+
+    Raises
+    ------
+    InputError
+        If the table or a setting is invalid.
+    """
+    others = {key: value for key, value in settings.items() if value is not None}
+    required = {"data": table.name, "law": law, "contact": contact, "constants": dict(constants)}
+    spec = parse_spec(MeasuredSpec, required | others, str(table))
+    return _of_table(table.stem, spec, table, table.parent, str(table))
 
 
 def campaign_from_settings(name: str, settings: dict[str, Any], source: str) -> Campaign:
-    """Return the campaign from the settings in a result."""
-    if not all(isinstance(settings.get(key), dict) for key in ("campaign", "dataset")):
+    """Return the campaign from the settings in a result, without importing a user's law."""
+    is_measured = isinstance(settings.get("measurements"), dict)
+    key = "measurements" if is_measured else "dataset"
+    if not all(isinstance(settings.get(part), dict) for part in ("campaign", key)):
         raise InputError(
             source, "settings", None, "lacks the campaign or the dataset", "redo the fit"
         )
-    spec = parse_spec(CampaignSpec, settings["campaign"], f"{source}, settings.campaign")
-    grid_source = f"{source}, settings.dataset"
-    campaign = _campaign_of(name, spec, settings["dataset"], source, grid_source)
-    require_complete(spec.parameters, campaign.parameters, source)
+    where = f"{source}, settings.campaign", f"{source}, settings.{key}"
+    if is_measured:
+        spec = parse_spec(MeasuredSpec, settings["campaign"], where[0])
+        data = parse_spec(MeasuredData, settings["measurements"], where[1])
+        model = _stored_model(spec, source)
+        campaign = _on_table(name, spec, measurements_of(data, where[1]), model, source)
+    else:
+        on_grid = parse_spec(CampaignSpec, settings["campaign"], where[0])
+        campaign = _on_grid(name, on_grid, settings["dataset"], source, where[1])
+    require_complete(settings["campaign"].get("parameters", {}), campaign.parameters, source)
     return campaign
 
 
-def _campaign_of(
+# --- on a grid ---------------------------------------------------------------------------------
+
+
+def _read_on_grid(path: Path, contents: dict[str, Any], source: str) -> Campaign:
+    """Return the campaign of a file that names a grid."""
+    spec = parse_spec(CampaignSpec, contents, source)
+    dataset = _find_dataset(path, spec.dataset)
+    return _on_grid(path.stem, spec, read_grid_data(dataset), source, str(dataset))
+
+
+def _on_grid(
     name: str, spec: CampaignSpec, grid_data: dict[str, Any], source: str, grid_source: str
 ) -> Campaign:
     """Return the campaign of a spec and a grid, checked against the law."""
@@ -260,7 +212,8 @@ def _campaign_of(
     model = grid_model_of(spec.law, grid.contact, source)
     _require_range(grid, model, source)
     parameters = parameters_of(model, spec.parameters, spec.ties, source)
-    return Campaign(name, completed(spec, parameters), grid_data, grid, model, parameters, source)
+    data = GridData(grid, grid_data)
+    return Campaign(name, completed(spec, parameters), data, model, parameters, source)
 
 
 def _find_dataset(campaign: Path, dataset: str) -> Path:
@@ -280,98 +233,6 @@ def _find_dataset(campaign: Path, dataset: str) -> Path:
     )
 
 
-def completed(spec: _SpecType, parameters: tuple[Parameter, ...]) -> _SpecType:
-    """Return a campaign's settings with a table for every parameter that is not tied."""
-    tables = {p.name: ParameterSpec.of(p) for p in parameters if p.tie is None}
-    return spec.model_copy(update={"parameters": tables})
-
-
-def parameters_of(
-    model: LawModel,
-    tables: Mapping[str, ParameterSpec],
-    ties: Mapping[str, str] | None,
-    source: str,
-    others: str = "",
-) -> tuple[Parameter, ...]:
-    """Return the parameters of a campaign, in the order of the law.
-
-    Parameters
-    ----------
-    model : LawModel
-        The law, with default bounds for what the campaign leaves out.
-    tables : mapping
-        The campaign's tables [parameters.NAME].
-    ties : mapping or None
-        Its table [ties].
-    source : str
-        The campaign's name in errors.
-    others : str, optional
-        Further parameters that may be named, for an error message.
-
-    Returns
-    -------
-    tuple of Parameter
-
-    Raises
-    ------
-    InputError
-        If a table is not of a parameter of the law, a tie is invalid, a parameter has no default
-        bounds and no table, or nothing is searched.
-    """
-    for name in tables:
-        if name not in model.names:
-            rule = f"is not a parameter of {model.law} for {model.contact} contact"
-            remedy = f"its parameters: {', '.join(model.names)}{others}"
-            raise InputError(source, f"parameters.{name}", None, rule, remedy)
-    ties = ties or {}
-    require_valid(ties, tables, model.names, source)
-    parameters = tuple(
-        Parameter(default.name, tie=ties[default.name], shift=default.shift)
-        if default.name in ties
-        else _parameter(default, tables.get(default.name), source)
-        for default in model.parameters
-    )
-    require_free(parameters, source)
-    return parameters
-
-
-def _parameter(default: Parameter, table: ParameterSpec | None, source: str) -> Parameter:
-    """Return one parameter from its table in the campaign, or the default."""
-    if table is not None:
-        return table.applied_to(default)
-    if not default.fixed and not math.isfinite(default.high - default.low):
-        raise InputError(
-            source,
-            f"parameters.{default.name}",
-            None,
-            "is required: a law of your own has no default bounds",
-            "give low and high, or value with fixed = true",
-        )
-    return default
-
-
-def require_complete(
-    tables: Mapping[str, ParameterSpec], parameters: tuple[Parameter, ...], source: str
-) -> None:
-    """Refuse the settings of a result that leave a parameter to the defaults."""
-    for parameter in parameters:
-        if parameter.name not in tables and parameter.tie is None:
-            known = f"the law has {', '.join(p.name for p in parameters)}"
-            raise InputError(source, f"parameters.{parameter.name}", None, "is required", known)
-
-
-def require_free(parameters: tuple[Parameter, ...], source: str) -> None:
-    """Refuse parameters of which none is searched."""
-    if not any(p.is_free for p in parameters):
-        raise InputError(
-            source,
-            "parameters",
-            None,
-            "all are fixed or tied",
-            "free at least one: give it low and high",
-        )
-
-
 def _require_range(grid: Grid, model: LawModel, source: str) -> None:
     """Refuse clearances outside the range of the law."""
     low, high = float(grid.dR.min()), float(grid.dR.max())
@@ -384,3 +245,77 @@ def _require_range(grid: Grid, model: LawModel, source: str) -> None:
             f"{model.dR_min:g} to {model.dR_max:g} mm",
             "narrow the dR axis of the grid",
         )
+
+
+# --- on measurements ---------------------------------------------------------------------------
+
+
+def _read_on_table(path: Path, contents: dict[str, Any], source: str) -> Campaign:
+    """Return the campaign of a file that names a table of measurements."""
+    spec = parse_spec(MeasuredSpec, contents, source)
+    table = _beside_or_above(path, spec.data)
+    if table is None:
+        raise InputError(
+            source,
+            "data",
+            spec.data,
+            "no such file beside the campaign or above it",
+            "name a .csv or .parquet table",
+        )
+    return _of_table(path.stem, spec, table, path.parent, source)
+
+
+def _of_table(name: str, spec: MeasuredSpec, table: Path, folder: Path, source: str) -> Campaign:
+    """Read the data and the law of a campaign."""
+    materials = _beside_or_above(folder / name, spec.materials or _MATERIALS)
+    if spec.materials is not None and materials is None:
+        raise InputError(
+            source, "materials", spec.materials, "no such file", "name a table of materials"
+        )
+    if is_user_law(spec.law):
+        model = user_model(spec.law, folder.resolve(), spec.contact, source)
+    else:
+        model = model_of(spec.law, spec.contact, source)
+    data = read_measured(table, spec.contact, spec.constants, materials, spec.ignore)
+    return _on_table(name, spec, measurements_of(data, str(table)), model, source)
+
+
+def _on_table(
+    name: str, spec: MeasuredSpec, measured: Measurements, model: LawModel, source: str
+) -> Campaign:
+    """Return the checked campaign, with defaults for what the spec leaves out."""
+    model = with_rig(model, [*spec.parameters, *(spec.ties or {})])
+    rig = f"; the rig's: {', '.join(RIG_NAMES)}"
+    parameters = parameters_of(model, spec.parameters, spec.ties, source, rig)
+    free = sum(p.is_free for p in parameters)
+    if len(measured) <= free:
+        raise InputError(
+            source,
+            "data",
+            f"{len(measured)} rows",
+            f"are not more than the {free} free parameters",
+            "measure more points, or fix parameters with fixed = true",
+        )
+    objective = objective_name(spec.objective, measured, is_user_law(spec.law), source)
+    complete = completed(spec, parameters).model_copy(update={"objective": objective})
+    data = TableData(measured, spec.loss, spec.loss_scale, spec.starts)
+    return Campaign(name, complete, data, model, parameters, source)
+
+
+def _stored_model(spec: MeasuredSpec, source: str) -> LawModel:
+    """Return the model of a result's law; a user's function is not imported."""
+    if not is_user_law(spec.law):
+        return model_of(spec.law, spec.contact, source)
+    own = [key for key in (*spec.parameters, *(spec.ties or {})) if key not in RIG_NAMES]
+    named = tuple(Parameter(key, -math.inf, math.inf) for key in own)
+    return named_user_model(UserFunction(spec.law, None), named, spec.contact)
+
+
+def _beside_or_above(campaign: Path, name: str) -> Path | None:
+    """Return a file beside a campaign, in the two folders above, or here; None if there is none."""
+    folder = campaign.parent
+    with suppress(OSError):  # the name is too long, or the folder unreadable
+        for place in (folder, folder / "..", folder / ".." / "..", Path()):
+            if (place / name).is_file():
+                return Path(place / name)
+    return None

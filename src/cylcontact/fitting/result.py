@@ -11,8 +11,7 @@ from pydantic import Field
 from cylcontact.errors import InputError, short
 from cylcontact.files import replacing
 from cylcontact.fitting import report
-from cylcontact.fitting.campaign import Campaign
-from cylcontact.fitting.planning import AnyCampaign, plan_from_settings
+from cylcontact.fitting.campaign import Campaign, campaign_from_settings
 from cylcontact.fitting.profile import Profile
 from cylcontact.fitting.run import RunRecord
 from cylcontact.fitting.uncertainty.estimates import Uncertainty
@@ -150,7 +149,7 @@ class FitResult(Spec):
         return report.as_html(self)
 
 
-def require_same_inputs(path: Path, campaign: AnyCampaign) -> None:
+def require_same_inputs(path: Path, campaign: Campaign) -> None:
     """Refuse to replace a result of other inputs than those of a campaign.
 
     Parameters
@@ -202,9 +201,9 @@ def _differences(before: Any, now: Any, key: str = "") -> list[str]:
 
 def _require_consistent(result: FitResult, source: str) -> None:
     """Refuse a result with invalid settings or inconsistent parts."""
-    plan = plan_from_settings(result.name, result.settings, source)
-    names = plan.model.names
-    _require_of_campaign(result, plan, source)
+    campaign = campaign_from_settings(result.name, result.settings, source)
+    names = campaign.model.names
+    _require_of_campaign(result, campaign, source)
     sets = {"coefficients": result.coefficients}
     if result.published is not None:
         sets["published.coefficients"] = result.published.coefficients
@@ -224,17 +223,14 @@ def _require_consistent(result: FitResult, source: str) -> None:
         raise InputError(source, "runs", [], "must hold at least one run", "redo the fit")
 
 
-def _require_of_campaign(result: FitResult, plan: AnyCampaign, source: str) -> None:
+def _require_of_campaign(result: FitResult, campaign: Campaign, source: str) -> None:
     """Refuse a result whose law, contact, reference or kind is not that of its campaign."""
-    is_measured = not isinstance(plan, Campaign)
-    expected: dict[str, str] = {"law": plan.model.law, "contact": plan.model.contact}
-    expected["kind"] = "noise" if is_measured else "discrepancy"
-    if isinstance(plan, Campaign):
-        expected["reference"] = plan.grid.reference
-    for key, value in expected.items():
+    model, data = campaign.model, campaign.data
+    expected = {"law": model.law, "contact": model.contact, "kind": data.kind}
+    for key, value in (expected | {"reference": data.reference}).items():
         if getattr(result, key) != value:
             rule = f"must be that of its campaign, {value}"
             raise InputError(source, key, getattr(result, key), rule, "redo the fit")
-    if is_measured != (result.uncertainty is not None):
+    if (data.kind == "noise") != (result.uncertainty is not None):
         rule = "is for fits to measurements, and required for them"
         raise InputError(source, "uncertainty", None, rule, "redo the fit")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cylcontact.fitting.calibrate import calibrate, problem_of
-from cylcontact.fitting.planning import plan_from_settings
+from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.verdicts import round_off
 from cylcontact.parallel import Workers
@@ -78,7 +78,7 @@ def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
         If the file is not a result.
     """
     committed = FitResult.load(path)
-    campaign = plan_from_settings(committed.name, committed.settings, str(path))
+    campaign = campaign_from_settings(committed.name, committed.settings, str(path))
     problem, _ = problem_of(campaign, jobs, progress)
     of_coefficients = Check(
         "objective of the coefficients",

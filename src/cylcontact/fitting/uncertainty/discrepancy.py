@@ -22,6 +22,7 @@ from cylcontact.datasets.sampling import blocks
 from cylcontact.errors import InputError
 from cylcontact.fitting.calibrate import problem_of
 from cylcontact.fitting.campaign import Campaign, campaign_from_settings
+from cylcontact.fitting.data import grid_of, with_grid
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.profile import Profile
@@ -154,7 +155,7 @@ def _leave_one_out(
             "is not an axis of a grid",
             f"choose {', '.join(_AXES)} or material",
         )
-    size = getattr(campaign.grid, axis).size
+    size = getattr(grid_of(campaign), axis).size
     if size < 2:
         raise InputError(
             campaign.source, "leave-out", axis, "has one value only", "choose another axis"
@@ -172,15 +173,15 @@ def _with_axis(grid: Grid, axis: str, values: FloatArray) -> Grid:
 
 def _without(campaign: Campaign, best: Mapping[str, float], axis: str, place: int) -> LeftOut:
     """Fit without one value of an axis."""
-    values = getattr(campaign.grid, axis)
-    rest = _with_axis(campaign.grid, axis, np.delete(values, place))
-    own = _with_axis(campaign.grid, axis, values[place : place + 1])
-    problem, _ = problem_of(replace(campaign, grid=rest), 1, silent)
+    values = getattr(grid_of(campaign), axis)
+    rest = _with_axis(grid_of(campaign), axis, np.delete(values, place))
+    own = _with_axis(grid_of(campaign), axis, values[place : place + 1])
+    problem, _ = problem_of(with_grid(campaign, rest), 1, silent)
     point, _ = polish(problem, problem.point(best), _PRECISION)
     coefficients = problem.coefficients(point)
     own_rms, rows = np.inf, 0
     try:
-        alone, counts = problem_of(replace(campaign, grid=own), 1, silent)
+        alone, counts = problem_of(with_grid(campaign, own), 1, silent)
         own_rms, rows = alone.value_of(coefficients), counts.samples
     except InputError:
         pass  # every sample of this value is masked
@@ -225,10 +226,10 @@ def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
     edges = np.arange(-_LARGEST, _LARGEST + _BIN, _BIN)
     counts = np.zeros(edges.size - 1)
     candidate = np.array([[best[name] for name in campaign.model.names]])
-    for dR in campaign.grid.dR:
+    for dR in grid_of(campaign).dR:
         form = campaign.model.form(candidate, np.array([dR]))
-        for block in blocks(campaign.grid, float(dR)):
-            ratio = form.log_penetration_ratio(0, samples_of(campaign.grid.contact, block))
+        for block in blocks(grid_of(campaign), float(dR)):
+            ratio = form.log_penetration_ratio(0, samples_of(grid_of(campaign).contact, block))
             if not np.isfinite(ratio).all():
                 raise InputError(
                     campaign.source,

@@ -11,10 +11,10 @@ import numpy as np
 from pydantic import Field
 
 from cylcontact.errors import InputError
+from cylcontact.fitting.campaign import campaign_from_settings
+from cylcontact.fitting.data import plain_problem
 from cylcontact.fitting.law_models import with_rig
 from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.measured_campaign import MeasuredCampaign
-from cylcontact.fitting.planning import plan_from_settings
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.bands import Band, bands_of_data
@@ -66,8 +66,8 @@ def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
         If the result is not of measurements, `law` is not its law, or the law is undefined for
         the coefficients.
     """
-    campaign = plan_from_settings(result.name, result.settings, f"fit result {result.name!r}")
-    if not isinstance(campaign, MeasuredCampaign) or result.uncertainty is None:
+    campaign = campaign_from_settings(result.name, result.settings, f"fit result {result.name!r}")
+    if result.uncertainty is None:
         raise InputError(
             f"fit result {result.name!r}",
             "kind",
@@ -86,9 +86,9 @@ def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
             )
         model = user_model(law, Path.cwd(), result.contact, f"fit result {result.name!r}")
         campaign = replace(campaign, model=with_rig(model, campaign.spec.parameters))
-    problem = campaign.problem()
+    problem = plain_problem(campaign)
     if result.uncertainty.loss_scale is not None:
-        loss = Loss(campaign.spec.loss, result.uncertainty.loss_scale)
+        loss = Loss(result.settings["campaign"]["loss"], result.uncertainty.loss_scale)
         problem = replace(problem, objective=replace(measured(problem), loss=loss))
     if not np.isfinite(problem.value_of(result.coefficients)):
         raise InputError(

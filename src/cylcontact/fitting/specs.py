@@ -1,0 +1,293 @@
+"""Campaign files: their tables, and the parameters that they give a law."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TypeVar
+
+from pydantic import Field, model_validator
+
+from cylcontact.choices import OPTIMIZERS
+from cylcontact.errors import InputError
+from cylcontact.fitting.genetic import CROSSOVERS
+from cylcontact.fitting.law_models import LawModel
+from cylcontact.fitting.loss import LOSSES
+from cylcontact.fitting.objectives import OBJECTIVES
+from cylcontact.fitting.parameters import Parameter
+from cylcontact.fitting.ties import require_valid
+from cylcontact.pair import Contact
+from cylcontact.spec import Spec, broken
+
+__all__ = [
+    "CampaignSpec",
+    "GeneticSpec",
+    "MeasuredSpec",
+    "ParameterSpec",
+    "completed",
+    "parameters_of",
+    "require_complete",
+]
+
+_SpecType = TypeVar("_SpecType", bound=Spec)
+
+# Limit on the runs of a campaign and on a population, for memory.
+_MOST = 100_000
+_TIES = 'a table [ties] of expressions that set parameters, e.g. b = "a/10"'
+_PARAMETER_REMEDY = "give low and high, or value with fixed = true"
+
+
+class ParameterSpec(Spec):
+    """A table [parameters.NAME]."""
+
+    low: float | None = Field(None, description="the lower bound, a number")
+    high: float | None = Field(None, description="the upper bound, a number")
+    value: float | None = Field(None, description="the value of a fixed parameter, a number")
+    fixed: bool = Field(False, description="true or false")
+
+    @model_validator(mode="after")
+    def _check(self) -> ParameterSpec:
+        if self.fixed:
+            if self.value is None:
+                raise broken("value", None, "is required when fixed = true", _PARAMETER_REMEDY)
+            return self
+        if self.value is not None:
+            raise broken("value", self.value, "is used only with fixed = true", _PARAMETER_REMEDY)
+        for key in ("low", "high"):
+            if getattr(self, key) is None:
+                raise broken(key, None, "is required", _PARAMETER_REMEDY)
+        if (self.low or 0.0) >= (self.high or 0.0):
+            raise broken(
+                "low",
+                self.low,
+                f"must be below high = {self.high}",
+                "exchange them, or give value with fixed = true",
+            )
+        return self
+
+    def applied_to(self, parameter: Parameter) -> Parameter:
+        """Return a parameter with the table's bounds, or its value."""
+        low = math.nan if self.low is None else self.low
+        high = math.nan if self.high is None else self.high
+        return replace(parameter, low=low, high=high, value=self.value, fixed=self.fixed)
+
+    @classmethod
+    def of(cls, parameter: Parameter) -> ParameterSpec:
+        """Return the table of a parameter that is searched or fixed."""
+        if parameter.fixed:
+            return cls(value=parameter.value, fixed=True)
+        return cls(low=parameter.low, high=parameter.high)
+
+
+class GeneticSpec(Spec):
+    """The table [genetic]."""
+
+    runs: int = Field(
+        16, ge=1, le=_MOST, description=f"the number of runs, an integer from 1 to {_MOST}"
+    )
+    populations: tuple[int, ...] = Field(
+        (60, 120), strict=False, description="a list of population sizes, integers of at least 4"
+    )
+    generations: int = Field(300, ge=1, description="the generations, an integer of at least 1")
+    crossovers: tuple[str, ...] = Field(
+        ("single_point", "uniform", "blend"),
+        strict=False,
+        description=f"a list from {', '.join(CROSSOVERS)}",
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> GeneticSpec:
+        if not self.populations or not 4 <= min(self.populations) <= max(self.populations) <= _MOST:
+            raise broken(
+                "populations",
+                list(self.populations),
+                f"must be a list of sizes from 4 to {_MOST}",
+                "e.g. [60, 120]",
+            )
+        unknown = [name for name in self.crossovers if name not in CROSSOVERS]
+        if unknown or not self.crossovers:
+            raise broken(
+                "crossovers",
+                list(self.crossovers),
+                "must be a list of known crossovers",
+                f"choose from {', '.join(CROSSOVERS)}",
+            )
+        return self
+
+
+class CampaignSpec(Spec):
+    """A campaign file."""
+
+    dataset: str = Field(description="the path of a grid spec, beside or above the campaign")
+    law: str = Field(description="the law to fit, a string")
+    objective: str = Field(OBJECTIVES[0], description=f"one of {', '.join(OBJECTIVES)}")
+    seed: int = Field(20150101, ge=0, description="the seed, an integer of at least 0")
+    parameters: dict[str, ParameterSpec] = Field(
+        {},
+        description="tables [parameters.NAME] for parameters with other bounds, or fixed ones",
+    )
+    ties: dict[str, str] | None = Field(None, description=_TIES)
+    optimizer: str = Field(OPTIMIZERS[0], description=f"one of {', '.join(OPTIMIZERS)}")
+    genetic: GeneticSpec = Field(GeneticSpec(), description="a table [genetic]")
+
+    @model_validator(mode="after")
+    def _check(self) -> CampaignSpec:
+        if self.objective not in OBJECTIVES:
+            raise broken(
+                "objective",
+                self.objective,
+                "is not a known objective",
+                f"choose {', '.join(OBJECTIVES)}",
+            )
+        if self.optimizer not in OPTIMIZERS:
+            raise broken(
+                "optimizer",
+                self.optimizer,
+                "is not a known optimiser",
+                f"choose {', '.join(OPTIMIZERS)}",
+            )
+        return self
+
+
+class MeasuredSpec(Spec):
+    """A campaign file that names a table of measurements."""
+
+    data: str = Field(description="the path of a .csv or .parquet table, beside or above the file")
+    contact: Contact = Field(description='"internal" or "external"')
+    law: str = Field(description="the law to fit, or module:function for one of your own")
+    objective: str | None = Field(None, description="an objective for measurements")
+    loss: str = Field("linear", description=f"one of {', '.join(LOSSES)}")
+    loss_scale: float | None = Field(
+        None, gt=0, description="the residual beyond which a point counts less, a positive number"
+    )
+    seed: int = Field(20150101, ge=0, description="the seed, an integer of at least 0")
+    starts: int = Field(12, ge=1, le=1000, description="the starts, an integer from 1 to 1000")
+    constants: dict[str, float | str] = Field(
+        {}, description="a table [constants] of values for all rows, e.g. dR_um = 50"
+    )
+    materials: str | None = Field(None, description="the path of a table of materials")
+    ignore: tuple[str, ...] = Field((), strict=False, description="a list of columns to leave out")
+    parameters: dict[str, ParameterSpec] = Field(
+        {},
+        description="tables [parameters.NAME] for parameters with other bounds, or fixed ones",
+    )
+    ties: dict[str, str] | None = Field(None, description=_TIES)
+    optimizer: str | None = Field(
+        None, description=f"a search instead of several starts, one of {', '.join(OPTIMIZERS)}"
+    )
+    genetic: GeneticSpec = Field(
+        GeneticSpec(), description="a table [genetic], the budget of an optimizer"
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> MeasuredSpec:
+        if self.loss not in LOSSES:
+            raise broken("loss", self.loss, "is not a known loss", f"choose {', '.join(LOSSES)}")
+        if self.optimizer not in (None, *OPTIMIZERS):
+            raise broken(
+                "optimizer",
+                self.optimizer,
+                "is not a known optimiser",
+                f"choose {', '.join(OPTIMIZERS)}, or leave it out",
+            )
+        if self.loss == "linear" and self.loss_scale is not None:
+            raise broken(
+                "loss_scale",
+                self.loss_scale,
+                "is used only with a robust loss",
+                "leave it out, or choose loss = soft_l1, huber or cauchy",
+            )
+        return self
+
+
+def completed(spec: _SpecType, parameters: tuple[Parameter, ...]) -> _SpecType:
+    """Return a campaign's settings with a table for every parameter that is not tied."""
+    tables = {p.name: ParameterSpec.of(p) for p in parameters if p.tie is None}
+    return spec.model_copy(update={"parameters": tables})
+
+
+def parameters_of(
+    model: LawModel,
+    tables: Mapping[str, ParameterSpec],
+    ties: Mapping[str, str] | None,
+    source: str,
+    others: str = "",
+) -> tuple[Parameter, ...]:
+    """Return the parameters of a campaign, in the order of the law.
+
+    Parameters
+    ----------
+    model : LawModel
+        The law, with default bounds for what the campaign leaves out.
+    tables : mapping
+        The campaign's tables [parameters.NAME].
+    ties : mapping or None
+        Its table [ties].
+    source : str
+        The campaign's name in errors.
+    others : str, optional
+        Further parameters that may be named, for an error message.
+
+    Returns
+    -------
+    tuple of Parameter
+
+    Raises
+    ------
+    InputError
+        If a table is not of a parameter of the law, a tie is invalid, a parameter has no default
+        bounds and no table, or nothing is searched.
+    """
+    for name in tables:
+        if name not in model.names:
+            rule = f"is not a parameter of {model.law} for {model.contact} contact"
+            remedy = f"its parameters: {', '.join(model.names)}{others}"
+            raise InputError(source, f"parameters.{name}", None, rule, remedy)
+    ties = ties or {}
+    require_valid(ties, tables, model.names, source)
+    parameters = tuple(
+        Parameter(default.name, tie=ties[default.name], shift=default.shift)
+        if default.name in ties
+        else _parameter(default, tables.get(default.name), source)
+        for default in model.parameters
+    )
+    _require_free(parameters, source)
+    return parameters
+
+
+def _parameter(default: Parameter, table: ParameterSpec | None, source: str) -> Parameter:
+    """Return one parameter from its table in the campaign, or the default."""
+    if table is not None:
+        return table.applied_to(default)
+    if not default.fixed and not math.isfinite(default.high - default.low):
+        raise InputError(
+            source,
+            f"parameters.{default.name}",
+            None,
+            "is required: a law of your own has no default bounds",
+            "give low and high, or value with fixed = true",
+        )
+    return default
+
+
+def require_complete(
+    tables: Mapping[str, ParameterSpec], parameters: tuple[Parameter, ...], source: str
+) -> None:
+    """Refuse the settings of a result that leave a parameter to the defaults."""
+    for parameter in parameters:
+        if parameter.name not in tables and parameter.tie is None:
+            known = f"the law has {', '.join(p.name for p in parameters)}"
+            raise InputError(source, f"parameters.{parameter.name}", None, "is required", known)
+
+
+def _require_free(parameters: tuple[Parameter, ...], source: str) -> None:
+    """Refuse parameters of which none is searched."""
+    if not any(p.is_free for p in parameters):
+        raise InputError(
+            source,
+            "parameters",
+            None,
+            "all are fixed or tied",
+            "free at least one: give it low and high",
+        )
