@@ -56,6 +56,15 @@ def test_the_parts_of_the_package_need_no_import_of_their_own():
     assert printed.stdout.split() == ["True", "True", "True"]
 
 
+@pytest.mark.parametrize("name", ["calibrate", "verdicts"])
+def test_a_function_hides_its_module_whichever_is_imported_first(name):
+    code = f"import cylcontact.fitting.{name}; print(callable(cylcontact.fitting.{name}))"
+    printed = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert printed.stdout.strip() == "True"
+
+
 def test_an_unknown_name_is_no_attribute():
     with pytest.raises(AttributeError, match="no attribute 'mechanisms'"):
         _ = cylcontact.mechanisms

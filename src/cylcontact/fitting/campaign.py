@@ -11,11 +11,11 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
-from cylcontact.choices import OPTIMIZERS
 from cylcontact.datasets.grid import Grid, grid_from, read_grid_data
 from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.objectives import OBJECTIVES
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.parameters import Family, Parameter, family_of
 from cylcontact.fitting.ties import require_valid
 from cylcontact.provenance import spec_hash
@@ -120,7 +120,7 @@ class CampaignSpec(Spec):
         description="a table [parameters.NAME] for each parameter of the law"
     )
     ties: dict[str, str] | None = Field(None, description=TIES)
-    optimizer: str = Field(OPTIMIZERS[0], description=f"one of {', '.join(OPTIMIZERS)}")
+    optimizer: str = Field("genetic", description=f"one of {', '.join(OPTIMIZERS)}")
     genetic: GeneticSpec = Field(GeneticSpec(), description="a table [genetic]")
 
     @model_validator(mode="after")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pydantic import Field, model_validator
 
-from cylcontact.choices import OPTIMIZERS
 from cylcontact.fitting.campaign import TIES, GeneticSpec, ParameterSpec
 from cylcontact.fitting.loss import LOSSES
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.pair import Contact
 from cylcontact.spec import Spec, broken
 
