@@ -29,7 +29,7 @@ import pandas as pd
 from cylcontact import CylinderPair, Material
 from cylcontact.export import export
 from cylcontact.export.named import find_law
-from cylcontact.fitting.calibrate import calibrate
+from cylcontact.fitting.calibration import calibrate
 from cylcontact.fitting.campaign import campaign_of_table
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.style import figure_style

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from cylcontact.arrays import FloatArray
-from cylcontact.fitting.calibrate import problem_of
+from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.objectives import ON_ROWS
 from cylcontact.fitting.parameters import Parameter

@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from cylcontact.arrays import FloatArray
-from cylcontact.fitting.calibrate import calibrate
+from cylcontact.fitting.calibration import calibrate
 from cylcontact.fitting.campaign import read_campaign
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.discrepancy import RISES, DiscrepancyPair, study_discrepancy

@@ -3,7 +3,6 @@
 import pytest
 
 from cylcontact.cli import options
-from cylcontact.export import TARGETS
 from cylcontact.fitting.loss import LOSSES
 from cylcontact.plots import style
 from cylcontact.reports import tables
@@ -15,7 +14,6 @@ from cylcontact.reports import tables
         (options.LOSSES, LOSSES),
         (options.STYLES, style.STYLES),
         (options.TABLES, tables.KINDS),
-        (options.TARGETS, TARGETS),
     ],
 )
 def test_help_offers_what_there_is(offered, known):

@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 
 from cylcontact import laws
+from cylcontact.choices import listed
+from cylcontact.export import TARGETS
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -56,7 +58,7 @@ def test_export_writes_a_refit_to_a_file(run, tmp_path):
     ("arguments", "message"),
     [
         (("explicit", "--to", "c"), "give --contact internal or --contact external"),
-        (("explicit", "--to", "ada", "--contact", "internal"), "choose c, fortran, matlab or json"),
+        (("explicit", "--to", "ada", "--contact", "internal"), f"choose {listed(TARGETS)}"),
         (("nosuch", "--to", "c"), "neither a law that can be exported nor a fit result"),
         (("johnson",), "--to"),
     ],

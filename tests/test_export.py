@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact.choices import listed
 from cylcontact.export import EXPORTABLE, TARGETS, export, export_named
 from cylcontact.export.formulas import formula_of
 from cylcontact.fitting import FitResult
@@ -274,7 +275,7 @@ ERRORS = {
     ),
     "unknown target": (
         lambda: export_named("johnson", None, "rust"),
-        "export: --to = 'rust': is not a known target; choose c, fortran, matlab or json",
+        f"export: --to = 'rust': is not a known target; choose {listed(TARGETS)}",
     ),
     "unknown contact": (
         lambda: export_named("johnson", "conformal", "c"),

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.cli.app import app
 from cylcontact.fitting import FitResult, compare, verdicts
-from cylcontact.fitting.calibrate import calibrate
+from cylcontact.fitting.calibration import calibrate
 from cylcontact.fitting.campaign import campaign_of_table, read_campaign
 from cylcontact.fitting.law_models import MODELS, model_of
 from cylcontact.fitting.loss import LOSSES, Loss

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from cylcontact import InputError
-from cylcontact.choices import OPTIMIZERS
 from cylcontact.fitting import FitResult, calibrate, read_campaign
-from cylcontact.fitting.calibrate import problem_of
+from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.evaluation_budget import BudgetSpentError, EvaluationBudget
 from cylcontact.fitting.optimizer_comparison import (
     CSV_COLUMNS,
@@ -21,7 +20,7 @@ from cylcontact.fitting.optimizer_comparison import (
     best_objective,
     compare_optimizers,
 )
-from cylcontact.fitting.optimizers import budget_of, search
+from cylcontact.fitting.optimizers import OPTIMIZERS, budget_of, search
 from cylcontact.fitting.polish import polish
 from cylcontact.reports.bench import Bench
 from tests.spec_files import assert_told, tree, write_bench
@@ -145,11 +144,11 @@ def test_a_missing_extra_is_named(small_campaign, monkeypatch):
 
 @pytest.fixture(scope="module")
 def compared(small_campaign):
-    return compare_optimizers(small_campaign, OPTIMIZERS[:3], jobs=2)
+    return compare_optimizers(small_campaign, list(OPTIMIZERS)[:3], jobs=2)
 
 
 def test_all_optimisers_share_seeds_and_polish(compared, small_result):
-    assert [runs.optimizer for runs in compared] == list(OPTIMIZERS[:3])
+    assert [runs.optimizer for runs in compared] == list(OPTIMIZERS)[:3]
     seeds = [[record.seed for record in runs.records] for runs in compared]
     assert seeds == [[record.seed for record in small_result.runs]] * 3
     genetic = [record.model_dump(exclude={"seconds"}) for record in compared[0].records]

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from cylcontact import CylinderPair, InputError
 from cylcontact.cli.app import app
-from cylcontact.fitting.calibrate import calibrate
+from cylcontact.fitting.calibration import calibrate
 from cylcontact.fitting.data import plain_problem
 from cylcontact.fitting.forms import PowerForm
 from cylcontact.fitting.law_models import MODELS, LawModel
@@ -32,7 +32,7 @@ from cylcontact.fitting.uncertainty.likelihood import (
 from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
 from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
-from cylcontact.fitting.verdicts import noise_verdicts
+from cylcontact.fitting.assessment import noise_verdicts
 from tests.measured_files import STEEL, TRUTHS, measured_campaign
 from tests.spec_files import golden
 from tests.test_measured_fit import user_campaign
@@ -606,7 +606,7 @@ def test_a_form_without_laws_is_not_for_measurements(noisy):
 
 
 def test_only_measurements_have_noise(small_campaign, small_result):
-    from cylcontact.fitting.calibrate import problem_of
+    from cylcontact.fitting.calibration import problem_of
 
     problem, _ = problem_of(small_campaign, 1, lambda *_: None)
     with pytest.raises(TypeError, match="noise is that of measurements"):

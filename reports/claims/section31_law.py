@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import brentq, linprog
 
 from cylcontact.arrays import FloatArray
-from cylcontact.fitting.verdicts import basins
+from cylcontact.fitting.assessment import basins
 from cylcontact.laws import PUBLISHED, InternalCoefficients, Johnson, LankaraniNikravesh
 from cylcontact.laws.power import PowerLaw
 from cylcontact.pair import Contact, CylinderPair

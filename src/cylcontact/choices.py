@@ -10,7 +10,6 @@ __all__ = [
     "ENGINES",
     "FORMATS",
     "METHODS",
-    "OPTIMIZERS",
     "TABLE_SUFFIXES",
     "Beyond",
     "Engine",
@@ -28,7 +27,6 @@ METHODS: tuple[Method, ...] = get_args(Method)
 BEYOND: tuple[Beyond, ...] = get_args(Beyond)
 ENGINES: tuple[Engine, ...] = get_args(Engine)
 FORMATS: tuple[Format, ...] = get_args(Format)
-OPTIMIZERS = ("genetic", "differential-evolution", "least-squares", "cma")
 TABLE_SUFFIXES = (".csv", ".parquet")
 
 

@@ -8,12 +8,13 @@ from typing import Annotated
 
 import typer
 
-from cylcontact.choices import OPTIMIZERS, listed
+from cylcontact.choices import listed
 from cylcontact.cli import measured
 from cylcontact.cli.options import RESULTS, Force, Jobs, Runs, Scheduler, Seed, resumable
 from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
 from cylcontact.files import owning, replacing, require_suffix
+from cylcontact.fitting.optimizers import OPTIMIZERS
 
 __all__ = ["compare", "fit", "optimizers", "sample", "verify"]
 

@@ -16,7 +16,6 @@ __all__ = [
     "RESULTS",
     "STYLES",
     "TABLES",
-    "TARGETS",
     "Force",
     "Jobs",
     "Results",
@@ -33,7 +32,6 @@ RESULTS = Path("fitting/results")
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 STYLES = ("journal", "single-column", "double-column", "slides")
 TABLES = ("latex", "csv", "html")
-TARGETS = ("c", "fortran", "matlab", "json")
 # A smaller Young's modulus was probably meant in GPa; stiff plastics begin here.
 _SMALLEST_MODULUS = 1000.0  # MPa
 

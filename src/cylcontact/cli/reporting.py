@@ -13,13 +13,13 @@ from cylcontact.cli.options import (
     RESULTS,
     STYLES,
     TABLES,
-    TARGETS,
     Jobs,
     Results,
     modulus_in_MPa,
 )
 from cylcontact.cli.terminal import cores, progress_bars
 from cylcontact.errors import InputError
+from cylcontact.export import TARGETS
 from cylcontact.files import replacing, shipped_bench
 from cylcontact.pair import CONTACTS
 

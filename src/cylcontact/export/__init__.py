@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
+from importlib import import_module
 
 from cylcontact.choices import listed
 from cylcontact.errors import InputError
-from cylcontact.export.as_json import to_json
-from cylcontact.export.c import to_c
-from cylcontact.export.formula import Formula
-from cylcontact.export.formulas import formula_of
-from cylcontact.export.fortran import to_fortran
-from cylcontact.export.matlab import to_matlab
 from cylcontact.export.named import EXPORTABLE, find_law
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import CONTACTS, Contact
@@ -24,12 +18,8 @@ def __dir__() -> list[str]:
     return __all__
 
 
-SOURCES: Mapping[str, Callable[[Formula], str]] = {
-    "c": to_c,
-    "fortran": to_fortran,
-    "matlab": to_matlab,
-}
-TARGETS = (*SOURCES, "json")
+# Each is a module of this package, whose function `source` returns the text of a file.
+TARGETS = ("c", "fortran", "matlab", "json")
 
 
 def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str:
@@ -70,10 +60,14 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     >>> print(*[line.strip() for line in source.splitlines() if "double a =" in line])
     const double a = 0.965;
     """
+    # The command line reads the names of the targets, so the rest is imported here.
+    from cylcontact.export.formulas import formula_of
+
     _require_target(target)
     formula = formula_of(law, _contact(contact))
     formula = replace(formula, origin=origin or formula.origin)
-    return to_json(formula, law) if target == "json" else SOURCES[target](formula)
+    text: str = import_module(f"{__name__}.{target}").source(formula)
+    return text
 
 
 def export_named(what: str, contact: str | None, target: str) -> str:

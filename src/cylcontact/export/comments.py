@@ -56,7 +56,7 @@ def _description(formula: Formula) -> list[str]:
     return [
         formula.name,
         "",
-        f"The contact law '{formula.law}' for parallel cylinders, {contact}.",
+        f"The contact law '{formula.law.name}' for parallel cylinders, {contact}.",
         "",
         *_paragraph("Formula", formula.equation),
         *_paragraph("Remark", formula.remark),

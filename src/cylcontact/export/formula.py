@@ -6,9 +6,10 @@ import ast
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact
 
-__all__ = ["MEANINGS", "RESULTS", "Formula", "Step", "expression", "names_in"]
+__all__ = ["MEANINGS", "RESULTS", "Formula", "Step", "expression"]
 
 # The first arguments of every exported function, and units and meanings of all arguments.
 _ALWAYS = ("penetration", "E_star", "dR")
@@ -53,8 +54,8 @@ class Formula:
     ----------
     name : str
         The name of the exported function.
-    law : str
-        The law's name.
+    law : ContactLaw
+        The law.
     contact : {"internal", "external"} or None
         The contact of the coefficients; None if it makes no difference.
     equation : str
@@ -80,7 +81,7 @@ class Formula:
     """
 
     name: str
-    law: str
+    law: ContactLaw
     contact: Contact | None
     equation: str
     text: str
@@ -118,17 +119,6 @@ def expression(text: str) -> ast.expr:
     'a * dR + b'
     """
     return ast.parse(text, mode="eval").body
-
-
-def names_in(node: ast.expr) -> set[str]:
-    """Return the names used in an expression, including functions.
-
-    Examples
-    --------
-    >>> sorted(names_in(expression("a * log(dR)")))
-    ['a', 'dR', 'log']
-    """
-    return {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
 
 
 def _step(line: str) -> Step:

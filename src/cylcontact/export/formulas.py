@@ -208,7 +208,7 @@ def _enhanced(law: Enhanced, contact: Contact | None) -> Formula:
         conditions = (f"dR >= {INTERNAL_DR_MIN}", f"dR < {INTERNAL_DR_MAX}")
     return Formula(
         name=_named(law.name, chosen.contact),
-        law=law.name,
+        law=law,
         contact=chosen.contact,
         equation=equation,
         text=text + _POWER_STEPS.lstrip(),
@@ -254,7 +254,7 @@ def _power(law: PowerLaw, contact: Contact | None) -> Formula:
     numbers = {name: float(value), "n": float(law.n)}
     return Formula(
         name=_named(law.name, contact),
-        law=law.name,
+        law=law,
         contact=contact,
         equation=equation,
         text=f"factor = {step}\n" + _POWER_STEPS.lstrip(),
@@ -269,7 +269,7 @@ def _logarithmic(law: LogarithmicLaw, contact: Contact | None) -> Formula:
     reach, extra = _REACHES[type(law)]
     return Formula(
         name=_named(law.name, None),
-        law=law.name,
+        law=law,
         contact=contact,
         equation=(
             "penetration = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c) solved for f, with "
@@ -300,12 +300,13 @@ def _scaled(law: ScaledLaw, contact: Contact | None) -> Formula:
         formula = _logarithmic(law.base, contact)
         return replace(
             formula,
+            law=law,
             coefficients={"kappa": float(kappa), "c": shift},
             constants={"kappa": float(kappa), "peak": float(np.exp(shift - 1))},
             origin="",
         )
     if B == D == 1:
-        return formula_of(law.base, contact)
+        return replace(formula_of(law.base, contact), law=law)
     raise InputError(
         "export",
         "law",
@@ -325,7 +326,7 @@ def _explicit(law: Explicit, contact: Contact | None) -> Formula:
     numbers = {name: float(value) for name, value in asdict(chosen).items()}
     return Formula(
         name=_named(law.name, where),
-        law=law.name,
+        law=law,
         contact=where,
         equation=(
             "f = pi*E_star*penetration/L with d = penetration/dR and "
@@ -356,7 +357,7 @@ def _liu(law: Liu, contact: Contact | None) -> Formula:
     _require_internal(contact, law.name)
     return Formula(
         name=_named(law.name, None),
-        law=law.name,
+        law=law,
         contact="internal",
         equation="f = pi/2*E_star*d*sqrt(d/(2*(dR + d))) with the penetration d",
         text=_LIU_STEPS,
@@ -373,7 +374,7 @@ def _winkler(law: Winkler, contact: Contact | None) -> Formula:
     numbers = {"depth": float(law.depth)}
     return Formula(
         name=_named(law.name, None),
-        law=law.name,
+        law=law,
         contact="internal",
         equation=(
             "f = E_star/depth*((dR + penetration)*angle - dR*sin(angle)) with "
@@ -396,7 +397,7 @@ def _lankarani_nikravesh(law: LankaraniNikravesh, contact: Contact | None) -> Fo
     numbers = {"n": float(law.n)}
     return Formula(
         name=_named(law.name, None),
-        law=law.name,
+        law=law,
         contact=contact,
         equation="f = 4/3*E_star*sqrt(R_i*R_j/dR)/length*penetration^n",
         text=_LANKARANI_NIKRAVESH_STEPS + _POWER_STEPS.lstrip(),

@@ -1,50 +1,23 @@
-"""Expressions of the neutral notation in the syntax of a language."""
+"""Formulas in the notation of a language, in the frame of its file."""
 
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from string import Template
+from textwrap import indent
 
-from cylcontact.export.formula import expression
+from cylcontact.export.comments import comment_lines
+from cylcontact.export.formula import Formula, Step, expression
 
 __all__ = ["Dialect"]
 
 # Operator precedence, the same in all targets.
 _OR, _AND, _COMPARISON, _SUM, _PRODUCT, _POWER, _ATOM = range(7)
 
-
-@dataclass(frozen=True)
-class Dialect:
-    """The syntax of a language, where it differs.
-
-    Attributes
-    ----------
-    number : callable
-        Returns the literal of a number in double precision.
-    power : str
-        Format string of x to the power of y.
-    names : mapping
-        Names and functions with another spelling, such as pi and nan.
-    symbols : mapping
-        Operators with another spelling, by Python's node type.
-    """
-
-    number: Callable[[float], str]
-    power: str
-    names: Mapping[str, str]
-    symbols: Mapping[type[ast.AST], str] = field(default_factory=dict)
-
-    def render(self, node: ast.expr) -> str:
-        """Return an expression in this language."""
-        return _Renderer(self).text(node)[0]
-
-    def conditions(self, texts: tuple[str, ...]) -> list[str]:
-        """Return conditions in this language, to be joined by its `and`."""
-        return [self.render(expression(text)) for text in texts]
-
-
-_PLAIN: Mapping[type[ast.AST], str] = {
+_SYMBOLS: Mapping[type[ast.AST], str] = {
     ast.Add: "+",
     ast.Sub: "-",
     ast.Mult: "*",
@@ -56,54 +29,138 @@ _PLAIN: Mapping[type[ast.AST], str] = {
 }
 
 
-class _Renderer:
-    """Renders a node to its text and its precedence."""
+@dataclass(frozen=True)
+class Dialect:
+    """The notation of a language.
 
-    def __init__(self, dialect: Dialect) -> None:
-        self.dialect = dialect
+    Attributes
+    ----------
+    comment : str
+        The mark of a comment.
+    number : callable
+        Returns the literal of a number in double precision.
+    power : str
+        Format string of `x` to the power of `y`.
+    assignment : str
+        Format string of a statement that gives `name` a `value`.
+    choice : str
+        Format string of a statement that gives `name` the value `yes` or `no` by a `test`. Only
+        one side may be evaluated.
+    joint : str
+        The text between the conditions of the domain.
+    constant : str
+        Format string of a constant, if it differs from an assignment.
+    names : mapping
+        Names and functions with another spelling, such as pi and nan.
+    symbols : mapping
+        Operators with another spelling, by Python's node type.
+    helpers : mapping
+        Definitions of functions that the language lacks, by name.
+    """
 
-    def text(self, node: ast.expr) -> tuple[str, int]:
-        """Return the text of any node of the notation."""
+    comment: str
+    number: Callable[[float], str]
+    power: str
+    assignment: str
+    choice: str
+    joint: str
+    constant: str = ""
+    names: Mapping[str, str] = field(default_factory=dict)
+    symbols: Mapping[type[ast.AST], str] = field(default_factory=dict)
+    helpers: Mapping[str, str] = field(default_factory=dict)
+
+    def source(self, formula: Formula, frame: str, **own: str) -> str:
+        """Return a formula as the text of a file.
+
+        Parameters
+        ----------
+        formula : Formula
+            The formula.
+        frame : str
+            The text with $comment, $name, $arguments, $domain, $constants, $steps and, if the
+            language has any, $helpers. A placeholder alone on its line may stand for several
+            lines, indented as it is, or for none.
+        **own : str
+            Further parts of the frame.
+        """
+        constant = self.constant or self.assignment
+        steps = "\n".join(map(self._statement, formula.steps))
+        helpers = (text for name, text in self.helpers.items() if f"{name}(" in steps)
+        parts = {
+            "comment": comment_lines(formula, self.comment),
+            "name": formula.name,
+            "arguments": ", ".join(formula.arguments),
+            "domain": self.joint.join(
+                self.render(expression(text)) for text in formula.requirements
+            ),
+            "constants": "\n".join(
+                constant.format(name=name, value=value) for name, value in formula.constants.items()
+            ),
+            "steps": steps,
+            "helpers": "".join(helpers),
+        }
+        return "".join(_filled(line, parts | own) for line in frame.splitlines(keepends=True))
+
+    def render(self, node: ast.expr) -> str:
+        """Return an expression in this language."""
+        return self._text(node)[0]
+
+    def _statement(self, step: Step) -> str:
+        """Return a step in this language."""
+        name = self.names.get(step.name, step.name)
+        if not isinstance(step.value, ast.IfExp):
+            return self.assignment.format(name=name, value=self.render(step.value))
+        test, yes, no = map(self.render, (step.value.test, step.value.body, step.value.orelse))
+        return self.choice.format(name=name, test=test, yes=yes, no=no)
+
+    def _text(self, node: ast.expr) -> tuple[str, int]:
+        """Return the text of any node of the notation, and its precedence."""
         match node:
             case ast.Constant(value=int() | float() as value):
-                return self.dialect.number(float(value)), _ATOM
+                return self.number(float(value)), _ATOM
             case ast.Name(id=name):
-                return self.dialect.names.get(name, name), _ATOM
+                return self.names.get(name, name), _ATOM
             case ast.Call(func=ast.Name(id=name), args=args):
-                inside = ", ".join(self.text(arg)[0] for arg in args)
-                return f"{self.dialect.names.get(name, name)}({inside})", _ATOM
-        return self.operation(node)
+                inside = ", ".join(map(self.render, args))
+                return f"{self.names.get(name, name)}({inside})", _ATOM
+        return self._operation(node)
 
-    def operation(self, node: ast.expr) -> tuple[str, int]:
-        """Return the text of a node that is an operation."""
+    def _operation(self, node: ast.expr) -> tuple[str, int]:
+        """Return the text of an operation, and its precedence."""
         match node:
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 # In parentheses, because Fortran does not allow two operators in a row.
-                return f"(-{self.above(operand, _PRODUCT)})", _ATOM
+                return f"(-{self._above(operand, _PRODUCT)})", _ATOM
             case ast.BinOp(op=ast.Pow(), left=left, right=right):
-                return self.power(left, right)
+                x, y = self._above(left, _POWER), self._above(right, _POWER)
+                return self.power.format(x=x, y=y), _POWER
             case ast.BinOp(op=op, left=left, right=right):
                 level = _SUM if isinstance(op, ast.Add | ast.Sub) else _PRODUCT
-                text = f"{self.above(left, level - 1)} {self.symbol(op)} {self.above(right, level)}"
-                return text, level
+                x, y = self._above(left, level - 1), self._above(right, level)
+                return f"{x} {self._symbol(op)} {y}", level
             case ast.Compare(left=left, ops=[op], comparators=[right]):
-                return f"{self.text(left)[0]} {self.symbol(op)} {self.text(right)[0]}", _COMPARISON
+                x, y = self.render(left), self.render(right)
+                return f"{x} {self._symbol(op)} {y}", _COMPARISON
             case ast.BoolOp(op=op, values=values):
                 level = _AND if isinstance(op, ast.And) else _OR
-                return f" {self.symbol(op)} ".join(self.above(v, level) for v in values), level
+                return f" {self._symbol(op)} ".join(self._above(v, level) for v in values), level
         raise NotImplementedError(ast.unparse(node))
 
-    def above(self, node: ast.expr, level: int) -> str:
+    def _above(self, node: ast.expr, level: int) -> str:
         """Return a node's text, in parentheses unless it binds more tightly than `level`."""
-        text, binding = self.text(node)
+        text, binding = self._text(node)
         return text if binding > level else f"({text})"
 
-    def power(self, left: ast.expr, right: ast.expr) -> tuple[str, int]:
-        """Return x to the power of y, with operands in parentheses unless they are atoms."""
-        x, y = self.above(left, _POWER), self.above(right, _POWER)
-        return self.dialect.power.format(x=x, y=y), _POWER
-
-    def symbol(self, operator: ast.AST) -> str:
+    def _symbol(self, operator: ast.AST) -> str:
         """Return an operator in this language."""
         kind = type(operator)
-        return self.dialect.symbols.get(kind) or _PLAIN[kind]
+        return self.symbols.get(kind) or _SYMBOLS[kind]
+
+
+def _filled(line: str, parts: Mapping[str, str]) -> str:
+    """Return a line of a frame with its placeholders replaced."""
+    alone = re.fullmatch(r"( *)\$(\w+)\n", line)
+    if alone is None:
+        return Template(line).substitute(parts)
+    text = parts[alone[2]]
+    return indent(f"{text}\n", alone[1]) if text else ""

@@ -1,11 +1,15 @@
 """Calibration: from a campaign to the coefficients, and what they are worth."""
 
-from cylcontact.fitting.calibrate import calibrate
-from cylcontact.fitting.campaign import Campaign, campaign_of_table, read_campaign
-from cylcontact.fitting.power_fit import PowerFit, fit_power, fit_power_to_law
-from cylcontact.fitting.report import compare
-from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.verdicts import verdicts
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.calibration import calibrate
+    from cylcontact.fitting.campaign import Campaign, campaign_of_table, read_campaign
+    from cylcontact.fitting.power_fit import PowerFit, fit_power, fit_power_to_law
+    from cylcontact.fitting.report import compare
+    from cylcontact.fitting.result import FitResult
+    from cylcontact.fitting.assessment import verdicts
 
 __all__ = [
     "Campaign",
@@ -19,6 +23,26 @@ __all__ = [
     "read_campaign",
     "verdicts",
 ]
+
+# Loaded on first use, so that the command line can read the names of the optimisers at once.
+_MODULES = {
+    "Campaign": "campaign",
+    "FitResult": "result",
+    "PowerFit": "power_fit",
+    "calibrate": "calibration",
+    "campaign_of_table": "campaign",
+    "compare": "report",
+    "fit_power": "power_fit",
+    "fit_power_to_law": "power_fit",
+    "read_campaign": "campaign",
+    "verdicts": "assessment",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name in _MODULES:
+        return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 import numpy as np
 
 from cylcontact.arrays import FloatArray
-from cylcontact.choices import OPTIMIZERS
 from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.measurements import Measurements
 from cylcontact.datasets.moments import Moments
@@ -195,7 +194,7 @@ class GridData:
 
     def searches(self, campaign: Campaign, problem: Problem) -> list[Call]:
         """Return the runs of the campaign's optimiser."""
-        return _planned(campaign, problem, campaign.spec.optimizer or OPTIMIZERS[0])
+        return _planned(campaign, problem, campaign.spec.optimizer or "genetic")
 
     def quality(
         self,

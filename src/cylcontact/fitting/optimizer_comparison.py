@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 
-from cylcontact.choices import OPTIMIZERS
-from cylcontact.fitting.calibrate import problem_of, search_all
+from cylcontact.fitting.calibration import problem_of, search_all
 from cylcontact.fitting.campaign import Campaign
-from cylcontact.fitting.optimizers import require_installed
+from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed
 from cylcontact.fitting.report import text_table
 from cylcontact.fitting.run import RunRecord
-from cylcontact.fitting.verdicts import SAME_BASIN, same_basin
+from cylcontact.fitting.assessment import SAME_BASIN, same_basin
 from cylcontact.parallel import Workers
 from cylcontact.progress import Progress, silent
 
@@ -57,7 +56,7 @@ class OptimizerRuns:
 
 def compare_optimizers(
     campaign: Campaign,
-    optimizers: Sequence[str] = OPTIMIZERS,
+    optimizers: Collection[str] = OPTIMIZERS,
     jobs: Workers = 1,
     progress: Progress = silent,
 ) -> list[OptimizerRuns]:
@@ -67,7 +66,7 @@ def compare_optimizers(
     ----------
     campaign : Campaign
         From `read_campaign`; its own optimiser is ignored.
-    optimizers : sequence of str
+    optimizers : collection of str
         Some of `OPTIMIZERS`.
     jobs : int or Cluster
         Worker processes, or a Dask cluster; only the seconds depend on it.

@@ -1,23 +1,38 @@
-"""Other optimisers than the genetic search, with the same budget of evaluations.
+"""The optimisers of a campaign, with the same budget of evaluations.
 
-Each restarts from random points until the budget is spent, and returns the best candidate. All
-random numbers come from a generator with the run's seed.
+The genetic search brings its own stopping rule. The others restart from random points until the
+budget is spent, and the best candidate is the result. All random numbers come from a generator
+with the run's seed.
+
+The command line reads the names, so slow and optional libraries are imported in the functions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
-from cylcontact.fitting import genetic
-from cylcontact.fitting.evaluation_budget import BudgetSpentError, EvaluationBudget
-from cylcontact.fitting.problem import Problem
 
-__all__ = ["budget_of", "require_installed", "search"]
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from cylcontact.fitting.evaluation_budget import EvaluationBudget
+    from cylcontact.fitting.genetic import Search
+    from cylcontact.fitting.problem import Problem
+
+    # From problem, population, generations, crossover and seed.
+    _Search = Callable[[Problem, int, int, str | None, int], Search]
+    # Restarts with this population until the budget raises an error.
+    _Restarts = Callable[[EvaluationBudget, int, np.random.Generator], None]
+
+__all__ = ["OPTIMIZERS", "Optimizer", "budget_of", "require_installed", "search"]
 
 # Differential evolution: Storn and Price (1997), best/1/bin with dithered differences.
 _DE_CONVERGED = 1e-8
@@ -25,6 +40,26 @@ _DE_CONVERGED = 1e-8
 _CMA_STEP, _CMA_CONVERGED = 0.3, 1e-9
 # The objective of an undefined law, for optimisers that need a number.
 _WORST = 1e30
+
+
+@dataclass(frozen=True)
+class Optimizer:
+    """An optimiser to choose in a campaign.
+
+    Attributes
+    ----------
+    search : callable
+        Returns the `Search` of a problem, given population, generations, crossover and seed.
+    has_crossover : bool
+        Whether the runs of a campaign take turns with its crossovers.
+    library, extra : str
+        The optional library that it needs, if any, and the package's extra that has it.
+    """
+
+    search: _Search
+    has_crossover: bool = False
+    library: str = ""
+    extra: str = ""
 
 
 def budget_of(population: int, generations: int) -> int:
@@ -35,7 +70,9 @@ def budget_of(population: int, generations: int) -> int:
     >>> budget_of(60, 300)
     17460
     """
-    return population + generations * (population - min(genetic.ELITE, population - 1))
+    from cylcontact.fitting.genetic import ELITE
+
+    return population + generations * (population - min(ELITE, population - 1))
 
 
 def search(
@@ -45,7 +82,7 @@ def search(
     generations: int,
     crossover: str | None,
     seed: int,
-) -> genetic.Search:
+) -> Search:
     """Search a problem with one of the optimisers.
 
     Parameters
@@ -65,12 +102,7 @@ def search(
     -------
     Search
     """
-    if optimizer == "genetic":
-        return genetic.search(problem, population, generations, crossover or "blend", seed)
-    budget = EvaluationBudget(problem, budget_of(population, generations))
-    with suppress(BudgetSpentError):
-        _SEARCHES[optimizer](budget, population, np.random.default_rng(seed))
-    return genetic.Search(budget.point, budget.value, budget.spent)
+    return OPTIMIZERS[optimizer].search(problem, population, generations, crossover, seed)
 
 
 def require_installed(optimizer: str, source: str) -> None:
@@ -79,22 +111,50 @@ def require_installed(optimizer: str, source: str) -> None:
     Raises
     ------
     InputError
-        If it is `cma` and the extra `peers` is not installed.
+        If it needs an extra that is not installed.
     """
-    if optimizer != "cma":
+    library, extra = OPTIMIZERS[optimizer].library, OPTIMIZERS[optimizer].extra
+    if not library:
         return
     try:
-        import cma  # noqa: F401
+        import_module(library)
     except ImportError:
         raise InputError(
             source,
             "optimizer",
             optimizer,
-            "needs the extra 'peers'",
-            "make extras, or pip install 'cylcontact[peers]'",
+            f"needs the extra '{extra}'",
+            f"make extras, or pip install 'cylcontact[{extra}]'",
         ) from None
 
 
+def _genetic(
+    problem: Problem, population: int, generations: int, crossover: str | None, seed: int
+) -> Search:
+    """Search by PyGAD."""
+    from cylcontact.fitting import genetic
+
+    return genetic.search(problem, population, generations, crossover or "blend", seed)
+
+
+def _within_budget(restart: _Restarts) -> _Search:
+    """Return the search that restarts until it has spent the budget of a genetic run."""
+
+    def search_within_budget(
+        problem: Problem, population: int, generations: int, _: str | None, seed: int
+    ) -> Search:
+        from cylcontact.fitting.evaluation_budget import BudgetSpentError, EvaluationBudget
+        from cylcontact.fitting.genetic import Search
+
+        budget = EvaluationBudget(problem, budget_of(population, generations))
+        with suppress(BudgetSpentError):
+            restart(budget, population, np.random.default_rng(seed))
+        return Search(budget.point, budget.value, budget.spent)
+
+    return search_within_budget
+
+
+@_within_budget
 def _differential_evolution(
     budget: EvaluationBudget, population: int, rng: np.random.Generator
 ) -> None:
@@ -121,6 +181,7 @@ def _differential_evolution(
         )
 
 
+@_within_budget
 def _least_squares(budget: EvaluationBudget, _: int, rng: np.random.Generator) -> None:
     """Search by scipy's least squares; a Jacobian counts as the 2k candidates that it needs."""
     from scipy import optimize
@@ -142,6 +203,7 @@ def _least_squares(budget: EvaluationBudget, _: int, rng: np.random.Generator) -
             budget.values(solution.x[None, :])
 
 
+@_within_budget
 def _cma_es(budget: EvaluationBudget, _: int, rng: np.random.Generator) -> None:
     """Search by pycma's CMA-ES, doubling its own population with each restart.
 
@@ -171,8 +233,9 @@ def _finite(values: FloatArray) -> FloatArray:
     return np.where(np.isfinite(values), values, _WORST)
 
 
-_SEARCHES: dict[str, Callable[[EvaluationBudget, int, np.random.Generator], None]] = {
-    "differential-evolution": _differential_evolution,
-    "least-squares": _least_squares,
-    "cma": _cma_es,
+OPTIMIZERS: Mapping[str, Optimizer] = {
+    "genetic": Optimizer(_genetic, has_crossover=True),
+    "differential-evolution": Optimizer(_differential_evolution),
+    "least-squares": Optimizer(_least_squares),
+    "cma": Optimizer(_cma_es, library="cma", extra="peers"),
 }

@@ -9,7 +9,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, FEW_REFITS, FEWEST_REFITS
-from cylcontact.fitting.verdicts import fixed, identification, noise_verdicts, ties, verdicts
+from cylcontact.fitting.assessment import fixed, identification, noise_verdicts, ties, verdicts
 
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult

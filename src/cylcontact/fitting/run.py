@@ -10,7 +10,7 @@ from pydantic import Field
 from threadpoolctl import threadpool_limits
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.optimizers import search
+from cylcontact.fitting.optimizers import OPTIMIZERS, search
 from cylcontact.fitting.polish import polish_across_kinks
 from cylcontact.fitting.problem import Problem
 from cylcontact.spec import Spec
@@ -72,7 +72,7 @@ def plan_runs(
             population=populations[index % len(populations)],
             generations=generations,
             crossover=crossovers[index // len(populations) % len(crossovers)]
-            if optimizer == "genetic"
+            if OPTIMIZERS[optimizer].has_crossover
             else None,
             seed=run_seed,
             optimizer=optimizer,

@@ -9,12 +9,12 @@ from typing import TypeVar
 
 from pydantic import Field, model_validator
 
-from cylcontact.choices import OPTIMIZERS
 from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.law_models import LawModel
 from cylcontact.fitting.loss import LOSSES
 from cylcontact.fitting.objectives import OBJECTIVES
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.ties import require_valid
 from cylcontact.pair import Contact
@@ -128,7 +128,7 @@ class CampaignSpec(Spec):
         description="tables [parameters.NAME] for parameters with other bounds, or fixed ones",
     )
     ties: dict[str, str] | None = Field(None, description=_TIES)
-    optimizer: str = Field(OPTIMIZERS[0], description=f"one of {', '.join(OPTIMIZERS)}")
+    optimizer: str = Field("genetic", description=f"one of {', '.join(OPTIMIZERS)}")
     genetic: GeneticSpec = Field(GeneticSpec(), description="a table [genetic]")
 
     @model_validator(mode="after")

@@ -6,7 +6,7 @@ import pandas as pd
 
 from cylcontact.errors import InputError
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.verdicts import basins
+from cylcontact.fitting.assessment import basins
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.style import ACCENT, COLOURS, QUIET
 

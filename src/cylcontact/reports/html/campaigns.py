@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from cylcontact.errors import InputError
 from cylcontact.fitting.report import by_search, side_by_side
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.verdicts import fixed, ties, verdicts
+from cylcontact.fitting.assessment import fixed, ties, verdicts
 from cylcontact.reports.bench import Bench
 
 __all__ = [

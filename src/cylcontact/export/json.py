@@ -17,7 +17,7 @@ from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 
-__all__ = ["to_json"]
+__all__ = ["source"]
 
 _SYNTAX = (
     "assignments in order, in Python's syntax, with the names of arguments and constants, pi, nan, "
@@ -40,21 +40,21 @@ _OF_LARGEST = (-0.1, 0.0, 1e-6, 1e-3, 0.1, 0.5, 0.9, 0.999, 1.001)
 _OF_DR = (-0.1, 0.0, 1e-9, 1e-6, 1e-4, 1e-2, 0.1, 1.0)
 
 
-def to_json(formula: Formula, law: ContactLaw) -> str:
+def source(formula: Formula) -> str:
     """Return a law as a JSON document.
 
     Examples
     --------
     >>> from cylcontact.export.formulas import formula_of
     >>> from cylcontact.laws.liu import Liu
-    >>> document = json.loads(to_json(formula_of(Liu(), "internal"), Liu()))
+    >>> document = json.loads(source(formula_of(Liu(), "internal")))
     >>> document["steps"][0]
     'root = sqrt(penetration / (2 * (dR + penetration)))'
     """
-    rows = list(_check_values(law, formula))
+    rows = list(_check_values(formula))
     document: dict[str, Any] = {
         "function": formula.name,
-        "law": formula.law,
+        "law": formula.law.name,
         "contact": formula.contact,
         "formula": formula.equation,
         "remark": formula.remark,
@@ -73,30 +73,20 @@ def to_json(formula: Formula, law: ContactLaw) -> str:
     return json.dumps(document, indent=1, allow_nan=False) + "\n"
 
 
-def _check_values(law: ContactLaw, formula: Formula) -> Iterator[dict[str, float | str]]:
-    """Yield arguments and results of a law, inside and outside its domain.
+def _check_values(formula: Formula) -> Iterator[dict[str, float | str]]:
+    """Yield arguments and results of a law by name, inside and outside its domain.
 
-    Parameters
-    ----------
-    law : ContactLaw
-        The law.
-    formula : Formula
-        Its formula, which determines the contact and the arguments.
-
-    Yields
-    ------
-    dict
-        Each argument and result by name; NaN as text, because JSON has no NaN.
+    NaN is text, because JSON has none.
 
     Examples
     --------
     >>> from cylcontact.export.formulas import formula_of
     >>> from cylcontact.laws.liu import Liu
-    >>> first, *_ = _check_values(Liu(), formula_of(Liu(), "internal"))
+    >>> first, *_ = _check_values(formula_of(Liu(), "internal"))
     >>> print(first["penetration"] < 0, first["load"])
     True NaN
     """
-    contact = formula.contact or "internal"
+    law, contact = formula.law, formula.contact or "internal"
     lengths = _LENGTHS if "length" in formula.extra else _LENGTHS[:1]
     for material, radii, length in product(_MATERIALS, _RADII[contact], lengths):
         pair = _pair(contact, radii, material, length)
