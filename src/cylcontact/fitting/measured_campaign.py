@@ -12,8 +12,13 @@ from typing import Any
 import numpy as np
 
 from cylcontact.arrays import FloatArray
-from cylcontact.datasets.measured_columns import Constants, MeasuredData, read_measured
-from cylcontact.datasets.measurements import Measurements, measurements_of
+from cylcontact.datasets.measurements import (
+    Constants,
+    MeasuredData,
+    Measurements,
+    measurements_of,
+    read_measured,
+)
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import ParameterSpec, require_free
 from cylcontact.fitting.law_models import (
