@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.optimizer_comparison import CSV_COLUMNS
 from cylcontact.fitting.assessment import SAME_BASIN
+from cylcontact.fitting.optimizer_comparison import CSV_COLUMNS
 from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title
 from cylcontact.plots.style import COLOURS, MARKERS, QUIET
 from cylcontact.reports.bench import Bench

@@ -5,9 +5,12 @@ import pandas as pd
 import pytest
 
 from cylcontact import InputError
-from cylcontact.datasets.measured_columns import MeasuredData, read_measured
-from cylcontact.datasets.measured_table import MAX_ROWS, read_table
-from cylcontact.datasets.measurements import measurements_of
+from cylcontact.datasets.measurements import (
+    MAX_ROWS,
+    MeasuredData,
+    measurements_of,
+    read_measured,
+)
 from cylcontact.fitting.measured_objective import objective_name
 from cylcontact.materials import COLUMNS
 from cylcontact.units import QUANTITIES, column_named, spellings
@@ -198,7 +201,7 @@ def test_a_bad_table_is_told_with_its_line(tmp_path, text, where, key, value, ru
     path = tmp_path / "t.csv"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as caught:
-        read_table(path)
+        read_measured(path, "internal")
     assert_told(caught, f"{path}{where}", key, value, rule, remedy)
 
 
@@ -214,7 +217,7 @@ def test_files_that_are_no_tables_are_refused(tmp_path):
         if content is not None:
             (tmp_path / name).write_bytes(content)
         with pytest.raises(InputError) as caught:
-            read_table(tmp_path / name)
+            read_measured(tmp_path / name, "internal")
         assert rule in caught.value.rule
         assert len(str(caught.value).splitlines()) == 1
 
@@ -224,7 +227,7 @@ def test_a_parquet_with_words_or_gaps_is_refused_with_its_row(tmp_path):
         path = tmp_path / "t.parquet"
         pd.DataFrame({"load_N": cells}).to_parquet(path)
         with pytest.raises(InputError) as caught:
-            read_table(path)
+            read_measured(path, "internal")
         assert_told(caught, f"{path}, row 2", "load_N", cells[1], rule, "")
 
 
@@ -232,7 +235,7 @@ def test_too_many_rows_are_refused(tmp_path):
     path = tmp_path / "t.csv"
     path.write_text("load_N\n" + "1\n" * (MAX_ROWS + 1))
     with pytest.raises(InputError, match=f"at most {MAX_ROWS}"):
-        read_table(path)
+        read_measured(path, "internal")
 
 
 def test_a_column_can_be_left_out_if_it_is_there(tmp_path):

@@ -48,21 +48,12 @@ def test_every_module_lists_its_public_names(path):
 def test_the_parts_of_the_package_need_no_import_of_their_own():
     code = (
         "import cylcontact as cc; print(callable(cc.mechanism.simulate), "
-        "callable(cc.fitting.calibration), callable(cc.datasets.read_grid))"
+        "callable(cc.fitting.calibrate), callable(cc.datasets.read_grid))"
     )
     printed = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert printed.stdout.split() == ["True", "True", "True"]
-
-
-@pytest.mark.parametrize("name", ["calibrate", "verdicts"])
-def test_a_function_hides_its_module_whichever_is_imported_first(name):
-    code = f"import cylcontact.fitting.{name}; print(callable(cylcontact.fitting.{name}))"
-    printed = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert printed.stdout.strip() == "True"
 
 
 def test_an_unknown_name_is_no_attribute():

@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 from cylcontact import CylinderPair, InputError
 from cylcontact.cli.app import app
+from cylcontact.fitting.assessment import noise_verdicts
 from cylcontact.fitting.calibration import calibrate
 from cylcontact.fitting.data import plain_problem
 from cylcontact.fitting.forms import PowerForm
@@ -32,7 +33,6 @@ from cylcontact.fitting.uncertainty.likelihood import (
 from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
 from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
-from cylcontact.fitting.assessment import noise_verdicts
 from tests.measured_files import STEEL, TRUTHS, measured_campaign
 from tests.spec_files import golden
 from tests.test_measured_fit import user_campaign

@@ -4,12 +4,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from cylcontact.fitting.assessment import verdicts
     from cylcontact.fitting.calibration import calibrate
     from cylcontact.fitting.campaign import Campaign, campaign_of_table, read_campaign
     from cylcontact.fitting.power_fit import PowerFit, fit_power, fit_power_to_law
     from cylcontact.fitting.report import compare
     from cylcontact.fitting.result import FitResult
-    from cylcontact.fitting.assessment import verdicts
 
 __all__ = [
     "Campaign",

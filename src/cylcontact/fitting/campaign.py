@@ -13,8 +13,13 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.grid import Grid, grid_from, read_grid_data
-from cylcontact.datasets.measured_columns import Constants, MeasuredData, read_measured
-from cylcontact.datasets.measurements import Measurements, measurements_of
+from cylcontact.datasets.measurements import (
+    Constants,
+    MeasuredData,
+    Measurements,
+    measurements_of,
+    read_measured,
+)
 from cylcontact.errors import InputError
 from cylcontact.fitting.data import Data, GridData, TableData
 from cylcontact.fitting.law_models import (

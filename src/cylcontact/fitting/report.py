@@ -8,8 +8,8 @@ from html import escape
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
-from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, FEW_REFITS, FEWEST_REFITS
 from cylcontact.fitting.assessment import fixed, identification, noise_verdicts, ties, verdicts
+from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, FEW_REFITS, FEWEST_REFITS
 
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult

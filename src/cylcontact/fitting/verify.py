@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from cylcontact.fitting.assessment import round_off
 from cylcontact.fitting.calibration import calibrate, problem_of
 from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.assessment import round_off
 from cylcontact.parallel import Workers
 from cylcontact.progress import Progress
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pandas as pd
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.assessment import basins
+from cylcontact.fitting.result import FitResult
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.style import ACCENT, COLOURS, QUIET
 

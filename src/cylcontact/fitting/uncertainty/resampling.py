@@ -90,7 +90,7 @@ def bootstrap(
     best : mapping
         The coefficients at the optimum, from which refits start.
     over : str
-        One of `datasets.measurements.GROUPINGS`.
+        A criterion of `Measurements.groups`, e.g. "rows".
     replicates : int
         Number of refits.
     seed : int

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from cylcontact.errors import InputError
+from cylcontact.fitting.assessment import fixed, ties, verdicts
 from cylcontact.fitting.report import by_search, side_by_side
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.assessment import fixed, ties, verdicts
 from cylcontact.reports.bench import Bench
 
 __all__ = [
