@@ -396,7 +396,7 @@ def test_what_is_kept_is_counted(bench, run, monkeypatch, runs):
 
         return calibrate(campaign, 1, stop, kept, resume)
 
-    monkeypatch.setattr("cylcontact.fitting.calibration", interrupted)
+    monkeypatch.setattr("cylcontact.fitting.calibrate", interrupted)
     code, said, errors = run("fit", "fitting/small.toml", "-o", "new/r.json")
     expected = {
         0: "interrupted before a run was complete; nothing is kept",
