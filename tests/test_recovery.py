@@ -119,10 +119,12 @@ def test_what_is_said_of_the_readings(figures):
     table = figures["fig_readings"].drawing.table
     away = table.set_index(["search", "coefficient"])["difference_percent"].abs()
     refined = away[(table["changed"] == "points per axis").to_numpy()]
-    for firm in (("internal", "a"), ("internal", "Y_log_scale"), ("external, n fixed", "a")):
-        assert refined[firm].max() < 5
-    assert refined["external, n free", "n"].max() < 2
-    assert 8 < refined["external, n free", "a"].min() < 12
+    for number, most in ((("internal", "a"), 4.05), (("internal", "Y_log_scale"), 4)):
+        assert refined[number].max() < most
+    assert refined["external, n fixed", "a"].max() < 1.25
+    for number, ends in (("n", (1, 2)), ("a", (9.5, 15))):
+        of_number = refined["external, n free", number]
+        assert ends[0] < of_number.min() < of_number.max() < ends[1]
     b = refined["external, n fixed", "b"].to_numpy()
     points = table.loc[table["changed"] == "points per axis", "reading"].astype(int).unique()
     is_near = (points >= 18) & (points <= 22)

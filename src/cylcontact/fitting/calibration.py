@@ -99,7 +99,7 @@ def calibrate(
         contact=campaign.model.contact,
         reference=campaign.data.reference,
         coefficients=best.coefficients,
-        objective=ObjectiveValue(name=campaign.spec.objective or "", value=best.objective),
+        objective=ObjectiveValue(name=campaign.objective, value=best.objective),
         bound=quality.bound,
         published=published,
         max_abs_diff_percent=MaxDifference(

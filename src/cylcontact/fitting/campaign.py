@@ -66,8 +66,10 @@ class Campaign:
         The law and contact.
     parameters : tuple of Parameter
         In the order of the model's names.
+    objective : str
+        The name of the objective.
     source : str
-        Its name in errors.
+        The path of its file or table, its name in errors.
     """
 
     name: str
@@ -75,6 +77,7 @@ class Campaign:
     data: Data
     model: LawModel
     parameters: tuple[Parameter, ...]
+    objective: str
     source: str
 
     @property
@@ -90,7 +93,7 @@ class Campaign:
 
     @property
     def nominal(self) -> FloatArray | None:
-        """The nominal values of the free parameters, shape (k,); None if one has none."""
+        """The nominal values of the free parameters, shape (k,); None unless all have one."""
         values = [p.nominal for p in self.parameters if p.is_free]
         return None if None in values else np.array(values, dtype=np.float64)
 
@@ -112,7 +115,7 @@ def read_campaign(
     ----------
     path : path
         A TOML file: one with `dataset` is on a grid, one with `data` on measurements. Either is
-        searched for beside it and in the folder above.
+        searched for beside it and in the folder above, a table also in the current folder.
     runs, seed, optimizer : optional
         Replace the file's. On measurements runs are starts if no optimiser is named.
 
@@ -218,7 +221,8 @@ def _on_grid(
     _require_range(grid, model, source)
     parameters = parameters_of(model, spec.parameters, spec.ties, source)
     data = GridData(grid, grid_data)
-    return Campaign(name, completed(spec, parameters), data, model, parameters, source)
+    complete = completed(spec, parameters)
+    return Campaign(name, complete, data, model, parameters, spec.objective, source)
 
 
 def _find_dataset(campaign: Path, dataset: str) -> Path:
@@ -304,7 +308,7 @@ def _on_table(
     objective = objective_name(spec.objective, measured, is_user_law(spec.law), source)
     complete = completed(spec, parameters).model_copy(update={"objective": objective})
     data = TableData(measured, spec.loss, spec.loss_scale, spec.starts)
-    return Campaign(name, complete, data, model, parameters, source)
+    return Campaign(name, complete, data, model, parameters, objective, source)
 
 
 def _stored_model(spec: MeasuredSpec, source: str) -> LawModel:

@@ -114,27 +114,34 @@ class Data(Protocol):
 
 def grid_of(campaign: Campaign) -> Grid:
     """Return the grid of a campaign, which has to be on one."""
-    if not isinstance(campaign.data, GridData):
-        raise TypeError(f"{campaign.name} is not on a grid")
-    return campaign.data.grid
+    return _grid_data(campaign).grid
 
 
 def with_grid(campaign: Campaign, grid: Grid) -> Campaign:
     """Return a campaign on another grid; its settings remain those of its file."""
-    return replace(campaign, data=GridData(grid, campaign.data.settings["dataset"]))
+    return replace(campaign, data=replace(_grid_data(campaign), grid=grid))
+
+
+def _grid_data(campaign: Campaign) -> GridData:
+    """Return the data of a campaign on a grid."""
+    if not isinstance(campaign.data, GridData):
+        raise TypeError(f"{campaign.name} is not on a grid")
+    return campaign.data
 
 
 def plain_problem(campaign: Campaign) -> Problem:
     """Return the problem of a campaign on measurements, by plain least squares."""
     if not isinstance(campaign.data, TableData):
         raise TypeError(f"{campaign.name} is not on measurements")
-    objective = MeasuredObjective(campaign.data.measurements, campaign.spec.objective or "")
+    objective = MeasuredObjective(campaign.data.measurements, campaign.objective)
     return Problem(campaign.model, campaign.parameters, objective)
 
 
-def _planned(campaign: Campaign, problem: Problem, optimizer: str) -> list[Call]:
-    """Return the runs of a campaign with an optimiser, as calls."""
-    genetic = campaign.spec.genetic
+def _planned(campaign: Campaign, problem: Problem) -> list[Call]:
+    """Return the runs of a campaign with its optimiser, as calls."""
+    genetic, optimizer = campaign.spec.genetic, campaign.spec.optimizer
+    if optimizer is None:
+        raise TypeError(f"{campaign.name} names no optimiser")
     plans = plan_runs(
         genetic.runs,
         genetic.populations,
@@ -179,22 +186,22 @@ class GridData:
         self, campaign: Campaign, jobs: Workers, progress: Progress, /
     ) -> tuple[Problem, Counts]:
         """Sample the grid: moments where the objective allows, else rows."""
-        name = campaign.spec.objective
+        name = campaign.objective
         samples: Moments | Samples
         if campaign.model.power_form is not None and name not in ON_ROWS:
             done = self._progress(progress, "sampling")
             samples, counts = reduce_grid(self.grid, jobs, done)
         else:
-            self._require_few(name or "", campaign.source)
+            self._require_few(name, campaign.source)
             samples, counts = collect_samples(self.grid)
-        objective = make_objective(name or "", samples)
+        objective = make_objective(name, samples)
         problem = Problem(campaign.model, campaign.parameters, objective)
         require_defined_somewhere(problem, campaign.source)
         return problem, counts
 
     def searches(self, campaign: Campaign, problem: Problem) -> list[Call]:
         """Return the runs of the campaign's optimiser."""
-        return _planned(campaign, problem, campaign.spec.optimizer or "genetic")
+        return _planned(campaign, problem)
 
     def quality(
         self,
@@ -268,7 +275,7 @@ class TableData:
     loss : str
         One of `LOSSES`.
     loss_scale : float or None
-        Where the loss bends; None for 1.345 times the spread of the residuals.
+        Where the loss bends; None for 1.345 times the standard deviation, known or estimated.
     starts : int
         The number of descents without an optimiser.
     """
@@ -299,7 +306,7 @@ class TableData:
         """Return descents from several starts, or the runs of an optimiser that is named."""
         spec = campaign.spec
         if spec.optimizer is not None:
-            return _planned(campaign, problem, spec.optimizer)
+            return _planned(campaign, problem)
         starts = starting_points(problem, campaign.nominal, self.starts, spec.seed)
         return [call(run_from, problem, start, k, spec.seed) for k, start in enumerate(starts)]
 

@@ -1,7 +1,7 @@
 """Candidates of a law, evaluated on samples.
 
-Most laws are a power law at each clearance, f = K*(ΔR)·E*/ΔR·δ^n(ΔR). A population of them is a
-`PowerForm`, evaluated at once. A `LawForm` holds candidates of any other kind.
+The enhanced law and the power laws are a power law at each clearance, f = K*(ΔR)·E*/ΔR·δ^n(ΔR). A
+population of them is a `PowerForm`, evaluated at once. A `LawForm` holds candidates of any law.
 """
 
 from __future__ import annotations

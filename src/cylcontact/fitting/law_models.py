@@ -216,7 +216,8 @@ def grid_model_of(law: str, contact: Contact, source: str) -> LawModel:
     model = MODELS.get((law, contact))
     if model is None or not model.on_grid:
         known = " or ".join(sorted({model.law for model in MODELS.values() if model.on_grid}))
-        raise InputError(source, "law", law, "is not a law that can be fitted", f"choose {known}")
+        rule = "is not a law that can be fitted on a grid"
+        raise InputError(source, "law", law, rule, f"choose {known}")
     return model
 
 
@@ -230,7 +231,7 @@ def _logarithmic(name: str, base: LogarithmicLaw, contact: Contact) -> LawModel:
     return LawModel(name, contact, parameters, lambda values: adjusted_logarithmic(base, **values))
 
 
-def _dimensionless(name: str, base: ContactLaw) -> LawModel:
+def _scaled(name: str, base: ContactLaw) -> LawModel:
     """Return the model of a law between f/(E*·ΔR) and δ/ΔR."""
 
     def build(values: _Coefficients) -> ContactLaw:
@@ -368,7 +369,7 @@ def _models() -> dict[tuple[str, Contact], LawModel]:
             base = make()
             if isinstance(base, LogarithmicLaw):
                 models.append(_logarithmic(name, base, contact))
-    models += [_dimensionless(name, LAWS[name]()) for name in ("persson", "liu")]
+    models += [_scaled(name, LAWS[name]()) for name in ("persson", "liu")]
     depth = Parameter("depth", 0.05, 20.0, nominal=DEPTH)
     models.append(LawModel("winkler", "internal", (depth,), _winkler, nominal_is_published=False))
     return {(model.law, model.contact): model for model in models}
@@ -383,7 +384,7 @@ def is_user_law(law: str) -> bool:
 
 
 def law_of(result: FitResult, source: str = "") -> ContactLaw:
-    """Return the fitted law of the contact, without the compliance of the rig.
+    """Return the fitted law of the contact, without the offset and compliance of the rig.
 
     Parameters
     ----------

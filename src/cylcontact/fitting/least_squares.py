@@ -38,7 +38,7 @@ def starting_points(
     problem : Problem
         The problem.
     nominal : array of float, shape (k,), or None
-        The parameters of the published law, if it has any.
+        The nominal values of the free parameters, if all have one.
     number : int
         Number of points.
     seed : int

@@ -317,4 +317,4 @@ def make_objective(objective: str, data: Moments | Samples) -> Objective:
     """Return the named objective on its data; moments are for rms-log-penetration only."""
     if isinstance(data, Moments):
         return RmsLogPenetration(data)
-    return ON_ROWS.get(objective, RmsLogPenetrationOnRows)(data)
+    return (ON_ROWS | {OBJECTIVES[0]: RmsLogPenetrationOnRows})[objective](data)

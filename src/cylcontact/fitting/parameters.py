@@ -17,9 +17,9 @@ class Parameter:
     name : str
         Its name in campaigns and results.
     low, high : float
-        Bounds of the search; NaN if it is not searched.
+        Bounds of the search, if it is searched.
     nominal : float, optional
-        Its value in the law as its source states it.
+        A value to start from; that of the law's source if the model says so.
     value : float, optional
         Its value if it is fixed.
     fixed : bool

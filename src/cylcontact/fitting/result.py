@@ -38,12 +38,12 @@ class ObjectiveValue(Spec):
 class Published(Spec):
     """The published coefficients on the same data."""
 
-    coefficients: dict[str, float] = Field(description="the coefficients in the paper")
+    coefficients: dict[str, float] = Field(description="the coefficients of the law's source")
     objective: float = Field(description="their objective")
 
 
 class MaxDifference(Spec):
-    """Largest |Eq 9| over the grid, in percent."""
+    """Largest |Eq 9| over the data, in percent."""
 
     fitted: float = Field(description="of the fitted coefficients")
     published: float | None = Field(description="of the published ones, where there are any")
@@ -66,15 +66,17 @@ class FitResult(Spec):
     name: str = Field(description="the campaign's name")
     law: str = Field(description="the law fitted")
     contact: Contact = Field(description="the contact it is for")
-    reference: str = Field(description="the law it was fitted to")
+    reference: str = Field(description="the law it was fitted to, or measurements")
     coefficients: dict[str, float] = Field(description="the fitted coefficients")
     objective: ObjectiveValue = Field(description="the objective reached")
     bound: float | None = Field(
         description="the per-clearance lower bound of the objective, for power laws"
     )
     published: Published | None = Field(description="the published coefficients' objective")
-    max_abs_diff_percent: MaxDifference = Field(description="largest |Eq 9| over the grid")
-    profiles: dict[str, Profile] = Field(description="a profile for each free coefficient")
+    max_abs_diff_percent: MaxDifference = Field(description="largest |Eq 9| over the data")
+    profiles: dict[str, Profile] = Field(
+        description="a profile for each free coefficient, for a law"
+    )
     runs: list[RunRecord] = Field(description="every run")
     counts: SampleCounts = Field(description="samples used and masked")
     settings: dict[str, Any] = Field(description="the campaign and the grid, or the data, as run")

@@ -54,10 +54,10 @@ class ParameterSpec(Spec):
             return self
         if self.value is not None:
             raise broken("value", self.value, "is used only with fixed = true", _PARAMETER_REMEDY)
-        for key in ("low", "high"):
-            if getattr(self, key) is None:
-                raise broken(key, None, "is required", _PARAMETER_REMEDY)
-        if (self.low or 0.0) >= (self.high or 0.0):
+        if self.low is None or self.high is None:
+            missing = "low" if self.low is None else "high"
+            raise broken(missing, None, "is required", _PARAMETER_REMEDY)
+        if self.low >= self.high:
             raise broken(
                 "low",
                 self.low,
