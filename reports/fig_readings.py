@@ -1,4 +1,4 @@
-"""How firmly the coefficients come back: each searched again under other assumptions.
+"""The recovered coefficients, searched again under other assumptions about the paper's fit.
 
 The paper states ranges, but no points, spacing or objective. Each reading changes one of these, or
 two. For external contact it is searched twice, with n fixed and with n free.
@@ -186,7 +186,8 @@ def _rows(contact: Contact, reading: Reading) -> list[dict[str, Any]]:
     campaign = campaign_from_settings("reading", reading.settings, "reading")
     fixed, _ = problem_of(campaign, 1, silent)
     free = tuple(N_FREE if p.name == N_FREE.name else p for p in fixed.parameters)
-    published = PUBLISHED[contact]
+    published = asdict(PUBLISHED[contact])
+    objective_published = fixed.value_of(published)
     rows = []
     for search, (of_contact, _, names) in SEARCHES.items():
         if of_contact == contact:
@@ -203,9 +204,9 @@ def _rows(contact: Contact, reading: Reading) -> list[dict[str, Any]]:
                     "value": coefficients[name],
                     "difference_percent": 100 * (coefficients[name] / value - 1),
                     "objective": objective,
-                    "objective_published": problem.value_of(asdict(published)),
+                    "objective_published": objective_published,
                 }
-                for name, value in asdict(published).items()
+                for name, value in published.items()
                 if name in names
             ]
     return rows

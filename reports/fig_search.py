@@ -1,4 +1,4 @@
-"""What the genetic search finds by itself, before the local polish, in every run."""
+"""The coefficients that every run of the genetic search ends at, before the local polish."""
 
 from __future__ import annotations
 
@@ -60,8 +60,8 @@ def searches(result: FitResult) -> pd.DataFrame:
     """
     runs = runs_table(result).drop(columns="seconds")
     names = [f"{name}_searched" for name in result.profiles]
-    kept = [column for column in runs if column not in names]
-    table = runs.melt(kept, names, "coefficient", "value")
+    others = [column for column in runs if column not in names]
+    table = runs.melt(others, names, "coefficient", "value")
     table["coefficient"] = table["coefficient"].str.removesuffix("_searched")
     best = table["coefficient"].map(result.coefficients)
     table["away_percent"] = 100 * (table["value"] / best - 1).abs()

@@ -58,6 +58,21 @@ f = factor * penetration ** n
 k = n * (factor * penetration ** (n - 1))
 """
 
+# The factor of a power law, the law on one line and a remark, by the name of its constant.
+_POWERS = {
+    "C_factor": (
+        "C_factor * E_star * dR ** (1 - n)",
+        "f = C_factor*E_star*dR*(penetration/dR)^n",
+        "Dimensionless in penetration/dR and f/(E_star*dR).",
+    ),
+    "K_star": ("K_star * (E_star / dR)", "f = K_star*E_star/dR*penetration^n", _MM_N_MPA),
+    "K_factor": (
+        "K_factor",
+        "f = K_factor*penetration^n",
+        f"{_MM_N_MPA} For the one pair that it was fitted to.",
+    ),
+}
+
 _ENHANCED_INTERNAL_STEPS = """
 Y_log = Y_log_scale * log(1000 * dR) ** Y_log_exponent
 Y = max(Y_log, Y_slope * dR + Y_offset)
@@ -240,17 +255,9 @@ def _enhanced_coefficients(law: Enhanced, contact: Contact | None) -> Coefficien
 
 def _power(law: PowerLaw, contact: Contact | None) -> Formula:
     """Eqs 3-4, f = K*penetration^n, and its dimensionless form."""
-    if law.C is not None:
-        name, value, step = "C_factor", law.C, "C_factor * E_star * dR ** (1 - n)"
-        equation = "f = C_factor*E_star*dR*(penetration/dR)^n"
-        remark = "Dimensionless in penetration/dR and f/(E_star*dR)."
-    elif law.K_star is not None:
-        name, value, step = "K_star", law.K_star, "K_star * (E_star / dR)"
-        equation, remark = "f = K_star*E_star/dR*penetration^n", _MM_N_MPA
-    else:
-        name, value, step = "K_factor", float(law.K or 0), "K_factor"
-        equation = "f = K_factor*penetration^n"
-        remark = f"{_MM_N_MPA} For the one pair that it was fitted to."
+    factors = {"C_factor": law.C, "K_star": law.K_star, "K_factor": law.K}
+    name, value = next((name, value) for name, value in factors.items() if value is not None)
+    step, equation, remark = _POWERS[name]
     numbers = {name: float(value), "n": float(law.n)}
     return Formula(
         name=_named(law.name, contact),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -229,10 +230,9 @@ def _find_dataset(campaign: Path, dataset: str) -> Path:
     """Return the grid spec that a campaign names."""
     above = Path(os.path.normpath(campaign.parent / ".."))
     places = [campaign.parent / dataset, above / dataset]
-    with suppress(OSError):  # the name is too long, or the folder unreadable
-        for place in places:
-            if place.is_file():
-                return place
+    dataset_file = _first_file(places)
+    if dataset_file is not None:
+        return dataset_file
     raise InputError(
         str(campaign),
         "dataset",
@@ -262,7 +262,7 @@ def _require_range(grid: Grid, model: LawModel, source: str) -> None:
 def _read_on_table(path: Path, contents: dict[str, Any], source: str) -> Campaign:
     """Return the campaign of a file that names a table of measurements."""
     spec = parse_spec(MeasuredSpec, contents, source)
-    table = _beside_or_above(path, spec.data)
+    table = _beside_or_above(path.parent, spec.data)
     if table is None:
         raise InputError(
             source,
@@ -276,7 +276,7 @@ def _read_on_table(path: Path, contents: dict[str, Any], source: str) -> Campaig
 
 def _of_table(name: str, spec: MeasuredSpec, table: Path, folder: Path, source: str) -> Campaign:
     """Read the data and the law of a campaign."""
-    materials = _beside_or_above(folder / name, spec.materials or _MATERIALS)
+    materials = _beside_or_above(folder, spec.materials or _MATERIALS)
     if spec.materials is not None and materials is None:
         raise InputError(
             source, "materials", spec.materials, "no such file", "name a table of materials"
@@ -293,7 +293,7 @@ def _on_table(
     name: str, spec: MeasuredSpec, measured: Measurements, model: LawModel, source: str
 ) -> Campaign:
     """Return the checked campaign, with defaults for what the spec leaves out."""
-    model = with_rig(model, [*spec.parameters, *(spec.ties or {})])
+    model = with_rig(model, spec.named)
     rig = f"; the rig's: {', '.join(RIG_NAMES)}"
     parameters = parameters_of(model, spec.parameters, spec.ties, source, rig)
     free = sum(p.is_free for p in parameters)
@@ -315,16 +315,19 @@ def _stored_model(spec: MeasuredSpec, source: str) -> LawModel:
     """Return the model of a result's law; a user's function is not imported."""
     if not is_user_law(spec.law):
         return model_of(spec.law, spec.contact, source)
-    own = [key for key in (*spec.parameters, *(spec.ties or {})) if key not in RIG_NAMES]
+    own = [key for key in spec.named if key not in RIG_NAMES]
     named = tuple(Parameter(key, -math.inf, math.inf) for key in own)
     return named_user_model(UserFunction(spec.law, None), named, spec.contact)
 
 
-def _beside_or_above(campaign: Path, name: str) -> Path | None:
-    """Return a file beside a campaign, in the two folders above, or here; None if there is none."""
-    folder = campaign.parent
+def _beside_or_above(folder: Path, name: str) -> Path | None:
+    """Return a file in a folder, in the two above, or here; None if there is none."""
+    places = (folder, folder / "..", folder / ".." / "..", Path())
+    return _first_file(place / name for place in places)
+
+
+def _first_file(places: Iterable[Path]) -> Path | None:
+    """Return the first of several paths that is a file; None if none is."""
     with suppress(OSError):  # the name is too long, or the folder unreadable
-        for place in (folder, folder / "..", folder / ".." / "..", Path()):
-            if (place / name).is_file():
-                return Path(place / name)
+        return next((place for place in places if place.is_file()), None)
     return None

@@ -1,7 +1,7 @@
-"""What a campaign fits to: samples of a reference law on a grid, or a table of measurements.
+"""The data of a campaign: samples of a reference law on a grid, or a table of measurements.
 
-Both answer the same questions: which problem to minimise, which searches to run, and what the best
-coefficients are worth. So `calibrate` does not tell them apart.
+Both answer the same questions: which problem to minimise, which searches to run, and how good the
+best coefficients are. So `calibrate` does not tell them apart.
 """
 
 from __future__ import annotations
@@ -37,7 +37,16 @@ from cylcontact.progress import Progress
 if TYPE_CHECKING:
     from cylcontact.fitting.campaign import Campaign
 
-__all__ = ["Data", "GridData", "Quality", "TableData", "grid_of", "plain_problem", "with_grid"]
+__all__ = [
+    "Data",
+    "GridData",
+    "Quality",
+    "TableData",
+    "grid_of",
+    "plain_problem",
+    "with_grid",
+    "with_loss",
+]
 
 # Every worker keeps all samples in memory, 24 bytes each.
 _MAX_ROWS = 20_000_000
@@ -49,7 +58,7 @@ _TRIALS = 256
 
 @dataclass(frozen=True)
 class Quality:
-    """What the best coefficients are worth.
+    """How good the best coefficients are.
 
     Attributes
     ----------
@@ -73,7 +82,7 @@ class Quality:
 
 
 class Data(Protocol):
-    """What a campaign fits to."""
+    """The data of a campaign."""
 
     @property
     def kind(self) -> Literal["discrepancy", "noise"]:
@@ -82,7 +91,7 @@ class Data(Protocol):
 
     @property
     def reference(self) -> str:
-        """What a result names as its reference."""
+        """The name of the reference law, or "measurements"."""
         ...
 
     @property
@@ -108,7 +117,7 @@ class Data(Protocol):
         jobs: Workers,
         progress: Progress,
     ) -> Quality:
-        """Return what the best coefficients are worth, beside the published ones."""
+        """Return how good the best coefficients are, and the published ones beside them."""
         ...
 
 
@@ -342,14 +351,14 @@ class TableData:
         """
         objective = measured(problem)
         if self.loss_scale is not None or objective.has_sigma:
-            return _with_loss(problem, Loss(self.loss, self.loss_scale or TUNING))
+            return with_loss(problem, Loss(self.loss, self.loss_scale or TUNING))
         starts = starting_points(problem, campaign.nominal, self.starts, campaign.spec.seed)
         minima = [descend(problem, start)[:2] for start in starts]
         point = min(minima, key=lambda pair: pair[1])[0]
         for _ in range(_SCALE_ROUNDS):
             r = objective.raw(problem.form(point[None, :]))[0]
             spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(r)))
-            problem = _with_loss(problem, Loss(self.loss, max(TUNING * spread, 1e-12)))
+            problem = with_loss(problem, Loss(self.loss, max(TUNING * spread, 1e-12)))
             point = descend(problem, point)[0]
         return problem
 
@@ -384,7 +393,6 @@ def _require_defined(problem: Problem, campaign: Campaign) -> None:
     )
 
 
-def _with_loss(problem: Problem, loss: Loss) -> Problem:
-    """Return the problem with another loss."""
-    objective = measured(problem)
-    return replace(problem, objective=MeasuredObjective(objective.data, objective.name, loss))
+def with_loss(problem: Problem, loss: Loss) -> Problem:
+    """Return a problem on measurements with another loss."""
+    return replace(problem, objective=replace(measured(problem), loss=loss))

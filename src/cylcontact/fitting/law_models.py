@@ -118,6 +118,10 @@ class LawModel:
         is_published = self.nominal_is_published and len(nominal) == len(self.parameters)
         return nominal if is_published else None
 
+    def candidates(self, *coefficients: _Coefficients) -> FloatArray:
+        """Return P sets of coefficients by name as candidates, shape (P, k)."""
+        return np.array([[values[name] for name in self.names] for values in coefficients])
+
     def form(self, candidates: FloatArray, dR: FloatArray) -> Form:
         """Return candidates, shape (P, k), at clearances ΔR in mm, shape (m,)."""
         return self.laws(candidates) if self.power_form is None else self.power_form(candidates, dR)
@@ -136,8 +140,8 @@ class LawModel:
 
 # What a test rig adds to a reading.
 _RIG = (
-    Parameter("offset", -1.0, 1.0, nominal=0.0, value=0.0, fixed=True, shift=True),
-    Parameter("compliance", 0.0, 1.0, nominal=0.0, value=0.0, fixed=True, shift=True),
+    Parameter("offset", -1.0, 1.0, nominal=0.0, value=0.0, shift=True),
+    Parameter("compliance", 0.0, 1.0, nominal=0.0, value=0.0, shift=True),
 )
 # Terms of sums in the enhanced law, and exponents that may be zero.
 _ENHANCED_SHIFTS = ("Y_log_exponent", "Y_slope", "Y_offset", "n_exponent")
@@ -226,7 +230,7 @@ def _logarithmic(name: str, base: LogarithmicLaw, contact: Contact) -> LawModel:
     parameters = (
         Parameter("kappa", 0.2, 5.0, nominal=float(base.kappa)),
         Parameter("c", -5.0, 5.0, nominal=float(base.shift), shift=True),
-        Parameter("Lambda_factor", 1e-3, 1e3, nominal=1.0, value=1.0, fixed=True),
+        Parameter("Lambda_factor", 1e-3, 1e3, nominal=1.0, value=1.0),
     )
     return LawModel(name, contact, parameters, lambda values: adjusted_logarithmic(base, **values))
 
@@ -240,7 +244,7 @@ def _scaled(name: str, base: ContactLaw) -> LawModel:
 
     parameters = (
         Parameter("modulus_factor", 0.05, 20.0, nominal=1.0),
-        Parameter("clearance_factor", 0.05, 20.0, nominal=1.0, value=1.0, fixed=True),
+        Parameter("clearance_factor", 0.05, 20.0, nominal=1.0, value=1.0),
     )
     return LawModel(name, "internal", parameters, build)
 

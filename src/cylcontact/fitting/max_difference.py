@@ -43,7 +43,7 @@ def max_abs_difference_percent(
     -------
     array of float, shape (P,)
     """
-    points = np.array([[c[name] for name in model.names] for c in candidates])
+    points = model.candidates(*candidates)
     work = [call(_at_clearance, grid, model, points, float(dR)) for dR in grid.dR]
     worst = np.zeros(len(candidates))
     with closing(run_calls(work, jobs, threads=True)) as results:

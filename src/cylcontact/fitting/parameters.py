@@ -21,9 +21,7 @@ class Parameter:
     nominal : float, optional
         A value to start from; that of the law's source if the model says so.
     value : float, optional
-        Its value if it is fixed.
-    fixed : bool
-        Whether it is fixed.
+        The value that it is fixed at.
     tie : str, optional
         The expression that sets it, e.g. "a/10" (`fitting.ties`).
     shift : bool
@@ -35,9 +33,13 @@ class Parameter:
     high: float = math.nan
     nominal: float | None = None
     value: float | None = None
-    fixed: bool = False
     tie: str | None = None
     shift: bool = False
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it is fixed."""
+        return self.value is not None
 
     @property
     def is_free(self) -> bool:

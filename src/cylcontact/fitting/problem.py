@@ -83,13 +83,13 @@ class Problem:
 
     def value_of(self, coefficients: Mapping[str, float]) -> float:
         """Return the objective of coefficients by name, which may be outside the bounds."""
-        candidate = np.array([[coefficients[name] for name in self.model.names]])
-        return float(self.objective.values(self.objective.form(self.model, candidate))[0])
+        form = self.objective.form(self.model, self.model.candidates(coefficients))
+        return float(self.objective.values(form)[0])
 
     def fixing(self, name: str, value: float) -> Problem:
         """Return the problem with one parameter fixed at a value."""
         parameters = tuple(
-            replace(p, value=value, fixed=True) if p.name == name else p for p in self.parameters
+            replace(p, value=value) if p.name == name else p for p in self.parameters
         )
         return replace(self, parameters=parameters)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import TypeVar
 
@@ -70,7 +70,7 @@ class ParameterSpec(Spec):
         """Return a parameter with the table's bounds, or its value."""
         low = math.nan if self.low is None else self.low
         high = math.nan if self.high is None else self.high
-        return replace(parameter, low=low, high=high, value=self.value, fixed=self.fixed)
+        return replace(parameter, low=low, high=high, value=self.value)
 
     @classmethod
     def of(cls, parameter: Parameter) -> ParameterSpec:
@@ -133,20 +133,8 @@ class CampaignSpec(Spec):
 
     @model_validator(mode="after")
     def _check(self) -> CampaignSpec:
-        if self.objective not in OBJECTIVES:
-            raise broken(
-                "objective",
-                self.objective,
-                "is not a known objective",
-                f"choose {', '.join(OBJECTIVES)}",
-            )
-        if self.optimizer not in OPTIMIZERS:
-            raise broken(
-                "optimizer",
-                self.optimizer,
-                "is not a known optimiser",
-                f"choose {', '.join(OPTIMIZERS)}",
-            )
+        _require_known("objective", self.objective, "objective", OBJECTIVES)
+        _require_known("optimizer", self.optimizer, "optimiser", OPTIMIZERS)
         return self
 
 
@@ -182,14 +170,10 @@ class MeasuredSpec(Spec):
 
     @model_validator(mode="after")
     def _check(self) -> MeasuredSpec:
-        if self.loss not in LOSSES:
-            raise broken("loss", self.loss, "is not a known loss", f"choose {', '.join(LOSSES)}")
-        if self.optimizer not in (None, *OPTIMIZERS):
-            raise broken(
-                "optimizer",
-                self.optimizer,
-                "is not a known optimiser",
-                f"choose {', '.join(OPTIMIZERS)}, or leave it out",
+        _require_known("loss", self.loss, "loss", LOSSES)
+        if self.optimizer is not None:
+            _require_known(
+                "optimizer", self.optimizer, "optimiser", OPTIMIZERS, ", or leave it out"
             )
         if self.loss == "linear" and self.loss_scale is not None:
             raise broken(
@@ -199,6 +183,20 @@ class MeasuredSpec(Spec):
                 "leave it out, or choose loss = soft_l1, huber or cauchy",
             )
         return self
+
+    @property
+    def named(self) -> list[str]:
+        """The parameters that the file names."""
+        return [*self.parameters, *(self.ties or {})]
+
+
+def _require_known(
+    key: str, name: str, kind: str, known: Collection[str], otherwise: str = ""
+) -> None:
+    """Refuse a name that is not one of those known."""
+    if name not in known:
+        remedy = f"choose {', '.join(known)}{otherwise}"
+        raise broken(key, name, f"is not a known {kind}", remedy)
 
 
 def completed(spec: _SpecType, parameters: tuple[Parameter, ...]) -> _SpecType:

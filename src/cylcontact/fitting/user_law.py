@@ -221,9 +221,7 @@ def _parameters_of(function: Callable[..., Any], spec: str) -> tuple[Parameter, 
             rule = f"has a default for {argument.name} that is not a number"
             raise InputError(spec, "law", None, rule, remedy)
         nominal = float(argument.default) if has_default else None
-        parameters.append(
-            Parameter(argument.name, -np.inf, np.inf, nominal, value=nominal, fixed=has_default)
-        )
+        parameters.append(Parameter(argument.name, -np.inf, np.inf, nominal, value=nominal))
     return tuple(parameters)
 
 

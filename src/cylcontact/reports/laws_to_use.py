@@ -108,8 +108,8 @@ def laws_to_use(contact: Contact, bench: Bench) -> pd.DataFrame:
     """
     result = bench.result(contact)
     samples, _ = collect_samples(grid_from(result.settings["dataset"], result.name))
-    to_johnson = np.zeros_like(samples.j)
-    references: dict[str, FloatArray] = {"johnson": to_johnson}
+    # What to add to ln(δ/δ_Johnson) for another reference.
+    references: dict[str, FloatArray] = {"johnson": np.zeros_like(samples.j)}
     if contact == "internal":
         truth = TRUTH[contact].penetration(samples.load, samples.pair)
         references["conformal"] = as_floats(samples.j - np.log(truth))
@@ -149,8 +149,8 @@ def to_text(contact: Contact, bench: Bench) -> str:
     -------
     str
     """
-    table = laws_to_use(contact, bench)
-    references = ["johnson", *(["conformal"] if "rms_conformal" in table else [])]
+    table = laws_to_use(contact, bench).to_dict("records")
+    references = [name for name in ("johnson", "conformal") if f"rms_{name}" in table[0]]
     columns = ["law", *(f"{what}, {name}" for name in references for what in ("RMS", "max %"))]
     rows = [
         (
@@ -168,7 +168,7 @@ def to_text(contact: Contact, bench: Bench) -> str:
             row["defined"],
             row["calibrated"],
         )
-        for row in table.to_dict("records")
+        for row in table
     ]
     lines = [
         f"laws for {contact} contact: error of the penetration at equal load, on the samples of "
@@ -176,7 +176,7 @@ def to_text(contact: Contact, bench: Bench) -> str:
         text_table([*columns, "time", "units", "defined for", "fitted over"], rows),
         *(
             ", ".join(filter(None, (f"{row['law']}: {row['formula']}", row["constants"])))
-            for row in table.to_dict("records")
+            for row in table
         ),
     ]
     return "\n".join(lines)
@@ -193,11 +193,11 @@ def _candidates(refit: FitResult, power: FitResult, samples: Samples) -> list[_C
     published = asdict(PUBLISHED[contact])
     phi = samples.load / samples.pair.dR
     low, high = BOUNDED[contact]
-    where = f"{INTERNAL_DR_MIN:g} ≤ ΔR < {INTERNAL_DR_MAX:g} mm" if contact == "internal" else ""
+    within = f"{INTERNAL_DR_MIN:g} ≤ ΔR < {INTERNAL_DR_MAX:g} mm"
     enhanced = partial(
         _Candidate,
         units="mm, N, MPa",
-        defined=where or "every ΔR",
+        defined=within if contact == "internal" else "every ΔR",
         calibrated=f"ΔR {samples.dR.min():g}…{samples.dR.max():g} mm",
         timed="power",
     )
@@ -240,8 +240,7 @@ def _candidates(refit: FitResult, power: FitResult, samples: Samples) -> list[_C
 def _fitted(fit: FitResult, coefficients: Mapping[str, float], samples: Samples) -> Form:
     """Return a fitted law at the clearances of the samples, the open end of its range included."""
     model = grid_model_of(fit.law, fit.contact, fit.name)
-    candidate = np.array([[coefficients[name] for name in model.names]])
-    return model.form(candidate, samples.dR)
+    return model.form(model.candidates(coefficients), samples.dR)
 
 
 def _relative_times(bench: Bench) -> dict[str, float]:

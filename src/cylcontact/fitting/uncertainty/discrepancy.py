@@ -225,7 +225,7 @@ def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
     """Return quantiles of Eq 9 over the grid in percent, from a histogram of ln(δ/δ_reference)."""
     edges = np.arange(-_LARGEST, _LARGEST + _BIN, _BIN)
     counts = np.zeros(edges.size - 1)
-    candidate = np.array([[best[name] for name in campaign.model.names]])
+    candidate = campaign.model.candidates(best)
     for dR in grid_of(campaign).dR:
         form = campaign.model.form(candidate, np.array([dR]))
         for block in blocks(grid_of(campaign), float(dR)):

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import campaign_from_settings
-from cylcontact.fitting.data import plain_problem
+from cylcontact.fitting.data import plain_problem, with_loss
 from cylcontact.fitting.law_models import with_rig
 from cylcontact.fitting.loss import Loss
 from cylcontact.fitting.problem import Problem
@@ -21,7 +21,7 @@ from cylcontact.fitting.uncertainty.bands import Band, bands_of_data
 from cylcontact.fitting.uncertainty.estimates import LEVEL, Uncertainty, uncertainty_of
 from cylcontact.fitting.uncertainty.likelihood import PairMap, pair_map, pairs_of
 from cylcontact.fitting.uncertainty.resampling import Bootstrap, LeftOut, bootstrap, leave_one_out
-from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
+from cylcontact.fitting.uncertainty.residual_model import residual_model_at
 from cylcontact.fitting.user_law import user_model
 from cylcontact.parallel import Workers, call, run_calls
 from cylcontact.progress import Progress, silent
@@ -89,7 +89,7 @@ def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
     problem = plain_problem(campaign)
     if result.uncertainty.loss_scale is not None:
         loss = Loss(result.settings["campaign"]["loss"], result.uncertainty.loss_scale)
-        problem = replace(problem, objective=replace(measured(problem), loss=loss))
+        problem = with_loss(problem, loss)
     if not np.isfinite(problem.value_of(result.coefficients)):
         raise InputError(
             f"fit result {result.name!r}",
