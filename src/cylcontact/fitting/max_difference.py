@@ -10,8 +10,9 @@ import numpy as np
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.sampling import blocks
-from cylcontact.fitting.law_models import LawModel
+from cylcontact.fitting.forms import form_of
 from cylcontact.fitting.samples import samples_of
+from cylcontact.laws.definition import LawModel
 from cylcontact.parallel import Workers, call, run_calls
 
 __all__ = ["max_abs_difference_percent"]
@@ -60,7 +61,7 @@ def _at_clearance(grid: Grid, model: LawModel, points: FloatArray, dR: float) ->
     Eq 9 increases with the log ratio, so only the extremes are exponentiated.
     """
     low, high = np.zeros(len(points)), np.zeros(len(points))
-    form = model.form(points, np.array([dR]))
+    form = form_of(model, points, np.array([dR]))
     for block in blocks(grid, dR):
         rows = samples_of(grid.contact, block)
         for k in range(len(points)):

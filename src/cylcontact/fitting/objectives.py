@@ -20,9 +20,9 @@ from scipy.optimize import least_squares, linprog
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.moments import Moments
-from cylcontact.fitting.forms import Form, PowerForm
-from cylcontact.fitting.law_models import LawModel
+from cylcontact.fitting.forms import Form, PowerForm, form_of
 from cylcontact.fitting.samples import Samples
+from cylcontact.laws.definition import LawModel
 
 __all__ = [
     "OBJECTIVES",
@@ -81,7 +81,7 @@ class RmsLogPenetration:
 
     def form(self, model: LawModel, candidates: FloatArray) -> Form:
         """Return P candidates of a law at the clearances."""
-        return model.form(candidates, self.dR)
+        return form_of(model, candidates, self.dR)
 
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,)."""
@@ -132,7 +132,7 @@ class _RowObjective(ABC):
 
     def form(self, model: LawModel, candidates: FloatArray) -> Form:
         """Return P candidates of a law at the clearances."""
-        return model.form(candidates, self.dR)
+        return form_of(model, candidates, self.dR)
 
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,)."""

@@ -11,10 +11,9 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
 from cylcontact.fitting.forms import Form
-from cylcontact.fitting.law_models import LawModel
 from cylcontact.fitting.objectives import Objective
-from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.ties import evaluate
+from cylcontact.laws.definition import LawModel, Parameter
 
 __all__ = ["Problem", "require_defined_somewhere"]
 

@@ -17,7 +17,7 @@ import pandas as pd
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import grid_from
 from cylcontact.errors import InputError
-from cylcontact.fitting.forms import Form, LawForm
+from cylcontact.fitting.forms import Form, LawForm, form_of
 from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.report import text_table
 from cylcontact.fitting.result import FitResult
@@ -240,7 +240,7 @@ def _candidates(refit: FitResult, power: FitResult, samples: Samples) -> list[_C
 def _fitted(fit: FitResult, coefficients: Mapping[str, float], samples: Samples) -> Form:
     """Return a fitted law at the clearances of the samples, the open end of its range included."""
     model = grid_model_of(fit.law, fit.contact, fit.name)
-    return model.form(model.candidates(coefficients), samples.dR)
+    return form_of(model, model.candidates(coefficients), samples.dR)
 
 
 def _relative_times(bench: Bench) -> dict[str, float]:
