@@ -318,5 +318,3 @@ def test_single_numbers_give_numpy_scalars(pair):
 @pytest.mark.parametrize("shape", [(0,), (1,), (2, 0)])
 def test_empty_and_one_element_arrays_stay_arrays(shape, pair):
     assert LAW.load(np.full(shape, 1e-3), pair).shape == shape
-
-

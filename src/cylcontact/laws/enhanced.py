@@ -168,7 +168,7 @@ def coefficients_from(values: Mapping[str, float]) -> Coefficients:
 
 @dataclass(frozen=True)
 class Enhanced(PowerShaped):
-    """The enhanced law, Eqs 5–6, without its dissipation factor.
+    """The enhanced law (Pereira, Ramalho and Ambrósio 2015), Eqs 5–6, without dissipation factor.
 
     Parameters
     ----------

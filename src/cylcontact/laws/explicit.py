@@ -95,7 +95,7 @@ CALIBRATED: Mapping[Contact, ExplicitCoefficients] = {
 
 @dataclass(frozen=True)
 class Explicit:
-    """The explicit law f = π·E*·δ/L(δ/ΔR).
+    """The explicit law of this package, f = π·E*·δ/L(δ/ΔR) with three logarithms in L.
 
     Parameters
     ----------

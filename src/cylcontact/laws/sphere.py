@@ -22,7 +22,7 @@ _NEEDS = ("R_i", "R_j", "length")
 
 @dataclass(frozen=True)
 class LankaraniNikravesh(PowerShaped):
-    """The elastic part of Eq 2: F = (4/3)·E*·√R·δⁿ, with R = R_i·R_j/ΔR.
+    """Lankarani and Nikravesh (1990), elastic part of Eq 2: F = (4/3)·E*·√R·δⁿ, R = R_i·R_j/ΔR.
 
     Parameters
     ----------
