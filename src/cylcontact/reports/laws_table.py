@@ -306,7 +306,7 @@ def _parameters(contact: Contact) -> str:
         if model.contact == contact:
             alike.setdefault(tuple(map(_parameter, model.parameters)), []).append(model.law)
     lines = [
-        "parameters that a fit searches, with the bounds that it takes unless a campaign gives others:"
+        "parameters that a fit searches, and its bounds unless a campaign gives others:"
     ]
     for parameters, names in alike.items():
         lines += [f"  {', '.join(names)}", *(f"    {parameter}" for parameter in parameters)]
