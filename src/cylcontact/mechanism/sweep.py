@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
-from contextlib import closing
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, astuple, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,7 @@ from cylcontact.mechanism.model import Mechanism, mechanism_from
 from cylcontact.mechanism.simulate import simulate
 from cylcontact.mechanism.studies import horizon
 from cylcontact.mechanism.trajectory import Trajectory
-from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.parallel import Call, Workers, call, run_recorded
 from cylcontact.progress import Progress, silent
 from cylcontact.provenance import spec_hash
 
@@ -130,26 +130,28 @@ def sweep(
 
     _require_possible(mechanism, wanted, plan)
     journal = Journal(checkpoint, "sweep", _key(mechanism, plan)) if checkpoint else None
-    rows = dict(journal.load(_row_from)) if journal and resume else {}
-    if journal and not resume:
-        journal.start()
-    missing = [case for case in wanted if case not in rows]
-    done = len(wanted) - len(missing)
-    calls = [call(run_case, mechanism.data, mechanism.source, case, plan) for case in missing]
-    progress("cases", done, len(wanted))
-    with closing(run_calls(calls, workers)) as results:
-        for case, row in zip(missing, results, strict=True):
-            rows[case] = row
-            if journal:
-                journal.add({"case": asdict(case), "row": row})
-            done += 1
-            progress("cases", done, len(wanted))
+    calls: dict[tuple[Case, ...], Call] = {
+        (case,): call(_solve, mechanism.data, mechanism.source, case, plan) for case in wanted
+    }
+    rows = run_recorded(
+        calls, journal, _row_from, _entries, resume, workers, partial(progress, "cases")
+    )
     return pd.DataFrame([rows[case] for case in wanted])
 
 
 def _row_from(entry: dict[str, Any]) -> tuple[Case, dict[str, Any]]:
     """Return the case and the row that a journal entry records."""
     return Case(**entry["case"]), entry["row"]
+
+
+def _entries(rows: Mapping[Case, dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the journal entries that record rows."""
+    return [{"case": asdict(case), "row": row} for case, row in rows.items()]
+
+
+def _solve(data: dict[str, Any], source: str, case: Case, plan: Plan) -> dict[Case, dict[str, Any]]:
+    """Return the row of a case by the case."""
+    return {case: run_case(data, source, case, plan)}
 
 
 def run_case(data: dict[str, Any], source: str, case: Case, plan: Plan) -> dict[str, Any]:
