@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cylcontact import choices
-from cylcontact.choices import BEYOND, METHODS, listed
+from cylcontact.choices import BEYOND, METHODS, TABLE_SUFFIXES, listed
 from cylcontact.cli.options import Jobs, Scheduler, integer_from, resumable
 from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
-from cylcontact.files import owning, require_suffix
+from cylcontact.files import owning, require_suffix, write_table
 
 if TYPE_CHECKING:
     from cylcontact.mechanism import Mechanism, Settings, Trajectory
@@ -191,10 +191,9 @@ def sweep(
     """Simulate laws × clearances × restitutions × frictions into one table."""
     from cylcontact.mechanism import Plan, cases, read_mechanism
     from cylcontact.mechanism import sweep as run
-    from cylcontact.mechanism.sweep import require_table_name, write_table
 
     mechanism = read_mechanism(spec)
-    require_table_name(out)
+    require_suffix(out, *TABLE_SUFFIXES)
     wanted = cases(
         [law.strip() for law in laws.split(",")],
         _numbers("--clearances", clearances),
@@ -228,10 +227,9 @@ def tolerances(
     from cylcontact.mechanism import Plan, cases, read_mechanism
     from cylcontact.mechanism import sweep as run
     from cylcontact.mechanism.studies import tolerance_table
-    from cylcontact.mechanism.sweep import require_table_name, write_table
 
     mechanism = read_mechanism(spec)
-    require_table_name(out)
+    require_suffix(out, *TABLE_SUFFIXES)
     turns = revolutions or mechanism.integration.revolutions
     wanted = cases(*PAPER)
     where = workers(jobs, scheduler)

@@ -20,7 +20,7 @@ from cylcontact.cli.options import (
 from cylcontact.cli.terminal import cores, progress_bars
 from cylcontact.errors import InputError
 from cylcontact.export import TARGETS
-from cylcontact.files import replacing, shipped_bench
+from cylcontact.files import replacing, require_suffix, shipped_bench, write_table
 from cylcontact.pair import CONTACTS
 
 if TYPE_CHECKING:
@@ -149,23 +149,23 @@ def claims(
 ) -> None:
     """Hold every quantitative statement of the paper against computed numbers."""
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.claims import ledger, to_csv, to_json, to_text
+    from cylcontact.reports.claims import ledger, to_json, to_table, to_text
     from cylcontact.reports.paper import paper_of
 
     bench = Bench(Path(), results, jobs or cores())
-    if out is not None and out.suffix not in (".csv", ".json"):
-        raise InputError(
-            str(out), "", None, "is neither .csv nor .json", "name the output so that it is one"
-        )
+    if out is not None:
+        require_suffix(out, ".csv", ".json")
     with progress_bars() as progress:
         computed = ledger(bench, progress)
     terms = paper_of(bench).definitions
     if out is None:
         typer.echo(to_text(computed, terms), nl=False)
         return
-    text = to_csv(computed) if out.suffix == ".csv" else to_json(computed, terms)
-    with replacing(out) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    if out.suffix == ".csv":
+        write_table(to_table(computed), out)
+    else:
+        with replacing(out) as temporary:
+            temporary.write_text(to_json(computed, terms), encoding="utf-8")
     count = len(computed)
     typer.echo(f"{count} {'claim' if count == 1 else 'claims'} written to {out}")
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.choices import TABLE_SUFFIXES, Beyond, Method
+from cylcontact.choices import Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.journal import Journal
 from cylcontact.mechanism.model import Mechanism, mechanism_from
@@ -26,7 +26,7 @@ from cylcontact.provenance import spec_hash
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Case", "Plan", "cases", "require_table_name", "run_case", "sweep", "write_table"]
+__all__ = ["Case", "Plan", "cases", "run_case", "sweep"]
 
 
 @dataclass(frozen=True)
@@ -228,23 +228,3 @@ def _require_possible(mechanism: Mechanism, wanted: Sequence[Case], plan: Plan) 
 def _key(mechanism: Mechanism, plan: Plan) -> str:
     """Return a hash of everything that a case's row depends on besides the case."""
     return spec_hash({"mechanism": mechanism.data, "plan": astuple(plan)})
-
-
-def write_table(table: pd.DataFrame, path: Path | str) -> None:
-    """Write a table as .csv or .parquet; it appears complete or not at all."""
-    from cylcontact.files import replacing
-
-    target = Path(path)
-    require_table_name(target)
-    with replacing(target) as temporary:
-        if target.suffix == ".csv":
-            table.to_csv(temporary, index=False)
-        else:
-            table.to_parquet(temporary, index=False)
-
-
-def require_table_name(path: Path) -> None:
-    """Refuse a name that is neither .csv nor .parquet."""
-    from cylcontact.files import require_suffix
-
-    require_suffix(path, *TABLE_SUFFIXES)
