@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, astuple, dataclass
 from functools import partial
 from pathlib import Path
@@ -19,7 +19,7 @@ from cylcontact.mechanism.model import Mechanism, mechanism_from
 from cylcontact.mechanism.simulate import simulate
 from cylcontact.mechanism.studies import horizon
 from cylcontact.mechanism.trajectory import Trajectory
-from cylcontact.parallel import Call, Workers, call, run_recorded
+from cylcontact.parallel import Call, Workers, call, call_for, run_recorded
 from cylcontact.progress import Progress, silent
 from cylcontact.provenance import spec_hash
 
@@ -131,10 +131,11 @@ def sweep(
     _require_possible(mechanism, wanted, plan)
     journal = Journal(checkpoint, "sweep", _key(mechanism, plan)) if checkpoint else None
     calls: dict[tuple[Case, ...], Call] = {
-        (case,): call(_solve, mechanism.data, mechanism.source, case, plan) for case in wanted
+        (case,): call_for(case, call(run_case, mechanism.data, mechanism.source, case, plan))
+        for case in wanted
     }
     rows = run_recorded(
-        calls, journal, _row_from, _entries, resume, workers, partial(progress, "cases")
+        calls, journal, _row_from, _entry, resume, workers, partial(progress, "cases")
     )
     return pd.DataFrame([rows[case] for case in wanted])
 
@@ -144,14 +145,9 @@ def _row_from(entry: dict[str, Any]) -> tuple[Case, dict[str, Any]]:
     return Case(**entry["case"]), entry["row"]
 
 
-def _entries(rows: Mapping[Case, dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the journal entries that record rows."""
-    return [{"case": asdict(case), "row": row} for case, row in rows.items()]
-
-
-def _solve(data: dict[str, Any], source: str, case: Case, plan: Plan) -> dict[Case, dict[str, Any]]:
-    """Return the row of a case by the case."""
-    return {case: run_case(data, source, case, plan)}
+def _entry(case: Case, row: dict[str, Any]) -> dict[str, Any]:
+    """Return the journal entry that records a case and its row."""
+    return {"case": asdict(case), "row": row}
 
 
 def run_case(data: dict[str, Any], source: str, case: Case, plan: Plan) -> dict[str, Any]:

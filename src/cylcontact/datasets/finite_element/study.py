@@ -136,7 +136,7 @@ def run_study(
             for task in _tasks(study, engine)
         }
         solved = run_recorded(
-            calls, journal, _row_from, _entries, resume, jobs, partial(progress, "solving")
+            calls, journal, _row_from, _entry, resume, jobs, partial(progress, "solving")
         )
     failures = (result for result in solved.values() if isinstance(result, Failure))
     return (
@@ -151,9 +151,9 @@ def _row_from(entry: dict[str, Any]) -> tuple[_Place, Row | Failure]:
     return row.place, row
 
 
-def _entries(solved: Mapping[_Place, Row | Failure]) -> list[dict[str, Any]]:
-    """Return the journal entries that record solved cases; failures are tried again."""
-    return [asdict(row) for row in solved.values() if isinstance(row, Row)]
+def _entry(_: _Place, solved: Row | Failure) -> dict[str, Any] | None:
+    """Return the journal entry that records a row; None for a failure."""
+    return asdict(solved) if isinstance(solved, Row) else None
 
 
 def _tasks(study: Study, engine: Engine) -> list[_Task]:
