@@ -63,7 +63,22 @@ def modulus_in_MPa(E: float | None) -> float | None:
 
 
 def expand_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Declare every field of a command's dataclass parameters as an option of its own."""
+    """Declare every field of a command's dataclass parameters as an option of its own.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> @dataclass
+    ... class Size:
+    ...     width: int = 1
+    >>> @expand_options
+    ... def draw(name: str, *, size: Size) -> None:
+    ...     print(name, size)
+    >>> inspect.signature(draw)
+    <Signature (*, name: str, width: int = 1)>
+    >>> draw(name="box", width=2)
+    box Size(width=2)
+    """
     parameters = inspect.signature(command, eval_str=True).parameters
     groups: dict[str, Any] = {
         name: parameter.annotation
