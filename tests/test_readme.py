@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from cylcontact import laws
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.report import labels
 from cylcontact.reports import Bench
@@ -81,7 +80,6 @@ def test_the_numbers_between_the_tables(figures):
     assert f"by 10 % at φ = {departure_number(10.0):.2f} and by 48 %" in README
     assert f"φ = {johnson_end():.2f}, where Johnson's law ends" in README
     assert round(johnson_shortfall(johnson_end())) == 48
-    assert f"has {'fourteen' if len(laws.LAWS) == 14 else len(laws.LAWS)}, with" in README
 
 
 def planned():
