@@ -23,7 +23,7 @@ from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.report import noise_text
 from cylcontact.fitting.uncertainty.bands import bands_of_data, predict
 from cylcontact.fitting.uncertainty.estimates import uncertainty_of
-from cylcontact.fitting.uncertainty.likelihood import (
+from cylcontact.fitting.uncertainty.profiles import (
     Interval,
     fixed_ratio,
     interval,

@@ -7,7 +7,6 @@ best coefficients are. So `calibrate` does not tell them apart.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
@@ -25,13 +24,13 @@ from cylcontact.fitting.max_difference import max_abs_difference_percent
 from cylcontact.fitting.measured_objective import MeasuredObjective
 from cylcontact.fitting.objectives import ON_ROWS, make_objective
 from cylcontact.fitting.problem import Problem, require_defined_somewhere
-from cylcontact.fitting.profile import Profile, profile
 from cylcontact.fitting.run import execute, plan_runs
 from cylcontact.fitting.samples import Samples, collect_samples
 from cylcontact.fitting.uncertainty.estimates import Uncertainty, uncertainty_of
+from cylcontact.fitting.uncertainty.profiles import Profile, profile
 from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA, measured
 from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.parallel import Call, Workers, call, run_calls
+from cylcontact.parallel import Call, Workers, call, collect
 from cylcontact.progress import Progress
 
 if TYPE_CHECKING:
@@ -261,13 +260,8 @@ def _profiles(
     work = [
         call(profile, problem, name, best, published[name] if published else None) for name in names
     ]
-    profiles = {}
     progress("profiling", 0, len(names))
-    with closing(run_calls(work, jobs)) as curves:
-        for name, curve in zip(names, curves, strict=True):
-            profiles[name] = curve
-            progress("profiling", len(profiles), len(names))
-    return profiles
+    return dict(zip(names, collect(work, jobs, progress, "profiling"), strict=True))
 
 
 # --- a table -----------------------------------------------------------------------------------

@@ -12,9 +12,9 @@ from cylcontact.errors import InputError, short
 from cylcontact.files import replacing
 from cylcontact.fitting import report
 from cylcontact.fitting.campaign import Campaign, campaign_from_settings
-from cylcontact.fitting.profile import Profile
 from cylcontact.fitting.run import RunRecord
 from cylcontact.fitting.uncertainty.estimates import Uncertainty
+from cylcontact.fitting.uncertainty.profiles import Profile
 from cylcontact.pair import Contact
 from cylcontact.spec import Spec, parse_spec, require_other_kind
 

@@ -7,9 +7,9 @@ agree to the bit.
 
 from cylcontact.parallel.calls import Call, call
 from cylcontact.parallel.cluster import Cluster
-from cylcontact.parallel.run import Workers, run_calls
+from cylcontact.parallel.run import Workers, collect, run_calls
 
-__all__ = ["Call", "Cluster", "Workers", "call", "run_calls"]
+__all__ = ["Call", "Cluster", "Workers", "call", "collect", "run_calls"]
 
 
 def __dir__() -> list[str]:
