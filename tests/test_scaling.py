@@ -26,7 +26,7 @@ import sys
 from dataclasses import replace
 from benchmarks.scaling import thinned
 from cylcontact.datasets import read_grid, reduce_grid
-from cylcontact.fitting.max_difference import max_abs_difference_percent
+from cylcontact.fitting.objectives import max_abs_difference_percent
 from cylcontact.fitting.law_models import MODELS
 shape = tuple(map(int, sys.argv[1:]))
 grid = thinned(read_grid("datasets/huge.toml"), shape)

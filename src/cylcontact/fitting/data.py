@@ -20,9 +20,8 @@ from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.errors import InputError
 from cylcontact.fitting.least_squares import descend, run_from, starting_points
 from cylcontact.fitting.loss import TUNING, Loss
-from cylcontact.fitting.max_difference import max_abs_difference_percent
 from cylcontact.fitting.measured_objective import MeasuredObjective
-from cylcontact.fitting.objectives import ON_ROWS, make_objective
+from cylcontact.fitting.objectives import ON_ROWS, make_objective, max_abs_difference_percent
 from cylcontact.fitting.problem import Problem, require_defined_somewhere
 from cylcontact.fitting.run import execute, plan_runs
 from cylcontact.fitting.samples import Samples, collect_samples

@@ -35,8 +35,8 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
-from cylcontact.fitting.forms import Form, LawForm, PowerForm
 from cylcontact.fitting.parameters import Parameter
+from cylcontact.fitting.samples import Form, LawForm, PowerForm
 from cylcontact.laws import LAWS, PUBLISHED, ContactLaw
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw, adjusted_logarithmic
 from cylcontact.laws.enhanced import (

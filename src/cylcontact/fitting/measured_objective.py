@@ -19,9 +19,9 @@ import numpy as np
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Measurements
 from cylcontact.errors import InputError
-from cylcontact.fitting.forms import Form, LawForm
 from cylcontact.fitting.law_models import LawModel
 from cylcontact.fitting.loss import Loss
+from cylcontact.fitting.samples import Form, LawForm
 from cylcontact.laws.contact_law import ContactLaw
 
 __all__ = ["MeasuredObjective", "laws_of", "objective_name"]

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
-from cylcontact.fitting.forms import Form
 from cylcontact.fitting.law_models import LawModel
 from cylcontact.fitting.objectives import Objective
 from cylcontact.fitting.parameters import Parameter
+from cylcontact.fitting.samples import Form
 from cylcontact.fitting.ties import evaluate
 
 __all__ = ["Problem", "require_defined_somewhere"]
