@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from cylcontact import InputError
 from cylcontact.cli.app import app
 from cylcontact.fitting.calibration import calibrate, problem_of
-from cylcontact.fitting.data import with_grid
+from cylcontact.fitting.campaign import with_grid
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.report import discrepancy_text
 from cylcontact.fitting.samples import collect_samples

@@ -6,13 +6,13 @@ import pytest
 
 from cylcontact import laws
 from cylcontact.datasets import Moments, concatenate
+from cylcontact.fitting.calibration import plan_runs
 from cylcontact.fitting.genetic import CROSSOVERS, OPERATORS, WholePopulations, search
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import OBJECTIVES, make_objective
 from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.run import plan_runs
 from cylcontact.fitting.samples import Samples
 
 BOUNDS = {

@@ -14,7 +14,7 @@ from benchmarks import scaling
 from benchmarks.scaling import COLUMNS, SHAPES, log_pass, memory_of, read_table, thinned
 from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.data import with_grid
+from cylcontact.fitting.campaign import with_grid
 
 ROOT = Path(__file__).resolve().parents[1]
 HUGE = ROOT / "benchmarks/huge.toml"

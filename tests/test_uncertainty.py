@@ -12,10 +12,10 @@ from cylcontact import CylinderPair, InputError
 from cylcontact.cli.app import app
 from cylcontact.fitting.assessment import noise_verdicts
 from cylcontact.fitting.calibration import calibrate
-from cylcontact.fitting.data import plain_problem
 from cylcontact.fitting.law_models import MODELS, LawModel
 from cylcontact.fitting.least_squares import descend, jacobian
 from cylcontact.fitting.loss import Loss
+from cylcontact.fitting.measured_fit import plain_problem
 from cylcontact.fitting.measured_objective import MeasuredObjective
 from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.problem import Problem

@@ -9,8 +9,7 @@ from cylcontact.fitting.uncertainty.profiles import FAIRLY, TOLERANCE, WELL
 from cylcontact.fitting.uncertainty.residual_model import ROUNDING
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.result import FitResult
-    from cylcontact.fitting.run import RunRecord
+    from cylcontact.fitting.result import FitResult, RunRecord
     from cylcontact.fitting.uncertainty.estimates import Uncertainty
 
 __all__ = [

@@ -20,8 +20,7 @@ from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.sampling import blocks
 from cylcontact.errors import InputError
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.campaign import Campaign, campaign_from_settings
-from cylcontact.fitting.data import grid_of, with_grid
+from cylcontact.fitting.campaign import Campaign, campaign_from_settings, grid_of, with_grid
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import samples_of
 from cylcontact.fitting.uncertainty.profiles import (

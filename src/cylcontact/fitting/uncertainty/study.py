@@ -11,9 +11,9 @@ from pydantic import Field
 
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import campaign_from_settings
-from cylcontact.fitting.data import plain_problem, with_loss
 from cylcontact.fitting.law_models import with_rig
 from cylcontact.fitting.loss import Loss
+from cylcontact.fitting.measured_fit import plain_problem, with_loss
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.bands import Band, bands_of_data
