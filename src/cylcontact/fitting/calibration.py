@@ -7,7 +7,7 @@ coefficients are worth; a table also in its searches, if no optimiser is named.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,12 +16,11 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from cylcontact.datasets.grid import Grid
-from cylcontact.datasets.measurements import Measurements
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import Campaign, GridData, TableData
-from cylcontact.fitting.measured_fit import descents, measured_problem
+from cylcontact.fitting.measured_fit import descents, largest_percent, measured_problem
 from cylcontact.fitting.objectives import ON_ROWS, make_objective, max_abs_difference_percent
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed, search
 from cylcontact.fitting.polish import polish_across_kinks
@@ -112,7 +111,9 @@ def calibrate(
     records = search_all(problem, campaign, jobs, progress, journal, resume)
     best = min(records, key=lambda record: (record.objective, record.index))
     published = _published(problem)
-    quality = _quality(campaign, problem, best.coefficients, published, jobs, progress)
+    compared = [best.coefficients] + ([published.coefficients] if published else [])
+    largest = _largest_percent(campaign, problem, compared, jobs, progress)
+    on_grid = isinstance(campaign.data, GridData)
     return FitResult(
         name=campaign.name,
         law=campaign.model.law,
@@ -120,16 +121,18 @@ def calibrate(
         reference=campaign.data.reference,
         coefficients=best.coefficients,
         objective=ObjectiveValue(name=campaign.objective, value=best.objective),
-        bound=quality.bound,
+        bound=problem.objective.bound if on_grid and problem.model.power_form else None,
         published=published,
-        max_abs_diff_percent=quality.largest_percent,
-        profiles=quality.profiles,
+        max_abs_diff_percent=MaxDifference(
+            fitted=largest[0], published=largest[1] if published else None
+        ),
+        profiles=_profiles(problem, *compared, jobs=jobs, progress=progress) if on_grid else {},
         runs=records,
         counts=SampleCounts(samples=counts.samples, masked=counts.masked),
         settings=campaign.settings,
         provenance=campaign.provenance,
         kind=campaign.data.kind,
-        uncertainty=quality.uncertainty,
+        uncertainty=None if on_grid else _uncertainty(problem, best.coefficients, jobs, progress),
     )
 
 
@@ -378,84 +381,46 @@ def _published(problem: Problem) -> Published | None:
     return Published(coefficients=dict(published), objective=value) if np.isfinite(value) else None
 
 
-@dataclass(frozen=True)
-class _Quality:
-    """How good the best coefficients are: a bound and profiles on a grid, else an uncertainty."""
-
-    bound: float | None
-    largest_percent: MaxDifference
-    profiles: dict[str, Profile]
-    uncertainty: Uncertainty | None
-
-
-def _quality(
+def _largest_percent(
     campaign: Campaign,
     problem: Problem,
-    best: Mapping[str, float],
-    published: Published | None,
+    compared: list[dict[str, float]],
     jobs: Workers,
     progress: Progress,
-) -> _Quality:
-    """Return how good the best coefficients are."""
-    values = None if published is None else published.coefficients
-    if isinstance(campaign.data, GridData):
-        return _quality_on_grid(campaign.data.grid, problem, best, values, jobs, progress)
-    return _quality_on_table(campaign.data.measurements, problem, best, values, jobs, progress)
-
-
-def _quality_on_grid(
-    grid: Grid,
-    problem: Problem,
-    best: Mapping[str, float],
-    published: Mapping[str, float] | None,
-    jobs: Workers,
-    progress: Progress,
-) -> _Quality:
-    """Compare over the whole grid, and profile every free parameter."""
-    candidates = [best] if published is None else [best, published]
+) -> list[float]:
+    """Return the largest |Eq 9| over the data in percent for each of several coefficient sets."""
+    if isinstance(campaign.data, TableData):
+        build, data = problem.model.build, campaign.data.measurements
+        return [largest_percent(data, build(coefficients)) for coefficients in compared]
+    grid = campaign.data.grid
     progress("comparing", 0, grid.dR.size)
     done = _by_clearance(progress, "comparing", grid)
-    worst = max_abs_difference_percent(grid, problem.model, candidates, jobs, done)
+    largest = max_abs_difference_percent(grid, problem.model, compared, jobs, done)
+    return [float(value) for value in largest]
+
+
+def _profiles(
+    problem: Problem,
+    best: dict[str, float],
+    published: dict[str, float] | None = None,
+    *,
+    jobs: Workers,
+    progress: Progress,
+) -> dict[str, Profile]:
+    """Profile the objective over every free parameter."""
     names = [p.name for p in problem.free]
     calls = [
         call(profile, problem, name, best, published[name] if published else None) for name in names
     ]
     progress("profiling", 0, len(names))
-    profiles = collect(calls, jobs, progress, "profiling")
-    return _Quality(
-        bound=problem.objective.bound if problem.model.power_form is not None else None,
-        largest_percent=MaxDifference(
-            fitted=float(worst[0]), published=None if published is None else float(worst[1])
-        ),
-        profiles=dict(zip(names, profiles, strict=True)),
-        uncertainty=None,
-    )
+    return dict(zip(names, collect(calls, jobs, progress, "profiling"), strict=True))
 
 
-def _quality_on_table(
-    measurements: Measurements,
-    problem: Problem,
-    best: Mapping[str, float],
-    published: Mapping[str, float] | None,
-    jobs: Workers,
-    progress: Progress,
-) -> _Quality:
-    """Compare with the measurements, and estimate the uncertainty."""
+def _uncertainty(
+    problem: Problem, best: dict[str, float], jobs: Workers, progress: Progress
+) -> Uncertainty:
+    """Return the uncertainty of a fit to measurements."""
     progress("profiling", 0, 1)
     uncertainty = uncertainty_of(problem, best, jobs=jobs)
     progress("profiling", 1, 1)
-
-    def largest_percent(coefficients: Mapping[str, float]) -> float:
-        law = problem.model.build(coefficients)
-        ratio = law.penetration(measurements.load, measurements.pair) / measurements.penetration - 1
-        return float(100 * np.nanmax(np.abs(ratio))) if np.isfinite(ratio).any() else 0.0
-
-    return _Quality(
-        bound=None,
-        largest_percent=MaxDifference(
-            fitted=largest_percent(best),
-            published=None if published is None else largest_percent(published),
-        ),
-        profiles={},
-        uncertainty=uncertainty,
-    )
+    return uncertainty

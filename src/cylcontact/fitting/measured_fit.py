@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from cylcontact.arrays import FloatArray
+from cylcontact.datasets.measurements import Measurements
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import Campaign, TableData
 from cylcontact.fitting.least_squares import descend, starting_points
@@ -17,9 +18,10 @@ from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.result import RunRecord
 from cylcontact.fitting.specs import MeasuredSpec
 from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA, measured
+from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.parallel import Call, call
 
-__all__ = ["descents", "measured_problem", "plain_problem", "with_loss"]
+__all__ = ["descents", "largest_percent", "measured_problem", "plain_problem", "with_loss"]
 
 # Iterations for the scale of a robust loss.
 _SCALE_ROUNDS = 5
@@ -53,6 +55,12 @@ def descents(campaign: Campaign, problem: Problem) -> list[Call]:
     spec = _spec_of(campaign)
     starts = starting_points(problem, campaign.nominal, spec.starts, spec.seed)
     return [call(_run_from, problem, start, k, spec.seed) for k, start in enumerate(starts)]
+
+
+def largest_percent(measurements: Measurements, law: ContactLaw) -> float:
+    """Return the largest |Eq 9| against measurements, in percent."""
+    ratio = law.penetration(measurements.load, measurements.pair) / measurements.penetration - 1
+    return float(100 * np.nanmax(np.abs(ratio))) if np.isfinite(ratio).any() else 0.0
 
 
 def with_loss(problem: Problem, loss: Loss) -> Problem:

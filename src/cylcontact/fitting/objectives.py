@@ -10,7 +10,7 @@ f = K*(ΔR)·E*/ΔR·δ^n(ΔR) can be better, whatever its K*(ΔR) and n(ΔR).
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cached_property
@@ -327,7 +327,7 @@ def make_objective(objective: str, data: Moments | Samples) -> Objective:
 def max_abs_difference_percent(
     grid: Grid,
     model: LawModel,
-    candidates: list[Mapping[str, float]],
+    candidates: Sequence[Mapping[str, float]],
     jobs: Workers = 1,
     progress: Callable[[int], None] | None = None,
 ) -> FloatArray:
@@ -339,7 +339,7 @@ def max_abs_difference_percent(
         The grid, sampled block by block.
     model : LawModel
         The law.
-    candidates : list of mapping
+    candidates : sequence of mapping
         Coefficients by name, P of them.
     jobs : int or Cluster
         Threads, or a Dask cluster; the result does not depend on it.
