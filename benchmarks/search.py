@@ -13,8 +13,8 @@ from cylcontact.datasets import reduce_grid
 from cylcontact.fitting import genetic
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import RmsLogPenetration
-from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.problem import Problem
+from cylcontact.laws.definition import Parameter
 
 # The bounds of the paper's internal campaign.
 BOUNDS = {

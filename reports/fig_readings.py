@@ -21,10 +21,10 @@ from cylcontact.arrays import FloatArray
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.objectives import ON_ROWS
-from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.polish import polish, polish_across_kinks
 from cylcontact.fitting.problem import Problem
 from cylcontact.laws import PUBLISHED
+from cylcontact.laws.definition import Parameter
 from cylcontact.pair import CONTACTS, Contact
 from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title
 from cylcontact.plots.style import COLOURS, MARKERS, QUIET

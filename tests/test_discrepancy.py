@@ -14,7 +14,7 @@ from cylcontact.fitting.calibration import calibrate, problem_of
 from cylcontact.fitting.campaign import with_grid
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.report import discrepancy_text
-from cylcontact.fitting.samples import collect_samples
+from cylcontact.fitting.samples import collect_samples, form_of
 from cylcontact.fitting.uncertainty.discrepancy import study_discrepancy
 from cylcontact.fitting.uncertainty.study import study_noise
 from tests.measured_files import measured_campaign
@@ -34,7 +34,7 @@ def study(small_result):
 def test_the_spread_is_that_of_eq_9_over_the_samples(small_campaign, small_result, study):
     rows, _ = collect_samples(small_campaign.data.grid)
     point = np.array([[small_result.coefficients[name] for name in small_campaign.model.names]])
-    ratio = small_campaign.model.form(point, rows.dR).log_penetration_ratio(0, rows)
+    ratio = form_of(small_campaign.model, point, rows.dR).log_penetration_ratio(0, rows)
     for share, value in study.spread_percent.items():
         expected = 100 * np.expm1(np.quantile(ratio, float(share) / 100, method="inverted_cdf"))
         assert value == pytest.approx(expected, abs=0.02)

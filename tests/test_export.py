@@ -1,5 +1,6 @@
 import json
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -27,10 +28,21 @@ def coefficients(path):
     return FitResult.load(path).coefficients
 
 
+def two_formulas(law):
+    """Whether a law has another formula for external contact."""
+    with suppress(InputError):
+        return formula_of(law, "external").name != formula_of(law, "internal").name
+    return False
+
+
 # Every law with a name, for each contact that it tells apart, and coefficients of one's own.
 LAWS = {
     **{f"{name}-internal": (laws.LAWS[name](), "internal") for name in EXPORTABLE},
-    **{f"{name}-external": (laws.LAWS[name](), "external") for name in ("enhanced", "explicit")},
+    **{
+        f"{name}-external": (laws.LAWS[name](), "external")
+        for name in EXPORTABLE
+        if two_formulas(laws.LAWS[name]())
+    },
     "refit-internal": (laws.Enhanced(coefficients(INTERNAL)), "internal"),
     "refit-external": (laws.Enhanced(coefficients(EXTERNAL)), "external"),
     "undefined": (laws.Enhanced(coefficients(INTERNAL) | {"a": -1.0, "b": 0.5}), "internal"),

@@ -10,10 +10,10 @@ from cylcontact.fitting.calibration import plan_runs
 from cylcontact.fitting.genetic import CROSSOVERS, OPERATORS, WholePopulations, search
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import OBJECTIVES, make_objective
-from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.samples import Samples
+from cylcontact.fitting.samples import Samples, form_of
+from cylcontact.laws.definition import Parameter
 
 BOUNDS = {
     "internal": {
@@ -34,7 +34,7 @@ def exact_problem(contact, objective="rms-log-penetration"):
     """A problem whose data are the published law itself: its coefficients are the answer."""
     model = MODELS["enhanced", contact]
     published = np.array([list(model.published.values())])
-    form = model.form(published, DR[contact])
+    form = form_of(model, published, DR[contact])
     s = np.tile(np.linspace(-10, -4, 9), (DR[contact].size, 1))
     j = (s + form.c[0][:, None]) / form.n[0][:, None]
     if objective != "rms-log-penetration":

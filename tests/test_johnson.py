@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from cylcontact import CylinderPair, Material
-from cylcontact.laws import Johnson, LogarithmicLaw
+from cylcontact.laws import Johnson
 from tests.strategies import NOT_TOUCHING, ROUNDING, fractions, gaps, moduli, pairs, ratios
 
 LAW = Johnson()
@@ -318,8 +318,3 @@ def test_single_numbers_give_numpy_scalars(pair):
 @pytest.mark.parametrize("shape", [(0,), (1,), (2, 0)])
 def test_empty_and_one_element_arrays_stay_arrays(shape, pair):
     assert LAW.load(np.full(shape, 1e-3), pair).shape == shape
-
-
-def test_the_common_form_alone_is_no_law():
-    with pytest.raises(TypeError, match="reach"):
-        LogarithmicLaw()

@@ -16,7 +16,8 @@ from cylcontact.fitting.campaign import campaign_of_table, read_campaign
 from cylcontact.fitting.law_models import MODELS, model_of
 from cylcontact.fitting.loss import LOSSES, Loss
 from cylcontact.fitting.verify import verify
-from cylcontact.laws.adapters import RigCompliance, ScaledLaw, adjusted_logarithmic
+from cylcontact.laws.adapters import RigCompliance, ScaledLaw
+from cylcontact.laws.logarithmic import adjusted_logarithmic
 from tests.measured_files import (
     CONSTANTS,
     LOADS,
@@ -217,7 +218,7 @@ def test_an_adjusted_logarithmic_law_is_the_formula(pair):
 
 
 def test_an_unknown_law_or_contact_is_refused():
-    with pytest.raises(InputError, match="is not a law that can be fitted; choose power"):
+    with pytest.raises(InputError, match="is not a law that can be fitted; choose johnson, "):
         model_of("hooke", "internal", "c.toml")
     with pytest.raises(InputError, match="is for internal contact only"):
         model_of("liu", "external", "c.toml")

@@ -13,6 +13,7 @@ from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.datasets import Grid, Moments, concatenate, merge, reduce_grid
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import RmsLogPenetration
+from cylcontact.fitting.samples import form_of
 from tests.strategies import powers_of_ten
 
 JOHNSON = laws.Johnson()
@@ -105,7 +106,7 @@ def test_objective_is_the_one_of_the_rows_for_the_enhanced_law(grid, data):
         return
     moments, _ = reduce_grid(grid)
     objective = RmsLogPenetration(moments)
-    value = objective.values(model.form(np.array([candidate]), moments.dR))[0]
+    value = objective.values(form_of(model, np.array([candidate]), moments.dR))[0]
     assert value == pytest.approx(np.sqrt(squares / count), rel=1e-10, abs=1e-13)
 
 

@@ -12,12 +12,11 @@ from cylcontact import CylinderPair, InputError
 from cylcontact.cli.app import app
 from cylcontact.fitting.assessment import noise_verdicts
 from cylcontact.fitting.calibration import calibrate
-from cylcontact.fitting.law_models import MODELS, LawModel
+from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.least_squares import descend, jacobian
 from cylcontact.fitting.loss import Loss
 from cylcontact.fitting.measured_fit import plain_problem
 from cylcontact.fitting.measured_objective import MeasuredObjective
-from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.report import noise_text
 from cylcontact.fitting.samples import PowerForm
@@ -33,6 +32,7 @@ from cylcontact.fitting.uncertainty.profiles import (
 from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
 from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
+from cylcontact.laws.definition import LawModel, Parameter
 from tests.measured_files import STEEL, TRUTHS, measured_campaign
 from tests.spec_files import golden
 from tests.test_measured_fit import user_campaign

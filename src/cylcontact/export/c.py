@@ -6,8 +6,8 @@ import ast
 
 import numpy as np
 
-from cylcontact.export.formula import Formula
 from cylcontact.export.render import Dialect
+from cylcontact.laws.formula import Formula
 
 __all__ = ["source"]
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from importlib.metadata import version
 from textwrap import wrap
 
-from cylcontact.export.formula import MEANINGS, RESULTS, Formula
+from cylcontact.laws.formula import MEANINGS, RESULTS, Formula
 
 __all__ = ["WIDTH", "comment_lines", "domain"]
 

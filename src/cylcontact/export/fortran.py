@@ -8,8 +8,8 @@ from textwrap import wrap
 import numpy as np
 
 from cylcontact.export.comments import WIDTH
-from cylcontact.export.formula import Formula
 from cylcontact.export.render import Dialect
+from cylcontact.laws.formula import Formula
 
 __all__ = ["source"]
 

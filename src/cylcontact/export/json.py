@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from cylcontact.export.comments import domain
-from cylcontact.export.formula import MEANINGS, RESULTS, Formula
 from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.formula import MEANINGS, RESULTS, Formula
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ast
 
-from cylcontact.export.formula import Formula
 from cylcontact.export.render import Dialect
+from cylcontact.laws.formula import Formula
 
 __all__ = ["source"]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cylcontact.errors import InputError
-from cylcontact.laws import LAWS
+from cylcontact.laws import DEFINITIONS, LAWS
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact
 
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["EXPORTABLE", "FoundLaw", "find_law"]
 
-# Persson's law has no closed form. `find_law` accepts its name, and `formula_of` reports that.
-EXPORTABLE = tuple(name for name in LAWS if name != "persson")
+# `find_law` accepts the name of a law without a closed form too, and `formula_of` reports that.
+EXPORTABLE = tuple(d.law.name for d in DEFINITIONS if d.has_defaults and d.formula is not None)
 
 
 @dataclass(frozen=True)

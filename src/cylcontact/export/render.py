@@ -10,7 +10,7 @@ from string import Template
 from textwrap import indent
 
 from cylcontact.export.comments import comment_lines
-from cylcontact.export.formula import Formula, Step, expression
+from cylcontact.laws.formula import Formula, Step, expression
 
 __all__ = ["Dialect"]
 

@@ -24,14 +24,12 @@ from cylcontact.datasets.measurements import (
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import (
     RIG_NAMES,
-    LawModel,
     grid_model_of,
     is_user_law,
     model_of,
     with_rig,
 )
 from cylcontact.fitting.measured_objective import objective_name
-from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.specs import (
     CampaignSpec,
     MeasuredSpec,
@@ -40,6 +38,7 @@ from cylcontact.fitting.specs import (
     require_complete,
 )
 from cylcontact.fitting.user_law import UserFunction, named_user_model, user_model
+from cylcontact.laws.definition import LawModel, Parameter
 from cylcontact.pair import Contact
 from cylcontact.provenance import made_with, spec_hash
 from cylcontact.spec import parse_spec, read_toml

@@ -19,10 +19,10 @@ import numpy as np
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Measurements
 from cylcontact.errors import InputError
-from cylcontact.fitting.law_models import LawModel
 from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.samples import Form, LawForm
+from cylcontact.fitting.samples import Form, LawForm, law_form_of
 from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.definition import LawModel
 
 __all__ = ["MeasuredObjective", "laws_of", "objective_name"]
 
@@ -80,7 +80,7 @@ class MeasuredObjective:
 
     def form(self, model: LawModel, candidates: FloatArray) -> Form:
         """Return the laws of P candidates."""
-        return model.laws(candidates)
+        return law_form_of(model, candidates)
 
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,); inf if undefined."""

@@ -23,8 +23,8 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import blocks
-from cylcontact.fitting.law_models import LawModel
-from cylcontact.fitting.samples import Form, PowerForm, Samples, samples_of
+from cylcontact.fitting.samples import Form, PowerForm, Samples, form_of, samples_of
+from cylcontact.laws.definition import LawModel
 from cylcontact.parallel import Workers, call, run_calls
 
 __all__ = [
@@ -85,7 +85,7 @@ class RmsLogPenetration:
 
     def form(self, model: LawModel, candidates: FloatArray) -> Form:
         """Return P candidates of a law at the clearances."""
-        return model.form(candidates, self.dR)
+        return form_of(model, candidates, self.dR)
 
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,)."""
@@ -136,7 +136,7 @@ class _RowObjective(ABC):
 
     def form(self, model: LawModel, candidates: FloatArray) -> Form:
         """Return P candidates of a law at the clearances."""
-        return model.form(candidates, self.dR)
+        return form_of(model, candidates, self.dR)
 
     def values(self, form: Form) -> FloatArray:
         """Return the objective of P candidates, shape (P,)."""
@@ -367,7 +367,7 @@ def _at_clearance(grid: Grid, model: LawModel, points: FloatArray, dR: float) ->
     Eq 9 increases with the log ratio, so only the extremes are exponentiated.
     """
     low, high = np.zeros(len(points)), np.zeros(len(points))
-    form = model.form(points, np.array([dR]))
+    form = form_of(model, points, np.array([dR]))
     for block in blocks(grid, dR):
         rows = samples_of(grid.contact, block)
         for k in range(len(points)):

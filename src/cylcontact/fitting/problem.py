@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray
-from cylcontact.fitting.law_models import LawModel
 from cylcontact.fitting.objectives import Objective
-from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.samples import Form
 from cylcontact.fitting.ties import evaluate
+from cylcontact.laws.definition import LawModel, Parameter
 
 __all__ = ["Problem"]
 

@@ -16,11 +16,22 @@ from numpy.typing import NDArray
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.sampling import Block, Counts, blocks, reduce_grid
+from cylcontact.errors import InputError
 from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.definition import LawModel
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 
-__all__ = ["Form", "LawForm", "PowerForm", "Samples", "collect_samples", "samples_of"]
+__all__ = [
+    "Form",
+    "LawForm",
+    "PowerForm",
+    "Samples",
+    "collect_samples",
+    "form_of",
+    "law_form_of",
+    "samples_of",
+]
 
 # With E = 2 MPa and ν = 0 the composite modulus is 1 MPa.
 _UNIT = Material("of unit composite modulus", E=2.0, nu=0.0)
@@ -188,3 +199,27 @@ class LawForm:
         if law is None:
             return np.full_like(rows.s, np.nan)
         return as_floats(np.log(law.load(rows.penetration, rows.pair)) - rows.s)
+
+
+def form_of(model: LawModel, candidates: FloatArray, dR: FloatArray) -> Form:
+    """Return candidates of a model, shape (P, k), at clearances ΔR in mm, shape (m,)."""
+    if model.power_form is None:
+        return law_form_of(model, candidates)
+    K_star, n = model.power_form(candidates, dR)
+    K_star = np.where(K_star > 0, K_star, np.nan)
+    return PowerForm(
+        c=as_floats(np.log(dR) - np.log(K_star)), n=as_floats(np.where(n > 0, n, np.nan))
+    )
+
+
+def law_form_of(model: LawModel, candidates: FloatArray) -> LawForm:
+    """Return the laws of candidates, shape (P, k); None for one that defines none."""
+    return LawForm(tuple(_law_or_none(model, row) for row in candidates))
+
+
+def _law_or_none(model: LawModel, row: FloatArray) -> ContactLaw | None:
+    """Return the law of one candidate, or None."""
+    try:
+        return model.build(dict(zip(model.names, map(float, row), strict=True)))
+    except InputError:
+        return None

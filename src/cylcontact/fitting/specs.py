@@ -11,12 +11,11 @@ from pydantic import Field, model_validator
 
 from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import CROSSOVERS
-from cylcontact.fitting.law_models import LawModel
 from cylcontact.fitting.loss import LOSSES
 from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.ties import require_valid
+from cylcontact.laws.definition import LawModel, Parameter
 from cylcontact.pair import Contact
 from cylcontact.spec import Spec, broken
 

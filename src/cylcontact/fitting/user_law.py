@@ -25,9 +25,8 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.errors import InputError
-from cylcontact.fitting.law_models import LawModel
-from cylcontact.fitting.parameters import Parameter
 from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.definition import LawModel, Parameter
 from cylcontact.pair import Contact, CylinderPair
 
 __all__ = ["UserFunction", "UserLaw", "named_user_model", "user_model"]

@@ -3,6 +3,17 @@
 from collections.abc import Callable
 
 from cylcontact.errors import InputError
+from cylcontact.laws import (
+    conformal,
+    enhanced,
+    explicit,
+    liu,
+    logarithmic,
+    logarithmic_variants,
+    power,
+    sphere,
+    winkler,
+)
 from cylcontact.laws.conformal import Persson
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.difference import difference_percent
@@ -29,6 +40,7 @@ from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import Winkler
 
 __all__ = [
+    "DEFINITIONS",
     "LAWS",
     "PUBLISHED",
     "REFERENCES",
@@ -62,30 +74,26 @@ def __dir__() -> list[str]:
     return __all__
 
 
+# Every law of the package; a new one is one more entry.
+DEFINITIONS = (
+    logarithmic.DEFINITION,
+    *logarithmic_variants.DEFINITIONS,
+    liu.DEFINITION,
+    winkler.DEFINITION,
+    conformal.DEFINITION,
+    enhanced.DEFINITION,
+    explicit.DEFINITION,
+    sphere.DEFINITION,
+    power.DEFINITION,
+)
+
 # The laws with default coefficients, by the names that specs and commands use.
 LAWS: dict[str, Callable[[], ContactLaw]] = {
-    "johnson": Johnson,
-    "roark-young": RoarkYoung,
-    "radzimovsky": Radzimovsky,
-    "radzimovsky-radii": RadzimovskyRadii,
-    "esdu-78035": Esdu78035,
-    "dubowsky-freudenstein": DubowskyFreudenstein,
-    "goldsmith": Goldsmith,
-    "hertz-cylinder": HertzCylinder,
-    "liu": Liu,
-    "winkler": Winkler,
-    "persson": Persson,
-    "enhanced": Enhanced,
-    "explicit": Explicit,
-    "lankarani-nikravesh": LankaraniNikravesh,
+    definition.law.name: definition.law for definition in DEFINITIONS if definition.has_defaults
 }
 
-# The laws that need ΔR only, no radii or length: those that a grid can sample.
-REFERENCES = tuple(
-    name
-    for name in LAWS
-    if name not in ("dubowsky-freudenstein", "goldsmith", "lankarani-nikravesh", "winkler")
-)
+# Those that need ΔR only, no radii or length, which a grid can sample.
+REFERENCES = tuple(d.law.name for d in DEFINITIONS if d.has_defaults and not d.needs)
 
 
 def reference_law(name: str) -> ContactLaw:

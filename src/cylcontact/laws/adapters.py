@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.logarithmic import LogarithmicLaw
+from cylcontact.laws.definition import Coefficients, LawModel, Parameter
 from cylcontact.pair import CylinderPair
 
-__all__ = ["RigCompliance", "ScaledLaw", "adjusted_logarithmic"]
+__all__ = ["RigCompliance", "ScaledLaw", "scaled_model"]
 
 # Newton's method takes about eight steps, more only near the end of a law's domain.
 _STEPS = 100
@@ -141,7 +141,7 @@ class ScaledLaw:
 
     For a law in f/(E*·ΔR) and δ/ΔR alone, such as Persson's and Liu's, D is the ratio of an
     effective clearance to the real one, and B/D the ratio of the moduli. Every logarithmic law is a
-    scaled Johnson's law: see `adjusted_logarithmic`.
+    scaled Johnson's law: see `laws.logarithmic.adjusted_logarithmic`.
 
     Parameters
     ----------
@@ -210,39 +210,19 @@ class ScaledLaw:
         return as_floats(self.penetration_factor * self.base.max_penetration(pair))
 
 
-def adjusted_logarithmic(
-    base: LogarithmicLaw, kappa: float, c: float, Lambda_factor: float = 1.0
-) -> ScaledLaw:
-    """Return δ = κ/(π·E*)·f·[ln(F·Λ·E*/f) + c] with the Λ of a logarithmic law.
+def scaled_model(base: ContactLaw) -> LawModel:
+    """Return the model of a law between f/(E*·ΔR) and δ/ΔR for internal contact.
 
-    With B = F·exp(c − c₀) it is (κ·B/κ₀)·δ₀(f/B), a scaled form of the law δ₀ with κ₀, c₀ and Λ.
-    F and c act only through ln F + c.
-
-    Parameters
-    ----------
-    base : LogarithmicLaw
-        The law that supplies Λ.
-    kappa, c : float
-        κ, positive, and c.
-    Lambda_factor : float
-        F, positive.
-
-    Returns
-    -------
-    ScaledLaw
-
-    Raises
-    ------
-    InputError
-        If κ or F is not positive.
-
-    Examples
-    --------
-    >>> from cylcontact import CylinderPair, Material, laws
-    >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
-    >>> law = adjusted_logarithmic(laws.Johnson(), kappa=1.0, c=2 / 3)
-    >>> print(law.penetration(100.0, pair) / laws.Radzimovsky().penetration(100.0, pair))
-    1.0
+    It is fitted with modulus_factor·E* and clearance_factor·ΔR in place of E* and ΔR. The second is
+    fixed by default, because at small loads it is not identifiable beside the first.
     """
-    load_factor = Lambda_factor * float(np.exp(c - base.shift))
-    return ScaledLaw(base, load_factor, kappa * load_factor / base.kappa)
+
+    def build(values: Coefficients) -> ContactLaw:
+        clearance = values["clearance_factor"]
+        return ScaledLaw(base, values["modulus_factor"] * clearance, clearance)
+
+    parameters = (
+        Parameter("modulus_factor", 0.05, 20.0, nominal=1.0, meaning="factor of E*"),
+        Parameter("clearance_factor", 0.05, 20.0, nominal=1.0, value=1.0, meaning="factor of ΔR"),
+    )
+    return LawModel(base.name, "internal", parameters, build)

@@ -15,9 +15,19 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, require
 from cylcontact.html_repr import law_html
 from cylcontact.laws import persson
+from cylcontact.laws.adapters import scaled_model
+from cylcontact.laws.definition import Definition
 from cylcontact.pair import CylinderPair
 
-__all__ = ["Persson", "contact_angle", "in_units_of", "load_at_angle", "peak_pressure", "pressure"]
+__all__ = [
+    "DEFINITION",
+    "Persson",
+    "contact_angle",
+    "in_units_of",
+    "load_at_angle",
+    "peak_pressure",
+    "pressure",
+]
 
 
 @dataclass(frozen=True)
@@ -301,3 +311,6 @@ def _require_persson(pair: CylinderPair) -> None:
         "must have the same E and ν as material_i, or the solution does not hold",
         "give a pair of one material, or use laws.Johnson()",
     )
+
+
+DEFINITION = Definition(law=Persson, models=(scaled_model(Persson()),), contacts=("internal",))

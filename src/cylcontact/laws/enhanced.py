@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from numbers import Real
 from typing import ClassVar, cast
 
@@ -13,10 +14,15 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, require
 from cylcontact.errors import InputError
 from cylcontact.html_repr import completed_law_html
-from cylcontact.laws.power import PowerShaped
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.definition import Coefficients as Values
+from cylcontact.laws.definition import Definition, LawModel, Parameter
+from cylcontact.laws.formula import IN_MM, Formula, function_name, required_contact
+from cylcontact.laws.power import KERNEL, PowerShaped
+from cylcontact.pair import CONTACTS, Contact, CylinderPair
 
 __all__ = [
+    "DEFINITION",
     "INTERNAL_DR_MAX",
     "INTERNAL_DR_MIN",
     "PUBLISHED",
@@ -162,7 +168,7 @@ def coefficients_from(values: Mapping[str, float]) -> Coefficients:
 
 @dataclass(frozen=True)
 class Enhanced(PowerShaped):
-    """The enhanced law, Eqs 5–6, without its dissipation factor.
+    """The enhanced law (Pereira, Ramalho and Ambrósio 2015), Eqs 5–6, without dissipation factor.
 
     Parameters
     ----------
@@ -229,3 +235,110 @@ def _in_range(dR: FloatArray, contact: Contact) -> BoolArray:
     if contact == "internal":
         return np.asarray((dR >= INTERNAL_DR_MIN) & (dR < INTERNAL_DR_MAX))
     return np.asarray(dR > 0)
+
+
+_EXTERNAL_STEPS = """
+K_geometry = a * dR + b
+factor = K_geometry * E_star / dR if K_geometry > 0 and n > 0 else nan"""
+_INTERNAL_STEPS = f"""
+Y_log = Y_log_scale * log(1000 * dR) ** Y_log_exponent
+Y = max(Y_log, Y_slope * dR + Y_offset)
+n = Y * dR ** n_exponent{_EXTERNAL_STEPS}"""
+
+
+def _formula(law: Enhanced, contact: Contact | None) -> Formula:
+    """Return the formula for export, with the published coefficients of the contact by default."""
+    chosen = _exported_coefficients(law, contact)
+    numbers = {name: float(value) for name, value in asdict(chosen).items()}
+    is_internal = chosen.contact == "internal"
+    exponent = (
+        " with n = Y*dR^n_exponent and "
+        "Y = max(Y_log_scale*ln(1000*dR)^Y_log_exponent, Y_slope*dR + Y_offset)"
+    )
+    return Formula(
+        name=function_name(law.name, chosen.contact),
+        law=law,
+        contact=chosen.contact,
+        equation=f"f = (a*dR + b)*E_star/dR*penetration^n{exponent if is_internal else ''}",
+        text=(_INTERNAL_STEPS if is_internal else _EXTERNAL_STEPS) + KERNEL.steps,
+        coefficients=numbers,
+        constants=numbers,
+        conditions=(f"dR >= {INTERNAL_DR_MIN}", f"dR < {INTERNAL_DR_MAX}") if is_internal else (),
+        domain="a*dR + b > 0, n > 0",
+        remark=IN_MM,
+        origin="published, Pereira, Ramalho and Ambrosio 2015" if law.coefficients is None else "",
+    )
+
+
+def _exported_coefficients(law: Enhanced, contact: Contact | None) -> Coefficients:
+    """Return the coefficients of a law; raise `InputError` if they are for the other contact."""
+    if law.coefficients is None:
+        return PUBLISHED[required_contact(contact, law.name)]
+    chosen = cast(Coefficients, law.coefficients)
+    if contact not in (None, chosen.contact):
+        raise InputError(
+            "export",
+            "--contact",
+            contact,
+            f"the coefficients are for {chosen.contact} contact",
+            "leave it out",
+        )
+    return chosen
+
+
+def _internal_form(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return K* and n of Eqs 5–6 for internal contact."""
+    a, b, *rest = candidates.T[:, :, None]
+    return stiffness_factor(dR, a, b), internal_exponent(dR, *rest)
+
+
+def _external_form(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return K* and n of Eqs 5–6 for external contact."""
+    a, b, n = candidates.T[:, :, None]
+    return stiffness_factor(dR, a, b), as_floats(n + np.zeros_like(dR))
+
+
+def _fitted(values: Values) -> ContactLaw:
+    """Return the law with these coefficients."""
+    return Enhanced(coefficients=values)
+
+
+_PARAMETERS: Mapping[Contact, tuple[Parameter, ...]] = {
+    "internal": (
+        Parameter("a", 0.1, 1.5, unit="mm^(1-n)", meaning="slope of K* over ΔR"),
+        Parameter("b", 0.0, 0.5, unit="mm^(2-n)", meaning="K* at ΔR = 0"),
+        Parameter("Y_log_scale", 1.0, 3.0, meaning="factor of the logarithmic branch of Y"),
+        Parameter("Y_log_exponent", -0.6, 0.0, shift=True, meaning="exponent of ln(1000·ΔR)"),
+        Parameter("Y_slope", -0.1, 0.1, shift=True, unit="1/mm", meaning="slope of Y over ΔR"),
+        Parameter("Y_offset", 0.8, 1.6, shift=True, meaning="Y of the linear branch at ΔR = 0"),
+        Parameter("n_exponent", -0.1, 0.1, shift=True, meaning="exponent of ΔR in n"),
+    ),
+    "external": (
+        Parameter("a", 0.1, 1.5, unit="mm^(1-n)", meaning="slope of K* over ΔR"),
+        Parameter("b", 0.0, 3.0, unit="mm^(2-n)", meaning="K* at ΔR = 0"),
+        Parameter("n", 1.0, 1.5, meaning="exponent of the penetration"),
+    ),
+}
+
+
+def _model(contact: Contact) -> LawModel:
+    """Return the model of the law, with the published coefficients as nominal values."""
+    is_internal, published = contact == "internal", PUBLISHED[contact]
+    return LawModel(
+        "enhanced",
+        contact,
+        tuple(replace(p, nominal=getattr(published, p.name)) for p in _PARAMETERS[contact]),
+        _fitted,
+        power_form=_internal_form if is_internal else _external_form,
+        on_grid=True,
+        dR_min=INTERNAL_DR_MIN if is_internal else 0.0,
+        dR_max=INTERNAL_DR_MAX if is_internal else math.inf,
+    )
+
+
+DEFINITION = Definition(
+    law=Enhanced,
+    formula=_formula,
+    kernel=KERNEL,
+    models=tuple(_model(contact) for contact in CONTACTS),
+)

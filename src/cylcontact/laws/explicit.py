@@ -16,7 +16,7 @@ constants are calibrated by this package: for internal contact to Persson's solu
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -24,9 +24,19 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.html_repr import completed_law_html
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
+from cylcontact.laws.formula import Formula, function_name, required_contact
+from cylcontact.pair import CONTACTS, Contact, CylinderPair
 
-__all__ = ["CALIBRATED", "Explicit", "ExplicitCoefficients", "explicit_penetration", "is_defined"]
+__all__ = [
+    "CALIBRATED",
+    "DEFINITION",
+    "Explicit",
+    "ExplicitCoefficients",
+    "explicit_penetration",
+    "is_defined",
+]
 
 # The start has an error below half a percent; this many steps reach machine precision.
 _NEWTON_STEPS = 5
@@ -85,7 +95,7 @@ CALIBRATED: Mapping[Contact, ExplicitCoefficients] = {
 
 @dataclass(frozen=True)
 class Explicit:
-    """The explicit law f = π·E*·δ/L(δ/ΔR).
+    """The explicit law of this package, f = π·E*·δ/L(δ/ΔR) with three logarithms in L.
 
     Parameters
     ----------
@@ -209,3 +219,73 @@ def explicit_penetration(load: ArrayLike, pair: CylinderPair) -> FloatArray:
 def _start(phi: FloatArray) -> FloatArray:
     """Return δ/ΔR from φ by the explicit formula for the penetration."""
     return as_floats(phi / np.pi * (1.4232 + np.log1p(1.0942 / phi)))
+
+
+_STEPS = """
+d = 1 if penetration <= 0 else penetration / dR
+ratio = A / d
+first = log(B / d)
+second = c + log1p(ratio * first)
+third = c + log1p(ratio * second)
+second_slope = -(ratio * (first + 1)) / (1 + ratio * first)
+third_slope = ratio * (second_slope - second) / (1 + ratio * second)
+f = pi * E_star * penetration / third
+k = 0 if penetration <= 0 else pi * E_star * (1 - third_slope / third) / third
+"""
+
+
+def _numbers(law: Explicit, pair: CylinderPair) -> tuple[float, ...]:
+    """Return E*, ΔR and the constants."""
+    chosen = law.coefficients_for(pair.contact)
+    return float(pair.E_star), float(np.asarray(pair.dR)), chosen.c, chosen.A, chosen.B
+
+
+def _formula(law: Explicit, contact: Contact | None) -> Formula:
+    """Return the formula for export, with the constants calibrated for the contact by default."""
+    own = law.coefficients
+    chosen = (
+        own
+        if isinstance(own, ExplicitCoefficients)
+        else CALIBRATED[required_contact(contact, law.name)]
+    )
+    numbers = {name: float(value) for name, value in asdict(chosen).items()}
+    return Formula(
+        name=function_name(law.name, contact),
+        law=law,
+        contact=contact,
+        equation=(
+            "f = pi*E_star*penetration/L with d = penetration/dR and "
+            "L = c + ln(1 + A/d*(c + ln(1 + A/d*ln(B/d))))"
+        ),
+        text=_STEPS,
+        coefficients=numbers,
+        constants=numbers,
+        remark="Dimensionless in penetration/dR and f/(E_star*dR); no largest penetration.",
+        origin="calibrated for the contact" if own is None else "",
+    )
+
+
+def _fitted(values: Coefficients) -> ContactLaw:
+    """Return the law with these constants."""
+    return Explicit(coefficients=values)
+
+
+def _model(contact: Contact) -> LawModel:
+    """Return the model of the law, with the calibrated constants as nominal values."""
+    nominal = CALIBRATED[contact]
+    parameters = (
+        Parameter("c", 0.5, 3.0, nominal.c, shift=True, meaning="constant in L"),
+        Parameter("A", 0.05, 5.0, nominal.A, meaning="factor of 1/d in the logarithms"),
+        Parameter("B", 0.5, 20.0, nominal.B, meaning="numerator of the innermost logarithm"),
+    )
+    return LawModel(
+        "explicit", contact, parameters, _fitted, on_grid=True, nominal_is_published=False
+    )
+
+
+DEFINITION = Definition(
+    law=Explicit,
+    formula=_formula,
+    kernel=KernelSteps(("E_star", "dR", "c", "A", "B"), _numbers, _STEPS),
+    models=tuple(_model(contact) for contact in CONTACTS),
+)

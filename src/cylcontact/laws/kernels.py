@@ -5,48 +5,42 @@ data, so one compiled integrator serves every law:
 
     load = kernel_load(kernel.kind, kernel.parameters, penetration)
 
-The logarithmic laws, the power laws (the enhanced one among them), Liu's and the explicit law
-are evaluated by their formulas, to a few units in the last place. Every other law (Persson's,
-Winkler's, user-defined ones) becomes a table: a cubic in ln f over ln δ, with nodes added until the
-load is right to `TABLE_ERROR`.
+A law whose definition has kernel steps is compiled from them, the same steps that are exported to
+other languages, and is right to a few units in the last place. Every other law (Persson's,
+user-defined ones) becomes a table: a cubic in ln f over ln δ, with nodes added until the load is
+right to `TABLE_ERROR`.
 
 This module imports numba, which is slow: import it where it is needed.
 """
 
 from __future__ import annotations
 
+import ast
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
+from numba import njit
 
 from cylcontact.arrays import FloatArray, require
+from cylcontact.laws import DEFINITIONS
 from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.explicit import Explicit
-from cylcontact.laws.lambert import START
-from cylcontact.laws.liu import Liu
-from cylcontact.laws.logarithmic import LogarithmicLaw
-from cylcontact.laws.power import PowerShaped
+from cylcontact.laws.definition import KernelSteps
+from cylcontact.laws.formula import steps_of
 from cylcontact.laws.tabulated import cubic, tabulate
 from cylcontact.numba_cache import compiled
 from cylcontact.pair import CylinderPair
 
-__all__ = [
-    "EXPLICIT",
-    "LIU",
-    "LOGARITHMIC",
-    "POWER",
-    "TABLE",
-    "Kernel",
-    "branch_distance",
-    "kernel",
-    "kernel_load",
-    "kernel_stiffness",
-]
+__all__ = ["TABLE", "Kernel", "kernel", "kernel_load", "kernel_stiffness"]
 
-LOGARITHMIC, POWER, LIU, EXPLICIT, TABLE = range(5)
+_Scalar = Callable[[FloatArray, float], float]
+
+# The steps of a law, by its `load`, so that a subclass that overrides it is tabulated.
+_STEPS: dict[Any, KernelSteps] = {d.law.load: d.kernel for d in DEFINITIONS if d.kernel}
+_KINDS = tuple(dict.fromkeys(_STEPS.values()))
+TABLE = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +50,12 @@ class Kernel:
     Attributes
     ----------
     kind : int
-        The formula: `LOGARITHMIC`, `POWER`, `LIU`, `EXPLICIT` or `TABLE`.
+        The number of the formula, or `TABLE`.
     parameters : array of float, shape (k,)
         Its numbers.
     max_penetration : float
         In mm; beyond it the load is NaN. A table ends at 1000·ΔR, unless the law ends before;
-        Persson's and Winkler's laws have no end themselves.
+        Persson's law has no end itself.
     """
 
     kind: int
@@ -117,157 +111,29 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
         f"the {law.name} law is undefined for this pair",
         "choose another law, or a pair within its range",
     )
-    for method, of_formula in _FORMULAS:
-        if type(law).load is method:
-            kind, numbers = of_formula(law, pair)
-            return Kernel(kind, np.array(numbers, dtype=np.float64), float(limit))
-    table = tabulate(law, pair)
-    return Kernel(TABLE, table, float(table[0]))
+    steps = _STEPS.get(type(law).load)
+    if steps is None:
+        table = tabulate(law, pair)
+        return Kernel(TABLE, table, float(table[0]))
+    numbers = np.array(steps.numbers(law, pair), dtype=np.float64)
+    return Kernel(_KINDS.index(steps), numbers, float(limit))
 
 
-def _logarithmic_numbers(law: LogarithmicLaw, pair: CylinderPair) -> tuple[int, list[float]]:
-    largest, deepest = float(law.max_load(pair)), float(law.max_penetration(pair))
-    return LOGARITHMIC, [largest, deepest]
-
-
-def _power_numbers(law: PowerShaped, pair: CylinderPair) -> tuple[int, list[float]]:
-    factor, n = law.factor_and_exponent(pair)
-    return POWER, [float(factor), float(n)]
-
-
-def _liu_numbers(_: Liu, pair: CylinderPair) -> tuple[int, list[float]]:
-    return LIU, [float(pair.E_star), float(np.asarray(pair.dR))]
-
-
-def _explicit_numbers(law: Explicit, pair: CylinderPair) -> tuple[int, list[float]]:
-    chosen = law.coefficients_for(pair.contact)
-    numbers = [float(pair.E_star), float(np.asarray(pair.dR)), chosen.c, chosen.A, chosen.B]
-    return EXPLICIT, numbers
-
-
-# Compare the method, not the class, so that a subclass that overrides `load` is tabulated.
-_FORMULAS: tuple[tuple[Any, Callable[[Any, CylinderPair], tuple[int, list[float]]]], ...] = (
-    (LogarithmicLaw.load, _logarithmic_numbers),
-    (PowerShaped.load, _power_numbers),
-    (Liu.load, _liu_numbers),
-    (Explicit.load, _explicit_numbers),
-)
+_cubic = compiled(cubic)
 
 
 @compiled
-def kernel_load(kind: int, parameters: FloatArray, penetration: float) -> float:
-    """Return the load in N/mm at `penetration` in mm.
-
-    Parameters
-    ----------
-    kind, parameters
-        Of a `Kernel`.
-    penetration : float
-        In mm.
-
-    Returns
-    -------
-    float
-        Zero where there is no penetration, NaN beyond the kernel's `max_penetration`.
-    """
-    load: float = 0.0
-    if penetration <= 0:
-        return load
-    if kind == LOGARITHMIC:
-        p = penetration / parameters[1]
-        load = parameters[0] * (p / (1 + branch_distance(p)))
-    elif kind == POWER:
-        load = parameters[0] * penetration ** parameters[1]
-    elif kind == LIU:
-        load = math.pi / 2 * parameters[0] * penetration * _liu_root(parameters[1], penetration)
-    elif kind == EXPLICIT:
-        L, _ = _explicit_logarithms(parameters, penetration)
-        load = math.pi * parameters[0] * penetration / L
-    else:
-        load, _ = _read_table(parameters, penetration)
+def _table_load(table: FloatArray, penetration: float) -> float:
+    """Return the load in N/mm from a table."""
+    load, _ = _read_table(table, penetration)
     return load
 
 
 @compiled
-def kernel_stiffness(kind: int, parameters: FloatArray, penetration: float) -> float:
-    """Return d(load)/d(penetration) in N/mm² at `penetration` in mm.
-
-    Parameters
-    ----------
-    kind, parameters
-        Of a `Kernel`.
-    penetration : float
-        In mm.
-
-    Returns
-    -------
-    float
-        Zero where there is no penetration, NaN beyond the kernel's `max_penetration`. The slope
-        of a table is right to about 1e-7.
-    """
-    stiffness: float = 0.0
-    if penetration <= 0:
-        return stiffness
-    if kind == LOGARITHMIC:
-        w = branch_distance(penetration / parameters[1])
-        stiffness = parameters[0] / (parameters[1] * w)
-    elif kind == POWER:
-        stiffness = parameters[1] * parameters[0] * penetration ** (parameters[1] - 1)
-    elif kind == LIU:
-        dR = parameters[1]
-        slope = _liu_root(dR, penetration) * (3 * dR + 2 * penetration) / (dR + penetration)
-        stiffness = math.pi / 4 * parameters[0] * slope
-    elif kind == EXPLICIT:
-        L, slope = _explicit_logarithms(parameters, penetration)
-        stiffness = math.pi * parameters[0] * (1 - slope / L) / L
-    else:
-        load, exponent = _read_table(parameters, penetration)
-        stiffness = load * exponent / penetration
-    return stiffness
-
-
-@compiled
-def branch_distance(p: float) -> float:
-    """Return w = −1 − W₋₁(−p/e) for p > 0, as `cylcontact.laws.lambert` does for arrays.
-
-    Parameters
-    ----------
-    p : float
-        Between 0 and 1.
-
-    Returns
-    -------
-    float
-        NaN if p > 1. Only 1 + w has full precision: the relative error of w, and of a stiffness
-        divided by it, grows to 8e-12 at 1 − p = 1e-12.
-    """
-    if not p < 1:
-        return 0.0 if p == 1 else math.nan
-    a, b, c, d = START
-    g = -math.log(p)
-    r = math.sqrt(g)
-    u = 1 + r * (a + r * (b + c * r)) / (1 + d * r)
-    w = u - 1
-    t = (w - math.log(u) - g) / (w * w)
-    return w - t * w * u * (1 + t * (0.5 + t * (0.5 + w / 3)))
-
-
-@compiled
-def _liu_root(dR: float, penetration: float) -> float:
-    """Return √(δ/(2(ΔR + δ)))."""
-    return math.sqrt(penetration / (2 * (dR + penetration)))
-
-
-@compiled
-def _explicit_logarithms(parameters: FloatArray, penetration: float) -> tuple[float, float]:
-    """Return L and dL/d(ln d) of the explicit law."""
-    d = penetration / parameters[1]
-    c, ratio = parameters[2], parameters[3] / d
-    inner = math.log(parameters[4] / d)
-    middle = c + math.log1p(ratio * inner)
-    outer = c + math.log1p(ratio * middle)
-    middle_slope = -ratio * (inner + 1) / (1 + ratio * inner)
-    return outer, ratio * (middle_slope - middle) / (1 + ratio * middle)
+def _table_stiffness(table: FloatArray, penetration: float) -> float:
+    """Return the stiffness in N/mm² from a table."""
+    load, exponent = _read_table(table, penetration)
+    return load * exponent / penetration
 
 
 @compiled
@@ -293,4 +159,88 @@ def _read_table(table: FloatArray, penetration: float) -> tuple[float, float]:
     return math.exp(y[below] + y_at), slope
 
 
-_cubic = compiled(cubic)
+def _function(kernel: KernelSteps, result: str) -> _Scalar:
+    """Return the steps of a kernel up to `result`, f or k, as a compiled function.
+
+    Steps that the result does not need are left out, because a compiler keeps calls of `pow`.
+    """
+    needed, lines = {result}, [f"return {result}"]
+    for step in reversed(steps_of(kernel.steps)):
+        if step.name in needed:
+            lines.insert(0, step.text)
+            needed |= {node.id for node in ast.walk(step.value) if isinstance(node, ast.Name)}
+    numbers = [f"{name} = numbers[{i}]" for i, name in enumerate(kernel.names) if name in needed]
+    names = dict(vars(math))
+    exec("\n    ".join(["def function(numbers, penetration):", *numbers, *lines]), names)
+    return cast(_Scalar, _part(names["function"]))
+
+
+def _part(function: Any) -> Any:
+    """Compile a function that ends up inside a cached one."""
+    return njit(error_model="numpy")(function)
+
+
+def _of_all_kinds(result: str, table: _Scalar) -> Callable[[int, FloatArray, float], float]:
+    """Return one function for the load, or the stiffness, of kernels of every kind."""
+
+    @_part
+    def chosen(_: int, numbers: FloatArray, penetration: float) -> float:
+        return table(numbers, penetration)
+
+    for kind, steps in reversed(list(enumerate(_KINDS))):
+        chosen = _either(kind, _function(steps, result), chosen)
+    return cast(Callable[[int, FloatArray, float], float], chosen)
+
+
+def _either(own: int, function: _Scalar, rest: Any) -> Any:
+    """Return a function that is `function` for its own kind and `rest` for the others."""
+
+    @_part
+    def either(kind: int, numbers: FloatArray, penetration: float) -> float:
+        return function(numbers, penetration) if kind == own else rest(kind, numbers, penetration)
+
+    return either
+
+
+_load = _of_all_kinds("f", _table_load)
+_stiffness = _of_all_kinds("k", _table_stiffness)
+
+
+@compiled
+def kernel_load(kind: int, parameters: FloatArray, penetration: float) -> float:
+    """Return the load in N/mm at `penetration` in mm.
+
+    Parameters
+    ----------
+    kind, parameters
+        Of a `Kernel`.
+    penetration : float
+        In mm.
+
+    Returns
+    -------
+    float
+        Zero where there is no penetration, NaN beyond the kernel's `max_penetration`.
+    """
+    return 0.0 if penetration <= 0 else _load(kind, parameters, penetration)
+
+
+@compiled
+def kernel_stiffness(kind: int, parameters: FloatArray, penetration: float) -> float:
+    """Return d(load)/d(penetration) in N/mm² at `penetration` in mm.
+
+    Parameters
+    ----------
+    kind, parameters
+        Of a `Kernel`.
+    penetration : float
+        In mm.
+
+    Returns
+    -------
+    float
+        Zero where there is no penetration, NaN beyond the kernel's `max_penetration`. The slope
+        of a table is right to about 1e-7; that of a logarithmic law loses digits next to its end,
+        8e-12 at a relative distance of 1e-12.
+    """
+    return 0.0 if penetration <= 0 else _stiffness(kind, parameters, penetration)

@@ -11,9 +11,12 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
-from cylcontact.pair import CylinderPair
+from cylcontact.laws.adapters import scaled_model
+from cylcontact.laws.definition import Definition, KernelSteps
+from cylcontact.laws.formula import Formula, function_name
+from cylcontact.pair import Contact, CylinderPair
 
-__all__ = ["Liu"]
+__all__ = ["DEFINITION", "Liu"]
 
 
 @dataclass(frozen=True)
@@ -107,3 +110,39 @@ def _positive_root(gamma: FloatArray) -> FloatArray:
     angle = np.arccos(np.minimum(1.0, np.sqrt(27 / (4 * high))))
     cosine = 2 * np.sqrt(high / 3) * np.cos(angle / 3)
     return as_floats(np.where(few, sum_of_roots, cosine))
+
+
+_STEPS = """
+root = sqrt(penetration / (2 * (dR + penetration)))
+f = pi / 2 * E_star * penetration * root
+k = pi / 4 * E_star * root * (3 * dR + 2 * penetration) / (dR + penetration)
+"""
+
+
+def _numbers(_: Liu, pair: CylinderPair) -> tuple[float, float]:
+    """Return E* and ΔR."""
+    return float(pair.E_star), float(np.asarray(pair.dR))
+
+
+def _formula(law: Liu, _: Contact | None) -> Formula:
+    """Return the formula for export."""
+    return Formula(
+        name=function_name(law.name),
+        law=law,
+        contact="internal",
+        equation="f = pi/2*E_star*d*sqrt(d/(2*(dR + d))) with the penetration d",
+        text=_STEPS,
+        coefficients={},
+        constants={},
+        remark="No largest penetration.",
+        origin="the law has none",
+    )
+
+
+DEFINITION = Definition(
+    law=Liu,
+    formula=_formula,
+    kernel=KernelSteps(("E_star", "dR"), _numbers, _STEPS),
+    models=(scaled_model(Liu()),),
+    contacts=("internal",),
+)

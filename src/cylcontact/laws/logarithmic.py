@@ -12,7 +12,6 @@ p = q(1 − ln q), with the inverse q = p/(1 + w) and w from Lambert's function.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -21,24 +20,49 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.html_repr import law_html
-from cylcontact.laws.lambert import branch_distance, to_load_fraction
-from cylcontact.pair import CylinderPair
+from cylcontact.laws.adapters import ScaledLaw
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
+from cylcontact.laws.formula import Formula, function_name
+from cylcontact.laws.lambert import START, branch_distance, to_load_fraction
+from cylcontact.pair import CONTACTS, Contact, CylinderPair
 
-__all__ = ["Johnson", "LogarithmicLaw"]
+__all__ = [
+    "DEFINITION",
+    "Johnson",
+    "LogarithmicLaw",
+    "adjusted_logarithmic",
+    "definition_of",
+    "formula_of",
+]
 
 
 @dataclass(frozen=True)
-class LogarithmicLaw(ABC):
-    """The common form δ = κ/(π·E*)·f·[ln(Λ·E*/f) + c]; a law supplies κ, c and Λ."""
+class LogarithmicLaw:
+    """The common form δ = κ/(π·E*)·f·[ln(Λ·E*/f) + c]; a law supplies κ, c and Λ.
+
+    Attributes
+    ----------
+    name : str
+        The law's name.
+    kappa, shift : float
+        κ and c.
+    reach_formula : str
+        Λ for exports, in the notation of `laws.formula.Formula`.
+    needs : tuple of str
+        What Λ needs to know of a pair besides ΔR.
+    """
 
     name: ClassVar[str]
-    kappa: ClassVar[float]
+    kappa: ClassVar[float] = 1.0
     shift: ClassVar[float]
+    reach_formula: ClassVar[str] = "4 * pi * dR"
+    needs: ClassVar[tuple[str, ...]] = ()
     _repr_html_ = law_html
 
-    @abstractmethod
     def reach(self, pair: CylinderPair) -> FloatArray:
-        """Return Λ in mm."""
+        """Return Λ in mm, 4π·ΔR unless the law has another."""
+        return as_floats(4 * np.pi * as_floats(pair.dR))
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm; NaN outside [0, max_load]."""
@@ -101,7 +125,6 @@ class Johnson(LogarithmicLaw):
     """
 
     name = "johnson"
-    kappa = 1.0
     shift = -1.0
 
     def reach(self, pair: CylinderPair) -> FloatArray:
@@ -109,7 +132,149 @@ class Johnson(LogarithmicLaw):
         modulus_i = pair.material_i.plane_strain_modulus
         modulus_j = pair.material_j.plane_strain_modulus
         if np.all(modulus_i == modulus_j):
-            return as_floats(4 * np.pi * as_floats(pair.dR))
+            return super().reach(pair)
         R_i, R_j = pair.radii("Johnson's law for different materials")
         w_i, w_j = pair.E_star / modulus_i, pair.E_star / modulus_j
         return as_floats(4 * np.pi * as_floats(pair.dR) * (R_i / R_j) ** (w_i - w_j))
+
+
+def adjusted_logarithmic(
+    base: LogarithmicLaw, kappa: float, c: float, Lambda_factor: float = 1.0
+) -> ScaledLaw:
+    """Return δ = κ/(π·E*)·f·[ln(F·Λ·E*/f) + c] with the Λ of a logarithmic law.
+
+    With B = F·exp(c − c₀) it is (κ·B/κ₀)·δ₀(f/B), a scaled form of the law δ₀ with κ₀, c₀ and Λ.
+    F and c act only through ln F + c.
+
+    Parameters
+    ----------
+    base : LogarithmicLaw
+        The law that supplies Λ.
+    kappa, c : float
+        κ, positive, and c.
+    Lambda_factor : float
+        F, positive.
+
+    Returns
+    -------
+    ScaledLaw
+
+    Raises
+    ------
+    InputError
+        If κ or F is not positive.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material, laws
+    >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
+    >>> law = adjusted_logarithmic(laws.Johnson(), kappa=1.0, c=2 / 3)
+    >>> print(law.penetration(100.0, pair) / laws.Radzimovsky().penetration(100.0, pair))
+    1.0
+    """
+    load_factor = Lambda_factor * float(np.exp(c - base.shift))
+    return ScaledLaw(base, load_factor, kappa * load_factor / base.kappa)
+
+
+# Lambert's W as in laws/lambert.py, with the penetration in units of the largest one. By its
+# conditions NaN takes the regular branch, which p = 0 and p = 1 do not enter.
+_STEPS = """
+p = penetration / deepest if penetration <= deepest else nan
+inner = 0.5 if p <= 0 or p >= 1 else p
+g = -log(inner)
+r = sqrt(g)
+u = 1 + r * ({} + r * ({} + {} * r)) / (1 + {} * r)
+start = u - 1
+t = (start - log(u) - g) / (start * start)
+w = 0 if p >= 1 else start - t * start * u * (1 + t * (0.5 + t * (0.5 + start / 3)))
+f = f_max * (p / (1 + w))
+k = 0 if p <= 0 else f_max / (deepest * w)
+""".format(*START)
+
+
+def _numbers(law: LogarithmicLaw, pair: CylinderPair) -> tuple[float, float]:
+    """Return the largest load and penetration."""
+    return float(law.max_load(pair)), float(law.max_penetration(pair))
+
+
+def formula_of(
+    law: LogarithmicLaw, contact: Contact | None, scaled: ScaledLaw | None = None
+) -> Formula:
+    """Return the formula of a logarithmic law for export, or of a scaled one.
+
+    Parameters
+    ----------
+    law : LogarithmicLaw
+        The law that supplies Λ.
+    contact : {"internal", "external"} or None
+        The contact.
+    scaled : ScaledLaw, optional
+        The law with other κ and c; see `adjusted_logarithmic`.
+
+    Returns
+    -------
+    Formula
+    """
+    kappa, shift, origin = float(law.kappa), float(law.shift), "the law's own"
+    if scaled is not None:
+        B, D = scaled.load_factor, scaled.penetration_factor
+        kappa, shift, origin = float(law.kappa * D / B), law.shift + float(np.log(B)), ""
+    reach = law.reach_formula
+    return Formula(
+        name=function_name(law.name),
+        law=scaled or law,
+        contact=contact,
+        equation=(
+            "penetration = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c) solved for f, with "
+            f"Lambda = {reach.replace(' * ', '*').replace(' / ', '/')}"
+        ),
+        text=(
+            f"f_max = ({reach}) * E_star * peak\ndeepest = kappa / (pi * E_star) * f_max{_STEPS}"
+        ),
+        coefficients={"kappa": kappa, "c": shift},
+        constants={"kappa": kappa, "peak": float(np.exp(shift - 1))},
+        extra=law.needs,
+        domain=(
+            "penetration <= kappa/pi*Lambda*peak, with peak = exp(c - 1), where the load is "
+            "Lambda*E_star*peak and the stiffness infinite"
+        ),
+        remark=(
+            "For bodies of equal elastic constants. f = f_max*p/(1 + w) with p the penetration in "
+            "units of the largest and w = -1 - W(-p/e), W the lower branch of Lambert's function: "
+            "a start in closed form and one step of fourth order, no iteration."
+        ),
+        origin=origin,
+    )
+
+
+_KERNEL = KernelSteps(("f_max", "deepest"), _numbers, _STEPS)
+
+
+def definition_of(law: type[LogarithmicLaw]) -> Definition:
+    """Return the definition of a logarithmic law.
+
+    It is fitted by κ, c and a factor of Λ, which is fixed by default, because it is redundant
+    with c.
+    """
+    base = law()
+
+    def build(values: Coefficients) -> ContactLaw:
+        return adjusted_logarithmic(base, **values)
+
+    parameters = (
+        Parameter("kappa", 0.2, 5.0, float(law.kappa), meaning="factor of δ"),
+        Parameter(
+            "c", -5.0, 5.0, float(law.shift), shift=True, meaning="term beside the logarithm"
+        ),
+        Parameter("Lambda_factor", 1e-3, 1e3, nominal=1.0, value=1.0, meaning="factor of Λ"),
+    )
+    return Definition(
+        law=law,
+        formula=formula_of,
+        kernel=_KERNEL,
+        models=tuple(LawModel(law.name, contact, parameters, build) for contact in CONTACTS),
+        needs=law.needs,
+    )
+
+
+DEFINITION = definition_of(Johnson)

@@ -20,10 +20,11 @@ from __future__ import annotations
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.laws.logarithmic import LogarithmicLaw
+from cylcontact.laws.logarithmic import LogarithmicLaw, definition_of
 from cylcontact.pair import CylinderPair
 
 __all__ = [
+    "DEFINITIONS",
     "DubowskyFreudenstein",
     "Esdu78035",
     "Goldsmith",
@@ -34,11 +35,6 @@ __all__ = [
 ]
 
 
-def _clearance_reach(pair: CylinderPair) -> FloatArray:
-    """Return 4π·ΔR in mm, the reach of most laws, Johnson's among them."""
-    return as_floats(4 * np.pi * as_floats(pair.dR))
-
-
 class RoarkYoung(LogarithmicLaw):
     """Radzimovsky's formula with b the full contact width, as in Roark and Young's tables.
 
@@ -47,12 +43,7 @@ class RoarkYoung(LogarithmicLaw):
     """
 
     name = "roark-young"
-    kappa = 1.0
     shift = 2 / 3 - 2 * np.log(2)
-
-    def reach(self, pair: CylinderPair) -> FloatArray:
-        """Return 4π·ΔR in mm."""
-        return _clearance_reach(pair)
 
 
 class Radzimovsky(LogarithmicLaw):
@@ -62,12 +53,7 @@ class Radzimovsky(LogarithmicLaw):
     """
 
     name = "radzimovsky"
-    kappa = 1.0
     shift = 2 / 3
-
-    def reach(self, pair: CylinderPair) -> FloatArray:
-        """Return 4π·ΔR in mm."""
-        return _clearance_reach(pair)
 
 
 class RadzimovskyRadii(LogarithmicLaw):
@@ -78,12 +64,7 @@ class RadzimovskyRadii(LogarithmicLaw):
     """
 
     name = "radzimovsky-radii"
-    kappa = 1.0
     shift = 2 / 3 + float(np.log(16 / 1.6**2 / (4 * np.pi)))
-
-    def reach(self, pair: CylinderPair) -> FloatArray:
-        """Return 4π·ΔR in mm."""
-        return _clearance_reach(pair)
 
 
 class Esdu78035(LogarithmicLaw):
@@ -94,12 +75,7 @@ class Esdu78035(LogarithmicLaw):
     """
 
     name = "esdu-78035"
-    kappa = 1.0
     shift = 1.0
-
-    def reach(self, pair: CylinderPair) -> FloatArray:
-        """Return 4π·ΔR in mm."""
-        return _clearance_reach(pair)
 
 
 class DubowskyFreudenstein(LogarithmicLaw):
@@ -109,8 +85,9 @@ class DubowskyFreudenstein(LogarithmicLaw):
     """
 
     name = "dubowsky-freudenstein"
-    kappa = 1.0
     shift = 1.0
+    reach_formula = "pi * (length * length) / (R_i * R_j / dR)"
+    needs = ("R_i", "R_j", "length")
 
     def reach(self, pair: CylinderPair) -> FloatArray:
         """Return π·L²/R in mm, with R = R_i·R_j/ΔR."""
@@ -127,8 +104,9 @@ class Goldsmith(LogarithmicLaw):
     """
 
     name = "goldsmith"
-    kappa = 1.0
     shift = 1.0
+    reach_formula = "pi * (R_i * R_j / dR)"
+    needs = ("R_i", "R_j")
 
     def reach(self, pair: CylinderPair) -> FloatArray:
         """Return π·R_i·R_j/ΔR in mm."""
@@ -145,7 +123,22 @@ class HertzCylinder(LogarithmicLaw):
     name = "hertz-cylinder"
     kappa = 2.0
     shift = -1.0
+    reach_formula = "pi * dR"
 
     def reach(self, pair: CylinderPair) -> FloatArray:
         """Return π·ΔR in mm."""
         return as_floats(np.pi * as_floats(pair.dR))
+
+
+DEFINITIONS = tuple(
+    definition_of(law)
+    for law in (
+        RoarkYoung,
+        Radzimovsky,
+        RadzimovskyRadii,
+        Esdu78035,
+        DubowskyFreudenstein,
+        Goldsmith,
+        HertzCylinder,
+    )
+)

@@ -11,9 +11,12 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
-from cylcontact.pair import CylinderPair
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
+from cylcontact.laws.formula import IN_MM, Formula, function_name
+from cylcontact.pair import CONTACTS, Contact, CylinderPair
 
-__all__ = ["PowerLaw", "PowerShaped"]
+__all__ = ["DEFINITION", "KERNEL", "PowerLaw", "PowerShaped"]
 
 
 class PowerShaped(ABC):
@@ -134,3 +137,89 @@ class PowerLaw(PowerShaped):
         if self.K_star is not None:
             return as_floats(self.K_star * scale), n
         return as_floats(np.full_like(scale, self.K)), n
+
+
+def _numbers(law: PowerShaped, pair: CylinderPair) -> tuple[float, float]:
+    """Return K and n."""
+    factor, n = law.factor_and_exponent(pair)
+    return float(factor), float(n)
+
+
+_STEPS = """
+f = factor * penetration ** n
+k = n * (factor * penetration ** (n - 1))
+"""
+KERNEL = KernelSteps(("factor", "n"), _numbers, _STEPS)
+
+# K in terms of a law's factor, the law on one line and a remark, by the name of the factor.
+_FORMS = {
+    "C": (
+        "C_factor * E_star * dR ** (1 - n)",
+        "f = C_factor*E_star*dR*(penetration/dR)^n",
+        "Dimensionless in penetration/dR and f/(E_star*dR).",
+    ),
+    "K_star": ("K_star * (E_star / dR)", "f = K_star*E_star/dR*penetration^n", IN_MM),
+    "K": (
+        "K_factor",
+        "f = K_factor*penetration^n",
+        f"{IN_MM} For the one pair that it was fitted to.",
+    ),
+}
+
+
+def _formula(law: PowerLaw, contact: Contact | None) -> Formula:
+    """Return the formula for export."""
+    name, value = next((name, v) for name in _FORMS if (v := getattr(law, name)) is not None)
+    factor, equation, remark = _FORMS[name]
+    # C and K alone would differ from other names in case only, which Fortran ignores.
+    constant = name if "_" in name else f"{name}_factor"
+    numbers = {constant: float(value), "n": float(law.n)}
+    return Formula(
+        name=function_name(law.name, contact),
+        law=law,
+        contact=contact,
+        equation=equation,
+        text=f"factor = {factor}{_STEPS}",
+        coefficients=numbers,
+        constants=numbers,
+        remark=remark,
+    )
+
+
+def _power_law(values: Coefficients) -> ContactLaw:
+    """Return the law of n and one of K, K_star and C."""
+    return PowerLaw(**values)
+
+
+def _constant(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the same K* and n at every ΔR (Eqs 3-4)."""
+    K_star, n = candidates.T[:, :, None] + np.zeros_like(dR)
+    return K_star, n
+
+
+def _dimensionless(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return K* = C·ΔR^(2 − n), and n."""
+    C, n = candidates.T[:, :, None] + np.zeros_like(dR)
+    return as_floats(C * dR ** (2 - n)), n
+
+
+def _models(contact: Contact) -> tuple[LawModel, ...]:
+    """Return the three ways to fit a power law."""
+    n = Parameter("n", 0.8, 2.0, meaning="exponent of the penetration")
+    K = Parameter("K", 1.0, 1e9, unit="N/mm/mm^n", meaning="factor, of this pair only")
+    K_star = Parameter("K_star", 1e-3, 1e3, unit="mm^(2-n)", meaning="factor of E*/ΔR")
+    C = Parameter("C", 1e-3, 1e3, meaning="factor of E*·ΔR")
+    return (
+        LawModel("power-one-pair", contact, (K, n), _power_law),
+        LawModel("power", contact, (K_star, n), _power_law, _constant, on_grid=True),
+        LawModel("power-dimensionless", contact, (C, n), _power_law, _dimensionless, on_grid=True),
+    )
+
+
+DEFINITION = Definition(
+    law=PowerLaw,
+    formula=_formula,
+    kernel=KERNEL,
+    models=tuple(model for contact in CONTACTS for model in _models(contact)),
+    has_defaults=False,
+)

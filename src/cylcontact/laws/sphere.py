@@ -8,15 +8,21 @@ from typing import ClassVar
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats, require
-from cylcontact.laws.power import PowerShaped
-from cylcontact.pair import CylinderPair
+from cylcontact.laws.adapters import ScaledLaw
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.definition import Coefficients, Definition, LawModel, Parameter
+from cylcontact.laws.formula import Formula, function_name
+from cylcontact.laws.power import KERNEL, PowerShaped
+from cylcontact.pair import CONTACTS, Contact, CylinderPair
 
-__all__ = ["LankaraniNikravesh"]
+__all__ = ["DEFINITION", "LankaraniNikravesh"]
+
+_NEEDS = ("R_i", "R_j", "length")
 
 
 @dataclass(frozen=True)
 class LankaraniNikravesh(PowerShaped):
-    """The elastic part of Eq 2: F = (4/3)·E*·√R·δⁿ, with R = R_i·R_j/ΔR.
+    """Lankarani and Nikravesh (1990), elastic part of Eq 2: F = (4/3)·E*·√R·δⁿ, R = R_i·R_j/ΔR.
 
     Parameters
     ----------
@@ -61,3 +67,41 @@ class LankaraniNikravesh(PowerShaped):
         """Return (4/3)·E*·√R/L in N/mm per mmⁿ, and n."""
         length = pair.contact_length("the law of Lankarani and Nikravesh per unit length")
         return as_floats(4 / 3 * pair.E_star * np.sqrt(pair.R) / length), as_floats(self.n)
+
+
+def _formula(law: LankaraniNikravesh, contact: Contact | None) -> Formula:
+    """Return the formula for export."""
+    numbers = {"n": float(law.n)}
+    return Formula(
+        name=function_name(law.name),
+        law=law,
+        contact=contact,
+        equation="f = 4/3*E_star*sqrt(R_i*R_j/dR)/length*penetration^n",
+        text="factor = 4 / 3 * E_star * sqrt(R_i * R_j / dR) / length" + KERNEL.steps,
+        coefficients=numbers,
+        constants=numbers,
+        extra=_NEEDS,
+        remark=(
+            "The law gives the total force f*length of a point contact, independent of the length; "
+            "f is that force per unit length."
+        ),
+        origin="the law's own",
+    )
+
+
+def _fitted(values: Coefficients) -> ContactLaw:
+    """Return the law with a factor and an exponent."""
+    return ScaledLaw(LankaraniNikravesh(n=values["n"]), load_factor=values["factor"])
+
+
+_PARAMETERS = (
+    Parameter("factor", 1e-2, 1e2, nominal=1.0, meaning="factor of the law's load"),
+    Parameter("n", 0.8, 2.0, nominal=1.5, meaning="exponent of the penetration"),
+)
+DEFINITION = Definition(
+    law=LankaraniNikravesh,
+    formula=_formula,
+    kernel=KERNEL,
+    models=tuple(LawModel("lankarani-nikravesh", c, _PARAMETERS, _fitted) for c in CONTACTS),
+    needs=_NEEDS,
+)

@@ -11,9 +11,11 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.html_repr import law_html
 from cylcontact.laws.conformal import in_units_of
-from cylcontact.pair import CylinderPair
+from cylcontact.laws.definition import Definition, KernelSteps, LawModel, Parameter
+from cylcontact.laws.formula import Formula, function_name
+from cylcontact.pair import Contact, CylinderPair
 
-__all__ = ["DEPTH", "Winkler"]
+__all__ = ["DEFINITION", "DEPTH", "Winkler"]
 
 # Half of Z = π·E*·δ/f of Persson's law at complete contact, which gives both laws the same slope
 # there.
@@ -148,3 +150,68 @@ def _excess_over_sine(x: FloatArray, sine: FloatArray) -> FloatArray:
     for k in range(18, 2, -2):
         series = 1 - square / (k * (k + 1)) * series
     return as_floats(np.where(x < 1, x * x * x / 6 * series, x - sine))
+
+
+# x - sin x by its power series where the difference loses digits, as `_excess_over_sine`.
+_STEPS = """
+d = penetration / dR
+x = 2 * atan(sqrt(d) * sqrt(2 + d))
+small = x if x < 1 else 1
+square = small * small
+s18 = 1 - square / 342
+s16 = 1 - square / 272 * s18
+s14 = 1 - square / 210 * s16
+s12 = 1 - square / 156 * s14
+s10 = 1 - square / 110 * s12
+s8 = 1 - square / 72 * s10
+s6 = 1 - square / 42 * s8
+s4 = 1 - square / 20 * s6
+excess = x * x * x / 6 * s4 if x < 1 else x - sin(x)
+f = E_star * dR / depth * ((1 + d) * excess / 2)
+k = E_star / depth * ((x + sin(x)) / 2)
+"""
+
+
+def _numbers(law: Winkler, pair: CylinderPair) -> tuple[float, float, float]:
+    """Return E*, ΔR and h/R."""
+    return float(pair.E_star), float(np.asarray(pair.dR)), float(law.depth)
+
+
+def _formula(law: Winkler, _: Contact | None) -> Formula:
+    """Return the formula for export."""
+    numbers = {"depth": float(law.depth)}
+    chosen = "assumed, for the slope of conformal contact at large loads"
+    return Formula(
+        name=function_name(law.name),
+        law=law,
+        contact="internal",
+        equation=(
+            "f = E_star/depth*((dR + penetration)*angle - dR*sin(angle)) with "
+            "cos(angle) = dR/(dR + penetration)"
+        ),
+        text=_STEPS,
+        coefficients=numbers,
+        constants=numbers,
+        remark="depth is that of the foundation in units of the radius, an assumption.",
+        origin=chosen if law.depth == DEPTH else "",
+    )
+
+
+_DEPTH = Parameter(
+    "depth", 0.05, 20.0, nominal=DEPTH, meaning="depth of the foundation over the radius"
+)
+DEFINITION = Definition(
+    law=Winkler,
+    formula=_formula,
+    kernel=KernelSteps(("E_star", "dR", "depth"), _numbers, _STEPS),
+    models=(
+        LawModel(
+            "winkler",
+            "internal",
+            (_DEPTH,),
+            lambda values: Winkler(depth=values["depth"]),
+            nominal_is_published=False,
+        ),
+    ),
+    contacts=("internal",),
+)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import cast
 
 import numpy as np
@@ -9,7 +10,9 @@ import pandas as pd
 
 from cylcontact.arrays import FloatArray, require
 from cylcontact.errors import InputError
-from cylcontact.laws import LAWS
+from cylcontact.fitting.law_models import MODELS
+from cylcontact.laws import DEFINITIONS, LAWS
+from cylcontact.laws.definition import Parameter
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_error
@@ -188,7 +191,8 @@ def to_text(pair: CylinderPair, load: float) -> str:
     -------
     str
         The comparison, the deviations, Johnson's departures from conformal contact (internal
-        contact only) and the explicit law's error.
+        contact only), the explicit law's error, the laws in a line each, and the parameters that
+        a fit searches.
 
     Raises
     ------
@@ -210,7 +214,8 @@ def to_text(pair: CylinderPair, load: float) -> str:
             "at ΔR in mm; the last line is the end of johnson's law (Eq 8)",
             _departures(departures(pair.material_i)),
         ]
-    return "\n\n".join([*parts, _explicit()]) + "\n"
+    parts += [_explicit(), _each_law(contact), _parameters(contact)]
+    return "\n\n".join(parts) + "\n"
 
 
 def _number(value: float, form: str) -> str:
@@ -281,6 +286,36 @@ def _explicit() -> str:
         f"(at φ = {error[f'{name}, at φ']:.4g})"
     )
     return "\n".join(lines)
+
+
+def _each_law(contact: Contact) -> str:
+    """Return what each law is, by the first line of its documentation."""
+    known = [definition.law for definition in DEFINITIONS if contact in definition.contacts]
+    width = max(len(name) for name in LAWS)
+    lines = ["the laws; sources and conventions are in the documentation of each:"]
+    for law in known:
+        name = law.name if isinstance(law.name, str) else "power"
+        lines.append(f"  {name:<{width}}  {(inspect.getdoc(law) or '').splitlines()[0]}")
+    return "\n".join(lines)
+
+
+def _parameters(contact: Contact) -> str:
+    """Return the parameters of each law and their default bounds, of like laws together."""
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for model in MODELS.values():
+        if model.contact == contact:
+            alike.setdefault(tuple(map(_parameter, model.parameters)), []).append(model.law)
+    lines = ["parameters that a fit searches, and its bounds unless a campaign gives others:"]
+    for parameters, names in alike.items():
+        lines += [f"  {', '.join(names)}", *(f"    {parameter}" for parameter in parameters)]
+    return "\n".join(lines)
+
+
+def _parameter(parameter: Parameter) -> str:
+    """Return a parameter's name, unit, bounds and meaning."""
+    searched = f"{parameter.low:g} … {parameter.high:g}"
+    bounds = searched if parameter.value is None else f"fixed at {parameter.value:g}"
+    return f"{parameter.name:<18} {bounds:<13} {parameter.unit:<11} {parameter.meaning}"
 
 
 def _lines(table: pd.DataFrame) -> str:

@@ -20,7 +20,7 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.report import text_table
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.samples import Form, LawForm, Samples, collect_samples
+from cylcontact.fitting.samples import Form, LawForm, Samples, collect_samples, form_of
 from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
@@ -239,7 +239,7 @@ def _candidates(refit: FitResult, power: FitResult, samples: Samples) -> list[_C
 def _fitted(fit: FitResult, coefficients: Mapping[str, float], samples: Samples) -> Form:
     """Return a fitted law at the clearances of the samples, the open end of its range included."""
     model = grid_model_of(fit.law, fit.contact, fit.name)
-    return model.form(model.candidates(coefficients), samples.dR)
+    return form_of(model, model.candidates(coefficients), samples.dR)
 
 
 def _relative_times(bench: Bench) -> dict[str, float]:

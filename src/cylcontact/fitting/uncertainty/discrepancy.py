@@ -22,7 +22,7 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import Campaign, campaign_from_settings, grid_of, with_grid
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.samples import samples_of
+from cylcontact.fitting.samples import form_of, samples_of
 from cylcontact.fitting.uncertainty.profiles import (
     DiscrepancyPair,
     Profile,
@@ -167,7 +167,7 @@ def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
     counts = np.zeros(edges.size - 1)
     candidate = campaign.model.candidates(best)
     for dR in grid_of(campaign).dR:
-        form = campaign.model.form(candidate, np.array([dR]))
+        form = form_of(campaign.model, candidate, np.array([dR]))
         for block in blocks(grid_of(campaign), float(dR)):
             ratio = form.log_penetration_ratio(0, samples_of(grid_of(campaign).contact, block))
             if not np.isfinite(ratio).all():

@@ -24,10 +24,10 @@ from scipy.optimize import brentq
 
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.least_squares import descend
-from cylcontact.fitting.parameters import Parameter
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.residual_model import ResidualModel
+from cylcontact.laws.definition import Coefficients, Parameter
 from cylcontact.spec import Spec
 
 __all__ = [
@@ -69,7 +69,6 @@ BETTER = -1e-6
 # The rise of the objective at the ends of the interval of a law.
 TOLERANCE = 0.01
 
-_Coefficients = Mapping[str, float]
 # From a problem and a start to a minimum and its objective.
 Descent = Callable[[Problem, FloatArray], tuple[FloatArray, float]]
 
@@ -178,8 +177,8 @@ class _Refits:
     """
 
     problem: Problem
-    best: _Coefficients
-    refit: Callable[[_Coefficients, _Coefficients], tuple[float, dict[str, float]]]
+    best: Coefficients
+    refit: Callable[[Coefficients, Coefficients], tuple[float, dict[str, float]]]
 
     def along(self, name: str, values: FloatArray) -> FloatArray:
         """Return the cost along a parameter, each refit started from that nearer the best."""
@@ -261,7 +260,7 @@ def refit_to_law(problem: Problem, start: FloatArray) -> tuple[FloatArray, float
 
 
 def _refitted(
-    problem: Problem, fixed: _Coefficients, start: _Coefficients, descent: Descent
+    problem: Problem, fixed: Coefficients, start: Coefficients, descent: Descent
 ) -> tuple[float, dict[str, float]]:
     """Return the objective and all coefficients of a refit with some of them fixed."""
     for name, value in fixed.items():
@@ -274,7 +273,7 @@ def _refitted(
 
 
 def fixed_ratio(
-    problem: Problem, noise: ResidualModel, fixed: _Coefficients, start: _Coefficients
+    problem: Problem, noise: ResidualModel, fixed: Coefficients, start: Coefficients
 ) -> tuple[float, dict[str, float]]:
     """Return (S(θ) − S)/τ with some parameters fixed and the others refitted.
 
@@ -301,7 +300,7 @@ def fixed_ratio(
 
 
 def interval(
-    problem: Problem, noise: ResidualModel, name: str, best: _Coefficients, level: float
+    problem: Problem, noise: ResidualModel, name: str, best: Coefficients, level: float
 ) -> Interval:
     """Return the profile-likelihood interval of one parameter.
 
@@ -360,7 +359,7 @@ def pair_map(
     problem: Problem,
     noise: ResidualModel,
     names: tuple[str, str],
-    best: _Coefficients,
+    best: Coefficients,
     intervals: Mapping[str, Interval],
     levels: tuple[float, ...],
     points: int = _PAIR_POINTS,
@@ -398,7 +397,7 @@ def pair_map(
 # --- discrepancy of laws ----------------------------------------------------------------------
 
 
-def profile(problem: Problem, name: str, best: _Coefficients, published: float | None) -> Profile:
+def profile(problem: Problem, name: str, best: Coefficients, published: float | None) -> Profile:
     """Profile the objective over one free parameter.
 
     Parameters
@@ -444,7 +443,7 @@ def profile(problem: Problem, name: str, best: _Coefficients, published: float |
 def discrepancy_pair(
     problem: Problem,
     names: tuple[str, str],
-    best: _Coefficients,
+    best: Coefficients,
     profiles: Mapping[str, Profile],
 ) -> DiscrepancyPair:
     """Return the rise of the objective over two coefficients, all others re-optimised.

@@ -1,4 +1,4 @@
-"""Laws in a small neutral notation, from which every target is rendered."""
+"""Laws in a small neutral notation, from which exports are rendered and kernels compiled."""
 
 from __future__ import annotations
 
@@ -6,10 +6,24 @@ import ast
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from cylcontact.errors import InputError
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact
 
-__all__ = ["MEANINGS", "RESULTS", "Formula", "Step", "expression"]
+__all__ = [
+    "IN_MM",
+    "MEANINGS",
+    "RESULTS",
+    "Formula",
+    "Step",
+    "expression",
+    "function_name",
+    "required_contact",
+    "steps_of",
+]
+
+# The remark of a law whose coefficients have units.
+IN_MM = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
 
 # The first arguments of every exported function, and units and meanings of all arguments.
 _ALWAYS = ("penetration", "E_star", "dR")
@@ -101,7 +115,7 @@ class Formula:
     @property
     def steps(self) -> tuple[Step, ...]:
         """The assignments of `text`."""
-        return tuple(_step(line) for line in self.text.strip().splitlines())
+        return steps_of(self.text)
 
     @property
     def requirements(self) -> tuple[str, ...]:
@@ -121,7 +135,42 @@ def expression(text: str) -> ast.expr:
     return ast.parse(text, mode="eval").body
 
 
+def steps_of(text: str) -> tuple[Step, ...]:
+    r"""Parse assignments, one a line.
+
+    Examples
+    --------
+    >>> [step.name for step in steps_of("d = penetration / dR\nf = E_star * d")]
+    ['d', 'f']
+    """
+    return tuple(_step(line) for line in text.strip().splitlines())
+
+
 def _step(line: str) -> Step:
     """Parse `name = value`."""
     name, value = line.split(" = ", 1)
     return Step(name.strip(), expression(value), line.strip())
+
+
+def function_name(law: str, contact: Contact | None = None) -> str:
+    """Return the name of an exported function.
+
+    Examples
+    --------
+    >>> function_name("esdu-78035"), function_name("enhanced", "internal")
+    ('cylcontact_esdu_78035', 'cylcontact_enhanced_internal')
+    """
+    return "_".join(["cylcontact", law.replace("-", "_"), *([contact] if contact else [])])
+
+
+def required_contact(contact: Contact | None, law: str) -> Contact:
+    """Return the contact; raise `InputError` if it is None."""
+    if contact is None:
+        raise InputError(
+            "export",
+            "--contact",
+            None,
+            f"is missing, and the {law} law has other coefficients for each",
+            "give --contact internal or --contact external",
+        )
+    return contact

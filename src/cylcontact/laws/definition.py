@@ -1,0 +1,174 @@
+"""What a law states about itself beside its formula in NumPy: one `Definition` for each.
+
+Everything that lists, samples, compiles, fits or exports laws reads it from there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.formula import Formula
+from cylcontact.pair import CONTACTS, Contact, CylinderPair
+
+__all__ = ["Coefficients", "Definition", "KernelSteps", "LawModel", "Parameter"]
+
+Coefficients = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a law: searched between two bounds, fixed, or tied to others.
+
+    Parameters
+    ----------
+    name : str
+        Its name in campaigns and results.
+    low, high : float
+        Bounds of the search, if it is searched.
+    nominal : float, optional
+        A value to start from; that of the law's source if the model says so.
+    value : float, optional
+        The value that it is fixed at.
+    tie : str, optional
+        The expression that sets it, e.g. "a/10" (`fitting.ties`).
+    shift : bool
+        Whether its zero is arbitrary, so that a relative error has no meaning.
+    unit : str
+        Its unit; empty for a number without one.
+    meaning : str
+        What it is, in a few words.
+    """
+
+    name: str
+    low: float = math.nan
+    high: float = math.nan
+    nominal: float | None = None
+    value: float | None = None
+    tie: str | None = None
+    shift: bool = False
+    unit: str = ""
+    meaning: str = ""
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it is fixed."""
+        return self.value is not None
+
+    @property
+    def is_free(self) -> bool:
+        """Whether it is searched."""
+        return not self.fixed and self.tie is None
+
+
+@dataclass(frozen=True)
+class LawModel:
+    """A law with named parameters, as it is fitted.
+
+    Attributes
+    ----------
+    law : str
+        Its name in campaigns.
+    contact : {"internal", "external"}
+        The contact it is for.
+    parameters : tuple of Parameter
+        Its parameters, each with default bounds, or fixed.
+    build : callable
+        From values by name to the law. Raises InputError if they define none.
+    power_form : callable, optional
+        For power laws at each clearance: from candidates, shape (P, k), and clearances ΔR in mm,
+        shape (m,), to K* and n in f = K*·E*/ΔR·δⁿ, shape (P, m) each. Such a law can be evaluated
+        from moments and has a lower bound.
+    on_grid : bool
+        Whether the law can be fitted on a grid, where a sample has ΔR and f/E* only.
+    nominal_is_published : bool
+        Whether the nominal values are those of the law's source, not of this project.
+    dR_min, dR_max : float
+        The range of ΔR in mm, both ends included: calibration may use the open end of [0.005, 10[,
+        which the law itself excludes.
+    """
+
+    law: str
+    contact: Contact
+    parameters: tuple[Parameter, ...]
+    build: Callable[[Coefficients], ContactLaw]
+    power_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
+    on_grid: bool = False
+    nominal_is_published: bool = True
+    dR_min: float = 0.0
+    dR_max: float = math.inf
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the parameters, in the order of the columns of candidates."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @property
+    def published(self) -> dict[str, float] | None:
+        """The published values of the parameters, if all have one."""
+        nominal = {p.name: p.nominal for p in self.parameters if p.nominal is not None}
+        is_published = self.nominal_is_published and len(nominal) == len(self.parameters)
+        return nominal if is_published else None
+
+    def candidates(self, *coefficients: Coefficients) -> FloatArray:
+        """Return P sets of coefficients by name as candidates, shape (P, k)."""
+        return np.array([[values[name] for name in self.names] for values in coefficients])
+
+
+@dataclass(frozen=True)
+class KernelSteps:
+    """Load and stiffness at one pair and a positive penetration, ready to be compiled.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The numbers of a law at one pair that the steps use.
+    numbers : callable
+        From a law and a pair to these numbers.
+    steps : str
+        Assignments in the notation of `laws.formula.Formula`, with the penetration and `names`;
+        the last two are f and k.
+    """
+
+    names: tuple[str, ...]
+    numbers: Callable[[Any, CylinderPair], Sequence[float]]
+    steps: str
+
+
+@dataclass(frozen=True)
+class Definition:
+    """What the package knows of a law.
+
+    Attributes
+    ----------
+    law : type
+        Its class.
+    formula : callable, optional
+        From the law and a contact to the `Formula` that is exported; None if there is no closed
+        form for the load.
+    kernel : KernelSteps, optional
+        Its compiled form, which also serves subclasses that do not override `load`; without one
+        a law is tabulated.
+    models : tuple of LawModel
+        How it is fitted.
+    contacts : tuple of {"internal", "external"}
+        The contacts that it is for.
+    needs : tuple of str
+        What it needs to know of a pair besides ΔR: R_i, R_j, length.
+    has_defaults : bool
+        Whether it can be made without coefficients, and thus be called by its name.
+    """
+
+    law: type[Any]
+    formula: Callable[[Any, Contact | None], Formula] | None = None
+    kernel: KernelSteps | None = None
+    models: tuple[LawModel, ...] = ()
+    contacts: tuple[Contact, ...] = CONTACTS
+    needs: tuple[str, ...] = ()
+    has_defaults: bool = True
