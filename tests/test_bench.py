@@ -339,6 +339,6 @@ class TestShippedBench:
                 if "Pereira" in str(node.value)
             }
         # Exported formulas cite the source of their coefficients.
-        assert naming == {"export/formulas.py"}
+        assert naming == {"laws/enhanced.py"}
         assets = (SOURCE / "reports" / "html").rglob("*.[jc]*")
         assert not [path for path in assets if b"Pereira" in path.read_bytes()]

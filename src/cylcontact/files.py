@@ -11,8 +11,13 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import takewhile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from cylcontact.choices import TABLE_SUFFIXES
 from cylcontact.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = [
     "folder_of",
@@ -23,6 +28,7 @@ __all__ = [
     "require_writable",
     "shipped_bench",
     "unwritable",
+    "write_table",
 ]
 
 
@@ -226,6 +232,16 @@ def require_suffix(path: Path | str, *suffixes: str) -> str:
         )
         raise InputError(str(path), "", None, f"is {known}", "name the output so that it is one")
     return suffix
+
+
+def write_table(table: pd.DataFrame, path: Path | str) -> None:
+    """Write a table as .csv or .parquet; it appears complete or not at all."""
+    suffix = require_suffix(path, *TABLE_SUFFIXES)
+    with replacing(path) as temporary:
+        if suffix == ".csv":
+            table.to_csv(temporary, index=False, lineterminator="\n")
+        else:
+            table.to_parquet(temporary, index=False)
 
 
 def require_writable(path: Path | str) -> None:

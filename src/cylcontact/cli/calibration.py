@@ -8,9 +8,17 @@ from typing import Annotated
 
 import typer
 
-from cylcontact.choices import listed
 from cylcontact.cli import measured
-from cylcontact.cli.options import RESULTS, Force, Jobs, Runs, Scheduler, Seed, resumable
+from cylcontact.cli.options import (
+    RESULTS,
+    Force,
+    Jobs,
+    Runs,
+    Scheduler,
+    Seed,
+    expand_options,
+    resumable,
+)
 from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
 from cylcontact.files import owning, replacing, require_suffix
@@ -35,67 +43,29 @@ def sample(
     )
 
 
+@expand_options
 def fit(
     campaign: Annotated[
         Path,
         typer.Argument(help="A campaign, e.g. fitting/internal.toml, or a .csv or .parquet table."),
     ],
+    *,
     out: Annotated[
         Path | None,
         typer.Option("-o", "--out", help="The result; results/NAME.json beside the campaign."),
     ] = None,
     jobs: Jobs = None,
-    runs: Runs = None,
-    seed: Seed = None,
-    optimizer: Annotated[
-        str | None,
-        typer.Option(help=f"{listed(OPTIMIZERS)}."),
-    ] = None,
+    search: measured.SearchOptions,
     scheduler: Scheduler = None,
     resume: Annotated[bool, typer.Option("--resume", help="Resume an interrupted fit.")] = False,
     force: Force = False,
-    law: measured.Law = None,
-    contact: measured.ContactKind = None,
-    material: measured.MaterialName = None,
-    material_i: measured.MaterialI = None,
-    material_j: measured.MaterialJ = None,
-    materials: measured.Materials = None,
-    E: measured.Modulus = None,
-    nu: measured.Poisson = None,
-    dR: measured.Clearance = None,
-    R_i: measured.RadiusI = None,
-    R_j: measured.RadiusJ = None,
-    length: measured.Length = None,
-    objective: measured.Objective = None,
-    loss: measured.LossName = None,
-    ignore: measured.Ignored = None,
-    bound: measured.Bounds = None,
-    fix: measured.Fixed = None,
+    table: measured.TableOptions,
 ) -> None:
     """Calibrate a law to a reference, or to a table of measurements."""
     from cylcontact.fitting import calibrate
     from cylcontact.fitting.result import require_same_inputs
 
-    options = measured.TableOptions(
-        law=law,
-        contact=contact,
-        material=material,
-        material_i=material_i,
-        material_j=material_j,
-        materials=materials,
-        E_MPa=E,
-        nu=nu,
-        dR_mm=dR,
-        R_i_mm=R_i,
-        R_j_mm=R_j,
-        length_mm=length,
-        objective=objective,
-        loss=loss,
-        ignore=ignore,
-        bound=bound,
-        fix=fix,
-    )
-    planned = measured.plan(campaign, options, runs, seed, optimizer)
+    planned = measured.plan(campaign, table, search)
     target = out or campaign.parent / "results" / f"{campaign.stem}.json"
     where = workers(jobs, scheduler)
     with owning(target):

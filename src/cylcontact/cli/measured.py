@@ -4,45 +4,24 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from cylcontact.choices import TABLE_SUFFIXES, listed
-from cylcontact.cli.options import LOSSES, Jobs, Scheduler, Seed, integer_from, modulus_in_MPa
+from cylcontact.cli.options import LOSSES, Jobs, Runs, Scheduler, Seed, integer_from, modulus_in_MPa
 from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix, require_writable
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.pair import CONTACTS
 
 if TYPE_CHECKING:
     from cylcontact.fitting.campaign import Campaign
 
-__all__ = [
-    "CONSTANTS",
-    "Bounds",
-    "Clearance",
-    "ContactKind",
-    "Fixed",
-    "Ignored",
-    "Law",
-    "Length",
-    "LossName",
-    "MaterialI",
-    "MaterialJ",
-    "MaterialName",
-    "Materials",
-    "Modulus",
-    "Objective",
-    "Poisson",
-    "RadiusI",
-    "RadiusJ",
-    "TableOptions",
-    "plan",
-    "uncertainty",
-]
+__all__ = ["CONSTANTS", "SearchOptions", "TableOptions", "plan", "uncertainty"]
 
 _PANEL = "For a table of measurements"
 
@@ -56,67 +35,61 @@ def _option(
     )
 
 
-Law = Annotated[str | None, _option("--law", help="The law, or module:function of your own.")]
-ContactKind = Annotated[str | None, _option("--contact", help=f"{listed(CONTACTS)}.")]
-MaterialName = Annotated[
-    str | None, _option("--material", help="Of both bodies, by name in the table of materials.")
-]
-MaterialI = Annotated[str | None, _option("--material-i", help="Of body i.")]
-MaterialJ = Annotated[str | None, _option("--material-j", help="Of body j.")]
-Materials = Annotated[
-    str | None,
-    _option("--materials", help="A table of your own materials; datasets/materials.csv."),
-]
-Modulus = Annotated[
-    float | None,
-    _option("--E", help="Young's modulus of both bodies, MPa.", callback=modulus_in_MPa),
-]
-Poisson = Annotated[float | None, _option("--nu", help="Poisson's ratio of both bodies.")]
-Clearance = Annotated[float | None, _option("--dR", help="ΔR, mm.")]
-RadiusI = Annotated[float | None, _option("--Ri", help="Radius of body i, mm.")]
-RadiusJ = Annotated[float | None, _option("--Rj", help="Radius of body j, mm.")]
-Length = Annotated[float | None, _option("--length", help="Axial length, mm.")]
-Objective = Annotated[str | None, _option("--objective", help="rms-log-penetration, rms-load, ...")]
-LossName = Annotated[str | None, _option("--loss", help=f"{listed(LOSSES)}.")]
-Ignored = Annotated[
-    list[str] | None,
-    _option("--ignore", help="A column to leave out; may be repeated.", metavar="COLUMN"),
-]
-Bounds = Annotated[
-    list[str] | None,
-    _option(
-        "--bound",
-        help="Search a parameter between two values; may be repeated.",
-        metavar="NAME=LOW:HIGH",
-    ),
-]
-Fixed = Annotated[
-    list[str] | None,
-    _option("--fix", help="Fix a parameter; may be repeated.", metavar="NAME=VALUE"),
-]
+@dataclass(frozen=True)
+class SearchOptions:
+    """What `fit` changes in the search of a campaign; None for nothing."""
+
+    runs: Runs = None
+    seed: Seed = None
+    optimizer: Annotated[str | None, typer.Option(help=f"{listed(OPTIMIZERS)}.")] = None
 
 
 @dataclass(frozen=True)
 class TableOptions:
     """The options of `fit` for tables; None if not given."""
 
-    law: str | None
-    contact: str | None
-    material: str | None
-    material_i: str | None
-    material_j: str | None
-    materials: str | None
-    E_MPa: float | None
-    nu: float | None
-    dR_mm: float | None
-    R_i_mm: float | None
-    R_j_mm: float | None
-    length_mm: float | None
-    objective: str | None
-    loss: str | None
-    ignore: list[str] | None
-    bound: list[str] | None
-    fix: list[str] | None
+    law: Annotated[
+        str | None, _option("--law", help="The law, or module:function of your own.")
+    ] = None
+    contact: Annotated[str | None, _option("--contact", help=f"{listed(CONTACTS)}.")] = None
+    material: Annotated[
+        str | None, _option("--material", help="Of both bodies, by name in the table of materials.")
+    ] = None
+    material_i: Annotated[str | None, _option("--material-i", help="Of body i.")] = None
+    material_j: Annotated[str | None, _option("--material-j", help="Of body j.")] = None
+    materials: Annotated[
+        str | None,
+        _option("--materials", help="A table of your own materials; datasets/materials.csv."),
+    ] = None
+    E_MPa: Annotated[
+        float | None,
+        _option("--E", help="Young's modulus of both bodies, MPa.", callback=modulus_in_MPa),
+    ] = None
+    nu: Annotated[float | None, _option("--nu", help="Poisson's ratio of both bodies.")] = None
+    dR_mm: Annotated[float | None, _option("--dR", help="ΔR, mm.")] = None
+    R_i_mm: Annotated[float | None, _option("--Ri", help="Radius of body i, mm.")] = None
+    R_j_mm: Annotated[float | None, _option("--Rj", help="Radius of body j, mm.")] = None
+    length_mm: Annotated[float | None, _option("--length", help="Axial length, mm.")] = None
+    objective: Annotated[
+        str | None, _option("--objective", help="rms-log-penetration, rms-load, ...")
+    ] = None
+    loss: Annotated[str | None, _option("--loss", help=f"{listed(LOSSES)}.")] = None
+    ignore: Annotated[
+        list[str] | None,
+        _option("--ignore", help="A column to leave out; may be repeated.", metavar="COLUMN"),
+    ] = None
+    bound: Annotated[
+        list[str] | None,
+        _option(
+            "--bound",
+            help="Search a parameter between two values; may be repeated.",
+            metavar="NAME=LOW:HIGH",
+        ),
+    ] = None
+    fix: Annotated[
+        list[str] | None,
+        _option("--fix", help="Fix a parameter; may be repeated.", metavar="NAME=VALUE"),
+    ] = None
 
 
 CONSTANTS = (
@@ -125,18 +98,11 @@ CONSTANTS = (
 )
 
 
-def plan(
-    path: Path,
-    options: TableOptions,
-    runs: int | None,
-    seed: int | None,
-    optimizer: str | None,
-) -> Campaign:
+def plan(path: Path, options: TableOptions, search: SearchOptions) -> Campaign:
     """Return the campaign of a file, or of a table and its options."""
     from cylcontact.fitting.campaign import read_campaign
 
-    given = {f.name: getattr(options, f.name) for f in fields(options)}
-    given = {name: value for name, value in given.items() if value not in (None, [])}
+    given = {name: value for name, value in asdict(options).items() if value not in (None, [])}
     if path.suffix.lower() not in TABLE_SUFFIXES:
         if given:
             raise InputError(
@@ -146,13 +112,11 @@ def plan(
                 "is an option for tables of measurements, and this is a campaign",
                 "set it in the campaign file",
             )
-        return read_campaign(path, runs, seed, optimizer)
-    return _plan_of_table(path, given, runs, seed, optimizer)
+        return read_campaign(path, **asdict(search))
+    return _plan_of_table(path, given, search)
 
 
-def _plan_of_table(
-    path: Path, given: dict[str, Any], runs: int | None, seed: int | None, optimizer: str | None
-) -> Campaign:
+def _plan_of_table(path: Path, given: dict[str, Any], search: SearchOptions) -> Campaign:
     """Return the campaign of a table."""
     from cylcontact.fitting.campaign import campaign_of_table
 
@@ -163,6 +127,7 @@ def _plan_of_table(
             )
     constants = {name: given.pop(name) for name in CONSTANTS if name in given}
     parameters = _parameters(str(path), given.pop("bound", []), given.pop("fix", []))
+    runs, seed, optimizer = astuple(search)
     settings = {**given, "seed": seed, "optimizer": optimizer, "parameters": parameters or None}
     settings |= {"starts": runs} if optimizer is None else {"genetic": runs and {"runs": runs}}
     law, contact = settings.pop("law"), settings.pop("contact")

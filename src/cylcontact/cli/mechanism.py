@@ -4,22 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import nullcontext
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from cylcontact import choices
-from cylcontact.choices import BEYOND, METHODS, listed
-from cylcontact.cli.options import Jobs, Scheduler, integer_from, resumable
+from cylcontact.choices import BEYOND, METHODS, TABLE_SUFFIXES, listed
+from cylcontact.cli.options import Jobs, Scheduler, expand_options, integer_from, resumable
 from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
-from cylcontact.files import owning, require_suffix
+from cylcontact.files import owning, require_suffix, write_table
 
 if TYPE_CHECKING:
     from cylcontact.mechanism import Mechanism, Settings, Trajectory
 
-__all__ = ["PAPER", "Beyond", "Method", "SpecFile", "Tolerance", "simulate", "sweep", "tolerances"]
+__all__ = ["PAPER", "Changes", "Integration", "SpecFile", "simulate", "sweep", "tolerances"]
 
 # The cases of Sect. 4.3: laws, clearances in mm, restitutions, friction coefficients.
 PAPER = (
@@ -44,35 +45,53 @@ _Revolutions = Annotated[
         parser=integer_from(1), metavar="INTEGER", help="Revolutions in all; the spec's by default."
     ),
 ]
-Tolerance = Annotated[float | None, typer.Option(help="Of the integrator; the spec's by default.")]
-Method = Annotated[
-    choices.Method | None,
-    typer.Option(
-        parser=str,
-        metavar="METHOD",
-        help=f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
-    ),
-]
-Beyond = Annotated[
-    choices.Beyond,
-    typer.Option(
-        parser=str,
-        metavar="WHAT",
-        help=f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
-    ),
+TableFile = Annotated[
+    Path, typer.Option("-o", "--out", help="The .csv or .parquet table to write.")
 ]
 
 
+@dataclass(frozen=True)
+class Changes:
+    """What to change in a mechanism's spec; None for nothing."""
+
+    law: Annotated[str | None, typer.Option(help="A contact law, e.g. johnson.")] = None
+    clearance: Annotated[float | None, typer.Option(help="Radial clearance, mm.")] = None
+    restitution: Annotated[float | None, typer.Option(help="Restitution, (0, 1].")] = None
+    friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None
+
+
+@dataclass(frozen=True)
+class Integration:
+    """How to integrate."""
+
+    method: Annotated[
+        choices.Method | None,
+        typer.Option(
+            parser=str,
+            metavar="METHOD",
+            help=f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
+        ),
+    ] = None
+    tolerance: Annotated[
+        float | None, typer.Option(help="Of the integrator; the spec's by default.")
+    ] = None
+    beyond: Annotated[
+        choices.Beyond,
+        typer.Option(
+            parser=str,
+            metavar="WHAT",
+            help=f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
+        ),
+    ] = "stop"
+
+
+@expand_options
 def simulate(
     spec: SpecFile,
-    law: Annotated[str | None, typer.Option(help="A contact law, e.g. johnson.")] = None,
-    clearance: Annotated[float | None, typer.Option(help="Radial clearance, mm.")] = None,
-    restitution: Annotated[float | None, typer.Option(help="Restitution, (0, 1].")] = None,
-    friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None,
+    *,
+    changes: Changes,
     revolutions: _Revolutions = None,
-    method: Method = None,
-    tolerance: Tolerance = None,
-    beyond: Beyond = "stop",
+    integration: Integration,
     allowed_penetration: Annotated[
         float | None,
         typer.Option(help="The paper's step control: how deep contact may begin, µm."),
@@ -88,17 +107,11 @@ def simulate(
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism.simulate import settings_for
 
-    changes = {
-        "law": law,
-        "clearance": clearance,
-        "restitution": restitution,
-        "friction": friction,
-    }
-    mechanism = read_mechanism(spec, **changes)
+    mechanism = read_mechanism(spec, **asdict(changes))
     if out is not None:
         require_suffix(out, ".parquet")
     allowed = None if allowed_penetration is None else allowed_penetration * 1e-6
-    settings = settings_for(mechanism, method, tolerance, beyond, allowed)
+    settings = settings_for(mechanism, **asdict(integration), allowed_penetration=allowed)
     with owning(out) if out else nullcontext():
         earlier = _earlier(mechanism, settings, out) if resume else None
         run = _run(mechanism, settings, revolutions, earlier, out)
@@ -161,15 +174,24 @@ def _run(
         ) from None
 
 
-def sweep(
-    spec: SpecFile,
-    out: Annotated[Path, typer.Option("-o", "--out", help="The .csv or .parquet table to write.")],
+@dataclass(frozen=True)
+class Varied:
+    """The values of a sweep, separated by commas; by default those of the paper."""
+
     laws: Annotated[str, typer.Option(help="Contact laws, separated by commas.")] = _joined(
         PAPER[0]
-    ),
-    clearances: Annotated[str, typer.Option(help="Radial clearances, mm.")] = _joined(PAPER[1]),
-    restitutions: Annotated[str, typer.Option(help="Restitutions.")] = _joined(PAPER[2]),
-    frictions: Annotated[str, typer.Option(help="Friction coefficients.")] = _joined(PAPER[3]),
+    )
+    clearances: Annotated[str, typer.Option(help="Radial clearances, mm.")] = _joined(PAPER[1])
+    restitutions: Annotated[str, typer.Option(help="Restitutions.")] = _joined(PAPER[2])
+    frictions: Annotated[str, typer.Option(help="Friction coefficients.")] = _joined(PAPER[3])
+
+
+@expand_options
+def sweep(
+    spec: SpecFile,
+    *,
+    out: TableFile,
+    varied: Varied,
     revolutions: _Revolutions = None,
     first: Annotated[
         int,
@@ -177,9 +199,7 @@ def sweep(
             parser=integer_from(0), metavar="INTEGER", help="First revolution that counts, from 0."
         ),
     ] = 0,
-    method: Method = None,
-    tolerance: Tolerance = None,
-    beyond: Beyond = "stop",
+    integration: Integration,
     against: Annotated[
         float | None,
         typer.Option(help="Run at this tolerance too; count only what lies beyond the horizon."),
@@ -191,18 +211,17 @@ def sweep(
     """Simulate laws × clearances × restitutions × frictions into one table."""
     from cylcontact.mechanism import Plan, cases, read_mechanism
     from cylcontact.mechanism import sweep as run
-    from cylcontact.mechanism.sweep import require_table_name, write_table
 
     mechanism = read_mechanism(spec)
-    require_table_name(out)
+    require_suffix(out, *TABLE_SUFFIXES)
     wanted = cases(
-        [law.strip() for law in laws.split(",")],
-        _numbers("--clearances", clearances),
-        _numbers("--restitutions", restitutions),
-        _numbers("--frictions", frictions),
+        [law.strip() for law in varied.laws.split(",")],
+        _numbers("--clearances", varied.clearances),
+        _numbers("--restitutions", varied.restitutions),
+        _numbers("--frictions", varied.frictions),
     )
     turns = revolutions or mechanism.integration.revolutions
-    plan = Plan(turns, first, method, tolerance, beyond, against)
+    plan = Plan(turns, first, **asdict(integration), against=against)
     where = workers(jobs, scheduler)
     with owning(out), resumable(out, "case") as journal:
         with progress_bars() as progress:
@@ -216,7 +235,7 @@ def sweep(
 
 def tolerances(
     spec: SpecFile,
-    out: Annotated[Path, typer.Option("-o", "--out", help="The .csv or .parquet table to write.")],
+    out: TableFile,
     values: Annotated[
         str, typer.Option("--tolerances", help="Separated by commas.")
     ] = "1e-5,1e-6,1e-7,1e-8,1e-9,1e-10,1e-11",
@@ -228,10 +247,9 @@ def tolerances(
     from cylcontact.mechanism import Plan, cases, read_mechanism
     from cylcontact.mechanism import sweep as run
     from cylcontact.mechanism.studies import tolerance_table
-    from cylcontact.mechanism.sweep import require_table_name, write_table
 
     mechanism = read_mechanism(spec)
-    require_table_name(out)
+    require_suffix(out, *TABLE_SUFFIXES)
     turns = revolutions or mechanism.integration.revolutions
     wanted = cases(*PAPER)
     where = workers(jobs, scheduler)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import fields, is_dataclass
+from functools import wraps
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -22,6 +25,7 @@ __all__ = [
     "Runs",
     "Scheduler",
     "Seed",
+    "expand_options",
     "integer_from",
     "modulus_in_MPa",
     "resumable",
@@ -56,6 +60,45 @@ def modulus_in_MPa(E: float | None) -> float | None:
     if E is not None and 0 < E < _SMALLEST_MODULUS:
         typer.echo(f"cylcontact: --E is in MPa; did you mean {E:g}e3?", err=True)
     return E
+
+
+def expand_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Declare every field of a command's dataclass parameters as an option of its own.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> @dataclass
+    ... class Size:
+    ...     width: int = 1
+    >>> @expand_options
+    ... def draw(name: str, *, size: Size) -> None:
+    ...     print(name, size)
+    >>> inspect.signature(draw)
+    <Signature (*, name: str, width: int = 1)>
+    >>> draw(name="box", width=2)
+    box Size(width=2)
+    """
+    parameters = inspect.signature(command, eval_str=True).parameters
+    groups: dict[str, Any] = {
+        name: parameter.annotation
+        for name, parameter in parameters.items()
+        if is_dataclass(parameter.annotation)
+    }
+    options = []
+    for name, parameter in parameters.items():
+        group = groups.get(name)
+        own = inspect.signature(group, eval_str=True).parameters.values() if group else [parameter]
+        options += [option.replace(kind=inspect.Parameter.KEYWORD_ONLY) for option in own]
+
+    @wraps(command)
+    def expanded(**given: Any) -> None:
+        for name, group in groups.items():
+            given[name] = group(**{field.name: given.pop(field.name) for field in fields(group)})
+        command(**given)
+
+    expanded.__signature__ = inspect.Signature(options)  # type: ignore[attr-defined]
+    return expanded
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,12 +16,13 @@ from cylcontact.cli.options import (
     TABLES,
     Jobs,
     Results,
+    expand_options,
     modulus_in_MPa,
 )
 from cylcontact.cli.terminal import cores, progress_bars
 from cylcontact.errors import InputError
 from cylcontact.export import TARGETS
-from cylcontact.files import replacing, shipped_bench
+from cylcontact.files import replacing, require_suffix, shipped_bench, write_table
 from cylcontact.pair import CONTACTS
 
 if TYPE_CHECKING:
@@ -29,6 +31,18 @@ if TYPE_CHECKING:
 __all__ = ["claims", "compare_laws", "export", "report"]
 
 
+@dataclass(frozen=True)
+class DrawingOptions:
+    """How figures are drawn; None for the default."""
+
+    style: Annotated[str | None, typer.Option(help=f"{listed(STYLES)}.")] = None
+    formats: Annotated[
+        list[str] | None, typer.Option("--format", help=f"{listed(FORMATS)}; may be repeated.")
+    ] = None
+    font_size: Annotated[float | None, typer.Option(help="Of the labels, in points.")] = None
+
+
+@expand_options
 def report(
     names: Annotated[
         list[str] | None,
@@ -37,6 +51,7 @@ def report(
             'name, e.g. maps material="titanium alloy" law=explicit.'
         ),
     ] = None,
+    *,
     results: Results = RESULTS,
     out: Annotated[
         Path | None,
@@ -45,14 +60,7 @@ def report(
     html: Annotated[
         bool, typer.Option("--html", help="Build the report to read in a browser instead.")
     ] = False,
-    style: Annotated[
-        str | None,
-        typer.Option(help=f"{listed(STYLES)}."),
-    ] = None,
-    formats: Annotated[
-        list[str] | None, typer.Option("--format", help=f"{listed(FORMATS)}; may be repeated.")
-    ] = None,
-    font_size: Annotated[float | None, typer.Option(help="Of the labels, in points.")] = None,
+    drawing: DrawingOptions,
     tables: Annotated[
         str | None, typer.Option(help=f"Write the tables and captions instead: {listed(TABLES)}.")
     ] = None,
@@ -62,14 +70,14 @@ def report(
     from cylcontact.reports.bench import Bench
 
     bench = Bench(Path(), results, jobs or cores())
-    _require_one_kind(names, html, style, formats, font_size, tables)
+    _require_one_kind(names, html, tables, *astuple(drawing))
     if html:
         _build_site(bench, out or bench.recipes_folder / "html")
         return
     if tables is not None:
         _write_tables(bench, names or (), tables, out or bench.recipes_folder / "tables")
         return
-    _draw(bench, names or (), (style, tuple(formats or ()), font_size), out)
+    _draw(bench, names or (), drawing, out)
 
 
 def _require_one_kind(names: object, html: bool, *choices: object) -> None:
@@ -84,18 +92,13 @@ def _require_one_kind(names: object, html: bool, *choices: object) -> None:
         )
 
 
-def _draw(
-    bench: Bench,
-    names: Sequence[str],
-    wishes: tuple[str | None, tuple[str, ...], float | None],
-    out: Path | None,
-) -> None:
+def _draw(bench: Bench, names: Sequence[str], drawing: DrawingOptions, out: Path | None) -> None:
     """Draw figures in the requested style."""
     from cylcontact.plots.style import JOURNAL, choose
     from cylcontact.reports.build import build
 
-    style, formats, font_size = wishes
-    choice = choose(bench.recipes_folder / "style.toml", style, formats, font_size)
+    formats = tuple(drawing.formats or ())
+    choice = choose(bench.recipes_folder / "style.toml", drawing.style, formats, drawing.font_size)
     own = bench.figures_folder
     folder = out or (own if choice.style.name == JOURNAL.name else own / choice.style.name)
     recipes, arguments = _names_and_arguments(names)
@@ -149,23 +152,23 @@ def claims(
 ) -> None:
     """Hold every quantitative statement of the paper against computed numbers."""
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.claims import ledger, to_csv, to_json, to_text
+    from cylcontact.reports.claims import ledger, to_json, to_table, to_text
     from cylcontact.reports.paper import paper_of
 
     bench = Bench(Path(), results, jobs or cores())
-    if out is not None and out.suffix not in (".csv", ".json"):
-        raise InputError(
-            str(out), "", None, "is neither .csv nor .json", "name the output so that it is one"
-        )
+    if out is not None:
+        require_suffix(out, ".csv", ".json")
     with progress_bars() as progress:
         computed = ledger(bench, progress)
     terms = paper_of(bench).definitions
     if out is None:
         typer.echo(to_text(computed, terms), nl=False)
         return
-    text = to_csv(computed) if out.suffix == ".csv" else to_json(computed, terms)
-    with replacing(out) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    if out.suffix == ".csv":
+        write_table(to_table(computed), out)
+    else:
+        with replacing(out) as temporary:
+            temporary.write_text(to_json(computed, terms), encoding="utf-8")
     count = len(computed)
     typer.echo(f"{count} {'claim' if count == 1 else 'claims'} written to {out}")
 

@@ -206,8 +206,7 @@ def _step(
     scratch: FloatArray,
     p: FloatArray,
     end: float,
-    times: FloatArray,
-    states: FloatArray,
+    buffers: tuple[FloatArray, FloatArray],
 ) -> tuple[int, int]:
     """Step until the buffers are full, the time `end` is reached or an event occurs.
 
@@ -221,14 +220,15 @@ def _step(
         The parameter block.
     end : float
         In s.
-    times, states : array of float
-        Output, one row for each step.
+    buffers : pair of array
+        Output: the time and the state after each step.
 
     Returns
     -------
     rows, flag : int
         Rows filled and CVODE's flag; an event is in `flags`, by the numbers in `events`.
     """
+    times, states = buffers
     in_contact = p[contact.MODE] == contact.CONTACT
     for n in range(times.size):
         before = now[0]
@@ -405,15 +405,14 @@ class Integrator:
         """Step to `end` in s or to an event, whichever comes first."""
         library().CVodeSetStopTime(self._memory, end)
         times, states, flag = [], [], 0
-        buffer_t, buffer_y = self._buffers
         while flag == 0:
             self._flags[:] = 0
             count, flag = _step(
                 self._at, self._y, self._other, self._now, self._flags, self._scratch,
-                self.p, end, buffer_t, buffer_y,
+                self.p, end, self._buffers,
             )  # fmt: skip
-            times.append(buffer_t[:count].copy())
-            states.append(buffer_y[:count].copy())
+            times.append(self._buffers[0][:count].copy())
+            states.append(self._buffers[1][:count].copy())
         event = None
         if flag == _ROOT_RETURN:
             event = events.LIMIT if self._flags[events.LIMIT] else events.CROSSING

@@ -5,28 +5,28 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Sequence
-from contextlib import closing
 from dataclasses import asdict, astuple, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.choices import TABLE_SUFFIXES, Beyond, Method
+from cylcontact.choices import Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.journal import Journal
 from cylcontact.mechanism.model import Mechanism, mechanism_from
 from cylcontact.mechanism.simulate import simulate
 from cylcontact.mechanism.studies import horizon
 from cylcontact.mechanism.trajectory import Trajectory
-from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.parallel import Call, Workers, call, call_for, run_recorded
 from cylcontact.progress import Progress, silent
 from cylcontact.provenance import spec_hash
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Case", "Plan", "cases", "require_table_name", "run_case", "sweep", "write_table"]
+__all__ = ["Case", "Plan", "cases", "run_case", "sweep"]
 
 
 @dataclass(frozen=True)
@@ -130,26 +130,24 @@ def sweep(
 
     _require_possible(mechanism, wanted, plan)
     journal = Journal(checkpoint, "sweep", _key(mechanism, plan)) if checkpoint else None
-    rows = dict(journal.load(_row_from)) if journal and resume else {}
-    if journal and not resume:
-        journal.start()
-    missing = [case for case in wanted if case not in rows]
-    done = len(wanted) - len(missing)
-    calls = [call(run_case, mechanism.data, mechanism.source, case, plan) for case in missing]
-    progress("cases", done, len(wanted))
-    with closing(run_calls(calls, workers)) as results:
-        for case, row in zip(missing, results, strict=True):
-            rows[case] = row
-            if journal:
-                journal.add({"case": asdict(case), "row": row})
-            done += 1
-            progress("cases", done, len(wanted))
+    calls: dict[tuple[Case, ...], Call] = {
+        (case,): call_for(case, call(run_case, mechanism.data, mechanism.source, case, plan))
+        for case in wanted
+    }
+    rows = run_recorded(
+        calls, journal, _row_from, _entry, resume, workers, partial(progress, "cases")
+    )
     return pd.DataFrame([rows[case] for case in wanted])
 
 
 def _row_from(entry: dict[str, Any]) -> tuple[Case, dict[str, Any]]:
     """Return the case and the row that a journal entry records."""
     return Case(**entry["case"]), entry["row"]
+
+
+def _entry(case: Case, row: dict[str, Any]) -> dict[str, Any]:
+    """Return the journal entry that records a case and its row."""
+    return {"case": asdict(case), "row": row}
 
 
 def run_case(data: dict[str, Any], source: str, case: Case, plan: Plan) -> dict[str, Any]:
@@ -226,23 +224,3 @@ def _require_possible(mechanism: Mechanism, wanted: Sequence[Case], plan: Plan) 
 def _key(mechanism: Mechanism, plan: Plan) -> str:
     """Return a hash of everything that a case's row depends on besides the case."""
     return spec_hash({"mechanism": mechanism.data, "plan": astuple(plan)})
-
-
-def write_table(table: pd.DataFrame, path: Path | str) -> None:
-    """Write a table as .csv or .parquet; it appears complete or not at all."""
-    from cylcontact.files import replacing
-
-    target = Path(path)
-    require_table_name(target)
-    with replacing(target) as temporary:
-        if target.suffix == ".csv":
-            table.to_csv(temporary, index=False)
-        else:
-            table.to_parquet(temporary, index=False)
-
-
-def require_table_name(path: Path) -> None:
-    """Refuse a name that is neither .csv nor .parquet."""
-    from cylcontact.files import require_suffix
-
-    require_suffix(path, *TABLE_SUFFIXES)

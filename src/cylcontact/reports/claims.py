@@ -45,7 +45,6 @@ __all__ = [
     "joined",
     "ledger",
     "listed",
-    "to_csv",
     "to_json",
     "to_records",
     "to_table",
@@ -439,11 +438,6 @@ def to_table(claims: Iterable[Claim]) -> pd.DataFrame:
         for column in ("paper_values", "ours_values"):
             record[column] = json.dumps(record[column], ensure_ascii=False)
     return pd.DataFrame.from_records(records)
-
-
-def to_csv(claims: Iterable[Claim]) -> str:
-    """Return the table as CSV text."""
-    return to_table(claims).to_csv(index=False, lineterminator="\n")
 
 
 def to_json(claims: Sequence[Claim], terms: Mapping[str, str]) -> str:

@@ -97,22 +97,10 @@ def _latex_table(table: pd.DataFrame) -> str:
     columns = "".join(
         rf"p{{{share:.2f}\linewidth}}" if name in long else "l" for name in table.columns
     )
-    lines = [" & ".join(map(latex, row)) + r" \\" for row in [table.columns, *table.to_numpy()]]
-    head, *body = lines
-    return "\n".join(
-        [
-            "% needs \\usepackage{booktabs,longtable}",
-            rf"\begin{{longtable}}{{{columns}}}",
-            r"\toprule",
-            head,
-            r"\midrule",
-            r"\endhead",
-            *body,
-            r"\bottomrule",
-            r"\end{longtable}",
-            "",
-        ]
-    )
+    styled = table.map(latex).rename(columns=latex).style.hide(axis="index")
+    text = styled.to_latex(column_format=columns, hrules=True).replace("{tabular}", "{longtable}")
+    head, rule, body = text.partition("\\midrule\n")
+    return "".join(["% needs \\usepackage{booktabs,longtable}\n", head, rule, "\\endhead\n", body])
 
 
 def _html_table(table: pd.DataFrame) -> str:

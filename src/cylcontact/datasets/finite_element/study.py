@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from contextlib import closing
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -18,10 +19,13 @@ from cylcontact.datasets.finite_element.solve import solve
 from cylcontact.datasets.finite_element.spec import Study
 from cylcontact.errors import InputError
 from cylcontact.journal import Journal
-from cylcontact.parallel import call, run_calls
+from cylcontact.parallel import call, run_recorded
 from cylcontact.progress import Progress, silent
 
 __all__ = ["Failure", "engine_name", "run_study"]
+
+# A case in its study: variant, clearance in mm and load in N/mm.
+_Place = tuple[str, float, float]
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,11 @@ class _Task:
     setup: Setup
     dR: float
     loads: tuple[float, ...]
+
+    @property
+    def places(self) -> tuple[_Place, ...]:
+        """The cases by variant, clearance in mm and load in N/mm."""
+        return tuple((self.variant, self.dR, load) for load in self.loads)
 
 
 def engine_name(engine: Engine) -> str:
@@ -120,40 +129,31 @@ def run_study(
     journal = (
         Journal(checkpoint, "study", f"{study.key} {engine_name(engine)}") if checkpoint else None
     )
-    recorded = journal.load(_row_from) if journal and resume else []
-    if journal and not resume:
-        journal.start()
-    rows = {row.place: row for row in recorded}
-    tasks = [
-        task
-        for task in _tasks(study, engine)
-        if any((task.variant, task.dR, load) not in rows for load in task.loads)
-    ]
-    total = len(study.setups) * len(study.dR) * len(study.load)
-    failures: list[Failure] = []
-    progress("solving", len(rows), total)
     # An interruption ends the workers, which cannot remove what they have written then.
     with TemporaryDirectory(prefix="cylcontact-", ignore_cleanup_errors=True) as scratch:
-        calls = [call(_solve_task, task, study.load, program, scratch) for task in tasks]
-        with closing(run_calls(calls, jobs, ordered=False)) as results:
-            for solved in results:
-                if isinstance(solved, Failure):
-                    failures.append(solved)
-                    continue
-                rows |= {row.place: row for row in solved}
-                if journal:
-                    journal.add(*map(asdict, solved))
-                progress("solving", len(rows), total)
-    places = {name: number for number, name in enumerate(study.setups)}
+        calls = {
+            task.places: call(_solve_task, task, study.load, program, scratch)
+            for task in _tasks(study, engine)
+        }
+        solved = run_recorded(
+            calls, journal, _row_from, _entry, resume, jobs, partial(progress, "solving")
+        )
+    failures = (result for result in solved.values() if isinstance(result, Failure))
     return (
-        sorted(rows.values(), key=lambda row: (places[row.variant], row.case.dR, row.case.load)),
-        sorted(failures, key=lambda failure: (places[failure.variant], failure.dR, failure.loads)),
+        [result for result in solved.values() if isinstance(result, Row)],
+        list(dict.fromkeys(failures)),  # each is that of all cases of a task
     )
 
 
-def _row_from(entry: dict[str, Any]) -> Row:
-    """Return the row that a journal entry records."""
-    return Row(entry["variant"], Setup(**entry["setup"]), Case(**entry["case"]))
+def _row_from(entry: dict[str, Any]) -> tuple[_Place, Row | Failure]:
+    """Return the place and the row that a journal entry records."""
+    row = Row(entry["variant"], Setup(**entry["setup"]), Case(**entry["case"]))
+    return row.place, row
+
+
+def _entry(_: _Place, solved: Row | Failure) -> dict[str, Any] | None:
+    """Return the journal entry that records a row; None for a failure."""
+    return asdict(solved) if isinstance(solved, Row) else None
 
 
 def _tasks(study: Study, engine: Engine) -> list[_Task]:
@@ -170,8 +170,8 @@ def _tasks(study: Study, engine: Engine) -> list[_Task]:
 
 def _solve_task(
     task: _Task, loads: tuple[float, ...], program: str, scratch: str
-) -> list[Row] | Failure:
-    """Solve one task in a worker."""
+) -> Mapping[_Place, Row | Failure]:
+    """Solve one task in a worker and return what came of each case."""
     import numpy as np
 
     try:
@@ -189,7 +189,10 @@ def _solve_task(
             ]
     except calculix.SolverError as failure:
         reason = f"CalculiX {failure.reason}"
-        return Failure(task.variant, task.dR, task.loads, reason, failure.lines)
+        failed = Failure(task.variant, task.dR, task.loads, reason, failure.lines)
     except InputError as error:
-        return Failure(task.variant, task.dR, task.loads, f"{error.rule}; {error.remedy}")
-    return [Row(task.variant, task.setup, case) for case in cases]
+        failed = Failure(task.variant, task.dR, task.loads, f"{error.rule}; {error.remedy}")
+    else:
+        rows = [Row(task.variant, task.setup, case) for case in cases]
+        return {row.place: row for row in rows}
+    return dict.fromkeys(task.places, failed)

@@ -75,7 +75,10 @@ def write_table(path: Path | str, study: Study, engine: str, rows: Sequence[Row]
     InputError
         If the file cannot be written.
     """
-    body = "\n".join([",".join(COLUMNS), *map(_line, rows)]) + "\n"
+    import pandas as pd
+
+    frame = pd.DataFrame(map(_cells, rows), columns=COLUMNS)
+    body = frame.to_csv(index=False, float_format=f"%.{_DIGITS}g", lineterminator="\n")
     base = study.setups["base"]
     calibrated = (
         f"outer_radius_mm = {base.outer_radius:g} ({base.outer_ratio:g} hole radii, "
@@ -150,16 +153,13 @@ def require_same_inputs(path: Path, study: Study) -> None:
         raise InputError(str(path), "set-up", before["set-up"], rule, remedy)
 
 
-def _line(row: Row) -> str:
-    """Return one case as a line of CSV."""
+def _cells(row: Row) -> tuple[str | float, ...]:
+    """Return one case in the order of `COLUMNS`."""
     setup, case = row.setup, row.case
-    # The half-width is empty if the engine does not return it.
-    numbers = (
-        *(setup.E / 1e3, setup.nu, case.dR, case.load, case.penetration, case.half_width),
-        *(case.peak_pressure, setup.hole_radius, setup.outer_radius, case.cells),
+    return (
+        *(row.variant, setup.E / 1e3, setup.nu, case.dR, case.load, case.penetration),
+        *(case.half_width, case.peak_pressure, setup.hole_radius, setup.outer_radius, case.cells),
     )
-    cells = ("" if number != number else f"{number:.{_DIGITS}g}" for number in numbers)  # noqa: PLR0124
-    return ",".join([row.variant, *cells])
 
 
 def _hash(body: str) -> str:
