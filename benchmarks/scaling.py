@@ -24,7 +24,7 @@ from benchmarks.harness import exit_interrupted
 from cylcontact.datasets.sampling import BLOCK
 from cylcontact.files import replacing
 from cylcontact.fitting import calibrate, read_campaign
-from cylcontact.fitting.data import with_grid
+from cylcontact.fitting.campaign import with_grid
 from cylcontact.tether import tethered
 
 ROOT = Path(__file__).resolve().parents[1]

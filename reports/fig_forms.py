@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.fitting.minimax import minimise_largest
+from cylcontact.fitting.polish import minimise_largest
 from cylcontact.laws import Persson
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.style import small_text

@@ -10,8 +10,8 @@ from cylcontact.arrays import FloatArray
 from cylcontact.fitting.calibration import calibrate
 from cylcontact.fitting.campaign import read_campaign
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.uncertainty.discrepancy import RISES, DiscrepancyPair, study_discrepancy
-from cylcontact.fitting.uncertainty.likelihood import PairMap
+from cylcontact.fitting.uncertainty.discrepancy import RISES, study_discrepancy
+from cylcontact.fitting.uncertainty.profiles import DiscrepancyPair, PairMap
 from cylcontact.fitting.uncertainty.study import study_noise
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import ACCENT, COLOURS

@@ -11,11 +11,10 @@ from typer.testing import CliRunner
 from cylcontact import InputError
 from cylcontact.cli.app import app
 from cylcontact.fitting.calibration import calibrate, problem_of
-from cylcontact.fitting.data import with_grid
-from cylcontact.fitting.forms import form_of
+from cylcontact.fitting.campaign import with_grid
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.report import discrepancy_text
-from cylcontact.fitting.samples import collect_samples
+from cylcontact.fitting.samples import collect_samples, form_of
 from cylcontact.fitting.uncertainty.discrepancy import study_discrepancy
 from cylcontact.fitting.uncertainty.study import study_noise
 from tests.measured_files import measured_campaign

@@ -6,14 +6,13 @@ import pytest
 
 from cylcontact import laws
 from cylcontact.datasets import Moments, concatenate
-from cylcontact.fitting.forms import form_of
+from cylcontact.fitting.calibration import plan_runs
 from cylcontact.fitting.genetic import CROSSOVERS, OPERATORS, WholePopulations, search
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import OBJECTIVES, make_objective
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.run import plan_runs
-from cylcontact.fitting.samples import Samples
+from cylcontact.fitting.samples import Samples, form_of
 from cylcontact.laws.definition import Parameter
 
 BOUNDS = {

@@ -8,11 +8,9 @@ from scipy.optimize import minimize
 
 from cylcontact import CylinderPair, Material, laws
 from cylcontact.datasets import Grid, reduce_grid
-from cylcontact.fitting.forms import form_of
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.max_difference import max_abs_difference_percent
-from cylcontact.fitting.objectives import OBJECTIVES, make_objective
-from cylcontact.fitting.samples import collect_samples
+from cylcontact.fitting.objectives import OBJECTIVES, make_objective, max_abs_difference_percent
+from cylcontact.fitting.samples import collect_samples, form_of
 
 GRIDS = {
     "internal": Grid(

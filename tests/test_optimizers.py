@@ -12,7 +12,6 @@ import pytest
 from cylcontact import InputError
 from cylcontact.fitting import FitResult, calibrate, read_campaign
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.evaluation_budget import BudgetSpentError, EvaluationBudget
 from cylcontact.fitting.optimizer_comparison import (
     CSV_COLUMNS,
     as_csv,
@@ -20,7 +19,13 @@ from cylcontact.fitting.optimizer_comparison import (
     best_objective,
     compare_optimizers,
 )
-from cylcontact.fitting.optimizers import OPTIMIZERS, budget_of, search
+from cylcontact.fitting.optimizers import (
+    OPTIMIZERS,
+    BudgetSpentError,
+    EvaluationBudget,
+    budget_of,
+    search,
+)
 from cylcontact.fitting.polish import polish
 from cylcontact.reports.bench import Bench
 from tests.spec_files import assert_told, tree, write_bench

@@ -14,7 +14,7 @@ from benchmarks import scaling
 from benchmarks.scaling import COLUMNS, SHAPES, log_pass, memory_of, read_table, thinned
 from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.data import with_grid
+from cylcontact.fitting.campaign import with_grid
 
 ROOT = Path(__file__).resolve().parents[1]
 HUGE = ROOT / "benchmarks/huge.toml"
@@ -26,7 +26,7 @@ import sys
 from dataclasses import replace
 from benchmarks.scaling import thinned
 from cylcontact.datasets import read_grid, reduce_grid
-from cylcontact.fitting.max_difference import max_abs_difference_percent
+from cylcontact.fitting.objectives import max_abs_difference_percent
 from cylcontact.fitting.law_models import MODELS
 shape = tuple(map(int, sys.argv[1:]))
 grid = thinned(read_grid("datasets/huge.toml"), shape)

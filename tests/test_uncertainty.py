@@ -12,17 +12,17 @@ from cylcontact import CylinderPair, InputError
 from cylcontact.cli.app import app
 from cylcontact.fitting.assessment import noise_verdicts
 from cylcontact.fitting.calibration import calibrate
-from cylcontact.fitting.data import plain_problem
-from cylcontact.fitting.forms import PowerForm
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.least_squares import descend, jacobian
 from cylcontact.fitting.loss import Loss
+from cylcontact.fitting.measured_fit import plain_problem
 from cylcontact.fitting.measured_objective import MeasuredObjective
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.report import noise_text
+from cylcontact.fitting.samples import PowerForm
 from cylcontact.fitting.uncertainty.bands import bands_of_data, predict
 from cylcontact.fitting.uncertainty.estimates import uncertainty_of
-from cylcontact.fitting.uncertainty.likelihood import (
+from cylcontact.fitting.uncertainty.profiles import (
     Interval,
     fixed_ratio,
     interval,

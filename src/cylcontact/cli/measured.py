@@ -194,7 +194,7 @@ def uncertainty(
     from cylcontact.fitting import FitResult
     from cylcontact.fitting.report import discrepancy_text, noise_text
     from cylcontact.fitting.uncertainty.discrepancy import DiscrepancyStudy, study_discrepancy
-    from cylcontact.fitting.uncertainty.study import NoiseStudy, study_noise
+    from cylcontact.fitting.uncertainty.study import NoiseStudy, Resampling, study_noise
 
     _require_study(result, out, level, bootstrap, over)
     fit = FitResult.load(result)
@@ -205,12 +205,10 @@ def uncertainty(
             study = study_noise(
                 fit,
                 level=level,
-                replicates=bootstrap or 0,
-                over=over or "rows",
+                resampling=Resampling(bootstrap, over or "rows", seed) if bootstrap else None,
                 leave_out=leave_out,
                 with_pairs=pairs,
                 law=law,
-                seed=seed,
                 jobs=where,
                 progress=progress,
             )

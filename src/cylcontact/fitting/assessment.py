@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from cylcontact.fitting.profile import FAIRLY, TOLERANCE, WELL
-from cylcontact.fitting.uncertainty import estimates as noise
+from cylcontact.fitting.uncertainty.estimates import OUTLYING, STRONG_CORRELATION
+from cylcontact.fitting.uncertainty.profiles import FAIRLY, TOLERANCE, WELL
 from cylcontact.fitting.uncertainty.residual_model import ROUNDING
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.result import FitResult
-    from cylcontact.fitting.run import RunRecord
+    from cylcontact.fitting.result import FitResult, RunRecord
     from cylcontact.fitting.uncertainty.estimates import Uncertainty
 
 __all__ = [
@@ -260,7 +259,7 @@ def _on_determination(uncertainty: Uncertainty) -> list[str]:
             f"with --fix {together[0]}=VALUE, or fixed = true in the campaign"
         ]
     meanings = {
-        "poorly": f"poorly determined (not to ±{100 * noise.FAIRLY:g} % of the value, or for a "
+        "poorly": f"poorly determined (not to ±{100 * FAIRLY:g} % of the value, or for a "
         "shift of the prediction, or cut off by a bound)",
         "not": "not determined by these data (the interval is as wide as the value, or for a "
         "shift as the prediction, or as the bounds, or there is none)",
@@ -272,8 +271,8 @@ def _on_determination(uncertainty: Uncertainty) -> list[str]:
         if names:
             sentences.append(f"{', '.join(names)}: {meaning}")
     return sentences or [
-        f"every free parameter is determined to ±{100 * noise.FAIRLY:g} % or better "
-        f"(well: ±{100 * noise.WELL:g} %), a shift in terms of the prediction"
+        f"every free parameter is determined to ±{100 * FAIRLY:g} % or better "
+        f"(well: ±{100 * WELL:g} %), a shift in terms of the prediction"
     ]
 
 
@@ -284,7 +283,7 @@ def _on_correlations(uncertainty: Uncertainty) -> list[str]:
     for i, one in enumerate(names):
         for other in names[i + 1 :]:
             value = uncertainty.correlation[one][other]
-            if abs(value) > noise.STRONG_CORRELATION:
+            if abs(value) > STRONG_CORRELATION:
                 kind = "rise together" if value > 0 else "trade off"
                 sentences.append(
                     f"{one} and {other} {kind} (correlation {value:.3f}): quote them together, or "
@@ -310,7 +309,7 @@ def _on_rows(uncertainty: Uncertainty) -> list[str]:
         more = ", …" if len(uncertainty.outliers) > _LISTED else ""
         advice = '; a robust loss (loss = "huber") would reduce their influence'
         sentences.append(
-            f"rows more than {noise.OUTLYING:g} robust standard deviations away, not left out: "
+            f"rows more than {OUTLYING:g} robust standard deviations away, not left out: "
             f"lines {lines}{more}{'' if uncertainty.loss_scale is not None else advice}"
         )
     if uncertainty.loss_scale is not None:

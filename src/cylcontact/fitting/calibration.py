@@ -1,30 +1,50 @@
-"""Run a campaign: search, polish, and say what the result is worth."""
+"""Run a campaign: search, polish, and say what the result is worth.
+
+A grid and a table of measurements differ in the problem to minimise and in what the best
+coefficients are worth; a table also in its searches, if no optimiser is named.
+"""
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
-from cylcontact.datasets.sampling import Counts
-from cylcontact.fitting.campaign import Campaign
-from cylcontact.fitting.optimizers import require_installed
+from cylcontact.datasets.grid import Grid
+from cylcontact.datasets.moments import Moments
+from cylcontact.datasets.sampling import Counts, reduce_grid
+from cylcontact.errors import InputError
+from cylcontact.fitting.campaign import Campaign, GridData, TableData
+from cylcontact.fitting.measured_fit import descents, largest_percent, measured_problem
+from cylcontact.fitting.objectives import ON_ROWS, make_objective, max_abs_difference_percent
+from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed, search
+from cylcontact.fitting.polish import polish_across_kinks
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.result import (
     FitResult,
     MaxDifference,
     ObjectiveValue,
     Published,
+    RunRecord,
     SampleCounts,
 )
-from cylcontact.fitting.run import RunRecord
+from cylcontact.fitting.samples import Samples, collect_samples
+from cylcontact.fitting.uncertainty.estimates import Uncertainty, uncertainty_of
+from cylcontact.fitting.uncertainty.profiles import Profile, profile
 from cylcontact.journal import Journal
-from cylcontact.parallel import Workers, run_calls
+from cylcontact.parallel import Call, Workers, call, collect, run_calls
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import parse_spec
 
-__all__ = ["calibrate", "problem_of", "search_all"]
+__all__ = ["RunPlan", "calibrate", "execute", "plan_runs", "problem_of", "search_all"]
+
+# Every worker keeps all samples in memory, 24 bytes each.
+_MAX_ROWS = 20_000_000
 
 
 def calibrate(
@@ -91,8 +111,9 @@ def calibrate(
     records = search_all(problem, campaign, jobs, progress, journal, resume)
     best = min(records, key=lambda record: (record.objective, record.index))
     published = _published(problem)
-    values = None if published is None else published.coefficients
-    quality = campaign.data.quality(problem, best.coefficients, values, jobs, progress)
+    compared = [best.coefficients] + ([published.coefficients] if published else [])
+    largest = _largest_percent(campaign, problem, compared, jobs, progress)
+    on_grid = isinstance(campaign.data, GridData)
     return FitResult(
         name=campaign.name,
         law=campaign.model.law,
@@ -100,18 +121,18 @@ def calibrate(
         reference=campaign.data.reference,
         coefficients=best.coefficients,
         objective=ObjectiveValue(name=campaign.objective, value=best.objective),
-        bound=quality.bound,
+        bound=problem.objective.bound if on_grid and problem.model.power_form else None,
         published=published,
         max_abs_diff_percent=MaxDifference(
-            fitted=quality.largest_percent, published=quality.largest_percent_published
+            fitted=largest[0], published=largest[1] if published else None
         ),
-        profiles=quality.profiles,
+        profiles=_profiles(problem, *compared, jobs=jobs, progress=progress) if on_grid else {},
         runs=records,
         counts=SampleCounts(samples=counts.samples, masked=counts.masked),
         settings=campaign.settings,
         provenance=campaign.provenance,
         kind=campaign.data.kind,
-        uncertainty=quality.uncertainty,
+        uncertainty=None if on_grid else _uncertainty(problem, best.coefficients, jobs, progress),
     )
 
 
@@ -134,7 +155,71 @@ def problem_of(campaign: Campaign, jobs: Workers, progress: Progress) -> tuple[P
     InputError
         If every sample is masked, or the bounds exclude the law's domain.
     """
-    return campaign.data.problem(campaign, jobs, progress)
+    if isinstance(campaign.data, TableData):
+        return measured_problem(campaign), Counts(len(campaign.data.measurements), 0)
+    grid, name = campaign.data.grid, campaign.objective
+    samples: Moments | Samples
+    if campaign.model.power_form is not None and name not in ON_ROWS:
+        samples, counts = reduce_grid(grid, jobs, _by_clearance(progress, "sampling", grid))
+    else:
+        _require_few(grid, name, campaign.source)
+        samples, counts = collect_samples(grid)
+    problem = Problem(campaign.model, campaign.parameters, make_objective(name, samples))
+    _require_defined_somewhere(problem, campaign.source)
+    return problem, counts
+
+
+def _by_clearance(progress: Progress, stage: str, grid: Grid) -> Callable[[int], None]:
+    """Return a function that reports how many clearances are done."""
+    return lambda done: progress(stage, done, grid.dR.size)
+
+
+def _require_few(grid: Grid, objective: str, source: str) -> None:
+    """Refuse a grid whose samples do not fit into memory."""
+    if grid.size > _MAX_ROWS:
+        raise InputError(
+            source,
+            "objective",
+            objective,
+            f"keeps every sample in memory and the grid has {grid.size} (at most {_MAX_ROWS})",
+            "thin the grid, or use rms-log-penetration, which needs only moments",
+        )
+
+
+def _require_defined_somewhere(problem: Problem, source: str) -> None:
+    """Refuse bounds within which the law is undefined at every sampled point.
+
+    Raises
+    ------
+    InputError
+        If K* or n is not positive at some clearance for every one of 2¹² points.
+    """
+    unit = np.random.default_rng(0).uniform(size=(1 << 12, len(problem.free)))
+    corners = np.vstack([np.zeros(len(problem.free)), np.ones(len(problem.free)), unit])
+    points = problem.low + corners * (problem.high - problem.low)
+    if not np.isfinite(problem.values(points)).any():
+        raise InputError(
+            source,
+            "parameters",
+            {p.name: [p.low, p.high] for p in problem.free},
+            "within these bounds the law is undefined: K* or n is not positive somewhere",
+            "move the bounds so that aΔR + b > 0 and n > 0 can hold",
+        )
+
+
+# --- the runs ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """The index, settings and seed of a run."""
+
+    index: int
+    population: int
+    generations: int
+    crossover: str | None
+    seed: int
+    optimizer: str = "genetic"
 
 
 def search_all(
@@ -162,7 +247,7 @@ def search_all(
     -------
     list of RunRecord
     """
-    calls = campaign.data.searches(campaign, problem)
+    calls = _calls(campaign, problem)
     records = _recorded_runs(journal) if journal and resume else []
     if journal and not resume:
         journal.start()
@@ -178,9 +263,113 @@ def search_all(
     return sorted(records, key=lambda record: record.index)
 
 
+def _calls(campaign: Campaign, problem: Problem) -> list[Call]:
+    """Return the runs of a campaign as calls, each of which returns its RunRecord."""
+    genetic, optimizer = campaign.spec.genetic, campaign.spec.optimizer
+    if optimizer is None:
+        return descents(campaign, problem)
+    plans = plan_runs(
+        genetic.runs,
+        genetic.populations,
+        genetic.crossovers,
+        genetic.generations,
+        campaign.spec.seed,
+        optimizer,
+    )
+    return [call(execute, problem, plan, campaign.source) for plan in plans]
+
+
 def _recorded_runs(journal: Journal) -> list[RunRecord]:
     """Return the runs in a journal."""
     return journal.load(lambda entry: parse_spec(RunRecord, entry, str(journal.path)))
+
+
+def plan_runs(
+    runs: int,
+    populations: tuple[int, ...],
+    crossovers: tuple[str, ...],
+    generations: int,
+    seed: int,
+    optimizer: str = "genetic",
+) -> list[RunPlan]:
+    """Return the runs of a campaign, with populations, crossovers and seeds.
+
+    All combinations of populations and crossovers take turns. Seeds are spawned from `seed`.
+
+    Examples
+    --------
+    >>> for plan in plan_runs(3, (60, 120), ("uniform", "blend"), 300, seed=1):
+    ...     print(plan.population, plan.crossover)
+    60 uniform
+    120 uniform
+    60 blend
+    """
+    seeds = [int(child.generate_state(1)[0]) for child in np.random.SeedSequence(seed).spawn(runs)]
+    return [
+        RunPlan(
+            index=index,
+            population=populations[index % len(populations)],
+            generations=generations,
+            crossover=crossovers[index // len(populations) % len(crossovers)]
+            if OPTIMIZERS[optimizer].has_crossover
+            else None,
+            seed=run_seed,
+            optimizer=optimizer,
+        )
+        for index, run_seed in enumerate(seeds)
+    ]
+
+
+def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRecord:
+    """Search and polish on one thread, so that the result depends on the plan alone.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    plan : RunPlan
+        The settings of the run.
+    source : str
+        The campaign's name in errors.
+
+    Returns
+    -------
+    RunRecord
+
+    Raises
+    ------
+    InputError
+        If the search found no coefficients for which the law is defined.
+    """
+    started = time.perf_counter()
+    with threadpool_limits(limits=1):
+        best = search(
+            problem, plan.optimizer, plan.population, plan.generations, plan.crossover, plan.seed
+        )
+        point, value = polish_across_kinks(problem, best.point)
+    if not np.isfinite(value):
+        raise InputError(
+            source,
+            "genetic.populations",
+            plan.population,
+            f"run {plan.index} found no coefficients for which the law is defined",
+            "narrow the parameters' bounds, or raise populations and generations",
+        )
+    return RunRecord(
+        index=plan.index,
+        seed=plan.seed,
+        population=plan.population,
+        crossover=plan.crossover,
+        objective_before_polish=best.value,
+        coefficients_before_polish=problem.coefficients(best.point),
+        objective=value,
+        coefficients=problem.coefficients(point),
+        evaluations=best.evaluations,
+        seconds=round(time.perf_counter() - started, 3),
+    )
+
+
+# --- what the best coefficients are worth -----------------------------------------------------
 
 
 def _published(problem: Problem) -> Published | None:
@@ -190,3 +379,48 @@ def _published(problem: Problem) -> Published | None:
         return None
     value = problem.value_of(published)
     return Published(coefficients=dict(published), objective=value) if np.isfinite(value) else None
+
+
+def _largest_percent(
+    campaign: Campaign,
+    problem: Problem,
+    compared: list[dict[str, float]],
+    jobs: Workers,
+    progress: Progress,
+) -> list[float]:
+    """Return the largest |Eq 9| over the data in percent for each of several coefficient sets."""
+    if isinstance(campaign.data, TableData):
+        build, data = problem.model.build, campaign.data.measurements
+        return [largest_percent(data, build(coefficients)) for coefficients in compared]
+    grid = campaign.data.grid
+    progress("comparing", 0, grid.dR.size)
+    done = _by_clearance(progress, "comparing", grid)
+    largest = max_abs_difference_percent(grid, problem.model, compared, jobs, done)
+    return [float(value) for value in largest]
+
+
+def _profiles(
+    problem: Problem,
+    best: dict[str, float],
+    published: dict[str, float] | None = None,
+    *,
+    jobs: Workers,
+    progress: Progress,
+) -> dict[str, Profile]:
+    """Profile the objective over every free parameter."""
+    names = [p.name for p in problem.free]
+    calls = [
+        call(profile, problem, name, best, published[name] if published else None) for name in names
+    ]
+    progress("profiling", 0, len(names))
+    return dict(zip(names, collect(calls, jobs, progress, "profiling"), strict=True))
+
+
+def _uncertainty(
+    problem: Problem, best: dict[str, float], jobs: Workers, progress: Progress
+) -> Uncertainty:
+    """Return the uncertainty of a fit to measurements."""
+    progress("profiling", 0, 1)
+    uncertainty = uncertainty_of(problem, best, jobs=jobs)
+    progress("profiling", 1, 1)
+    return uncertainty

@@ -6,9 +6,9 @@ import math
 import os
 from collections.abc import Iterable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from cylcontact.datasets.measurements import (
     read_measured,
 )
 from cylcontact.errors import InputError
-from cylcontact.fitting.data import Data, GridData, TableData
 from cylcontact.fitting.law_models import (
     RIG_NAMES,
     grid_model_of,
@@ -44,10 +43,60 @@ from cylcontact.pair import Contact
 from cylcontact.provenance import made_with, spec_hash
 from cylcontact.spec import parse_spec, read_toml
 
-__all__ = ["Campaign", "campaign_from_settings", "campaign_of_table", "read_campaign"]
+__all__ = [
+    "Campaign",
+    "GridData",
+    "TableData",
+    "campaign_from_settings",
+    "campaign_of_table",
+    "grid_of",
+    "read_campaign",
+    "with_grid",
+]
 
 _MATERIALS = "datasets/materials.csv"
 _LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
+
+
+@dataclass(frozen=True)
+class GridData:
+    """Samples of a reference law on a grid.
+
+    Attributes
+    ----------
+    grid : Grid
+        The grid.
+    spec : dict
+        The contents of its file.
+    """
+
+    grid: Grid
+    spec: dict[str, Any]
+    kind: ClassVar[Literal["discrepancy"]] = "discrepancy"
+
+    @property
+    def reference(self) -> str:
+        """The reference law."""
+        return self.grid.reference
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The grid's file."""
+        return {"dataset": self.spec}
+
+
+@dataclass(frozen=True, eq=False)
+class TableData:
+    """A table of measurements."""
+
+    measurements: Measurements
+    kind: ClassVar[Literal["noise"]] = "noise"
+    reference: ClassVar[str] = "measurements"
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The whole table."""
+        return {"measurements": self.measurements.data.model_dump(mode="json")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +109,7 @@ class Campaign:
         The file's name without suffix.
     spec : CampaignSpec or MeasuredSpec
         Its settings, with a table for every parameter of the law.
-    data : Data
+    data : GridData or TableData
         What the law is fitted to.
     model : LawModel
         The law and contact.
@@ -74,7 +123,7 @@ class Campaign:
 
     name: str
     spec: CampaignSpec | MeasuredSpec
-    data: Data
+    data: GridData | TableData
     model: LawModel
     parameters: tuple[Parameter, ...]
     objective: str
@@ -225,6 +274,23 @@ def _on_grid(
     return Campaign(name, complete, data, model, parameters, spec.objective, source)
 
 
+def grid_of(campaign: Campaign) -> Grid:
+    """Return the grid of a campaign, which has to be on one."""
+    return _grid_data(campaign).grid
+
+
+def with_grid(campaign: Campaign, grid: Grid) -> Campaign:
+    """Return a campaign on another grid; its settings remain those of its file."""
+    return replace(campaign, data=replace(_grid_data(campaign), grid=grid))
+
+
+def _grid_data(campaign: Campaign) -> GridData:
+    """Return the data of a campaign on a grid."""
+    if not isinstance(campaign.data, GridData):
+        raise TypeError(f"{campaign.name} is not on a grid")
+    return campaign.data
+
+
 def _find_dataset(campaign: Path, dataset: str) -> Path:
     """Return the grid spec that a campaign names."""
     above = Path(os.path.normpath(campaign.parent / ".."))
@@ -306,8 +372,7 @@ def _on_table(
         )
     objective = objective_name(spec.objective, measured, is_user_law(spec.law), source)
     complete = completed(spec, parameters).model_copy(update={"objective": objective})
-    data = TableData(measured, spec.loss, spec.loss_scale, spec.starts)
-    return Campaign(name, complete, data, model, parameters, objective, source)
+    return Campaign(name, complete, TableData(measured), model, parameters, objective, source)
 
 
 def _stored_model(spec: MeasuredSpec, source: str) -> LawModel:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 
 import numpy as np
@@ -10,9 +9,8 @@ from scipy.optimize import least_squares
 
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.run import RunRecord
 
-__all__ = ["descend", "jacobian", "run_from", "starting_points"]
+__all__ = ["descend", "jacobian", "starting_points"]
 
 # Points evaluated for each start chosen.
 _POINTS_PER_START = 32
@@ -53,25 +51,6 @@ def starting_points(
     order = [k for k in np.argsort(values, kind="stable") if np.isfinite(values[k])]
     chosen = [*first, *(k for k in order if k not in first)][:number]
     return np.asarray(points[chosen])
-
-
-def run_from(problem: Problem, start: FloatArray, index: int, seed: int) -> RunRecord:
-    """Descend from one start and return the record of the run."""
-    began = time.perf_counter()
-    before = problem.value(start)
-    point, value, evaluations = descend(problem, start)
-    return RunRecord(
-        index=index,
-        seed=seed,
-        population=1,
-        crossover=None,
-        objective_before_polish=before,
-        coefficients_before_polish=problem.coefficients(start),
-        objective=value,
-        coefficients=problem.coefficients(point),
-        evaluations=evaluations,
-        seconds=round(time.perf_counter() - began, 3),
-    )
 
 
 def descend(problem: Problem, start: FloatArray) -> tuple[FloatArray, float, int]:

@@ -19,8 +19,8 @@ import numpy as np
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Measurements
 from cylcontact.errors import InputError
-from cylcontact.fitting.forms import Form, LawForm, law_form_of
 from cylcontact.fitting.loss import Loss
+from cylcontact.fitting.samples import Form, LawForm, law_form_of
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.definition import LawModel
 

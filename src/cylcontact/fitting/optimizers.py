@@ -23,16 +23,23 @@ from cylcontact.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from cylcontact.fitting.evaluation_budget import EvaluationBudget
     from cylcontact.fitting.genetic import Search
     from cylcontact.fitting.problem import Problem
 
     # From problem, population, generations, crossover and seed.
     _Search = Callable[[Problem, int, int, str | None, int], Search]
     # Restarts with this population until the budget raises an error.
-    _Restarts = Callable[[EvaluationBudget, int, np.random.Generator], None]
+    _Restarts = Callable[["EvaluationBudget", int, np.random.Generator], None]
 
-__all__ = ["OPTIMIZERS", "Optimizer", "budget_of", "require_installed", "search"]
+__all__ = [
+    "OPTIMIZERS",
+    "BudgetSpentError",
+    "EvaluationBudget",
+    "Optimizer",
+    "budget_of",
+    "require_installed",
+    "search",
+]
 
 # Differential evolution: Storn and Price (1997), best/1/bin with dithered differences.
 _DE_CONVERGED = 1e-8
@@ -137,13 +144,74 @@ def _genetic(
     return genetic.search(problem, population, generations, crossover or "blend", seed)
 
 
+class BudgetSpentError(Exception):
+    """The budget of evaluations is spent."""
+
+
+class EvaluationBudget:
+    """A problem with a limited number of evaluations, in coordinates scaled to [0, 1].
+
+    Parameters
+    ----------
+    problem : Problem
+        What to minimise.
+    budget : int
+        Candidates that may be evaluated; the last one raises `BudgetSpentError`.
+
+    Attributes
+    ----------
+    size : int
+        Free parameters, k.
+    spent : int
+        Candidates evaluated.
+    point : array of float, shape (k,)
+        The best candidate, unscaled.
+    value : float
+        Its objective.
+    """
+
+    def __init__(self, problem: Problem, budget: int) -> None:
+        self.size = len(problem.free)
+        self.spent = 0
+        self.point = (problem.low + problem.high) / 2
+        self.value = np.inf
+        self._problem = problem
+        self._budget = budget
+
+    def values(self, units: FloatArray) -> FloatArray:
+        """Return the objective of P candidates, shape (P, k) to (P,); inf if undefined."""
+        points = self._points(units)
+        values = self._problem.values(points)
+        if values.size and values.min() < self.value:
+            best = int(values.argmin())
+            self.point, self.value = points[best], float(values[best])
+        self._require_complete(units)
+        return values
+
+    def residuals(self, units: FloatArray) -> FloatArray:
+        """Return the residuals of P candidates, shape (P, k) to (P, q); 1e3 if undefined."""
+        residuals = self._problem.finite_residuals(self._points(units))
+        self._require_complete(units)
+        return residuals
+
+    def _points(self, units: FloatArray) -> FloatArray:
+        """Return as many candidates as the budget allows, unscaled, and charge for them."""
+        allowed = units[: self._budget - self.spent]
+        self.spent += len(allowed)
+        span = self._problem.high - self._problem.low
+        return as_floats(self._problem.low + np.clip(allowed, 0, 1) * span)
+
+    def _require_complete(self, units: FloatArray) -> None:
+        if self.spent >= self._budget and len(units):
+            raise BudgetSpentError
+
+
 def _within_budget(restart: _Restarts) -> _Search:
     """Return the search that restarts until it has spent the budget of a genetic run."""
 
     def search_within_budget(
         problem: Problem, population: int, generations: int, _: str | None, seed: int
     ) -> Search:
-        from cylcontact.fitting.evaluation_budget import BudgetSpentError, EvaluationBudget
         from cylcontact.fitting.genetic import Search
 
         budget = EvaluationBudget(problem, budget_of(population, generations))
@@ -186,7 +254,7 @@ def _least_squares(budget: EvaluationBudget, _: int, rng: np.random.Generator) -
     """Search by scipy's least squares; a Jacobian counts as the 2k candidates that it needs."""
     from scipy import optimize
 
-    from cylcontact.fitting.minimax import central_differences
+    from cylcontact.fitting.polish import central_differences
 
     low, high = np.zeros(budget.size), np.ones(budget.size)
 

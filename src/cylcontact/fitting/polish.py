@@ -1,16 +1,20 @@
-"""Local polish: descend to the minimum of the basin that a search ended in."""
+"""Local polish: descend to the minimum of the basin that a search ended in.
+
+A sum of squares is minimised by least squares, a largest residual by linear programmes.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, linprog
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.fitting.minimax import central_differences, minimise_largest
 from cylcontact.fitting.objectives import Largest
 from cylcontact.fitting.problem import Problem
 
-__all__ = ["polish", "polish_across_kinks"]
+__all__ = ["central_differences", "minimise_largest", "polish", "polish_across_kinks"]
 
 # A restart that gains less than this, relatively, ends the polish.
 _MIN_GAIN = 1e-10
@@ -18,6 +22,14 @@ _MAX_RESTARTS = 20
 # Number of restarts from beside the minimum, and their distance relative to the bounds: far
 # enough to cross a kink, near enough to stay in the basin.
 _HOPS, _HOP = 12, 0.005
+# Step of the central differences, relative to the interval between the bounds.
+_DIFFERENCE = 1e-6
+# First and last radius of the trust region, relative to the same interval.
+_FIRST_RADIUS, _LAST_RADIUS = 0.05, 1e-9
+_MAX_PROGRAMMES = 200
+
+# From points, shape (P, k), to finite residuals, shape (P, q).
+_Residuals = Callable[[FloatArray], FloatArray]
 
 
 def polish(
@@ -122,3 +134,94 @@ def _descend_squares(problem: Problem, start: FloatArray, precision: float) -> F
 def _descend_largest(problem: Problem, start: FloatArray, precision: float) -> FloatArray:
     """Minimise the largest magnitude of the residuals within the bounds."""
     return minimise_largest(problem.finite_residuals, problem.low, problem.high, start, precision)
+
+
+def minimise_largest(
+    residuals: _Residuals,
+    low: FloatArray,
+    high: FloatArray,
+    start: FloatArray,
+    precision: float = 1e-14,
+) -> FloatArray:
+    """Minimise the largest magnitude of the residuals by successive linear programmes.
+
+    Each programme minimises the largest magnitude of the linearised residuals within a trust
+    region (Osborne and Watson 1969).
+
+    Parameters
+    ----------
+    residuals : callable
+        From points, shape (P, k), to residuals, shape (P, q).
+    low, high : array of float, shape (k,)
+        The bounds of the parameters.
+    start : array of float, shape (k,)
+        A point within the bounds.
+    precision : float
+        Relative gain of the largest residual below which the descent ends.
+
+    Returns
+    -------
+    array of float, shape (k,)
+        A local minimum; the start if nothing better was found.
+
+    Examples
+    --------
+    The best straight line through a parabola from 0 to 1 has an error of 1/8:
+
+    >>> x = np.linspace(0, 1, 101)
+    >>> low, high = np.array([-5.0, -5.0]), np.array([5.0, 5.0])
+    >>> line = minimise_largest(
+    ...     lambda points: points[:, :1] + points[:, 1:] * x - x**2, low, high, np.zeros(2)
+    ... )
+    >>> print(line.round(6))
+    [-0.125  1.   ]
+    """
+    span = high - low
+    point, radius = start, _FIRST_RADIUS
+    reached = residuals(point[None, :])[0]
+    for _ in range(_MAX_PROGRAMMES):
+        slopes = central_differences(residuals, low, high, point) * span
+        unit = (point - low) / span
+        step, predicted = _linear_programme(reached, slopes, unit, radius)
+        largest = np.abs(reached).max()
+        if not predicted < largest * (1 - precision) or radius < _LAST_RADIUS:
+            break
+        candidate = low + np.clip(unit + step, 0, 1) * span
+        trial = residuals(candidate[None, :])[0]
+        share = (largest - np.abs(trial).max()) / (largest - predicted)
+        if share > 0:
+            point, reached = candidate, trial
+        radius *= 2.0 if share > 0.75 else 0.25 if share < 0.25 else 1.0
+    return point
+
+
+def central_differences(
+    residuals: _Residuals, low: FloatArray, high: FloatArray, point: FloatArray
+) -> FloatArray:
+    """Return the derivatives of the residuals at one point, shape (q, k).
+
+    `residuals` is called once.
+    """
+    steps = np.diag(_DIFFERENCE * (high - low))
+    ahead, behind = np.split(residuals(np.vstack([point + steps, point - steps])), 2)
+    return as_floats(((ahead - behind) / (2 * steps.diagonal())[:, None]).T)
+
+
+def _linear_programme(
+    residuals: FloatArray, slopes: FloatArray, unit: FloatArray, radius: float
+) -> tuple[FloatArray, float]:
+    """Minimise max|residuals + slopes·step| over |step| ≤ radius, 0 ≤ unit + step ≤ 1.
+
+    Return the step and the largest magnitude predicted for it.
+    """
+    minus_t = -np.ones((residuals.size, 1))
+    bounds = np.column_stack([np.maximum(-radius, -unit), np.minimum(radius, 1 - unit)])
+    solution = linprog(
+        np.append(np.zeros(unit.size), 1.0),
+        A_ub=np.block([[slopes, minus_t], [-slopes, minus_t]]),
+        b_ub=np.concatenate([-residuals, residuals]),
+        bounds=[*bounds, (0.0, None)],
+    )
+    if solution.x is None:  # numerically infeasible
+        return np.zeros(unit.size), float(np.abs(residuals).max())
+    return as_floats(solution.x[:-1]), float(solution.x[-1])

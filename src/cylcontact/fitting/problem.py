@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray
-from cylcontact.errors import InputError
-from cylcontact.fitting.forms import Form
 from cylcontact.fitting.objectives import Objective
+from cylcontact.fitting.samples import Form
 from cylcontact.fitting.ties import evaluate
 from cylcontact.laws.definition import LawModel, Parameter
 
-__all__ = ["Problem", "require_defined_somewhere"]
+__all__ = ["Problem"]
 
 
 @dataclass(frozen=True)
@@ -103,24 +102,3 @@ class Problem:
         for index, parameter in enumerate(self.parameters):
             complete[:, index] = columns[parameter.name]
         return complete
-
-
-def require_defined_somewhere(problem: Problem, source: str) -> None:
-    """Refuse bounds within which the law is undefined at every sampled point.
-
-    Raises
-    ------
-    InputError
-        If K* or n is not positive at some clearance for every one of 2¹² points.
-    """
-    unit = np.random.default_rng(0).uniform(size=(1 << 12, len(problem.free)))
-    corners = np.vstack([np.zeros(len(problem.free)), np.ones(len(problem.free)), unit])
-    points = problem.low + corners * (problem.high - problem.low)
-    if not np.isfinite(problem.values(points)).any():
-        raise InputError(
-            source,
-            "parameters",
-            {p.name: [p.low, p.high] for p in problem.free},
-            "within these bounds the law is undefined: K* or n is not positive somewhere",
-            "move the bounds so that aΔR + b > 0 and n > 0 can hold",
-        )

@@ -12,9 +12,8 @@ from cylcontact.errors import InputError, short
 from cylcontact.files import replacing
 from cylcontact.fitting import report
 from cylcontact.fitting.campaign import Campaign, campaign_from_settings
-from cylcontact.fitting.profile import Profile
-from cylcontact.fitting.run import RunRecord
 from cylcontact.fitting.uncertainty.estimates import Uncertainty
+from cylcontact.fitting.uncertainty.profiles import Profile
 from cylcontact.pair import Contact
 from cylcontact.spec import Spec, parse_spec, require_other_kind
 
@@ -23,6 +22,7 @@ __all__ = [
     "MaxDifference",
     "ObjectiveValue",
     "Published",
+    "RunRecord",
     "SampleCounts",
     "require_same_inputs",
 ]
@@ -54,6 +54,21 @@ class SampleCounts(Spec):
 
     samples: int = Field(description="samples used")
     masked: int = Field(description="samples masked")
+
+
+class RunRecord(Spec):
+    """The result of a run; only the seconds differ between repeats."""
+
+    index: int = Field(description="the run's place in the campaign")
+    seed: int = Field(description="the seed of the search")
+    population: int = Field(description="the population, which sets the budget of every search")
+    crossover: str | None = Field(description="the crossover of a genetic search")
+    objective_before_polish: float = Field(description="the best of the search")
+    coefficients_before_polish: dict[str, float] = Field(description="those of the search alone")
+    objective: float = Field(description="the objective after the polish")
+    coefficients: dict[str, float] = Field(description="the coefficients after the polish")
+    evaluations: int = Field(description="candidates that the search evaluated")
+    seconds: float = Field(description="wall-clock time")
 
 
 class FitResult(Spec):

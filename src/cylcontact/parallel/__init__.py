@@ -8,9 +8,9 @@ agree to the bit.
 from cylcontact.parallel.calls import Call, call
 from cylcontact.parallel.cluster import Cluster
 from cylcontact.parallel.recorded import call_for, run_recorded
-from cylcontact.parallel.run import Workers, run_calls
+from cylcontact.parallel.run import Workers, collect, run_calls
 
-__all__ = ["Call", "Cluster", "Workers", "call", "call_for", "run_calls", "run_recorded"]
+__all__ = ["Call", "Cluster", "Workers", "call", "call_for", "collect", "run_calls", "run_recorded"]
 
 
 def __dir__() -> list[str]:

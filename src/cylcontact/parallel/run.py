@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
+from contextlib import closing
 from typing import Any
 
 from cylcontact.parallel.calls import Call
 from cylcontact.parallel.cluster import Cluster, on_cluster
 from cylcontact.parallel.local import in_processes, in_threads
+from cylcontact.progress import Progress, silent
 
-__all__ = ["Workers", "run_calls"]
+__all__ = ["Workers", "collect", "run_calls"]
 
 # A number of workers on this machine, or a cluster.
 Workers = int | Cluster
@@ -54,3 +56,35 @@ def run_calls(
     if threads:
         return in_threads(calls, workers, ordered)
     return in_processes(calls, workers, ordered)
+
+
+def collect(
+    calls: Sequence[Call], workers: Workers = 1, progress: Progress = silent, stage: str = ""
+) -> list[Any]:
+    """Run calls in processes and return their results in order.
+
+    Parameters
+    ----------
+    calls, workers
+        As for `run_calls`.
+    progress : callable, optional
+        Called with the stage, how many calls are done, and their number.
+    stage : str, optional
+        What the calls do.
+
+    Returns
+    -------
+    list
+
+    Examples
+    --------
+    >>> from cylcontact.parallel import call
+    >>> collect([call(abs, value) for value in (-1, -2, -3)])
+    [1, 2, 3]
+    """
+    collected = []
+    with closing(run_calls(calls, workers)) as results:
+        for result in results:
+            collected.append(result)
+            progress(stage, len(collected), len(calls))
+    return collected

@@ -305,9 +305,7 @@ def _parameters(contact: Contact) -> str:
     for model in MODELS.values():
         if model.contact == contact:
             alike.setdefault(tuple(map(_parameter, model.parameters)), []).append(model.law)
-    lines = [
-        "parameters that a fit searches, and its bounds unless a campaign gives others:"
-    ]
+    lines = ["parameters that a fit searches, and its bounds unless a campaign gives others:"]
     for parameters, names in alike.items():
         lines += [f"  {', '.join(names)}", *(f"    {parameter}" for parameter in parameters)]
     return "\n".join(lines)

@@ -7,10 +7,9 @@ pair may move before it gets noticeably worse, and the influence of each part of
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from contextlib import closing
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
-from itertools import combinations
 from typing import Any, Literal
 
 import numpy as np
@@ -21,42 +20,29 @@ from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.sampling import blocks
 from cylcontact.errors import InputError
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.campaign import Campaign, campaign_from_settings
-from cylcontact.fitting.data import grid_of, with_grid
-from cylcontact.fitting.forms import form_of
-from cylcontact.fitting.polish import polish
-from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.profile import Profile
+from cylcontact.fitting.campaign import Campaign, campaign_from_settings, grid_of, with_grid
 from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.samples import samples_of
-from cylcontact.fitting.uncertainty.likelihood import PAIR_POINTS
-from cylcontact.fitting.uncertainty.resampling import LeftOut
-from cylcontact.parallel import Call, Workers, call, run_calls
+from cylcontact.fitting.samples import form_of, samples_of
+from cylcontact.fitting.uncertainty.profiles import (
+    DiscrepancyPair,
+    Profile,
+    discrepancy_pair,
+    pairs_of,
+    refit_to_law,
+)
+from cylcontact.fitting.uncertainty.resampling import LeftOut, left_out
+from cylcontact.parallel import Workers, call, collect
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
 
-__all__ = ["RISES", "DiscrepancyPair", "DiscrepancyStudy", "study_discrepancy"]
+__all__ = ["RISES", "DiscrepancyStudy", "study_discrepancy"]
 
 _AXES = ("dR", "E", "nu", "load")
-_PRECISION = 1e-10
 # Contours of pairs: the relative rise of the best objective.
 RISES = (0.01, 0.05, 0.10)
-# 1 % intervals on either side of the optimum in a map of a pair; 10 % are at about 3.2.
-_PAIR_REACH = 4.0
 # Width of the bins of ln(δ/δ_reference), the precision of its quantiles, and its range.
 _BIN, _LARGEST = 1e-4, 8.0
 _QUANTILES = (0.025, 0.5, 0.975)
-
-
-class DiscrepancyPair(Spec):
-    """The rise of the objective over two coefficients, all others re-optimised."""
-
-    names: tuple[str, str] = Field(description="the two coefficients", strict=False)
-    x: list[float] = Field(description="values of the first, increasing")
-    y: list[float] = Field(description="values of the second, increasing")
-    rise: list[list[float | None]] = Field(
-        description="best objective over the optimum, less 1; null where the law is undefined"
-    )
 
 
 class DiscrepancyStudy(Spec):
@@ -113,35 +99,25 @@ def study_discrepancy(
     campaign = campaign_from_settings(result.name, result.settings, source)
     best = result.coefficients
     spread = _spread(campaign, best)
-    left_out: list[LeftOut] = []
+    fits: list[LeftOut] = []
     if leave_out is not None:
         axis = "E" if leave_out == "material" else leave_out
-        left_out = _leave_one_out(campaign, best, axis, jobs, progress)
+        fits = _leave_one_out(campaign, best, axis, jobs, progress)
     pairs: list[DiscrepancyPair] = []
     if with_pairs:
         problem, _ = problem_of(campaign, jobs, silent)
         calls = [
-            call(_pair, problem, names, best, result.profiles)
-            for names in combinations([p.name for p in problem.free], 2)
+            call(discrepancy_pair, problem, names, best, result.profiles)
+            for names in pairs_of(problem)
         ]
-        pairs = _collected(calls, jobs, progress, "mapping")
+        pairs = collect(calls, jobs, progress, "mapping")
     return DiscrepancyStudy(
         name=result.name,
         profiles=result.profiles,
         pairs=pairs,
-        left_out=left_out,
+        left_out=fits,
         spread_percent=spread,
     )
-
-
-def _collected(calls: Sequence[Call], jobs: Workers, progress: Progress, stage: str) -> list[Any]:
-    """Run calls and collect what they return."""
-    results = []
-    with closing(run_calls(calls, jobs)) as returned:
-        for result in returned:
-            results.append(result)
-            progress(stage, len(results), len(calls))
-    return results
 
 
 def _leave_one_out(
@@ -162,8 +138,7 @@ def _leave_one_out(
             campaign.source, "leave-out", axis, "has one value only", "choose another axis"
         )
     calls = [call(_without, campaign, best, axis, k) for k in range(size)]
-    fits: list[LeftOut] = _collected(calls, jobs, progress, "leaving out")
-    return fits
+    return collect(calls, jobs, progress, "leaving out")
 
 
 def _with_axis(grid: Grid, axis: str, values: FloatArray) -> Grid:
@@ -178,48 +153,12 @@ def _without(campaign: Campaign, best: Mapping[str, float], axis: str, place: in
     rest = _with_axis(grid_of(campaign), axis, np.delete(values, place))
     own = _with_axis(grid_of(campaign), axis, values[place : place + 1])
     problem, _ = problem_of(with_grid(campaign, rest), 1, silent)
-    point, _ = polish(problem, problem.point(best), _PRECISION)
-    coefficients = problem.coefficients(point)
-    own_rms, rows = np.inf, 0
-    try:
+    alone, rows = None, 0
+    with suppress(InputError):  # if every sample of this value is masked
         alone, counts = problem_of(with_grid(campaign, own), 1, silent)
-        own_rms, rows = alone.value_of(coefficients), counts.samples
-    except InputError:
-        pass  # every sample of this value is masked
-    return LeftOut(
-        group=f"{axis} = {values[place]:.6g}",
-        rows=rows,
-        coefficients=coefficients,
-        own_rms=own_rms if np.isfinite(own_rms) else None,
-    )
-
-
-def _pair(
-    problem: Problem,
-    names: tuple[str, str],
-    best: Mapping[str, float],
-    profiles: Mapping[str, Profile],
-) -> DiscrepancyPair:
-    """Map the rise of the objective over two coefficients."""
-    optimum = problem.value_of(best)
-    axes = []
-    for name in names:
-        parameter = next(p for p in problem.free if p.name == name)
-        below, above = best[name] - profiles[name].low, profiles[name].high - best[name]
-        low = max(parameter.low, best[name] - _PAIR_REACH * below)
-        axes.append(
-            np.linspace(low, min(parameter.high, best[name] + _PAIR_REACH * above), PAIR_POINTS)
-        )
-    x, y = axes
-    rise: list[list[float | None]] = [[None] * x.size for _ in y]
-    for row, second in enumerate(y):
-        start: Mapping[str, float] = best
-        for column, first in enumerate(x):
-            smaller = problem.fixing(names[0], float(first)).fixing(names[1], float(second))
-            point, reached = polish(smaller, smaller.point(start), _PRECISION)
-            if np.isfinite(reached):
-                rise[row][column], start = reached / optimum - 1, smaller.coefficients(point)
-    return DiscrepancyPair(names=names, x=[float(v) for v in x], y=[float(v) for v in y], rise=rise)
+        rows = counts.samples
+    group = f"{axis} = {values[place]:.6g}"
+    return left_out(group, problem, alone, rows, best, refit_to_law)
 
 
 def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:

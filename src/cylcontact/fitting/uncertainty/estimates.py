@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import closing
 
 import numpy as np
 from pydantic import Field
@@ -11,22 +10,27 @@ from scipy import special
 
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.uncertainty.likelihood import BETTER, Interval, interval
+from cylcontact.fitting.uncertainty.profiles import (
+    BETTER,
+    FAIRLY,
+    WELL,
+    Interval,
+    interval,
+    is_at_bound,
+)
 from cylcontact.fitting.uncertainty.residual_model import (
     MEDIAN_TO_SIGMA,
     ResidualModel,
     measured,
     residual_model_at,
 )
-from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.parallel import Workers, call, collect
 from cylcontact.spec import Spec
 
 __all__ = [
-    "FAIRLY",
     "LEVEL",
     "OUTLYING",
     "STRONG_CORRELATION",
-    "WELL",
     "Estimate",
     "Outlier",
     "Uncertainty",
@@ -34,10 +38,9 @@ __all__ = [
 ]
 
 LEVEL = 0.95
-# Half-widths of an interval, relative to the value, up to which a parameter is well, fairly or
-# poorly determined. The zero of a shift is arbitrary: its half-width counts by the relative change
-# of the predictions.
-WELL, FAIRLY, _POORLY = 0.02, 0.10, 1.0
+# The half-width, relative to the value, up to which a parameter is poorly determined. The zero of a
+# shift is arbitrary: its half-width counts by the relative change of the predictions.
+_POORLY = 1.0
 # Residuals this many robust standard deviations away are reported as outliers, which stay in.
 OUTLYING = 3.5
 STRONG_CORRELATION = 0.95
@@ -160,8 +163,7 @@ def _estimates(
     profiles: Sequence[Interval | None] = [None] * len(names)
     if noise.covariance is not None and not noise.is_rounding:
         calls = [call(interval, problem, noise, name, best, level) for name in names]
-        with closing(run_calls(calls, jobs)) as results:
-            profiles = list(results)
+        profiles = collect(calls, jobs)
     return {
         name: _estimate(best[name], noise, k, profile, level)
         for k, (name, profile) in enumerate(zip(names, profiles, strict=True))
@@ -193,10 +195,7 @@ def _verdict(value: float, reach: float, profile: Interval | None, per_unit: flo
     half_width = reach
     if profile is not None:
         half_width = (profile.high - profile.low) / 2
-        margin = 1e-6 * half_width
-        if (profile.low_is_bound and value - profile.low <= margin) or (
-            profile.high_is_bound and profile.high - value <= margin
-        ):
+        if is_at_bound(profile, value):
             return "at a bound"
         if profile.low_is_bound and profile.high_is_bound:
             return "not"

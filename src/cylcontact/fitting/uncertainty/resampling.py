@@ -15,11 +15,10 @@ from pydantic import Field
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
-from cylcontact.fitting.least_squares import descend
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.uncertainty.likelihood import Interval
+from cylcontact.fitting.uncertainty.profiles import Descent, Interval, refit_to_data
 from cylcontact.fitting.uncertainty.residual_model import measured, with_rows
-from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.parallel import Workers, call, collect, run_calls
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
 
@@ -31,6 +30,7 @@ __all__ = [
     "LeftOut",
     "bootstrap",
     "leave_one_out",
+    "left_out",
 ]
 
 # Replicates per call of a worker.
@@ -192,12 +192,47 @@ def leave_one_out(
                 "choose another grouping, or fix parameters",
             )
     calls = [call(_without, problem, best, over, number) for number in range(len(names))]
-    fits: list[LeftOut] = []
-    with closing(run_calls(calls, jobs)) as results:
-        for result in results:
-            fits.append(result)
-            progress("leaving out", len(fits), len(names))
-    return fits
+    return collect(calls, jobs, progress, "leaving out")
+
+
+def left_out(
+    group: str,
+    rest: Problem,
+    own: Problem | None,
+    rows: int,
+    best: Mapping[str, float],
+    refit: Descent,
+) -> LeftOut:
+    """Fit without one group, and evaluate the fit on it.
+
+    Parameters
+    ----------
+    group : str
+        Its name.
+    rest : Problem
+        The problem without it.
+    own : Problem or None
+        The problem on it alone; None if it has no samples.
+    rows : int
+        Its rows.
+    best : mapping
+        The coefficients of the fit to all, from which to start.
+    refit : callable
+        `refit_to_data` or `refit_to_law`.
+
+    Returns
+    -------
+    LeftOut
+    """
+    point, _ = refit(rest, rest.point(best))
+    coefficients = rest.coefficients(point)
+    own_rms = np.inf if own is None else own.value_of(coefficients)
+    return LeftOut(
+        group=group,
+        rows=rows,
+        coefficients=coefficients,
+        own_rms=own_rms if np.isfinite(own_rms) else None,
+    )
 
 
 def _groups(problem: Problem, over: str) -> tuple[list[str], FloatArray]:
@@ -230,7 +265,7 @@ def _replicates(
     for seed in seeds:
         drawn = np.random.default_rng(seed).integers(len(names), size=len(names))
         rows = np.concatenate([members[k] for k in drawn])
-        point, value, _ = descend(with_rows(problem, rows), start)
+        point, value = refit_to_data(with_rows(problem, rows), start)
         points.append(point if np.isfinite(value) else None)
     return points
 
@@ -239,13 +274,5 @@ def _without(problem: Problem, best: Mapping[str, float], over: str, number: int
     """Fit without one group."""
     names, group = measured(problem).data.groups(over)
     others, own = np.flatnonzero(group != number), np.flatnonzero(group == number)
-    rest = with_rows(problem, others)
-    point, _, _ = descend(rest, rest.point(best))
-    coefficients = rest.coefficients(point)
-    own_rms = with_rows(problem, own).value_of(coefficients)
-    return LeftOut(
-        group=names[number],
-        rows=own.size,
-        coefficients=coefficients,
-        own_rms=own_rms if np.isfinite(own_rms) else None,
-    )
+    rest, alone = with_rows(problem, others), with_rows(problem, own)
+    return left_out(names[number], rest, alone, own.size, best, refit_to_data)

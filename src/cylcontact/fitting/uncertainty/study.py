@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import closing
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -12,25 +11,44 @@ from pydantic import Field
 
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import campaign_from_settings
-from cylcontact.fitting.data import plain_problem, with_loss
 from cylcontact.fitting.law_models import with_rig
 from cylcontact.fitting.loss import Loss
+from cylcontact.fitting.measured_fit import plain_problem, with_loss
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.bands import Band, bands_of_data
 from cylcontact.fitting.uncertainty.estimates import LEVEL, Uncertainty, uncertainty_of
-from cylcontact.fitting.uncertainty.likelihood import PairMap, pair_map, pairs_of
+from cylcontact.fitting.uncertainty.profiles import PairMap, pair_map, pairs_of
 from cylcontact.fitting.uncertainty.resampling import Bootstrap, LeftOut, bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import residual_model_at
 from cylcontact.fitting.user_law import user_model
-from cylcontact.parallel import Workers, call, run_calls
+from cylcontact.parallel import Workers, call, collect
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
 
-__all__ = ["NoiseStudy", "problem_of_result", "study_noise"]
+__all__ = ["NoiseStudy", "Resampling", "problem_of_result", "study_noise"]
 
 # Levels of the contours of pairs.
 _CONTOURS = (0.68, 0.95)
+
+
+@dataclass(frozen=True)
+class Resampling:
+    """The options of the bootstrap.
+
+    Attributes
+    ----------
+    replicates : int
+        Refits.
+    over : str
+        What is resampled: rows, material, dR, pair or group.
+    seed : int or None
+        Of the resampling; by default that of the campaign.
+    """
+
+    replicates: int
+    over: str = "rows"
+    seed: int | None = None
 
 
 class NoiseStudy(Spec):
@@ -105,12 +123,10 @@ def study_noise(
     result: FitResult,
     *,
     level: float = LEVEL,
-    replicates: int = 0,
-    over: str = "rows",
+    resampling: Resampling | None = None,
     leave_out: str | None = None,
     with_pairs: bool = False,
     law: str | None = None,
-    seed: int | None = None,
     jobs: Workers = 1,
     progress: Progress = silent,
 ) -> NoiseStudy:
@@ -122,18 +138,14 @@ def study_noise(
         Of kind "noise".
     level : float
         Of all intervals.
-    replicates : int
-        Refits of the bootstrap; none by default.
-    over : str
-        What the bootstrap resamples: rows, material, dR, pair or group.
+    resampling : Resampling, optional
+        Of the bootstrap; none by default.
     leave_out : str, optional
         The kind of group to leave out one after the other.
     with_pairs : bool
         Whether to map the likelihood over each pair of free parameters.
     law : str, optional
         As for `problem_of_result`.
-    seed : int, optional
-        Of the bootstrap; that of the campaign by default.
     jobs : int or Cluster
         Worker processes, or a Dask cluster; the result does not depend on it.
     progress : callable, optional
@@ -151,34 +163,24 @@ def study_noise(
     problem, best = problem_of_result(result, law), result.coefficients
     noise = residual_model_at(problem, problem.point(best))
     uncertainty = uncertainty_of(problem, best, level, jobs)
-    chosen_seed = int(result.settings["campaign"]["seed"]) if seed is None else seed
+    pairs: list[PairMap] = []
+    if with_pairs:
+        ends = {n: e.profile for n, e in uncertainty.estimates.items() if e.profile is not None}
+        names = [pair for pair in pairs_of(problem) if {*pair} <= {*ends}]
+        calls = [call(pair_map, problem, noise, pair, best, ends, _CONTOURS) for pair in names]
+        pairs = collect(calls, jobs, progress, "mapping")
+    resampled = None
+    if resampling is not None:
+        seed = resampling.seed
+        if seed is None:
+            seed = int(result.settings["campaign"]["seed"])
+        replicates, over = resampling.replicates, resampling.over
+        resampled = bootstrap(problem, best, over, replicates, seed, level, jobs, progress)
     return NoiseStudy(
         name=result.name,
         uncertainty=uncertainty,
-        pairs=_pairs(problem, best, uncertainty, jobs, progress) if with_pairs else [],
-        bootstrap=bootstrap(problem, best, over, replicates, chosen_seed, level, jobs, progress)
-        if replicates
-        else None,
+        pairs=pairs,
+        bootstrap=resampled,
         left_out=leave_one_out(problem, best, leave_out, jobs, progress) if leave_out else [],
         bands=bands_of_data(problem, noise, best, level),
     )
-
-
-def _pairs(
-    problem: Problem,
-    best: dict[str, float],
-    uncertainty: Uncertainty,
-    jobs: Workers,
-    progress: Progress,
-) -> list[PairMap]:
-    """Map the likelihood over each pair that has intervals."""
-    noise = residual_model_at(problem, problem.point(best))
-    intervals = {n: e.profile for n, e in uncertainty.estimates.items() if e.profile is not None}
-    pairs = [pair for pair in pairs_of(problem) if {*pair} <= {*intervals}]
-    calls = [call(pair_map, problem, noise, pair, best, intervals, _CONTOURS) for pair in pairs]
-    maps: list[PairMap] = []
-    with closing(run_calls(calls, jobs)) as results:
-        for result in results:
-            maps.append(result)
-            progress("mapping", len(maps), len(pairs))
-    return maps

@@ -1,0 +1,139 @@
+"""Fits to a table of measurements: the problem of a campaign, and descents from several starts."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray
+from cylcontact.datasets.measurements import Measurements
+from cylcontact.errors import InputError
+from cylcontact.fitting.campaign import Campaign, TableData
+from cylcontact.fitting.least_squares import descend, starting_points
+from cylcontact.fitting.loss import TUNING, Loss
+from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.result import RunRecord
+from cylcontact.fitting.specs import MeasuredSpec
+from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA, measured
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.parallel import Call, call
+
+__all__ = ["descents", "largest_percent", "measured_problem", "plain_problem", "with_loss"]
+
+# Iterations for the scale of a robust loss.
+_SCALE_ROUNDS = 5
+# Points evaluated before data are refused as outside a law's domain.
+_TRIALS = 256
+
+
+def plain_problem(campaign: Campaign) -> Problem:
+    """Return the problem of a campaign on measurements, by plain least squares."""
+    if not isinstance(campaign.data, TableData):
+        raise TypeError(f"{campaign.name} is not on measurements")
+    objective = MeasuredObjective(campaign.data.measurements, campaign.objective)
+    return Problem(campaign.model, campaign.parameters, objective)
+
+
+def measured_problem(campaign: Campaign) -> Problem:
+    """Return the problem of a campaign on measurements, with the scale of a robust loss.
+
+    Raises
+    ------
+    InputError
+        If the law is undefined for some row at all coefficients tried.
+    """
+    problem, spec = plain_problem(campaign), _spec_of(campaign)
+    _require_defined(problem, campaign)
+    return problem if spec.loss == "linear" else _robust(problem, campaign, spec)
+
+
+def descents(campaign: Campaign, problem: Problem) -> list[Call]:
+    """Return descents from several starts as calls, each of which returns its RunRecord."""
+    spec = _spec_of(campaign)
+    starts = starting_points(problem, campaign.nominal, spec.starts, spec.seed)
+    return [call(_run_from, problem, start, k, spec.seed) for k, start in enumerate(starts)]
+
+
+def largest_percent(measurements: Measurements, law: ContactLaw) -> float:
+    """Return the largest |Eq 9| against measurements, in percent."""
+    ratio = law.penetration(measurements.load, measurements.pair) / measurements.penetration - 1
+    return float(100 * np.nanmax(np.abs(ratio))) if np.isfinite(ratio).any() else 0.0
+
+
+def with_loss(problem: Problem, loss: Loss) -> Problem:
+    """Return a problem on measurements with another loss."""
+    return replace(problem, objective=replace(measured(problem), loss=loss))
+
+
+def _spec_of(campaign: Campaign) -> MeasuredSpec:
+    """Return the settings of a campaign on measurements."""
+    if not isinstance(campaign.spec, MeasuredSpec):
+        raise TypeError(f"{campaign.name} is not on measurements")
+    return campaign.spec
+
+
+def _run_from(problem: Problem, start: FloatArray, index: int, seed: int) -> RunRecord:
+    """Descend from one start and return the record of the run."""
+    began = time.perf_counter()
+    before = problem.value(start)
+    point, value, evaluations = descend(problem, start)
+    return RunRecord(
+        index=index,
+        seed=seed,
+        population=1,
+        crossover=None,
+        objective_before_polish=before,
+        coefficients_before_polish=problem.coefficients(start),
+        objective=value,
+        coefficients=problem.coefficients(point),
+        evaluations=evaluations,
+        seconds=round(time.perf_counter() - began, 3),
+    )
+
+
+def _robust(problem: Problem, campaign: Campaign, spec: MeasuredSpec) -> Problem:
+    """Return the problem with a robust loss and its scale.
+
+    A scale that is not given is 1.345 times the standard deviation if that is known, else
+    1.345 times the robust spread of the residuals, by a few iterations from a least-squares
+    fit.
+    """
+    objective = measured(problem)
+    if spec.loss_scale is not None or objective.has_sigma:
+        return with_loss(problem, Loss(spec.loss, spec.loss_scale or TUNING))
+    starts = starting_points(problem, campaign.nominal, spec.starts, spec.seed)
+    minima = [descend(problem, start)[:2] for start in starts]
+    point = min(minima, key=lambda pair: pair[1])[0]
+    for _ in range(_SCALE_ROUNDS):
+        r = objective.raw(problem.form(point[None, :]))[0]
+        spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(r)))
+        problem = with_loss(problem, Loss(spec.loss, max(TUNING * spread, 1e-12)))
+        point = descend(problem, point)[0]
+    return problem
+
+
+def _require_defined(problem: Problem, campaign: Campaign) -> None:
+    """Refuse data that no coefficients within the bounds can describe, and name the row."""
+    unit = np.random.default_rng(0).uniform(size=(_TRIALS, len(problem.free)))
+    points = problem.low + unit * (problem.high - problem.low)
+    if campaign.nominal is not None:
+        points = np.vstack([campaign.nominal, points])
+    data = measured(problem).data
+    defined = np.zeros(len(data), dtype=int)
+    for point in points:
+        inside = np.isfinite(measured(problem).raw(problem.form(point[None, :]))[0])
+        if inside.all():
+            return
+        defined += inside
+    row = int(np.argmin(defined))
+    raise InputError(
+        f"{campaign.source}, {data.data.row_word} {data.line(row)}",
+        "load, penetration, dR",
+        [float(data.columns[name][row]) for name in ("load", "penetration", "dR")],
+        f"lies outside the domain of {campaign.model.law} for all coefficients tried within the "
+        "bounds",
+        "move the bounds, remove the row, or choose a law that reaches that far",
+    )
