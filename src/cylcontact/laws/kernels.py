@@ -159,8 +159,8 @@ def _read_table(table: FloatArray, penetration: float) -> tuple[float, float]:
     return math.exp(y[below] + y_at), slope
 
 
-def _function(kernel: KernelSteps, result: str) -> _Scalar:
-    """Return the steps of a kernel up to `result`, f or k, as a compiled function.
+def _steps(kernel: KernelSteps, result: str) -> list[str]:
+    """Return the lines that compute `result`, f or k, from the numbers of a kernel.
 
     Steps that the result does not need are left out, because a compiler keeps calls of `pow`.
     """
@@ -170,36 +170,21 @@ def _function(kernel: KernelSteps, result: str) -> _Scalar:
             lines.insert(0, step.text)
             needed |= {node.id for node in ast.walk(step.value) if isinstance(node, ast.Name)}
     numbers = [f"{name} = numbers[{i}]" for i, name in enumerate(kernel.names) if name in needed]
-    names = dict(vars(math))
-    exec("\n    ".join(["def function(numbers, penetration):", *numbers, *lines]), names)
-    return cast(_Scalar, _part(names["function"]))
-
-
-def _part(function: Any) -> Any:
-    """Compile a function that ends up inside a cached one."""
-    return njit(error_model="numpy")(function)
+    return numbers + lines
 
 
 def _of_all_kinds(result: str, table: _Scalar) -> Callable[[int, FloatArray, float], float]:
-    """Return one function for the load, or the stiffness, of kernels of every kind."""
+    """Return one function for the load, or the stiffness, of kernels of every kind.
 
-    @_part
-    def chosen(_: int, numbers: FloatArray, penetration: float) -> float:
-        return table(numbers, penetration)
-
-    for kind, steps in reversed(list(enumerate(_KINDS))):
-        chosen = _either(kind, _function(steps, result), chosen)
-    return cast(Callable[[int, FloatArray, float], float], chosen)
-
-
-def _either(own: int, function: _Scalar, rest: Any) -> Any:
-    """Return a function that is `function` for its own kind and `rest` for the others."""
-
-    @_part
-    def either(kind: int, numbers: FloatArray, penetration: float) -> float:
-        return function(numbers, penetration) if kind == own else rest(kind, numbers, penetration)
-
-    return either
+    All in one function, because handing an array to another costs as much as a logarithm.
+    """
+    lines = ["def function(kind, numbers, penetration):"]
+    for kind, steps in enumerate(_KINDS):
+        lines += [f"  if kind == {kind}:", *(f"    {line}" for line in _steps(steps, result))]
+    names = {**vars(math), "table": table}
+    exec("\n".join([*lines, "  return table(numbers, penetration)"]), names)
+    inlined = njit(error_model="numpy", inline="always")(names["function"])
+    return cast(Callable[[int, FloatArray, float], float], inlined)
 
 
 _load = _of_all_kinds("f", _table_load)
@@ -222,7 +207,9 @@ def kernel_load(kind: int, parameters: FloatArray, penetration: float) -> float:
     float
         Zero where there is no penetration, NaN beyond the kernel's `max_penetration`.
     """
-    return 0.0 if penetration <= 0 else _load(kind, parameters, penetration)
+    if penetration <= 0:
+        return 0.0
+    return _load(kind, parameters, penetration)
 
 
 @compiled
@@ -243,4 +230,6 @@ def kernel_stiffness(kind: int, parameters: FloatArray, penetration: float) -> f
         of a table is right to about 1e-7; that of a logarithmic law loses digits next to its end,
         8e-12 at a relative distance of 1e-12.
     """
-    return 0.0 if penetration <= 0 else _stiffness(kind, parameters, penetration)
+    if penetration <= 0:
+        return 0.0
+    return _stiffness(kind, parameters, penetration)
