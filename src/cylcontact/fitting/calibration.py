@@ -7,9 +7,9 @@ coefficients are worth; a table also in its searches, if no optimiser is named.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +19,7 @@ from cylcontact.datasets.grid import Grid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.errors import InputError
-from cylcontact.fitting.campaign import Campaign, GridData, TableData
+from cylcontact.fitting.campaign import Campaign, grid_of
 from cylcontact.fitting.measured_fit import descents, largest_percent, measured_problem
 from cylcontact.fitting.objectives import ON_ROWS, make_objective, max_abs_difference_percent
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed, search
@@ -36,6 +36,7 @@ from cylcontact.fitting.result import (
 from cylcontact.fitting.samples import Samples, collect_samples
 from cylcontact.fitting.uncertainty.estimates import Uncertainty, uncertainty_of
 from cylcontact.fitting.uncertainty.profiles import Profile, profile
+from cylcontact.fitting.uncertainty.residual_model import measured
 from cylcontact.journal import Journal
 from cylcontact.parallel import Call, Workers, call, collect, run_calls
 from cylcontact.progress import Progress, silent
@@ -112,8 +113,9 @@ def calibrate(
     best = min(records, key=lambda record: (record.objective, record.index))
     published = _published(problem)
     compared = [best.coefficients] + ([published.coefficients] if published else [])
-    largest = _largest_percent(campaign, problem, compared, jobs, progress)
-    on_grid = isinstance(campaign.data, GridData)
+    way = _WAYS[campaign.data.kind]
+    largest = way.largest_percent(campaign, compared, jobs, progress)
+    quality = way.quality(problem, compared, jobs, progress)
     return FitResult(
         name=campaign.name,
         law=campaign.model.law,
@@ -121,18 +123,18 @@ def calibrate(
         reference=campaign.data.reference,
         coefficients=best.coefficients,
         objective=ObjectiveValue(name=campaign.objective, value=best.objective),
-        bound=problem.objective.bound if on_grid and problem.model.power_form else None,
         published=published,
         max_abs_diff_percent=MaxDifference(
             fitted=largest[0], published=largest[1] if published else None
         ),
-        profiles=_profiles(problem, *compared, jobs=jobs, progress=progress) if on_grid else {},
         runs=records,
         counts=SampleCounts(samples=counts.samples, masked=counts.masked),
         settings=campaign.settings,
         provenance=campaign.provenance,
         kind=campaign.data.kind,
-        uncertainty=None if on_grid else _uncertainty(problem, best.coefficients, jobs, progress),
+        bound=quality.bound,
+        profiles=quality.profiles,
+        uncertainty=quality.uncertainty,
     )
 
 
@@ -155,9 +157,38 @@ def problem_of(campaign: Campaign, jobs: Workers, progress: Progress) -> tuple[P
     InputError
         If every sample is masked, or the bounds exclude the law's domain.
     """
-    if isinstance(campaign.data, TableData):
-        return measured_problem(campaign), Counts(len(campaign.data.measurements), 0)
-    grid, name = campaign.data.grid, campaign.objective
+    return _WAYS[campaign.data.kind].problem(campaign, jobs, progress)
+
+
+# --- what differs between a grid and a table ----------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Quality:
+    """What the best coefficients are worth."""
+
+    bound: float | None = None
+    profiles: dict[str, Profile] = field(default_factory=dict)
+    uncertainty: Uncertainty | None = None
+
+
+@dataclass(frozen=True)
+class _Way:
+    """How a campaign on one kind of data is fitted."""
+
+    # From the campaign, workers and progress to the problem and the number of samples.
+    problem: Callable[[Campaign, Workers, Progress], tuple[Problem, Counts]]
+    # The largest |Eq 9| over the data in percent for each of several sets of coefficients.
+    largest_percent: Callable[[Campaign, list[dict[str, float]], Workers, Progress], list[float]]
+    # The quality of the first of several sets of coefficients, the second being the published.
+    quality: Callable[[Problem, list[dict[str, float]], Workers, Progress], _Quality]
+
+
+def _problem_on_grid(
+    campaign: Campaign, jobs: Workers, progress: Progress
+) -> tuple[Problem, Counts]:
+    """Sample the reference law, or reduce its samples to moments."""
+    grid, name = grid_of(campaign), campaign.objective
     samples: Moments | Samples
     if campaign.model.power_form is not None and name not in ON_ROWS:
         samples, counts = reduce_grid(grid, jobs, _by_clearance(progress, "sampling", grid))
@@ -205,6 +236,61 @@ def _require_defined_somewhere(problem: Problem, source: str) -> None:
             "within these bounds the law is undefined: K* or n is not positive somewhere",
             "move the bounds so that aΔR + b > 0 and n > 0 can hold",
         )
+
+
+def _largest_on_grid(
+    campaign: Campaign, compared: list[dict[str, float]], jobs: Workers, progress: Progress
+) -> list[float]:
+    """Compare with every sample of the grid."""
+    grid = grid_of(campaign)
+    progress("comparing", 0, grid.dR.size)
+    done = _by_clearance(progress, "comparing", grid)
+    largest = max_abs_difference_percent(grid, campaign.model, compared, jobs, done)
+    return [float(value) for value in largest]
+
+
+def _quality_on_grid(
+    problem: Problem, compared: list[dict[str, float]], jobs: Workers, progress: Progress
+) -> _Quality:
+    """Profile the objective over every free parameter."""
+    best, *published = compared
+    names = [p.name for p in problem.free]
+    values = [published[0][name] if published else None for name in names]
+    calls = [
+        call(profile, problem, name, best, value) for name, value in zip(names, values, strict=True)
+    ]
+    progress("profiling", 0, len(names))
+    profiles = dict(zip(names, collect(calls, jobs, progress, "profiling"), strict=True))
+    return _Quality(problem.objective.bound if problem.model.power_form else None, profiles)
+
+
+def _problem_on_table(campaign: Campaign, *_: object) -> tuple[Problem, Counts]:
+    """Compare with every row."""
+    problem = measured_problem(campaign)
+    return problem, Counts(len(measured(problem).data), 0)
+
+
+def _largest_on_table(
+    campaign: Campaign, compared: list[dict[str, float]], *_: object
+) -> list[float]:
+    """Compare with every row."""
+    return [largest_percent(campaign, campaign.model.build(each)) for each in compared]
+
+
+def _quality_on_table(
+    problem: Problem, compared: list[dict[str, float]], jobs: Workers, progress: Progress
+) -> _Quality:
+    """Estimate the uncertainty from the noise."""
+    progress("profiling", 0, 1)
+    uncertainty = uncertainty_of(problem, compared[0], jobs=jobs)
+    progress("profiling", 1, 1)
+    return _Quality(uncertainty=uncertainty)
+
+
+_WAYS: Mapping[str, _Way] = {
+    "discrepancy": _Way(_problem_on_grid, _largest_on_grid, _quality_on_grid),
+    "noise": _Way(_problem_on_table, _largest_on_table, _quality_on_table),
+}
 
 
 # --- the runs ---------------------------------------------------------------------------------
@@ -379,48 +465,3 @@ def _published(problem: Problem) -> Published | None:
         return None
     value = problem.value_of(published)
     return Published(coefficients=dict(published), objective=value) if np.isfinite(value) else None
-
-
-def _largest_percent(
-    campaign: Campaign,
-    problem: Problem,
-    compared: list[dict[str, float]],
-    jobs: Workers,
-    progress: Progress,
-) -> list[float]:
-    """Return the largest |Eq 9| over the data in percent for each of several coefficient sets."""
-    if isinstance(campaign.data, TableData):
-        build, data = problem.model.build, campaign.data.measurements
-        return [largest_percent(data, build(coefficients)) for coefficients in compared]
-    grid = campaign.data.grid
-    progress("comparing", 0, grid.dR.size)
-    done = _by_clearance(progress, "comparing", grid)
-    largest = max_abs_difference_percent(grid, problem.model, compared, jobs, done)
-    return [float(value) for value in largest]
-
-
-def _profiles(
-    problem: Problem,
-    best: dict[str, float],
-    published: dict[str, float] | None = None,
-    *,
-    jobs: Workers,
-    progress: Progress,
-) -> dict[str, Profile]:
-    """Profile the objective over every free parameter."""
-    names = [p.name for p in problem.free]
-    calls = [
-        call(profile, problem, name, best, published[name] if published else None) for name in names
-    ]
-    progress("profiling", 0, len(names))
-    return dict(zip(names, collect(calls, jobs, progress, "profiling"), strict=True))
-
-
-def _uncertainty(
-    problem: Problem, best: dict[str, float], jobs: Workers, progress: Progress
-) -> Uncertainty:
-    """Return the uncertainty of a fit to measurements."""
-    progress("profiling", 0, 1)
-    uncertainty = uncertainty_of(problem, best, jobs=jobs)
-    progress("profiling", 1, 1)
-    return uncertainty

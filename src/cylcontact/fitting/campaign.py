@@ -50,6 +50,7 @@ __all__ = [
     "campaign_from_settings",
     "campaign_of_table",
     "grid_of",
+    "measured_of",
     "read_campaign",
     "with_grid",
 ]
@@ -322,6 +323,13 @@ def _require_range(grid: Grid, model: LawModel, source: str) -> None:
 
 
 # --- on measurements ---------------------------------------------------------------------------
+
+
+def measured_of(campaign: Campaign) -> tuple[Measurements, MeasuredSpec]:
+    """Return the table and the settings of a campaign, which has to be on measurements."""
+    if isinstance(campaign.data, TableData) and isinstance(campaign.spec, MeasuredSpec):
+        return campaign.data.measurements, campaign.spec
+    raise TypeError(f"{campaign.name} is not on measurements")
 
 
 def _read_on_table(path: Path, contents: dict[str, Any], source: str) -> Campaign:

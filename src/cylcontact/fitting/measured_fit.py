@@ -8,15 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from cylcontact.arrays import FloatArray
-from cylcontact.datasets.measurements import Measurements
 from cylcontact.errors import InputError
-from cylcontact.fitting.campaign import Campaign, TableData
+from cylcontact.fitting.campaign import Campaign, measured_of
 from cylcontact.fitting.least_squares import descend, starting_points
 from cylcontact.fitting.loss import TUNING, Loss
 from cylcontact.fitting.measured_objective import MeasuredObjective
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.result import RunRecord
-from cylcontact.fitting.specs import MeasuredSpec
 from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA, measured
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.parallel import Call, call
@@ -31,9 +29,8 @@ _TRIALS = 256
 
 def plain_problem(campaign: Campaign) -> Problem:
     """Return the problem of a campaign on measurements, by plain least squares."""
-    if not isinstance(campaign.data, TableData):
-        raise TypeError(f"{campaign.name} is not on measurements")
-    objective = MeasuredObjective(campaign.data.measurements, campaign.objective)
+    measurements, _ = measured_of(campaign)
+    objective = MeasuredObjective(measurements, campaign.objective)
     return Problem(campaign.model, campaign.parameters, objective)
 
 
@@ -45,20 +42,21 @@ def measured_problem(campaign: Campaign) -> Problem:
     InputError
         If the law is undefined for some row at all coefficients tried.
     """
-    problem, spec = plain_problem(campaign), _spec_of(campaign)
+    problem = plain_problem(campaign)
     _require_defined(problem, campaign)
-    return problem if spec.loss == "linear" else _robust(problem, campaign, spec)
+    return problem if measured_of(campaign)[1].loss == "linear" else _robust(problem, campaign)
 
 
 def descents(campaign: Campaign, problem: Problem) -> list[Call]:
     """Return descents from several starts as calls, each of which returns its RunRecord."""
-    spec = _spec_of(campaign)
+    _, spec = measured_of(campaign)
     starts = starting_points(problem, campaign.nominal, spec.starts, spec.seed)
     return [call(_run_from, problem, start, k, spec.seed) for k, start in enumerate(starts)]
 
 
-def largest_percent(measurements: Measurements, law: ContactLaw) -> float:
-    """Return the largest |Eq 9| against measurements, in percent."""
+def largest_percent(campaign: Campaign, law: ContactLaw) -> float:
+    """Return the largest |Eq 9| against the measurements of a campaign, in percent."""
+    measurements, _ = measured_of(campaign)
     ratio = law.penetration(measurements.load, measurements.pair) / measurements.penetration - 1
     return float(100 * np.nanmax(np.abs(ratio))) if np.isfinite(ratio).any() else 0.0
 
@@ -66,13 +64,6 @@ def largest_percent(measurements: Measurements, law: ContactLaw) -> float:
 def with_loss(problem: Problem, loss: Loss) -> Problem:
     """Return a problem on measurements with another loss."""
     return replace(problem, objective=replace(measured(problem), loss=loss))
-
-
-def _spec_of(campaign: Campaign) -> MeasuredSpec:
-    """Return the settings of a campaign on measurements."""
-    if not isinstance(campaign.spec, MeasuredSpec):
-        raise TypeError(f"{campaign.name} is not on measurements")
-    return campaign.spec
 
 
 def _run_from(problem: Problem, start: FloatArray, index: int, seed: int) -> RunRecord:
@@ -94,14 +85,14 @@ def _run_from(problem: Problem, start: FloatArray, index: int, seed: int) -> Run
     )
 
 
-def _robust(problem: Problem, campaign: Campaign, spec: MeasuredSpec) -> Problem:
+def _robust(problem: Problem, campaign: Campaign) -> Problem:
     """Return the problem with a robust loss and its scale.
 
     A scale that is not given is 1.345 times the standard deviation if that is known, else
     1.345 times the robust spread of the residuals, by a few iterations from a least-squares
     fit.
     """
-    objective = measured(problem)
+    objective, (_, spec) = measured(problem), measured_of(campaign)
     if spec.loss_scale is not None or objective.has_sigma:
         return with_loss(problem, Loss(spec.loss, spec.loss_scale or TUNING))
     starts = starting_points(problem, campaign.nominal, spec.starts, spec.seed)
