@@ -321,17 +321,6 @@ def test_bad_input_gets_one_line_and_exit_code_2_and_writes_nothing(bench, run, 
     assert tree(bench) == before
 
 
-@pytest.mark.parametrize(
-    "arguments", [(), ("fit", "fitting/masked.toml"), ("fit", "fitting/small.toml", "--runs", "0")]
-)
-def test_a_process_of_its_own_ends_with_the_same_code_and_line(bench, arguments):
-    before = tree(bench)
-    finished = subprocess.run([*COMMAND, *arguments], capture_output=True, text=True, check=False)
-    assert finished.returncode == 2
-    assert len(finished.stderr.splitlines()) == 1
-    assert tree(bench) == before
-
-
 def test_a_fit_that_is_refused_leaves_the_old_result(bench, run):
     before = tree(bench)
     assert run("fit", "fitting/excluded.toml", "-o", "good.json")[0] == 2

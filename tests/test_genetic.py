@@ -146,20 +146,6 @@ def test_whole_populations_evolve_as_in_pygad(elite):
     assert ours.num_fitness_evaluations == theirs.num_fitness_evaluations
 
 
-def test_same_seed_same_search_and_other_seed_another():
-    problem = exact_problem("internal")
-    one, two, other = (search(problem, 20, 10, "blend", seed) for seed in (7, 7, 8))
-    assert np.array_equal(one.point, two.point)
-    assert not np.array_equal(one.point, other.point)
-
-
-def test_search_leaves_the_global_random_state_alone():
-    np.random.seed(1)  # noqa: NPY002
-    before = np.random.get_state()[1].copy()  # noqa: NPY002
-    search(exact_problem("external"), 10, 3, "blend", seed=2)
-    assert np.array_equal(before, np.random.get_state()[1])  # noqa: NPY002
-
-
 def test_a_fixed_parameter_stays_where_it_is_held():
     problem = exact_problem("external").fixing("b", 0.5)
     point, _ = polish(problem, search(problem, 20, 10, "uniform", 1).point)

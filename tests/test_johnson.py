@@ -129,14 +129,6 @@ def test_stiffness_is_the_derivative_of_the_load(case):
         assert error < 6 * (1 + (1 + w) / w**2)
 
 
-def test_the_limits_are_those_of_eq_8(case):
-    pair = build(*case)
-    exact = Exact(pair)
-    load = 4 * mp.pi * exact.E_star * exact.dR / mp.e**2
-    assert error_in_roundings(LAW.max_load(pair), load) < 6
-    assert error_in_roundings(LAW.max_penetration(pair), 4 * exact.dR / mp.e**2) < 6
-
-
 # --- the round trip and the ends of the domain ------------------------------------------------
 
 

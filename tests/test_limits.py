@@ -8,7 +8,7 @@ from mpmath import mp
 from scipy.optimize import brentq
 
 from cylcontact import CylinderPair, InputError, Material, limits
-from cylcontact.laws import Johnson, conformal
+from cylcontact.laws import conformal
 from tests.strategies import NOT_TOUCHING, ROUNDING, gaps, loads, materials
 
 ALUMINIUM = Material("aluminium", E=69e3, nu=0.33, yield_stress=276.0)
@@ -112,17 +112,6 @@ def test_johnsons_limits_are_those_of_eq_8(material, dR):
     assert limits.johnson_limit_penetration(pair) == pytest.approx(
         penetration, rel=6 * ROUNDING, abs=0
     )
-
-
-def test_just_inside_the_limits_johnsons_law_holds_and_just_outside_it_does_not(pair):
-    load, depth = limits.johnson_limit_load(pair), limits.johnson_limit_penetration(pair)
-    inside = (Johnson().penetration(load, pair), Johnson().load(depth, pair))
-    outside = (
-        Johnson().penetration(np.nextafter(load, np.inf), pair),
-        Johnson().load(np.nextafter(depth, np.inf), pair),
-    )
-    assert inside == (depth, load)
-    assert np.all(np.isnan(outside))
 
 
 @given(equal_pairs)
