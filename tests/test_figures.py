@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from _cylcontact_bench.fig03 import ExponentStudy, exponent_table
-from matplotlib.text import Text
 
 from cylcontact import InputError
 from cylcontact.fitting.result import FitResult
@@ -22,7 +21,14 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, chosen_recipes, draw, find_recipes
 from cylcontact.reports.fit_figures import profile_drawing
 from tests.drawn_figures import DrawnFigures
-from tests.figure_files import GOLDEN, page_mm, read_columns, significant_digits
+from tests.figure_files import (
+    GOLDEN,
+    embedded_fonts,
+    font_sizes_inside,
+    page_mm,
+    read_columns,
+    significant_digits,
+)
 from tests.paper_equations import (
     difference,
     e_star,
@@ -82,25 +88,12 @@ class TestFiles:
 
     @pytest.mark.parametrize("name", EACH)
     def test_fonts_are_embedded_as_type_42(self, figures: DrawnFigures, name: str) -> None:
-        pdf = figures[name].paths[0].read_bytes()
-        embedded = set(re.findall(rb"/BaseFont /[A-Z]{6}\+([\w-]+)", pdf))
-        assert embedded
-        assert all(font.startswith(b"DejaVuSans") for font in embedded)
-        assert pdf.count(b"/FontFile2") > 0
-        assert b"/Type3" not in pdf
-        assert set(re.findall(rb"/Subtype /(\w*Type\w+)", pdf)) <= {b"Type0", b"CIDFontType2"}
+        fonts = embedded_fonts(figures[name].paths[0])
+        assert {font[: len("DejaVuSans")] for font in fonts} == {"DejaVuSans"}
 
     @pytest.mark.parametrize("name", EACH)
     def test_text_is_legible_and_inside_the_page(self, figures: DrawnFigures, name: str) -> None:
-        figure = figures[name].drawing.figure
-        sizes = {text.get_fontsize() for text in figure.findobj(Text) if text.get_text()}
-        assert sizes <= {7.0, 8.0}
-        figure.draw_without_rendering()
-        drawn, page = figure.get_tightbbox(), figure.bbox_inches
-        assert drawn.x0 >= 0
-        assert drawn.y0 >= 0
-        assert drawn.x1 <= page.x1
-        assert drawn.y1 <= page.y1
+        assert font_sizes_inside(figures[name].drawing.figure) <= {7.0, 8.0}
 
     @pytest.mark.parametrize("name", EACH)
     def test_table_has_units_and_digits(self, figures: DrawnFigures, name: str) -> None:
@@ -173,8 +166,10 @@ class TestPowerLaws:
     ) -> None:
         headline = figures["fig02"].drawing.headline
         K, n = power_fit(loads, e_star(207e3, 0.3), dR)
+        x, y = np.log(johnson(np.array(loads), e_star(207e3, 0.3), dR)), np.log(loads)
         assert headline[f"{contact} K"] == pytest.approx(K, rel=1e-9)
         assert headline[f"{contact} n"] == pytest.approx(n, rel=1e-9)
+        assert headline[f"{contact} R2"] == pytest.approx(np.corrcoef(x, y)[0, 1] ** 2, rel=1e-9)
         assert f"{K:.0f} {n:.4f}" == digits
 
     def test_fig02_prints_ours_beside_the_papers(self, figures: DrawnFigures) -> None:
@@ -232,6 +227,15 @@ class TestLimits:
         assert headline["low-carbon steel, R_i = 10 mm, dR = 0.1 mm"] == pytest.approx(
             1768.91, abs=0.005
         )
+
+    def test_fig08_limits(self, figures: DrawnFigures) -> None:
+        headline = figures["fig08"].drawing.headline
+        limits = {name: round(value) for name, value in headline.items() if "dR" in name}
+        assert limits == {
+            "aluminium alloy, dR = 0.0075 mm": 494,
+            "aluminium alloy, dR = 0.01 mm": 658,
+            "titanium alloy, dR = 0.0075 mm": 865,
+        }
 
     def test_fig08_lines_are_eq_8(self, figures: DrawnFigures) -> None:
         for row in figures["fig08"].drawing.table.iloc[::37].itertuples():
