@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from scipy.optimize import brentq
 
-from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact import CylinderPair, Material, laws
 from cylcontact.laws import PUBLISHED, Enhanced, ExternalCoefficients, InternalCoefficients
 from cylcontact.laws.enhanced import internal_exponent, internal_Y, stiffness_factor
 from tests.paper_equations import e_star, factor_and_exponent
@@ -187,15 +187,6 @@ def test_the_published_coefficients_by_name_are_the_default(contact):
     by_name = Enhanced(asdict(PUBLISHED[contact]))
     pair = steel_pair(contact, 1.0)
     assert by_name.load(1e-3, pair) == LAW.load(1e-3, pair)
-
-
-@pytest.mark.parametrize(("fitted", "asked"), [("internal", "external"), ("external", "internal")])
-@pytest.mark.parametrize("method", [*METHODS, "max_load", "max_penetration"])
-def test_coefficients_of_the_other_contact_are_refused(fitted, asked, method):
-    law, pair = Enhanced(PUBLISHED[fitted]), steel_pair(asked, 1.0)
-    arguments = (pair,) if method.startswith("max") else (1e-3, pair)
-    with pytest.raises(InputError, match=f"are for {fitted} contact and the pair is {asked}"):
-        getattr(law, method)(*arguments)
 
 
 # --- shapes -----------------------------------------------------------------------------------

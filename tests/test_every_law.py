@@ -1,9 +1,9 @@
-"""What all laws answer alike: no contact, first touch, limits, arrays of pairs, single numbers."""
+"""What all laws do alike: no contact, first touch, limits, arrays, single numbers, refusals."""
 
 import numpy as np
 import pytest
 
-from cylcontact import CylinderPair, laws
+from cylcontact import CylinderPair, InputError, Material, laws
 from tests.strategies import NOT_TOUCHING
 
 METHODS = ("load", "penetration", "stiffness")
@@ -61,3 +61,35 @@ def test_single_numbers_give_numpy_scalars_and_arrays_stay_arrays(case):
     for method in METHODS:
         for shape in ((0,), (1,), (2, 0)):
             assert getattr(law, method)(np.full(shape, 1e-3), pair).shape == shape
+
+
+STEEL, BRASS = Material("steel", E=207e3, nu=0.3), Material("brass", E=100e3, nu=0.34)
+ROLLERS = CylinderPair.external(R_i=10.0, R_j=9.0, material=STEEL, length=12.0)
+HOLE = CylinderPair.internal(R_i=10.0, R_j=9.5, material=STEEL, length=12.0)
+NO_RADII = CylinderPair.from_dR("internal", 0.5, STEEL, length=12.0)
+NO_LENGTH = CylinderPair.from_dR("internal", 0.5, STEEL, R_i=10.0)
+MIXED = CylinderPair.from_dR("internal", 0.5, STEEL, material_j=BRASS)
+RADII, LENGTH = "needs both radii", "needs the axial length"
+REFUSED = [
+    (laws.Enhanced(laws.PUBLISHED["internal"]), ROLLERS, "are for internal contact and the pair"),
+    (laws.Enhanced(laws.PUBLISHED["external"]), HOLE, "are for external contact and the pair is"),
+    (laws.Liu(), ROLLERS, "pin in a hole"),
+    (laws.Winkler(), ROLLERS, "must be internal: the foundation lines a hole"),
+    (laws.Persson(), ROLLERS, "pair.contact = 'external': must be internal"),
+    (laws.Johnson(), MIXED, RADII),
+    (laws.Goldsmith(), NO_RADII, RADII),
+    (laws.DubowskyFreudenstein(), NO_RADII, RADII),
+    (laws.DubowskyFreudenstein(), NO_LENGTH, LENGTH),
+    (laws.LankaraniNikravesh(), NO_RADII, RADII),
+    (laws.LankaraniNikravesh(), NO_LENGTH, LENGTH),
+]
+
+
+@pytest.mark.parametrize("method", [*METHODS, "max_load", "max_penetration"])
+@pytest.mark.parametrize(
+    ("law", "pair", "words"), REFUSED, ids=[f"{law.name}, {words}" for law, _, words in REFUSED]
+)
+def test_a_pair_that_is_not_of_the_law_is_refused_whatever_is_asked(law, pair, words, method):
+    arguments = (pair,) if method.startswith("max") else (1e-3, pair)
+    with pytest.raises(InputError, match=words):
+        getattr(law, method)(*arguments)

@@ -19,6 +19,7 @@ from cylcontact.plots.style import STYLES, FigureOptions, choose, figure_style
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, chosen_recipes, draw, write
 from cylcontact.reports.tables import latex
+from tests.claim_files import STATICS, claims_of
 from tests.figure_files import embedded_fonts, font_sizes_inside, page_mm
 from tests.programs import require_program
 from tests.spec_files import write_toml
@@ -243,14 +244,15 @@ class TestCommand:
 
 @pytest.fixture(scope="module")
 def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """All kinds for one figure of the real bench, by the command."""
-    folder = tmp_path_factory.mktemp("tables")
-    for kind in ("latex", "csv", "html"):
-        arguments = ["report", "fig02", "--tables", kind, "-o", str(folder)]
-        with pytest.MonkeyPatch.context() as patch:
-            patch.chdir(ROOT)
+    """All kinds for one figure of the real bench and its quick claims, by the command."""
+    folder, claims = tmp_path_factory.mktemp("tables"), claims_of(BENCH, *STATICS).values()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(ROOT)
+        patch.setattr("cylcontact.reports.tables.ledger", lambda _: claims)
+        for kind in ("latex", "csv", "html"):
+            arguments = ["report", "fig02", "--tables", kind, "-o", str(folder)]
             done = CliRunner().invoke(app, arguments, catch_exceptions=False)
-        assert done.exit_code == 0
+            assert done.exit_code == 0
     return folder
 
 

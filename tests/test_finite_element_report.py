@@ -13,7 +13,7 @@ from cylcontact import InputError, limits
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import ClaimFunction
+from tests.claim_files import claims_of
 from tests.paper_equations import difference, e_star, enhanced, johnson
 
 BENCH = Bench(Path(__file__).parents[1])
@@ -22,15 +22,9 @@ E_STAR = e_star(207e3, 0.3)
 NO, CHOICE = "not reproduced", "reproduced with a stated choice"
 
 
-def finite_element_claims(bench):
-    """Compute the claims of Section 3.2 from a bench's tables."""
-    functions = [each for each in vars(section32).values() if isinstance(each, ClaimFunction)]
-    return [claim for function in functions for claim in function(bench)]
-
-
 @pytest.fixture(scope="module")
 def claims():
-    return {claim.id: claim for claim in finite_element_claims(BENCH)}
+    return claims_of(BENCH, section32)
 
 
 def rows(name):
@@ -113,9 +107,9 @@ class TestClaims:
         assert "as the paper names none" in claim.choice
 
     def test_a_bench_without_finite_elements_cannot_test_them(self, tmp_path):
-        untested = finite_element_claims(Bench(tmp_path))
+        untested = claims_of(Bench(tmp_path), section32)
         assert len(untested) == 6
-        for claim in untested:
+        for claim in untested.values():
             assert claim.verdict == "not testable"
             assert ".toml: this set-up does not exist" in claim.choice
 
@@ -125,7 +119,7 @@ class TestClaims:
         path = folder / "recommended.toml"
         path.write_text(path.read_text().replace("outer_ratio = 3.3", "outer_ratio = 3.4"))
         with pytest.raises(InputError, match=r"is not that of .*; make finite-element brings"):
-            finite_element_claims(Bench(tmp_path))
+            claims_of(Bench(tmp_path), section32)
 
 
 class TestFigures:

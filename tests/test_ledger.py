@@ -11,13 +11,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from _cylcontact_bench.claims import (
-    section1,
-    section2,
     section4,
     section4_runs,
-    section31,
     section31_law,
-    section33,
     section34,
     section34_differences,
 )
@@ -39,7 +35,8 @@ from scipy.optimize import minimize
 from cylcontact.materials import shipped_materials
 from cylcontact.mechanism import Case, simulate
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import VERDICTS, Claim, ClaimFunction, counts, ledger, to_text
+from cylcontact.reports.claims import VERDICTS, Claim, counts, ledger, to_text
+from tests.claim_files import STATICS, claims_of
 from tests.paper_equations import difference as eq9
 from tests.paper_equations import (
     e_star,
@@ -53,7 +50,6 @@ from tests.paper_equations import (
 ROOT = Path(__file__).parents[1]
 BENCH = Bench(ROOT, jobs=2)
 ROWS = shipped_materials()
-STATICS = (section1, section2, section31, section33, section34, section34_differences)
 # Verdict of every claim, and its headline numbers to more digits than are printed.
 GOLDEN = json.loads((ROOT / "tests" / "golden" / "claims.json").read_text(encoding="utf-8"))
 YES, CHOICE, NO, NONE = VERDICTS
@@ -72,14 +68,8 @@ def table() -> pd.DataFrame:
 
 
 def compute(*modules, bench=BENCH) -> dict[str, Claim]:
-    """Return the claims of some files, by id."""
-    functions = [
-        value
-        for module in modules
-        for value in vars(module).values()
-        if isinstance(value, ClaimFunction) and value.function.__module__ == module.__name__
-    ]
-    return {claim.id: claim for function in functions for claim in function(bench)}
+    """Return the claims of some files of the bench, by id."""
+    return claims_of(bench, *modules)
 
 
 @pytest.fixture
