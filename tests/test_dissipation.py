@@ -27,7 +27,6 @@ restitutions = st.one_of(
     powers_of_ten(-300, 0),
     powers_of_ten(-15, -1).map(lambda short: 1.0 - short),
 )
-factors = powers_of_ten(-300, 300)
 
 # --- an isolated impact, simulated ------------------------------------------------------------
 
@@ -148,25 +147,11 @@ def test_without_a_factor_nothing_is_lost(chi):
     assert achieved_restitution(chi) == pytest.approx(1.0, abs=2 * ROUNDING)
 
 
-@pytest.mark.parametrize("chi", [1e-3, 1e-5, 1e-7])
-def test_a_small_factor_takes_two_thirds_of_itself(chi):
-    """e = 1 − (2/3)χ + (4/9)χ² − …, so the next term bounds the error of the first two."""
-    assert achieved_restitution(chi) == pytest.approx(1 - 2 * chi / 3, abs=chi**2)
-
-
 @pytest.mark.parametrize("chi", [50.0, 1e4, 1e16, 1e100, 1e307])
 def test_a_large_factor_leaves_its_inverse(chi):
     """1 − χe = −W₀(…) → (1 + χ)·exp(−(1 + χ)), below rounding from χ = 42 on."""
     assert achieved_restitution(chi) == pytest.approx(1 / chi, rel=4 * ROUNDING, abs=0)
     assert exact_factor(1 / chi) == pytest.approx(chi, rel=8 * ROUNDING, abs=0)
-
-
-@pytest.mark.parametrize("short", [1e-3, 1e-5, 1e-7])
-def test_close_to_one_the_exact_factor_is_its_series(short):
-    """χ = (3/2)s + (3/2)s² + (27/20)s³ + … with s = 1 − e."""
-    short = 1 - (1 - short)
-    series = 1.5 * short * (1 + short)
-    assert exact_factor(1 - short) == pytest.approx(series, rel=short**2 + 8 * ROUNDING, abs=0)
 
 
 @given(restitutions)
@@ -181,17 +166,6 @@ def test_the_exact_factor_of_an_achieved_restitution_is_the_factor(chi):
     """1 − e is all that e says about a small χ: so much of the digits is gone."""
     left = float(achieved_restitution(chi))
     assert exact_factor(left) == pytest.approx(chi, rel=16 * ROUNDING * (1 + 1 / chi), abs=0)
-
-
-@given(factors, st.floats(1e-9, 1.0))
-def test_the_more_damping_the_less_rebound(chi, growth):
-    less, more = chi, chi * (1 + growth)
-    assert achieved_restitution(more) <= achieved_restitution(less) * (1 + 8 * ROUNDING)
-
-
-@given(restitutions, st.floats(1e-9, 0.9))
-def test_the_less_rebound_is_wanted_the_larger_the_exact_factor(wanted, part):
-    assert exact_factor(wanted * (1 - part)) > exact_factor(wanted) * (1 - 8 * ROUNDING)
 
 
 def test_over_the_whole_range_both_fall_strictly():

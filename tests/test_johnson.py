@@ -146,15 +146,6 @@ def test_penetration_comes_back_from_its_load_over_a_dense_sweep(case):
 
 
 @given(pairs)
-def test_the_last_penetrations_before_the_limit_come_back(pair):
-    delta = LAW.max_penetration(pair)
-    for _ in range(20):
-        delta = np.nextafter(delta, 0.0)
-        back = LAW.penetration(LAW.load(delta, pair), pair)
-        assert back == pytest.approx(delta, rel=1.5e-15, abs=0)
-
-
-@given(pairs)
 def test_the_limits_belong_to_each_other_exactly(pair):
     assert LAW.load(LAW.max_penetration(pair), pair) == LAW.max_load(pair)
     assert LAW.penetration(LAW.max_load(pair), pair) == LAW.max_penetration(pair)

@@ -24,10 +24,8 @@ from _cylcontact_bench.paper import (
     MATERIALS,
     MODERATE,
     PRACTICAL,
-    TRAINING_LOADS,
     difference,
 )
-from _cylcontact_bench.power_fits import fit_at
 from _cylcontact_bench.slider_crank import AGAINST, mechanism, revolutions_of, statistics_table
 from _cylcontact_bench.trends import Change, compare, is_trend, rule, tally, values_or_ratios
 from scipy.optimize import minimize
@@ -297,11 +295,6 @@ def test_shares_are_those_of_random_points():
     below = np.abs(difference(dR[inside], load[inside], material)) < 8
     # Four standard errors of the share.
     assert share_below(8.0, material, PRACTICAL) == pytest.approx(100 * below.mean(), abs=0.2)
-
-
-def test_exponent_depends_on_the_product_of_modulus_and_clearance_only():
-    n = fit_at("internal", 0.2, 100e3, TRAINING_LOADS).n
-    assert fit_at("internal", 0.1, 200e3, TRAINING_LOADS).n == pytest.approx(n, rel=1e-12)
 
 
 def test_share_of_the_box_served_by_one_exponent_from_the_box_itself(claims):
