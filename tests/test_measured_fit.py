@@ -20,7 +20,9 @@ from tests.measured_files import (
     LOADS,
     STEEL,
     TRUTHS,
+    USER_LAW,
     measured_campaign,
+    user_campaign,
     write_measured,
     write_table,
 )
@@ -29,29 +31,6 @@ from tests.spec_files import assert_told, changed, tree, write_toml
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLE = ROOT / "fitting/examples/pin-in-hole.toml"
 SPEC = {"data": "measured.csv", "contact": "internal", "law": "johnson", "constants": CONSTANTS}
-USER_LAW = """\
-import numpy as np
-
-def load(penetration, pair, K_star, n, offset=0.0):
-    return K_star * pair.E_star / pair.dR * penetration**n + offset
-
-def flat(penetration, pair, K):
-    return 1.0
-
-def broken(penetration, pair, K):
-    raise RuntimeError("no such thing")
-
-def starred(penetration, pair, *numbers):
-    return penetration
-
-def worded(penetration, pair, K, kind="steel"):
-    return penetration
-
-def short(penetration, pair):
-    return penetration
-
-table = 3
-"""
 
 
 # --- recovery ---------------------------------------------------------------------------------
@@ -215,19 +194,6 @@ def test_an_adjusted_logarithmic_law_is_the_formula(pair):
 
 
 # --- a law of the user's own ------------------------------------------------------------------
-
-
-def user_campaign(folder, law="mine:load", objective=None, parameters=None):
-    (folder / "mine.py").write_text(USER_LAW)
-    (folder / "bad.py").write_text("def load(:\n")
-    table = write_measured(folder / "measured.csv", "power", "internal")
-    bounds = {"K_star": {"low": 0.5, "high": 10.0}, "n": {"low": 1.0, "high": 1.5}}
-    return campaign_of_table(
-        *(table, law, "internal", CONSTANTS),
-        objective=objective,
-        parameters=bounds if parameters is None else parameters,
-        starts=3,
-    )
 
 
 @pytest.mark.parametrize("objective", [None, "rms-log-penetration"])

@@ -31,9 +31,8 @@ from cylcontact.fitting.uncertainty.likelihood import (
 from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
 from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
-from tests.measured_files import CONSTANTS, STEEL, TRUTHS, measured_campaign
+from tests.measured_files import CONSTANTS, STEEL, TRUTHS, measured_campaign, user_campaign
 from tests.spec_files import golden
-from tests.test_measured_fit import user_campaign
 
 LEVEL = 0.95
 NOISE = 0.03
