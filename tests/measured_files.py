@@ -10,6 +10,30 @@ from cylcontact import CylinderPair, Material
 from cylcontact.fitting.campaign import Campaign, campaign_of_table
 from cylcontact.fitting.law_models import MODELS
 
+USER_LAW = """\
+import numpy as np
+
+def load(penetration, pair, K_star, n, offset=0.0):
+    return K_star * pair.E_star / pair.dR * penetration**n + offset
+
+def flat(penetration, pair, K):
+    return 1.0
+
+def broken(penetration, pair, K):
+    raise RuntimeError("no such thing")
+
+def starred(penetration, pair, *numbers):
+    return penetration
+
+def worded(penetration, pair, K, kind="steel"):
+    return penetration
+
+def short(penetration, pair):
+    return penetration
+
+table = 3
+"""
+
 STEEL = Material("steel", E=207e3, nu=0.3)
 CONSTANTS = {"E_GPa": 207.0, "nu": 0.3, "R_i_mm": 10.0, "length_mm": 12.0}
 LOADS = np.geomspace(1.0, 300.0, 12)
@@ -74,6 +98,25 @@ def measured_campaign(
     """Return a campaign on points of a law."""
     table = write_measured(folder / "measured.csv", law, contact, noise, seed)
     return campaign_of_table(table, law, contact, CONSTANTS, **settings)
+
+
+def user_campaign(
+    folder: Path,
+    law: str = "mine:load",
+    objective: str | None = None,
+    parameters: dict[str, Any] | None = None,
+) -> Campaign:
+    """Return a campaign on points of a power law for a function of the user's own."""
+    (folder / "mine.py").write_text(USER_LAW)
+    (folder / "bad.py").write_text("def load(:\n")
+    table = write_measured(folder / "measured.csv", "power", "internal")
+    bounds = {"K_star": {"low": 0.5, "high": 10.0}, "n": {"low": 1.0, "high": 1.5}}
+    return campaign_of_table(
+        *(table, law, "internal", CONSTANTS),
+        objective=objective,
+        parameters=bounds if parameters is None else parameters,
+        starts=3,
+    )
 
 
 def write_table(path: Path, columns: Mapping[str, list[Any]]) -> Path:

@@ -172,6 +172,16 @@ def run(bench, *arguments):
     return process.returncode, errors
 
 
+def stopped(bench, how, *arguments):
+    """Return the exit code and the errors of a run that is stopped between two cases of law."""
+    stub(bench, "law", between=SLEEP)
+    process = start(bench, *arguments)
+    assert process.stdout.readline() == "asleep\n"
+    process.send_signal(getattr(signal, how))
+    _, errors = process.communicate(timeout=60)
+    return process.returncode, errors
+
+
 def results_of(bench):
     """Return the results, whose page must stand beside them, and the seconds of every case."""
     results = load(bench / "datasets/benchmarks.json")
@@ -244,14 +254,9 @@ def test_short_runs_write_nothing(bench):
 @posix
 @pytest.mark.parametrize("stop", ["SIGINT", "SIGKILL"])
 def test_what_is_finished_is_kept_when_a_run_is_stopped(bench, stop):
-    stub(bench, "law", between=SLEEP)
-    process = start(bench, "law", "search")
-    assert process.stdout.readline() == "asleep\n"
-    process.send_signal(getattr(signal, stop))
-    _, errors = process.communicate(timeout=60)
     interrupted = "interrupted; 1 measurement is kept in datasets/benchmarks.json\n"
     expected = {"SIGINT": (130, interrupted), "SIGKILL": (-signal.SIGKILL, "")}
-    assert (process.returncode, errors) == expected[stop]
+    assert stopped(bench, stop, "law", "search") == expected[stop]
     _, seconds = results_of(bench)
     assert list(seconds.items())[:4] == [
         (("law", "first"), 1),
@@ -264,12 +269,8 @@ def test_what_is_finished_is_kept_when_a_run_is_stopped(bench, stop):
 
 @posix
 def test_an_interrupted_short_run_keeps_nothing(bench):
-    stub(bench, "law", between=SLEEP)
-    process = start(bench, "--short", "law")
-    assert process.stdout.readline() == "asleep\n"
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=60)
-    assert (process.returncode, errors) == (130, "interrupted; nothing new is kept\n")
+    said = stopped(bench, "SIGINT", "--short", "law")
+    assert said == (130, "interrupted; nothing new is kept\n")
 
 
 def test_an_error_loses_nothing_that_is_finished(bench):

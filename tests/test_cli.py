@@ -61,6 +61,22 @@ def start(*arguments, **options):
     )
 
 
+def finish(*arguments, **options):
+    """Return the exit code, the output and the errors of such a process."""
+    process = start(*arguments, **options)
+    said, errors = process.communicate(timeout=60)
+    return process.returncode, said, errors
+
+
+def finish_unread(*arguments):
+    """End such a process whose reader has gone; it must say nothing."""
+    process = start(*arguments)
+    process.stdout.close()
+    assert process.wait(timeout=60) == 141
+    assert process.stderr.read() == ""
+    process.stderr.close()
+
+
 # --- what works -------------------------------------------------------------------------------
 
 
@@ -172,6 +188,7 @@ def test_verify_finds_out_a_tampered_result(bench, run, changes, what):
 
 FOLDER = "cannot be written (it is a folder); choose a file in a folder you may write to"
 FIT, SAMPLE = ("fit", "fitting/small.toml"), ("sample", "datasets/small.toml")
+TO_RESULT = ("-o", "r.json", "--jobs", "1")
 
 
 def test_a_result_from_other_inputs_is_replaced_only_when_asked(bench, run):
@@ -321,17 +338,6 @@ def test_bad_input_gets_one_line_and_exit_code_2_and_writes_nothing(bench, run, 
     assert tree(bench) == before
 
 
-@pytest.mark.parametrize(
-    "arguments", [(), ("fit", "fitting/masked.toml"), ("fit", "fitting/small.toml", "--runs", "0")]
-)
-def test_a_process_of_its_own_ends_with_the_same_code_and_line(bench, arguments):
-    before = tree(bench)
-    finished = subprocess.run([*COMMAND, *arguments], capture_output=True, text=True, check=False)
-    assert finished.returncode == 2
-    assert len(finished.stderr.splitlines()) == 1
-    assert tree(bench) == before
-
-
 def test_a_fit_that_is_refused_leaves_the_old_result(bench, run):
     before = tree(bench)
     assert run("fit", "fitting/excluded.toml", "-o", "good.json")[0] == 2
@@ -415,20 +421,12 @@ def test_what_is_kept_is_counted(bench, run, monkeypatch, runs):
 @posix
 @in_bench
 def test_a_reader_that_has_gone_is_no_mistake():
-    process = start("compare", *["good.json"] * 50)
-    process.stdout.close()
-    assert process.wait(timeout=60) == 141
-    assert process.stderr.read() == ""
-    process.stderr.close()
+    finish_unread("compare", *["good.json"] * 50)
 
 
 @posix
 def test_a_result_is_written_even_if_nobody_reads_the_report(bench):
-    process = start("fit", "fitting/small.toml", "-o", "r.json", "--jobs", "1")
-    process.stdout.close()
-    assert process.wait(timeout=60) == 141
-    assert process.stderr.read() == ""
-    process.stderr.close()
+    finish_unread(*FIT, *TO_RESULT)
     assert FitResult.load(bench / "r.json").name == "small"
     assert not (bench / "r.json.partial").exists()
 
@@ -437,9 +435,8 @@ def test_a_result_is_written_even_if_nobody_reads_the_report(bench):
 @in_bench
 def test_output_without_room_is_told_in_one_line():
     with Path("/dev/full").open("w") as full:
-        process = start("compare", "good.json", stdout=full)
-        _, errors = process.communicate(timeout=60)
-    assert process.returncode == 2
+        code, _, errors = finish("compare", "good.json", stdout=full)
+    assert code == 2
     assert errors.startswith("cylcontact: standard output: cannot be written (No space left")
     assert len(errors.splitlines()) == 1
 
@@ -447,9 +444,8 @@ def test_output_without_room_is_told_in_one_line():
 @in_bench
 def test_there_is_no_progress_where_errors_are_no_terminal():
     colourful = os.environ | {"FORCE_COLOR": "1", "TTY_COMPATIBLE": "1"}
-    process = start("fit", "fitting/small.toml", "-o", "r.json", "--jobs", "1", env=colourful)
-    said, errors = process.communicate(timeout=60)
-    assert (process.returncode, errors) == (0, "")
+    code, said, errors = finish(*FIT, *TO_RESULT, env=colourful)
+    assert (code, errors) == (0, "")
     assert "\x1b" not in said
 
 
@@ -457,7 +453,7 @@ def test_there_is_no_progress_where_errors_are_no_terminal():
 @in_bench
 def test_there_is_progress_on_a_terminal():
     master, terminal = os.openpty()
-    process = start("fit", "fitting/small.toml", "-o", "r.json", "--jobs", "1", stderr=terminal)
+    process = start(*FIT, *TO_RESULT, stderr=terminal)
     os.close(terminal)
     visible = b""
     while True:
@@ -476,9 +472,8 @@ def test_there_is_progress_on_a_terminal():
 @in_bench
 def test_characters_that_the_output_has_no_room_for_are_replaced():
     narrow = os.environ | {"PYTHONIOENCODING": "latin-1"}
-    process = start("fit", "fitting/small.toml", "-o", "r.json", "--jobs", "1", env=narrow)
-    said, errors = process.communicate(timeout=60)
-    assert (process.returncode, errors) == (0, "")
+    code, said, errors = finish(*FIT, *TO_RESULT, env=narrow)
+    assert (code, errors) == (0, "")
     assert " ? " in said
 
 

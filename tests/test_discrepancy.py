@@ -6,10 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from cylcontact import InputError
-from cylcontact.cli.app import app
 from cylcontact.fitting.calibration import calibrate, problem_of
 from cylcontact.fitting.campaign import with_grid
 from cylcontact.fitting.polish import polish
@@ -94,13 +92,13 @@ def test_what_cannot_be_left_out_is_refused(small_result, axis, rule):
         study_discrepancy(changed, leave_out=axis)
 
 
-def test_the_two_kinds_are_not_confused(tmp_path, small_result):
+def test_the_two_kinds_are_not_confused(tmp_path, small_result, run):
     measured = calibrate(measured_campaign(tmp_path, noise=0.01, starts=1))
     with pytest.raises(InputError, match="was fitted to measurements; study its noise"):
         study_discrepancy(measured)
     small_result.save(tmp_path / "r.json")
-    actual = CliRunner().invoke(app, ["uncertainty", str(tmp_path / "r.json"), "--bootstrap", "9"])
-    assert "carry no noise to resample" in actual.exception.rule
+    errors = run("uncertainty", tmp_path / "r.json", "--bootstrap", 9)[2]
+    assert "carry no noise to resample" in errors
 
 
 def test_coefficients_that_define_no_law_are_refused(tmp_path, small_result):
@@ -113,11 +111,11 @@ def test_coefficients_that_define_no_law_are_refused(tmp_path, small_result):
         study_noise(measured.model_copy(update={"coefficients": changed}))
 
 
-def test_the_command_reports_discrepancy(tmp_path, small_result):
+def test_the_command_reports_discrepancy(tmp_path, small_result, run):
     small_result.save(tmp_path / "r.json")
-    arguments = ["uncertainty", str(tmp_path / "r.json"), "--leave-out", "nu", "-j", "1", "--pairs"]
-    actual = CliRunner().invoke(app, [*arguments, "-o", str(tmp_path / "study.json")])
-    assert actual.exit_code == 0, actual.output
-    assert "nu = 0.25" in actual.output
+    arguments = ("--leave-out", "nu", "-j", 1, "--pairs", "-o", tmp_path / "study.json")
+    code, said, errors = run("uncertainty", tmp_path / "r.json", *arguments)
+    assert (code, errors) == (0, "")
+    assert "nu = 0.25" in said
     study = json.loads((tmp_path / "study.json").read_text("utf-8"))
     assert (study["kind"], len(study["pairs"])) == ("discrepancy", 1)

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cylcontact import InputError, cli
+from cylcontact import InputError
 from cylcontact.datasets.sampling import reduce_grid
 from cylcontact.fitting import FitResult, calibrate
 from cylcontact.parallel import Cluster, call, cluster, run_calls
@@ -98,14 +98,11 @@ def test_a_worker_killed_in_the_middle_of_its_calls_has_them_redone(short_lived)
     assert len(list(results)) == 6
 
 
-def test_the_command_line_fits_on_a_cluster(loopback, tmp_path, monkeypatch, small_result):
+def test_the_command_line_fits_on_a_cluster(loopback, tmp_path, monkeypatch, run, small_result):
     write_bench(tmp_path)
     monkeypatch.chdir(tmp_path)
-    arguments = ["fit", "fitting/small.toml", "--scheduler", loopback.address, "-o", "r.json"]
-    monkeypatch.setattr(sys, "argv", ["cylcontact", *arguments])
-    with pytest.raises(SystemExit) as caught:
-        cli.main()
-    assert caught.value.code == 0
+    arguments = ("fit", "fitting/small.toml", "--scheduler", loopback.address, "-o", "r.json")
+    assert run(*arguments)[0] == 0
     assert bits(FitResult.load("r.json")) == bits(small_result)
 
 
@@ -228,16 +225,12 @@ def test_a_missing_extra_is_named(monkeypatch):
     assert_told(caught, "--scheduler", "", None, "needs the extra 'distributed'", remedy)
 
 
-def test_jobs_and_a_scheduler_are_one_too_many(tmp_path, monkeypatch, capsys):
+def test_jobs_and_a_scheduler_are_one_too_many(tmp_path, monkeypatch, run):
     write_bench(tmp_path)
     monkeypatch.chdir(tmp_path)
     before = tree(tmp_path)
-    arguments = ["fit", "fitting/small.toml", "--jobs", "2", "--scheduler", "tcp://127.0.0.1:9"]
-    monkeypatch.setattr(sys, "argv", ["cylcontact", *arguments])
-    with pytest.raises(SystemExit) as caught:
-        cli.main()
-    said = capsys.readouterr().err
-    assert caught.value.code == 2
-    assert "--jobs is for this machine; leave it out with --scheduler" in said
-    assert len(said.splitlines()) == 1
+    code, _, errors = run("fit", "fitting/small.toml", "--jobs", 2, "--scheduler", "tcp://x:9")
+    assert code == 2
+    assert "--jobs is for this machine; leave it out with --scheduler" in errors
+    assert len(errors.splitlines()) == 1
     assert tree(tmp_path) == before

@@ -94,15 +94,21 @@ def test_bodies_that_do_not_touch_give_nan_and_those_that_just_touch_zero(law, p
 
 
 @every_case
-def test_values_broadcast_against_pairs_and_numbers_stay_numbers(law, pair):
+def test_values_broadcast_against_pairs_numbers_stay_numbers_and_arrays_arrays(law, pair):
     gaps = np.array([[1.0], [1.5], [2.0]]) * pair.dR
     many = CylinderPair.from_dR(pair.contact, gaps, STEEL, pair.length, pair.R_i)
+    second = CylinderPair.from_dR(pair.contact, gaps[1, 0], STEEL, pair.length, pair.R_i)
     values = [-1.0, 1e-6, 2e-6, np.nan]
-    for method in METHODS:
-        result = getattr(law, method)(values, many)
-        np.testing.assert_array_equal(np.isnan(result), [[True, False, False, True]] * 3)
-        assert type(getattr(law, method)(1e-6, pair)) is np.float64
-    assert law.max_load(many).shape == law.max_penetration(many).shape == (3, 1)
+    for ask in (law.load, law.penetration, law.stiffness):
+        answers = ask(values, many)
+        np.testing.assert_array_equal(np.isnan(answers), [[True, False, False, True]] * 3)
+        np.testing.assert_allclose(answers[1], ask(values, second), rtol=1e-14)
+        assert type(ask(np.array(1e-6), pair)) is np.float64
+        for shape in ((0,), (1,), (2, 0)):
+            assert ask(np.full(shape, 1e-6), pair).shape == shape
+    for limit in (law.max_load, law.max_penetration):
+        assert limit(many).shape == (3, 1)
+        assert type(limit(pair)) is np.float64
 
 
 @pytest.mark.parametrize("definition", DEFINITIONS, ids=lambda definition: definition.law.name)
@@ -124,6 +130,37 @@ def test_a_definition_says_what_a_law_needs(definition):
             law.penetration(1.0, CylinderPair.from_dR("internal", 0.05, STEEL))
     else:
         assert laws.reference_law(law.name) == law
+
+
+ROLLERS = CylinderPair.external(R_i=10.0, R_j=9.0, material=STEEL, length=12.0)
+HOLE = CylinderPair.internal(R_i=10.0, R_j=9.5, material=STEEL, length=12.0)
+NO_RADII = CylinderPair.from_dR("internal", 0.5, STEEL, length=12.0)
+NO_LENGTH = CylinderPair.from_dR("internal", 0.5, STEEL, R_i=10.0)
+MIXED = CylinderPair.from_dR("internal", 0.5, STEEL, material_j=BRONZE)
+RADII, LENGTH = "needs both radii", "needs the axial length"
+REFUSED = [
+    (laws.Enhanced(laws.PUBLISHED["internal"]), ROLLERS, "are for internal contact and the pair"),
+    (laws.Enhanced(laws.PUBLISHED["external"]), HOLE, "are for external contact and the pair is"),
+    (laws.Liu(), ROLLERS, "pin in a hole"),
+    (laws.Winkler(), ROLLERS, "must be internal: the foundation lines a hole"),
+    (laws.Persson(), ROLLERS, "pair.contact = 'external': must be internal"),
+    (laws.Johnson(), MIXED, RADII),
+    (laws.Goldsmith(), NO_RADII, RADII),
+    (laws.DubowskyFreudenstein(), NO_RADII, RADII),
+    (laws.DubowskyFreudenstein(), NO_LENGTH, LENGTH),
+    (laws.LankaraniNikravesh(), NO_RADII, RADII),
+    (laws.LankaraniNikravesh(), NO_LENGTH, LENGTH),
+]
+
+
+@pytest.mark.parametrize("method", [*METHODS, "max_load", "max_penetration"])
+@pytest.mark.parametrize(
+    ("law", "pair", "words"), REFUSED, ids=[f"{law.name}, {words}" for law, _, words in REFUSED]
+)
+def test_a_pair_that_is_not_of_the_law_is_refused_whatever_is_asked(law, pair, words, method):
+    arguments = (pair,) if method.startswith("max") else (1e-3, pair)
+    with pytest.raises(InputError, match=words):
+        getattr(law, method)(*arguments)
 
 
 # --- the compiled form --------------------------------------------------------------------------

@@ -1,6 +1,6 @@
 """Every recipe: the numbers behind it, recomputed here from the paper's equations, and its files.
 
-Nothing below calls a law of the package: Eqs 1, 5, 6, 7, 8 and 9 are written out once more.
+Nothing below calls a law of the package: tests/paper_equations.py has the paper's once more.
 """
 
 import math
@@ -11,8 +11,6 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
-from _cylcontact_bench.fig03 import ExponentStudy, exponent_table
-from matplotlib.text import Text
 
 from cylcontact import InputError
 from cylcontact.fitting.result import FitResult
@@ -22,7 +20,24 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, chosen_recipes, draw, find_recipes
 from cylcontact.reports.fit_figures import profile_drawing
 from tests.drawn_figures import DrawnFigures
-from tests.figure_files import GOLDEN, page_mm, read_columns, significant_digits
+from tests.figure_files import (
+    GOLDEN,
+    embedded_fonts,
+    font_sizes_inside,
+    page_mm,
+    read_columns,
+    significant_digits,
+)
+from tests.paper_equations import (
+    difference,
+    e_star,
+    effective_radius,
+    enhanced,
+    johnson,
+    johnson_end,
+    power_fit,
+    yield_load,
+)
 
 BENCH = Bench(Path(__file__).parents[1])
 NAMES = chosen_recipes(BENCH)
@@ -57,32 +72,6 @@ UNITS = ("_mm", "_um", "_us", "_us_std", "_N", "_J")
 UNITS += ("_N_per_mm", "_MPa", "_GPa", "_percent", "_N_per_mm_n")
 
 
-def e_star(E: float, nu: float) -> float:
-    return E / (2 * (1 - nu**2))
-
-
-def johnson(load: float, E_star: float, dR: float) -> float:
-    """Eq 1, solved for the penetration in mm."""
-    return load / (math.pi * E_star) * (math.log(4 * math.pi * E_star * dR / load) - 1)
-
-
-def enhanced(load: float, E_star: float, dR: float) -> float:
-    """Eqs 5 and 6 for internal contact, solved for the penetration in mm."""
-    Y = 1.51 * math.log(1000 * dR) ** -0.151 if dR < 0.34954 else 0.0151 * dR + 1.151
-    n = Y * dR**-0.005
-    return (load * dR / ((0.965 * dR + 0.0965) * E_star)) ** (1 / n)
-
-
-def difference(load: float, E_star: float, dR: float) -> float:
-    """Eq 9."""
-    return 100 * (enhanced(load, E_star, dR) / johnson(load, E_star, dR) - 1)
-
-
-def pin(R_i: float, dR: float) -> float:
-    """The effective radius R_i·R_j/ΔR in mm."""
-    return R_i * (R_i - dR) / dR
-
-
 class TestFiles:
     def test_every_figure_of_the_paper_is_among_them(self) -> None:
         papers = {name for name in find_recipes(BENCH) if re.fullmatch(r"fig\d\d[rcp]?", name)}
@@ -98,25 +87,12 @@ class TestFiles:
 
     @pytest.mark.parametrize("name", EACH)
     def test_fonts_are_embedded_as_type_42(self, figures: DrawnFigures, name: str) -> None:
-        pdf = figures[name].paths[0].read_bytes()
-        embedded = set(re.findall(rb"/BaseFont /[A-Z]{6}\+([\w-]+)", pdf))
-        assert embedded
-        assert all(font.startswith(b"DejaVuSans") for font in embedded)
-        assert pdf.count(b"/FontFile2") > 0
-        assert b"/Type3" not in pdf
-        assert set(re.findall(rb"/Subtype /(\w*Type\w+)", pdf)) <= {b"Type0", b"CIDFontType2"}
+        fonts = embedded_fonts(figures[name].paths[0])
+        assert {font[: len("DejaVuSans")] for font in fonts} == {"DejaVuSans"}
 
     @pytest.mark.parametrize("name", EACH)
     def test_text_is_legible_and_inside_the_page(self, figures: DrawnFigures, name: str) -> None:
-        figure = figures[name].drawing.figure
-        sizes = {text.get_fontsize() for text in figure.findobj(Text) if text.get_text()}
-        assert sizes <= {7.0, 8.0}
-        figure.draw_without_rendering()
-        drawn, page = figure.get_tightbbox(), figure.bbox_inches
-        assert drawn.x0 >= 0
-        assert drawn.y0 >= 0
-        assert drawn.x1 <= page.x1
-        assert drawn.y1 <= page.y1
+        assert font_sizes_inside(figures[name].drawing.figure) <= {7.0, 8.0}
 
     @pytest.mark.parametrize("name", EACH)
     def test_table_has_units_and_digits(self, figures: DrawnFigures, name: str) -> None:
@@ -177,13 +153,23 @@ class TestGeometry:
 
 
 class TestPowerLaws:
-    def test_fig02_constants(self, figures: DrawnFigures) -> None:
+    @pytest.mark.parametrize(
+        ("contact", "loads", "dR", "digits"),
+        [
+            ("internal", [1, *range(10, 1001, 10)], 0.05, "312148 1.2370"),
+            ("external", [1, *range(100, 10001, 100)], 140.0, "44975 1.0939"),
+        ],
+    )
+    def test_fig02_constants(
+        self, figures: DrawnFigures, contact: str, loads: list[int], dR: float, digits: str
+    ) -> None:
         headline = figures["fig02"].drawing.headline
-        assert round(headline["internal K"]) == 312148
-        assert round(headline["internal n"], 4) == 1.2370
-        assert headline["internal R2"] == pytest.approx(0.998123, abs=5e-7)
-        assert headline["external K"] == pytest.approx(44974.9, abs=0.05)
-        assert headline["external n"] == pytest.approx(1.09392, abs=5e-6)
+        K, n = power_fit(loads, e_star(207e3, 0.3), dR)
+        x, y = np.log(johnson(np.array(loads), e_star(207e3, 0.3), dR)), np.log(loads)
+        assert headline[f"{contact} K"] == pytest.approx(K, rel=1e-9)
+        assert headline[f"{contact} n"] == pytest.approx(n, rel=1e-9)
+        assert headline[f"{contact} R2"] == pytest.approx(np.corrcoef(x, y)[0, 1] ** 2, rel=1e-9)
+        assert f"{K:.0f} {n:.4f}" == digits
 
     def test_fig02_prints_ours_beside_the_papers(self, figures: DrawnFigures) -> None:
         for axes in figures["fig02"].drawing.figure.axes[:2]:
@@ -211,9 +197,8 @@ class TestPowerLaws:
         load = np.geomspace(10, 1000, 41)
         for row in table.iloc[[0, 300, 700, 1000, 1400]].itertuples():
             E_star = e_star(1e3 * row.E_GPa, row.nu)
-            inside = load[load <= 4 * math.pi * E_star * row.dR_mm / math.e**2]
-            delta = [johnson(f, E_star, row.dR_mm) for f in inside]
-            slope = np.polyfit(np.log(delta), np.log(inside), 1)[0]
+            inside = load[load <= johnson_end(E_star, row.dR_mm)]
+            _, slope = power_fit(inside, E_star, row.dR_mm)
             assert row.points == inside.size
             assert row.n == pytest.approx(slope, rel=1e-10)
 
@@ -223,12 +208,6 @@ class TestPowerLaws:
         assert set(short["E_GPa"]) == {20.7}
         assert short["dR_mm"].max() < 0.06
 
-    def test_exponent_knows_the_product_of_modulus_and_dR_only(self) -> None:
-        loads = np.geomspace(10, 1000, 41)
-        one = exponent_table(ExponentStudy("internal", np.array([0.5]), ()), [207.0], [0.3], loads)
-        other = exponent_table(ExponentStudy("internal", np.array([5.0]), ()), [20.7], [0.3], loads)
-        assert one["n"].item() == pytest.approx(other["n"].item(), rel=1e-12)
-
 
 class TestLimits:
     def test_fig07_loads(self, figures: DrawnFigures) -> None:
@@ -236,7 +215,7 @@ class TestLimits:
         assert len(headline) == 15
         for R_i in (100, 10, 5):
             for name, (E, nu, stress) in MATERIALS.items():
-                load = math.pi * stress**2 * pin(R_i, 0.1) / e_star(E, nu)
+                load = yield_load(stress, e_star(E, nu), effective_radius(R_i, 0.1))
                 assert headline[f"{name}, R_i = {R_i} mm, dR = 0.1 mm"] == pytest.approx(load)
         assert headline["low-carbon steel, R_i = 10 mm, dR = 0.1 mm"] == pytest.approx(
             1768.91, abs=0.005
@@ -254,7 +233,7 @@ class TestLimits:
     def test_fig08_lines_are_eq_8(self, figures: DrawnFigures) -> None:
         for row in figures["fig08"].drawing.table.iloc[::37].itertuples():
             E, nu, _ = MATERIALS[row.material]
-            limit = 4 * math.pi * e_star(E, nu) * row.dR_mm / math.e**2
+            limit = johnson_end(e_star(E, nu), row.dR_mm)
             assert row.load_N_per_mm == pytest.approx(limit, rel=1e-12)
 
     def test_fig09_stars_stand_at_the_yield_stress(self, figures: DrawnFigures) -> None:
@@ -267,9 +246,9 @@ class TestLimits:
     def test_fig09_lines_are_eq_7_at_eq_8(self, figures: DrawnFigures) -> None:
         for row in figures["fig09"].drawing.table.iloc[::101].itertuples():
             E_star = e_star(*MATERIALS[row.material][:2])
-            limit = 4 * math.pi * E_star * row.dR_mm / math.e**2
-            stress = math.sqrt(limit * E_star / (math.pi * pin(row.R_i_mm, row.dR_mm)))
-            assert row.stress_MPa == pytest.approx(stress, rel=1e-12)
+            R = effective_radius(row.R_i_mm, row.dR_mm)
+            load = yield_load(row.stress_MPa, E_star, R)
+            assert load == pytest.approx(johnson_end(E_star, row.dR_mm), rel=1e-12)
 
 
 class TestMaps:
@@ -278,14 +257,15 @@ class TestMaps:
         E, nu, stress = MATERIALS[material]
         E_star = e_star(E, nu)
         table = figures[name].drawing.table
-        for row in table.iloc[:: table.shape[0] // 97].itertuples():
-            dR, load = row.dR_mm, row.load_N_per_mm
-            assert row.penetration_mm == pytest.approx(enhanced(load, E_star, dR), rel=1e-10)
-            assert row.johnson_penetration_mm == pytest.approx(johnson(load, E_star, dR), rel=1e-10)
-            assert row.difference_percent == pytest.approx(difference(load, E_star, dR), abs=1e-8)
-            assert row.yield_load_N_per_mm == pytest.approx(
-                math.pi * stress**2 * pin(10.0, dR) / E_star, rel=1e-10
-            )
+        dR, load = table["dR_mm"].to_numpy(), table["load_N_per_mm"].to_numpy()
+        for column, expected in {
+            "penetration_mm": enhanced(load, E_star, dR),
+            "johnson_penetration_mm": johnson(load, E_star, dR),
+            "yield_load_N_per_mm": yield_load(stress, E_star, effective_radius(10.0, dR)),
+        }.items():
+            assert table[column].to_numpy() == pytest.approx(expected, rel=1e-10)
+        expected = difference(load, E_star, dR)
+        assert table["difference_percent"].to_numpy() == pytest.approx(expected, abs=1e-8)
 
     @pytest.mark.parametrize(("name", "material"), MAPS.items())
     def test_window_is_sect_34s_up_to_johnsons_limit(
@@ -296,26 +276,19 @@ class TestMaps:
         assert table["dR_mm"].max() == 2.0
         tops = table.groupby("dR_mm")["load_N_per_mm"].agg(["min", "max"])
         E_star = e_star(*MATERIALS[material][:2])
-        limit = 4 * math.pi * E_star * tops.index.to_numpy() / math.e**2
+        limit = johnson_end(E_star, tops.index.to_numpy())
         assert tops["max"].to_numpy() == pytest.approx(np.minimum(1000, limit))
         assert tops["min"].to_numpy() == pytest.approx(10.0)
         assert table["difference_percent"].notna().all()
 
-    def test_highest_of_fig10_by_hand(self, figures: DrawnFigures) -> None:
-        """Ceramics are furthest off at the lowest clearance and load."""
-        by_hand = difference(10.0, e_star(600e3, 0.24), 0.0075)
-        assert figures["fig10"].drawing.headline["highest difference, %"] == pytest.approx(by_hand)
-
     def test_practical_domain_excludes_what_yields(self, figures: DrawnFigures) -> None:
         table = figures["fig14"].drawing.table
         E_star = e_star(69e3, 0.33)
-        inside = [
-            abs(difference(row.load_N_per_mm, E_star, row.dR_mm)) < 8
-            for row in table.itertuples()
-            if row.load_N_per_mm <= math.pi * 276.0**2 * pin(10.0, row.dR_mm) / E_star
-        ]
+        dR, load = table["dR_mm"].to_numpy(), table["load_N_per_mm"].to_numpy()
+        inside = load <= yield_load(276.0, E_star, effective_radius(10.0, dR))
+        below = np.abs(difference(load, E_star, dR)[inside]) < 8
         share = figures["fig14"].drawing.headline["share of the practical domain below 8 %"]
-        assert share == pytest.approx(sum(inside) / len(inside), rel=1e-12)
+        assert share == pytest.approx(below.mean(), rel=1e-12)
 
     @pytest.mark.parametrize(
         ("name", "note"),

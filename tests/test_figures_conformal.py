@@ -17,6 +17,7 @@ from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
 from tests.drawn_figures import DrawnFigures
 from tests.figure_files import GOLDEN
+from tests.paper_equations import e_star, factor_and_exponent, johnson
 
 BENCH = Bench(Path(__file__).parents[1])
 ROOT_OF_N = 0.8346152454776572  # of 2 − 2u² − ln(1 + u): the contact is complete
@@ -53,10 +54,6 @@ def persson_at(phi: float) -> float:
     """d under the load φ."""
     u = brentq(lambda u: persson(u)[0] - phi, 1e-12, ROOT_OF_N - 1e-9, xtol=1e-15, rtol=1e-14)
     return persson(u)[1]
-
-
-def johnson(phi: float) -> float:
-    return phi / math.pi * (math.log(4 * math.pi / phi) - 1)
 
 
 def explicit(d: NDArray[np.float64], c: float, A: float, B: float) -> NDArray[np.float64]:
@@ -97,7 +94,7 @@ class TestComparison:
 
     def test_error_for_external_contact(self, comparison: Drawing) -> None:
         phi = np.geomspace(1e-9, 0.02, 1000)
-        d = np.array([johnson(load) for load in phi])
+        d = johnson(phi, 1.0, 1.0)
         errors = 100 * (explicit(d, 1.427, 0.3597, 2.78) / phi - 1)
         key = "explicit, external: largest error of the load, φ 1e-09 to 0.02, %"
         assert comparison.headline[key] == pytest.approx(np.abs(errors).max(), abs=1e-4)
@@ -131,9 +128,9 @@ class TestComparison:
 
     def test_published_enhanced_law_at_one_load(self, comparison: Drawing) -> None:
         """At 1 N/mm and 0.5 mm, where its range in the figure begins."""
-        E_star, dR, n = 207e3 / 1.82, 0.5, (0.0151 * 0.5 + 1.151) * 0.5**-0.005
-        delta = persson_at(1 / (E_star * dR)) * dR
-        error = 100 * ((0.965 * dR + 0.0965) * E_star / dR * delta**n - 1)
+        E_star, dR = e_star(207e3, 0.3), 0.5
+        K, n = factor_and_exponent(E_star, dR)
+        error = 100 * (K * (persson_at(1 / (E_star * dR)) * dR) ** n - 1)
         table = comparison.table
         rows = table[(table["law"] == "enhanced") & table["pair"].str.endswith("dR = 0.5 mm")]
         rows = rows[(rows["error_of"] == "load") & (rows["range"] == "1e-05")]
@@ -182,11 +179,13 @@ class TestDepartures:
         drawing = figures["fig08"].drawing
         said = drawing.headline[f"phi at which Johnson's penetration is {percent} % low"]
         assert said == pytest.approx(phi, abs=5e-7)
-        assert 100 * (1 - johnson(said) / persson_at(said)) == pytest.approx(percent, abs=1e-6)
+        assert 100 * (1 - johnson(said, 1.0, 1.0) / persson_at(said)) == pytest.approx(
+            percent, abs=1e-6
+        )
         column = f"johnson_low_by_{percent}_percent_load_N_per_mm"
         row = drawing.table.iloc[-1]
         assert row["material"] == "aluminium alloy"
-        assert row[column] == pytest.approx(said * 69e3 / (2 * (1 - 0.33**2)) * row["dR_mm"])
+        assert row[column] == pytest.approx(said * e_star(69e3, 0.33) * row["dR_mm"])
 
 
 class TestMaps:
@@ -203,12 +202,12 @@ class TestMaps:
     @pytest.mark.parametrize(("letter", "fit"), [("c", "conformal"), ("p", "practical")])
     def test_table(self, figures: DrawnFigures, letter: str, fit: str, number: str) -> None:
         E, nu = MATERIALS[number]
-        E_star = E / (2 * (1 - nu**2))
+        E_star = e_star(E, nu)
         drawing = figures[f"fig{number}{letter}"].drawing
         for row in drawing.table.iloc[:: len(drawing.table) // 11].itertuples():
             load, dR = row.load_N_per_mm, row.dR_mm
             phi = load / (E_star * dR)
-            judge = persson_at(phi) if letter == "c" else johnson(phi)
+            judge = persson_at(phi) if letter == "c" else johnson(phi, 1.0, 1.0)
             delta = self.enhanced(fit, load, E_star, dR)
             assert row.difference_percent == pytest.approx(
                 100 * (delta / (judge * dR) - 1), abs=1e-5

@@ -13,39 +13,24 @@ from cylcontact import InputError, limits
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import ClaimFunction
+from tests.claim_files import claims_of
+from tests.paper_equations import difference, e_star, enhanced, johnson
 
 BENCH = Bench(Path(__file__).parents[1])
 STEEL = Material("steel", 207e3, 0.3)
+E_STAR = e_star(207e3, 0.3)
 NO, CHOICE = "not reproduced", "reproduced with a stated choice"
-
-
-def finite_element_claims(bench):
-    """Compute the claims of Section 3.2 from a bench's tables."""
-    functions = [each for each in vars(section32).values() if isinstance(each, ClaimFunction)]
-    return [claim for function in functions for claim in function(bench)]
 
 
 @pytest.fixture(scope="module")
 def claims():
-    return {claim.id: claim for claim in finite_element_claims(BENCH)}
+    return claims_of(BENCH, section32)
 
 
 def rows(name):
     """Read a table without the package."""
     path = BENCH.root / "datasets" / "finite_element" / f"{name}-embedded.csv"
     return pd.read_csv(path, comment="#")
-
-
-def johnson(load, dR):
-    E_star = 207e3 / (2 * (1 - 0.3**2))
-    return load / (np.pi * E_star) * (np.log(4 * np.pi * E_star * dR / load) - 1)
-
-
-def enhanced(load, dR):
-    E_star = 207e3 / (2 * (1 - 0.3**2))
-    Y = np.where(dR < 0.34954, 1.51 * np.log(1000 * dR) ** -0.151, 0.0151 * dR + 1.151)
-    return (load * dR / ((0.965 * dR + 0.0965) * E_star)) ** (1 / (Y * dR**-0.005))
 
 
 class TestClaims:
@@ -67,9 +52,9 @@ class TestClaims:
         dR, fe = actual["dR_mm"].to_numpy(), actual["penetration_mm"].to_numpy()
         values = claims[f"3.2-below-{name}-percent"].ours_values
         for label, off in {
-            "Johnson to finite elements": johnson(load, dR) / fe - 1,
-            "enhanced to finite elements": enhanced(load, dR) / fe - 1,
-            "enhanced to Johnson": enhanced(load, dR) / johnson(load, dR) - 1,
+            "Johnson to finite elements": johnson(load, E_STAR, dR) / fe - 1,
+            "enhanced to finite elements": enhanced(load, E_STAR, dR) / fe - 1,
+            "enhanced to Johnson": difference(load, E_STAR, dR) / 100,
         }.items():
             expected = 100 * off[np.abs(off).argmax()]
             assert values[f"{label}, {load:g} N/mm, percent"] == pytest.approx(expected, rel=1e-9)
@@ -122,9 +107,9 @@ class TestClaims:
         assert "as the paper names none" in claim.choice
 
     def test_a_bench_without_finite_elements_cannot_test_them(self, tmp_path):
-        untested = finite_element_claims(Bench(tmp_path))
+        untested = claims_of(Bench(tmp_path), section32)
         assert len(untested) == 6
-        for claim in untested:
+        for claim in untested.values():
             assert claim.verdict == "not testable"
             assert ".toml: this set-up does not exist" in claim.choice
 
@@ -134,7 +119,7 @@ class TestClaims:
         path = folder / "recommended.toml"
         path.write_text(path.read_text().replace("outer_ratio = 3.3", "outer_ratio = 3.4"))
         with pytest.raises(InputError, match=r"is not that of .*; make finite-element brings"):
-            finite_element_claims(Bench(tmp_path))
+            claims_of(Bench(tmp_path), section32)
 
 
 class TestFigures:
@@ -160,8 +145,10 @@ class TestFigures:
         actual = drawing.table
         assert len(actual) == 39
         load, dR = actual["load_N_per_mm"].to_numpy(), actual["dR_mm"].to_numpy()
-        assert actual["johnson_mm"].to_numpy() == pytest.approx(johnson(load, dR), rel=1e-9)
-        assert actual["enhanced_mm"].to_numpy() == pytest.approx(enhanced(load, dR), rel=1e-9)
+        assert actual["johnson_mm"].to_numpy() == pytest.approx(johnson(load, E_STAR, dR), rel=1e-9)
+        assert actual["enhanced_mm"].to_numpy() == pytest.approx(
+            enhanced(load, E_STAR, dR), rel=1e-9
+        )
         for load in (20, 40, 100):
             headline = drawing.headline[f"{load} N/mm: calculix less finite elements, largest, %"]
             assert headline < 0.2

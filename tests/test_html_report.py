@@ -34,21 +34,27 @@ class Links(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def index(site):
-    return site.index.read_text(encoding="utf-8")
+def texts(site):
+    """The pages by name."""
+    names = ("index", "explore")
+    return {name: (site.index.parent / f"{name}.html").read_text("utf-8") for name in names}
 
 
-def test_what_is_missing_is_told(site):
+@pytest.fixture(scope="module")
+def index(texts):
+    return texts["index"]
+
+
+def test_what_is_missing_is_told_and_is_on_the_page_with_its_reason(site, index):
     reasons = {line.split(":", 1)[0]: line for line in site.missing}
     assert set(reasons) == {"fig03", "fig12p", "broken"}
-    assert "failed with ZeroDivisionError (division by zero)" in reasons["fig03"]
-    assert "practical.json: this fit result does not exist" in reasons["fig12p"]
-
-
-def test_missing_figures_are_missing_with_their_reason_on_the_page(index):
+    for name, reason in (
+        ("fig03", "failed with ZeroDivisionError (division by zero)"),
+        ("fig12p", "practical.json: this fit result does not exist"),
+    ):
+        assert reason in reasons[name]
+        assert reason in index
     assert "there is no recipe reports/fig15.py" in index
-    assert "failed with ZeroDivisionError (division by zero)" in index
-    assert "this fit result does not exist" in index
 
 
 def test_checklist_has_all_nineteen_figures_with_their_status(index):
@@ -69,26 +75,18 @@ def test_the_wheel_holds_templates_styles_and_scripts(tmp_path):
 
 
 @pytest.mark.parametrize("page", ["index", "explore"])
-def test_every_address_leads_somewhere_on_disk(site, page):
-    folder = site.index.parent
-    pages = {
-        name: Links((folder / name).read_text(encoding="utf-8"))
-        for name in ("index.html", "explore.html")
-    }
+def test_ids_are_unique_and_every_address_leads_somewhere_on_disk(site, texts, page):
+    pages = {f"{name}.html": Links(text) for name, text in texts.items()}
+    ids = pages[f"{page}.html"].ids
+    assert len(ids) == len(set(ids))
     for address in pages[f"{page}.html"].addresses:
         if address.startswith("data:"):
             continue
         assert not re.match(r"\w+:|//", address), address
         file, _, anchor = unquote(address).partition("#")
         file = file or f"{page}.html"
-        assert (folder / file).stat().st_size > 0
+        assert (site.index.parent / file).stat().st_size > 0
         assert not anchor or anchor in pages[file].ids
-
-
-def test_ids_are_unique(site):
-    for page in ("index.html", "explore.html"):
-        ids = Links((site.index.parent / page).read_text(encoding="utf-8")).ids
-        assert len(ids) == len(set(ids))
 
 
 def test_every_figure_has_its_caption_downloads_and_provenance(index):
@@ -119,13 +117,12 @@ def test_the_published_law_stands_in_its_own_column(index):
     assert ("several" in footer) == (len(commits) > 1)
 
 
-def test_texts_of_users_stay_text(site, index):
+def test_texts_of_users_stay_text(index, texts):
     assert "<img src=x" not in index
     assert "&lt;img src=x onerror=alert(1)&gt; &amp; " in index
     assert "{{ 7 * 7 }}" in index
-    explore = (site.index.parent / "explore.html").read_text(encoding="utf-8")
-    assert "<img src=x" not in explore
-    assert r"\u003cimg src=x" in explore
+    assert "<img src=x" not in texts["explore"]
+    assert r"\u003cimg src=x" in texts["explore"]
 
 
 def test_same_bytes_again(site, tmp_path):

@@ -62,10 +62,26 @@ def repeatable(path):
     return json.dumps(data)
 
 
+def beside_result(folder):
+    """The names of what is in the folder of the result."""
+    return {path.name for path in (folder / RESULT).parent.iterdir()}
+
+
+def resume(folder, uninterrupted):
+    """Go on from what is kept: the uninterrupted result comes, and nothing else is left."""
+    assert killable.run(folder, *FIT, "--resume") == 0, killable.said(folder)
+    assert_complete(folder, uninterrupted)
+
+
 def assert_complete(folder, uninterrupted):
-    """The result is the uninterrupted one, and nothing else is left beside it."""
     assert repeatable(folder / RESULT) == repeatable(uninterrupted / RESULT)
-    assert [path.name for path in (folder / RESULT).parent.iterdir()] == ["small.json"]
+    assert beside_result(folder) == {"small.json"}
+
+
+def one_line(folder):
+    """What the last command said, which is a single line."""
+    (line,) = killable.said(folder).splitlines()
+    return line
 
 
 # --- the commands -----------------------------------------------------------------------------
@@ -194,8 +210,7 @@ def test_resume_after_kill_9_at_random_moments(uninterrupted, tmp_path):
         folder = bench(tmp_path, f"trial{trial}")
         killed += killable.run_and_kill(folder, *FIT, seconds=moments.uniform(0, seconds))
         resumable += (folder / f"{RESULT}.partial").exists()
-        assert killable.run(folder, *FIT, "--resume") == 0, killable.said(folder)
-        assert_complete(folder, uninterrupted)
+        resume(folder, uninterrupted)
     # Most are killed on the way, wherever this machine's load puts that.
     assert killed >= trials / 2
     assert resumable >= trials / 6
@@ -223,8 +238,7 @@ def test_killed_before_every_single_operation_on_a_file(tmp_path):
         if code == 0:
             break
         assert code == -signal.SIGKILL
-        assert killable.run(folder, *FIT, "--resume") == 0, killable.said(folder)
-        assert_complete(folder, whole)
+        resume(folder, whole)
         operations += 1
     assert operations > 15
 
@@ -252,9 +266,8 @@ def test_stopped_with_worker_processes_under_way_it_resumes(longer, tmp_path, ho
         assert_interrupted(
             fit, f"interrupted; {complete} complete runs? .* kept in {RESULT}.partial; .*"
         )
-        assert [path.name for path in (folder / RESULT).parent.iterdir()] == ["small.json.partial"]
-    assert killable.run(folder, *FIT, "--resume") == 0, killable.said(folder)
-    assert_complete(folder, longer)
+        assert beside_result(folder) == {"small.json.partial"}
+    resume(folder, longer)
 
 
 @in_proc
@@ -395,10 +408,9 @@ def test_the_second_of_two_fits_of_one_output_says_so_and_stops(tmp_path):
     wait_until((folder / f"{RESULT}.lock").exists)
     before = tree(folder)
     assert killable.run(folder, *FIT) == 2
-    said = killable.said(folder)
+    said = one_line(folder)
     assert f"{RESULT}: is being written by process {first.pid} on " in said
-    assert said.endswith("; wait for it to end, or choose another output with -o\n")
-    assert len(said.splitlines()) == 1
+    assert said.endswith("; wait for it to end, or choose another output with -o")
     assert set(tree(folder)) >= set(before)
     first.kill()
     first.join()
@@ -406,7 +418,7 @@ def test_the_second_of_two_fits_of_one_output_says_so_and_stops(tmp_path):
     assert (folder / f"{RESULT}.lock").exists()
     write_bench(folder, FEW)
     assert killable.run(folder, *FIT) == 0, killable.said(folder)
-    assert [path.name for path in (folder / RESULT).parent.iterdir()] == ["small.json"]
+    assert beside_result(folder) == {"small.json"}
 
 
 @pytest.mark.parametrize(
@@ -551,14 +563,11 @@ def test_a_file_that_may_not_grow_stops_the_fit_which_resumes(uninterrupted, tmp
     before = (uninterrupted / RESULT).read_bytes()
     (folder / RESULT).write_bytes(before)
     assert killable.run(folder, *FIT, file_size=size) == 2
-    said = killable.said(folder)
-    assert said.startswith(f"cylcontact: {RESULT}{file}: cannot be written (File too large); ")
-    assert len(said.splitlines()) == 1
+    line = f"cylcontact: {RESULT}{file}: cannot be written (File too large); "
+    assert one_line(folder).startswith(line)
     assert (folder / RESULT).read_bytes() == before
-    left = {path.name for path in (folder / RESULT).parent.iterdir()}
-    assert left == {"small.json", "small.json.partial"}
-    assert killable.run(folder, *FIT, "--resume") == 0
-    assert_complete(folder, uninterrupted)
+    assert beside_result(folder) == {"small.json", "small.json.partial"}
+    resume(folder, uninterrupted)
 
 
 @contextmanager
@@ -626,9 +635,7 @@ def test_a_folder_removed_during_a_fit_is_told_of(tmp_path):
     shutil.rmtree((folder / RESULT).parent)
     fit.join()
     assert fit.exitcode == 2
-    said = killable.said(folder)
-    assert f"{RESULT}.partial: was removed or replaced while in use; start" in said
-    assert len(said.splitlines()) == 1
+    assert f"{RESULT}.partial: was removed or replaced while in use; start" in one_line(folder)
     assert not (folder / RESULT).parent.exists()
 
 
@@ -663,7 +670,7 @@ def test_no_file_of_the_users_is_unpickled_or_run(tmp_path, kind):
         for name in ("evil.toml", "evil.json", "evil.csv", "evil.parquet", "evil.pkl"):
             out = ("-o", "out.csv") if command == "sample" else ()
             assert killable.run(folder, command, name, *out) == 2, killable.said(folder)
-            assert len(killable.said(folder).splitlines()) == 1
+            assert one_line(folder)
     assert killable.run(folder, *FIT, "--resume", "-o", "r.json") == 2
     assert killable.run(folder, *FIT, "-o", "r.json") == 0
     assert not mark.exists()

@@ -6,7 +6,7 @@ from mpmath import mp
 
 from cylcontact import CylinderPair, Material
 from cylcontact.laws import Johnson
-from tests.strategies import NOT_TOUCHING, ROUNDING, fractions, gaps, moduli, pairs, ratios
+from tests.strategies import ROUNDING, fractions, gaps, moduli, pairs, ratios
 
 LAW = Johnson()
 TINY = 10.0 ** -np.linspace(0, 300, 121)[1:]
@@ -129,14 +129,6 @@ def test_stiffness_is_the_derivative_of_the_load(case):
         assert error < 6 * (1 + (1 + w) / w**2)
 
 
-def test_the_limits_are_those_of_eq_8(case):
-    pair = build(*case)
-    exact = Exact(pair)
-    load = 4 * mp.pi * exact.E_star * exact.dR / mp.e**2
-    assert error_in_roundings(LAW.max_load(pair), load) < 6
-    assert error_in_roundings(LAW.max_penetration(pair), 4 * exact.dR / mp.e**2) < 6
-
-
 # --- the round trip and the ends of the domain ------------------------------------------------
 
 
@@ -151,15 +143,6 @@ def test_penetration_comes_back_from_its_load_over_a_dense_sweep(case):
     delta = DENSE * LAW.max_penetration(pair)
     back = LAW.penetration(LAW.load(delta, pair), pair)
     np.testing.assert_allclose(back, delta, rtol=1.5e-15)
-
-
-@given(pairs)
-def test_the_last_penetrations_before_the_limit_come_back(pair):
-    delta = LAW.max_penetration(pair)
-    for _ in range(20):
-        delta = np.nextafter(delta, 0.0)
-        back = LAW.penetration(LAW.load(delta, pair), pair)
-        assert back == pytest.approx(delta, rel=1.5e-15, abs=0)
 
 
 @given(pairs)
@@ -189,13 +172,9 @@ def test_stiffness_is_infinite_at_the_limit_and_only_there(pair):
     assert np.isfinite(LAW.stiffness(np.nextafter(limit, 0.0), pair))
 
 
-def test_bodies_that_just_touch_have_no_load_and_no_stiffness(pair):
-    assert LAW.load(0.0, pair) == LAW.penetration(0.0, pair) == LAW.stiffness(0.0, pair) == 0.0
-
-
 @pytest.mark.parametrize("method", [LAW.load, LAW.penetration, LAW.stiffness])
-@pytest.mark.parametrize("value", [*NOT_TOUCHING, np.inf, 1e308])
-def test_outside_the_domain_the_law_is_nan(method, value, pair):
+@pytest.mark.parametrize("value", [np.inf, 1e308])
+def test_beyond_the_limit_the_law_is_nan(method, value, pair):
     assert np.isnan(method(value, pair))
 
 
@@ -295,26 +274,3 @@ def test_swapping_the_bodies_of_an_external_pair_changes_nothing(pair, fraction)
     load = 0.9 * fraction * LAW.max_load(there)
     once = LAW.penetration(load, there)
     assert LAW.penetration(load, back) == pytest.approx(once, rel=2e-15, abs=0)
-
-
-# --- shapes and form --------------------------------------------------------------------------
-
-
-def test_values_broadcast_against_pairs(pairs):
-    deltas = np.array([1e-4, 2e-4, 3e-4, 4e-4])
-    for method in (LAW.load, LAW.penetration, LAW.stiffness):
-        assert method(deltas, pairs).shape == (3, 4)
-    assert LAW.max_load(pairs).shape == LAW.max_penetration(pairs).shape == (3, 1)
-    one = CylinderPair.internal(10.0, 9.9, pairs.material_i)
-    np.testing.assert_array_equal(LAW.load(deltas, pairs)[1], LAW.load(deltas, one))
-
-
-def test_single_numbers_give_numpy_scalars(pair):
-    values = [LAW.load(1e-3, pair), LAW.penetration(np.array(1.0), pair), LAW.stiffness(0, pair)]
-    values += [LAW.max_load(pair), LAW.max_penetration(pair)]
-    assert {type(value) for value in values} == {np.float64}
-
-
-@pytest.mark.parametrize("shape", [(0,), (1,), (2, 0)])
-def test_empty_and_one_element_arrays_stay_arrays(shape, pair):
-    assert LAW.load(np.full(shape, 1e-3), pair).shape == shape

@@ -16,6 +16,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.laws_bounds import explicit_error, johnson_end, johnson_shortfall
 from cylcontact.reports.laws_table import case, comparison, deviations, to_text
 from cylcontact.reports.laws_to_use import laws_to_use
+from tests.paper_equations import e_star, effective_radius, enhanced, johnson
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = (ROOT / "docs" / "laws.md").read_text(encoding="utf-8")
@@ -23,8 +24,8 @@ CODE = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
 PROSE = re.sub(r"```.*?```|^\|.*?$", "", PAGE, flags=re.DOTALL | re.MULTILINE)
 
 # The pinned case.
-E_STAR, DR, R_I, LENGTH, F = 207e3 / (2 * (1 - 0.3**2)), 0.05, 10.0, 10.0, 100.0
-RADIUS = R_I * (R_I - DR) / DR
+E_STAR, DR, R_I, LENGTH, F = e_star(207e3, 0.3), 0.05, 10.0, 10.0, 100.0
+RADIUS = effective_radius(R_I, DR)
 
 
 def table(heading: str, after: str = "\n") -> list[list[str]]:
@@ -55,14 +56,9 @@ def liu() -> float:
     return 1e3 * low
 
 
-def enhanced() -> float:
-    n = 1.51 * math.log(1000 * DR) ** -0.151 * DR**-0.005
-    return 1e3 * (F * DR / ((0.965 * DR + 0.0965) * E_STAR)) ** (1 / n)
-
-
 HALF_WIDTH = 2 * math.sqrt(F * RADIUS / (math.pi * E_STAR))
 PINNED = {
-    "johnson": (1.55935, logarithmic(4 * math.pi * DR, -1)),
+    "johnson": (1.55935, 1e3 * johnson(F, E_STAR, DR)),
     "roark-young": (1.63782, radzimovsky(2 * HALF_WIDTH)),
     "radzimovsky": (2.02579, radzimovsky(HALF_WIDTH)),
     "radzimovsky-radii": (1.83032, radzimovsky(1.6 * math.sqrt(F * RADIUS / E_STAR))),
@@ -75,7 +71,7 @@ PINNED = {
         2.79570,
         1e3 * (F * LENGTH / (4 / 3 * E_STAR * math.sqrt(RADIUS))) ** (2 / 3),
     ),
-    "enhanced": (1.51444, enhanced()),
+    "enhanced": (1.51444, 1e3 * enhanced(F, E_STAR, DR)),
 }
 
 
@@ -172,14 +168,13 @@ def test_the_laws_to_use_are_right():
     E = np.geomspace(20.7e3, 1e7, 25)[:, None, None, None]
     nu = np.linspace(0.1, 0.5, 9)[:, None, None]
     dR, f = np.geomspace(5, 500, 61)[:, None], np.geomspace(10, 1000, 25)
-    E_star = E / (2 * (1 - nu**2))
-    johnson = f / (math.pi * E_star) * (np.log(4 * math.pi * E_star * dR / f) - 1)
+    E_star = e_star(E, nu)
     deltas = {
-        "published": (f * dR / (E_star * (0.39 * dR + 0.85))) ** (1 / 1.094),
+        "published": enhanced(f, E_star, dR, "external"),
         "power-dimensionless": dR * (f / (0.580159106 * E_star * dR)) ** (1 / 1.084759742),
     }
     for name, delta in deltas.items():
-        ratio = np.log(delta / johnson)
+        ratio = np.log(delta / johnson(f, E_star, dR))
         assert table["rms_johnson"][name] == pytest.approx(np.sqrt(np.mean(ratio**2)), rel=1e-6)
         largest = 100 * np.abs(np.expm1(ratio)).max()
         assert table["max_johnson_percent"][name] == pytest.approx(largest, rel=1e-6)

@@ -90,6 +90,8 @@ def test_the_pair_of_forces_balances_and_dissipates(bearing):
             for k in (i, j)
         ]
         power = f_i[:2] @ velocities[0] + f_j[:2] @ velocities[1]
+        # The moments on the bodies are those of the same forces: the same power by coordinates.
+        assert force @ v == pytest.approx(power, rel=1e-6, abs=1e-9 * scale)
         approach = n @ (velocities[0] - velocities[1])
         elastic = joint.law.load(2e-3, joint.pair) * joint.length
         assert -power == pytest.approx(
@@ -101,22 +103,6 @@ def test_the_pair_of_forces_balances_and_dissipates(bearing):
         assert (f_i[:2] @ t) * sliding <= 0
         assert friction_power == pytest.approx(-(f_i[:2] @ t) * sliding, rel=1e-9, abs=1e-9)
         assert normal_power >= -1e-9
-
-
-def test_generalised_forces_do_the_work_of_the_pair():
-    """The moments on the bodies: power by coordinates equals power at the contact point."""
-    mechanism = slider_crank(spec=ODD)
-    joint, p = mechanism.clearance, in_contact(mechanism)
-    q, v = RNG.normal(size=9), RNG.normal(size=9)
-    here = constraints.point(q, v, joint.i, *joint.point_i)
-    there = constraints.point(q, v, joint.j, *joint.point_j)
-    q[3 * joint.j] += here[2] - there[2] - joint.radial - 1e-6
-    q[3 * joint.j + 1] += here[3] - there[3]
-    force = np.zeros(9)
-    dissipated = sum(augmented.contact_on_bodies(q, v, force, p))
-    elastic = joint.law.load(1e-3, joint.pair) * joint.length
-    rate = constraints.point(q, v, joint.i, *joint.point_i)[4] - there[4]
-    assert force @ v == pytest.approx(-dissipated - elastic * rate, rel=1e-6)
 
 
 def test_what_a_run_reports_is_what_its_ledgers_add_up():

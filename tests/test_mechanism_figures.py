@@ -22,16 +22,16 @@ from _cylcontact_bench.slider_crank import (
 )
 from PIL import Image
 
-from cylcontact import InputError
 from cylcontact.mechanism import Case, read_mechanism, simulate
 from cylcontact.mechanism.drawing import driver_circle, poses
-from cylcontact.mechanism.movie import FRAMES_PER_REVOLUTION, film, require_film
+from cylcontact.mechanism.movie import FRAMES_PER_REVOLUTION, film
 from cylcontact.reports.bench import Bench
+from tests.paper_equations import e_star, effective_radius, johnson
 
 ROOT = Path(__file__).parents[1]
 BENCH = Bench(ROOT)
 SETTLED = Case("enhanced", 0.5, 0.9, 0.1)
-E_STAR = 207e3 / (2 * (1 - 0.3**2))
+E_STAR = e_star(207e3, 0.3)
 LENGTH = 10.0
 
 
@@ -45,15 +45,9 @@ def drawing(figures):
     return figures["fig17"].drawing
 
 
-def johnson_penetration(force, dR):
-    """Eq 1, from N to mm."""
-    f = force / LENGTH
-    return f / (math.pi * E_STAR) * (np.log(4 * math.pi * E_STAR * dR / f) - 1)
-
-
 def sphere_force(depth, dR):
     """Eq 2, from mm to N."""
-    return 4 / 3 * E_STAR * np.sqrt(10.0 * (10.0 - dR) / dR) * depth**1.5
+    return 4 / 3 * E_STAR * np.sqrt(effective_radius(10.0, dR)) * depth**1.5
 
 
 class TestCases:
@@ -152,9 +146,9 @@ class TestDrawnMechanism:
 class TestImpacts:
     def test_elastic_forces_are_eqs_1_and_2(self, drawing):
         table = drawing.table[drawing.table["penetration_um"] > 0.1]
-        for row in table[table["law"] == "johnson"].iloc[::7].itertuples():
-            back = johnson_penetration(row.elastic_force_N, row.clearance_mm)
-            assert back * 1e3 == pytest.approx(row.penetration_um, rel=1e-9)
+        rows = table[table["law"] == "johnson"]
+        back = johnson(rows["elastic_force_N"] / LENGTH, E_STAR, rows["clearance_mm"])
+        assert 1e3 * back.to_numpy() == pytest.approx(rows["penetration_um"].to_numpy(), rel=1e-9)
         sphere = table[table["law"] == "lankarani-nikravesh"]
         forces = sphere_force(sphere["penetration_um"] * 1e-3, sphere["clearance_mm"])
         assert forces.to_numpy() == pytest.approx(sphere["elastic_force_N"].to_numpy(), rel=1e-9)
@@ -215,10 +209,6 @@ class TestPaths:
 
 
 class TestFilm:
-    def test_bad_endings(self, tmp_path):
-        with pytest.raises(InputError, match=r"x\.avi: is neither \.gif nor \.mp4"):
-            require_film(tmp_path / "x.avi")
-
     def test_film_is_short_enough_and_the_same_again(self, tmp_path, settled, monkeypatch):
         monkeypatch.setattr("cylcontact.mechanism.movie.FRAMES_PER_REVOLUTION", 6)
         calls = []
@@ -256,8 +246,6 @@ class TestAnimate:
         [
             (("-o", "x.avi"), "x.avi: is neither .gif nor .mp4; name the output so that it is one"),
             (("-o", "no/x.gif", "--clearance", "-1"), "clearance.radial = -1.0"),
-            (("-o", "no/x.gif", "--revolutions", "0"), "'0' must be an integer of at least 1"),
-            ((), "Missing option '-o' / '--out'; see cylcontact animate --help"),
         ],
     )
     def test_bad_input_is_one_line_and_leaves_nothing(

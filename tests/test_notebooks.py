@@ -11,13 +11,14 @@ import pytest
 from cylcontact import InputError, Material, laws
 from cylcontact.reports import explore, notebook
 from cylcontact.reports.fit_figures import runs_drawing, runs_table
+from tests.paper_equations import e_star, effective_radius, johnson, johnson_end, yield_load
 
 ROOT = Path(__file__).resolve().parents[1]
 SCRIPTS = sorted((ROOT / "notebooks").glob("*.py"))
 EXPLORER = ROOT / "notebooks" / "3_explore_the_maps.py"
 each_notebook = pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
 STEEL = Material("steel", E=207e3, nu=0.3, yield_stress=250.0)
-E_STAR = 207e3 / (2 * (1 - 0.3**2))
+E_STAR = e_star(207e3, 0.3)
 
 
 def execute(cells, allow_errors=False):
@@ -168,12 +169,12 @@ def test_what_is_wrong_is_said_in_place_of_numbers(explorer):
 def test_numbers_by_hand():
     choice = explore.Choice(STEEL, "internal", 0.05, 100.0, laws.Johnson())
     actual = explore.numbers(choice)
-    johnson = 100 / (math.pi * E_STAR) * (math.log(4 * math.pi * E_STAR * 0.05 / 100) - 1)
-    assert actual["penetration, µm"] == pytest.approx(1e3 * johnson, rel=1e-12)
+    by_hand = 1e3 * johnson(100.0, E_STAR, 0.05)
+    assert actual["penetration, µm"] == pytest.approx(by_hand, rel=1e-12)
     assert actual["difference from Johnson, %"] == 0
-    R = 10 * 9.95 / 0.05
-    assert actual["load at yield, N/mm"] == pytest.approx(math.pi * 250**2 * R / E_STAR, rel=1e-9)
-    end = 4 * math.pi * E_STAR * 0.05 / math.e**2
+    at_yield = yield_load(250.0, E_STAR, effective_radius(10.0, 0.05))
+    assert actual["load at yield, N/mm"] == pytest.approx(at_yield, rel=1e-9)
+    end = johnson_end(E_STAR, 0.05)
     assert actual["Johnson's largest load, N/mm"] == pytest.approx(end, rel=1e-12)
     assert actual["the law's largest load, N/mm"] == pytest.approx(end, rel=1e-12)
     assert actual["f/(E*·ΔR), -"] == pytest.approx(100 / (E_STAR * 0.05), rel=1e-12)

@@ -179,18 +179,14 @@ def test_the_file_has_a_line_for_every_run(compared):
     ]
 
 
-def test_the_command_writes_the_file_and_shows_the_table(tmp_path, monkeypatch, capsys):
-    from cylcontact import cli
-
+def test_the_command_writes_the_file_and_shows_the_table(tmp_path, monkeypatch, run):
     write_bench(tmp_path)
     monkeypatch.chdir(tmp_path)
-    arguments = ["fitting/small.toml", "genetic", "least-squares", "-o", "o.csv", "-j", "1"]
-    monkeypatch.setattr(sys, "argv", ["cylcontact", "optimizers", *arguments])
-    with pytest.raises(SystemExit) as caught:
-        cli.main()
-    assert caught.value.code == 0
-    said = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in said] == ["optimizer", "genetic", "least-squares"]
+    arguments = ("fitting/small.toml", "genetic", "least-squares", "-o", "o.csv", "-j", 1)
+    code, said, _ = run("optimizers", *arguments)
+    assert code == 0
+    lines = said.splitlines()
+    assert [line.split()[0] for line in lines] == ["optimizer", "genetic", "least-squares"]
     assert len((tmp_path / "o.csv").read_text().splitlines()) == 7
     assert not [name for name in tree(tmp_path) if name.endswith((".lock", ".partial"))]
 

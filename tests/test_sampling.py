@@ -11,6 +11,7 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.datasets import Grid, Moments, blocks, reduce_grid, sampling, write_samples
+from tests.paper_equations import e_star, johnson, johnson_end
 from tests.spec_files import GRID, changed, tree, write_toml
 
 COLUMNS = ["E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm"]
@@ -41,11 +42,11 @@ def by_hand(grid):
     """Return the rows of Eq 1 within Eq 8, E, ν and load within ΔR, and the number left out."""
     rows, masked = [], 0
     for dR, E, nu, load in product(grid.dR, grid.E, grid.nu, grid.load):
-        E_star = 1e3 * E / (2 * (1 - nu**2))
-        if load > 4 * np.pi * E_star * dR / np.e**2:
+        E_star = e_star(1e3 * E, nu)
+        if load > johnson_end(E_star, dR):
             masked += 1
             continue
-        delta = load / (np.pi * E_star) * (np.log(4 * np.pi * E_star * dR / load) - 1)
+        delta = johnson(load, E_star, dR)
         rows.append((E, nu, dR, load, delta))
     return np.array(rows), masked
 
