@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from contextlib import closing
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -38,7 +39,7 @@ from cylcontact.fitting.uncertainty.estimates import Uncertainty, uncertainty_of
 from cylcontact.fitting.uncertainty.profiles import Profile, profile
 from cylcontact.fitting.uncertainty.residual_model import measured
 from cylcontact.journal import Journal
-from cylcontact.parallel import Call, Workers, call, collect, run_calls
+from cylcontact.parallel import Call, Workers, call, call_for, collect, run_recorded
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import parse_spec
 
@@ -333,20 +334,19 @@ def search_all(
     -------
     list of RunRecord
     """
-    calls = _calls(campaign, problem)
-    records = _recorded_runs(journal) if journal and resume else []
-    if journal and not resume:
-        journal.start()
-    finished = {record.index for record in records}
-    waiting = [each for index, each in enumerate(calls) if index not in finished]
-    progress("searching", len(records), len(calls))
-    with closing(run_calls(waiting, jobs, ordered=False)) as results:
-        for record in results:
-            if journal:
-                journal.add(record.model_dump())
-            records.append(record)
-            progress("searching", len(records), len(calls))
-    return sorted(records, key=lambda record: record.index)
+    calls: dict[tuple[int, ...], Call] = {
+        (index,): call_for(index, each) for index, each in enumerate(_calls(campaign, problem))
+    }
+    records = run_recorded(
+        calls,
+        journal,
+        partial(_recorded_run, source=str(journal.path if journal else "")),
+        lambda _, record: record.model_dump(),
+        resume,
+        jobs,
+        partial(progress, "searching"),
+    )
+    return list(records.values())
 
 
 def _calls(campaign: Campaign, problem: Problem) -> list[Call]:
@@ -365,9 +365,10 @@ def _calls(campaign: Campaign, problem: Problem) -> list[Call]:
     return [call(execute, problem, plan, campaign.source) for plan in plans]
 
 
-def _recorded_runs(journal: Journal) -> list[RunRecord]:
-    """Return the runs in a journal."""
-    return journal.load(lambda entry: parse_spec(RunRecord, entry, str(journal.path)))
+def _recorded_run(entry: Any, source: str) -> tuple[int, RunRecord]:
+    """Return the index and the record of a run in a journal."""
+    record = parse_spec(RunRecord, entry, source)
+    return record.index, record
 
 
 def plan_runs(
