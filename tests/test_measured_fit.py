@@ -461,7 +461,7 @@ def test_options_for_tables_are_refused_beside_a_campaign(run):
     for option, value in (("--law", "power"), ("--E", 1.0), ("--material-j", "x"), ("--Ri", 1)):
         code, _, errors = run("fit", EXAMPLE, option, value)
         assert code == 2
-        assert "is an option for tables of measurements" in errors
+        assert f"toml: {option}: is an option for tables of measurements" in errors
 
 
 def test_the_fitted_law_is_exported_with_its_constants(tmp_path, example, run):

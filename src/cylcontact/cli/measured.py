@@ -105,9 +105,10 @@ def plan(path: Path, options: TableOptions, search: SearchOptions) -> Campaign:
     given = {name: value for name, value in asdict(options).items() if value not in (None, [])}
     if path.suffix.lower() not in TABLE_SUFFIXES:
         if given:
+            name = next(iter(given)).removesuffix("_mm").removesuffix("_MPa").replace("R_", "R")
             raise InputError(
                 str(path),
-                "--" + next(iter(given)).removesuffix("_mm").removesuffix("_MPa").replace("_", "-"),
+                "--" + name.replace("_", "-"),
                 None,
                 "is an option for tables of measurements, and this is a campaign",
                 "set it in the campaign file",
