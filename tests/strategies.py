@@ -8,7 +8,7 @@ from cylcontact import CylinderPair, Material
 # Half a unit in the last place at 1: the relative error of one correctly rounded operation.
 ROUNDING = 2.0**-53
 
-# Loads or penetrations of bodies that do not touch, or that are not known.
+# Loads of bodies that do not touch, or that are not known.
 NOT_TOUCHING = (-1.0, -1e-300, -np.inf, np.nan)
 
 

@@ -6,7 +6,7 @@ from mpmath import mp
 
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.laws import LankaraniNikravesh, PowerLaw
-from tests.strategies import NOT_TOUCHING, loads, materials, powers_of_ten
+from tests.strategies import loads, materials, powers_of_ten
 
 METHODS = ("load", "penetration", "stiffness")
 LAWS = {
@@ -78,11 +78,6 @@ def test_K_belongs_to_one_pair_and_K_star_carries_over(pair):
 @pytest.mark.parametrize(("n", "stiffness"), [(0.8, np.inf), (1.0, 7.0), (1.2, 0.0)])
 def test_the_stiffness_at_first_touch_depends_on_the_exponent(n, stiffness, pair):
     assert PowerLaw(n=n, K=7.0).stiffness(0.0, pair) == stiffness
-
-
-@pytest.mark.parametrize("value", NOT_TOUCHING)
-def test_an_exponent_below_one_also_gives_nan_without_contact(value, pair):
-    assert np.isnan(PowerLaw(n=0.8, K=7.0).stiffness(value, pair))
 
 
 # --- Lankarani and Nikravesh ------------------------------------------------------------------

@@ -27,7 +27,7 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
 
     The text has a function of penetration (mm), E* (MPa) and ΔR (mm), for some laws also of R_i,
     R_j and the length (mm). It returns load (N/mm) and stiffness (N/mm²), both NaN outside the
-    law's domain and where the bodies do not touch.
+    law's domain and 0 where the bodies do not touch.
 
     Parameters
     ----------

@@ -42,6 +42,11 @@ void $name(
     $parameters,
     double *load, double *stiffness)
 {
+    if (penetration < 0.0) {
+        *load = 0.0;
+        *stiffness = 0.0;
+        return;
+    }
     if (!($domain)) {
         *load = NAN;
         *stiffness = NAN;

@@ -71,9 +71,9 @@ def _description(formula: Formula) -> list[str]:
         *_paragraph("Domain", domain(formula)),
         *_paragraph(
             "Outside the domain",
-            "load and stiffness are NaN, also for a negative penetration: bodies that do not touch "
-            "are for the caller to find first",
+            "load and stiffness are NaN",
         ),
+        *_paragraph("Without contact", "at a negative penetration load and stiffness are 0"),
     ]
 
 

@@ -61,6 +61,11 @@ contains
         $constants
         $variables
 
+        if (penetration < 0.0_wp) then
+            load = 0.0_wp
+            stiffness = 0.0_wp
+            return
+        end if
         if (.not. ($domain)) then
             load = ieee_value(1.0_wp, ieee_quiet_nan)
             stiffness = ieee_value(1.0_wp, ieee_quiet_nan)

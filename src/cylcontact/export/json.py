@@ -23,7 +23,8 @@ _SYNTAX = (
     "assignments in order, in Python's syntax, with the names of arguments and constants, pi, nan, "
     "log, log1p, exp, sqrt, sin, atan and max; the results are f, the load, and k, the stiffness"
 )
-_OUTSIDE = "load and stiffness are NaN, also for a negative penetration"
+_OUTSIDE = "load and stiffness are NaN"
+_APART = "at a negative penetration load and stiffness are 0; conditions and steps do not matter"
 
 
 _MATERIALS = (Material("aluminium", E=69e3, nu=0.33), Material("steel", E=207e3, nu=0.3))
@@ -63,6 +64,7 @@ def source(formula: Formula) -> str:
         "results": {name: _described(*about) for name, about in RESULTS.items()},
         "domain": domain(formula),
         "outside_domain": _OUTSIDE,
+        "without_contact": _APART,
         "conditions": list(formula.requirements),
         "constants": dict(formula.constants),
         "steps": [step.text for step in formula.steps],
@@ -84,7 +86,7 @@ def _check_values(formula: Formula) -> Iterator[dict[str, float | str]]:
     >>> from cylcontact.laws.liu import Liu
     >>> first, *_ = _check_values(formula_of(Liu(), "internal"))
     >>> print(first["penetration"] < 0, first["load"])
-    True NaN
+    True 0.0
     """
     law, contact = formula.law, formula.contact or "internal"
     lengths = _LENGTHS if "length" in formula.extra else _LENGTHS[:1]

@@ -39,6 +39,7 @@ $comment
 % The arguments may be arrays, which expand against each other; f is the load, k the stiffness.
 inside = ($domain);
 f = NaN(size(inside));
+f(penetration + zeros(size(inside)) < 0) = 0;
 k = f;
 $selection
 $constants

@@ -26,6 +26,8 @@ _SYMBOLS: Mapping[type[ast.AST], str] = {
     ast.GtE: ">=",
     ast.Lt: "<",
     ast.LtE: "<=",
+    ast.And: "and",
+    ast.Or: "or",
 }
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
-from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.contact_law import ContactLaw, depth_of
 from cylcontact.laws.definition import Coefficients, LawModel, Parameter
 from cylcontact.pair import CylinderPair
 
@@ -87,13 +87,13 @@ class RigCompliance:
         return as_floats(self.base.penetration(f, pair) + self.compliance * f + self.offset)
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the load in N/mm at a reading `penetration` in mm; NaN before first touch."""
-        depth = as_floats(as_floats(penetration) - self.offset)
+        """Return the load in N/mm at a reading `penetration` in mm; 0 before first touch."""
+        depth = depth_of(as_floats(penetration) - self.offset)
         if self.compliance == 0:
             return self.base.load(depth, pair)
         end = self.base.max_penetration(pair)
         last = end + self.compliance * self.base.max_load(pair)
-        inside = np.asarray((depth >= 0) & (depth <= last))
+        inside = np.asarray(depth <= last)
         alone = self._contact_alone(
             np.where(inside, depth, 0.0), end * (1 - _SHORT_OF_THE_END), pair
         )
@@ -104,7 +104,8 @@ class RigCompliance:
         f = self.load(penetration, pair)
         contact = self.base.stiffness(self.base.penetration(f, pair), pair)
         with np.errstate(divide="ignore"):
-            return as_floats(1 / (1 / contact + self.compliance))
+            k = 1 / (1 / contact + self.compliance)
+        return as_floats(np.where(as_floats(penetration) < self.offset, 0.0, k))
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return the largest load in N/mm."""

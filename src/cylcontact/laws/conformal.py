@@ -16,6 +16,7 @@ from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, r
 from cylcontact.html_repr import law_html
 from cylcontact.laws import persson
 from cylcontact.laws.adapters import scaled_model
+from cylcontact.laws.contact_law import depth_of
 from cylcontact.laws.definition import Definition
 from cylcontact.pair import CylinderPair
 
@@ -81,16 +82,16 @@ class Persson:
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
-        delta = as_floats(penetration)
-        arc, touching = _arc_at(delta, pair)
-        return inside_or_nan(np.pi * pair.E_star * (delta / persson.approach(arc)), touching)
+        delta = depth_of(penetration)
+        arc, _ = _arc_at(delta, pair)
+        return as_floats(np.pi * pair.E_star * (delta / persson.approach(arc)))
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm² at `penetration` in mm; 0 at first touch."""
-        delta = as_floats(penetration)
-        arc, touching = _arc_at(delta, pair)
+        delta = depth_of(penetration)
+        arc, known = _arc_at(delta, pair)
         stiffness = np.pi * pair.E_star / persson.compliance(arc)
-        return inside_or_nan(np.where(delta == 0, 0.0, stiffness), touching)
+        return inside_or_nan(np.where(delta == 0, 0.0, stiffness), known)
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return inf: the law has no largest load."""

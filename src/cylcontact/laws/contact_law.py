@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from typing import Protocol
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.pair import CylinderPair
 
-__all__ = ["ContactLaw"]
+__all__ = ["ContactLaw", "depth_of"]
 
 
 class ContactLaw(Protocol):
     """Load per unit length against penetration for a pair of parallel cylinders.
 
     Loads are in N/mm, penetrations in mm, stiffness in N/mm². All arguments broadcast, also
-    against array-valued pairs. Elements outside a law's domain are NaN, as are those of a negative
-    load or penetration, where the bodies do not touch.
+    against array-valued pairs. At a negative penetration the bodies do not touch: load and
+    stiffness are 0. Elements outside a law's domain are NaN, as is the penetration under a negative
+    load.
     """
 
     @property
@@ -44,3 +46,14 @@ class ContactLaw(Protocol):
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return the largest penetration in mm; inf where there is none."""
         ...
+
+
+def depth_of(penetration: ArrayLike) -> FloatArray:
+    """Return the penetration, 0 where it is negative and the bodies do not touch.
+
+    Examples
+    --------
+    >>> depth_of([-1.0, 2.0, np.nan])
+    array([ 0.,  2., nan])
+    """
+    return as_floats(np.maximum(as_floats(penetration), 0.0))

@@ -147,15 +147,15 @@ class Explicit:
         """Return the load in N/mm at `penetration` in mm."""
         delta, d = self._depth(penetration, pair)
         L, _ = self._logarithms(d, pair.contact)
-        f = np.pi * pair.E_star * np.where(delta > 0, d * as_floats(pair.dR), 0.0) / L
-        return inside_or_nan(f, delta >= 0)
+        depth = np.where(delta <= 0, 0.0, d * as_floats(pair.dR))
+        return as_floats(np.pi * pair.E_star * depth / L)
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm²; zero at zero penetration."""
         delta, d = self._depth(penetration, pair)
         L, slope = self._logarithms(d, pair.contact)
-        k = np.where(delta > 0, np.pi * pair.E_star * (1 - slope / L) / L, 0.0)
-        return inside_or_nan(k, delta >= 0)
+        k = np.pi * pair.E_star * (1 - slope / L) / L
+        return as_floats(np.where(delta <= 0, 0.0, k))
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return inf: the law has no largest load."""
@@ -173,7 +173,7 @@ class Explicit:
     def _depth(self, penetration: ArrayLike, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
         """Return δ in mm, and δ/ΔR with δ replaced by 1 where it is not positive."""
         delta = as_floats(penetration)
-        return delta, as_floats(np.where(delta > 0, delta, 1.0) / as_floats(pair.dR))
+        return delta, as_floats(np.where(delta <= 0, 1.0, delta) / as_floats(pair.dR))
 
     def _logarithms(self, d: FloatArray, contact: Contact) -> tuple[FloatArray, FloatArray]:
         """Return L and dL/d(ln d)."""

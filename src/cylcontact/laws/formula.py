@@ -28,7 +28,7 @@ IN_MM = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
 # The first arguments of every exported function, and units and meanings of all arguments.
 _ALWAYS = ("penetration", "E_star", "dR")
 MEANINGS: Mapping[str, tuple[str, str]] = {
-    "penetration": ("mm", "penetration of the surfaces, not negative"),
+    "penetration": ("mm", "penetration of the surfaces; negative where they do not touch"),
     "E_star": ("MPa", "composite modulus, 1/E_star = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j"),
     "dR": ("mm", "R_i - R_j, internal (pin j in hole i); R_i + R_j, external (rollers)"),
     "R_i": ("mm", "radius of body i"),

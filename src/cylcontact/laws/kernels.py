@@ -38,7 +38,10 @@ __all__ = ["TABLE", "Kernel", "kernel", "kernel_load", "kernel_stiffness"]
 _Scalar = Callable[[FloatArray, float], float]
 
 # The steps of a law, by its `load`, so that a subclass that overrides it is tabulated.
-_STEPS: dict[Any, KernelSteps] = {d.law.load: d.kernel for d in DEFINITIONS if d.kernel}
+_STEPS: dict[Any, KernelSteps] = {}
+for _law in DEFINITIONS:
+    if _law.kernel is not None and _STEPS.setdefault(_law.law.load, _law.kernel) != _law.kernel:
+        raise ValueError(f"{_law.law.name}: a law that inherits `load` inherits its kernel steps")
 _KINDS = tuple(dict.fromkeys(_STEPS.values()))
 TABLE = -1
 

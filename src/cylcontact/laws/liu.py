@@ -12,6 +12,7 @@ from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
 from cylcontact.laws.adapters import scaled_model
+from cylcontact.laws.contact_law import depth_of
 from cylcontact.laws.definition import Definition, KernelSteps
 from cylcontact.laws.formula import Formula, function_name
 from cylcontact.pair import Contact, CylinderPair
@@ -57,22 +58,15 @@ class Liu:
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
-        dR = _clearance(pair)
-        delta = as_floats(penetration)
-        touching = delta >= 0
-        depth = np.where(touching, delta, 0.0)
-        f = np.pi / 2 * pair.E_star * depth * np.sqrt(depth / (2 * (dR + depth)))
-        return inside_or_nan(f, touching)
+        dR, depth = _clearance(pair), depth_of(penetration)
+        root = np.sqrt(depth / (2 * (dR + depth)))
+        return as_floats(np.pi / 2 * pair.E_star * depth * root)
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm²."""
-        dR = _clearance(pair)
-        delta = as_floats(penetration)
-        touching = delta >= 0
-        depth = np.where(touching, delta, 0.0)
+        dR, depth = _clearance(pair), depth_of(penetration)
         root = np.sqrt(depth / (2 * (dR + depth)))
-        slope = np.pi / 4 * pair.E_star * root * (3 * dR + 2 * depth) / (dR + depth)
-        return inside_or_nan(slope, touching)
+        return as_floats(np.pi / 4 * pair.E_star * root * (3 * dR + 2 * depth) / (dR + depth))
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return inf: the law has no largest load."""

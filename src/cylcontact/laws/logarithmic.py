@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.html_repr import law_html
 from cylcontact.laws.adapters import ScaledLaw
-from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.contact_law import ContactLaw, depth_of
 from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
 from cylcontact.laws.formula import Formula, function_name
 from cylcontact.laws.lambert import START, branch_distance, to_load_fraction
@@ -72,14 +72,14 @@ class LogarithmicLaw:
         return inside_or_nan(self.max_penetration(pair) * p, inside)
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the load in N/mm at `penetration` in mm; NaN outside [0, max_penetration]."""
-        f = to_load_fraction(_fraction(penetration, self.max_penetration(pair)))
+        """Return the load in N/mm at `penetration` in mm; NaN beyond max_penetration."""
+        f = to_load_fraction(_fraction(depth_of(penetration), self.max_penetration(pair)))
         f *= self.max_load(pair)
         return f
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm²; infinite at max_penetration."""
-        w = branch_distance(_fraction(penetration, self.max_penetration(pair)))
+        w = branch_distance(_fraction(depth_of(penetration), self.max_penetration(pair)))
         with np.errstate(divide="ignore"):
             return as_floats(1 / (self._compliance(pair) * w))
 

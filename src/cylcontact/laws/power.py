@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
-from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.contact_law import ContactLaw, depth_of
 from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
 from cylcontact.laws.formula import IN_MM, Formula, function_name
 from cylcontact.pair import CONTACTS, Contact, CylinderPair
@@ -38,13 +39,13 @@ class PowerShaped(ABC):
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm, f = K·δⁿ."""
         factor, n = self.factor_and_exponent(pair)
-        return _power(penetration, factor, n)
+        return _if_touching(penetration, lambda delta: factor * delta**n)
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return df/dδ = n·K·δⁿ⁻¹ in N/mm²; infinite at δ = 0 if n < 1."""
         factor, n = self.factor_and_exponent(pair)
         with np.errstate(divide="ignore"):
-            return as_floats(n * _power(penetration, factor, n - 1))
+            return _if_touching(penetration, lambda delta: n * (factor * delta ** (n - 1)))
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return inf, as a power law has no largest load; NaN where it is undefined."""
@@ -64,11 +65,13 @@ class PowerShaped(ABC):
         return self.factor_and_exponent(pair)[1]
 
 
-def _power(penetration: ArrayLike, factor: FloatArray, n: FloatArray) -> FloatArray:
-    """Return K·δⁿ, NaN where δ is negative."""
+def _if_touching(
+    penetration: ArrayLike, function: Callable[[FloatArray], FloatArray]
+) -> FloatArray:
+    """Return a function of the penetration, 0 where that is negative, also of a law of NaN."""
     delta = as_floats(penetration)
-    touching = delta >= 0
-    return inside_or_nan(factor * np.where(touching, delta, 0.0) ** n, touching)
+    values = np.where(delta < 0, 0.0, function(depth_of(delta)))
+    return inside_or_nan(values, ~np.isnan(delta))  # a NaN to the power of zero is 1
 
 
 @dataclass(frozen=True)

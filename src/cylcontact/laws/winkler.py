@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.html_repr import law_html
 from cylcontact.laws.conformal import in_units_of
+from cylcontact.laws.contact_law import depth_of
 from cylcontact.laws.definition import Definition, KernelSteps, LawModel, Parameter
 from cylcontact.laws.formula import Formula, function_name
 from cylcontact.pair import Contact, CylinderPair
@@ -91,14 +92,14 @@ class Winkler:
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
-        touching, d = in_units_of(as_floats(pair.dR), as_floats(penetration))
-        return inside_or_nan(self._load_unit(pair) * _load_and_slope(d)[0], touching)
+        d = depth_of(penetration) / as_floats(pair.dR)
+        return as_floats(self._load_unit(pair) * _load_and_slope(d)[0])
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm² at `penetration` in mm."""
-        touching, d = in_units_of(as_floats(pair.dR), as_floats(penetration))
+        d = depth_of(penetration) / as_floats(pair.dR)
         modulus = self._load_unit(pair) / as_floats(pair.dR)
-        return inside_or_nan(modulus * _load_and_slope(d)[1], touching)
+        return as_floats(modulus * _load_and_slope(d)[1])
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return inf: the law has no largest load."""

@@ -125,6 +125,7 @@ const Laws = (() => {
 
     function both(penetration, pair) {
       const names = { ...document.constants, ...pair, penetration };
+      if (penetration < 0) return [0, 0];
       if (!conditions.every((holds) => holds(names))) return [NaN, NaN];
       for (const [name, value] of steps) names[name] = value(names);
       return [names.f, names.k];
