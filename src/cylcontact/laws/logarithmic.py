@@ -129,8 +129,7 @@ class Johnson(LogarithmicLaw):
 
     def reach(self, pair: CylinderPair) -> FloatArray:
         """Return Λ in mm: 4π·ΔR for equal materials, else 4π·ΔR·(R_i/R_j)^(w_i − w_j)."""
-        modulus_i = pair.material_i.plane_strain_modulus
-        modulus_j = pair.material_j.plane_strain_modulus
+        modulus_i, modulus_j = pair.moduli
         if np.all(modulus_i == modulus_j):
             return super().reach(pair)
         R_i, R_j = pair.radii("Johnson's law for different materials")
