@@ -176,7 +176,7 @@ def largest_arc(bodies: Bodies) -> Arc:
     >>> w_i = np.array([1.0, 0.5, 0.25])
     >>> arc = largest_arc(Bodies(w_i, 1 - w_i, 0.0, 0 * w_i))
     >>> print(np.degrees(contact_angle(arc)).round(2))
-    [72.35 84.83 96.65]
+    [72.35 84.83 96.64]
     """
     top = X_TOP if bodies.remainder is None else bodies.remainder.x_top
     share = np.maximum(bodies.w_i + bodies.beta, np.exp(-X_TOP))
