@@ -259,7 +259,8 @@ def _built(beta: float) -> Remainder:
     series = fitted(np.stack([solution.a - closed.a, solution.h - closed.h], axis=-1))
     slopes = np.zeros_like(series)
     slopes[:-1] = chebyshev.chebder(series) * 2 / top
-    rate = _approach_rate(angle, solution, closed, chebyshev.chebval(position, slopes))
+    slopes_there = as_floats(chebyshev.chebval(position, slopes))
+    rate = _approach_rate(angle, solution, closed, slopes_there)
     return Remainder(
         top,
         x_top,
