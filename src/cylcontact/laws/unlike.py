@@ -8,8 +8,8 @@ the disk and the infinite plate makes the condition of contact on |θ| < ε
     2∫p(s)·[cos ψ·Λ(ψ) + β|sin ψ|(π − |ψ|)/2 − w_j/2]ds + K − (K + L − C)·cos θ = 0,
 
 with K = π/φ and L = π·d/φ. (The term of cos θ is a rigid displacement, known up to the datum C.)
-Applied twice differentiated and added to itself, 1 + d²/dθ², it becomes the equation that
-`cylcontact.laws.glauert` solves, with 2Â = K + w_i·H and H = ∫p dθ. Then
+The operator 1 + d²/dθ² removes cos θ and leaves the equation that `cylcontact.laws.glauert`
+solves, with 2Â = K + w_i·H and H = ∫p dθ. Then
 
     K = 2Â − w_i·H,    L = M − w_j·H + C,
 
