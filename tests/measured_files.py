@@ -9,6 +9,7 @@ import numpy as np
 from cylcontact import CylinderPair, Material
 from cylcontact.fitting.campaign import Campaign, campaign_of_table
 from cylcontact.fitting.law_models import MODELS
+from cylcontact.laws.definition import Parameter
 
 USER_LAW = """\
 import numpy as np
@@ -49,17 +50,23 @@ TRUTHS: dict[tuple[str, str], dict[str, float]] = {
     ("winkler", "internal"): {"depth": 0.9},
     ("lankarani-nikravesh", "internal"): {"factor": 1.3, "n": 1.4},
 }
-LOGARITHMIC = [
-    law
-    for law, contact in MODELS
-    if contact == "internal" and "kappa" in MODELS[law, contact].names
-]
-for _law in LOGARITHMIC:
-    _nominal = {p.name: p.nominal for p in MODELS[_law, "internal"].parameters}
-    TRUTHS[_law, "internal"] = _nominal | {
-        "kappa": 1.1 * _nominal["kappa"],
-        "c": _nominal["c"] + 0.3,
-    }
+
+
+def truth_of(parameter: Parameter) -> float:
+    """Return a value of a parameter that is not its nominal one."""
+    if parameter.value is not None:
+        return parameter.value
+    if parameter.nominal is None:
+        return float(np.sqrt(parameter.low * parameter.high))
+    if parameter.shift:
+        return parameter.nominal + 0.03 * (parameter.high - parameter.low)
+    return 1.1 * parameter.nominal
+
+
+# The others, for internal contact.
+for (_law, _contact), _model in MODELS.items():
+    if _contact == "internal" and _law not in {law for law, _ in TRUTHS}:
+        TRUTHS[_law, _contact] = {p.name: truth_of(p) for p in _model.parameters}
 
 
 def clearances(law: str, contact: str) -> tuple[float, ...]:

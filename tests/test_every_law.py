@@ -38,13 +38,11 @@ CASES = [
     for which, pair in PAIRS.items()
     if pair.contact in definition.contacts
 ] + [pytest.param(law, PAIRS[which], id=name) for name, (law, which) in OWN.items()]
-CASES.append(
-    pytest.param(
-        laws.Johnson(),
-        CylinderPair.internal(R_i=10.0, R_j=9.5, material=STEEL, material_j=BRONZE),
-        id="johnson-steel on bronze",
-    )
-)
+BRONZE_IN_STEEL = CylinderPair.internal(R_i=10.0, R_j=9.5, material=STEEL, material_j=BRONZE)
+CASES += [
+    pytest.param(law, BRONZE_IN_STEEL, id=f"{law.name}-steel on bronze")
+    for law in (laws.Johnson(), laws.Conformal(), laws.Conformal(laws.ClampedPlate(R_o=50.0)))
+]
 every_case = pytest.mark.parametrize(("law", "pair"), CASES)
 
 

@@ -45,11 +45,6 @@ def test_exact_points_of_a_law_give_its_coefficients_back(tmp_path, law, contact
     assert "no noise to estimate" in verdicts(result)[0]
 
 
-def test_every_model_is_tried_or_is_one_of_the_same_shape():
-    tried = {law for law, _ in TRUTHS}
-    assert tried == {law for law, _ in MODELS}
-
-
 @pytest.mark.slow
 def test_the_enhanced_internal_law_comes_back_from_many_clearances(tmp_path):
     # Seven coefficients of two branches need clearances on both sides of the switch.

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from mpmath import mp
 
-from cylcontact import CylinderPair, Material
+from cylcontact import CylinderPair, InputError, Material, laws
 from tests.strategies import ROUNDING, gaps, materials, moduli, ratios
 
 
@@ -124,3 +124,77 @@ def test_a_pair_has_no_hash_because_it_may_hold_arrays(pair):
 def test_a_pair_cannot_be_changed(pair):
     with pytest.raises(AttributeError, match="cannot assign to field 'dR'"):
         pair.dR = 1.0
+
+
+# --- plane strain and plane stress --------------------------------------------------------------
+
+
+@given(materials, materials)
+def test_in_plane_stress_the_compliances_are_those_of_E(one, other):
+    pair = CylinderPair.from_dR("internal", 1.0, one, material_j=other, plane="stress")
+    assert 1 / pair.E_star == pytest.approx(1 / one.E + 1 / other.E, rel=4 * ROUNDING)
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+@given(materials, materials)
+def test_dundurs_parameters_are_those_of_shear_modulus_and_kappa(plane, one, other):
+    """Dundurs (1969) with body 1 the hole, from μ and κ; a swap of the bodies changes the sign."""
+    pair = CylinderPair.from_dR("internal", 1.0, one, material_j=other, plane=plane)
+    (mu_i, mu_j), (k_i, k_j) = ((m.E / (2 * (1 + m.nu)) for m in (one, other)), pair.kolosov)
+    total = mu_j * (k_i + 1) + mu_i * (k_j + 1)
+    alpha = (mu_i * (k_j + 1) - mu_j * (k_i + 1)) / total
+    beta = (mu_i * (k_j - 1) - mu_j * (k_i - 1)) / total
+    assert pair.alpha == pytest.approx(alpha, abs=8 * ROUNDING)
+    assert pair.beta == pytest.approx(beta, abs=8 * ROUNDING)
+    (w_i, w_j), swapped = pair.shares, CylinderPair.from_dR("internal", 1.0, other, material_j=one)
+    assert w_i + w_j == pytest.approx(1)
+    assert -w_i / 2 - ROUNDING <= pair.beta <= w_j / 2 + ROUNDING
+    if plane == "strain":
+        assert swapped.beta == -pair.beta
+
+
+def test_a_soft_pin_has_positive_parameters(steel):
+    pair = CylinderPair.from_dR("internal", 1.0, steel, material_j=Material("soft", 1e3, 0.3))
+    assert pair.alpha > 0.9
+    assert pair.beta > 0.2
+    equal = CylinderPair.from_dR("internal", 1.0, steel)
+    assert equal.alpha == equal.beta == 0
+
+
+def test_the_plane_is_kept_and_shown_only_if_it_is_not_strain(steel):
+    assert "plane" not in repr(CylinderPair.external(10.0, 9.0, steel))
+    assert "plane" not in CylinderPair.external(10.0, 9.0, steel)._repr_html_()
+    for pair in (
+        CylinderPair.internal(10.0, 9.0, steel, plane="stress"),
+        CylinderPair.external(10.0, 9.0, steel, plane="stress"),
+        CylinderPair.from_dR("internal", 1.0, steel, plane="stress"),
+    ):
+        assert pair.plane == "stress"
+        assert "length=None, plane='stress')" in repr(pair)
+        assert "plane" in pair._repr_html_()
+        assert pickle.loads(pickle.dumps(pair)) == pair
+
+
+def test_an_unknown_plane_is_refused(steel):
+    with pytest.raises(InputError, match=r"^CylinderPair: plane = 'bent': must be 'strain' or"):
+        CylinderPair.internal(10.0, 9.0, steel, plane="bent")
+
+
+IN_ANY_PLANE = {"johnson", "persson", "conformal", "explicit", "winkler"}
+
+
+@pytest.mark.parametrize("name", laws.LAWS)
+@pytest.mark.parametrize("method", ["load", "penetration", "stiffness", "max_load"])
+def test_laws_that_are_stated_for_plane_strain_refuse_plane_stress(name, method, steel):
+    law = laws.LAWS[name]()
+    sheet = CylinderPair.internal(10.0, 9.5, steel, 10.0, plane="stress")
+    arguments = (sheet,) if method == "max_load" else (1e-3, sheet)
+    if name in IN_ANY_PLANE:
+        # One material in plane stress is another in plane strain, with the same E*.
+        same = Material("same", steel.E, 0.0)
+        strain = CylinderPair.internal(10.0, 9.5, same, 10.0)
+        found = getattr(law, method)(*arguments)
+        assert found == getattr(law, method)(*arguments[:-1], strain)
+    else:
+        with pytest.raises(InputError, match="plane = 'stress': must be 'strain'"):
+            getattr(law, method)(*arguments)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
@@ -12,10 +12,12 @@ from cylcontact.errors import InputError, short
 from cylcontact.html_repr import table_html
 from cylcontact.materials import Material
 
-__all__ = ["CONTACTS", "Contact", "CylinderPair", "Length"]
+__all__ = ["CONTACTS", "PLANES", "Contact", "CylinderPair", "Length", "Plane"]
 
 Contact = Literal["internal", "external"]
 CONTACTS: tuple[Contact, ...] = ("internal", "external")
+Plane = Literal["strain", "stress"]
+PLANES: tuple[Plane, ...] = ("strain", "stress")
 
 Length = float | FloatArray
 
@@ -40,11 +42,13 @@ class CylinderPair:
         The radii in mm, if known.
     length : float, optional
         Axial length of the contact in mm.
+    plane : {"strain", "stress"}
+        Plane strain for long cylinders, plane stress for thin discs and sheets.
 
     Raises
     ------
     InputError
-        If the contact is unknown, or a length is not positive and finite.
+        If the contact or the plane is unknown, or a length is not positive and finite.
 
     Notes
     -----
@@ -66,9 +70,18 @@ class CylinderPair:
     R_i: Length | None = None
     R_j: Length | None = None
     length: float | None = None
+    plane: Plane = "strain"
 
     def __post_init__(self) -> None:
         _require_contact(self.contact)
+        require(
+            self.plane in PLANES,
+            "CylinderPair",
+            "plane",
+            self.plane,
+            "must be 'strain' or 'stress'",
+            "plane strain is for long cylinders, plane stress for thin sheets",
+        )
         for key in ("dR", "R_i", "R_j", "length"):
             _require_positive(key, getattr(self, key))
 
@@ -77,12 +90,22 @@ class CylinderPair:
 
     __hash__ = None  # type: ignore[assignment]
 
+    def __repr__(self) -> str:
+        shown = ", ".join(
+            f"{field.name}={getattr(self, field.name)!r}"
+            for field in fields(self)
+            if field.name != "plane" or self.plane != "strain"
+        )
+        return f"CylinderPair({shown})"
+
     def _repr_html_(self) -> str:
         bodies = {"i": (self.R_i, self.material_i), "j": (self.R_j, self.material_j)}
         rows: dict[str, object] = {"ΔR (mm)": self.dR}
         for body, (radius, material) in bodies.items():
             rows |= {f"R_{body} (mm)": radius, f"material {body}": material.name}
         rows |= {"length (mm)": self.length, "E* (MPa)": self.E_star}
+        if self.plane != "strain":
+            rows["plane"] = self.plane
         return table_html(f"CylinderPair, {self.contact} contact", rows)
 
     @classmethod
@@ -93,6 +116,8 @@ class CylinderPair:
         material: Material,
         length: float | None = None,
         material_j: Material | None = None,
+        *,
+        plane: Plane = "strain",
     ) -> CylinderPair:
         """Return a pin of radius `R_j` in a hole of radius `R_i` (mm).
 
@@ -106,6 +131,8 @@ class CylinderPair:
             Axial length in mm.
         material_j : Material, optional
             The material of the pin.
+        plane : {"strain", "stress"}
+            Plane strain, or plane stress for thin sheets.
 
         Returns
         -------
@@ -127,7 +154,8 @@ class CylinderPair:
             f"the pin must be smaller than the hole (R_i = {short(R_i)})",
             "give R_i, the radius of the hole, the larger value",
         )
-        return cls("internal", outer - inner, material, material_j or material, R_i, R_j, length)
+        other = material_j or material
+        return cls("internal", outer - inner, material, other, R_i, R_j, length, plane)
 
     @classmethod
     def external(
@@ -137,6 +165,8 @@ class CylinderPair:
         material: Material,
         length: float | None = None,
         material_j: Material | None = None,
+        *,
+        plane: Plane = "strain",
     ) -> CylinderPair:
         """Return two rollers of radii `R_i` and `R_j` (mm).
 
@@ -150,6 +180,8 @@ class CylinderPair:
             Axial length in mm.
         material_j : Material, optional
             The material of roller *j*.
+        plane : {"strain", "stress"}
+            Plane strain, or plane stress for thin sheets.
 
         Returns
         -------
@@ -158,7 +190,7 @@ class CylinderPair:
         _require_positive("R_i", R_i)
         _require_positive("R_j", R_j)
         dR = as_floats(R_i) + as_floats(R_j)
-        return cls("external", dR, material, material_j or material, R_i, R_j, length)
+        return cls("external", dR, material, material_j or material, R_i, R_j, length, plane)
 
     @classmethod
     def from_dR(
@@ -169,6 +201,8 @@ class CylinderPair:
         length: float | None = None,
         R_i: Length | None = None,
         material_j: Material | None = None,
+        *,
+        plane: Plane = "strain",
     ) -> CylinderPair:
         """Return a pair given by its ΔR, for laws that depend on ΔR alone.
 
@@ -186,6 +220,8 @@ class CylinderPair:
             The radius of body *i* in mm; the radius of body *j* then follows from ΔR.
         material_j : Material, optional
             The material of body *j*.
+        plane : {"strain", "stress"}
+            Plane strain, or plane stress for thin sheets.
 
         Returns
         -------
@@ -211,14 +247,81 @@ class CylinderPair:
                 f"leaves body j a radius that is not positive (R_i = {short(R_i)})",
                 "internal contact needs dR < R_i, external contact dR > R_i",
             )
-        return cls(contact, dR, material, material_j or material, R_i, R_j, length)
+        return cls(contact, dR, material, material_j or material, R_i, R_j, length, plane)
+
+    @property
+    def moduli(self) -> tuple[FloatArray, FloatArray]:
+        """The moduli of bodies i and j in MPa: E/(1 − ν²) in plane strain, E in plane stress."""
+        bodies = self.material_i, self.material_j
+        if self.plane == "stress":
+            modulus_i, modulus_j = (as_floats(body.E) for body in bodies)
+        else:
+            modulus_i, modulus_j = (body.plane_strain_modulus for body in bodies)
+        return modulus_i, modulus_j
 
     @property
     def E_star(self) -> FloatArray:
-        """Composite modulus in MPa: 1/E* = (1 − ν_i²)/E_i + (1 − ν_j²)/E_j."""
-        compliance_i = 1 / self.material_i.plane_strain_modulus
-        compliance_j = 1 / self.material_j.plane_strain_modulus
-        return as_floats(1 / (compliance_i + compliance_j))
+        """Composite modulus in MPa: 1/E* = (1 − ν_i²)/E_i + (1 − ν_j²)/E_j, or without ν².
+
+        Examples
+        --------
+        >>> steel = Material("steel", E=207e3, nu=0.3)
+        >>> sheet = CylinderPair.from_dR("internal", 0.5, steel, plane="stress")
+        >>> print(f"{sheet.E_star:.2f} MPa")
+        103500.00 MPa
+        """
+        modulus_i, modulus_j = self.moduli
+        return as_floats(1 / (1 / modulus_i + 1 / modulus_j))
+
+    @property
+    def shares(self) -> tuple[FloatArray, FloatArray]:
+        """The shares w_i and w_j of the bodies in the compliance: w_k = E*/modulus_k, sum 1."""
+        modulus_i, modulus_j = self.moduli
+        total = modulus_i + modulus_j
+        return as_floats(modulus_j / total), as_floats(modulus_i / total)
+
+    @property
+    def kolosov(self) -> tuple[FloatArray, FloatArray]:
+        """Kolosov's κ of bodies i and j: 3 − 4ν in plane strain, (3 − ν)/(1 + ν) in plane stress.
+
+        κ + 1 times 1/(8μ), μ the shear modulus, is the compliance 1/modulus.
+        """
+        nu_i, nu_j = as_floats(self.material_i.nu), as_floats(self.material_j.nu)
+        if self.plane == "stress":
+            return as_floats((3 - nu_i) / (1 + nu_i)), as_floats((3 - nu_j) / (1 + nu_j))
+        return as_floats(3 - 4 * nu_i), as_floats(3 - 4 * nu_j)
+
+    @property
+    def alpha(self) -> FloatArray:
+        """Dundurs' α = w_j − w_i, from −1 to 1, positive when body j (the pin) is the softer.
+
+        Examples
+        --------
+        >>> steel, aluminium = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)
+        >>> pair = CylinderPair.from_dR("internal", 0.5, steel, material_j=aluminium)
+        >>> print(f"alpha = {pair.alpha:.4f}, beta = {pair.beta:.4f}")
+        alpha = 0.4866, beta = 0.1153
+        """
+        w_i, w_j = self.shares
+        return as_floats(w_j - w_i)
+
+    @property
+    def beta(self) -> FloatArray:
+        """Dundurs' β = w_j·g_j − w_i·g_i with g = (κ − 1)/(κ + 1), from −w_i/2 to w_j/2."""
+        (w_i, w_j), (kappa_i, kappa_j) = self.shares, self.kolosov
+        own_i, own_j = w_i * (kappa_i - 1) / (kappa_i + 1), w_j * (kappa_j - 1) / (kappa_j + 1)
+        return as_floats(own_j - own_i)
+
+    def require_plane_strain(self, source: str) -> None:
+        """Raise `InputError` in plane stress, for laws that are stated for plane strain only."""
+        require(
+            self.plane == "strain",
+            source,
+            "pair.plane",
+            self.plane,
+            "must be 'strain': the source states it for plane strain only",
+            "use laws.Conformal() or laws.Johnson() for plane stress",
+        )
 
     @property
     def R(self) -> FloatArray:

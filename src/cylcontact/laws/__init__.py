@@ -10,6 +10,7 @@ from cylcontact.laws import (
     liu,
     logarithmic,
     logarithmic_variants,
+    pin_in_hole,
     power,
     sphere,
     winkler,
@@ -35,6 +36,7 @@ from cylcontact.laws.logarithmic_variants import (
     RadzimovskyRadii,
     RoarkYoung,
 )
+from cylcontact.laws.pin_in_hole import ClampedPlate, Conformal
 from cylcontact.laws.power import PowerLaw
 from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import Winkler
@@ -44,6 +46,8 @@ __all__ = [
     "LAWS",
     "PUBLISHED",
     "REFERENCES",
+    "ClampedPlate",
+    "Conformal",
     "ContactLaw",
     "DubowskyFreudenstein",
     "Enhanced",
@@ -81,6 +85,7 @@ DEFINITIONS = (
     liu.DEFINITION,
     winkler.DEFINITION,
     conformal.DEFINITION,
+    pin_in_hole.DEFINITION,
     enhanced.DEFINITION,
     explicit.DEFINITION,
     sphere.DEFINITION,

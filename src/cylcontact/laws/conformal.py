@@ -310,7 +310,7 @@ def _require_persson(pair: CylinderPair) -> None:
         "pair.material_j",
         pin.name,
         "must have the same E and ν as material_i, or the solution does not hold",
-        "give a pair of one material, or use laws.Johnson()",
+        "give a pair of one material, or use laws.Conformal()",
     )
 
 

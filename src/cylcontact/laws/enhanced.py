@@ -217,6 +217,7 @@ class Enhanced(PowerShaped):
     def _coefficients_for(self, pair: CylinderPair) -> Coefficients:
         """Return the coefficients; raise `InputError` if they are for the other contact."""
         if self.coefficients is None:
+            pair.require_plane_strain("Enhanced")
             return PUBLISHED[pair.contact]
         chosen = cast(Coefficients, self.coefficients)  # __post_init__ leaves no mapping
         if chosen.contact != pair.contact:

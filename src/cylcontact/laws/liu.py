@@ -78,7 +78,8 @@ class Liu:
 
 
 def _clearance(pair: CylinderPair) -> FloatArray:
-    """Return ΔR in mm; raise `InputError` for external contact."""
+    """Return ΔR in mm; raise `InputError` for external contact or plane stress."""
+    pair.require_plane_strain("Liu")
     if pair.contact != "internal":
         raise InputError(
             "Liu",

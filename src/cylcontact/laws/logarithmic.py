@@ -49,6 +49,8 @@ class LogarithmicLaw:
         κ and c.
     reach_formula : str
         Λ for exports, in the notation of `laws.formula.Formula`.
+    any_plane : bool
+        Whether it also holds in plane stress, with the E* of that.
     needs : tuple of str
         What Λ needs to know of a pair besides ΔR.
     """
@@ -57,6 +59,7 @@ class LogarithmicLaw:
     kappa: ClassVar[float] = 1.0
     shift: ClassVar[float]
     reach_formula: ClassVar[str] = "4 * pi * dR"
+    any_plane: ClassVar[bool] = False
     needs: ClassVar[tuple[str, ...]] = ()
     _repr_html_ = law_html
 
@@ -85,6 +88,8 @@ class LogarithmicLaw:
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return the largest load in N/mm, Λ·E*·exp(c − 1)."""
+        if not self.any_plane:
+            pair.require_plane_strain(type(self).__name__)
         return as_floats(self.reach(pair) * pair.E_star * np.exp(self.shift - 1))
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
@@ -111,7 +116,8 @@ class Johnson(LogarithmicLaw):
     For bodies of different materials the reach is
     Λ = 4π·R_i^(2w_i)·R_j^(2w_j)/R with w_k = E*(1 − ν_k²)/E_k (each body's own half-plane
     compression, Johnson's Contact Mechanics, Sect. 5.6). As w_i + w_j = 1 and R = R_i·R_j/ΔR,
-    that is Λ = 4π·ΔR·(R_i/R_j)^(w_i − w_j), and equal materials give Λ = 4π·ΔR.
+    that is Λ = 4π·ΔR·(R_i/R_j)^(w_i − w_j), and equal materials give Λ = 4π·ΔR. In plane stress
+    E takes the place of E/(1 − ν²); the derivation is the same.
 
     Examples
     --------
@@ -126,11 +132,11 @@ class Johnson(LogarithmicLaw):
 
     name = "johnson"
     shift = -1.0
+    any_plane = True
 
     def reach(self, pair: CylinderPair) -> FloatArray:
         """Return Λ in mm: 4π·ΔR for equal materials, else 4π·ΔR·(R_i/R_j)^(w_i − w_j)."""
-        modulus_i = pair.material_i.plane_strain_modulus
-        modulus_j = pair.material_j.plane_strain_modulus
+        modulus_i, modulus_j = pair.moduli
         if np.all(modulus_i == modulus_j):
             return super().reach(pair)
         R_i, R_j = pair.radii("Johnson's law for different materials")

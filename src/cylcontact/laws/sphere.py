@@ -65,6 +65,7 @@ class LankaraniNikravesh(PowerShaped):
 
     def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
         """Return (4/3)·E*·√R/L in N/mm per mmⁿ, and n."""
+        pair.require_plane_strain("LankaraniNikravesh")
         length = pair.contact_length("the law of Lankarani and Nikravesh per unit length")
         return as_floats(4 / 3 * pair.E_star * np.sqrt(pair.R) / length), as_floats(self.n)
 
