@@ -228,6 +228,20 @@ def test_numbers_between_the_tables():
     assert set(re.findall(r"\d+\.\d+", PROSE)) == set(known)
 
 
+def test_what_is_said_of_two_materials():
+    steel, aluminium = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)
+    pair = CylinderPair.internal(10.0, 9.99, aluminium, material_j=steel)
+    load = pair.E_star * pair.dR
+    exact = laws.Conformal().penetration(load, pair)
+    for law, said in (
+        (laws.Explicit(), "5 % too much penetration for a steel pin in aluminium at φ = 1"),
+        (laws.Johnson(), "26 % too little"),
+    ):
+        percent = 100 * abs(law.penetration(load, pair) / exact - 1)
+        assert said.startswith(f"{percent:.0f} %")
+        assert said in PAGE
+
+
 def test_the_case_is_the_one_that_the_page_states():
     said = "E = 207 GPa, ν = 0.3, ΔR = 0.05 mm, R_i = L = 10 mm, f = 100 N/mm"
     assert said in PAGE

@@ -17,6 +17,7 @@ from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, r
 from cylcontact.html_repr import law_html
 from cylcontact.laws import unlike
 from cylcontact.laws.conformal import in_units_of
+from cylcontact.laws.contact_law import depth_of
 from cylcontact.laws.definition import Definition
 from cylcontact.laws.unlike import Bodies
 from cylcontact.pair import CylinderPair
@@ -164,7 +165,7 @@ class Conformal:
 
     Examples
     --------
-    A steel pin in an aluminium plate has 5 % more penetration than equal bodies of the same E*:
+    A steel pin in an aluminium plate has 5 % less penetration than equal bodies of the same E*:
 
     >>> from cylcontact import CylinderPair, Material, laws
     >>> steel, aluminium = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)
@@ -217,16 +218,16 @@ class Conformal:
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
-        delta = as_floats(penetration)
-        touching, L = self._at(unlike.approach, delta, pair)
-        return inside_or_nan(np.pi * pair.E_star * (delta / L), touching)
+        delta = depth_of(penetration)
+        known, L = self._at(unlike.approach, delta, pair)
+        return inside_or_nan(np.pi * pair.E_star * (delta / L), known)
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm² at `penetration` in mm; 0 at first touch."""
-        delta = as_floats(penetration)
-        touching, compliance = self._at(unlike.compliance, delta, pair)
+        delta = depth_of(penetration)
+        known, compliance = self._at(unlike.compliance, delta, pair)
         stiffness = np.pi * pair.E_star / compliance
-        return inside_or_nan(np.where(delta == 0, 0.0, stiffness), touching)
+        return inside_or_nan(np.where(delta == 0, 0.0, stiffness), known)
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return inf: the law has no largest load."""
