@@ -142,7 +142,7 @@ REFUSED = [
     (laws.Enhanced(laws.PUBLISHED["internal"]), ROLLERS, "are for internal contact and the pair"),
     (laws.Enhanced(laws.PUBLISHED["external"]), HOLE, "are for external contact and the pair is"),
     (laws.Liu(), ROLLERS, "pin in a hole"),
-    (laws.Winkler(), ROLLERS, "must be internal: the foundation lines a hole"),
+    (laws.Winkler(), ROLLERS, "must be internal: the law is for a pin in a hole"),
     (laws.Persson(), ROLLERS, "pair.contact = 'external': must be internal"),
     (laws.Johnson(), MIXED, RADII),
     (laws.Goldsmith(), NO_RADII, RADII),

@@ -32,8 +32,7 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     Parameters
     ----------
     law : ContactLaw
-        The law: enhanced, power, explicit, Liu's, that of Lankarani and Nikravesh, or one of the
-        logarithmic laws.
+        A law of the package with a closed form for the load, one of `EXPORTABLE` or a power law.
     contact : {"internal", "external"} or None
         The contact; may be None if the law or its coefficients determine it, or if it makes no
         difference.

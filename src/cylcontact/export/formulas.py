@@ -9,8 +9,7 @@ from cylcontact.laws import DEFINITIONS
 from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.formula import Formula
-from cylcontact.laws.logarithmic import LogarithmicLaw
-from cylcontact.laws.logarithmic import formula_of as logarithmic_formula
+from cylcontact.laws.logarithmic import LogarithmicLaw, logarithmic_formula
 from cylcontact.pair import Contact
 
 __all__ = ["formula_of"]

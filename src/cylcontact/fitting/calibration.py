@@ -194,7 +194,7 @@ def _problem_on_grid(
     if campaign.model.power_form is not None and name not in ON_ROWS:
         samples, counts = reduce_grid(grid, jobs, _by_clearance(progress, "sampling", grid))
     else:
-        _require_few(grid, name, campaign.source)
+        _require_few(grid, campaign)
         samples, counts = collect_samples(grid)
     problem = Problem(campaign.model, campaign.parameters, make_objective(name, samples))
     _require_defined_somewhere(problem, campaign.source)
@@ -206,15 +206,16 @@ def _by_clearance(progress: Progress, stage: str, grid: Grid) -> Callable[[int],
     return lambda done: progress(stage, done, grid.dR.size)
 
 
-def _require_few(grid: Grid, objective: str, source: str) -> None:
+def _require_few(grid: Grid, campaign: Campaign) -> None:
     """Refuse a grid whose samples do not fit into memory."""
     if grid.size > _MAX_ROWS:
+        moments = ", or use rms-log-penetration, which needs only moments"
         raise InputError(
-            source,
+            campaign.source,
             "objective",
-            objective,
+            campaign.objective,
             f"keeps every sample in memory and the grid has {grid.size} (at most {_MAX_ROWS})",
-            "thin the grid, or use rms-log-penetration, which needs only moments",
+            f"thin the grid{moments if campaign.model.power_form else ''}",
         )
 
 
@@ -224,7 +225,7 @@ def _require_defined_somewhere(problem: Problem, source: str) -> None:
     Raises
     ------
     InputError
-        If K* or n is not positive at some clearance for every one of 2¹² points.
+        If the law is undefined at some sample for every one of 4098 sets of coefficients.
     """
     unit = np.random.default_rng(0).uniform(size=(1 << 12, len(problem.free)))
     corners = np.vstack([np.zeros(len(problem.free)), np.ones(len(problem.free)), unit])
@@ -234,8 +235,8 @@ def _require_defined_somewhere(problem: Problem, source: str) -> None:
             source,
             "parameters",
             {p.name: [p.low, p.high] for p in problem.free},
-            "within these bounds the law is undefined: K* or n is not positive somewhere",
-            "move the bounds so that aΔR + b > 0 and n > 0 can hold",
+            "within these bounds the law is undefined for some of the samples",
+            "move the bounds; a power law needs a positive factor and n at every ΔR",
         )
 
 

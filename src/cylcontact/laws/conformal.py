@@ -16,7 +16,7 @@ from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, r
 from cylcontact.html_repr import law_html
 from cylcontact.laws import persson
 from cylcontact.laws.adapters import scaled_model
-from cylcontact.laws.contact_law import depth_of
+from cylcontact.laws.contact_law import Unlimited, depth_of, require_hole
 from cylcontact.laws.definition import Definition
 from cylcontact.pair import CylinderPair
 
@@ -32,7 +32,7 @@ __all__ = [
 
 
 @dataclass(frozen=True)
-class Persson:
+class Persson(Unlimited):
     """The reference law for a pin in a hole, exact for large contact arcs as well.
 
     δ = f·Z(u)/(π·E*) with u = tan²(ε/2) from f/(E*·ΔR) = 2π·u(1 + u)/(2 − 2u² − ln(1 + u)) and
@@ -93,14 +93,9 @@ class Persson:
         stiffness = np.pi * pair.E_star / persson.compliance(arc)
         return inside_or_nan(np.where(delta == 0, 0.0, stiffness), known)
 
-    def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest load."""
+    def require_pair(self, pair: CylinderPair) -> None:
+        """Raise `InputError` for external contact or bodies of different materials."""
         _require_persson(pair)
-        return as_floats(np.full_like(pair.E_star * as_floats(pair.dR), np.inf))
-
-    def max_penetration(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest penetration."""
-        return self.max_load(pair)
 
 
 def contact_angle(load: ArrayLike, pair: CylinderPair) -> FloatArray:
@@ -295,14 +290,7 @@ def _radius(pair: CylinderPair) -> FloatArray:
 
 def _require_persson(pair: CylinderPair) -> None:
     """Raise `InputError` for pairs for which Persson's solution does not hold."""
-    require(
-        pair.contact == "internal",
-        "Persson's law",
-        "pair.contact",
-        pair.contact,
-        "must be internal: the solution is that of a pin in a hole",
-        "use laws.Johnson() for external contact",
-    )
+    require_hole("Persson's law", pair)
     hole, pin = pair.material_i, pair.material_j
     require(
         np.asarray((hole.E == pin.E) & (hole.nu == pin.nu)),

@@ -7,10 +7,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.pair import CylinderPair
 
-__all__ = ["ContactLaw", "depth_of"]
+__all__ = ["ContactLaw", "Unlimited", "depth_of", "require_hole"]
 
 
 class ContactLaw(Protocol):
@@ -46,6 +46,34 @@ class ContactLaw(Protocol):
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return the largest penetration in mm; inf where there is none."""
         ...
+
+
+class Unlimited:
+    """The limits of a law without a largest load."""
+
+    def require_pair(self, pair: CylinderPair) -> None:
+        """Raise `InputError` for a pair that the law is not for; by default it is for all."""
+
+    def max_load(self, pair: CylinderPair) -> FloatArray:
+        """Return inf: the law has no largest load."""
+        self.require_pair(pair)
+        return as_floats(np.full_like(pair.E_star * as_floats(pair.dR), np.inf))
+
+    def max_penetration(self, pair: CylinderPair) -> FloatArray:
+        """Return inf: the law has no largest penetration."""
+        return self.max_load(pair)
+
+
+def require_hole(law: str, pair: CylinderPair) -> None:
+    """Raise `InputError` for external contact."""
+    require(
+        pair.contact == "internal",
+        law,
+        "pair.contact",
+        pair.contact,
+        "must be internal: the law is for a pin in a hole",
+        "use laws.Johnson() for external contact",
+    )
 
 
 def depth_of(penetration: ArrayLike) -> FloatArray:

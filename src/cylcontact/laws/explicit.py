@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.html_repr import completed_law_html
-from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.contact_law import ContactLaw, Unlimited
 from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
 from cylcontact.laws.formula import Formula, function_name, required_contact
 from cylcontact.pair import CONTACTS, Contact, CylinderPair
@@ -94,7 +94,7 @@ CALIBRATED: Mapping[Contact, ExplicitCoefficients] = {
 
 
 @dataclass(frozen=True)
-class Explicit:
+class Explicit(Unlimited):
     """The explicit law of this package, f = π·E*·δ/L(δ/ΔR) with three logarithms in L.
 
     Parameters
@@ -156,14 +156,6 @@ class Explicit:
         L, slope = self._logarithms(d, pair.contact)
         k = np.pi * pair.E_star * (1 - slope / L) / L
         return as_floats(np.where(delta <= 0, 0.0, k))
-
-    def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest load."""
-        return as_floats(np.full_like(pair.E_star * as_floats(pair.dR), np.inf))
-
-    def max_penetration(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest penetration."""
-        return self.max_load(pair)
 
     def coefficients_for(self, contact: Contact) -> ExplicitCoefficients:
         """Return the coefficients of this law, by default those calibrated for `contact`."""

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
-from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
 from cylcontact.laws.adapters import scaled_model
-from cylcontact.laws.contact_law import depth_of
+from cylcontact.laws.contact_law import Unlimited, depth_of, require_hole
 from cylcontact.laws.definition import Definition, KernelSteps
 from cylcontact.laws.formula import Formula, function_name
 from cylcontact.pair import Contact, CylinderPair
@@ -21,7 +20,7 @@ __all__ = ["DEFINITION", "Liu"]
 
 
 @dataclass(frozen=True)
-class Liu:
+class Liu(Unlimited):
     """f = ½·π·E*·δ·√(δ/(2(ΔR + δ))), from an elastic foundation of the pin's size.
 
     Liu, Zhang, Yang and Chen, *An approximate contact model for a cylindrical joint with
@@ -50,7 +49,7 @@ class Liu:
         In d = δ/ΔR and φ = f/(E*·ΔR) it is the positive root of the cubic d³ = γ(1 + d),
         γ = 8φ²/π².
         """
-        dR = _clearance(pair)
+        dR = self._clearance(pair)
         f = as_floats(load)
         touching = f >= 0
         phi = np.where(touching, f, 0.0) / (pair.E_star * dR)
@@ -58,37 +57,25 @@ class Liu:
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
-        dR, depth = _clearance(pair), depth_of(penetration)
+        dR, depth = self._clearance(pair), depth_of(penetration)
         root = np.sqrt(depth / (2 * (dR + depth)))
         return as_floats(np.pi / 2 * pair.E_star * depth * root)
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm²."""
-        dR, depth = _clearance(pair), depth_of(penetration)
+        dR, depth = self._clearance(pair), depth_of(penetration)
         root = np.sqrt(depth / (2 * (dR + depth)))
         return as_floats(np.pi / 4 * pair.E_star * root * (3 * dR + 2 * depth) / (dR + depth))
 
-    def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest load."""
-        return as_floats(np.full_like(pair.E_star * _clearance(pair), np.inf))
+    def require_pair(self, pair: CylinderPair) -> None:
+        """Raise `InputError` for external contact or plane stress."""
+        pair.require_plane_strain("Liu")
+        require_hole("Liu", pair)
 
-    def max_penetration(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest penetration."""
-        return self.max_load(pair)
-
-
-def _clearance(pair: CylinderPair) -> FloatArray:
-    """Return ΔR in mm; raise `InputError` for external contact or plane stress."""
-    pair.require_plane_strain("Liu")
-    if pair.contact != "internal":
-        raise InputError(
-            "Liu",
-            "pair.contact",
-            pair.contact,
-            "the law is for a pin in a hole",
-            "use an internal pair, or Johnson's law for rollers",
-        )
-    return as_floats(pair.dR)
+    def _clearance(self, pair: CylinderPair) -> FloatArray:
+        """Return ΔR in mm of a pair that the law is for."""
+        self.require_pair(pair)
+        return as_floats(pair.dR)
 
 
 def _positive_root(gamma: FloatArray) -> FloatArray:

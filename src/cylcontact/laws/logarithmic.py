@@ -33,7 +33,7 @@ __all__ = [
     "LogarithmicLaw",
     "adjusted_logarithmic",
     "definition_of",
-    "formula_of",
+    "logarithmic_formula",
 ]
 
 
@@ -203,7 +203,7 @@ def _numbers(law: LogarithmicLaw, pair: CylinderPair) -> tuple[float, float]:
     return float(law.max_load(pair)), float(law.max_penetration(pair))
 
 
-def formula_of(
+def logarithmic_formula(
     law: LogarithmicLaw, contact: Contact | None, scaled: ScaledLaw | None = None
 ) -> Formula:
     """Return the formula of a logarithmic law for export, or of a scaled one.
@@ -276,7 +276,7 @@ def definition_of(law: type[LogarithmicLaw]) -> Definition:
     )
     return Definition(
         law=law,
-        formula=formula_of,
+        formula=logarithmic_formula,
         kernel=_KERNEL,
         models=tuple(LawModel(law.name, contact, parameters, build) for contact in CONTACTS),
         needs=law.needs,

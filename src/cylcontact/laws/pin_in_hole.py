@@ -17,7 +17,7 @@ from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, r
 from cylcontact.html_repr import law_html
 from cylcontact.laws import unlike
 from cylcontact.laws.conformal import in_units_of
-from cylcontact.laws.contact_law import depth_of
+from cylcontact.laws.contact_law import Unlimited, depth_of, require_hole
 from cylcontact.laws.definition import Definition
 from cylcontact.laws.unlike import Bodies
 from cylcontact.pair import CylinderPair
@@ -125,7 +125,7 @@ Datum = Literal["johnson"] | float | ClampedPlate
 
 
 @dataclass(frozen=True)
-class Conformal:
+class Conformal(Unlimited):
     """A pin in a hole of any two materials: the reference law, exact for large arcs as well.
 
     δ = f·L/(π·E*) and f = π·E*·ΔR/K, with the semi-angle ε of the contact as parameter. For two
@@ -229,13 +229,9 @@ class Conformal:
         stiffness = np.pi * pair.E_star / compliance
         return inside_or_nan(np.where(delta == 0, 0.0, stiffness), known)
 
-    def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest load."""
-        return as_floats(np.full_like(_load_unit(pair), np.inf))
-
-    def max_penetration(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest penetration."""
-        return self.max_load(pair)
+    def require_pair(self, pair: CylinderPair) -> None:
+        """Raise `InputError` for external contact."""
+        require_hole("Conformal", pair)
 
     def contact_angle(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the semi-angle ε of the contact arc in degrees under `load` in N/mm.
@@ -309,14 +305,7 @@ def _arc_under(phi: FloatArray, bodies: Bodies) -> unlike.Arc:
 
 def _load_unit(pair: CylinderPair) -> FloatArray:
     """Return E*·ΔR in N/mm; raise `InputError` for external contact."""
-    require(
-        pair.contact == "internal",
-        "Conformal",
-        "pair.contact",
-        pair.contact,
-        "must be internal: the solution is that of a pin in a hole",
-        "use laws.Johnson() for external contact",
-    )
+    require_hole("Conformal", pair)
     return as_floats(pair.E_star * as_floats(pair.dR))
 
 

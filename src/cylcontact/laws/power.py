@@ -123,7 +123,11 @@ class PowerLaw(PowerShaped):
             )
         if not (self.n > 0 and np.isfinite(self.n)):
             raise InputError(
-                "PowerLaw", "n", self.n, "must be positive and finite", "contact has n ≥ 1"
+                "PowerLaw",
+                "n",
+                self.n,
+                "must be positive and finite",
+                "give the exponent of the penetration",
             )
 
     @property

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.html_repr import law_html
 from cylcontact.laws.conformal import in_units_of
-from cylcontact.laws.contact_law import depth_of
+from cylcontact.laws.contact_law import Unlimited, depth_of, require_hole
 from cylcontact.laws.definition import Definition, KernelSteps, LawModel, Parameter
 from cylcontact.laws.formula import Formula, function_name
 from cylcontact.pair import Contact, CylinderPair
@@ -27,7 +27,7 @@ _SMALL, _LARGE = 1e-200, 1e200
 
 
 @dataclass(frozen=True)
-class Winkler:
+class Winkler(Unlimited):
     """A pin in a hole lined with independent springs: p = (E*/h)·u at each point.
 
     With u = δcos θ − ΔR(1 − cos θ) on the arc where u is positive, cos ε = ΔR/(ΔR + δ),
@@ -101,24 +101,13 @@ class Winkler:
         modulus = self._load_unit(pair) / as_floats(pair.dR)
         return as_floats(modulus * _load_and_slope(d)[1])
 
-    def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest load."""
-        return as_floats(np.full_like(self._load_unit(pair), np.inf))
-
-    def max_penetration(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest penetration."""
-        return self.max_load(pair)
+    def require_pair(self, pair: CylinderPair) -> None:
+        """Raise `InputError` for external contact."""
+        require_hole("Winkler", pair)
 
     def _load_unit(self, pair: CylinderPair) -> FloatArray:
         """Return E*·ΔR·R/h in N/mm; raise `InputError` for an external pair."""
-        require(
-            pair.contact == "internal",
-            "Winkler",
-            "pair.contact",
-            pair.contact,
-            "must be internal: the foundation lines a hole",
-            "use laws.Johnson() for external contact",
-        )
+        self.require_pair(pair)
         return as_floats(pair.E_star * as_floats(pair.dR) / self.depth)
 
 

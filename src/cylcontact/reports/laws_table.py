@@ -294,7 +294,7 @@ def _each_law(contact: Contact) -> str:
     width = max(len(name) for name in LAWS)
     lines = ["the laws; sources and conventions are in the documentation of each:"]
     for law in known:
-        name = law.name if isinstance(law.name, str) else "power"
+        name = law.name if isinstance(law.name, str) else law.__name__
         lines.append(f"  {name:<{width}}  {(inspect.getdoc(law) or '').splitlines()[0]}")
     return "\n".join(lines)
 
