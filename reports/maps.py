@@ -113,7 +113,8 @@ def difference_map(
         Of both bodies: one that ships, or one of the bench's own table.
     law : str, optional
         A law's name, such as "explicit" ("enhanced" has the published coefficients), or the name
-        of a fit result for internal contact, such as "practical".
+        of a fit result for internal contact, such as "practical". A fit goes before a law of the
+        same name.
     reference : str, optional
         "johnson" or "persson"; by default the law that the fit was made to, or Johnson's.
     label : str, optional
@@ -146,7 +147,7 @@ def _mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") ->
         own = "the enhanced law (Eqs 5-6)"
         fitted_from = TRAINING_DR["internal"][0]
         return MappedLaw(Enhanced(), default, own, "published coefficients", fitted_from)
-    if law in LAWS:
+    if law in LAWS and not bench.result_file(f"{law}.json").is_file():
         return MappedLaw(LAWS[law](), default, f"the {law} law", f"{law} law")
     result = bench.result(law)
     if result.contact != "internal" or "dataset" not in result.settings:
