@@ -119,7 +119,7 @@ BAD_INPUT = {
             *((None, -1.0, None), (None, None, np.nan), (np.inf, None, None)),
         ),
     ),
-    "PowerLaw: n = {!r}: must be positive and finite; contact has n ≥ 1": (
+    "PowerLaw: n = {!r}: must be positive and finite; give the exponent of the penetration": (
         lambda n: laws.PowerLaw(n=n, K=1.0),
         NO_NUMBERS,
     ),
