@@ -25,6 +25,9 @@ __all__ = ["CHUNK", "START", "branch_distance", "to_load_fraction"]
 # positive doubles; the relative error is 5e-4, below 1.5e-4 for w < 5.
 START = (1.41441, 1.0246, 0.25518, 0.25524)
 
+# Used instead of what is not positive: the smallest double, which 1 + w makes zero.
+_LEAST = 5e-324
+
 # Elements per chunk, so that the work arrays stay in the cache of a core.
 CHUNK = 1 << 14
 
@@ -60,6 +63,7 @@ def branch_distance(p: FloatArray) -> FloatArray:
     flat, distances = p.ravel(), w.reshape(-1)
     for chunk, work in _chunks(p.size):
         _distance(flat[chunk], distances[chunk], work)
+    np.copyto(w, np.inf, where=p == 0)
     return w[()]
 
 
@@ -69,12 +73,12 @@ def to_load_fraction(p: FloatArray) -> FloatArray:
     Parameters
     ----------
     p : array of float
-        Between 0 and 1; NaN for elements outside. A contiguous array is overwritten.
+        At most 1; NaN for elements beyond. A contiguous array is overwritten.
 
     Returns
     -------
     array of float
-        Between 0 and 1, to a few units in the last place.
+        Between 0 and 1, to a few units in the last place; 0 where p is negative.
 
     Examples
     --------
@@ -86,6 +90,7 @@ def to_load_fraction(p: FloatArray) -> FloatArray:
     flat = q.reshape(-1)
     for chunk, work in _chunks(flat.size):
         u = work[-1]
+        np.maximum(flat[chunk], _LEAST, out=flat[chunk])
         _distance(flat[chunk], u, work)
         u += 1
         flat[chunk] /= u
@@ -101,11 +106,10 @@ def _chunks(size: int) -> Iterator[tuple[slice, FloatArray]]:
 
 
 def _distance(p: FloatArray, w: FloatArray, work: FloatArray) -> None:
-    """Write w into `w`, including the ends and the NaN outside."""
+    """Write w for p > 0 into `w`, including its end and the NaN outside."""
     with np.errstate(divide="ignore", invalid="ignore"):
         _interior(p, w, work)
     np.copyto(w, 0.0, where=p == 1)
-    np.copyto(w, np.inf, where=p == 0)
 
 
 def _interior(p: FloatArray, w: FloatArray, work: FloatArray) -> None:

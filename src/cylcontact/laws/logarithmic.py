@@ -76,7 +76,7 @@ class LogarithmicLaw:
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm; NaN beyond max_penetration."""
-        f = to_load_fraction(_fraction(depth_of(penetration), self.max_penetration(pair)))
+        f = to_load_fraction(_fraction(penetration, self.max_penetration(pair)))
         f *= self.max_load(pair)
         return f
 
@@ -182,10 +182,10 @@ def adjusted_logarithmic(
     return ScaledLaw(base, load_factor, kappa * load_factor / base.kappa)
 
 
-# Lambert's W as in laws/lambert.py, with the penetration in units of the largest one. By its
-# conditions NaN takes the regular branch, which p = 0 and p = 1 do not enter.
+# Lambert's W as in laws/lambert.py, with the penetration in units of the largest one. At the ends,
+# p = 0 and p = 1, the regular branch would divide by zero; there and beyond it computes p = 0.5.
 _STEPS = """
-p = penetration / deepest if penetration <= deepest else nan
+p = penetration / deepest
 inner = 0.5 if p <= 0 or p >= 1 else p
 g = -log(inner)
 r = sqrt(g)
@@ -193,8 +193,9 @@ u = 1 + r * ({} + r * ({} + {} * r)) / (1 + {} * r)
 start = u - 1
 t = (start - log(u) - g) / (start * start)
 w = 0 if p >= 1 else start - t * start * u * (1 + t * (0.5 + t * (0.5 + start / 3)))
-f = f_max * (p / (1 + w))
-k = 0 if p <= 0 else f_max / (deepest * w)
+f = f_max * (p / (1 + w)) if p <= 1 else nan
+slope = f_max / (deepest * w) if p <= 1 else nan
+k = 0 if p <= 0 else slope
 """.format(*START)
 
 

@@ -70,8 +70,9 @@ def _if_touching(
 ) -> FloatArray:
     """Return a function of the penetration, 0 where that is negative, also of a law of NaN."""
     delta = as_floats(penetration)
-    values = np.where(delta < 0, 0.0, function(depth_of(delta)))
-    return inside_or_nan(values, ~np.isnan(delta))  # a NaN to the power of zero is 1
+    depth = depth_of(delta)
+    # A NaN is neither: a NaN to the power of zero would be 1.
+    return as_floats(np.where(delta >= 0, function(depth), 0 * depth))
 
 
 @dataclass(frozen=True)
