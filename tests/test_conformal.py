@@ -351,13 +351,15 @@ def green():
     return influence(2048)
 
 
+# R_i of a pair of ΔR = 1 mm and √(R_i·R_j) = 1 mm.
+GOLDEN = (1 + 5**0.5) / 2
 NUMERICAL_LOADS = [0.1, 0.2, 0.63, 1.7, 5.0, 50.0, 1000.0]
 
 
 @pytest.mark.parametrize("phi", NUMERICAL_LOADS)
 def test_the_numerical_contact_has_the_same_pressure_and_angle(phi, green):
     angle, p, _, contact = solve_contact(phi, green)
-    pair = CylinderPair("internal", 1.0, UNIT.material_i, UNIT.material_j, R_i=1.0, R_j=1.0)
+    pair = CylinderPair.from_dR("internal", 1.0, UNIT.material_i, R_i=GOLDEN)
     exact, edge = pressure(angle, phi, pair), contact_angle(phi, pair)
     inner = angle < 0.9 * edge
     np.testing.assert_allclose(p[inner], exact[inner], rtol=0, atol=2e-5 * exact[0])
@@ -375,7 +377,7 @@ def test_the_numerical_contact_has_the_same_penetration_but_for_the_datum(green)
 
 def test_the_numerical_contact_converges_to_the_law():
     phi, errors = 1.0, []
-    pair = CylinderPair("internal", 1.0, UNIT.material_i, UNIT.material_j, R_i=1.0, R_j=1.0)
+    pair = CylinderPair.from_dR("internal", 1.0, UNIT.material_i, R_i=GOLDEN)
     for nodes in (256, 1024, 4096):
         angle, p, _, _ = solve_contact(phi, influence(nodes))
         errors.append(np.sum(abs(p - pressure(angle, phi, pair))) * angle[1])

@@ -73,7 +73,12 @@ GAPS = {
     ),
     "external": (0.02, 1.0, 15.0, 140.0, 1000.0),
 }
-SIZES = {"R_i": 10.0, "R_j": 9.5, "length": 12.0}
+
+
+def sizes(contact, dR):
+    """Radii that differ by dR, or add up to it, and a length."""
+    R_i, R_j = (9.5 + dR, 9.5) if contact == "internal" else (dR / 2, dR / 2)
+    return {"R_i": R_i, "R_j": R_j, "length": 12.0}
 
 
 @dataclass
@@ -95,7 +100,8 @@ class Case:
 
     def sweep(self, material, dR):
         """Penetrations over the whole domain of one pair."""
-        pair = CylinderPair(self.contact, dR, material, material, **SIZES)
+        known = sizes(self.contact, dR)
+        pair = CylinderPair(self.contact, dR, material, material, **known)
         largest = self.law.max_penetration(pair)
         unit = float(largest) if np.isfinite(largest) else dR
         penetration = PARTS * unit
@@ -104,7 +110,7 @@ class Case:
                 "penetration": penetration,
                 "E_star": pair.E_star,
                 "dR": dR,
-                **SIZES,
+                **known,
                 "f": self.law.load(penetration, pair),
                 "k": self.law.stiffness(penetration, pair),
                 "tolerance": self.allowed(penetration, float(largest)),
@@ -125,7 +131,7 @@ class Case:
     def spoiled(self, formula, name):
         """Arguments that no pair has: NaN is the answer."""
         values = np.array([-1.0, 0.0, -np.inf, np.nan])
-        fine = {"penetration": 1e-3, "E_star": 1e5, "dR": 0.5, **SIZES}
+        fine = {"penetration": 1e-3, "E_star": 1e5, "dR": 0.5, **sizes("internal", 0.5)}
         assert name in formula.arguments
         block = fine | {name: values, "f": np.nan, "k": np.nan, "tolerance": 0.0}
         return {key: value + np.zeros_like(values) for key, value in block.items()}

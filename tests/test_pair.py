@@ -1,4 +1,5 @@
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -198,3 +199,32 @@ def test_laws_that_are_stated_for_plane_strain_refuse_plane_stress(name, method,
     else:
         with pytest.raises(InputError, match="plane = 'stress': must be 'strain'"):
             getattr(law, method)(*arguments)
+
+
+# --- no pair contradicts itself -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("contact", ["internal", "external"])
+@pytest.mark.parametrize("changes", [{"dR": 0.6}, {"R_i": 11.0}, {"R_j": 9.4}])
+def test_radii_and_clearance_agree_also_after_a_change(contact, changes, steel):
+    pair = getattr(CylinderPair, contact)(10.0, 9.5, steel)
+    with pytest.raises(InputError, match=r"CylinderPair: dR = .* contradicts R_i = .* and R_j"):
+        replace(pair, **changes)
+    apart = replace(pair, dR=float(pair.dR) * (1 + 1e-9))
+    assert apart.dR != pair.dR
+
+
+def test_one_of_many_pairs_that_contradicts_itself_is_refused(steel):
+    with pytest.raises(InputError, match="contradicts"):
+        CylinderPair("internal", np.array([0.5, 0.6]), steel, steel, R_i=10.0, R_j=9.5)
+
+
+def test_an_array_that_its_owner_changes_changes_no_pair(steel):
+    gaps, radii, moduli = np.array([0.5, 1.0]), np.array([10.0, 20.0]), np.array([2e5, 1e5])
+    pair = CylinderPair.from_dR("internal", gaps, Material("any", moduli, 0.3), R_i=radii)
+    gaps[:], radii[:], moduli[:] = -1.0, 0.0, -1.0
+    np.testing.assert_array_equal(pair.dR, [0.5, 1.0])
+    np.testing.assert_array_equal(pair.R_i, [10.0, 20.0])
+    np.testing.assert_array_equal(pair.material_i.E, [2e5, 1e5])
+    with pytest.raises(ValueError, match="read-only"):
+        pair.dR[0] = 2.0

@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 
 from cylcontact.errors import InputError
 
-__all__ = ["BoolArray", "FloatArray", "as_floats", "inside_or_nan", "require", "same_fields"]
+__all__ = [
+    "BoolArray",
+    "FloatArray",
+    "as_floats",
+    "inside_or_nan",
+    "own_arrays",
+    "require",
+    "same_fields",
+]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -32,6 +40,19 @@ def inside_or_nan(values: FloatArray, inside: BoolArray) -> FloatArray:
     """
     result: FloatArray = np.where(inside, values, np.nan)[()]
     return result
+
+
+def own_arrays(instance: Any) -> None:
+    """Replace the arrays of a frozen dataclass by read-only copies.
+
+    A later change of the caller's arrays then changes no instance.
+    """
+    for field in fields(instance):
+        value = getattr(instance, field.name)
+        if isinstance(value, np.ndarray):
+            own = value.copy()
+            own.flags.writeable = False
+            object.__setattr__(instance, field.name, own)
 
 
 def require(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats, require, same_fields
+from cylcontact.arrays import FloatArray, as_floats, own_arrays, require, same_fields
 from cylcontact.errors import InputError
 from cylcontact.html_repr import table_html
 
@@ -96,6 +96,7 @@ class Material:
                 "yield stress must be positive and finite",
                 "give it in MPa, or leave it out",
             )
+        own_arrays(self)
 
     @classmethod
     def named(cls, name: str) -> Material:

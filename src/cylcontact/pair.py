@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats, require, same_fields
+from cylcontact.arrays import FloatArray, as_floats, own_arrays, require, same_fields
 from cylcontact.errors import InputError, short
 from cylcontact.html_repr import table_html
 from cylcontact.materials import Material
@@ -20,6 +20,9 @@ Plane = Literal["strain", "stress"]
 PLANES: tuple[Plane, ...] = ("strain", "stress")
 
 Length = float | FloatArray
+
+# ΔR may differ from that of the radii by rounding, as a part of the larger one.
+_AGREEMENT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +51,8 @@ class CylinderPair:
     Raises
     ------
     InputError
-        If the contact or the plane is unknown, or a length is not positive and finite.
+        If the contact or the plane is unknown, a length is not positive and finite, or ΔR is not
+        that of the radii.
 
     Notes
     -----
@@ -84,6 +88,9 @@ class CylinderPair:
         )
         for key in ("dR", "R_i", "R_j", "length"):
             _require_positive(key, getattr(self, key))
+        own_arrays(self)
+        if self.R_i is not None and self.R_j is not None:
+            _require_agreement(self.contact, self.dR, self.R_i, self.R_j)
 
     def __eq__(self, other: object) -> bool:
         return same_fields(self, other)
@@ -369,6 +376,20 @@ def _require_contact(contact: object) -> None:
         contact,
         "must be 'internal' or 'external'",
         "internal is a pin in a hole, external two rollers",
+    )
+
+
+def _require_agreement(contact: Contact, dR: Length, R_i: Length, R_j: Length) -> None:
+    """Raise `InputError` if ΔR differs from that of the radii by a millionth of them."""
+    outer, inner = as_floats(R_i), as_floats(R_j)
+    own = outer - inner if contact == "internal" else outer + inner
+    require(
+        np.abs(as_floats(dR) - own) <= _AGREEMENT * np.maximum(outer, inner),
+        "CylinderPair",
+        "dR",
+        dR,
+        f"contradicts R_i = {short(R_i)} and R_j = {short(R_j)}, which give {short(own)}",
+        "change the radii with it, or leave them out",
     )
 
 
