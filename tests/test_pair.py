@@ -219,7 +219,7 @@ def test_one_of_many_pairs_that_contradicts_itself_is_refused(steel):
         CylinderPair("internal", np.array([0.5, 0.6]), steel, steel, R_i=10.0, R_j=9.5)
 
 
-def test_an_array_that_its_owner_changes_changes_no_pair(steel):
+def test_an_array_that_its_owner_changes_changes_no_pair():
     gaps, radii, moduli = np.array([0.5, 1.0]), np.array([10.0, 20.0]), np.array([2e5, 1e5])
     pair = CylinderPair.from_dR("internal", gaps, Material("any", moduli, 0.3), R_i=radii)
     gaps[:], radii[:], moduli[:] = -1.0, 0.0, -1.0
