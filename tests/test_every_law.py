@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.fitting.law_models import MODELS
+from cylcontact.laws.formula import steps_of
 from cylcontact.laws.kernels import TABLE, kernel, kernel_load, kernel_stiffness
 from cylcontact.laws.tabulated import TABLE_ERROR
 from cylcontact.pair import CONTACTS
@@ -235,3 +236,9 @@ def test_a_power_form_is_the_law_that_it_stands_for(model, data):
         assert law.load(1e-3, pair) == pytest.approx(load, rel=1e-12)
     else:
         assert np.isnan(law.load(1e-3, pair))
+
+
+@pytest.mark.parametrize("line", ["f=1", "# a remark", "f = ", "2 = f"])
+def test_a_step_that_is_no_assignment_is_refused(line):
+    with pytest.raises(ValueError, match="a law's step must be an assignment"):
+        steps_of(f"d = penetration / dR\n{line}\n\nk = 1")

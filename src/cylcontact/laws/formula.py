@@ -143,12 +143,14 @@ def steps_of(text: str) -> tuple[Step, ...]:
     >>> [step.name for step in steps_of("d = penetration / dR\nf = E_star * d")]
     ['d', 'f']
     """
-    return tuple(_step(line) for line in text.strip().splitlines())
+    return tuple(_step(line) for line in text.splitlines() if line.strip())
 
 
 def _step(line: str) -> Step:
     """Parse `name = value`."""
-    name, value = line.split(" = ", 1)
+    name, _, value = line.partition(" = ")
+    if not (name.strip().isidentifier() and value):
+        raise ValueError(f"a law's step must be an assignment, name = value, and is {line!r}")
     return Step(name.strip(), expression(value), line.strip())
 
 
