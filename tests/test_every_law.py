@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.fitting.law_models import MODELS
+from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.formula import steps_of
-from cylcontact.laws.kernels import TABLE, kernel, kernel_load, kernel_stiffness
+from cylcontact.laws.kernels import TABLE, kernel
 from cylcontact.laws.tabulated import TABLE_ERROR
 from cylcontact.pair import CONTACTS
 from tests.strategies import NOT_TOUCHING, ROUNDING, powers_of_ten
@@ -164,6 +165,14 @@ def test_a_pair_that_is_not_of_the_law_is_refused_whatever_is_asked(law, pair, w
         getattr(law, method)(*arguments)
 
 
+def test_the_force_is_the_load_times_the_length():
+    law, deltas = RigCompliance(laws.Johnson(), offset=1e-4), np.array([-1.0, 1e-3, 2e-3])
+    for each in (law, laws.Explicit(), laws.PowerLaw(n=1.2, K=3e5)):
+        np.testing.assert_array_equal(each.force(deltas, HOLE), 12.0 * each.load(deltas, HOLE))
+    with pytest.raises(InputError, match="the force needs the axial length"):
+        laws.Explicit().force(1e-3, NO_LENGTH)
+
+
 # --- the compiled form --------------------------------------------------------------------------
 
 
@@ -173,14 +182,14 @@ def test_the_compiled_law_is_the_array_law(law, pair):
     end = reach(law, pair)
     close = 1 - 10.0 ** -np.arange(1.0, 9.0)
     deltas = np.concatenate([np.geomspace(1e-25, 0.9, 300) * end, close * end])
-    actual = np.array([kernel_load(made.kind, made.parameters, delta) for delta in deltas])
+    actual = np.array([made.load(delta) for delta in deltas])
     allowed = TABLE_ERROR if made.kind == TABLE else 12 * ROUNDING
     np.testing.assert_allclose(actual, law.load(deltas, pair), rtol=allowed)
     # Near the end of a logarithmic law, where it is infinite, the stiffness is as uncertain as
     # the penetration's own last digit makes it.
     left = 1 - deltas / law.max_penetration(pair)
     allowed = 2e-7 if made.kind == TABLE else 20 * ROUNDING / left
-    actual = np.array([kernel_stiffness(made.kind, made.parameters, delta) for delta in deltas])
+    actual = np.array([made.stiffness(delta) for delta in deltas])
     exact = law.stiffness(deltas, pair)
     assert np.all(np.abs(actual - exact) <= allowed * exact)
 
@@ -191,11 +200,9 @@ def test_the_compiled_law_is_zero_without_contact_and_nan_beyond_its_end(law, pa
     beyond = [np.nan]
     if np.isfinite(made.max_penetration):
         beyond += [made.max_penetration * (1 + 1e-9), 10 * made.max_penetration]
-    for function in (kernel_load, kernel_stiffness):
-        for delta in (0.0, -0.0, -1e-9, -np.inf):
-            assert function(made.kind, made.parameters, delta) == 0
-        for delta in beyond:
-            assert np.isnan(function(made.kind, made.parameters, delta))
+    for ask in (made.load, made.stiffness):
+        assert [ask(delta) for delta in (0.0, -0.0, -1e-9, -np.inf)] == [0, 0, 0, 0]
+        assert np.isnan([ask(delta) for delta in beyond]).all()
 
 
 # --- the fitted form ----------------------------------------------------------------------------

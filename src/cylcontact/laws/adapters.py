@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
-from cylcontact.laws.contact_law import ContactLaw, depth_of
+from cylcontact.laws.contact_law import ContactLaw, OverLength, depth_of
 from cylcontact.laws.definition import Coefficients, LawModel, Parameter
 from cylcontact.pair import CylinderPair
 
@@ -22,7 +22,7 @@ _SHORT_OF_THE_END = 1e-13
 
 
 @dataclass(frozen=True)
-class RigCompliance:
+class RigCompliance(OverLength):
     """δ = δ₀(f) + compliance·f + offset: the reading of a test rig, with δ₀ the law of the contact.
 
     A measured approach includes an unknown reading at first touch and the compliance of the rig.
@@ -137,7 +137,7 @@ class RigCompliance:
 
 
 @dataclass(frozen=True)
-class ScaledLaw:
+class ScaledLaw(OverLength):
     """f = B·f₀(δ/D): a law with the load scaled by B and the penetration by D.
 
     For a law in f/(E*·ΔR) and δ/ΔR alone, such as Persson's and Liu's, D is the ratio of an

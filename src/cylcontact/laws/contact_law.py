@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.pair import CylinderPair
 
-__all__ = ["ContactLaw", "Unlimited", "depth_of", "require_hole"]
+__all__ = ["ContactLaw", "OverLength", "Unlimited", "depth_of", "require_hole"]
 
 
 class ContactLaw(Protocol):
@@ -48,7 +48,15 @@ class ContactLaw(Protocol):
         ...
 
 
-class Unlimited:
+class OverLength:
+    """The total force of a law that gives the load per unit length."""
+
+    def force(self: ContactLaw, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the force in N at `penetration` in mm: the load times the length of the pair."""
+        return as_floats(self.load(penetration, pair) * pair.contact_length("the force"))
+
+
+class Unlimited(OverLength):
     """The limits of a law without a largest load."""
 
     def require_pair(self, pair: CylinderPair) -> None:

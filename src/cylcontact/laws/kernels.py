@@ -65,6 +65,14 @@ class Kernel:
     parameters: FloatArray
     max_penetration: float
 
+    def load(self, penetration: float) -> float:
+        """Return `kernel_load` at `penetration` in mm, for calls from Python."""
+        return kernel_load(self.kind, self.parameters, penetration)
+
+    def stiffness(self, penetration: float) -> float:
+        """Return `kernel_stiffness` at `penetration` in mm, for calls from Python."""
+        return kernel_stiffness(self.kind, self.parameters, penetration)
+
 
 def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
     """Return a law at one pair as a kernel.
@@ -92,7 +100,7 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
     >>> steel = Material("steel", E=207e3, nu=0.3)
     >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel)
     >>> johnson = kernel(laws.Johnson(), pair)
-    >>> print(f"{kernel_load(johnson.kind, johnson.parameters, 1e-3):.9f} N/mm")
+    >>> print(f"{johnson.load(1e-3):.9f} N/mm")
     40.730908413 N/mm
     >>> print(f"{laws.Johnson().load(1e-3, pair):.9f} N/mm")
     40.730908413 N/mm

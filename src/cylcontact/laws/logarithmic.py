@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.html_repr import law_html
 from cylcontact.laws.adapters import ScaledLaw
-from cylcontact.laws.contact_law import ContactLaw, depth_of
+from cylcontact.laws.contact_law import ContactLaw, OverLength, depth_of
 from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
 from cylcontact.laws.formula import Formula, function_name
 from cylcontact.laws.lambert import START, branch_distance, to_load_fraction
@@ -38,7 +38,7 @@ __all__ = [
 
 
 @dataclass(frozen=True)
-class LogarithmicLaw:
+class LogarithmicLaw(OverLength):
     """The common form δ = κ/(π·E*)·f·[ln(Λ·E*/f) + c]; a law supplies κ, c and Λ.
 
     Attributes

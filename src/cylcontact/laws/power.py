@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
-from cylcontact.laws.contact_law import ContactLaw, depth_of
+from cylcontact.laws.contact_law import ContactLaw, OverLength, depth_of
 from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
 from cylcontact.laws.formula import IN_MM, Formula, function_name
 from cylcontact.pair import CONTACTS, Contact, CylinderPair
@@ -20,7 +20,7 @@ from cylcontact.pair import CONTACTS, Contact, CylinderPair
 __all__ = ["DEFINITION", "KERNEL", "PowerLaw", "PowerShaped"]
 
 
-class PowerShaped(ABC):
+class PowerShaped(OverLength, ABC):
     """The common form f = K·δⁿ at each pair; a law supplies K and n."""
 
     _repr_html_ = law_html
