@@ -3,8 +3,10 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import cylcontact as cc
 from cylcontact import laws
 from cylcontact.choices import listed
 from cylcontact.export import TARGETS
@@ -23,6 +25,46 @@ def test_laws_leaves_out_what_is_not_for_rollers(run):
     code, out, _ = run("laws", "--contact", "external")
     assert code == 0
     assert "johnson" in out
+
+
+def test_laws_advises_on_a_pin_and_a_hole_of_different_materials(run):
+    code, out, err = run("laws", "--pin", "high-strength steel", "--hole", "aluminium alloy")
+    assert (code, err) == (0, "")
+    pin, hole = (cc.Material.named(name) for name in ("high-strength steel", "aluminium alloy"))
+    pair = cc.CylinderPair.from_dR("internal", 0.05, hole, R_i=10.0, material_j=pin)
+    exact = cc.laws.Conformal().penetration(100.0, pair)
+    explicit, johnson = (
+        100 * (law.penetration(100.0, pair) / exact - 1)
+        for law in (cc.laws.Explicit(), cc.laws.Johnson())
+    )
+    assert f"α = {pair.alpha:.3f}, β = {pair.beta:.3f}" in out
+    assert f"is off by: explicit {explicit:+.2f} %, johnson {johnson:+.2f} %" in out
+    loads = np.array([1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0]) * pair.E_star * pair.dR
+    ratio = cc.laws.Explicit().penetration(loads, pair) / cc.laws.Conformal().penetration(
+        loads, pair
+    )
+    worst = 100 * np.abs(ratio - 1).max()
+    assert f"explicit where a formula is needed: at most {worst:.1f} % off" in out
+    assert "penetration against conformal's at equal load" in out
+    assert "too low against persson's" not in out
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--pin", "ceramics"), "laws: --hole: is missing beside --pin; name both"),
+        (("--hole", "ceramics"), "laws: --pin: is missing beside --hole; name both"),
+        (("--pin", "ceramics", "--hole", "soap"), "Material.named: name = 'soap': no material"),
+        (
+            ("--pin", "ceramics", "--hole", "ceramics", "--contact", "external"),
+            "laws: --contact = 'external': has no pin and no hole; leave out --pin and --hole",
+        ),
+    ],
+)
+def test_laws_refuses_half_a_pair_in_one_line(run, options, message):
+    code, out, err = run("laws", *options)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert message in err
 
 
 @pytest.mark.parametrize(

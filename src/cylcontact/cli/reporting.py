@@ -186,13 +186,30 @@ def compare_laws(
     length: Annotated[float, typer.Option(help="Axial length, mm.")] = 10.0,
     load: Annotated[float, typer.Option(help="Load per unit length, N/mm.")] = 100.0,
     contact: Annotated[str, typer.Option(help=f"{listed(CONTACTS)}.")] = "internal",
+    pin: Annotated[
+        str | None, typer.Option(help="The pin's material, by its name in the table of materials.")
+    ] = None,
+    hole: Annotated[str | None, typer.Option(help="The hole's material.")] = None,
 ) -> None:
     """Compare the laws: which one to use, and all of them side by side for one pair."""
+    from cylcontact.materials import Material
     from cylcontact.reports import laws_to_use
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.laws_table import case, to_text
+    from cylcontact.reports.laws_table import case, pin_in_hole, to_text
 
-    pair = case(contact, E, nu, dR, R_i, length)
+    if (pin is None) != (hole is None):
+        missing, given = ("--pin", "--hole") if pin is None else ("--hole", "--pin")
+        raise InputError(
+            "laws", missing, None, f"is missing beside {given}", "name both materials, or neither"
+        )
+    if pin is not None and contact != "internal":
+        raise InputError(
+            "laws", "--contact", contact, "has no pin and no hole", "leave out --pin and --hole"
+        )
+    if pin is None or hole is None:
+        pair = case(contact, E, nu, dR, R_i, length)
+    else:
+        pair = pin_in_hole(Material.named(pin), Material.named(hole), dR, R_i, length)
     side_by_side = to_text(pair, load)
     typer.echo(
         f"{laws_to_use.to_text(pair.contact, Bench(shipped_bench()))}\n\n{side_by_side}", nl=False

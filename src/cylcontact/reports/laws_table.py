@@ -11,7 +11,7 @@ import pandas as pd
 from cylcontact.arrays import FloatArray, require
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.laws import DEFINITIONS, LAWS
+from cylcontact.laws import DEFINITIONS, LAWS, Conformal, ContactLaw
 from cylcontact.laws.definition import Parameter
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
@@ -23,12 +23,15 @@ __all__ = ["case", "comparison", "departures", "deviations", "explicit_error", "
 # bearing.
 R_I = LENGTH = 10.0  # mm
 LOAD = 100.0  # N/mm
+DR = {"internal": 0.05}  # mm
 
 # The values of φ = f/(E*·ΔR) in the table of deviations.
 LOAD_NUMBERS: dict[Contact, tuple[float, ...]] = {
     "internal": (1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0),
     "external": (1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3),
 }
+# The laws to recommend where a formula is needed.
+_FORMULAS = ("explicit", "johnson")
 MISSING = "-"
 HUGE = 1e12
 
@@ -73,9 +76,33 @@ def case(
     """
     # The pair refuses any other contact.
     kind = cast(Contact, contact)
-    gap = {"internal": 0.05, "external": 2 * R_i}.get(kind, 1.0) if dR is None else dR
+    gap = {**DR, "external": 2 * R_i}.get(kind, 1.0) if dR is None else dR
     material = Material("the material of both bodies", E, nu)
     return CylinderPair.from_dR(kind, gap, material, length, R_i)
+
+
+def pin_in_hole(
+    pin: Material,
+    hole: Material,
+    dR: float | None = None,
+    R_i: float = R_I,
+    length: float = LENGTH,
+) -> CylinderPair:
+    """Return the default pin in a hole with materials of their own.
+
+    Parameters
+    ----------
+    pin, hole : Material
+        The materials.
+    dR, R_i, length : float
+        As for `case`.
+
+    Returns
+    -------
+    CylinderPair
+    """
+    gap = DR["internal"] if dR is None else dR
+    return CylinderPair.from_dR("internal", gap, hole, length, R_i, pin)
 
 
 def comparison(pair: CylinderPair, load: float) -> pd.DataFrame:
@@ -148,7 +175,8 @@ def _finite(value: FloatArray) -> float:
 def deviations(pair: CylinderPair) -> pd.DataFrame:
     """Tabulate the deviation of each law's penetration from the reference at equal load.
 
-    The reference is Persson's law for internal contact and Johnson's for external contact.
+    The reference is Persson's law for internal contact, `laws.Conformal` if the materials differ,
+    and Johnson's law for external contact.
 
     Parameters
     ----------
@@ -167,7 +195,7 @@ def deviations(pair: CylinderPair) -> pd.DataFrame:
     """
     numbers = np.array(LOAD_NUMBERS[pair.contact])
     loads = numbers * pair.E_star * pair.dR
-    truth = TRUTH[pair.contact].penetration(loads, pair)
+    truth = _truth(pair).penetration(loads, pair)
     rows = {}
     for name, law in LAWS.items():
         try:
@@ -175,6 +203,19 @@ def deviations(pair: CylinderPair) -> pd.DataFrame:
         except InputError:
             rows[name] = np.full_like(numbers, np.nan)
     return pd.DataFrame.from_dict(rows, orient="index", columns=list(numbers)).rename_axis("law")
+
+
+def _are_alike(pair: CylinderPair) -> bool:
+    """Return whether both bodies have the same elastic constants."""
+    hole, pin = pair.material_i, pair.material_j
+    return bool(hole.E == pin.E and hole.nu == pin.nu)
+
+
+def _truth(pair: CylinderPair) -> ContactLaw:
+    """Return the reference law of a pair."""
+    if pair.contact == "internal" and not _are_alike(pair):
+        return Conformal()
+    return TRUTH[pair.contact]
 
 
 def to_text(pair: CylinderPair, load: float) -> str:
@@ -200,7 +241,7 @@ def to_text(pair: CylinderPair, load: float) -> str:
         If the load is not positive and finite.
     """
     contact = pair.contact
-    truth = TRUTH[contact].name
+    truth = _truth(pair).name
     parts = [
         f"{contact} contact, ΔR = {float(pair.dR):g} mm, E* = {float(pair.E_star):.2f} MPa, "
         f"f = {load:g} N/mm, φ = f/(E*·ΔR) = {load / float(pair.E_star * pair.dR):.6g}",
@@ -208,7 +249,9 @@ def to_text(pair: CylinderPair, load: float) -> str:
         f"penetration against {truth}'s at equal load, percent, at φ =",
         _deviations(deviations(pair)),
     ]
-    if contact == "internal":
+    if not _are_alike(pair):
+        parts.insert(1, _advice(pair, load))
+    elif contact == "internal":
         parts += [
             "where johnson's penetration is too low against persson's: φ, and the load in N/mm "
             "at ΔR in mm; the last line is the end of johnson's law (Eq 8)",
@@ -216,6 +259,27 @@ def to_text(pair: CylinderPair, load: float) -> str:
         ]
     parts += [_explicit(), _each_law(contact), _parameters(contact)]
     return "\n\n".join(parts) + "\n"
+
+
+def _advice(pair: CylinderPair, load: float) -> str:
+    """Return which law to use for a pin and a hole of different materials, and why."""
+    table = deviations(pair)
+    # A law that ends within the table is not the one to use.
+    errors = {name: np.nan_to_num(np.abs(table.loc[name]), nan=np.inf).max() for name in _FORMULAS}
+    best = min(errors, key=errors.__getitem__)
+    exact = Conformal().penetration(load, pair)
+    at_load = ", ".join(
+        f"{name} {_deviation(float(100 * (LAWS[name]().penetration(load, pair) / exact - 1)))} %"
+        for name in _FORMULAS
+    )
+    return (
+        f"a {pair.material_j.name} pin in a {pair.material_i.name} hole, Dundurs' "
+        f"α = {float(pair.alpha):.3f}, β = {float(pair.beta):.3f}\n"
+        "conformal is exact for both materials; at this load the penetration of formulas that know "
+        f"E* is off by: {at_load}\n"
+        f"use conformal, or {best} where a formula is needed: at most {errors[best]:.1f} % off at "
+        "the φ below"
+    )
 
 
 def _number(value: float, form: str) -> str:
