@@ -23,7 +23,6 @@ PAIRS = {
     "rollers": CylinderPair.external(R_i=10.0, R_j=25.0, material=STEEL, length=10.0),
 }
 DEFINITIONS = [definition for definition in laws.DEFINITIONS if definition.has_defaults]
-BY_NAME = {definition.law.name: definition for definition in DEFINITIONS}
 
 # Every law with a name at pairs that it is for, laws with coefficients of one's own, two materials.
 OWN = {

@@ -319,6 +319,12 @@ class CylinderPair:
         own_i, own_j = w_i * (kappa_i - 1) / (kappa_i + 1), w_j * (kappa_j - 1) / (kappa_j + 1)
         return as_floats(own_j - own_i)
 
+    @property
+    def of_one_material(self) -> bool:
+        """Whether both bodies have the same E and ν, in every element."""
+        hole, pin = self.material_i, self.material_j
+        return bool(np.all((hole.E == pin.E) & (hole.nu == pin.nu)))
+
     def require_plane_strain(self, source: str) -> None:
         """Raise `InputError` in plane stress, for laws that are stated for plane strain only."""
         require(

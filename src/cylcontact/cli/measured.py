@@ -37,7 +37,7 @@ def _option(
 
 @dataclass(frozen=True)
 class SearchOptions:
-    """What `fit` changes in the search of a campaign; None for nothing."""
+    """Options of `fit` for the search; None leaves the campaign as it is."""
 
     runs: Runs = None
     seed: Seed = None

@@ -52,7 +52,7 @@ TableFile = Annotated[
 
 @dataclass(frozen=True)
 class Changes:
-    """What to change in a mechanism's spec; None for nothing."""
+    """Options that replace values of a mechanism's spec; None leaves one as it is."""
 
     law: Annotated[str | None, typer.Option(help="A contact law, e.g. johnson.")] = None
     clearance: Annotated[float | None, typer.Option(help="Radial clearance, mm.")] = None
@@ -62,7 +62,7 @@ class Changes:
 
 @dataclass(frozen=True)
 class Integration:
-    """How to integrate."""
+    """Options of the integration; None for the spec's."""
 
     method: Annotated[
         choices.Method | None,

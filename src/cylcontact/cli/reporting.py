@@ -33,7 +33,7 @@ __all__ = ["claims", "compare_laws", "export", "report"]
 
 @dataclass(frozen=True)
 class DrawingOptions:
-    """How figures are drawn; None for the default."""
+    """Options of drawing; None for the default."""
 
     style: Annotated[str | None, typer.Option(help=f"{listed(STYLES)}.")] = None
     formats: Annotated[

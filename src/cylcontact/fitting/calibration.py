@@ -166,7 +166,7 @@ def problem_of(campaign: Campaign, jobs: Workers, progress: Progress) -> tuple[P
 
 @dataclass(frozen=True)
 class _Quality:
-    """What the best coefficients are worth."""
+    """The bound, the profiles and the uncertainty of the best coefficients, where there are any."""
 
     bound: float | None = None
     profiles: dict[str, Profile] = field(default_factory=dict)
@@ -175,7 +175,7 @@ class _Quality:
 
 @dataclass(frozen=True)
 class _Way:
-    """How a campaign on one kind of data is fitted."""
+    """The steps of a calibration that differ between a grid and a table of measurements."""
 
     # From the campaign, workers and progress to the problem and the number of samples.
     problem: Callable[[Campaign, Workers, Progress], tuple[Problem, Counts]]

@@ -30,7 +30,7 @@ __all__ = [
     "with_rig",
 ]
 
-MODELS = {(model.law, model.contact): model for law in DEFINITIONS for model in law.models}
+MODELS = {(m.law, m.contact): m for definition in DEFINITIONS for m in definition.models}
 
 # What a test rig adds to a reading.
 _RIG = (

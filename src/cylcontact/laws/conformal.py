@@ -291,12 +291,11 @@ def _radius(pair: CylinderPair) -> FloatArray:
 def _require_persson(pair: CylinderPair) -> None:
     """Raise `InputError` for pairs for which Persson's solution does not hold."""
     require_hole("Persson's law", pair)
-    hole, pin = pair.material_i, pair.material_j
     require(
-        np.asarray((hole.E == pin.E) & (hole.nu == pin.nu)),
+        pair.of_one_material,
         "Persson's law",
         "pair.material_j",
-        pin.name,
+        pair.material_j.name,
         "must have the same E and ν as material_i, or the solution does not hold",
         "give a pair of one material, or use laws.Conformal()",
     )

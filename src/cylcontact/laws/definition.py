@@ -1,6 +1,6 @@
-"""What a law states about itself beside its formula in NumPy: one `Definition` for each.
+"""The definition of a law: its parameters, kernel and exported formula beside its NumPy form.
 
-Everything that lists, samples, compiles, fits or exports laws reads it from there.
+Everything that lists, samples, compiles, fits or exports laws reads them from there.
 """
 
 from __future__ import annotations
@@ -132,8 +132,8 @@ class KernelSteps:
     numbers : callable
         From a law and a pair to these numbers.
     steps : str
-        Assignments in the notation of `laws.formula.Formula`, with the penetration and `names`;
-        the last two are f and k.
+        Assignments in the notation of `laws.formula.Formula`, with the penetration and `names`,
+        f and k among them.
     """
 
     names: tuple[str, ...]
@@ -143,7 +143,7 @@ class KernelSteps:
 
 @dataclass(frozen=True)
 class Definition:
-    """What the package knows of a law.
+    """A law with its formula for export, its kernel and its parameters.
 
     Attributes
     ----------

@@ -75,7 +75,7 @@ class Formula:
     equation : str
         The law on one line, for readers.
     text : str
-        Assignments in Python's syntax, one a line; the last two are f and k. Names are the
+        Assignments in Python's syntax, one a line, f and k among them. Names are the
         arguments, `constants`, pi and nan; functions are log, log1p, exp, sqrt, sin,
         atan and max. Names must not differ in case alone, because Fortran ignores case.
     coefficients : mapping

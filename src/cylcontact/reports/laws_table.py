@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -23,7 +24,6 @@ __all__ = ["case", "comparison", "departures", "deviations", "explicit_error", "
 # bearing.
 R_I = LENGTH = 10.0  # mm
 LOAD = 100.0  # N/mm
-DR = {"internal": 0.05}  # mm
 
 # The values of φ = f/(E*·ΔR) in the table of deviations.
 LOAD_NUMBERS: dict[Contact, tuple[float, ...]] = {
@@ -76,7 +76,7 @@ def case(
     """
     # The pair refuses any other contact.
     kind = cast(Contact, contact)
-    gap = {**DR, "external": 2 * R_i}.get(kind, 1.0) if dR is None else dR
+    gap = {"internal": 0.05, "external": 2 * R_i}.get(kind, 1.0) if dR is None else dR
     material = Material("the material of both bodies", E, nu)
     return CylinderPair.from_dR(kind, gap, material, length, R_i)
 
@@ -101,8 +101,7 @@ def pin_in_hole(
     -------
     CylinderPair
     """
-    gap = DR["internal"] if dR is None else dR
-    return CylinderPair.from_dR("internal", gap, hole, length, R_i, pin)
+    return replace(case(dR=dR, R_i=R_i, length=length), material_i=hole, material_j=pin)
 
 
 def comparison(pair: CylinderPair, load: float) -> pd.DataFrame:
@@ -205,15 +204,9 @@ def deviations(pair: CylinderPair) -> pd.DataFrame:
     return pd.DataFrame.from_dict(rows, orient="index", columns=list(numbers)).rename_axis("law")
 
 
-def _are_alike(pair: CylinderPair) -> bool:
-    """Return whether both bodies have the same elastic constants."""
-    hole, pin = pair.material_i, pair.material_j
-    return bool(hole.E == pin.E and hole.nu == pin.nu)
-
-
 def _truth(pair: CylinderPair) -> ContactLaw:
     """Return the reference law of a pair."""
-    if pair.contact == "internal" and not _are_alike(pair):
+    if pair.contact == "internal" and not pair.of_one_material:
         return Conformal()
     return TRUTH[pair.contact]
 
@@ -242,15 +235,16 @@ def to_text(pair: CylinderPair, load: float) -> str:
     """
     contact = pair.contact
     truth = _truth(pair).name
+    side_by_side, errors = comparison(pair, load), deviations(pair)
     parts = [
         f"{contact} contact, ΔR = {float(pair.dR):g} mm, E* = {float(pair.E_star):.2f} MPa, "
         f"f = {load:g} N/mm, φ = f/(E*·ΔR) = {load / float(pair.E_star * pair.dR):.6g}",
-        _comparison(comparison(pair, load)),
+        _comparison(side_by_side),
         f"penetration against {truth}'s at equal load, percent, at φ =",
-        _deviations(deviations(pair)),
+        _deviations(errors),
     ]
-    if not _are_alike(pair):
-        parts.insert(1, _advice(pair, load))
+    if not pair.of_one_material:
+        parts.insert(1, _advice(pair, side_by_side, errors))
     elif contact == "internal":
         parts += [
             "where johnson's penetration is too low against persson's: φ, and the load in N/mm "
@@ -261,15 +255,14 @@ def to_text(pair: CylinderPair, load: float) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _advice(pair: CylinderPair, load: float) -> str:
+def _advice(pair: CylinderPair, side_by_side: pd.DataFrame, errors: pd.DataFrame) -> str:
     """Return which law to use for a pin and a hole of different materials, and why."""
-    table = deviations(pair)
     # A law that ends within the table is not the one to use.
-    errors = {name: np.nan_to_num(np.abs(table.loc[name]), nan=np.inf).max() for name in _FORMULAS}
-    best = min(errors, key=errors.__getitem__)
-    exact = Conformal().penetration(load, pair)
+    worst = {name: np.nan_to_num(np.abs(errors.loc[name]), nan=np.inf).max() for name in _FORMULAS}
+    best = min(worst, key=worst.__getitem__)
+    penetration = side_by_side.set_index("law")["penetration_um"]
     at_load = ", ".join(
-        f"{name} {_deviation(float(100 * (LAWS[name]().penetration(load, pair) / exact - 1)))} %"
+        f"{name} {_deviation(100 * (penetration[name] / penetration['conformal'] - 1))} %"
         for name in _FORMULAS
     )
     return (
@@ -277,7 +270,7 @@ def _advice(pair: CylinderPair, load: float) -> str:
         f"α = {float(pair.alpha):.3f}, β = {float(pair.beta):.3f}\n"
         "conformal is exact for both materials; at this load the penetration of formulas that know "
         f"E* is off by: {at_load}\n"
-        f"use conformal, or {best} where a formula is needed: at most {errors[best]:.1f} % off at "
+        f"use conformal, or {best} where a formula is needed: at most {worst[best]:.1f} % off at "
         "the φ below"
     )
 

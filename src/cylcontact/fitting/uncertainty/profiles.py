@@ -114,12 +114,17 @@ class Profile(Spec):
         return "well" if half_width <= WELL * abs(value) else "fairly"
 
 
-class PairMap(Spec):
-    """The likelihood ratio over two parameters, all others refitted."""
+class _Map(Spec):
+    """Values of two parameters over which something is mapped."""
 
     names: tuple[str, str] = Field(description="the two parameters", strict=False)
     x: list[float] = Field(description="values of the first, increasing")
     y: list[float] = Field(description="values of the second, increasing")
+
+
+class PairMap(_Map):
+    """The likelihood ratio over two parameters, all others refitted."""
+
     ratio: list[list[float | None]] = Field(
         description="(S(θ) − S)/τ, a row for each y; null where the law is undefined, "
         "below 0 where a better optimum was found"
@@ -127,12 +132,9 @@ class PairMap(Spec):
     thresholds: dict[str, float] = Field(description="the contour of each level, in percent")
 
 
-class DiscrepancyPair(Spec):
+class DiscrepancyPair(_Map):
     """The rise of the objective over two coefficients, all others re-optimised."""
 
-    names: tuple[str, str] = Field(description="the two coefficients", strict=False)
-    x: list[float] = Field(description="values of the first, increasing")
-    y: list[float] = Field(description="values of the second, increasing")
     rise: list[list[float | None]] = Field(
         description="best objective over the optimum, less 1; null where the law is undefined"
     )
