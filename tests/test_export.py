@@ -3,6 +3,7 @@ import math
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -91,17 +92,19 @@ class Case:
     def __post_init__(self):
         formula = formula_of(self.law, self.contact)
         self.function = formula.name
-        blocks = [self.sweep(m, dR) for m in MATERIALS for dR in GAPS[self.contact]]
+        pins = MATERIALS if "alpha" in formula.arguments else (None,)
+        pairs = product(MATERIALS, pins, GAPS[self.contact])
+        blocks = [self.sweep(hole, pin or hole, dR) for hole, pin, dR in pairs]
         blocks += [self.spoiled(formula, name) for name in formula.arguments[1:]]
         columns = {key: np.concatenate([block[key] for block in blocks]) for key in blocks[0]}
         self.load, self.stiffness, self.tolerance = map(columns.pop, ("f", "k", "tolerance"))
         self.arguments = {name: columns[name] for name in formula.arguments}
         self.rows = self.load.size
 
-    def sweep(self, material, dR):
+    def sweep(self, hole, pin, dR):
         """Penetrations over the whole domain of one pair."""
         known = sizes(self.contact, dR)
-        pair = CylinderPair(self.contact, dR, material, material, **known)
+        pair = CylinderPair(self.contact, dR, hole, pin, **known)
         largest = self.law.max_penetration(pair)
         unit = float(largest) if np.isfinite(largest) else dR
         penetration = PARTS * unit
@@ -110,6 +113,8 @@ class Case:
                 "penetration": penetration,
                 "E_star": pair.E_star,
                 "dR": dR,
+                "alpha": pair.alpha,
+                "beta": pair.beta,
                 **known,
                 "f": self.law.load(penetration, pair),
                 "k": self.law.stiffness(penetration, pair),
@@ -130,8 +135,10 @@ class Case:
 
     def spoiled(self, formula, name):
         """Arguments that no pair has: NaN is the answer."""
-        values = np.array([-1.0, 0.0, -np.inf, np.nan])
+        signed = name in ("alpha", "beta")
+        values = np.array([-1.0, 1.0 if signed else 0.0, -np.inf, np.nan])
         fine = {"penetration": 1e-3, "E_star": 1e5, "dR": 0.5, **sizes("internal", 0.5)}
+        fine |= {"alpha": 0.0, "beta": 0.0}
         assert name in formula.arguments
         block = fine | {name: values, "f": np.nan, "k": np.nan, "tolerance": 0.0}
         return {key: value + np.zeros_like(values) for key, value in block.items()}

@@ -256,6 +256,47 @@ class CylinderPair:
             )
         return cls(contact, dR, material, material_j or material, R_i, R_j, length, plane)
 
+    @classmethod
+    def from_dundurs(cls, alpha: Length, beta: Length) -> CylinderPair:
+        """Return a pin in a hole of given α and β, with E* = 1 MPa and ΔR = 1 mm.
+
+        Loads of this pair in N/mm are φ = f/(E*·ΔR), its penetrations in mm are d = δ/ΔR.
+
+        Parameters
+        ----------
+        alpha, beta : float or array_like
+            Dundurs' parameters, α inside ]−1, 1[ and β from (α − 1)/4 to (α + 1)/4. Other values
+            need a negative Poisson's ratio, or one above 0.5.
+
+        Returns
+        -------
+        CylinderPair
+            In plane strain. Of the materials with these α and β it has those of which one is
+            incompressible.
+
+        Raises
+        ------
+        InputError
+            If no two materials have this α and β.
+
+        Examples
+        --------
+        >>> pair = CylinderPair.from_dundurs(0.4866, 0.1153)
+        >>> print(f"{pair.E_star:.3f} MPa, alpha = {pair.alpha:.4f}, beta = {pair.beta:.4f}")
+        1.000 MPa, alpha = 0.4866, beta = 0.1153
+        """
+        a, b = np.broadcast_arrays(as_floats(alpha), as_floats(beta))
+        remedy = "choose |alpha| < 1 and beta from (alpha - 1)/4 to (alpha + 1)/4"
+        source = "CylinderPair.from_dundurs"
+        require(np.abs(a) < 1, source, "alpha", alpha, "must lie inside ]-1, 1[", remedy)
+        possible = (a - 1 <= 4 * b) & (4 * b <= a + 1)
+        require(possible, source, "beta", beta, f"no materials have it at alpha = {a}", remedy)
+        w_i, w_j = (1 - a) / 2, (1 + a) / 2
+        # Either body's part of β is w·g with g = (1 − 2ν)/(2 − 2ν).
+        hole = _of_unit_share("hole", w_i, np.maximum(-b, 0) / w_i)
+        pin = _of_unit_share("pin", w_j, np.maximum(b, 0) / w_j)
+        return cls("internal", 1.0, hole, pin)
+
     @property
     def moduli(self) -> tuple[FloatArray, FloatArray]:
         """The moduli of bodies i and j in MPa: E/(1 − ν²) in plane strain, E in plane stress."""
@@ -371,6 +412,13 @@ class CylinderPair:
                 "pass length= in mm when the pair is built",
             )
         return self.length
+
+
+def _of_unit_share(name: str, share: FloatArray, g: FloatArray) -> Material:
+    """Return the material of one body, from its share of the compliance at E* = 1 and its g."""
+    g = np.minimum(g, 0.5)  # rounding may exceed it
+    nu = (1 - 2 * g) / (2 - 2 * g)
+    return Material(name, as_floats((1 - nu**2) / share), as_floats(nu))
 
 
 def _require_contact(contact: object) -> None:

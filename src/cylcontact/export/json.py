@@ -90,8 +90,9 @@ def _check_values(formula: Formula) -> Iterator[dict[str, float | str]]:
     """
     law, contact = formula.law, formula.contact or "internal"
     lengths = _LENGTHS if "length" in formula.extra else _LENGTHS[:1]
-    for material, radii, length in product(_MATERIALS, _RADII[contact], lengths):
-        pair = _pair(contact, radii, material, length)
+    pins = _MATERIALS if "alpha" in formula.extra else (None,)
+    for material, pin, radii, length in product(_MATERIALS, pins, _RADII[contact], lengths):
+        pair = _pair(contact, radii, material, length, pin)
         arguments = _arguments(pair)
         for penetration in _penetrations(law, pair):
             values = {"penetration": penetration, **arguments}
@@ -102,11 +103,15 @@ def _check_values(formula: Formula) -> Iterator[dict[str, float | str]]:
 
 
 def _pair(
-    contact: Contact, radii: tuple[float, float], material: Material, length: float
+    contact: Contact,
+    radii: tuple[float, float],
+    material: Material,
+    length: float,
+    other: Material | None,
 ) -> CylinderPair:
-    """Return the pair of two radii."""
+    """Return the pair of two radii, of one material unless there is another for body j."""
     build = CylinderPair.internal if contact == "internal" else CylinderPair.external
-    return build(*radii, material, length)
+    return build(*radii, material, length, other)
 
 
 def _arguments(pair: CylinderPair) -> dict[str, float]:
@@ -118,6 +123,8 @@ def _arguments(pair: CylinderPair) -> dict[str, float]:
         "R_i": float(R_i),
         "R_j": float(R_j),
         "length": pair.contact_length("the export"),
+        "alpha": float(pair.alpha),
+        "beta": float(pair.beta),
     }
 
 

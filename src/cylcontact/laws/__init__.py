@@ -10,6 +10,7 @@ from cylcontact.laws import (
     liu,
     logarithmic,
     logarithmic_variants,
+    parametric,
     pin_in_hole,
     power,
     sphere,
@@ -36,6 +37,7 @@ from cylcontact.laws.logarithmic_variants import (
     RadzimovskyRadii,
     RoarkYoung,
 )
+from cylcontact.laws.parametric import Parametric, ParametricCoefficients
 from cylcontact.laws.pin_in_hole import ClampedPlate, Conformal
 from cylcontact.laws.power import PowerLaw
 from cylcontact.laws.sphere import LankaraniNikravesh
@@ -62,6 +64,8 @@ __all__ = [
     "LankaraniNikravesh",
     "Liu",
     "LogarithmicLaw",
+    "Parametric",
+    "ParametricCoefficients",
     "Persson",
     "PowerLaw",
     "Radzimovsky",
@@ -86,6 +90,7 @@ DEFINITIONS = (
     winkler.DEFINITION,
     conformal.DEFINITION,
     pin_in_hole.DEFINITION,
+    parametric.DEFINITION,
     enhanced.DEFINITION,
     explicit.DEFINITION,
     sphere.DEFINITION,

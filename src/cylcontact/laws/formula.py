@@ -34,7 +34,10 @@ MEANINGS: Mapping[str, tuple[str, str]] = {
     "R_i": ("mm", "radius of body i"),
     "R_j": ("mm", "radius of body j"),
     "length": ("mm", "axial length of the contact"),
+    "alpha": ("-", "Dundurs' alpha, from -1 to 1, positive when body j (the pin) is the softer"),
+    "beta": ("-", "Dundurs' beta, of the same sign convention"),
 }
+_SIGNED = ("alpha", "beta")
 RESULTS: Mapping[str, tuple[str, str]] = {
     "load": ("N/mm", "load per unit of axial length, f below"),
     "stiffness": ("N/mm^2", "d(load)/d(penetration) per unit of axial length, k below"),
@@ -120,7 +123,8 @@ class Formula:
     @property
     def requirements(self) -> tuple[str, ...]:
         """Conditions on the arguments that hold inside the domain."""
-        positive = (f"{name} > 0" for name in self.arguments[1:])
+        lengths = (name for name in self.arguments[1:] if name not in _SIGNED)
+        positive = (f"{name} > 0" for name in lengths)
         return ("penetration >= 0", *positive, *self.conditions)
 
 

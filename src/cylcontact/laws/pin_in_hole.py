@@ -190,7 +190,7 @@ class Conformal(Unlimited):
         number = isinstance(self.datum, (int, float, np.number)) and np.isfinite(self.datum)
         require(
             bool(number) or isinstance(self.datum, ClampedPlate) or self.datum == "johnson",
-            "Conformal",
+            type(self).__name__,
             "datum",
             self.datum,
             "must be 'johnson', a finite number C or a ClampedPlate",
@@ -208,7 +208,7 @@ class Conformal(Unlimited):
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm."""
         f = as_floats(load)
-        touching, phi = in_units_of(_load_unit(pair), f)
+        touching, phi = in_units_of(self.load_unit(pair), f)
 
         def approach(phi: FloatArray, bodies: Bodies) -> FloatArray:
             return unlike.approach(self._arc_of_load(phi, bodies), bodies)
@@ -231,7 +231,18 @@ class Conformal(Unlimited):
 
     def require_pair(self, pair: CylinderPair) -> None:
         """Raise `InputError` for external contact."""
-        require_hole("Conformal", pair)
+        require_hole(type(self).__name__, pair)
+
+    def require_datum(self, pair: CylinderPair) -> None:
+        """Raise `InputError` if the datum makes the penetration of a pair decrease."""
+        if self.datum != "johnson":
+            C = self.constant(pair)
+            _for_each_beta(lambda _, bodies: self._last_arc(bodies).x, C, pair, C)
+
+    def load_unit(self, pair: CylinderPair) -> FloatArray:
+        """Return E*·ΔR in N/mm; raise `InputError` for external contact."""
+        self.require_pair(pair)
+        return as_floats(pair.E_star * as_floats(pair.dR))
 
     def contact_angle(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the semi-angle ε of the contact arc in degrees under `load` in N/mm.
@@ -239,7 +250,7 @@ class Conformal(Unlimited):
         It stays below a limit angle at any load: 72.35° for a rigid pin, 84.83° for equal bodies,
         180° for a rigid plate and β = 0.
         """
-        touching, phi = in_units_of(_load_unit(pair), as_floats(load))
+        touching, phi = in_units_of(self.load_unit(pair), as_floats(load))
 
         def angle(phi: FloatArray, bodies: Bodies) -> FloatArray:
             return unlike.contact_angle(_arc_under(phi, bodies))
@@ -254,7 +265,7 @@ class Conformal(Unlimited):
         so that small loads give exactly Hertz's pressure.
         """
         f = as_floats(load)
-        touching, phi = in_units_of(_load_unit(pair), f)
+        touching, phi = in_units_of(self.load_unit(pair), f)
         R_i, R_j = pair.radii("the contact pressure")
 
         def peak(phi: FloatArray, bodies: Bodies) -> FloatArray:
@@ -270,7 +281,7 @@ class Conformal(Unlimited):
         pair: CylinderPair,
     ) -> tuple[BoolArray, FloatArray]:
         """Return where the penetration is not negative, and a number of the arc there."""
-        unit = _load_unit(pair) / pair.E_star  # ΔR in the shape of the pair
+        unit = self.load_unit(pair) / pair.E_star  # ΔR in the shape of the pair
         touching, d = in_units_of(unit, penetration)
 
         def at_depth(d: FloatArray, bodies: Bodies) -> FloatArray:
@@ -289,7 +300,7 @@ class Conformal(Unlimited):
         least = unlike.approach(last, bodies)
         require(
             least > 0,
-            "Conformal",
+            type(self).__name__,
             "datum",
             self.datum,
             "makes the penetration decrease at large loads",
@@ -303,12 +314,6 @@ def _arc_under(phi: FloatArray, bodies: Bodies) -> unlike.Arc:
     return unlike.arc_of_load(phi, bodies, unlike.largest_arc(bodies))
 
 
-def _load_unit(pair: CylinderPair) -> FloatArray:
-    """Return E*·ΔR in N/mm; raise `InputError` for external contact."""
-    require_hole("Conformal", pair)
-    return as_floats(pair.E_star * as_floats(pair.dR))
-
-
 def _for_each_beta(
     answer: Callable[[FloatArray, Bodies], FloatArray],
     numbers: FloatArray,
@@ -317,6 +322,7 @@ def _for_each_beta(
 ) -> FloatArray:
     """Return `answer` of numbers that broadcast against a pair, solved for one β at a time."""
     (w_i, w_j), beta = pair.shares, pair.beta
+    beta = np.round(beta, 15)  # what differs by rounding is solved once
     distinct = np.unique(beta)
     if distinct.size == 1:
         return answer(numbers, Bodies(w_i, w_j, float(distinct[0]), C))
