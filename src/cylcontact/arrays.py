@@ -13,6 +13,7 @@ from cylcontact.errors import InputError
 __all__ = [
     "BoolArray",
     "FloatArray",
+    "IndexArray",
     "as_floats",
     "inside_or_nan",
     "own_arrays",
@@ -22,6 +23,7 @@ __all__ = [
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+IndexArray = NDArray[np.intp]
 
 
 def as_floats(values: object) -> FloatArray:

@@ -7,12 +7,12 @@ from typing import Literal
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats, own_arrays, require, same_fields
+from cylcontact.arrays import BoolArray, FloatArray, as_floats, own_arrays, require, same_fields
 from cylcontact.errors import InputError, short
 from cylcontact.html_repr import table_html
 from cylcontact.materials import Material
 
-__all__ = ["CONTACTS", "PLANES", "Contact", "CylinderPair", "Length", "Plane"]
+__all__ = ["CONTACTS", "PLANES", "Contact", "CylinderPair", "Length", "Plane", "are_possible"]
 
 Contact = Literal["internal", "external"]
 CONTACTS: tuple[Contact, ...] = ("internal", "external")
@@ -23,6 +23,8 @@ Length = float | FloatArray
 
 # ΔR may differ from that of the radii by rounding, as a part of the larger one.
 _AGREEMENT = 1e-6
+# And α and β may leave the possible ones by that much.
+_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -289,8 +291,7 @@ class CylinderPair:
         remedy = "choose |alpha| < 1 and beta from (alpha - 1)/4 to (alpha + 1)/4"
         source = "CylinderPair.from_dundurs"
         require(np.abs(a) < 1, source, "alpha", alpha, "must lie inside ]-1, 1[", remedy)
-        possible = (a - 1 <= 4 * b) & (4 * b <= a + 1)
-        require(possible, source, "beta", beta, f"no materials have it at alpha = {a}", remedy)
+        require(are_possible(a, b), source, "beta", beta, f"no materials have it at alpha = {a}", remedy)
         w_i, w_j = (1 - a) / 2, (1 + a) / 2
         # Either body's part of β is w·g with g = (1 − 2ν)/(2 − 2ν).
         hole = _of_unit_share("hole", w_i, np.maximum(-b, 0) / w_i)
@@ -412,6 +413,11 @@ class CylinderPair:
                 "pass length= in mm when the pair is built",
             )
         return self.length
+
+
+def are_possible(alpha: FloatArray, beta: FloatArray) -> BoolArray:
+    """Return where two materials can have α and β, with Poisson's ratios from 0 to 0.5."""
+    return (alpha - 1 <= 4 * beta + _ROUNDING) & (4 * beta <= alpha + 1 + _ROUNDING)
 
 
 def _of_unit_share(name: str, share: FloatArray, g: FloatArray) -> Material:

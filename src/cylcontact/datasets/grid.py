@@ -1,24 +1,36 @@
-"""Grids of E, ν, ΔR and load on which a reference law is sampled."""
+"""Grids on which a reference law is sampled: of E, ν, ΔR and load, or of α, β and φ."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, IndexArray
 from cylcontact.datasets.tabulated import FINITE_ELEMENT, TabulatedReference, with_table
 from cylcontact.errors import InputError
 from cylcontact.laws import REFERENCES, ContactLaw, reference_law
 from cylcontact.materials import Material
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.pair import Contact, CylinderPair, are_possible
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
-__all__ = ["AxesSpec", "AxisSpec", "Grid", "GridSpec", "grid_from", "read_grid", "read_grid_data"]
+__all__ = [
+    "AnyGrid",
+    "AxesSpec",
+    "AxisSpec",
+    "DimensionlessGrid",
+    "DimensionlessGridSpec",
+    "Grid",
+    "GridSpec",
+    "grid_from",
+    "read_grid",
+    "read_grid_data",
+]
 
 _POSITIVE_AXES = ("E", "dR", "load")
 _UNITS = {"E": "GPa", "nu": "dimensionless", "dR": "mm", "load": "N/mm"}
@@ -100,13 +112,7 @@ class AxesSpec(Spec):
     @model_validator(mode="after")
     def _check(self) -> AxesSpec:
         for name in _POSITIVE_AXES:
-            numbers = getattr(self, name).numbers()
-            for end in (float(numbers[0]), float(numbers[-1])):
-                if not _SMALLEST <= end <= _LARGEST:
-                    rule = f"must lie between {_SMALLEST:g} and {_LARGEST:g}"
-                    if end <= 0:
-                        rule = "every value must be positive"
-                    raise broken(name, end, rule, f"give it in {_UNITS[name]}")
+            _check_positive(name, getattr(self, name), f"give it in {_UNITS[name]}")
         ratio = self.nu.numbers()
         if ratio[0] < 0 or ratio[-1] > 0.5:
             raise broken(
@@ -116,6 +122,17 @@ class AxesSpec(Spec):
                 "narrow the axis",
             )
         return self
+
+
+def _check_positive(name: str, axis: AxisSpec, remedy: str) -> None:
+    """Raise an error for an axis with values that are not positive, or beyond every contact's."""
+    numbers = axis.numbers()
+    for end in (float(numbers[0]), float(numbers[-1])):
+        if not _SMALLEST <= end <= _LARGEST:
+            rule = f"must lie between {_SMALLEST:g} and {_LARGEST:g}"
+            if end <= 0:
+                rule = "every value must be positive"
+            raise broken(name, end, rule, remedy)
 
 
 class GridSpec(Spec):
@@ -143,18 +160,55 @@ class GridSpec(Spec):
             key = "table" if self.table is not None else "penetrations"
             rule = f"is used only with reference {FINITE_ELEMENT}"
             raise broken(key, None, rule, "drop it")
-        if self.reference not in REFERENCES:
-            raise broken(
-                "reference",
-                self.reference,
-                "is not a law that a grid can sample",
-                f"choose among {', '.join(REFERENCES)}, {FINITE_ELEMENT}",
-            )
-        try:
-            pair = CylinderPair.from_dR(self.contact, 1.0, Material("any", E=1.0, nu=0.0))
-            reference_law(self.reference).max_load(pair)
-        except InputError as error:
-            raise broken("reference", self.reference, error.rule, error.remedy) from None
+        pair = CylinderPair.from_dR(self.contact, 1.0, Material("any", E=1.0, nu=0.0))
+        _check_reference(self.reference, pair, f", {FINITE_ELEMENT}")
+        return self
+
+
+def _check_reference(name: str, pair: CylinderPair, others: str = "") -> None:
+    """Raise an error unless there is such a law, and it is for pairs like this one."""
+    if name not in REFERENCES:
+        rule = "is not a law that a grid can sample"
+        raise broken("reference", name, rule, f"choose among {', '.join(REFERENCES)}{others}")
+    try:
+        reference_law(name).max_load(pair)
+    except InputError as error:
+        raise broken("reference", name, error.rule, error.remedy) from None
+
+
+class DundursAxesSpec(Spec):
+    """The three axes of a dimensionless grid."""
+
+    alpha: AxisSpec = Field(description="a table [axes.alpha] for Dundurs' alpha")
+    beta: AxisSpec = Field(description="a table [axes.beta] for Dundurs' beta")
+    phi: AxisSpec = Field(description="a table [axes.phi] for the load over E* times dR")
+
+    @model_validator(mode="after")
+    def _check(self) -> DundursAxesSpec:
+        alpha, beta = self.alpha.numbers(), self.beta.numbers()
+        if np.abs(alpha).max() >= 1:
+            ends = [float(alpha[0]), float(alpha[-1])]
+            raise broken("alpha", ends, "must lie inside ]-1, 1[", "narrow the axis")
+        if not are_possible(alpha[:, None], beta).any():
+            ends = [float(beta[0]), float(beta[-1])]
+            rule = "no two materials have such values"
+            raise broken("beta", ends, rule, "choose from (alpha - 1)/4 to (alpha + 1)/4")
+        _check_positive("phi", self.phi, "give the load over E* times dR, a number")
+        return self
+
+
+class DimensionlessGridSpec(Spec):
+    """A grid spec file with the axes alpha, beta and phi."""
+
+    contact: Literal["internal"] = Field(description='"internal"')
+    reference: str = Field(description=f"the law to sample, one of {', '.join(REFERENCES)}")
+    axes: DundursAxesSpec = Field(
+        description="the tables [axes.alpha], [axes.beta] and [axes.phi]"
+    )
+
+    @model_validator(mode="after")
+    def _check(self) -> DimensionlessGridSpec:
+        _check_reference(self.reference, CylinderPair.from_dundurs(0.5, 0.1))
         return self
 
 
@@ -211,6 +265,14 @@ class Grid:
     load: FloatArray
     source: str = "grid"
     penetrations: FloatArray | None = None
+    axes: ClassVar[tuple[str, ...]] = ("dR", "E", "nu", "load")
+    columns: ClassVar[tuple[str, ...]] = (
+        "E_GPa",
+        "nu",
+        "dR_mm",
+        "load_N_per_mm",
+        "penetration_mm",
+    )
 
     @property
     def law(self) -> ContactLaw | TabulatedReference:
@@ -235,19 +297,105 @@ class Grid:
         """Number of combinations of E and ν."""
         return self.E.size * self.nu.size
 
+    def row_values(self, rows: IndexArray) -> tuple[FloatArray, FloatArray]:
+        """Return E in GPa and ν of rows, with E varying slowest."""
+        return self.E[rows // self.nu.size], self.nu[rows % self.nu.size]
 
-def read_grid(path: Path | str) -> Grid:
+    def pairs(self, dR: float, rows: IndexArray) -> CylinderPair:
+        """Return the pairs of rows at one ΔR in mm, in the shape of `rows`."""
+        E, nu = self.row_values(rows)
+        return CylinderPair.from_dR(self.contact, dR, Material("grid", E * 1e3, nu))
+
+
+@dataclass(frozen=True, eq=False)
+class DimensionlessGrid:
+    """The product of values of α, β and φ = f/(E*·ΔR), without pairs that no materials make.
+
+    Its pairs have E* = 1 MPa and ΔR = 1 mm: their loads are φ, their penetrations d = δ/ΔR.
+
+    Attributes
+    ----------
+    reference : str
+        Name of the law sampled.
+    alpha, beta, phi : array of float
+        The axes.
+    source : str
+        Its name in errors.
+
+    Examples
+    --------
+    >>> ends = np.array([-0.4, 0.0, 0.4])
+    >>> grid = DimensionlessGrid("conformal", ends, ends / 2, np.array([0.1, 1.0]))
+    >>> grid.rows, grid.size
+    (7, 14)
+    """
+
+    reference: str
+    alpha: FloatArray
+    beta: FloatArray
+    phi: FloatArray
+    source: str = "grid"
+    contact: ClassVar[Contact] = "internal"
+    axes: ClassVar[tuple[str, ...]] = ("alpha", "beta", "phi")
+    columns: ClassVar[tuple[str, ...]] = ("alpha", "beta", "phi", "d")
+
+    @property
+    def law(self) -> ContactLaw:
+        """The reference law."""
+        return reference_law(self.reference)
+
+    @property
+    def dR(self) -> FloatArray:
+        """The only clearance, 1 mm."""
+        return np.ones(1)
+
+    @property
+    def load(self) -> FloatArray:
+        """The loads in N/mm, which are φ."""
+        return self.phi
+
+    @property
+    def rows(self) -> int:
+        """Number of pairs of α and β that two materials can have."""
+        return self._possible[0].size
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self.rows * self.phi.size
+
+    def row_values(self, rows: IndexArray) -> tuple[FloatArray, FloatArray]:
+        """Return α and β of rows, with α varying slowest."""
+        alpha, beta = self._possible
+        return alpha[rows], beta[rows]
+
+    def pairs(self, dR: float, rows: IndexArray) -> CylinderPair:
+        """Return the pairs of rows in the shape of `rows`; `dR` is 1."""
+        return CylinderPair.from_dundurs(*self.row_values(rows))
+
+    @cached_property
+    def _possible(self) -> tuple[FloatArray, FloatArray]:
+        """α and β of all rows."""
+        alpha, beta = np.meshgrid(self.alpha, self.beta, indexing="ij")
+        possible = are_possible(alpha, beta)
+        return alpha[possible], beta[possible]
+
+
+AnyGrid = Grid | DimensionlessGrid
+
+
+def read_grid(path: Path | str) -> AnyGrid:
     """Read a grid spec.
 
     Parameters
     ----------
     path : path
         A TOML file with contact, reference and the tables axes.E (GPa), axes.nu, axes.dR
-        (mm) and axes.load (N/mm).
+        (mm) and axes.load (N/mm), or axes.alpha, axes.beta and axes.phi.
 
     Returns
     -------
-    Grid
+    Grid or DimensionlessGrid
 
     Raises
     ------
@@ -269,8 +417,19 @@ def read_grid_data(path: Path | str) -> dict[str, Any]:
     return with_table(data, Path(path)) if data.get("reference") == FINITE_ELEMENT else data
 
 
-def grid_from(data: dict[str, Any], source: str) -> Grid:
+def grid_from(data: dict[str, Any], source: str) -> AnyGrid:
     """Return the grid described by the contents of a spec."""
+    axes = data.get("axes")
+    if isinstance(axes, dict) and not axes.keys().isdisjoint(DimensionlessGrid.axes):
+        own = parse_spec(DimensionlessGridSpec, data, source)
+        alpha, beta, phi = own.axes.alpha, own.axes.beta, own.axes.phi
+        numbers = (alpha.numbers(), beta.numbers(), phi.numbers())
+        return DimensionlessGrid(own.reference, *numbers, source)
+    return _grid_from(data, source)
+
+
+def _grid_from(data: dict[str, Any], source: str) -> Grid:
+    """Return the grid of E, ν, ΔR and load."""
     spec = parse_spec(GridSpec, data, source)
     axes = spec.axes
     return Grid(

@@ -17,26 +17,21 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
-from numpy.typing import NDArray
 
-from cylcontact.arrays import FloatArray
-from cylcontact.datasets.grid import Grid
+from cylcontact.arrays import FloatArray, IndexArray
+from cylcontact.datasets.grid import AnyGrid
 from cylcontact.datasets.logarithmic_moments import row_moments
 from cylcontact.datasets.moments import Moments, concatenate, merge
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix
 from cylcontact.laws import LogarithmicLaw
-from cylcontact.materials import Material
-from cylcontact.pair import CylinderPair
 from cylcontact.parallel import Workers, call, run_calls
 
 __all__ = [
     "BLOCK",
-    "COLUMNS",
     "PIECE",
     "Block",
     "Counts",
-    "IndexArray",
     "blocks",
     "reduce_grid",
     "write_samples",
@@ -46,10 +41,6 @@ __all__ = [
 BLOCK = 1 << 16
 # Least number of samples per call of a worker, if a clearance has that many.
 PIECE = 1 << 21
-
-COLUMNS = ("E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm")
-
-IndexArray = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -68,15 +59,16 @@ class Block:
     ----------
     dR : float
         ΔR in mm.
-    E, nu, load, penetration, E_star : array of float, shape (k,)
-        In GPa, -, N/mm, mm and MPa.
+    row_values : tuple of two arrays of float, shape (k,)
+        E in GPa and ν, or α and β.
+    load, penetration, E_star : array of float, shape (k,)
+        In N/mm, mm and MPa.
     masked : int
         Samples left out.
     """
 
     dR: float
-    E: FloatArray
-    nu: FloatArray
+    row_values: tuple[FloatArray, FloatArray]
     load: FloatArray
     penetration: FloatArray
     E_star: FloatArray
@@ -93,12 +85,12 @@ class Block:
         return np.asarray(np.log(self.penetration))
 
 
-def blocks(grid: Grid, dR: float) -> Iterator[Block]:
+def blocks(grid: AnyGrid, dR: float) -> Iterator[Block]:
     """Sample the grid's reference law at one ΔR, block by block.
 
     Parameters
     ----------
-    grid : Grid
+    grid : Grid or DimensionlessGrid
         The grid.
     dR : float
         One of its clearances, in mm.
@@ -111,34 +103,23 @@ def blocks(grid: Grid, dR: float) -> Iterator[Block]:
     return _blocks_of_rows(grid, dR, np.arange(grid.rows))
 
 
-def _blocks_of_rows(grid: Grid, dR: float, rows: IndexArray) -> Iterator[Block]:
+def _blocks_of_rows(grid: AnyGrid, dR: float, rows: IndexArray) -> Iterator[Block]:
     """Yield samples at one ΔR for some rows of the grid, its combinations of E and ν."""
     law = grid.law
     loads_per_block = min(grid.load.size, BLOCK)
     rows_per_block = max(1, BLOCK // loads_per_block)
     for row in range(0, rows.size, rows_per_block):
-        E, nu = _moduli(grid, rows[row : row + rows_per_block, None])
-        pair = _pair(grid, dR, E, nu)
+        here = rows[row : row + rows_per_block, None]
+        pair = grid.pairs(dR, here)
         for first in range(0, grid.load.size, loads_per_block):
             load = grid.load[first : first + loads_per_block]
             penetration = law.penetration(load, pair)
-            yield _masked_block(dR, E, nu, load, penetration, pair.E_star)
-
-
-def _moduli(grid: Grid, rows: IndexArray) -> tuple[FloatArray, FloatArray]:
-    """Return E in GPa and ν of rows of the grid, with E varying slowest."""
-    return grid.E[rows // grid.nu.size], grid.nu[rows % grid.nu.size]
-
-
-def _pair(grid: Grid, dR: float, E: FloatArray, nu: FloatArray) -> CylinderPair:
-    """Return the pairs at one ΔR in mm with E in GPa and ν."""
-    return CylinderPair.from_dR(grid.contact, dR, Material("grid", E * 1e3, nu))
+            yield _masked_block(dR, grid.row_values(here), load, penetration, pair.E_star)
 
 
 def _masked_block(
     dR: float,
-    E: FloatArray,
-    nu: FloatArray,
+    row_values: tuple[FloatArray, FloatArray],
     load: FloatArray,
     penetration: FloatArray,
     E_star: FloatArray,
@@ -153,8 +134,7 @@ def _masked_block(
 
     return Block(
         dR=dR,
-        E=masked(E),
-        nu=masked(nu),
+        row_values=(masked(row_values[0]), masked(row_values[1])),
         load=masked(load),
         penetration=masked(penetration),
         E_star=masked(E_star),
@@ -163,13 +143,13 @@ def _masked_block(
 
 
 def reduce_grid(
-    grid: Grid, jobs: Workers = 1, progress: Callable[[int], None] | None = None
+    grid: AnyGrid, jobs: Workers = 1, progress: Callable[[int], None] | None = None
 ) -> tuple[Moments, Counts]:
     """Reduce a grid of any size to moments, with one block per worker in memory.
 
     Parameters
     ----------
-    grid : Grid
+    grid : Grid or DimensionlessGrid
         The grid.
     jobs : int or Cluster
         Number of threads, or a Dask cluster; the result does not depend on it.
@@ -224,15 +204,15 @@ def reduce_grid(
     return moments, Counts(int(moments.total), grid.size - int(moments.total))
 
 
-def _reduce_rows(grid: Grid, dR: float, first: int, last: int) -> Moments:
+def _reduce_rows(grid: AnyGrid, dR: float, first: int, last: int) -> Moments:
     """Return the moments of some rows, combinations of E and ν, at one ΔR."""
     law, rows, parts = grid.law, np.arange(first, last), []
     if isinstance(law, LogarithmicLaw):
         # Its domain ends at a largest load: if the largest load of the grid is inside, all are.
-        pair = _pair(grid, dR, *_moduli(grid, rows))
+        pair = grid.pairs(dR, rows)
         whole = np.isfinite(law.penetration(grid.load.max(), pair))
         if not whole.all():
-            pair = _pair(grid, dR, *_moduli(grid, rows[whole]))
+            pair = grid.pairs(dR, rows[whole])
         if whole.any():
             parts.append(row_moments(law, pair, grid.load))
         rows = rows[~whole]
@@ -241,16 +221,16 @@ def _reduce_rows(grid: Grid, dR: float, first: int, last: int) -> Moments:
 
 
 def write_samples(
-    grid: Grid, path: Path | str, progress: Callable[[int], None] | None = None
+    grid: AnyGrid, path: Path | str, progress: Callable[[int], None] | None = None
 ) -> Counts:
     """Sample a grid into a table, in bounded memory.
 
     Parameters
     ----------
-    grid : Grid
+    grid : Grid or DimensionlessGrid
         The grid.
     path : path
-        A .parquet or .csv file, created when it is complete. Its columns are `COLUMNS`.
+        A .parquet or .csv file, created when it is complete. Its columns are those of the grid.
     progress : callable, optional
         Called with the number of clearances done after each.
 
@@ -264,7 +244,7 @@ def write_samples(
     InputError
         If the suffix is neither, the file cannot be written, or every sample is masked.
     """
-    schema = pa.schema([(name, pa.float64()) for name in COLUMNS])
+    schema = pa.schema([(name, pa.float64()) for name in grid.columns])
     samples = masked = 0
     with replacing(path) as temporary, _table_writer(path, temporary, schema) as writer:
         for done, dR in enumerate(grid.dR, start=1):
@@ -293,8 +273,8 @@ def _record_batch(block: Block, schema: pa.Schema) -> pa.RecordBatch:
 
     `pa.array` would import pandas, which is slow and loses a Ctrl-C.
     """
-    dR = np.full(block.load.size, block.dR)
-    columns = (block.E, block.nu, dR, block.load, block.penetration)
+    dR = [np.full(block.load.size, block.dR)] if "dR_mm" in schema.names else []
+    columns = (*block.row_values, *dR, block.load, block.penetration)
     arrays = [
         pa.Array.from_buffers(pa.float64(), column.size, [None, pa.py_buffer(column)])
         for column in columns

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from cylcontact.datasets.grid import Grid
+from cylcontact.datasets.grid import AnyGrid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.errors import InputError
@@ -47,6 +47,8 @@ __all__ = ["RunPlan", "calibrate", "execute", "plan_runs", "problem_of", "search
 
 # Every worker keeps all samples in memory, 24 bytes each.
 _MAX_ROWS = 20_000_000
+# Sets of coefficients evaluated at a time until the law is defined for one.
+_TRIED = 64
 
 
 def calibrate(
@@ -201,12 +203,12 @@ def _problem_on_grid(
     return problem, counts
 
 
-def _by_clearance(progress: Progress, stage: str, grid: Grid) -> Callable[[int], None]:
+def _by_clearance(progress: Progress, stage: str, grid: AnyGrid) -> Callable[[int], None]:
     """Return a function that reports how many clearances are done."""
     return lambda done: progress(stage, done, grid.dR.size)
 
 
-def _require_few(grid: Grid, campaign: Campaign) -> None:
+def _require_few(grid: AnyGrid, campaign: Campaign) -> None:
     """Refuse a grid whose samples do not fit into memory."""
     if grid.size > _MAX_ROWS:
         moments = ", or use rms-log-penetration, which needs only moments"
@@ -230,7 +232,8 @@ def _require_defined_somewhere(problem: Problem, source: str) -> None:
     unit = np.random.default_rng(0).uniform(size=(1 << 12, len(problem.free)))
     corners = np.vstack([np.zeros(len(problem.free)), np.ones(len(problem.free)), unit])
     points = problem.low + corners * (problem.high - problem.low)
-    if not np.isfinite(problem.values(points)).any():
+    some = (points[k : k + _TRIED] for k in range(0, len(points), _TRIED))
+    if not any(np.isfinite(problem.values(part)).any() for part in some):
         raise InputError(
             source,
             "parameters",

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from cylcontact.arrays import FloatArray
-from cylcontact.datasets.grid import Grid, grid_from, read_grid_data
+from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid, grid_from, read_grid_data
 from cylcontact.datasets.measurements import (
     Constants,
     MeasuredData,
@@ -71,7 +71,7 @@ class GridData:
         The contents of its file.
     """
 
-    grid: Grid
+    grid: AnyGrid
     spec: dict[str, Any]
     kind: ClassVar[Literal["discrepancy"]] = "discrepancy"
 
@@ -275,12 +275,12 @@ def _on_grid(
     return Campaign(name, complete, data, model, parameters, spec.objective, source)
 
 
-def grid_of(campaign: Campaign) -> Grid:
+def grid_of(campaign: Campaign) -> AnyGrid:
     """Return the grid of a campaign, which has to be on one."""
     return _grid_data(campaign).grid
 
 
-def with_grid(campaign: Campaign, grid: Grid) -> Campaign:
+def with_grid(campaign: Campaign, grid: AnyGrid) -> Campaign:
     """Return a campaign on another grid; its settings remain those of its file."""
     return replace(campaign, data=replace(_grid_data(campaign), grid=grid))
 
@@ -308,8 +308,16 @@ def _find_dataset(campaign: Path, dataset: str) -> Path:
     )
 
 
-def _require_range(grid: Grid, model: LawModel, source: str) -> None:
-    """Refuse clearances outside the range of the law."""
+def _require_range(grid: AnyGrid, model: LawModel, source: str) -> None:
+    """Refuse clearances outside the range of the law, or a grid without lengths if it has units."""
+    if isinstance(grid, DimensionlessGrid) and not model.dimensionless:
+        raise InputError(
+            source,
+            "law",
+            model.law,
+            "has coefficients with units, and its grid is of alpha, beta and phi",
+            "name a grid of E, nu, dR and load",
+        )
     low, high = float(grid.dR.min()), float(grid.dR.max())
     if low < model.dR_min or high > model.dR_max:
         raise InputError(

@@ -20,7 +20,7 @@ import numpy as np
 from scipy.optimize import least_squares, linprog
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.datasets.grid import Grid
+from cylcontact.datasets.grid import AnyGrid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import blocks
 from cylcontact.fitting.samples import Form, PowerForm, Samples, form_of, samples_of
@@ -325,7 +325,7 @@ def make_objective(objective: str, data: Moments | Samples) -> Objective:
 
 
 def max_abs_difference_percent(
-    grid: Grid,
+    grid: AnyGrid,
     model: LawModel,
     candidates: Sequence[Mapping[str, float]],
     jobs: Workers = 1,
@@ -335,7 +335,7 @@ def max_abs_difference_percent(
 
     Parameters
     ----------
-    grid : Grid
+    grid : Grid or DimensionlessGrid
         The grid, sampled block by block.
     model : LawModel
         The law.
@@ -361,7 +361,7 @@ def max_abs_difference_percent(
     return 100 * worst
 
 
-def _at_clearance(grid: Grid, model: LawModel, points: FloatArray, dR: float) -> FloatArray:
+def _at_clearance(grid: AnyGrid, model: LawModel, points: FloatArray, dR: float) -> FloatArray:
     """Return the largest |Eq 9| at one ΔR, as a fraction, shape (P,).
 
     Eq 9 increases with the log ratio, so only the extremes are exponentiated.
@@ -369,7 +369,7 @@ def _at_clearance(grid: Grid, model: LawModel, points: FloatArray, dR: float) ->
     low, high = np.zeros(len(points)), np.zeros(len(points))
     form = form_of(model, points, np.array([dR]))
     for block in blocks(grid, dR):
-        rows = samples_of(grid.contact, block)
+        rows = samples_of(grid, block)
         for k in range(len(points)):
             ratio = form.log_penetration_ratio(k, rows)
             low[k] = np.fmin.reduce(ratio, initial=low[k])

@@ -11,10 +11,9 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.datasets.grid import Grid
+from cylcontact.arrays import FloatArray, IndexArray, as_floats
+from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid
 from cylcontact.datasets.sampling import Block, Counts, blocks, reduce_grid
 from cylcontact.errors import InputError
 from cylcontact.laws.contact_law import ContactLaw
@@ -51,17 +50,22 @@ class Samples:
         The clearance of each sample.
     s, j : array of float, shape (N,)
         ln(f/E*) and ln δ.
+    dundurs : tuple of two arrays of float, shape (N,), optional
+        α and β of each sample, on a dimensionless grid.
     """
 
     contact: Contact
     dR: FloatArray
-    index: NDArray[np.intp]
+    index: IndexArray
     s: FloatArray
     j: FloatArray
+    dundurs: tuple[FloatArray, FloatArray] | None = None
 
     @cached_property
     def pair(self) -> CylinderPair:
         """The pair of each sample with E* = 1, so that its load is f/E*, in mm."""
+        if self.dundurs is not None:
+            return CylinderPair.from_dundurs(*self.dundurs)
         return CylinderPair.from_dR(self.contact, self.dR[self.index], _UNIT)
 
     @cached_property
@@ -75,7 +79,7 @@ class Samples:
         return np.asarray(np.exp(self.j))
 
     @cached_property
-    def starts(self) -> NDArray[np.intp]:
+    def starts(self) -> IndexArray:
         """Index of the first sample of each clearance, shape (m,)."""
         return np.searchsorted(self.index, np.arange(self.dR.size))
 
@@ -85,18 +89,19 @@ class Samples:
         return list(zip(np.split(self.s, edges), np.split(self.j, edges), strict=True))
 
 
-def samples_of(contact: Contact, block: Block) -> Samples:
+def samples_of(grid: AnyGrid, block: Block) -> Samples:
     """Return one block of samples as rows."""
     index = np.zeros(block.load.size, dtype=np.intp)
-    return Samples(contact, np.array([block.dR]), index, block.s, block.j)
+    dundurs = block.row_values if isinstance(grid, DimensionlessGrid) else None
+    return Samples(grid.contact, np.array([block.dR]), index, block.s, block.j, dundurs)
 
 
-def collect_samples(grid: Grid) -> tuple[Samples, Counts]:
+def collect_samples(grid: AnyGrid) -> tuple[Samples, Counts]:
     """Sample a grid into memory, without clearances that are masked completely.
 
     Parameters
     ----------
-    grid : Grid
+    grid : Grid or DimensionlessGrid
         The grid.
 
     Returns
@@ -111,7 +116,7 @@ def collect_samples(grid: Grid) -> tuple[Samples, Counts]:
         If every sample is masked.
     """
     clearances: list[tuple[float, FloatArray, FloatArray]] = []
-    masked = 0
+    masked, dundurs = 0, None
     for dR in grid.dR:
         sampled = list(blocks(grid, float(dR)))
         masked += sum(block.masked for block in sampled)
@@ -120,6 +125,9 @@ def collect_samples(grid: Grid) -> tuple[Samples, Counts]:
         order = np.argsort(s, kind="stable")
         if s.size:
             clearances.append((float(dR), s[order], j[order]))
+        if isinstance(grid, DimensionlessGrid):  # of one clearance
+            alpha, beta = (np.concatenate([b.row_values[k] for b in sampled]) for k in (0, 1))
+            dundurs = alpha[order], beta[order]
     if not clearances:
         reduce_grid(grid)  # raises the error that names the reason
     rows = Samples(
@@ -128,6 +136,7 @@ def collect_samples(grid: Grid) -> tuple[Samples, Counts]:
         index=np.repeat(np.arange(len(clearances)), [s.size for _, s, _ in clearances]),
         s=np.concatenate([s for _, s, _ in clearances]),
         j=np.concatenate([j for _, _, j in clearances]),
+        dundurs=dundurs,
     )
     return rows, Counts(rows.s.size, masked)
 

@@ -7,6 +7,7 @@ from cylcontact.laws import (
     conformal,
     enhanced,
     explicit,
+    explicit_pair,
     liu,
     logarithmic,
     logarithmic_variants,
@@ -26,6 +27,7 @@ from cylcontact.laws.enhanced import (
     InternalCoefficients,
 )
 from cylcontact.laws.explicit import Explicit, ExplicitCoefficients, explicit_penetration
+from cylcontact.laws.explicit_pair import ExplicitPair, ExplicitPairCoefficients
 from cylcontact.laws.liu import Liu
 from cylcontact.laws.logarithmic import Johnson, LogarithmicLaw
 from cylcontact.laws.logarithmic_variants import (
@@ -56,6 +58,8 @@ __all__ = [
     "Esdu78035",
     "Explicit",
     "ExplicitCoefficients",
+    "ExplicitPair",
+    "ExplicitPairCoefficients",
     "ExternalCoefficients",
     "Goldsmith",
     "HertzCylinder",
@@ -93,6 +97,7 @@ DEFINITIONS = (
     parametric.DEFINITION,
     enhanced.DEFINITION,
     explicit.DEFINITION,
+    explicit_pair.DEFINITION,
     sphere.DEFINITION,
     power.DEFINITION,
 )

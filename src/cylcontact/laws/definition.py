@@ -87,6 +87,8 @@ class LawModel:
         from moments and has a lower bound.
     on_grid : bool
         Whether the law can be fitted on a grid, where a sample has ΔR and f/E* only.
+    dimensionless : bool
+        Whether the coefficients have no units, so that it can be fitted on a grid of α, β and φ.
     nominal_is_published : bool
         Whether the nominal values are those of the law's source, not of this project.
     dR_min, dR_max : float
@@ -100,6 +102,7 @@ class LawModel:
     build: Callable[[Coefficients], ContactLaw]
     power_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
     on_grid: bool = False
+    dimensionless: bool = False
     nominal_is_published: bool = True
     dR_min: float = 0.0
     dR_max: float = math.inf

@@ -271,7 +271,13 @@ def _model(contact: Contact) -> LawModel:
         Parameter("B", 0.5, 20.0, nominal.B, meaning="numerator of the innermost logarithm"),
     )
     return LawModel(
-        "explicit", contact, parameters, _fitted, on_grid=True, nominal_is_published=False
+        "explicit",
+        contact,
+        parameters,
+        _fitted,
+        on_grid=True,
+        dimensionless=True,
+        nominal_is_published=False,
     )
 
 

@@ -18,6 +18,7 @@ __all__ = [
     "Step",
     "expression",
     "function_name",
+    "needed",
     "required_contact",
     "steps_of",
 ]
@@ -148,6 +149,22 @@ def steps_of(text: str) -> tuple[Step, ...]:
     ['d', 'f']
     """
     return tuple(_step(line) for line in text.splitlines() if line.strip())
+
+
+def needed(text: str, *results: str) -> tuple[Step, ...]:
+    r"""Return the steps that some results need.
+
+    Examples
+    --------
+    >>> [step.name for step in needed("a = dR\nb = 2*a\nk = 3*a\nf = 5*b", "f")]
+    ['a', 'b', 'f']
+    """
+    names, steps = set(results), list[Step]()
+    for step in reversed(steps_of(text)):
+        if step.name in names:
+            steps.insert(0, step)
+            names |= {node.id for node in ast.walk(step.value) if isinstance(node, ast.Name)}
+    return tuple(steps)
 
 
 def _step(line: str) -> Step:

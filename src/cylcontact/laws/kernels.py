@@ -28,7 +28,7 @@ from cylcontact.arrays import FloatArray, require
 from cylcontact.laws import DEFINITIONS
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.definition import KernelSteps
-from cylcontact.laws.formula import steps_of
+from cylcontact.laws.formula import needed
 from cylcontact.laws.tabulated import cubic, tabulate
 from cylcontact.numba_cache import compiled
 from cylcontact.pair import CylinderPair
@@ -175,13 +175,10 @@ def _steps(kernel: KernelSteps, result: str) -> list[str]:
 
     Steps that the result does not need are left out, because a compiler keeps calls of `pow`.
     """
-    needed, lines = {result}, [f"return {result}"]
-    for step in reversed(steps_of(kernel.steps)):
-        if step.name in needed:
-            lines.insert(0, step.text)
-            needed |= {node.id for node in ast.walk(step.value) if isinstance(node, ast.Name)}
-    numbers = [f"{name} = numbers[{i}]" for i, name in enumerate(kernel.names) if name in needed]
-    return numbers + lines
+    steps = needed(kernel.steps, result)
+    used = {node.id for step in steps for node in ast.walk(step.value) if isinstance(node, ast.Name)}
+    numbers = [f"{name} = numbers[{i}]" for i, name in enumerate(kernel.names) if name in used]
+    return [*numbers, *(step.text for step in steps), f"return {result}"]
 
 
 def _of_all_kinds(result: str, table: _Scalar) -> Callable[[int, FloatArray, float], float]:

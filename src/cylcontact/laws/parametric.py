@@ -37,15 +37,27 @@ from cylcontact.laws.glauert import estimated_c
 from cylcontact.laws.pin_in_hole import ClampedPlate, Conformal
 from cylcontact.pair import Contact, CylinderPair
 
-__all__ = ["CALIBRATED", "DEFINITION", "Parametric", "ParametricCoefficients"]
+__all__ = [
+    "CALIBRATED",
+    "CONDITIONS",
+    "DEFINITION",
+    "LAST_STEPS",
+    "NAMED",
+    "Curve",
+    "Parametric",
+    "ParametricCoefficients",
+]
 
-_NEWTON_STEPS = 4
+# Steps of Newton's method to the arc of a load or penetration, and to the largest arc.
+_NEWTON_STEPS, _LARGEST_STEPS = 4, 3
 # Numbers at a time: what the steps hold of them stays in the cache of a core.
 _BLOCK = 8192
 # Used instead of zero and infinity for d, and for φ.
 _SMALL, _HUGE = 1e-300, 1e300
 # About L − C + C_J for the largest arc, C_J being Johnson's datum, and the least start for L.
 _LAST_L, _LEAST_L = 1.43, 0.1
+# The largest arc is not sought beyond this 1 − S.
+_LEAST_C = 1e-6
 
 
 @dataclass(frozen=True)
@@ -101,7 +113,7 @@ _Target = Callable[[_Terms], tuple[FloatArray, FloatArray | float]]
 
 
 @dataclass(frozen=True)
-class _Curve:
+class Curve:
     """The curve of one pair, or of an array of pairs."""
 
     w_i: FloatArray
@@ -142,6 +154,15 @@ class _Curve:
         start = np.maximum(L, _LEAST_L) * each
         return self._solved(start, lambda at: (at.L * each, at.L_slope * each), steps)
 
+    def largest(self) -> _Terms:
+        """Return the arc that no load exceeds, where K = 0."""
+        c = np.maximum(self._last_c(), _LEAST_C)
+        x = as_floats(np.log((1 - c) / c))
+        for _ in range(_LARGEST_STEPS):
+            at = self.terms(x)
+            x = x - at.k / at.k_slope
+        return self.terms(x)
+
     def compliance(self, d: FloatArray) -> FloatArray:
         """Return π·E*·dδ/df at the penetration d ≥ 0."""
         at = self.arc_of_penetration(d, _NEWTON_STEPS + 1).at
@@ -150,7 +171,7 @@ class _Curve:
 
     def _solved(self, K: FloatArray, target: _Target, steps: int) -> _Solved:
         """Return the arc at which K equals its target, from about its value there."""
-        c = estimated_c(np.maximum(self.w_i + self.beta, 0))  # rounding may go below
+        c = self._last_c()
         q = K + c * c / (1 - c)  # K as if it differed from (1 − S)²/S by a constant
         x = as_floats(-np.log(q * (1 + np.sqrt(1 + 4 / q)) / 2))  # the root of q·b²·(1 + b²) = 1
         for _ in range(steps):
@@ -160,9 +181,13 @@ class _Curve:
             x = x + step
         return _Solved(at, as_floats(at.L + at.L_slope * step))
 
+    def _last_c(self) -> FloatArray:
+        """Return about 1 − S of the largest arc."""
+        return estimated_c(np.maximum(self.w_i + self.beta, 0))  # rounding may go below
+
 
 def _in_blocks(
-    answer: Callable[[FloatArray, _Curve], FloatArray], numbers: FloatArray, curve: _Curve
+    answer: Callable[[FloatArray, Curve], FloatArray], numbers: FloatArray, curve: Curve
 ) -> FloatArray:
     """Return `answer` of loads or penetrations, of many on one curve block by block."""
     if np.size(curve.beta) > 1 or np.size(curve.C) > 1 or numbers.size <= _BLOCK:
@@ -247,20 +272,22 @@ class Parametric(Conformal):
         stiffness = np.pi * pair.E_star / compliance
         return inside_or_nan(np.where(delta == 0, 0.0, stiffness), touching)
 
-    def _curve(self, pair: CylinderPair) -> _Curve:
+    def _curve(self, pair: CylinderPair) -> Curve:
         """Return the curve of a pair, if the datum suits it."""
         self.require_datum(pair)
         w_i, w_j = pair.shares
-        return _Curve(w_i, w_j, pair.beta, self.constant(pair), self.constants)
+        return Curve(w_i, w_j, pair.beta, self.constant(pair), self.constants)
 
 
 # Newton's method needs names of its own for each step: its number replaces @, the next one %.
-_START = f"""
-d = 1 if penetration <= 0 else penetration / dR
+_SHARES = """
 w_i = (1 - alpha) / 2
 w_j = (1 + alpha) / 2
 root = sqrt(max(w_i + beta, 0))
 c0 = sqrt(2)*root / (1 + 1.17*root)
+"""
+_START = f"""
+d = 1 if penetration <= 0 else penetration / dR
 L0 = max(datum - 2*log(2) + 2 - w_j + log(exp({_LAST_L}) + 4/d), {_LEAST_L})
 q = L0/d + c0*c0/(1 - c0)
 x1 = -log(q*(1 + sqrt(1 + 4/q))/2)
@@ -304,6 +331,7 @@ def _numbered(text: str, n: int) -> str:
 
 _STEPS = "".join(
     [
+        _SHARES,
         _START,
         *(_numbered(_ARC + _STEP, n) for n in range(1, _NEXT)),
         _numbered(_ARC, _NEXT),
@@ -311,11 +339,30 @@ _STEPS = "".join(
     ]
 )
 _JOHNSON = "datum = 2*log(2) - 2 + (1 + alpha)/2\n"
+# The largest arc with Johnson's datum, at which L has the name `last`.
+LAST_STEPS = "".join(
+    [
+        _JOHNSON,
+        _SHARES,
+        f"least = max(c0, {_LEAST_C})\nx1 = log((1 - least) / least)\n",
+        *(
+            _numbered(_ARC + "x% = x@ - K@/K_slope@\n", n)
+            for n in range(1, _LARGEST_STEPS + 1)
+        ),
+        _numbered(_ARC, _LARGEST_STEPS + 1),
+        f"last = L{_LARGEST_STEPS + 1}\n",
+    ]
+)
 
 
 def _named(constants: ParametricCoefficients) -> dict[str, float]:
     """Return the constants by their names in the steps."""
     return {f"{key[0]}_{key[1]}": float(value) for key, value in asdict(constants).items()}
+
+
+NAMED = _named(CALIBRATED)
+# Every α is inside ]−1, 1[ and |β| ≤ 1/2, but for rounding.
+CONDITIONS = ("alpha*alpha < 1", "beta*beta < 0.251")
 
 
 def _numbers(law: Parametric, pair: CylinderPair) -> tuple[float, ...]:
@@ -346,7 +393,7 @@ def _formula(law: Parametric, contact: Contact | None) -> Formula:
         coefficients=asdict(law.constants),
         constants=constants if is_johnson else constants | {"datum": float(law.datum)},
         extra=("alpha", "beta"),
-        conditions=("alpha*alpha < 1", "beta*beta < 0.251"),  # |β| ≤ 1/2, and rounding
+        conditions=CONDITIONS,
         remark=(
             "For a pin in a hole. The penetration is counted "
             + ("so that it tends to Johnson's." if is_johnson else f"from the datum C = {law.datum}.")
@@ -356,13 +403,13 @@ def _formula(law: Parametric, contact: Contact | None) -> Formula:
 
 _MEANINGS = {
     "A0": (-3.0, 0.0, "coefficient of β·u in 2Â·S; exactly −16/(3π)"),
-    "A1": (0.5, 3.0, "coefficient of β·u² in 2Â·S"),
-    "A2": (-2.0, 3.0, "coefficient of β·u³ in 2Â·S"),
-    "A3": (-4.0, 0.0, "coefficient of β·u⁴ in 2Â·S"),
-    "H3": (-0.1, 0.1, "coefficient of β·u³ in H"),
+    "A1": (1.0, 2.0, "coefficient of β·u² in 2Â·S"),
+    "A2": (-0.5, 1.5, "coefficient of β·u³ in 2Â·S"),
+    "A3": (-3.0, -1.5, "coefficient of β·u⁴ in 2Â·S"),
+    "H3": (-0.05, 0.05, "coefficient of β·u³ in H"),
     "M0": (0.0, 5.0, "coefficient of β·u in M; exactly 80/(9π)"),
-    "M1": (-2.0, 0.0, "coefficient of β·u² in M"),
-    "M2": (-1.0, 2.0, "coefficient of β·u³ in M"),
+    "M1": (-1.6, -0.8, "coefficient of β·u² in M"),
+    "M2": (0.3, 1.2, "coefficient of β·u³ in M"),
 }
 _EXACT = ("A0", "M0")
 
@@ -392,6 +439,7 @@ def _model() -> LawModel:
         parameters,
         _fitted,
         on_grid=True,
+        dimensionless=True,
         nominal_is_published=False,
     )
 
@@ -400,7 +448,7 @@ DEFINITION = Definition(
     law=Parametric,
     formula=_formula,
     kernel=KernelSteps(
-        ("E_star", "dR", "alpha", "beta", "datum", *_named(CALIBRATED)), _numbers, _STEPS
+        ("E_star", "dR", "alpha", "beta", "datum", *NAMED), _numbers, _STEPS
     ),
     models=(_model(),),
     contacts=("internal",),

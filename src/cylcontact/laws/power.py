@@ -220,7 +220,15 @@ def _models(contact: Contact) -> tuple[LawModel, ...]:
     return (
         LawModel("power-one-pair", contact, (K, n), _power_law),
         LawModel("power", contact, (K_star, n), _power_law, _constant, on_grid=True),
-        LawModel("power-dimensionless", contact, (C, n), _power_law, _dimensionless, on_grid=True),
+        LawModel(
+            "power-dimensionless",
+            contact,
+            (C, n),
+            _power_law,
+            _dimensionless,
+            on_grid=True,
+            dimensionless=True,
+        ),
     )
 
 

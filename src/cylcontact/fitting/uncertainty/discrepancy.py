@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from cylcontact.arrays import FloatArray
-from cylcontact.datasets.grid import Grid
+from cylcontact.datasets.grid import AnyGrid
 from cylcontact.datasets.sampling import blocks
 from cylcontact.errors import InputError
 from cylcontact.fitting.calibration import problem_of
@@ -37,7 +37,6 @@ from cylcontact.spec import Spec
 
 __all__ = ["RISES", "DiscrepancyStudy", "study_discrepancy"]
 
-_AXES = ("dR", "E", "nu", "load")
 # Contours of pairs: the relative rise of the best objective.
 RISES = (0.01, 0.05, 0.10)
 # Width of the bins of ln(δ/δ_reference), the precision of its quantiles, and its range.
@@ -124,13 +123,14 @@ def _leave_one_out(
     campaign: Campaign, best: Mapping[str, float], axis: str, jobs: Workers, progress: Progress
 ) -> list[LeftOut]:
     """Fit without each value of an axis, and evaluate the fit on that value."""
-    if axis not in _AXES:
+    axes = grid_of(campaign).axes
+    if axis not in axes:
         raise InputError(
             campaign.source,
             "leave-out",
             axis,
             "is not an axis of a grid",
-            f"choose {', '.join(_AXES)} or material",
+            f"choose {', '.join(axes)}{' or material' if 'E' in axes else ''}",
         )
     size = getattr(grid_of(campaign), axis).size
     if size < 2:
@@ -141,7 +141,7 @@ def _leave_one_out(
     return collect(calls, jobs, progress, "leaving out")
 
 
-def _with_axis(grid: Grid, axis: str, values: FloatArray) -> Grid:
+def _with_axis(grid: AnyGrid, axis: str, values: FloatArray) -> AnyGrid:
     """Return a grid with other values on an axis."""
     changed: dict[str, Any] = {axis: values}
     return replace(grid, **changed)
@@ -169,7 +169,7 @@ def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
     for dR in grid_of(campaign).dR:
         form = form_of(campaign.model, candidate, np.array([dR]))
         for block in blocks(grid_of(campaign), float(dR)):
-            ratio = form.log_penetration_ratio(0, samples_of(grid_of(campaign).contact, block))
+            ratio = form.log_penetration_ratio(0, samples_of(grid_of(campaign), block))
             if not np.isfinite(ratio).all():
                 raise InputError(
                     campaign.source,
