@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 from numba import njit
@@ -16,6 +17,7 @@ from cylcontact.laws.kernels import kernel, kernel_load
 
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.5, material=Material("steel", E=207e3, nu=0.3))
 JOHNSON, ENHANCED, EXPLICIT = laws.Johnson(), laws.Enhanced(), laws.Explicit()
+PARAMETRIC, EXPLICIT_PAIR = laws.Parametric(), laws.ExplicitPair()
 E_STAR, DR = float(PAIR.E_star), float(PAIR.dR)
 K, N = float(ENHANCED.factor(PAIR)), float(ENHANCED.exponent(PAIR))
 # scipy's Lambert function loses digits near the limit, so the comparison stops before it.
@@ -45,12 +47,16 @@ def _in_arrays(deltas: np.ndarray, rounds: int) -> list[Row]:
         Side("numpy.power alone", lambda: np.power(deltas, N)),
         Side("cylcontact: Enhanced().load", lambda: ENHANCED.load(deltas, PAIR)),
         Side("numpy.log alone", lambda: np.log(deltas)),
+        *(
+            Side(f"cylcontact: {type(law).__name__}().load", partial(law.load, deltas, PAIR))
+            for law in (EXPLICIT, EXPLICIT_PAIR, PARAMETRIC)
+        ),
     ]
     return _rows("array", deltas, sides, limits, rounds)
 
 
 def _in_compiled_code(deltas: np.ndarray, rounds: int) -> list[Row]:
-    johnson, enhanced, explicit = (kernel(law, PAIR) for law in (JOHNSON, ENHANCED, EXPLICIT))
+    johnson = kernel(JOHNSON, PAIR)
     sides = [
         Side(
             "cylcontact: kernel_load, Johnson",
@@ -59,13 +65,13 @@ def _in_compiled_code(deltas: np.ndarray, rounds: int) -> list[Row]:
         Side("Newton's method in numba", lambda: _sum_by_newton(deltas, E_STAR, DR)),
     ]
     limits = [
-        Side(
-            "cylcontact: kernel_load, enhanced law",
-            lambda: _sum_of_kernel(enhanced.kind, enhanced.parameters, deltas),
-        ),
-        Side(
-            "cylcontact: kernel_load, explicit law",
-            lambda: _sum_of_kernel(explicit.kind, explicit.parameters, deltas),
+        *(
+            Side(
+                f"cylcontact: kernel_load, {law.name} law",
+                partial(_sum_of_kernel, own.kind, own.parameters, deltas),
+            )
+            for law in (ENHANCED, EXPLICIT, EXPLICIT_PAIR, PARAMETRIC)
+            for own in [kernel(law, PAIR)]
         ),
         Side("a power alone", lambda: _sum_of_powers(deltas, K, N)),
     ]

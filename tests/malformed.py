@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from cylcontact import InputError
 from cylcontact.datasets.finite_element.spec import StudySpec
-from cylcontact.datasets.grid import GridSpec
+from cylcontact.datasets.grid import DimensionlessGridSpec, GridSpec
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.specs import CampaignSpec, MeasuredSpec
 from cylcontact.materials import COLUMNS
@@ -72,6 +72,7 @@ SPECS = (
     ("datasets/slider_crank.toml", MechanismSpec, ("simulate", "{}", "--revolutions", "1")),
     ("datasets/four_bar.toml", MechanismSpec, ("simulate", "{}", "--revolutions", "1")),
     ("datasets/finite_element/*.toml", StudySpec, ("finite-element", "{}", "-o", "out.csv")),
+    ("datasets/any-pair.toml", DimensionlessGridSpec, ("sample", "{}", "-o", "out.csv")),
     ("datasets/*.toml", GridSpec, ("sample", "{}", "-o", "out.csv")),
     ("fitting/examples/*.toml", MeasuredSpec, ("fit", "{}", *OUT)),
     ("fitting/*.toml", CampaignSpec, ("fit", "{}", *OUT)),

@@ -35,6 +35,7 @@ from cylcontact.fitting.result import (
     SampleCounts,
 )
 from cylcontact.fitting.samples import Samples, collect_samples
+from cylcontact.fitting.specs import CampaignSpec
 from cylcontact.fitting.uncertainty.estimates import Uncertainty, uncertainty_of
 from cylcontact.fitting.uncertainty.profiles import Profile, profile
 from cylcontact.fitting.uncertainty.residual_model import measured
@@ -118,7 +119,7 @@ def calibrate(
     compared = [best.coefficients] + ([published.coefficients] if published else [])
     way = _WAYS[campaign.data.kind]
     largest = way.largest_percent(campaign, compared, jobs, progress)
-    quality = way.quality(problem, compared, jobs, progress)
+    quality = way.quality(campaign, problem, compared, jobs, progress)
     return FitResult(
         name=campaign.name,
         law=campaign.model.law,
@@ -184,7 +185,7 @@ class _Way:
     # The largest |Eq 9| over the data in percent for each of several sets of coefficients.
     largest_percent: Callable[[Campaign, list[dict[str, float]], Workers, Progress], list[float]]
     # The quality of the first of several sets of coefficients, the second being the published.
-    quality: Callable[[Problem, list[dict[str, float]], Workers, Progress], _Quality]
+    quality: Callable[[Campaign, Problem, list[dict[str, float]], Workers, Progress], _Quality]
 
 
 def _problem_on_grid(
@@ -255,11 +256,16 @@ def _largest_on_grid(
 
 
 def _quality_on_grid(
-    problem: Problem, compared: list[dict[str, float]], jobs: Workers, progress: Progress
+    campaign: Campaign,
+    problem: Problem,
+    compared: list[dict[str, float]],
+    jobs: Workers,
+    progress: Progress,
 ) -> _Quality:
-    """Profile the objective over every free parameter."""
+    """Profile the objective over every free parameter, unless the campaign says not to."""
     best, *published = compared
-    names = [p.name for p in problem.free]
+    unwanted = isinstance(campaign.spec, CampaignSpec) and campaign.spec.profiles is False
+    names = [] if unwanted else [p.name for p in problem.free]
     values = [published[0][name] if published else None for name in names]
     calls = [
         call(profile, problem, name, best, value) for name, value in zip(names, values, strict=True)
@@ -283,7 +289,11 @@ def _largest_on_table(
 
 
 def _quality_on_table(
-    problem: Problem, compared: list[dict[str, float]], jobs: Workers, progress: Progress
+    campaign: Campaign,
+    problem: Problem,
+    compared: list[dict[str, float]],
+    jobs: Workers,
+    progress: Progress,
 ) -> _Quality:
     """Estimate the uncertainty from the noise."""
     progress("profiling", 0, 1)

@@ -129,6 +129,9 @@ class CampaignSpec(Spec):
     ties: dict[str, str] | None = Field(None, description=_TIES)
     optimizer: str = Field("genetic", description=f"one of {', '.join(OPTIMIZERS)}")
     genetic: GeneticSpec = Field(GeneticSpec(), description="a table [genetic]")
+    profiles: bool | None = Field(
+        None, description="false for no profiles, which take hours with many parameters"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> CampaignSpec:

@@ -17,7 +17,7 @@ accuracy needs.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -288,17 +288,17 @@ _TERMS = ("1", "g", "β", "g²", "gβ", "β²")
 
 
 def _model() -> LawModel:
-    """Return the model of the law, each constant within one of its calibrated value."""
+    """Return the model of the law; the constants of squares are known least."""
     parameters = tuple(
         Parameter(
-            key.name,
-            round(value - 1, 1),
-            round(value + 1, 1),
+            name,
+            round(value - reach, 1),
+            round(value + reach, 1),
             value,
-            meaning=f"coefficient of {_TERMS[int(key.name[1])]} in {_OF[key.name[0]]}",
+            meaning=f"coefficient of {_TERMS[int(name[1])]} in {_OF[name[0]]}",
         )
-        for key in fields(CALIBRATED)
-        for value in [getattr(CALIBRATED, key.name)]
+        for name, value in asdict(CALIBRATED).items()
+        for reach in [3 if name[1] in "345" else 1]
     )
     return LawModel(
         ExplicitPair.name,

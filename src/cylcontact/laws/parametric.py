@@ -174,12 +174,14 @@ class Curve:
         c = self._last_c()
         q = K + c * c / (1 - c)  # K as if it differed from (1 − S)²/S by a constant
         x = as_floats(-np.log(q * (1 + np.sqrt(1 + 4 / q)) / 2))  # the root of q·b²·(1 + b²) = 1
-        for _ in range(steps):
-            at = self.terms(x)
-            value, slope = target(at)
-            step = (at.S * value - at.k) / (at.k_slope - at.S * (at.c * value + slope))
-            x = x + step
-        return _Solved(at, as_floats(at.L + at.L_slope * step))
+        with np.errstate(over="ignore", invalid="ignore"):  # constants of one's own may have no root
+            for _ in range(steps):
+                at = self.terms(x)
+                value, slope = target(at)
+                step = (at.S * value - at.k) / (at.k_slope - at.S * (at.c * value + slope))
+                x = x + step
+            L = at.L + at.L_slope * step
+            return _Solved(at, as_floats(np.where(L > 0, L, np.nan)))
 
     def _last_c(self) -> FloatArray:
         """Return about 1 − S of the largest arc."""

@@ -1,0 +1,97 @@
+"""The fast laws for a pin and a hole of any two materials, against conformal contact."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.laws import Conformal, ContactLaw, ExplicitPair, Parametric
+from cylcontact.pair import CylinderPair
+from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
+from cylcontact.plots.maps import signed
+from cylcontact.plots.style import COLOURS
+from cylcontact.reports.bench import Bench
+
+LAWS: tuple[ContactLaw, ...] = (Parametric(), ExplicitPair())
+EDGE = 0.999  # the largest |α|: a thousand times as stiff
+COUNT = 25  # of values of β, and of α at each
+PHI: FloatArray = np.geomspace(1e-6, 60.0, 33)
+CAPTION = (
+    "Largest error (%) of two laws for a pin and a hole of any two materials, of the load at equal "
+    "penetration, against the conformal solution, each by Johnson's datum. (a, b) Over the loads "
+    "1e-6 ≤ φ = f/(E* ΔR) ≤ 60, against Dundurs' α and β (-): of all pairs that are possible with "
+    "Poisson's ratios from 0 to 0.5, which lie inside the parallelogram. (c) Over those pairs, "
+    "against φ. The laws are calibrated here, on other values of α, β and φ."
+)
+
+
+def draw(bench: Bench) -> Drawing:
+    table = _table()
+    return Drawing(_draw_panels(table), table, _headline(table), CAPTION)
+
+
+def possible_pairs() -> tuple[FloatArray, FloatArray]:
+    """Return α and β of pairs over the whole parallelogram, shape (β, α)."""
+    beta = np.linspace(-EDGE / 2, EDGE / 2, COUNT)[:, None]
+    low, high = np.maximum(-EDGE, 4 * beta - 1), np.minimum(EDGE, 4 * beta + 1)
+    alpha = low + (high - low) * np.linspace(0, 1, COUNT)
+    return as_floats(alpha), as_floats(np.broadcast_to(beta, alpha.shape))
+
+
+def _table() -> pd.DataFrame:
+    """Tabulate the errors of the load of each law."""
+    alpha, beta = possible_pairs()
+    pair = CylinderPair.from_dundurs(alpha[..., None], beta[..., None])
+    d = Conformal().penetration(PHI, pair)
+    columns = np.broadcast_arrays(alpha[..., None], beta[..., None], PHI)
+    parts = []
+    for law in LAWS:
+        error = 100 * (law.load(d, pair) / PHI - 1)
+        # Round-off would differ from machine to machine; + 0.0 removes −0.0.
+        values = np.round(np.column_stack([c.ravel() for c in (*columns, error)]), 9) + 0.0
+        part = pd.DataFrame(values, columns=["alpha", "beta", "phi", "error_percent"])
+        part.insert(0, "law", law.name)
+        parts.append(part)
+    return pd.concat(parts, ignore_index=True)
+
+
+def _headline(table: pd.DataFrame) -> dict[str, float]:
+    """Return the largest error of each law."""
+    largest = table["error_percent"].abs().groupby(table["law"]).max()
+    return {f"{law}: largest error of the load, %": float(e) for law, e in largest.items()}
+
+
+def _draw_panels(table: pd.DataFrame) -> Figure:
+    """Draw two maps over the pairs, and the largest errors against the load."""
+    figure = new_figure("full", 66.0)
+    *maps, over = figure.subplots(1, 3, width_ratios=(1, 1, 1))
+    table = table.assign(size=table["error_percent"].abs())
+    for number, (axes, law) in enumerate(zip(maps, LAWS, strict=True)):
+        own = table[table["law"] == law.name]
+        shape = COUNT, COUNT, PHI.size
+        alpha, beta, size = (own[c].to_numpy().reshape(shape) for c in ("alpha", "beta", "size"))
+        drawn = axes.contourf(alpha[..., 0], beta[..., 0], size.max(axis=-1), cmap="viridis")
+        figure.colorbar(drawn, ax=axes, location="bottom", label="largest error (%)", aspect=25)
+        axes.plot([-1, -1, 1, 1, -1], [0, -0.5, 0, 0.5, 0], "-", color="black", lw=0.8, marker="")
+        axes.set(xlim=(-1, 1), ylim=(-0.5, 0.5), xlabel=r"Dundurs' $\alpha$ (-)")
+        for axis, step in ((axes.xaxis, 0.5), (axes.yaxis, 0.25)):
+            axis.set_major_locator(FixedLocator(list(np.arange(-2, 3) * step)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: signed(value)))
+        panel_title(axes, number, law.name)
+        line = own.groupby("phi")["size"].max()
+        over.plot(line.index, line, color=COLOURS[number], marker="", label=law.name)
+    maps[0].set(ylabel=r"Dundurs' $\beta$ (-)")
+    plain_log(over, "x", (1e-4, 1e-2, 1))
+    plain_log(over, "y", (0.001, 0.01, 0.1, 1))
+    over.set(
+        xlim=(PHI[0], PHI[-1]),
+        ylim=(1e-4, 3),
+        xlabel=r"load $\varphi = f/(E^*\Delta R)$ (-)",
+        ylabel="largest error of any pair (%)",
+    )
+    over.legend()
+    panel_title(over, 2, "any pair")
+    return figure
