@@ -22,8 +22,8 @@ G = (1 - 2 * NU) / (2 - 2 * NU)  # (κ − 1)/(κ + 1) of bodies of that ν, β/
 LOADS, PLANE = f"any, nu = {NU:g}", "any"  # the pairs of the two maps in the table
 PHI: FloatArray = np.geomspace(1e-3, 10.0, 61)
 PLANE_PHI = 1.0
-COUNT = 41  # of values of α
-BETAS: FloatArray = np.linspace(-0.5, 0.5, 31)
+COUNT = 31  # of values of α
+BETAS: FloatArray = np.linspace(-0.5, 0.5, 21)
 JOINTS: tuple[Joint, ...] = (
     (STEEL, "PEEK"),
     (STEEL, ALUMINIUM),
