@@ -35,7 +35,7 @@ dR_um,E_GPa,nu,load_N_per_mm,penetration_um
 100,207,0.3,10,0.23
 100,207,0.3,100,1.9
 """
-OWN_MATERIALS = f"{','.join(COLUMNS)}\nbronze,110,paper,0.34,paper,220,assumed,a note\n"
+OWN_MATERIALS = f"{','.join(COLUMNS)}\ngunmetal,110,paper,0.34,paper,220,assumed,a note\n"
 STEEL = "dR_um,load_N_per_mm,penetration_um\n50,10,0.21\n50,100,1.7\n50,1000,13.2\n"
 STYLE = {
     **{"style": "slides", "width_mm": 100.0, "font_size": 9.0, "lines": 1.5},
@@ -64,7 +64,7 @@ READERS = {
     "good.json": ("compare", "good.json"),
     "table.csv": ("fit", "table.csv", *POWER),
     "materials.csv": (
-        *("fit", "steel.csv", *POWER, "--material", "bronze", "--materials", "materials.csv"),
+        *("fit", "steel.csv", *POWER, "--material", "gunmetal", "--materials", "materials.csv"),
     ),
 }
 # The shipped specs, each under the first pattern that it matches.
@@ -269,8 +269,8 @@ REPLACED = {
     ],
     "materials.csv": [
         *(("E_GPa,", ""), ("E_GPa", "E_MPa"), (",110,", ",hard,"), (",110,", ",-110,")),
-        *((",0.34,paper", ",0.90,paper"), ("paper", "rumour"), ("bronze", "")),
-        *(("bronze", "ceramics"), (OWN_MATERIALS, ""), (OWN_MATERIALS, "\0")),
+        *((",0.34,paper", ",0.90,paper"), ("paper", "rumour"), ("gunmetal", "")),
+        *(("gunmetal", "ceramics"), (OWN_MATERIALS, ""), (OWN_MATERIALS, "\0")),
         (OWN_MATERIALS, OWN_MATERIALS + "steel,200\n"),
         (OWN_MATERIALS, OWN_MATERIALS + OWN_MATERIALS.splitlines()[1] + "\n"),
     ],

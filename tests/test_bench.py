@@ -210,7 +210,7 @@ class TestMapsByArgument:
                 ["maps", "material=brass"],
                 "datasets/materials.csv: name = 'brass': no material has this name; add it to this "
                 "table, or choose ceramics, high-strength steel, low-carbon steel, titanium alloy, "
-                "aluminium alloy, gunmetal",
+                "aluminium alloy, bronze, PEEK, PTFE, gunmetal",
             ),
             (
                 ["maps", "material=ceramics", "law=no-such"],

@@ -56,8 +56,22 @@ def test_laws_advises_on_a_pin_and_a_hole_of_different_materials(run):
         (("--hole", "ceramics"), "laws: --pin: is missing beside --hole; name both"),
         (("--pin", "ceramics", "--hole", "soap"), "Material.named: name = 'soap': no material"),
         (
+            ("--pin", "Bronze", "--hole", "ceramics"),
+            "Material.named: name = 'Bronze': no material that ships has this name; choose "
+            "ceramics, high-strength steel, low-carbon steel, titanium alloy, aluminium alloy, "
+            "bronze, PEEK, PTFE, or",
+        ),
+        (
             ("--pin", "ceramics", "--hole", "ceramics", "--contact", "external"),
             "laws: --contact = 'external': has no pin and no hole; leave out --pin and --hole",
+        ),
+        (
+            ("--pin", "PTFE", "--hole", "bronze", "--E", "110e3"),
+            "laws: --E = 110000.0: is given by --pin and --hole already; leave it out",
+        ),
+        (
+            ("--pin", "PTFE", "--hole", "bronze", "--nu", "0.46"),
+            "laws: --nu = 0.46: is given by --pin and --hole already; leave it out",
         ),
     ],
 )

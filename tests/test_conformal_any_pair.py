@@ -132,6 +132,27 @@ def test_incompressible_bodies_of_any_moduli_are_the_closed_form(phi, ratio):
     assert LAW.stiffness(float(d), pair) == pytest.approx(stiffness, rel=1e-12)
 
 
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_no_ratio_of_moduli_is_too_large(nu, sign):
+    """The departure from one body being rigid is of first order in the other's share."""
+    phi = np.array([1e-6, 1e-2, 1.0, 1e3])
+
+    def asked(exponent):
+        hole, pin = Material("hole", 1.0, nu), Material("pin", 10.0 ** (sign * exponent), nu)
+        pair = CylinderPair.from_dR("internal", 1.0, hole, material_j=pin)
+        f = phi * pair.E_star
+        d = LAW.penetration(f, pair)
+        np.testing.assert_allclose(LAW.load(d, pair), f, rtol=1e-13)
+        return np.array([d, LAW.stiffness(d, pair) / pair.E_star])
+
+    rigid = asked(150)
+    for exponent in (3, 6, 9):
+        assert np.abs(asked(exponent) / rigid - 1).max() < 5 * 10.0**-exponent
+    for exponent in (16, 30, 300):
+        np.testing.assert_allclose(asked(exponent), rigid, rtol=1e-11)
+
+
 @pytest.mark.parametrize(("ratio", "limit"), [(1e12, 72.348301), (1.0, 84.827946)])
 def test_the_arc_ends_at_its_limit(ratio, limit):
     hole, pin = Material("hole", 1.0, 0.5), Material("pin", ratio, 0.5)
@@ -451,7 +472,17 @@ def test_the_datum_shows_in_the_repr():
         (lambda: Conformal("body"), "Conformal: datum = 'body': must be 'johnson', a finite"),
         (lambda: Conformal(np.inf), "Conformal: datum = inf: must be 'johnson', a finite"),
         (lambda: Conformal(None), "Conformal: datum: must be 'johnson'"),
-        (lambda: ClampedPlate(-1.0), "ClampedPlate: R_o = -1.0: must be positive and finite"),
+        (lambda: ClampedPlate(-1.0), "ClampedPlate: R_o = -1.0: must be a number, positive and"),
+        (lambda: ClampedPlate("200"), "ClampedPlate: R_o = '200': must be a number, positive and"),
+        (lambda: ClampedPlate(None), "ClampedPlate: R_o: must be a number, positive and finite"),
+        (
+            lambda: ClampedPlate(np.array([100.0, 200.0])),
+            "ClampedPlate: R_o = array([100., 200.]): must be a number, positive and finite",
+        ),
+        (
+            lambda: Conformal(np.array([1.0, 2.0])),
+            "Conformal: datum = array([1., 2.]): must be 'johnson', a finite",
+        ),
         (lambda: ClampedPlate(20.0, "bolt"), "ClampedPlate: pin = 'bolt': must be 'body-force'"),
         (
             lambda: Conformal(ClampedPlate(R)).load(1.0, pair_of("steel", "al")),

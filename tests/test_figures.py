@@ -58,6 +58,7 @@ UNITLESS |= {"cells", "nodes", "constant"}
 UNITLESS |= {"restitution", "friction", "revolution", "onsets", "continued", "left"}
 UNITLESS |= {"contact_fraction", "contact_fraction_std", "impacts", "impacts_std"}
 UNITLESS |= {"constants", "logarithms", "phi_from", "phi_to"}
+UNITLESS |= {"alpha", "beta", "phi", "johnson_constant"}
 UNITLESS |= {"ratio", "ratio_low", "ratio_high", "place", "x", "y", "height"}
 UNITLESS |= {"wanted_restitution", "achieved_restitution", "chi", "error"}
 WORDS = {"panel", "symbol", "contact", "material", "form", "given", "fitted"}

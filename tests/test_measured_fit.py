@@ -428,6 +428,19 @@ def test_a_table_is_fitted_from_the_command_line(tmp_path, run):
 JOHNSON = ("--law", "johnson", "--contact", "internal")
 
 
+def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):
+    table = write_measured(tmp_path / "measured.csv", "johnson", "internal")
+    fit = ("fit", table, *JOHNSON, "--Ri", 10, "--runs", 1, "-j", 1)
+    names = ("PEEK", "low-carbon steel")
+    for number, options in enumerate((("--pin", "--hole"), ("--material-j", "--material-i"))):
+        named = [word for pair in zip(options, names, strict=True) for word in pair]
+        assert run(*fit, *named, "-o", tmp_path / f"{number}.json")[0] == 0
+    one, other = (FitResult.load(tmp_path / f"{number}.json") for number in range(2))
+    assert one.coefficients == other.coefficients
+    constants = one.settings["campaign"]["constants"]
+    assert (constants["material_i"], constants["material_j"]) == ("low-carbon steel", "PEEK")
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -437,6 +450,23 @@ JOHNSON = ("--law", "johnson", "--contact", "internal")
         ((*JOHNSON, "--bound", "c=x:2"), "--bound = 'c=x:2': is not valid"),
         ((*JOHNSON, "--fix", "=1"), "--fix = '=1': is not valid"),
         ((*JOHNSON, "--fix", "c=1", "--bound", "c=1:2"), "c is given twice"),
+        (
+            (*JOHNSON, "--pin", "PEEK", "--hole", "bronze", "--material-j", "PTFE"),
+            "--pin = 'PEEK': is the body that --material-j names as well; keep one of them",
+        ),
+        (
+            (*JOHNSON, "--hole", "bronze", "--material-i", "bronze"),
+            "--hole = 'bronze': is the body that --material-i names as well; keep one of them",
+        ),
+        (
+            ("--law", "johnson", "--contact", "external", "--pin", "PEEK", "--hole", "bronze"),
+            "--contact = 'external': has no pin and no hole; use --material-i and --material-j",
+        ),
+        ((*JOHNSON, "--pin", "PEEK"), "body i: must get E and ν from exactly one place"),
+        (
+            (*JOHNSON, "--pin", "PEEK", "--hole", "soap"),
+            "material_i = 'soap': is not in the table that ships; choose ceramics, high-strength",
+        ),
         (
             (*JOHNSON, "--bound", "c=2:1", "--E", "2e5", "--nu", ".3"),
             "parameters.c.low = 2.0: must be below high",
@@ -453,7 +483,7 @@ def test_a_bad_command_line_is_told_and_leaves_nothing(tmp_path, run, arguments,
 
 
 def test_options_for_tables_are_refused_beside_a_campaign(run):
-    for option, value in (("--law", "power"), ("--E", 1.0), ("--material-j", "x"), ("--Ri", 1)):
+    for option, value in (("--law", "power"), ("--E", 1.0), ("--pin", "x"), ("--Ri", 1)):
         code, _, errors = run("fit", EXAMPLE, option, value)
         assert code == 2
         assert f"toml: {option}: is an option for tables of measurements" in errors

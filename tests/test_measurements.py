@@ -311,13 +311,13 @@ def test_impossible_values_are_told_with_their_line(tmp_path, column, value, key
 def test_materials_of_ones_own_stand_beside_those_that_ship(tmp_path):
     path = write_table(tmp_path / "t.csv", without("E_GPa", "nu"))
     own = tmp_path / "own.csv"
-    own.write_text(f"{','.join(COLUMNS)}\nbronze,110,assumed,0.34,assumed,,,\n")
-    pair = {"material_i": "bronze", "material_j": "ceramics"}
+    own.write_text(f"{','.join(COLUMNS)}\ngunmetal,110,assumed,0.34,assumed,,,\n")
+    pair = {"material_i": "gunmetal", "material_j": "ceramics"}
     data = read_measured(path, "internal", pair, own)
     assert (data.numbers["E_i"], data.numbers["E_j"]) == ([110e3], [600e3])
     assert [note.split(":")[0] for note in data.notes] == [
         "E and ν of ceramics are from the table that ships",
-        "E and ν of bronze are from own.csv",
+        "E and ν of gunmetal are from own.csv",
     ]
     for table, name in ((None, "the table that ships"), (own, "own.csv")):
         with pytest.raises(InputError) as caught:

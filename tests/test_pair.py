@@ -181,6 +181,17 @@ def test_an_unknown_plane_is_refused(steel):
         CylinderPair.internal(10.0, 9.0, steel, plane="bent")
 
 
+@pytest.mark.parametrize("body", ["material_i", "material_j"])
+def test_the_name_of_a_material_is_not_the_material(steel, body):
+    materials = {"material_i": steel, "material_j": steel} | {body: "bronze"}
+    with pytest.raises(InputError) as caught:
+        CylinderPair("internal", 0.1, **materials)
+    assert str(caught.value) == (
+        f"CylinderPair: {body} = 'bronze': must be a Material; e.g. Material.named('bronze'), or "
+        "Material(name, E, nu)"
+    )
+
+
 IN_ANY_PLANE = {"johnson", "persson", "conformal", "explicit", "winkler"}
 
 

@@ -53,8 +53,8 @@ class CylinderPair:
     Raises
     ------
     InputError
-        If the contact or the plane is unknown, a length is not positive and finite, or ΔR is not
-        that of the radii.
+        If the contact or the plane is unknown, a material is not a `Material`, a length is not
+        positive and finite, or ΔR is not that of the radii.
 
     Notes
     -----
@@ -88,6 +88,15 @@ class CylinderPair:
             "must be 'strain' or 'stress'",
             "plane strain is for long cylinders, plane stress for thin sheets",
         )
+        for key in ("material_i", "material_j"):
+            require(
+                isinstance(getattr(self, key), Material),
+                "CylinderPair",
+                key,
+                getattr(self, key),
+                "must be a Material",
+                "e.g. Material.named('bronze'), or Material(name, E, nu)",
+            )
         for key in ("dR", "R_i", "R_j", "length"):
             _require_positive(key, getattr(self, key))
         own_arrays(self)

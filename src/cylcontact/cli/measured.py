@@ -11,7 +11,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cylcontact.choices import TABLE_SUFFIXES, listed
-from cylcontact.cli.options import LOSSES, Jobs, Runs, Scheduler, Seed, integer_from, modulus_in_MPa
+from cylcontact.cli.options import (
+    LOSSES,
+    Hole,
+    Jobs,
+    Pin,
+    Runs,
+    Scheduler,
+    Seed,
+    integer_from,
+    modulus_in_MPa,
+    require_internal,
+)
 from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix, require_writable
@@ -57,6 +68,8 @@ class TableOptions:
     ] = None
     material_i: Annotated[str | None, _option("--material-i", help="Of body i.")] = None
     material_j: Annotated[str | None, _option("--material-j", help="Of body j.")] = None
+    pin: Pin = None
+    hole: Hole = None
     materials: Annotated[
         str | None,
         _option("--materials", help="A table of your own materials; datasets/materials.csv."),
@@ -126,6 +139,7 @@ def _plan_of_table(path: Path, given: dict[str, Any], search: SearchOptions) -> 
             raise InputError(
                 str(path), f"--{name}", None, "is required for a table", f"add --{name} {example}"
             )
+    _name_bodies(str(path), given)
     constants = {name: given.pop(name) for name in CONSTANTS if name in given}
     parameters = _parameters(str(path), given.pop("bound", []), given.pop("fix", []))
     runs, seed, optimizer = astuple(search)
@@ -133,6 +147,19 @@ def _plan_of_table(path: Path, given: dict[str, Any], search: SearchOptions) -> 
     settings |= {"starts": runs} if optimizer is None else {"genetic": runs and {"runs": runs}}
     law, contact = settings.pop("law"), settings.pop("contact")
     return campaign_of_table(path, law, contact, constants, **settings)
+
+
+def _name_bodies(source: str, given: dict[str, Any]) -> None:
+    """Put --pin and --hole in the place of --material-j and --material-i."""
+    for role, body in (("pin", "material_j"), ("hole", "material_i")):
+        if role not in given:
+            continue
+        require_internal(source, given["contact"], "use --material-i and --material-j")
+        other = "--" + body.replace("_", "-")
+        if body in given:
+            rule = f"is the body that {other} names as well"
+            raise InputError(source, f"--{role}", given[role], rule, "keep one of them")
+        given[body] = given.pop(role)
 
 
 def _parameters(source: str, bounds: list[str], fixed: list[str]) -> dict[str, dict[str, Any]]:

@@ -20,7 +20,9 @@ __all__ = [
     "STYLES",
     "TABLES",
     "Force",
+    "Hole",
     "Jobs",
+    "Pin",
     "Results",
     "Runs",
     "Scheduler",
@@ -28,6 +30,7 @@ __all__ = [
     "expand_options",
     "integer_from",
     "modulus_in_MPa",
+    "require_internal",
     "resumable",
 ]
 
@@ -60,6 +63,12 @@ def modulus_in_MPa(E: float | None) -> float | None:
     if E is not None and 0 < E < _SMALLEST_MODULUS:
         typer.echo(f"cylcontact: --E is in MPa; did you mean {E:g}e3?", err=True)
     return E
+
+
+def require_internal(source: str, contact: str, remedy: str) -> None:
+    """Refuse --pin and --hole for rollers."""
+    if contact != "internal":
+        raise InputError(source, "--contact", contact, "has no pin and no hole", remedy)
 
 
 def expand_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -173,6 +182,10 @@ Scheduler = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS", help="A Dask cluster instead, e.g. tcp://host:8786."),
 ]
+Pin = Annotated[
+    str | None, typer.Option(help="The pin's material, by its name in the table of materials.")
+]
+Hole = Annotated[str | None, typer.Option(help="The hole's material.")]
 Force = Annotated[
     bool, typer.Option("--force", help="Replace an output that came from other inputs.")
 ]

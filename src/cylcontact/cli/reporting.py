@@ -14,10 +14,13 @@ from cylcontact.cli.options import (
     RESULTS,
     STYLES,
     TABLES,
+    Hole,
     Jobs,
+    Pin,
     Results,
     expand_options,
     modulus_in_MPa,
+    require_internal,
 )
 from cylcontact.cli.terminal import cores, progress_bars
 from cylcontact.errors import InputError
@@ -175,9 +178,14 @@ def claims(
 
 def compare_laws(
     E: Annotated[
-        float, typer.Option("--E", help="Young's modulus, MPa.", callback=modulus_in_MPa)
-    ] = 207e3,
-    nu: Annotated[float, typer.Option("--nu", help="Poisson's ratio.")] = 0.3,
+        float | None,
+        typer.Option(
+            "--E", help="Young's modulus, MPa; 207000 by default.", callback=modulus_in_MPa
+        ),
+    ] = None,
+    nu: Annotated[
+        float | None, typer.Option("--nu", help="Poisson's ratio; 0.3 by default.")
+    ] = None,
     dR: Annotated[
         float | None,
         typer.Option("--dR", help="ΔR, mm; by default 0.05 internal, twice Ri external."),
@@ -186,10 +194,8 @@ def compare_laws(
     length: Annotated[float, typer.Option(help="Axial length, mm.")] = 10.0,
     load: Annotated[float, typer.Option(help="Load per unit length, N/mm.")] = 100.0,
     contact: Annotated[str, typer.Option(help=f"{listed(CONTACTS)}.")] = "internal",
-    pin: Annotated[
-        str | None, typer.Option(help="The pin's material, by its name in the table of materials.")
-    ] = None,
-    hole: Annotated[str | None, typer.Option(help="The hole's material.")] = None,
+    pin: Pin = None,
+    hole: Hole = None,
 ) -> None:
     """Compare the laws: which one to use, and all of them side by side for one pair."""
     from cylcontact.materials import Material
@@ -202,13 +208,15 @@ def compare_laws(
         raise InputError(
             "laws", missing, None, f"is missing beside {given}", "name both materials, or neither"
         )
-    if pin is not None and contact != "internal":
-        raise InputError(
-            "laws", "--contact", contact, "has no pin and no hole", "leave out --pin and --hole"
-        )
+    elastic = {name: value for name, value in (("E", E), ("nu", nu)) if value is not None}
     if pin is None or hole is None:
-        pair = case(contact, E, nu, dR, R_i, length)
+        pair = case(contact, dR=dR, R_i=R_i, length=length, **elastic)
     else:
+        require_internal("laws", contact, "leave out --pin and --hole")
+        if elastic:
+            name, value = next(iter(elastic.items()))
+            rule = "is given by --pin and --hole already"
+            raise InputError("laws", f"--{name}", value, rule, "leave it out, or both of them")
         pair = pin_in_hole(Material.named(pin), Material.named(hole), dR, R_i, length)
     side_by_side = to_text(pair, load)
     typer.echo(

@@ -27,6 +27,11 @@ __all__ = ["DEFINITION", "ClampedPlate", "Conformal", "Datum", "PinDatum"]
 PinDatum = Literal["body-force", "diametral"]
 
 
+def _is_number(value: object) -> bool:
+    """Return whether a value is one finite number."""
+    return isinstance(value, (int, float, np.number)) and bool(np.isfinite(value))
+
+
 @dataclass(frozen=True)
 class ClampedPlate:
     """A datum: the pin's centre against a plate that is clamped at the radius R_o around the hole.
@@ -42,7 +47,7 @@ class ClampedPlate:
     Raises
     ------
     InputError
-        If the radius is not positive and finite, or the loading of the pin is unknown.
+        If the radius is not one positive and finite number, or the loading of the pin is unknown.
 
     Notes
     -----
@@ -54,7 +59,7 @@ class ClampedPlate:
         A = −(1 + (κ_i − 1)/(2ρ²))/(2(κ_i·ρ² + 1/ρ²)).
 
     Other harmonics of the plate's displacement are left out. They matter for narrow rings: in
-    steel their share of C is −0.80, −0.41, −0.17 and −0.05 at ρ = 2, 3, 5 and 10.
+    steel their share of C is −0.79, −0.41, −0.17 and −0.05 at ρ = 2, 3, 5 and 10.
 
     Examples
     --------
@@ -70,11 +75,11 @@ class ClampedPlate:
 
     def __post_init__(self) -> None:
         require(
-            bool(self.R_o > 0 and np.isfinite(self.R_o)),
+            _is_number(self.R_o) and self.R_o > 0,
             "ClampedPlate",
             "R_o",
             self.R_o,
-            "must be positive and finite",
+            "must be a number, positive and finite",
             "give the radius in mm at which the plate is held",
         )
         require(
@@ -161,7 +166,8 @@ class Conformal(Unlimited):
     Relative errors are those of rounding for β = 0. For other pairs they are below 1e-11 in load,
     penetration, stiffness and angle, and below 1e-9 in the largest pressure, against four times
     the terms over every possible (α, β); for |β| < 1e-5 and arcs beyond 172.7°, which only a pin
-    1e5 times softer than the plate reaches, below 1e-7. Each β costs 0.02 s once.
+    1e5 times softer than the plate reaches, below 1e-7. Each β costs 0.02 s once. No ratio of the
+    moduli is too large: the law tends to that of one rigid body.
 
     Examples
     --------
@@ -187,9 +193,9 @@ class Conformal(Unlimited):
     _repr_html_ = law_html
 
     def __post_init__(self) -> None:
-        number = isinstance(self.datum, (int, float, np.number)) and np.isfinite(self.datum)
+        named = isinstance(self.datum, str) and self.datum == "johnson"
         require(
-            bool(number) or isinstance(self.datum, ClampedPlate) or self.datum == "johnson",
+            named or isinstance(self.datum, ClampedPlate) or _is_number(self.datum),
             type(self).__name__,
             "datum",
             self.datum,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,13 +11,14 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.contour import QuadContourSet
+from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from cylcontact.arrays import FloatArray
 from cylcontact.plots.figure import StyledFigure, new_figure, plain_log
 from cylcontact.plots.style import small_text
 
-__all__ = ["RIM", "Frame", "draw_contours", "label_contours", "new_map", "signed"]
+__all__ = ["RIM", "Frame", "add_scale", "draw_contours", "label_contours", "new_map", "signed"]
 
 # One set of levels (percent) and colours for every map. Blue is below zero, orange above; each
 # side darkens outwards, so in grey dashes and the contours' labels show the sign.
@@ -78,6 +80,12 @@ def new_map(frame: Frame, title: str, scale_label: str) -> tuple[StyledFigure, A
     plain_log(axes, "y", frame.y_ticks)
     axes.set(xlim=frame.x, ylim=frame.y, xlabel=frame.x_label, ylabel=frame.y_label)
     axes.set_title(title, pad=2 * rcParams["font.size"])
+    add_scale(figure, axes, scale_label)
+    return figure, axes
+
+
+def add_scale(figure: Figure, axes: Axes | Sequence[Axes], label: str) -> None:
+    """Add the colour scale of one or several maps beside them."""
     bar = figure.colorbar(
         ScalarMappable(NORM, COLOUR_MAP),
         ax=axes,
@@ -86,8 +94,7 @@ def new_map(frame: Frame, title: str, scale_label: str) -> tuple[StyledFigure, A
         pad=0.02,
     )
     bar.ax.tick_params(length=0)
-    bar.set_label(scale_label)
-    return figure, axes
+    bar.set_label(label)
 
 
 def draw_contours(axes: Axes, x: FloatArray, y: FloatArray, percent: FloatArray) -> QuadContourSet:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import cast
 
@@ -30,8 +31,8 @@ LOAD_NUMBERS: dict[Contact, tuple[float, ...]] = {
     "internal": (1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0),
     "external": (1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3),
 }
-# The laws to recommend where a formula is needed.
-_FORMULAS = ("explicit", "johnson")
+# For two materials: the laws to recommend, and those that are used for want of them.
+_FOR_ANY_PAIR, _OF_E_STAR = ("parametric", "explicit-pair"), ("explicit", "johnson")
 MISSING = "-"
 HUGE = 1e12
 
@@ -257,21 +258,24 @@ def to_text(pair: CylinderPair, load: float) -> str:
 
 def _advice(pair: CylinderPair, side_by_side: pd.DataFrame, errors: pd.DataFrame) -> str:
     """Return which law to use for a pin and a hole of different materials, and why."""
-    # A law that ends within the table is not the one to use.
-    worst = {name: np.nan_to_num(np.abs(errors.loc[name]), nan=np.inf).max() for name in _FORMULAS}
-    best = min(worst, key=worst.__getitem__)
     penetration = side_by_side.set_index("law")["penetration_um"]
-    at_load = ", ".join(
-        f"{name} {_deviation(100 * (penetration[name] / penetration['conformal'] - 1))} %"
-        for name in _FORMULAS
-    )
+
+    def off(names: Iterable[str]) -> str:
+        return ", ".join(
+            f"{name} {_deviation(100 * (penetration[name] / penetration['conformal'] - 1))} %"
+            for name in names
+        )
+
+    worst = {name: float(np.abs(errors.loc[name]).max()) for name in _FOR_ANY_PAIR}
     return (
         f"a {pair.material_j.name} pin in a {pair.material_i.name} hole, Dundurs' "
         f"α = {float(pair.alpha):.3f}, β = {float(pair.beta):.3f}\n"
-        "conformal is exact for both materials; at this load the penetration of formulas that know "
-        f"E* is off by: {at_load}\n"
-        f"use conformal, or {best} where a formula is needed: at most {worst[best]:.1f} % off at "
-        "the φ below"
+        "conformal is exact for both materials; at this load the penetration of laws that know "
+        f"E* alone is off by: {off(_OF_E_STAR)}\n"
+        f"use parametric, at most {worst['parametric']:.2g} % off at the φ below, or explicit-pair "
+        f"where one line is wanted, {worst['explicit-pair']:.2g} %; here {off(_FOR_ANY_PAIR)}\n"
+        "all penetrations are by Johnson's datum; another, such as a clamped plate, is a parameter "
+        "of conformal and parametric"
     )
 
 

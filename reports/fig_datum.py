@@ -1,0 +1,158 @@
+"""What a housing adds to the penetration: the datum of a plate that is clamped somewhere."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib import rcParams
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from cylcontact.arrays import FloatArray
+from cylcontact.laws import ClampedPlate, Conformal, difference_percent
+from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
+from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS, QUIET, small_text
+from cylcontact.reports.bench import Bench
+
+from .joints import ALUMINIUM, STEEL, Joint, label_of, origins_of, pair_of
+
+JOINTS: tuple[Joint, ...] = (
+    (STEEL, STEEL),
+    (STEEL, ALUMINIUM),
+    (ALUMINIUM, STEEL),
+    (STEEL, "bronze"),
+    ("PEEK", STEEL),
+)
+# ρ = R_o/R_i; below NARROW the harmonics that ClampedPlate leaves out are not small.
+RATIOS: FloatArray = np.geomspace(2.0, 100.0, 69)
+NARROW = 10.0
+PHI = (0.01, 0.1, 1.0)
+# Neither changes a number: C depends on ρ alone, and δ/ΔR on φ and C.
+R_O, DR = 1000.0, 0.01  # mm
+MARKED = 20.0  # the ρ of the headline
+CAPTION = (
+    "A pin in a housing held at the radius R_o, against ρ = R_o/R_i (-). (a) The constant C (-) of "
+    "the penetration δ = f L/(π E*): lines for a housing clamped at R_o and a pin under a body "
+    "force, bars at the right for Johnson's datum C = 2 ln 2 - 2 + w_j, a convention that knows no "
+    "housing. (b) to (d) How much penetration the housing adds to that by Johnson's datum (%) at "
+    "loads φ = f/(E* ΔR) (-); below zero the joint is stiffer. Plane strain, no friction. Grey: "
+    "narrow rings (ρ < 10), where harmonics that C leaves out matter, in steel 0.05 at ρ = 10 and "
+    "0.79 at ρ = 2, by which C is too large; these parts are not to be trusted. The pairs and ρ "
+    "are our choice. Material values that are not the paper's: {origins}."
+)
+
+
+def draw(bench: Bench) -> Drawing:
+    table = pd.concat([_rows(bench, joint) for joint in JOINTS], ignore_index=True)
+    caption = CAPTION.format(origins=origins_of(bench, JOINTS))
+    return Drawing(_draw_panels(table), table, _headline(bench), caption)
+
+
+def _rows(bench: Bench, joint: Joint, ratios: FloatArray = RATIOS) -> pd.DataFrame:
+    """Tabulate C and what it adds to the penetration over ρ."""
+    pair = pair_of(bench, joint, DR, R_O / ratios)
+    held, johnson = Conformal(ClampedPlate(R_O)), Conformal()
+    columns = {
+        "pair": label_of(joint),
+        "ratio": ratios,
+        "constant": held.constant(pair),
+        "johnson_constant": float(johnson.constant(pair)),
+    }
+    for phi in PHI:
+        load = phi * pair.E_star * DR
+        columns[_column(phi)] = difference_percent(held, johnson, load, pair)
+    return pd.DataFrame(columns)
+
+
+def _column(phi: float) -> str:
+    """Return the name of the column of a load."""
+    return f"added_at_phi_{phi:g}_percent"
+
+
+def _headline(bench: Bench) -> dict[str, float]:
+    """Return C and what it adds at φ = 1 for one housing."""
+    numbers = {}
+    for joint in JOINTS:
+        (row,) = _rows(bench, joint, np.array([MARKED])).to_dict("records")
+        where = f"{label_of(joint)}, R_o/R_i = {MARKED:g}"
+        numbers[f"{where}: C"] = float(row["constant"])
+        numbers[f"{where}: added at φ = 1, %"] = float(row[_column(1.0)])
+    return numbers
+
+
+def _draw_panels(table: pd.DataFrame) -> Figure:
+    """Draw C, and what it adds at each load."""
+    figure = new_figure("full", 112.0)
+    panels = figure.subplots(2, 2, by_rows=True)
+    columns = ("constant", *map(_column, PHI))
+    for number, (axes, column) in enumerate(zip(panels.flat, columns, strict=True)):
+        _draw_lines(axes, table, column)
+        # Over the lines, so that they fade.
+        axes.axvspan(RATIOS[0], NARROW, color="0.88", alpha=0.65, linewidth=0, zorder=2.4)
+        axes.axhline(0, color=QUIET, linewidth=0.6, linestyle="-", marker="", zorder=1)
+        plain_log(axes, "x", (2, 5, 10, 20, 50, 100))
+        axes.set(xlim=(RATIOS[0], RATIOS[-1]), xlabel=r"housing $\rho = R_o/R_i$ (-)")
+        axes.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+        if number:
+            panel_title(axes, number, rf"added at $\varphi$ = {PHI[number - 1]:g}")
+            axes.set_ylabel("added penetration (%)")
+    first = panels.flat[0]
+    panel_title(first, 0, "datum")
+    first.set_ylabel("constant $C$ (-)")
+    _mark_johnson(first, table)
+    first.text(
+        0.02,
+        0.96,
+        "narrow rings:\nnot to be trusted",
+        transform=first.transAxes,
+        verticalalignment="top",
+        fontsize=small_text(),
+        zorder=4,
+    )
+    lines, labels = first.get_legend_handles_labels()
+    count = len(labels)
+    figure.legend(lines, labels, title="pin in hole", loc="outside lower center", ncols=count)
+    return figure
+
+
+def _draw_lines(axes: Axes, table: pd.DataFrame, column: str) -> None:
+    """Draw one column of the table, a line per pair."""
+    for number, (name, rows) in enumerate(table.groupby("pair", sort=False)):
+        axes.plot(
+            rows["ratio"].to_numpy(),
+            rows[column].to_numpy(),
+            label=str(name),
+            color=COLOURS[number],
+            linestyle=LINE_STYLES[number],
+            marker=MARKERS[number],
+            markevery=(6 + 3 * number, 17),
+        )
+
+
+def _mark_johnson(axes: Axes, table: pd.DataFrame) -> None:
+    """Mark the constant of Johnson's datum beside the panel, a bar in the colour of each line."""
+    beside = axes.get_yaxis_transform()
+    for number, (_, rows) in enumerate(table.groupby("pair", sort=False)):
+        level = rows["johnson_constant"].iloc[0]
+        axes.plot(
+            [1.015, 1.05],
+            [level, level],
+            "-",
+            color=COLOURS[number],
+            marker="",
+            linewidth=1.4 * rcParams["lines.linewidth"],
+            transform=beside,
+            clip_on=False,
+        )
+    middle = table["johnson_constant"].mean()
+    axes.text(
+        1.06,
+        middle,
+        "Johnson's\ndatum",
+        transform=beside,
+        rotation=90,
+        verticalalignment="center",
+        horizontalalignment="left",
+        fontsize=small_text(),
+    )

@@ -1,0 +1,178 @@
+"""How wrong the curve of equal materials is for a pin and a hole of two: what E* leaves out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import AutoMinorLocator, FixedLocator, FuncFormatter
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.laws import unlike
+from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
+from cylcontact.plots.maps import RIM, add_scale, draw_contours, label_contours, signed
+from cylcontact.plots.style import small_text
+from cylcontact.reports.bench import Bench
+
+from .joints import ALUMINIUM, STEEL, Joint, label_of, origins_of, pair_of
+
+NU = 0.3
+G = (1 - 2 * NU) / (2 - 2 * NU)  # (κ − 1)/(κ + 1) of bodies of that ν, β/α of two of them
+LOADS, PLANE = f"any, nu = {NU:g}", "any"  # the pairs of the two maps in the table
+PHI: FloatArray = np.geomspace(1e-3, 10.0, 61)
+PLANE_PHI = 1.0
+COUNT = 31  # of values of α
+BETAS: FloatArray = np.linspace(-0.5, 0.5, 21)
+JOINTS: tuple[Joint, ...] = (
+    (STEEL, "PEEK"),
+    (STEEL, ALUMINIUM),
+    (STEEL, "bronze"),
+    ("bronze", STEEL),
+    (ALUMINIUM, STEEL),
+    ("PEEK", STEEL),
+    ("PTFE", STEEL),
+)
+JOINT_PHI: FloatArray = np.array([0.01, 0.1, 0.3, 1.0, 3.0, 10.0])
+CAPTION = (
+    "Error of the penetration (%) at equal load if a pin and a hole of two materials are taken for "
+    "equal ones of the same E*: Persson's solution less that for any two materials, each by "
+    "Johnson's datum, in percent of the latter. α and β are Dundurs' parameters (-): α = -1 is a "
+    "rigid pin, α = 1 a rigid hole. (a) Against α and the load φ = f/(E* ΔR) (-); both bodies have "
+    f"ν = {NU:g} in plane strain (our choice), so that β = {G:.4f} α. (b) Against α and β at φ = "
+    f"{PLANE_PHI:g}, over all pairs that are possible; circles: pin in hole, plane strain, whose "
+    "errors the table has from φ = 0.01 to 10. Contours are solid above zero and dashed below. "
+    "Material values that are not the paper's: {origins}."
+)
+
+
+def draw(bench: Bench) -> Drawing:
+    named = pd.concat([_rows(bench, joint) for joint in JOINTS], ignore_index=True)
+    table = pd.concat([_over_loads(), _over_plane(), named], ignore_index=True)
+    caption = CAPTION.format(origins=origins_of(bench, JOINTS))
+    return Drawing(_draw_maps(table, named), table, _headline(table, named), caption)
+
+
+def error_of_E_star(alpha: FloatArray, beta: float, phi: FloatArray) -> FloatArray:
+    """Return the error in percent of the penetration of equal bodies, at loads φ."""
+    alike = _approach(np.zeros_like(alpha), 0.0, phi)
+    return as_floats(100 * (alike / _approach(alpha, beta, phi) - 1))
+
+
+def _approach(alpha: FloatArray, beta: float, phi: FloatArray) -> FloatArray:
+    """Return π·d/φ by Johnson's datum."""
+    w_i, w_j = as_floats((1 - alpha) / 2), as_floats((1 + alpha) / 2)
+    bodies = unlike.Bodies(w_i, w_j, beta, as_floats(2 * np.log(2) - 2 + w_j))
+    return unlike.approach(unlike.arc_of_load(phi, bodies, unlike.largest_arc(bodies)), bodies)
+
+
+def _over_loads() -> pd.DataFrame:
+    """Tabulate the error over α and φ for bodies of one ν."""
+    parts = [_table(LOADS, alpha, G * alpha, PHI) for alpha in np.linspace(-1.0, 1.0, COUNT)]
+    return pd.concat(parts, ignore_index=True)
+
+
+def _over_plane() -> pd.DataFrame:
+    """Tabulate the error over Dundurs' plane; β alone decides from where to where α goes."""
+    parts = []
+    for beta in BETAS:
+        alphas = np.linspace(max(-1.0, 4 * beta - 1), min(1.0, 4 * beta + 1), COUNT)
+        parts.append(_table(PLANE, alphas, float(beta), as_floats(PLANE_PHI)))
+    return pd.concat(parts, ignore_index=True)
+
+
+def _rows(bench: Bench, joint: Joint) -> pd.DataFrame:
+    """Tabulate the error of a pair of named materials."""
+    pair = pair_of(bench, joint, 0.01, 10.0)
+    return _table(label_of(joint), pair.alpha, float(pair.beta), JOINT_PHI)
+
+
+def _table(name: str, alpha: FloatArray, beta: float, phi: FloatArray) -> pd.DataFrame:
+    """Tabulate the error for one β."""
+    error = error_of_E_star(as_floats(alpha), beta, phi)
+    columns = np.broadcast_arrays(alpha, beta, phi, error)
+    # Round-off would differ from machine to machine; + 0.0 removes −0.0.
+    values = np.round(np.column_stack([column.ravel() for column in columns]), 9) + 0.0
+    table = pd.DataFrame(values, columns=["alpha", "beta", "phi", "error_percent"])
+    table.insert(0, "pair", name)
+    return table
+
+
+def _headline(table: pd.DataFrame, named: pd.DataFrame) -> dict[str, float]:
+    """Return the extremes of the maps, and each named pair's error at φ = 1."""
+    errors = table.groupby("pair")["error_percent"]
+    numbers: dict[str, float] = {}
+    for pair, where in ((LOADS, "nu = 0.3, φ to 10"), (PLANE, "any pair, φ = 1")):
+        lowest, highest = errors.get_group(pair).min(), errors.get_group(pair).max()
+        numbers |= {f"{where}: lowest, %": lowest, f"{where}: highest, %": highest}
+    at_one = named[named["phi"] == PLANE_PHI].set_index("pair")["error_percent"]
+    numbers |= {f"{pair}, φ = 1, %": error for pair, error in at_one.items()}
+    return {key: float(number) for key, number in numbers.items()}
+
+
+def _draw_maps(table: pd.DataFrame, named: pd.DataFrame) -> Figure:
+    """Draw both maps."""
+    figure = new_figure("full", 80.0)
+    loads, plane = panels = figure.subplots(1, 2)
+    for axes in panels:
+        axes.set(xlim=(-1, 1), xlabel=r"Dundurs' $\alpha$ (-), positive: pin softer")
+        _signed_axis(axes, "x", 0.5)
+    plain_log(loads, "y", (0.001, 0.01, 0.1, 1, 10))
+    loads.set(ylabel=r"load $\varphi = f/(E^*\Delta R)$ (-)", ylim=(PHI[0], PHI[-1]))
+    _signed_axis(plane, "y", 0.25)
+    plane.set(ylabel=r"Dundurs' $\beta$ (-)", ylim=(-0.5, 0.5))
+    panel_title(loads, 0, rf"$\nu$ = {NU:g} for both")
+    panel_title(plane, 1, rf"any pair, $\varphi$ = {PLANE_PHI:g}")
+    add_scale(figure, list(panels), "error of the penetration with $E^*$ alone (%)")
+    of_loads = draw_contours(loads, *_grid(table, LOADS, "phi", (COUNT, PHI.size)))
+    of_plane = draw_contours(plane, *_grid(table, PLANE, "beta", (BETAS.size, COUNT)))
+    plane.plot([-1, -1, 1, 1, -1], [0, -0.5, 0, 0.5, 0], "-", color="black", lw=0.8, marker="")
+    points = named.drop_duplicates("pair")
+    _number_points(plane, points)
+    figure.draw_without_rendering()
+    label_contours(loads, of_loads, np.empty((0, 2)))
+    label_contours(plane, of_plane, points[["alpha", "beta"]].to_numpy())
+    return figure
+
+
+def _grid(
+    table: pd.DataFrame, pair: str, upwards: str, shape: tuple[int, int]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return α, the other coordinate and the error of a map."""
+    rows = table[table["pair"] == pair]
+    alpha, other, error = (
+        rows[name].to_numpy().reshape(shape) for name in ("alpha", upwards, "error_percent")
+    )
+    return alpha, other, error
+
+
+def _signed_axis(axes: Axes, which: str, step: float) -> None:
+    """Put signed numbers on a linear axis."""
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    axis.set_major_locator(FixedLocator(list(np.arange(-2, 3) * step)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: signed(value)))
+    axis.set_minor_locator(AutoMinorLocator(5))
+
+
+def _number_points(axes: Axes, points: pd.DataFrame) -> None:
+    """Number the named pairs, with their names in the corners that no pair reaches."""
+    names: dict[bool, list[str]] = {True: [], False: []}
+    rows = zip(points["pair"], points["alpha"], points["beta"], strict=True)
+    for number, (pair, alpha, beta) in enumerate(rows, start=1):
+        softer_pin = bool(alpha > 0)
+        axes.plot(alpha, beta, "o", color="black", clip_on=False, zorder=4)
+        axes.annotate(
+            str(number),
+            xy=(alpha, beta),
+            xytext=(-4 if softer_pin else 4, 0),
+            textcoords="offset points",
+            horizontalalignment="right" if softer_pin else "left",
+            verticalalignment="center",
+            fontsize=small_text(),
+            path_effects=[RIM],
+            zorder=5,
+        )
+        names[softer_pin].append(f"{number}  {pair}")
+    axes.text(-0.95, 0.47, "\n".join(names[True]), va="top", fontsize=small_text())
+    below = "\n".join(names[False])
+    axes.text(0.95, -0.47, below, ha="right", multialignment="left", fontsize=small_text())
