@@ -261,10 +261,11 @@ def _advice(pair: CylinderPair, side_by_side: pd.DataFrame, errors: pd.DataFrame
     penetration = side_by_side.set_index("law")["penetration_um"]
 
     def off(names: Iterable[str]) -> str:
-        return ", ".join(
-            f"{name} {_deviation(100 * (penetration[name] / penetration['conformal'] - 1))} %"
-            for name in names
-        )
+        parts = []
+        for name in names:
+            error = 100 * (penetration[name] / penetration["conformal"] - 1)
+            parts.append(f"{name} {'ends before' if np.isnan(error) else _deviation(error) + ' %'}")
+        return ", ".join(parts)
 
     worst = {name: float(np.abs(errors.loc[name]).max()) for name in _FOR_ANY_PAIR}
     return (
