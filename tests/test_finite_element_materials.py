@@ -108,9 +108,10 @@ class TestIncompressible:
         assert case.peak_pressure == pytest.approx(peak, rel=2e-3)
 
     def test_penetration_tends_to_that_of_an_incompressible_body(self):
-        setup = joint(STEEL, (1e3, 0.3), cells=8)
+        # Not in the wide plate: held all round it cannot leave room for the hole's changes.
+        setup = joint((2e3, 0.3), (1e3, 0.3), cells=8, outer_ratio=3.3)
         at = {
-            nu: solve(replace(setup, nu=nu, pin_nu=0.3), DR, [3.0])[0].penetration
+            nu: solve(replace(setup, nu=nu, pin_nu=nu), DR, [3.0])[0].penetration
             for nu in (0.4999, 0.49999, 0.499999)
         }
         steps = np.diff(list(at.values()))
@@ -231,12 +232,12 @@ class TestCalculix:
     )
     def test_two_materials(self, pin, plate):
         require_program("ccx")
-        setup = joint(pin, plate, cells=12)
-        load = float(setup.pair(DR).E_star) * DR
+        setup = joint(pin, plate, outer_ratio=10.0)
+        load = 0.1 * float(setup.pair(DR).E_star) * DR
         (case,) = solve(setup, DR, [load])
         actual = run_case(setup, DR, load, np.array([load]), find_program())
         assert actual.penetration == pytest.approx(case.penetration, rel=3e-3, abs=0)
-        assert actual.peak_pressure == pytest.approx(case.peak_pressure, rel=0.01)
+        assert actual.peak_pressure == pytest.approx(case.peak_pressure, rel=0.02)
 
 
 class TestFiles:
@@ -280,10 +281,8 @@ class TestFiles:
         study = read_study(write_toml(tmp_path / "both.toml", self.BOTH))
         assert run("finite-element", "both.toml", "-j", 1)[0] == 0
         rows = read_table("both-embedded.csv").rows
-        assert rows.groupby("variant")[["pin_E_GPa", "pin_nu"]].first().to_numpy().tolist() == [
-            [3.6, 0.38],
-            [70.0, 0.4999],
-        ]
+        pins = rows[["variant", "pin_E_GPa", "pin_nu"]].drop_duplicates()
+        assert pins.to_numpy().tolist() == [["base", 3.6, 0.38], ["aluminium", 70.0, 0.4999]]
         assert (rows["E_GPa"].unique(), rows["nu"].unique()) == (ELEMENTS["E"], ELEMENTS["nu"])
         kept = tmp_path / "kept"
         solved, _ = run_study(study, checkpoint=kept)

@@ -37,9 +37,9 @@ class StudySpec(Spec):
     )
     E: float = Field(gt=0, description="Young's modulus in GPa")
     nu: float = Field(ge=0, le=0.5, description="Poisson's ratio, from 0 to 0.5")
-    pin_E: float | None = Field(None, gt=0, description="the pin's, if it has its own, in GPa")
+    pin_E: float | None = Field(None, gt=0, description="the pin's Young's modulus in GPa")
     pin_nu: float | None = Field(
-        None, ge=0, le=0.5, description="the pin's, if it has its own, from 0 to 0.5"
+        None, ge=0, le=0.5, description="the pin's Poisson's ratio, from 0 to 0.5"
     )
     plane: Plane = Field("strain", description='"strain" or "stress"')
     load_on: LoadOn = Field("pin", description='"pin", "disc" or "centre"')
