@@ -86,7 +86,7 @@ class TestReferenceLaw:
     @pytest.mark.slow
     def test_without_extrapolation_on_a_fine_mesh(self):
         for pin, plate in PAIRS.values():
-            setup = joint(pin, plate, cells=32)
+            setup = joint(pin, plate, cells=24)
             pair, law = setup.pair(DR), clamped(setup)
             for phi in (0.3, 1.0, 3.0):
                 load = phi * float(pair.E_star) * DR
