@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from cylcontact import limits
 from cylcontact.arrays import FloatArray
-from cylcontact.datasets.finite_element import Solution, solve, stress_of
+from cylcontact.datasets.finite_element import Solution, solve
 from cylcontact.laws.conformal import pressure as persson_pressure
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import COLOURS
@@ -121,10 +121,12 @@ def _draw_stress(figure: Figure, axes: Axes, solution: Solution) -> None:
     reach, depth = REACH * width, DEPTH * width
     top = solution.setup.hole_radius
     outlines, values = [], []
-    bodies = ((solution.mesh.plate, solution.plate), (solution.mesh.pin, solution.pin))
-    for body, displacement in bodies:
+    for body, stress in (
+        (solution.mesh.plate, solution.stress("plate")),
+        (solution.mesh.pin, solution.stress("pin")),
+    ):
         corners = body.points[body.quads]
-        compression = -stress_of(body, displacement, solution.setup).yy
+        compression = -stress.yy
         middle = corners.mean(axis=1)
         visible = (middle[:, 0] < 1.1 * reach) & (np.abs(middle[:, 1] - top) < 1.2 * depth)
         for side in (1.0, -1.0):

@@ -14,13 +14,15 @@ STRIPS = 60
 
 
 class PinInRing:
-    """Radii in mm, E in MPa; plane strain."""
+    """Radii in mm, plate and pin as (E in MPa, ν), one material by default; plane strain."""
 
-    def __init__(self, hole_radius, dR, outer_radius, E, nu):
+    def __init__(self, hole_radius, dR, outer_radius, plate, pin=None):
         self.a, self.dR, self.c = hole_radius, dR, outer_radius
         self.b = hole_radius - dR
+        (E, nu), (pin_E, pin_nu) = plate, pin or plate
         self.mu, self.kappa = E / (2 * (1 + nu)), 3 - 4 * nu
-        self.lame = E * nu / ((1 + nu) * (1 - 2 * nu))
+        self.pin_mu, self.pin_kappa = pin_E / (2 * (1 + pin_nu)), 3 - 4 * pin_nu
+        self.pin_lame = pin_E * pin_nu / ((1 + pin_nu) * (1 - 2 * pin_nu))
         self.opening = np.array([self._ring(n) + self._disc(n) for n in range(HARMONICS)])
 
     def penetration(self, load):
@@ -89,14 +91,14 @@ class PinInRing:
 
     def _disc(self, n):
         """Return by how much a pressure cos nθ of 1 MPa moves the pin's surface inwards."""
-        k, b = self.kappa, self.b
+        k, b = self.pin_kappa, self.b
         if n == 0:
-            return (k - 1) * b / 2 / (2 * self.mu)
+            return (k - 1) * b / 2 / (2 * self.pin_mu)
         if n == 1:
             return 0.0  # with the body force, in _lift
         rows = [[-(n + 1) * (n - 2), -n * (n - 1) / b**2], [n * (n + 1), n * (n - 1) / b**2]]
         actual = np.linalg.solve(rows, [-1, 0])
-        return -actual @ [(k - n - 1) * b, -n / b] / (2 * self.mu)
+        return -actual @ [(k - n - 1) * b, -n / b] / (2 * self.pin_mu)
 
     def _lift(self, theta):
         """Return the opening per N/mm by the body force and the pressure's first harmonic.
@@ -104,17 +106,20 @@ class PinInRing:
         The displacement −by²/(2(λ + 2μ)) along y balances a body force b; its tractions, and the
         pressure that carries the load, are taken off by Airy's functions of the disc.
         """
-        k, radius, stiff = self.kappa, self.b, self.lame + 2 * self.mu
+        k, radius, stiff = self.pin_kappa, self.b, self.pin_lame + 2 * self.pin_mu
         body, first = 1 / (np.pi * radius**2), 1 / (np.pi * radius)
-        along, across = -body * radius, -self.lame / stiff * body * radius  # σ_yy, σ_xx over cos θ
+        along, across = (
+            -body * radius,
+            -self.pin_lame / stiff * body * radius,
+        )  # σ_yy, σ_xx over cos θ
         radial = {1: (3 * along + across) / 4, 3: (along - across) / 4}
         shear = {1: (across - along) / 4, 3: (across - along) / 4}
         moved = -body * radius**2 / (8 * stiff) * (3 * np.cos(theta) + np.cos(3 * theta))
         r3 = np.array([2 * radius, 2 * radius])
         wanted = np.array([-first - radial[1], -shear[1]])
         assert np.isclose(*wanted)  # one function meets both: the forces balance
-        moved += wanted[0] / r3[0] * (k - 2) * radius**2 / (2 * self.mu) * np.cos(theta)
+        moved += wanted[0] / r3[0] * (k - 2) * radius**2 / (2 * self.pin_mu) * np.cos(theta)
         rows = [[-4 * radius**3, -6 * radius], [12 * radius**3, 6 * radius]]  # r⁵ and r³, n = 3
         actual = np.linalg.solve(rows, [-radial[3], -shear[3]])
-        third = actual @ [(k - 4) * radius**4, -3 * radius**2] / (2 * self.mu)
+        third = actual @ [(k - 4) * radius**4, -3 * radius**2] / (2 * self.pin_mu)
         return -(moved + third * np.cos(3 * theta))

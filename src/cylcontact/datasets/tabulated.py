@@ -74,9 +74,11 @@ def with_table(data: dict[str, Any], source: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the spec names no table or has axes, or the table was edited by hand.
+        If the spec names no table or has axes, the table was edited by hand,
+        or it is of two materials.
     """
     from cylcontact.datasets.finite_element import read_table
+    from cylcontact.datasets.finite_element.table import PIN_COLUMNS
 
     name = data.get("table")
     if not isinstance(name, str):
@@ -94,6 +96,15 @@ def with_table(data: dict[str, Any], source: Path) -> dict[str, Any]:
         )
     rows = read_table(source.parent / name).rows
     rows = rows[rows["variant"] == "base"]
+    of_pin = dict(zip(PIN_COLUMNS, ("E_GPa", "nu"), strict=True))
+    if any((rows.get(pin, rows[own]) != rows[own]).any() for pin, own in of_pin.items()):
+        raise InputError(
+            str(source),
+            "table",
+            name,
+            "is of a pin and a plate of different materials",
+            "name one of a single material, as grids are",
+        )
     axes = {axis: {"values": sorted(set(rows[column]))} for axis, column in _AXES.items()}
     nodes = rows.pivot_table("penetration_mm", "dR_mm", "load_N_per_mm").to_numpy()
     return {**data, "axes": axes, "penetrations": nodes.tolist()}

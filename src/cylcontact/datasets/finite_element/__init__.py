@@ -6,7 +6,7 @@ clearance is computed, and its additive constant is set by the outer radius of t
 """
 
 from cylcontact.choices import ENGINES, Engine
-from cylcontact.datasets.finite_element.elasticity import Stress, stress_of
+from cylcontact.datasets.finite_element.elasticity import Stress
 from cylcontact.datasets.finite_element.outer_ratio import outer_ratio_like_johnson
 from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.datasets.finite_element.solve import Solution, solve
@@ -28,7 +28,6 @@ __all__ = [
     "read_table",
     "run_study",
     "solve",
-    "stress_of",
     "write_table",
 ]
 

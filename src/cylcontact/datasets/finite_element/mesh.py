@@ -184,7 +184,7 @@ def make_mesh(hole_radius: float, dR: float, outer_radius: float, grading: Gradi
     inwards = replace(grading, even=0.0)
     depth = _graded((1 - _CORE) * pin_radius, inwards, pin_radius)
     pin, centre = _pin(pin_radius, dR, top, right, depth / depth[-1])
-    # Contact stays below 85° at any load; the pairs extend to 79°.
+    # The pairs extend to 79°; contact of bodies of one material stays below 85° at any load.
     facing = np.concatenate([top, right[1 : 3 * (right.size // 8) + 1]])
     rays = np.arctan2(pin_radius * np.sin(facing), dR + pin_radius * np.cos(facing))
     plate, outer = _plate(hole_radius, outer_radius, rays, inwards)

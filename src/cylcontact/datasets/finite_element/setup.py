@@ -7,16 +7,16 @@ from typing import Literal
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, require
 from cylcontact.datasets.finite_element.mesh import Grading, Mesh, make_mesh
 from cylcontact.errors import InputError
-from cylcontact.laws.conformal import contact_angle
+from cylcontact.laws import Conformal
 from cylcontact.materials import Material
-from cylcontact.pair import CylinderPair
+from cylcontact.pair import CylinderPair, Plane
 
-__all__ = ["FEWEST_CELLS", "Clamp", "LoadOn", "Plane", "Setup", "require_room"]
+__all__ = ["FEWEST_CELLS", "BodyName", "Clamp", "LoadOn", "Plane", "Setup", "require_room"]
 
-Plane = Literal["strain", "stress"]
+BodyName = Literal["plate", "pin"]
 LoadOn = Literal["pin", "disc", "centre"]
 Clamp = Literal["upper half", "whole"]
 
@@ -24,6 +24,8 @@ Clamp = Literal["upper half", "whole"]
 FEWEST_CELLS = 4
 # For a given `size`: number of cells of that size, growth beyond, and largest cell in radii.
 _EVEN_CELLS, _GROWTH, _LARGEST = 24, 1.1, 0.1
+# Rounding costs 1e-5 of the penetration at 1 − 2ν = 2e-11 and is inversely proportional to 1 − 2ν.
+_LARGEST_NU = 0.499999
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,8 @@ class Setup:
         The outer radius of the plate over R_i. It sets the additive constant of the penetration,
         because a 2-D body has no absolute approach.
     E, nu : float
-        Young's modulus in MPa and Poisson's ratio of both bodies.
+        Young's modulus in MPa and Poisson's ratio of the plate, and of the pin unless it has its
+        own.
     plane : {"strain", "stress"}
         Plane state.
     load_on : {"pin", "disc", "centre"}
@@ -54,12 +57,25 @@ class Setup:
         Length of the smallest cells in mm; replaces `cells`.
     contact_size : float, optional
         Largest length of cells in the contact in mm, used with `size`.
+    pin_E, pin_nu : float, optional
+        Young's modulus in MPa and Poisson's ratio of the pin; each by default the plate's.
+
+    Raises
+    ------
+    InputError
+        If a body in plane strain is incompressible: ν must not exceed 0.499999.
 
     Examples
     --------
     >>> setup = Setup(hole_radius=2.245, outer_ratio=3.4, E=207e3, nu=0.3)
     >>> print(f"{setup.half_width(1.0, 20.0):.4f} mm")
     0.0250 mm
+
+    An aluminium pin in the same hole:
+
+    >>> setup = Setup(2.245, 3.4, E=207e3, nu=0.3, pin_E=70e3, pin_nu=0.33)
+    >>> print(f"{setup.half_width(1.0, 20.0):.4f} mm")
+    0.0349 mm
     """
 
     hole_radius: float
@@ -73,33 +89,61 @@ class Setup:
     cells: int = 16
     size: float | None = None
     contact_size: float | None = None
+    pin_E: float | None = None
+    pin_nu: float | None = None
+
+    def __post_init__(self) -> None:
+        for key, nu in (("nu", self.nu), ("pin_nu", self.pin_nu)):
+            require(
+                self.plane == "stress" or nu is None or nu <= _LARGEST_NU,
+                "finite elements",
+                key,
+                nu,
+                f"must not exceed {_LARGEST_NU:g} in plane strain: the stiffness of an "
+                "incompressible body is infinite",
+                "use 0.4999, or laws.Conformal(), which takes 0.5",
+            )
 
     @property
     def outer_radius(self) -> float:
         """The plate's outer radius in mm."""
         return self.outer_ratio * self.hole_radius
 
+    def material(self, of: BodyName) -> Material:
+        """Return the material of a body."""
+        if of == "plate":
+            return Material("plate", self.E, self.nu)
+        E = self.E if self.pin_E is None else self.pin_E
+        return Material("pin", E, self.nu if self.pin_nu is None else self.pin_nu)
+
     @property
-    def equivalent(self) -> tuple[float, float]:
-        """E (MPa) and ν for which plane strain is equivalent to the state `plane`.
+    def pin_is_other(self) -> bool:
+        """Whether the pin has its own E or ν."""
+        return (self.pin_E, self.pin_nu) != (None, None)
+
+    def equivalent(self, of: BodyName) -> tuple[float, float]:
+        """Return E (MPa) and ν of a body for which plane strain is equivalent to the state `plane`.
 
         Plane stress is equivalent to plane strain with E' = E(1 + 2ν)/(1 + ν)² and ν' = ν/(1 + ν).
         """
+        material = self.material(of)
+        E, nu = float(material.E), float(material.nu)
         if self.plane == "strain":
-            return self.E, self.nu
-        return self.E * (1 + 2 * self.nu) / (1 + self.nu) ** 2, self.nu / (1 + self.nu)
+            return E, nu
+        return E * (1 + 2 * nu) / (1 + nu) ** 2, nu / (1 + nu)
 
     def pair(self, dR: float) -> CylinderPair:
-        """Return the pair of cylinders, in plane strain like the laws."""
-        material = Material("finite elements", self.E, self.nu)
-        return CylinderPair.from_dR("internal", dR, material, R_i=self.hole_radius)
+        """Return the pair of cylinders."""
+        plate, pin = self.material("plate"), self.material("pin")
+        return CylinderPair.from_dR(
+            "internal", dR, plate, R_i=self.hole_radius, material_j=pin, plane=self.plane
+        )
 
     def half_width(self, dR: float, load: float) -> float:
-        """Return the half-width of the contact in mm by Persson's law, to grade the mesh."""
-        E, nu = self.equivalent
-        pair = CylinderPair.from_dR("internal", dR, Material("equivalent", E, nu))
+        """Return the half-width of the contact in mm by the reference law, to grade the mesh."""
+        pair = self.pair(dR)
         radius = np.sqrt(self.hole_radius * (self.hole_radius - dR))
-        return float(contact_angle(load, pair) * radius)
+        return float(np.radians(Conformal().contact_angle(load, pair)) * radius)
 
     def mesh(self, dR: float, loads: FloatArray) -> Mesh:
         """Return the mesh of one clearance for all its loads.

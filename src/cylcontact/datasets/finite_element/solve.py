@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.finite_element.contact import Condensed
-from cylcontact.datasets.finite_element.elasticity import Elastic, factorise, spread_load
-from cylcontact.datasets.finite_element.mesh import IntArray, Mesh
-from cylcontact.datasets.finite_element.setup import Setup
+from cylcontact.datasets.finite_element.elasticity import (
+    Elastic,
+    Stress,
+    factorise,
+    spread_load,
+    stress_of,
+)
+from cylcontact.datasets.finite_element.mesh import Body, IntArray, Mesh
+from cylcontact.datasets.finite_element.setup import BodyName, Setup
 
 __all__ = ["Solution", "clamped_nodes", "node_shares", "solve"]
 
@@ -29,7 +35,8 @@ class Solution:
     penetration : float
         Displacement of the pin's centre from first touch in mm.
     half_width : float
-        Half-width of the contact in mm.
+        Half-width of the contact in mm, from Hertz's ellipse through the flank of the pressure:
+        within 1 % of the reference law's up to f/(E*·ΔR) = 0.3, and 3 % low at 3.
     arc, pressure : array of float
         Distance from the top along the hole in mm and contact pressure in MPa, at the pairs of
         nodes that may touch.
@@ -54,6 +61,49 @@ class Solution:
     def peak_pressure(self) -> float:
         """The pressure on the axis in MPa."""
         return float(self.pressure[0])
+
+    def stress(self, of: BodyName) -> Stress:
+        """Return the stresses at the middle of each cell of a body."""
+        body, displacements = self._body(of)
+        return stress_of(body, displacements, self.setup, of)
+
+    def stress_below(self, of: BodyName) -> tuple[FloatArray, Stress]:
+        """Return the stresses below the middle of the contact, by depth.
+
+        Parameters
+        ----------
+        of : {"plate", "pin"}
+            The body.
+
+        Returns
+        -------
+        depth : array of float, shape (k,)
+            Distance from the contact surface along the line of the load in mm, increasing.
+        stress : Stress
+            Shape (k,), at the middles of the cells that touch this line.
+
+        Examples
+        --------
+        >>> setup = Setup(hole_radius=10.0, outer_ratio=5.0, E=207e3, nu=0.3)
+        >>> (case,) = solve(setup, 0.1, [1.0])
+        >>> depth, stress = case.stress_below("plate")
+        >>> deepest = depth[stress.von_mises.argmax()] / case.half_width
+        >>> print(f"the von Mises stress is largest {deepest:.1f} half-widths below")
+        the von Mises stress is largest 0.7 half-widths below
+        """
+        body, _ = self._body(of)
+        corners = body.points[body.quads]
+        middles = corners.mean(axis=1)
+        top = self.setup.hole_radius
+        depth = middles[:, 1] - top if of == "plate" else top - middles[:, 1]
+        chosen = np.flatnonzero((corners[:, :, 0].min(axis=1) == 0) & (depth > 0))
+        chosen = chosen[np.argsort(depth[chosen])]
+        stress = self.stress(of)
+        return depth[chosen], Stress(*(getattr(stress, f.name)[chosen] for f in fields(Stress)))
+
+    def _body(self, of: BodyName) -> tuple[Body, FloatArray]:
+        """Return the mesh of a body and the displacements of its nodes."""
+        return (self.mesh.plate, self.plate) if of == "plate" else (self.mesh.pin, self.pin)
 
 
 def solve(setup: Setup, dR: float, loads: Sequence[float] | FloatArray) -> list[Solution]:
@@ -162,11 +212,13 @@ def _edge(arc: FloatArray, pressure: FloatArray) -> float:
 
 def _factorised(setup: Setup, mesh: Mesh) -> tuple[Elastic, Elastic]:
     """Factorise plate and pin; the pin is fixed at its centre, where the reaction is zero."""
-    E, nu = setup.equivalent
     held = clamped_nodes(setup, mesh)
     plate = np.concatenate([2 * mesh.plate.axis, 2 * held, 2 * held + 1])
     pin = np.append(2 * mesh.pin.axis, 2 * mesh.centre + 1)
-    return factorise(mesh.plate, E, nu, plate), factorise(mesh.pin, E, nu, pin)
+    return (
+        factorise(mesh.plate, *setup.equivalent("plate"), plate),
+        factorise(mesh.pin, *setup.equivalent("pin"), pin),
+    )
 
 
 def _pair_forces(mesh: Mesh, size: int, surface: IntArray, sign: float) -> FloatArray:

@@ -36,7 +36,11 @@ class StudySpec(Spec):
         gt=1, le=1000, description="the plate's outer radius over the hole's, above 1"
     )
     E: float = Field(gt=0, description="Young's modulus in GPa")
-    nu: float = Field(ge=0, lt=0.5, description="Poisson's ratio, from 0 to below 0.5")
+    nu: float = Field(ge=0, le=0.5, description="Poisson's ratio, from 0 to 0.5")
+    pin_E: float | None = Field(None, gt=0, description="the pin's Young's modulus in GPa")
+    pin_nu: float | None = Field(
+        None, ge=0, le=0.5, description="the pin's Poisson's ratio, from 0 to 0.5"
+    )
     plane: Plane = Field("strain", description='"strain" or "stress"')
     load_on: LoadOn = Field("pin", description='"pin", "disc" or "centre"')
     disc_ratio: float = Field(
@@ -74,12 +78,17 @@ class StudySpec(Spec):
         for key in sorted(given ^ self.origin.keys()):
             rule = "is required" if key in given else "is not a key of this file"
             raise broken(f"origin.{key}", None, rule, "mark each key as paper, derived or assumed")
+        try:
+            self.setup()
+        except InputError as error:
+            raise broken(error.key, error.value, error.rule, error.remedy) from None
         return self
 
     def setup(self) -> Setup:
         """Return the set-up, without its variants."""
         values = {field.name: getattr(self, field.name) for field in fields(Setup)}
-        return Setup(**{**values, "E": self.E * 1e3})
+        pin_E = None if self.pin_E is None else self.pin_E * 1e3
+        return Setup(**{**values, "E": self.E * 1e3, "pin_E": pin_E})
 
 
 @dataclass(frozen=True)
@@ -123,7 +132,8 @@ def read_study(path: Path | str) -> Study:
     ----------
     path : path
         A TOML file: hole_radius (mm), outer_ratio, E (GPa), nu, plane, load_on, clamp, the mesh's
-        cells or size, dR (mm), load (N/mm), a table origin, and tables variants.
+        cells or size, dR (mm), load (N/mm), a table origin, and tables variants; pin_E (GPa) and
+        pin_nu for a pin of another material.
 
     Returns
     -------

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 __all__ = [
     "COLUMNS",
     "KEYS",
+    "PIN_COLUMNS",
     "FiniteElementTable",
     "read_table",
     "require_same_inputs",
@@ -35,6 +36,8 @@ COLUMNS = (
     *("variant", "E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm", "half_width_mm"),
     *("peak_pressure_MPa", "hole_radius_mm", "outer_radius_mm", "cells"),
 )
+# After these, in tables of studies in which a pin has its own material.
+PIN_COLUMNS = ("pin_E_GPa", "pin_nu")
 # More digits than the error of either engine, fewer than the rounding of different processors.
 _DIGITS = 7
 KEYS = ("study", "set-up", "engine", "calibrated", "sha256")
@@ -47,7 +50,7 @@ class FiniteElementTable:
     Attributes
     ----------
     rows : pandas.DataFrame
-        Columns `COLUMNS`.
+        Columns `COLUMNS`, and `PIN_COLUMNS` if a pin has its own material.
     header : dict
         The lines of the header, by the keys `KEYS`.
     """
@@ -77,7 +80,9 @@ def write_table(path: Path | str, study: Study, engine: str, rows: Sequence[Row]
     """
     import pandas as pd
 
-    frame = pd.DataFrame(map(_cells, rows), columns=COLUMNS)
+    frame = pd.DataFrame(map(_cells, rows), columns=(*COLUMNS, *PIN_COLUMNS))
+    if not any(setup.pin_is_other for setup in study.setups.values()):
+        frame = frame[list(COLUMNS)]
     body = frame.to_csv(index=False, float_format=f"%.{_DIGITS}g", lineterminator="\n")
     base = study.setups["base"]
     calibrated = (
@@ -113,7 +118,8 @@ def read_table(path: Path | str) -> FiniteElementTable:
     head = [line for line in lines if line.startswith("# ")]
     header = {key: value for key, _, value in (line[2:].rstrip().partition(": ") for line in head)}
     body = "".join(lines[len(head) :])
-    if tuple(header) != KEYS or not body.startswith(",".join(COLUMNS) + "\n"):
+    columns = tuple(body.partition("\n")[0].split(","))
+    if tuple(header) != KEYS or columns not in (COLUMNS, (*COLUMNS, *PIN_COLUMNS)):
         raise InputError(
             str(path),
             "",
@@ -156,9 +162,11 @@ def require_same_inputs(path: Path, study: Study) -> None:
 def _cells(row: Row) -> tuple[str | float, ...]:
     """Return one case in the order of `COLUMNS`."""
     setup, case = row.setup, row.case
+    pin = setup.material("pin")
     return (
         *(row.variant, setup.E / 1e3, setup.nu, case.dR, case.load, case.penetration),
         *(case.half_width, case.peak_pressure, setup.hole_radius, setup.outer_radius, case.cells),
+        *(float(pin.E) / 1e3, float(pin.nu)),
     )
 
 
