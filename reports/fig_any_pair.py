@@ -28,7 +28,7 @@ CAPTION = (
 )
 
 
-def draw(bench: Bench) -> Drawing:
+def draw(_bench: Bench) -> Drawing:
     table = _table()
     return Drawing(_draw_panels(table), table, _headline(table), CAPTION)
 

@@ -40,11 +40,14 @@ def test_laws_advises_on_a_pin_and_a_hole_of_different_materials(run):
     assert f"α = {pair.alpha:.3f}, β = {pair.beta:.3f}" in out
     assert f"is off by: explicit {explicit:+.2f} %, johnson {johnson:+.2f} %" in out
     loads = np.array([1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0]) * pair.E_star * pair.dR
-    ratio = cc.laws.Explicit().penetration(loads, pair) / cc.laws.Conformal().penetration(
-        loads, pair
-    )
-    worst = 100 * np.abs(ratio - 1).max()
-    assert f"explicit where a formula is needed: at most {worst:.1f} % off" in out
+    exact = cc.laws.Conformal().penetration(loads, pair)
+    for law, words in (
+        (cc.laws.Parametric(), "use parametric, at most {} % off at the φ below"),
+        (cc.laws.ExplicitPair(), "or explicit-pair where one line is wanted, {} %"),
+    ):
+        worst = 100 * np.abs(law.penetration(loads, pair) / exact - 1).max()
+        assert words.format(f"{worst:.2g}") in out
+    assert "all penetrations are by Johnson's datum" in out
     assert "penetration against conformal's at equal load" in out
     assert "too low against persson's" not in out
 

@@ -300,7 +300,9 @@ class CylinderPair:
         remedy = "choose |alpha| < 1 and beta from (alpha - 1)/4 to (alpha + 1)/4"
         source = "CylinderPair.from_dundurs"
         require(np.abs(a) < 1, source, "alpha", alpha, "must lie inside ]-1, 1[", remedy)
-        require(are_possible(a, b), source, "beta", beta, f"no materials have it at alpha = {a}", remedy)
+        require(
+            are_possible(a, b), source, "beta", beta, f"no materials have it at alpha = {a}", remedy
+        )
         w_i, w_j = (1 - a) / 2, (1 + a) / 2
         # Either body's part of β is w·g with g = (1 − 2ν)/(2 − 2ν).
         hole = _of_unit_share("hole", w_i, np.maximum(-b, 0) / w_i)

@@ -202,9 +202,7 @@ class DimensionlessGridSpec(Spec):
 
     contact: Literal["internal"] = Field(description='"internal"')
     reference: str = Field(description=f"the law to sample, one of {', '.join(REFERENCES)}")
-    axes: DundursAxesSpec = Field(
-        description="the tables [axes.alpha], [axes.beta] and [axes.phi]"
-    )
+    axes: DundursAxesSpec = Field(description="the tables [axes.alpha], [axes.beta] and [axes.phi]")
 
     @model_validator(mode="after")
     def _check(self) -> DimensionlessGridSpec:
@@ -369,8 +367,8 @@ class DimensionlessGrid:
         alpha, beta = self._possible
         return alpha[rows], beta[rows]
 
-    def pairs(self, dR: float, rows: IndexArray) -> CylinderPair:
-        """Return the pairs of rows in the shape of `rows`; `dR` is 1."""
+    def pairs(self, _: float, rows: IndexArray) -> CylinderPair:
+        """Return the pairs of rows in the shape of `rows`."""
         return CylinderPair.from_dundurs(*self.row_values(rows))
 
     @cached_property

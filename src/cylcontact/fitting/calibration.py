@@ -289,7 +289,7 @@ def _largest_on_table(
 
 
 def _quality_on_table(
-    campaign: Campaign,
+    _: Campaign,
     problem: Problem,
     compared: list[dict[str, float]],
     jobs: Workers,

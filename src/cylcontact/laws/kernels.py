@@ -176,7 +176,9 @@ def _steps(kernel: KernelSteps, result: str) -> list[str]:
     Steps that the result does not need are left out, because a compiler keeps calls of `pow`.
     """
     steps = needed(kernel.steps, result)
-    used = {node.id for step in steps for node in ast.walk(step.value) if isinstance(node, ast.Name)}
+    used = {
+        node.id for step in steps for node in ast.walk(step.value) if isinstance(node, ast.Name)
+    }
     numbers = [f"{name} = numbers[{i}]" for i, name in enumerate(kernel.names) if name in used]
     return [*numbers, *(step.text for step in steps), f"return {result}"]
 
