@@ -213,12 +213,12 @@ def test_one_pair_gives_numbers():
 @pytest.mark.parametrize(
     ("beta", "kappa", "nu"), [(0.0, 2.2, 0.2), (0.1, 1.9, 0.3), (-0.3, 1.4, 0.4)]
 )
-def test_the_table_is_within_1e_4_between_its_arcs(name, criterion, beta, kappa, nu):
+def test_the_table_is_within_2e_4_between_its_arcs(name, criterion, beta, kappa, nu):
     body = Body(name, kappa, nu)
     table = _table(body, beta, criterion)
     angle = np.random.default_rng(3).uniform(0, 0.999, 500) * table.angle[-1]
     exact = _rows(angle, body, beta, criterion).ratio
-    assert np.interp(angle, table.angle, table.ratio) == pytest.approx(exact, rel=1e-4)
+    assert np.interp(angle, table.angle, table.ratio) == pytest.approx(exact, rel=2e-4)
 
 
 def test_a_small_beta_changes_no_more_than_the_table_may_be_wrong():

@@ -10,7 +10,8 @@ is tested on grids over both bodies for 0 ≤ ν < 1/2 and arcs up to 120°, not
 
 **How exactly.** m over the peak pressure is tabulated against ε once for a body, β, ν and
 criterion, and interpolated linearly. Cells are halved until the value in the middle of each is
-within 1e-5 of the interpolation, also where the place of first yield jumps.
+within 1e-5 of the interpolation. Over 100 tables the largest error elsewhere was 1.1e-4, next to
+arcs where the place of first yield jumps, and 5e-6 in most.
 """
 
 from __future__ import annotations
