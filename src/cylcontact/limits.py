@@ -195,7 +195,8 @@ def first_yield(
     an even body force, the plate's at infinity. A lug of finite width carries more hoop tension
     and yields earlier. Loads are within 2e-4 of the solution, in relative terms.
 
-    Rollers: Hertz's pressure on flat surfaces.
+    Rollers: Hertz's pressure on flat surfaces. Both criteria are those of ductile materials; they
+    say nothing of brittle ones, which break in tension.
 
     Examples
     --------
