@@ -208,7 +208,7 @@ def first_yield(
     ...     pair = CylinderPair.internal(R_i=10.0, R_j=R_j, material=steel)
     ...     at = first_yield(pair)
     ...     print(f"{at.load:.0f} N/mm, in the {at.body}, {at.depth:.2f} mm deep")
-    901 N/mm, in the hole, 0.88 mm deep
+    901 N/mm, in the hole, 0.87 mm deep
     3618 N/mm, in the hole, 0.00 mm deep
     """
     require(

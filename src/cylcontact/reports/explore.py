@@ -125,7 +125,7 @@ def verdicts(choice: Choice) -> list[str]:
     >>> for line in verdicts(Choice(aluminium, "internal", 0.0075, 600.0, laws.Explicit())):
     ...     print(line)
     Johnson's law has ended: 600 N/mm is beyond its 493.8 N/mm.
-    Elastic: first yield, by von Mises, is at 4022.7 N/mm.
+    Elastic: first yield, by von Mises, is at 3951.4 N/mm.
     """
     results = numbers(choice)
     sentences = []
