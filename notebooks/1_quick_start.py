@@ -67,13 +67,13 @@ pd.DataFrame(
 # %% [markdown]
 # ## Limits
 #
-# Two loads limit an elastic law: the one at which Hertz's peak pressure reaches the
-# yield stress, and the one at which Johnson's law ends. The yield stress here is our assumption.
+# Two loads limit an elastic law: the one at which either body first yields, by von Mises, and the
+# one at which Johnson's law ends. The yield stress here is our assumption.
 
 # %%
 pd.DataFrame(
     {
-        "load at yield (N/mm)": cc.limits.yield_load(pairs).ravel(),
+        "first yield (N/mm)": cc.limits.yield_load(pairs).ravel(),
         "Johnson's largest load (N/mm)": cc.limits.johnson_limit_load(pairs).ravel(),
     },
     index=pd.Index(clearances, name="ΔR (mm)"),

@@ -1,5 +1,7 @@
 """Fig 7: the load at which Hertz's peak pressure reaches the yield stress, against clearance."""
 
+from functools import partial
+
 from cylcontact.limits import yield_load
 from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
@@ -15,6 +17,8 @@ from .paper import (
     origins,
 )
 
+hertz_yield_load = partial(yield_load, criterion="Hertz")
+
 HEADLINE_DR_MM = 0.1
 CAPTION = (
     "Load per unit length (N/mm) at which the peak pressure of Hertz's line contact (Eq 7) equals "
@@ -27,7 +31,7 @@ CAPTION = (
 def draw(bench: Bench) -> Drawing:
     rows = {name: bench.material(name) for name in MATERIALS}
     figure, panels, table = clearance_panels(
-        rows, yield_load, "load_N_per_mm", "load at yield (N/mm)"
+        rows, hertz_yield_load, "load_N_per_mm", "load at yield (N/mm)"
     )
     for axes in panels:
         axes.axhspan(*LOADS, color="0.88", zorder=0, linewidth=0)
@@ -35,7 +39,7 @@ def draw(bench: Bench) -> Drawing:
     panels[0].text(0.0013, 100, "loads of\nFigs 10 to 14", va="center")
     headline = {
         f"{name}, R_i = {R_i:g} mm, dR = {HEADLINE_DR_MM:g} mm": float(
-            yield_load(clearance_pair(HEADLINE_DR_MM, row.material, R_i))
+            hertz_yield_load(clearance_pair(HEADLINE_DR_MM, row.material, R_i))
         )
         for R_i in RADII
         for name, row in rows.items()

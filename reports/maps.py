@@ -183,7 +183,7 @@ def _map_table(row: MaterialRow, law: ContactLaw, reference: ContactLaw) -> pd.D
         "penetration_mm": law.penetration(load, pair),
         f"{reference.name}_penetration_mm": reference.penetration(load, pair),
         "difference_percent": difference_percent(law, reference, load, pair),
-        "yield_load_N_per_mm": yield_load(pair),
+        "yield_load_N_per_mm": yield_load(pair, "Hertz"),
     }
     return pd.DataFrame({name: values.ravel() for name, values in columns.items()})
 
@@ -201,7 +201,7 @@ def _draw_map(row: MaterialRow, mapped: MappedLaw) -> Drawing:
     scale_label = REFERENCE_WORDS[mapped.reference.name][0]
     figure, axes = new_map(FRAME, f"{_title(row)}: {mapped.label}", scale_label)
     lines = draw_contours(axes, dR, load, difference)
-    ends, yields = mapped.reference.max_load(pair), yield_load(pair)
+    ends, yields = mapped.reference.max_load(pair), yield_load(pair, "Hertz")
     stacked = _stack_notes(axes, ends, yields, figure.style.narrow)
     _shade_beyond_johnson(axes, clearances, ends)
     _mark_fitted_range(axes, fitted_from)

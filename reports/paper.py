@@ -109,7 +109,7 @@ class Domain:
         """Return the highest load in N/mm at ΔR: the range's end, Johnson's limit or yield."""
         pair = CylinderPair.from_dR("internal", as_floats(dR), material, R_i=self.R_i)
         top = np.minimum(self.loads[1], limits.johnson_limit_load(pair))
-        return top if self.R_i is None else np.minimum(top, limits.yield_load(pair))
+        return top if self.R_i is None else np.minimum(top, limits.yield_load(pair, "Hertz"))
 
     def point(
         self, u: ArrayLike, v: ArrayLike, material: Material

@@ -137,3 +137,12 @@ def test_a_modulus_that_may_be_in_gpa_is_noted(run, modulus, noted):
     assert "\n\ninternal contact, ΔR = " in out
     expected = "cylcontact: --E is in MPa; did you mean 210e3?\n" if noted else ""
     assert err == expected
+
+
+def test_a_load_above_first_yield_is_warned_of_and_a_smaller_one_is_not(run):
+    bodies = ("laws", "--pin", "low-carbon steel", "--hole", "aluminium alloy", "--dR", "0.01")
+    code, out, err = run(*bodies, "--load", "9000")
+    assert (code, "warning" in out) == (0, False)
+    assert err.startswith("warning: the largest load, 9,000 N/mm, is above first yield at ")
+    assert err.endswith("(von Mises, in the hole, at its surface); all laws here are elastic\n")
+    assert run(*bodies, "--load", "900")[2] == ""

@@ -181,7 +181,9 @@ def test_the_series_converges_so_that_its_error_can_be_measured():
         errors = []
         for terms in (12, 24, 48):
             found = glauert.glauert(b, beta, terms)
-            errors.append([np.max(np.abs(x / y - 1)) for x, y in zip(found, exact, strict=True)])
+            errors.append(
+                [np.max(np.abs(x / y - 1)) for x, y in zip(found[:3], exact[:3], strict=True)]
+            )
         # With 12 and 48 terms: that of a and h goes about with their −6th power, the peak's −4th.
         assert np.all(np.array(errors[0]) > np.array([2000, 2000, 225]) * errors[2])
 

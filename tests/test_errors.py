@@ -136,8 +136,14 @@ BAD_INPUT = {
         (None,),
     ),
     "yield limit: yield_stress = {!r}: must be positive and finite; give it in MPa": (
-        lambda stress: limits.yield_load(OUTSIDE, stress),
+        lambda stress: limits.yield_load(OUTSIDE, yield_stress=stress),
         NO_NUMBERS,
+    ),
+    "yield limit: criterion = {!r}: must be 'von Mises', 'Tresca' or, for the load alone, 'Hertz'; "
+    "'Hertz' is the paper's estimate of the load": (
+        [lambda criterion: limits.yield_load(OUTSIDE, criterion),
+         lambda criterion: limits.first_yield(OUTSIDE, criterion)],
+        ("mises",),
     ),
     "elastic_limit_clearance: pair.contact = 'external': must be internal; "
     "external contact has no clearance": (

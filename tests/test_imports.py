@@ -28,6 +28,8 @@ LAYERS = (
     },
     {"materials", "pair"},
     {"laws"},
+    {"stress"},
+    {"yield_search"},
     {"limits", "dissipation", "friction"},
     {"datasets", "plots"},
     {"fitting", "mechanism"},

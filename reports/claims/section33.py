@@ -21,7 +21,7 @@ SIZES = {f"R_i = {R_i:g} mm": R_i for R_i in paper.RADII}
 
 def yield_load(dR: float | FloatArray, material: Material, R_i: float) -> FloatArray:
     """Return the load at yield in N/mm."""
-    return limits.yield_load(paper.clearance_pair(dR, material, R_i))
+    return limits.yield_load(paper.clearance_pair(dR, material, R_i), "Hertz")
 
 
 def steel(bench: Bench) -> tuple[Material, str]:

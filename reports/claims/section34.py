@@ -31,7 +31,7 @@ def limit(material: Material, dR: float) -> float:
 
 def yield_load(material: Material, dR: float, R_i: float = 10.0) -> float:
     """Return the load at yield in N/mm."""
-    return float(limits.yield_load(paper.clearance_pair(dR, material, R_i)))
+    return float(limits.yield_load(paper.clearance_pair(dR, material, R_i), "Hertz"))
 
 
 @claim(

@@ -26,6 +26,7 @@ from cylcontact.cli.terminal import cores, progress_bars
 from cylcontact.errors import InputError
 from cylcontact.export import TARGETS
 from cylcontact.files import replacing, require_suffix, shipped_bench, write_table
+from cylcontact.limits import yield_warning
 from cylcontact.pair import CONTACTS
 
 if TYPE_CHECKING:
@@ -222,6 +223,9 @@ def compare_laws(
     typer.echo(
         f"{laws_to_use.to_text(pair.contact, Bench(shipped_bench()))}\n\n{side_by_side}", nl=False
     )
+    warning = yield_warning(load, pair)
+    if warning is not None:
+        typer.echo(f"warning: {warning}", err=True)
 
 
 def export(

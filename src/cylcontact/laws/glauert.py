@@ -41,6 +41,7 @@ __all__ = [
     "Remainder",
     "Solution",
     "closed_forms",
+    "enough_terms",
     "estimated_c",
     "glauert",
     "persson_peak",
@@ -59,11 +60,15 @@ _SERIES, _SERIES_END = 12, 0.1
 
 
 class Solution(NamedTuple):
-    """The contact along an arc: S·2Â, (H − 1)/S with H = ∫p dθ, and the pressure at θ = 0."""
+    """The contact along arcs: S·2Â, (H − 1)/S with H = ∫p dθ, and the pressure at θ = 0.
+
+    `coefficients`, shape (k, terms), are the aₘ of the pressure.
+    """
 
     a: FloatArray
     h: FloatArray
     peak: FloatArray
+    coefficients: FloatArray
 
 
 class ClosedForms(NamedTuple):
@@ -117,6 +122,11 @@ def persson_peak(b: FloatArray) -> FloatArray:
     return as_floats((2 * b / np.sqrt(1 + b2) + np.arcsinh(b) / (b2 * (1 + b2))) / np.pi)
 
 
+def enough_terms(b: float) -> int:
+    """Return how many terms an arc of b = tan(ε/2) and all smaller ones need."""
+    return _TERMS * (1 + int(b / _B_PER_TERMS))
+
+
 def glauert(b: FloatArray, beta: float, terms: int = _TERMS) -> Solution:
     """Solve the contact along arcs of b = tan(ε/2) > 0, shape (k,), by Galerkin's method.
 
@@ -161,6 +171,7 @@ def glauert(b: FloatArray, beta: float, terms: int = _TERMS) -> Solution:
         2 * S * A,
         np.sum(coefficients * versine, axis=1) / S,
         np.sum(coefficients * (-1.0) ** m, axis=1),
+        as_floats(coefficients),
     )
 
 
@@ -250,8 +261,7 @@ def _built(beta: float) -> Remainder:
     position = chebyshev.chebpts1(_NODES)
     angle = top * (1 + position) / 2
     b = np.tan(angle / 2)
-    terms = _TERMS * (1 + int(b[-1] / _B_PER_TERMS))
-    solution, closed = glauert(b, beta, terms), closed_forms(b**2)
+    solution, closed = glauert(b, beta, enough_terms(b[-1])), closed_forms(b**2)
 
     def fitted(values: FloatArray) -> FloatArray:
         return as_floats(chebyshev.chebfit(position, values, _NODES - 1))

@@ -107,7 +107,7 @@ def numbers(choice: Choice) -> dict[str, float]:
         "difference from Johnson, %": difference_percent(law, Johnson(), load, pair),
         "difference from Persson, %": _difference_from_persson(choice, as_floats(load)),
         "Hertz's peak pressure, MPa": limits.hertz_stress(load, pair),
-        "load at yield, N/mm": _yield_load(choice),
+        "first yield, N/mm": _yield_load(choice),
         "Johnson's largest load, N/mm": limits.johnson_limit_load(pair),
         "the law's largest load, N/mm": law.max_load(pair),
         "f/(E*·ΔR), -": load / (pair.E_star * choice.dR),
@@ -125,7 +125,7 @@ def verdicts(choice: Choice) -> list[str]:
     >>> for line in verdicts(Choice(aluminium, "internal", 0.0075, 600.0, laws.Explicit())):
     ...     print(line)
     Johnson's law has ended: 600 N/mm is beyond its 493.8 N/mm.
-    Elastic: Hertz's peak pressure reaches the yield stress at 82354.7 N/mm.
+    Elastic: first yield, by von Mises, is at 3951.4 N/mm.
     """
     results = numbers(choice)
     sentences = []
@@ -139,17 +139,13 @@ def verdicts(choice: Choice) -> list[str]:
     elif abs(results["difference from Persson, %"]) > TOLERANCE:
         difference = results["difference from Persson, %"]
         sentences.append(f"{difference:+.1f} % from conformal contact, more than {TOLERANCE:g} %.")
-    top = results["load at yield, N/mm"]
+    top = results["first yield, N/mm"]
     if np.isnan(top):
         sentences.append("No yield limit: the material has no yield stress.")
     elif choice.load > top:
-        sentences.append(
-            f"Not elastic: Hertz's peak pressure reaches the yield stress at {top:.1f} N/mm."
-        )
+        sentences.append(f"Not elastic: first yield, by von Mises, is at {top:.1f} N/mm.")
     else:
-        sentences.append(
-            f"Elastic: Hertz's peak pressure reaches the yield stress at {top:.1f} N/mm."
-        )
+        sentences.append(f"Elastic: first yield, by von Mises, is at {top:.1f} N/mm.")
     return sentences
 
 
@@ -241,7 +237,7 @@ def as_table(results: Mapping[str, float]) -> str:
 
     Examples
     --------
-    >>> "<td>–</td>" in as_table({"load at yield, N/mm": float("nan")})
+    >>> "<td>–</td>" in as_table({"first yield, N/mm": float("nan")})
     True
     """
 
@@ -263,9 +259,9 @@ def as_message(error: InputError) -> str:
 
 
 def _mark_limits(axes: Axes, results: Mapping[str, float], span: tuple[float, float]) -> None:
-    """Draw the loads at yield and at Johnson's limit, if they are on the axis."""
+    """Draw the loads at first yield and at Johnson's limit, if they are on the axis."""
     lines = {
-        "load at yield, N/mm": ("load at yield", ":"),
+        "first yield, N/mm": ("first yield", ":"),
         "Johnson's largest load, N/mm": ("Johnson's limit", "--"),
     }
     for key, (label, style) in lines.items():
@@ -281,7 +277,7 @@ def _difference_from_persson(choice: Choice, load: FloatArray) -> FloatArray:
 
 
 def _yield_load(choice: Choice) -> FloatArray:
-    """Return the load at yield in N/mm; NaN where the material has no yield stress."""
+    """Return the load of first yield in N/mm; NaN where the material has no yield stress."""
     if choice.material.yield_stress is None:
         return as_floats(np.nan)
     return limits.yield_load(choice.pair)

@@ -5,16 +5,7 @@
 const Advice = (() => {
   const { number, percent } = Charts;
 
-  // The load at yield by Hertz's peak pressure, and whether his theory holds at that load: the
-  // contact must be narrow there, not only at the chosen load.
-  function yieldOf(stress, pair) {
-    const load = Laws.limits.yieldLoad(stress, pair);
-    const halfWidth = Laws.limits.hertzHalfWidth(load, pair);
-    // The peak is never below the load over the largest projected width, 2 R_j, whatever the theory.
-    return { load, halfWidth, holds: halfWidth <= pair.R_j / 2, certain: 2 * pair.R_j * stress };
-  }
-
-  // `now`: pair, load, contact, yields (from yieldOf), johnsonLoad; `off`: id of a law to its
+  // `now`: pair, load, contact, yields (from Yield.first), johnsonLoad; `off`: id of a law to its
   // distance from the truth in percent; `range` of the explicit law, `trained` of the enhanced.
   function advise(now) {
     const { pair, contact } = now;
@@ -22,12 +13,12 @@ const Advice = (() => {
     const phi = now.load / (pair.E_star * pair.dR);
     const [from, to] = now.range;
     const inside = phi >= from && phi <= to;
-    const beyond = now.yields.holds ? now.load > now.yields.load : now.load > now.yields.certain;
+    const beyond = now.load > now.yields.load;
     const best = inside ? "the explicit law" : contact === "internal" ? "Persson's solution" : "Johnson's law";
     return {
-      tone: beyond ? "no" : now.yields.holds ? "yes" : "choice",
+      tone: beyond ? "no" : "yes",
       title: beyond ? "Beyond yield: no elastic law holds" : `Use ${best}`,
-      points: [...ofYield(now, beyond), ofExplicit(now, inside), ofJohnson(now), ofEnhanced(now)],
+      points: [ofYield(now, beyond), ofExplicit(now, inside), ofJohnson(now), ofEnhanced(now)],
     };
   }
 
@@ -41,17 +32,10 @@ const Advice = (() => {
     };
   }
 
-  function ofYield({ yields, pair }, beyond) {
-    if (yields.holds) {
-      return beyond
-        ? [`The peak pressure is above the yield stress from ${number(yields.load, 4)} N/mm on: elastic laws do not hold.`]
-        : [];
-    }
-    const wide = `Hertz's load at yield, ${number(yields.load, 4)} N/mm, does not hold: his contact would reach ${number(yields.halfWidth, 3)} mm to each side there, beside a radius of ${number(pair.R_j, 3)} mm.`;
-    const mean = beyond
-      ? `Above ${number(yields.certain, 4)} N/mm even the mean pressure over the width of body j exceeds the yield stress.`
-      : `Yield is certain only above ${number(yields.certain, 4)} N/mm, where the mean pressure over the width of body j reaches the yield stress; check it apart.`;
-    return [wide, mean];
+  function ofYield({ yields: { load, depth, body } }, beyond) {
+    const place = depth > 0 ? `${number(depth, 2)} mm below its surface` : "at its surface";
+    const where = `von Mises, in ${body === "either roller" ? body : `the ${body}`}, ${place}`;
+    return `First yield (${where}) is at ${number(load, 4)} N/mm${beyond ? ": elastic laws do not hold beyond" : ""}.`;
   }
 
   const truthOf = (contact) => (contact === "internal" ? "conformal contact" : "Johnson's law");
@@ -73,5 +57,5 @@ const Advice = (() => {
     return `The published enhanced law is ${percent(off("enhanced"))} % from ${truthOf(contact)}${pair.dR < trained ? `; it was fitted from ΔR = ${trained} mm on and is extrapolated` : ""}.`;
   }
 
-  return { advise, yieldOf };
+  return { advise };
 })();

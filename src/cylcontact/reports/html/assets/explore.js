@@ -147,7 +147,7 @@
         maxLoad: law.compute.maxLoad(pair),
       };
     });
-    const yields = Advice.yieldOf(values.yield_stress, pair);
+    const yields = Yield.first(values.yield_stress, pair);
     return { pair, load, johnson, truth, answers, yields, johnsonLoad: Laws.limits.johnsonLoad(pair) };
   }
 
@@ -157,7 +157,7 @@
       ["E_star", "composite modulus E*", pair.E_star, "MPa"],
       ["R_j", "radius of body j", pair.R_j, "mm"],
       ["phi", "load number f/(E*ΔR)", load / (pair.E_star * pair.dR), ""],
-      ["yield_load", `load at yield, Hertz${now.yields.holds ? "" : " (does not hold)"}`, now.yields.load, "N/mm"],
+      ["yield_load", "first yield, von Mises", now.yields.load, "N/mm"],
       ["johnson_load", "largest load of Johnson's law", now.johnsonLoad, "N/mm"],
       ["johnson_penetration", "penetration there", 1000 * Laws.limits.johnsonPenetration(pair), "µm"],
       ["hertz_stress", "peak pressure, Hertz", Laws.limits.hertzStress(load, pair), "MPa"],
@@ -250,7 +250,7 @@
       Charts.curve(frame, points, slot, law.id);
     });
     Charts.mark(frame, "y", load, "here");
-    if (now.yields.holds) Charts.mark(frame, "y", now.yields.load, "limit", "yield");
+    Charts.mark(frame, "y", now.yields.load, "limit", "yield");
     Charts.mark(frame, "y", now.johnsonLoad, "limit johnson", "end of Johnson's law");
     answers.forEach(({ penetration }, slot) => Charts.point(frame, 1000 * penetration, load, slot));
     document.getElementById("force-text").textContent = `At ${number(load, 4)} N/mm: `
@@ -282,7 +282,7 @@
     Charts.mark(frame, "y", 0, "frame");
     for (const { law, points } of curves) Charts.curve(frame, points, slotOf(answers, law), law.id);
     Charts.mark(frame, "x", load, "here");
-    if (now.yields.holds) Charts.mark(frame, "x", now.yields.load, "limit", "yield", 0);
+    Charts.mark(frame, "x", now.yields.load, "limit", "yield", 0);
     Charts.mark(frame, "x", now.johnsonLoad, "limit johnson", "end of Johnson's law", 1);
     for (const { law, difference } of curves) Charts.point(frame, load, difference, slotOf(answers, law));
     document.getElementById("difference-text").textContent = `At ${number(load, 4)} N/mm: `

@@ -222,20 +222,21 @@ const Laws = (() => {
     maxPenetration: () => Infinity,
   };
 
+  // tan(eps/2) of the contact under the load phi = f/(E*dR).
+  const perssonHalfTangent = (phi) => Math.sqrt(perssonArcOfLoad(phi).u);
+
   // E*, R and the numbers that the limits need; R is NaN where only dR is known.
   function pairOf({ contact, E, nu, dR, R_i, length }) {
     const R_j = contact === "internal" ? R_i - dR : dR - R_i;
     const E_star = E / (2 * (1 - nu * nu));
     const R = R_j > 0 ? (R_i * R_j) / dR : NaN;
-    return { E_star, dR, R_i, R_j: R_j > 0 ? R_j : NaN, R, length };
+    return { contact, nu, E_star, dR, R_i, R_j: R_j > 0 ? R_j : NaN, R, length };
   }
 
   const limits = {
     // Eq 7: the peak of Hertz's pressure.
     hertzStress: (f, pair) => Math.sqrt((f * pair.E_star) / (Math.PI * pair.R)),
     hertzHalfWidth: (f, pair) => 2 * Math.sqrt((f * pair.R) / (Math.PI * pair.E_star)),
-    // Eq 7 solved for the load that reaches the yield stress.
-    yieldLoad: (stress, pair) => (Math.PI * stress * stress * pair.R) / pair.E_star,
     // Eq 8.
     johnsonLoad: (pair) => (4 * Math.PI * pair.E_star * pair.dR) / (Math.E * Math.E),
     johnsonPenetration: (pair) => (4 * pair.dR) / (Math.E * Math.E),
@@ -247,5 +248,7 @@ const Laws = (() => {
     return (-Math.PI * pair.E_star * penetration) / lambertWm1(x);
   }
 
-  return { compile, exported, inverted, johnsonLoad, lambertWm1, limits, pairOf, persson };
+  return {
+    compile, exported, inverted, johnsonLoad, lambertWm1, limits, pairOf, persson, perssonHalfTangent,
+  };
 })();

@@ -1,0 +1,178 @@
+"""The stresses inside a pin and a plate, against Michell's series and the equations themselves."""
+
+import numpy as np
+import pytest
+
+from cylcontact.laws import persson
+from cylcontact.laws.glauert import closed_forms, glauert
+from cylcontact.stress import in_pin, in_plate, pressure_along
+from cylcontact.yield_search import equivalent
+
+# Arcs, β and κ of the plate: equal bodies, a soft pin, a stiff pin.
+CASES = [
+    (b, beta, kappa) for b in (0.1, 0.5, 0.9) for beta, kappa in ((0, 1.8), (0.3, 2), (-0.2, 1.1))
+]
+ORDERS = np.arange(2, 300)
+bodies = pytest.mark.parametrize("body", ["pin", "plate"])
+cases = pytest.mark.parametrize(("b", "beta", "kappa"), CASES)
+
+
+def at(z, body):
+    """The η of a point z of a body."""
+    w = z if body == "pin" else 1 / z
+    eta = 1j * (1 - w) / (1 + w)
+    return eta.real + 1j * np.maximum(eta.imag, 0)  # rounding may leave the half plane
+
+
+def stresses(z, body, b, beta, kappa):
+    """σ_rr, σ_θθ and σ_rθ at points z, shape (points,)."""
+    pressure = pressure_along(np.array([b]), beta)
+    eta = at(np.asarray(z, dtype=complex), body)[None]
+    total, difference = in_pin(eta, pressure) if body == "pin" else in_plate(eta, pressure, kappa)
+    hoop = (total + difference.real) / 2
+    return (total - hoop)[0], hoop[0], difference.imag[0] / 2
+
+
+def pressure_on(theta, b, beta):
+    """The pressure on the arc from its series (β ≠ 0) or from Persson's formula."""
+    y = np.tan(theta / 2)
+    if beta == 0:
+        return persson.pressure_number(y, persson.arc_of_angle(np.array(2 * np.arctan(b))))
+    a = glauert(np.array([b]), beta).coefficients[0]
+    v = np.arccos(np.clip(y / b, -1, 1))
+    return np.sin(np.outer(v, 2 * np.arange(a.size) + 1)) @ a
+
+
+def fourier(b, beta):
+    """p₀ and pₙ, n = 2, 3, …, by the midpoint rule in v."""
+    v = (np.arange(2000) + 0.5) * np.pi / 2000
+    y = b * np.cos(v)
+    theta = 2 * np.arctan(y)
+    p = pressure_on(theta, b, beta) * np.pi / 2000 * 2 * b * np.sin(v) / (1 + y**2)
+    return p.sum() / (2 * np.pi), np.cos(np.outer(ORDERS, theta)) @ p / (2 * np.pi)
+
+
+def michell(z, body, b, beta, kappa):
+    """The same stresses by Michell's stress function, a 2×2 system for each cos nθ."""
+    p0, pn = fourier(b, beta)
+    r, theta, n = np.abs(z), np.angle(z), ORDERS[:, None]
+    sign = 1 if body == "pin" else -1  # exponents n, n + 2 or −n, 2 − n
+    first, second = sign * n, sign * n + 2
+
+    def of(power):  # σ_rr and σ_θθ over cos nθ, σ_rθ over sin nθ, of r^power·cos nθ
+        field = r ** (power - 2)
+        return (
+            np.stack([power - n**2 + 0 * r, power * (power - 1) + 0 * r, n * (power - 1) + 0 * r])
+            * field
+        )
+
+    rim = np.array([[(first - n**2), (second - n**2)], [n * (first - 1), n * (second - 1)]])[..., 0]
+    A, B = np.linalg.solve(
+        np.moveaxis(rim, -1, 0), np.stack([-2 * pn, 0 * pn], axis=-1)[..., None]
+    )[..., 0].T
+    parts = A[:, None] * of(first) + B[:, None] * of(second)
+    rr, hoop, shear = parts[0], parts[1], parts[2]
+    rr, hoop = ((part * np.cos(n * theta)).sum(axis=0) for part in (rr, hoop))
+    shear = (shear * np.sin(n * theta)).sum(axis=0)
+    cosine, sine = np.cos(theta), np.sin(theta)
+    if body == "pin":  # an even body force, in equilibrium with −x/π in all directions
+        return rr - p0 - r * cosine / np.pi, hoop - p0 - r * cosine / np.pi, shear
+    # C·rθ·sin θ + D·r·ln r·cos θ + A/r·cos θ with single-valued displacements
+    C = -1 / (2 * np.pi)
+    D = -C * (kappa - 1) / (kappa + 1)
+    rr = rr - p0 / r**2 + ((2 * C + D) / r - D / r**3) * cosine
+    return rr, hoop + p0 / r**2 + (D / r + D / r**3) * cosine, shear + (D / r - D / r**3) * sine
+
+
+@bodies
+@cases
+def test_stresses_are_those_of_michell_s_series(body, b, beta, kappa):
+    depth, theta = np.array([0.05, 0.1, 0.3, 0.6, 0.9]), np.array([0.0, 0.3, 1.0, 2.0, np.pi])
+    r = 1 - depth if body == "pin" else 1 / (1 - depth)
+    z = (r[:, None] * np.exp(1j * theta)).ravel()
+    found = stresses(z, body, b, beta, kappa)
+    for mine, series in zip(found, michell(z, body, b, beta, kappa), strict=True):
+        assert mine == pytest.approx(series, abs=2e-8)
+
+
+@bodies
+@cases
+def test_the_rim_carries_the_pressure_and_no_shear(body, b, beta, kappa):
+    theta = 2 * np.arctan(b * np.array([0.0, 0.3, 0.9]))
+    free = np.linspace(2 * np.arctan(b) + 0.05, 3.0, 5)
+    rr, hoop, shear = stresses(np.exp(1j * np.concatenate([theta, free])), body, b, beta, kappa)
+    assert rr == pytest.approx([*-pressure_on(theta, b, beta), 0, 0, 0, 0, 0], abs=1e-7)
+    assert shear == pytest.approx(0 * shear, abs=1e-7)
+    angles = np.concatenate([theta, free])
+    p0 = float(pressure_along(np.array([b]), beta).mean.item())
+    expected = (
+        rr if body == "pin" else rr + 2 * p0 + 2 * kappa * np.cos(angles) / (np.pi * (kappa + 1))
+    )
+    assert hoop == pytest.approx(expected, abs=1e-7)
+
+
+@bodies
+@cases
+def test_stresses_are_in_equilibrium_and_compatible(body, b, beta, kappa):
+    """Div σ = −(1/π, 0) in the pin and 0 in the plate; Δ(σ_xx + σ_yy) = 0, by differences."""
+    z, h = (0.55 + 0.25j if body == "pin" else 1.4 + 0.5j), 1e-3
+    grid = z + h * np.array([1, -1, 1j, -1j, 0])
+
+    def cartesian(z):
+        rr, hoop, shear = stresses(z, body, b, beta, kappa)
+        turned = (hoop - rr + 2j * shear) * np.exp(-2j * np.angle(z))  # σ_yy − σ_xx + 2iσ_xy
+        total = rr + hoop
+        return (total - turned.real) / 2, (total + turned.real) / 2, turned.imag / 2, total
+
+    xx, yy, xy, total = cartesian(grid)
+    force_x = (xx[0] - xx[1] + xy[2] - xy[3]) / (2 * h)
+    force_y = (xy[0] - xy[1] + yy[2] - yy[3]) / (2 * h)
+    assert force_x == pytest.approx(-1 / np.pi if body == "pin" else 0.0, abs=2e-4)
+    assert force_y == pytest.approx(0.0, abs=2e-4)
+    assert total[:4].sum() - 4 * total[4] == pytest.approx(0.0, abs=1e-8)
+
+
+@cases
+def test_the_mean_pressure_is_that_of_the_law(b, beta, kappa):  # noqa: ARG001
+    b2 = np.array([b]) ** 2
+    S = b2 / (1 + b2)
+    h = closed_forms(b2).h if beta == 0 else glauert(np.array([b]), beta).h
+    mean = pressure_along(np.array([b]), beta).mean
+    assert 2 * np.pi * mean[0] == pytest.approx(1 + S * h, rel=1e-11)
+
+
+def test_the_centre_of_the_pin_has_the_stresses_of_its_neighbours():
+    at_centre = stresses([0.0], "pin", 0.5, 0.2, 2.0)
+    near = stresses([1e-4], "pin", 0.5, 0.2, 2.0)
+    assert np.ravel(at_centre) == pytest.approx(np.ravel(near), abs=1e-3)
+
+
+@pytest.mark.parametrize("criterion", ["von Mises", "Tresca"])
+@pytest.mark.parametrize(
+    ("nu", "kappa"), [(0.0, 3.0), (0.15, 2.4), (0.3, 1.8), (0.45, 1.2), (0.0, 2.0), (0.0, 5 / 3)]
+)
+@pytest.mark.parametrize("beta", [-0.25, 0.0, 0.25])
+@pytest.mark.parametrize("body", ["pin", "plate"])
+def test_the_largest_equivalent_stress_of_a_body_lies_on_the_axis(body, beta, nu, kappa, criterion):
+    """On a grid over the whole body, for arcs up to 120° (β = 0) or the limit of that β.
+
+    The last two are sheets in plane stress, with ν = 1/3 and 1/2.
+    """
+    degrees = (2, 20, 40, 60, 80, *((100, 120) if beta == 0 else ()))
+    for angle in np.radians(degrees):
+        b = np.array([np.tan(angle / 2)])
+        pressure = pressure_along(b, beta)
+        off = np.concatenate([np.linspace(0.02, 1.5, 60) * angle, np.linspace(0.1, 3.1, 40)])
+        off = off[(off < np.pi) & (np.abs(off - angle) > 1e-3)]
+        depth = np.concatenate([[0], np.geomspace(0.02, 2.5, 60) * np.sin(angle)])
+        depth = np.concatenate([depth, np.linspace(0.05, 1.95 if body == "pin" else 10, 80)])
+
+        def along(depth, turns, body=body, pressure=pressure):
+            r = 1 - depth if body == "pin" else 1 + depth
+            eta = at((r[:, None] * np.exp(1j * turns)).ravel(), body)[None]
+            if body == "pin":
+                return equivalent(in_pin(eta, pressure), nu, criterion).max()
+            return equivalent(in_plate(eta, pressure, kappa), nu, criterion).max()
+
+        everywhere = along(depth[depth < 0.99] if body == "pin" else depth, off)
+        assert everywhere <= 1.0005 * along(np.unique(depth), np.zeros(1))
