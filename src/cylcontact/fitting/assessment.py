@@ -59,14 +59,14 @@ def verdicts(result: FitResult) -> list[str]:
 
 
 def identification(result: FitResult, name: str) -> str:
-    """Return "well", "fairly", "poorly", "not", "at a bound", "fixed" or its tie."""
+    """Return "well", "fairly", "poorly", "not", "at a bound", "fixed" or its tie, "-" if unknown."""
     if name in ties(result):
         return f"= {ties(result)[name]}"
     if result.uncertainty is not None:
         estimate = result.uncertainty.estimates.get(name)
         return "fixed" if estimate is None else estimate.verdict
     if name not in result.profiles:
-        return "fixed"
+        return "fixed" if result.profiles or name in fixed(result) else "-"
     return result.profiles[name].verdict(result.coefficients[name])
 
 
@@ -147,7 +147,9 @@ def _on_lower_bound(result: FitResult) -> str:
 
 
 def _on_identification(result: FitResult) -> str:
-    """Name the coefficients that are poorly identified."""
+    """Name the coefficients that are poorly identified, if there are profiles."""
+    if not result.profiles:
+        return ""
     poor = [name for name in result.profiles if identification(result, name) == "poorly"]
     if not poor:
         return "every coefficient inside its bounds is at least fairly identified"

@@ -285,20 +285,27 @@ def _fitted(values: Coefficients) -> ContactLaw:
 
 _OF = {"A": "ln A", "B": "ln B", "D": "D", "G": "G"}
 _TERMS = ("1", "g", "β", "g²", "gβ", "β²")
+# Where the constants are searched, in the order of the terms.
+_BOUNDS = {
+    "A": ((-1, 1), (-1, 1), (0, 3)),
+    "B": ((-2, 0), (-2.5, -0.5), (-1, 1), (-3, 3), (-3, 3), (-3, 3)),
+    "D": ((0.5, 2.5), (0.5, 2.5), (0.5, 2.5), (-2, 4), (-5, 1), (0, 5)),
+    "G": ((-2, 0), (-1.5, 0.5), (-1, 1)),
+}
 
 
 def _model() -> LawModel:
-    """Return the model of the law; the constants of squares are known least."""
+    """Return the model of the law."""
     parameters = tuple(
         Parameter(
-            name,
-            round(value - reach, 1),
-            round(value + reach, 1),
-            value,
-            meaning=f"coefficient of {_TERMS[int(name[1])]} in {_OF[name[0]]}",
+            f"{letter}{number}",
+            float(low),
+            float(high),
+            getattr(CALIBRATED, f"{letter}{number}"),
+            meaning=f"coefficient of {_TERMS[number]} in {_OF[letter]}",
         )
-        for name, value in asdict(CALIBRATED).items()
-        for reach in [3 if name[1] in "345" else 1]
+        for letter, bounds in _BOUNDS.items()
+        for number, (low, high) in enumerate(bounds)
     )
     return LawModel(
         ExplicitPair.name,
