@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
-from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact import CylinderPair, InputError, Material, laws, limits
 from cylcontact.dissipation import FACTORS, achieved_restitution
 from cylcontact.laws import parametric
 from cylcontact.laws.explicit import CALIBRATED
@@ -203,6 +204,27 @@ def test_laws_to_use_name_what_is_missing(tmp_path):
         laws_to_use("internal", Bench(tmp_path))
 
 
+YIELDING = Material("steel", E=200e3, nu=0.3, yield_stress=250)
+
+
+def safe_until(criterion):
+    """f/(E*·ΔR) at yield where the paper's estimate equals first yield."""
+
+    def miss(log_dR):
+        pair = CylinderPair.from_dR("internal", np.exp(log_dR), YIELDING, R_i=10.0)
+        return np.log(limits.yield_load(pair, criterion) / limits.yield_load(pair, "Hertz"))
+
+    dR = np.exp(brentq(miss, np.log(0.01), np.log(2.0)))
+    pair = CylinderPair.from_dR("internal", dR, YIELDING, R_i=10.0)
+    return float(limits.yield_load(pair, criterion) / (pair.E_star * dR))
+
+
+def snug_yield():
+    """f/(σ_Y·R) at first yield of a close fit."""
+    pair = CylinderPair.from_dR("internal", 0.005, YIELDING, R_i=10.0)
+    return float(limits.yield_load(pair)) / (250 * 10.0)
+
+
 def test_numbers_between_the_tables():
     error = laws_bounds.explicit_error()
     assert error["one-line penetration"] <= 0.37
@@ -221,7 +243,9 @@ def test_numbers_between_the_tables():
         f"{2 * math.sqrt(0.02 / math.pi):.2f}": "radii, 0.16 at φ = 0.02",
         "1.0848": "n=1.0848",
         "0.58016": "C=0.58016",
-        "0.5": "at ΔR = 0.5 mm, 337 and 339",
+        f"{safe_until('von Mises'):.2f}": "below 0.67 by von Mises",
+        f"{safe_until('Tresca'):.2f}": "and 0.50 by Tresca",
+        f"{snug_yield():.1f}": "yields near f = 1.4·σ_Y·R",
         "0.01": "φ = 0.01, 0.1,",
         "0.1": "φ = 0.01, 0.1,",
         "0.999": "|α| ≤ 0.999",
@@ -260,7 +284,7 @@ def test_code_blocks_run_in_order(capsys):
     names = {}
     for block in CODE:
         exec(block, names)
-    assert len(CODE) == 6
+    assert len(CODE) == 7
     assert capsys.readouterr().out
 
 
