@@ -15,7 +15,9 @@ from cylcontact.plots.maps import signed
 from cylcontact.plots.style import COLOURS
 from cylcontact.reports.bench import Bench
 
+# The laws, and the levels of their maps in percent.
 LAWS: tuple[ContactLaw, ...] = (Parametric(), ExplicitPair())
+LEVELS = ((0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06), (0, 0.2, 0.4, 0.6, 0.8, 1, 1.2))
 EDGE = 0.999  # the largest |α|: a thousand times as stiff
 COUNT = 25  # of values of β, and of α at each
 PHI: FloatArray = np.geomspace(1e-6, 60.0, 33)
@@ -73,8 +75,13 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
         own = table[table["law"] == law.name]
         shape = COUNT, COUNT, PHI.size
         alpha, beta, size = (own[c].to_numpy().reshape(shape) for c in ("alpha", "beta", "size"))
-        drawn = axes.contourf(alpha[..., 0], beta[..., 0], size.max(axis=-1), cmap="viridis")
-        figure.colorbar(drawn, ax=axes, location="bottom", label="largest error (%)", aspect=25)
+        largest = size.max(axis=-1)
+        drawn = axes.contourf(
+            alpha[..., 0], beta[..., 0], largest, levels=LEVELS[number], cmap="viridis"
+        )
+        bar = figure.colorbar(drawn, ax=axes, location="bottom", aspect=25)
+        bar.set_label("largest error (%)")
+        bar.set_ticks(LEVELS[number], labels=[f"{level:g}" for level in LEVELS[number]])
         axes.plot([-1, -1, 1, 1, -1], [0, -0.5, 0, 0.5, 0], "-", color="black", lw=0.8, marker="")
         axes.set(xlim=(-1, 1), ylim=(-0.5, 0.5), xlabel=r"Dundurs' $\alpha$ (-)")
         for axis, step in ((axes.xaxis, 0.5), (axes.yaxis, 0.25)):
@@ -92,6 +99,6 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
         xlabel=r"load $\varphi = f/(E^*\Delta R)$ (-)",
         ylabel="largest error of any pair (%)",
     )
-    over.legend()
+    over.legend(loc="upper left", bbox_to_anchor=(0, 0.85))
     panel_title(over, 2, "any pair")
     return figure

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
-from cylcontact.laws import ClampedPlate
+from cylcontact.laws import ClampedPlate, ExplicitPair, Parametric
+from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing
 from tests.drawn_figures import DrawnFigures
 
@@ -144,6 +145,11 @@ def unlike(figures: DrawnFigures) -> Drawing:
     return figures["fig_unlike"].drawing
 
 
+@pytest.fixture(scope="module")
+def any_pair(figures: DrawnFigures) -> Drawing:
+    return figures["fig_any_pair"].drawing
+
+
 class TestDatum:
     def test_constants_are_those_of_a_ring_and_a_disk(self, datum: Drawing) -> None:
         for name, rows in datum.table.groupby("pair"):
@@ -224,3 +230,17 @@ class TestUnlike:
         rows = unlike.table[unlike.table["alpha"] == 0]
         assert (rows.loc[rows["beta"] == 0, "error_percent"] == 0).all()
         assert (rows.loc[rows["beta"] != 0, "error_percent"].abs() > 0.5).all()
+
+
+class TestAnyPair:
+    @pytest.mark.parametrize("law", [Parametric(), ExplicitPair()], ids=lambda law: law.name)
+    def test_errors(self, any_pair: Drawing, law: Parametric | ExplicitPair) -> None:
+        rows = any_pair.table[(any_pair.table["law"] == law.name) & any_pair.table["phi"].gt(0.01)]
+        for row in rows.iloc[:: len(rows) // 12].itertuples():
+            d = row.phi / math.pi * johnson_L(row.phi, row.alpha, row.beta)
+            load = law.load(d, CylinderPair.from_dundurs(row.alpha, row.beta))
+            assert row.error_percent == pytest.approx(100 * (load / row.phi - 1), abs=1e-3)
+
+    def test_what_the_docstrings_say(self, any_pair: Drawing) -> None:
+        assert any_pair.headline["parametric: largest error of the load, %"] < 0.06
+        assert any_pair.headline["explicit-pair: largest error of the load, %"] < 1.1

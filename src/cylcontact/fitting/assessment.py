@@ -59,7 +59,7 @@ def verdicts(result: FitResult) -> list[str]:
 
 
 def identification(result: FitResult, name: str) -> str:
-    """Return "well", "fairly", "poorly", "not", "at a bound", "fixed", its tie, or "-" if unknown."""
+    """Return "well", "fairly", "poorly", "not", "at a bound", "fixed", its tie, or "-"."""
     if name in ties(result):
         return f"= {ties(result)[name]}"
     if result.uncertainty is not None:
