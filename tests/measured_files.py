@@ -63,9 +63,10 @@ def truth_of(parameter: Parameter) -> float:
     return 1.1 * parameter.nominal
 
 
-# The others, for internal contact.
+# The others, for internal contact; the constants of some act on unlike bodies only.
+_OF_UNLIKE_BODIES = {"parametric", "explicit-pair"}
 for (_law, _contact), _model in MODELS.items():
-    if _contact == "internal" and _law not in {law for law, _ in TRUTHS}:
+    if _contact == "internal" and _law not in {law for law, _ in TRUTHS} | _OF_UNLIKE_BODIES:
         TRUTHS[_law, _contact] = {p.name: truth_of(p) for p in _model.parameters}
 
 

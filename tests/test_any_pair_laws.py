@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,9 @@ from cylcontact.datasets import read_grid
 from cylcontact.datasets.grid import grid_from
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import campaign_from_settings, read_campaign
+from cylcontact.fitting.objectives import make_objective
+from cylcontact.fitting.polish import polish
+from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.samples import collect_samples
 from cylcontact.laws import explicit_pair, glauert, parametric, unlike
 from cylcontact.progress import silent
@@ -150,6 +154,13 @@ GRID = {
 }
 
 
+AXES_OF_MANY = {
+    "alpha": {"min": -0.9, "max": 0.9, "points": 7, "spacing": "linear"},
+    "beta": {"min": -0.4, "max": 0.4, "points": 9, "spacing": "linear"},
+    "phi": {"min": 1e-4, "max": 20.0, "points": 12, "spacing": "log"},
+}
+
+
 def test_a_grid_holds_the_pairs_that_are_possible():
     grid = grid_from(GRID, "inline")
     rows = list(zip(*grid.row_values(np.arange(grid.rows)), strict=True))
@@ -232,6 +243,21 @@ def test_the_constants_are_those_of_the_campaign(name, calibrated, digits):
     problem, _ = problem_of(read_campaign(ROOT / f"fitting/{name}.toml"), 1, silent)
     rounded = {key: getattr(calibrated, key) for key in result["coefficients"]}
     assert problem.value_of(rounded) < 1.02 * result["objective"]["value"]
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_constants_that_samples_are_made_of_come_back(name):
+    """From samples of the law itself, with other constants."""
+    campaign = read_campaign(ROOT / f"fitting/{name}.toml")
+    model, spec = campaign.model, GRID | {"axes": GRID["axes"] | AXES_OF_MANY}
+    samples, _ = collect_samples(grid_from(spec, "inline"))
+    truth = {p.name: p.nominal + (0.01 if p.is_free else 0.0) for p in model.parameters}
+    j = np.log(model.build(truth).penetration(samples.load, samples.pair))
+    objective = make_objective("rms-relative-force", replace(samples, j=j))
+    problem = Problem(model, campaign.parameters, objective)
+    point, value = polish(problem, problem.point({p.name: p.nominal for p in model.parameters}))
+    assert value < 1e-9
+    assert problem.coefficients(point) == pytest.approx(truth, abs=1e-6)
 
 
 def test_neighbours_of_the_calibrated_constants_are_worse():

@@ -192,7 +192,10 @@ def test_the_name_of_a_material_is_not_the_material(steel, body):
     )
 
 
-IN_ANY_PLANE = {"johnson", "persson", "conformal", "explicit", "winkler"}
+IN_ANY_PLANE = {"johnson", "persson", "conformal", "explicit", "winkler"} | {
+    "parametric",
+    "explicit-pair",
+}
 
 
 @pytest.mark.parametrize("name", laws.LAWS)

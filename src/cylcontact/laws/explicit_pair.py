@@ -143,6 +143,7 @@ class ExplicitPair(Unlimited):
     >>> d = 0.5
     >>> L = c + np.log(1 + B / d * (np.log(1 + A / d + G / np.sqrt(d)) + D))
     >>> print(f"{np.pi * pair.E_star * 0.005 / L:.4f} N/mm, {law.load(0.005, pair):.4f} N/mm")
+    400.3882 N/mm, 400.3882 N/mm
     """
 
     coefficients: ExplicitPairCoefficients | Mapping[str, float] | None = None
@@ -262,9 +263,9 @@ def _formula(law: ExplicitPair, _: Contact | None) -> Formula:
         for key, value in asdict(law.constants).items()
     }
     return Formula(
-        name=function_name(law.name),
+        name=function_name(law.name, "internal"),
         law=law,
-        contact=None,
+        contact="internal",
         equation=(
             "f = pi*E_star*penetration/L with depth = penetration/dR and "
             "L = c + ln(1 + B/depth*(ln(1 + A/depth + G/sqrt(depth)) + D))"
@@ -274,7 +275,7 @@ def _formula(law: ExplicitPair, _: Contact | None) -> Formula:
         constants=NAMED | own,
         extra=("alpha", "beta"),
         conditions=CONDITIONS,
-        remark="For a pin in a hole. The penetration is counted so that it tends to Johnson's.",
+        remark="The penetration is counted so that it tends to Johnson's.",
     )
 
 

@@ -235,6 +235,7 @@ class Parametric(Conformal):
     >>> clamped = laws.ClampedPlate(R_o=200.0)
     >>> fast, reference = Parametric(clamped), Conformal(clamped)
     >>> print(f"{fast.load(0.01, pair):.2f} N/mm, {reference.load(0.01, pair):.2f} N/mm")
+    422.12 N/mm, 422.12 N/mm
     """
 
     coefficients: ParametricCoefficients | Mapping[str, float] | None = None
@@ -384,9 +385,9 @@ def _formula(law: Parametric, _: Contact | None) -> Formula:
     constants = _named(law.constants)
     is_johnson = isinstance(law.datum, str)
     return Formula(
-        name=function_name(law.name),
+        name=function_name(law.name, "internal"),
         law=law,
-        contact=None,
+        contact="internal",
         equation="f = pi*E_star*penetration/L with penetration/dR*K(S) = L(S), see the steps",
         text=(_JOHNSON if is_johnson else "") + _STEPS,
         coefficients=asdict(law.constants),
@@ -394,7 +395,7 @@ def _formula(law: Parametric, _: Contact | None) -> Formula:
         extra=("alpha", "beta"),
         conditions=CONDITIONS,
         remark=(
-            "For a pin in a hole. The penetration is counted "
+            "The penetration is counted "
             + (
                 "so that it tends to Johnson's."
                 if is_johnson

@@ -59,7 +59,8 @@ class ClampedPlate:
         A = −(1 + (κ_i − 1)/(2ρ²))/(2(κ_i·ρ² + 1/ρ²)).
 
     Other harmonics of the plate's displacement are left out. They matter for narrow rings: in
-    steel their share of C is −0.79, −0.41, −0.17 and −0.05 at ρ = 2, 3, 5 and 10.
+    steel their share of C is −0.79, −0.41, −0.17 and −0.05 at ρ = 2, 3, 5 and 10. In a plate that
+    is nearly incompressible they matter until (1 − 2ν)·ρ² is large.
 
     Examples
     --------
