@@ -33,6 +33,11 @@ __all__ = [
 ]
 
 _POSITIVE_AXES = ("E", "dR", "load")
+# How the axes of either kind of grid are asked for.
+_AXES = (
+    "the tables [axes.E], [axes.nu], [axes.dR], [axes.load], or [axes.alpha], [axes.beta], "
+    "[axes.phi]"
+)
 _UNITS = {"E": "GPa", "nu": "dimensionless", "dR": "mm", "load": "N/mm"}
 # No real contact is outside these limits, and no law overflows inside.
 _SMALLEST, _LARGEST = 1e-12, 1e12
@@ -142,7 +147,7 @@ class GridSpec(Spec):
     reference: str = Field(
         description=f"the law to sample, one of {', '.join(REFERENCES)}, or {FINITE_ELEMENT}"
     )
-    axes: AxesSpec = Field(description="the tables [axes.E], [axes.nu], [axes.dR], [axes.load]")
+    axes: AxesSpec = Field(description=_AXES)
 
     table: str | None = Field(
         None, description=f"the table of finite elements, with reference {FINITE_ELEMENT}"
@@ -200,12 +205,15 @@ class DundursAxesSpec(Spec):
 class DimensionlessGridSpec(Spec):
     """A grid spec file with the axes alpha, beta and phi."""
 
-    contact: Literal["internal"] = Field(description='"internal"')
+    contact: Contact = Field(description='"internal"')
     reference: str = Field(description=f"the law to sample, one of {', '.join(REFERENCES)}")
-    axes: DundursAxesSpec = Field(description="the tables [axes.alpha], [axes.beta] and [axes.phi]")
+    axes: DundursAxesSpec = Field(description=_AXES)
 
     @model_validator(mode="after")
     def _check(self) -> DimensionlessGridSpec:
+        if self.contact != "internal":
+            rule = "must be internal on a grid of alpha, beta and phi"
+            raise broken("contact", self.contact, rule, "for rollers give E, nu, dR and load")
         _check_reference(self.reference, CylinderPair.from_dundurs(0.5, 0.1))
         return self
 
