@@ -6,7 +6,8 @@ Any other combination goes by arguments, from the command line
 
     cylcontact report maps material="titanium alloy" law=explicit
 
-or from Python, `difference_map(bench, "titanium alloy", law="explicit")`.
+or from Python, `difference_map(bench, "titanium alloy", law="explicit")`. These draw first yield by
+von Mises; Figs 10 to 14 keep the paper's estimate, Hertz's peak pressure equal to the yield stress.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from cylcontact.plots import Drawing
 from cylcontact.plots.figure import plain_number
 from cylcontact.plots.maps import RIM, Frame, draw_contours, label_contours, new_map
 from cylcontact.reports.bench import Bench
+from cylcontact.yield_search import Criterion
 
 from .paper import (
     ELASTIC,
@@ -55,8 +57,7 @@ REFERENCE_WORDS = {
     "persson": (
         "difference from Persson's penetration (%)",
         "Persson's conformal solution, its datum matched to Johnson's law at small loads,",
-        "No part is grey: Persson's solution, unlike Johnson's law, has no largest load; the "
-        "yield line stays Hertz's.",
+        "No part is grey: Persson's solution, unlike Johnson's law, has no largest load.",
     ),
 }
 FRAME = Frame(
@@ -68,8 +69,20 @@ FRAME = Frame(
     y_label="load (N/mm)",
 )
 NOTE_HEIGHT = 1.025  # of the notes above the map, in heights of the map
+LABEL_LENGTH = 5.0  # pixels at 100 dpi of a labelled yield line, in sizes of the font
 NOTE_LINE = 1.45  # from one line of notes to the next, in sizes of the font
 BEYOND_GREY = "0.72"
+
+# For each criterion of the yield line: its name in the note, what the headline calls the loads up
+# to it, and what on it reaches the yield stress.
+CRITERION_WORDS: dict[Criterion, tuple[str, str, str]] = {
+    "Hertz": ("yield line", "practical domain", "Hertz's peak pressure (Eq 7)"),
+    "von Mises": (
+        "first yield (von Mises)",
+        "elastic domain",
+        "the largest von Mises stress in either body",
+    ),
+}
 
 # The fit of each variant of the paper's maps, and its name in the title.
 VARIANTS = {
@@ -101,7 +114,12 @@ def draw(bench: Bench, *, material: str, law: str = "enhanced", reference: str =
 
 
 def difference_map(
-    bench: Bench, material: str, law: str = "enhanced", reference: str = "", label: str = ""
+    bench: Bench,
+    material: str,
+    law: str = "enhanced",
+    reference: str = "",
+    label: str = "",
+    criterion: Criterion = "von Mises",
 ) -> Drawing:
     """Map the difference of a law's penetration from a reference over clearance and load.
 
@@ -119,6 +137,8 @@ def difference_map(
         "johnson" or "persson"; by default the law that the fit was made to, or Johnson's.
     label : str, optional
         Name of a fit result's coefficients in the title.
+    criterion : {"von Mises", "Hertz"}
+        Of the yield line; "Hertz" is the paper's estimate.
 
     Returns
     -------
@@ -134,7 +154,7 @@ def difference_map(
     if row.material.yield_stress is None:
         rule, remedy = "has no yield stress, which the map needs", "add it to the table"
         raise InputError("maps", "material", material, rule, remedy)
-    return _draw_map(row, _mapped_law(bench, law, reference, label))
+    return _draw_map(row, _mapped_law(bench, law, reference, label), criterion)
 
 
 def _mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") -> MappedLaw:
@@ -164,8 +184,10 @@ def _mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") ->
     )
 
 
-def _map_table(row: MaterialRow, law: ContactLaw, reference: ContactLaw) -> pd.DataFrame:
-    """Evaluate a law and its reference over the window of the maps.
+def _map_table(
+    row: MaterialRow, law: ContactLaw, reference: ContactLaw, criterion: Criterion
+) -> pd.DataFrame:
+    """Evaluate a law, its reference and the yield load over the window of the maps.
 
     Where Johnson's law is the reference and ends inside the window, the loads end there too, so
     that the map is filled exactly to that line and the table holds no empty cells.
@@ -175,7 +197,8 @@ def _map_table(row: MaterialRow, law: ContactLaw, reference: ContactLaw) -> pd.D
     pair = clearance_pair(dR, row.material, PRACTICAL.R_i)
     if np.isinf(reference.max_load(pair)).all():
         load = as_floats(np.geomspace(*FRAME.y, POINTS[1]))
-    dR, load = np.broadcast_arrays(dR, load)
+    yields = yield_load(pair, criterion)
+    dR, load, yields = np.broadcast_arrays(dR, load, yields)
     pair = clearance_pair(dR, row.material, PRACTICAL.R_i)
     columns = {
         "dR_mm": dR,
@@ -183,47 +206,51 @@ def _map_table(row: MaterialRow, law: ContactLaw, reference: ContactLaw) -> pd.D
         "penetration_mm": law.penetration(load, pair),
         f"{reference.name}_penetration_mm": reference.penetration(load, pair),
         "difference_percent": difference_percent(law, reference, load, pair),
-        "yield_load_N_per_mm": yield_load(pair, "Hertz"),
+        "yield_load_N_per_mm": yields,
     }
     return pd.DataFrame({name: values.ravel() for name, values in columns.items()})
 
 
-def _draw_map(row: MaterialRow, mapped: MappedLaw) -> Drawing:
+def _draw_map(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> Drawing:
     """Draw the map."""
-    table = _map_table(row, mapped.law, mapped.reference)
-    dR, load, difference = (
+    table = _map_table(row, mapped.law, mapped.reference, criterion)
+    dR, load, difference, yield_loads = (
         table[name].to_numpy().reshape(POINTS)
-        for name in ("dR_mm", "load_N_per_mm", "difference_percent")
+        for name in ("dR_mm", "load_N_per_mm", "difference_percent", "yield_load_N_per_mm")
     )
-    clearances = dR[:, 0]
+    clearances, yields = dR[:, 0], yield_loads[:, 0]
     pair = clearance_pair(clearances, row.material, PRACTICAL.R_i)
     fitted_from = mapped.fitted_from or FRAME.x[0]
     scale_label = REFERENCE_WORDS[mapped.reference.name][0]
     figure, axes = new_map(FRAME, f"{_title(row)}: {mapped.label}", scale_label)
     lines = draw_contours(axes, dR, load, difference)
-    ends, yields = mapped.reference.max_load(pair), yield_load(pair, "Hertz")
-    stacked = _stack_notes(axes, ends, yields, figure.style.narrow)
+    ends = mapped.reference.max_load(pair)
+    line, domain, _ = CRITERION_WORDS[criterion]
+    words = line if (yields < FRAME.y[1]).any() else "no yield in this window"
+    # Only the shortest words leave room for the other note beside them.
+    stacked = _stack_notes(axes, ends, figure.style.narrow or words != "yield line")
     _shade_beyond_johnson(axes, clearances, ends)
     _mark_fitted_range(axes, fitted_from)
     _draw_yield_line(axes, clearances, yields)
     figure.draw_without_rendering()
     label_contours(axes, lines, _keep_clear(fitted_from))
-    _label_yield_line(axes, clearances, yields, stacked)
-    return Drawing(figure, table, _headline(table, fitted_from), _caption(row, mapped))
+    _label_yield_line(axes, clearances, yields, words, stacked)
+    headline = _headline(table, fitted_from, domain)
+    return Drawing(figure, table, headline, _caption(row, mapped, criterion))
 
 
-def _headline(table: pd.DataFrame, fitted_from: float) -> dict[str, float]:
-    """Return the extremes over the map, and over the part of it that stays elastic."""
+def _headline(table: pd.DataFrame, fitted_from: float, domain: str) -> dict[str, float]:
+    """Return the extremes over the map, and over the part of it below the yield line."""
     difference = table["difference_percent"]
-    practical = table[table["load_N_per_mm"] <= table["yield_load_N_per_mm"]]
-    magnitude = practical["difference_percent"].abs()
+    elastic = table[table["load_N_per_mm"] <= table["yield_load_N_per_mm"]]
+    magnitude = elastic["difference_percent"].abs()
     return {
         "lowest difference, %": float(difference.min()),
         "highest difference, %": float(difference.max()),
-        "largest |difference| in the practical domain, %": float(magnitude.max()),
-        "share of the practical domain below 8 %": _share_below(magnitude, 8),
-        "share below 8 % in the fitted part of the practical domain": _share_below(
-            magnitude[practical["dR_mm"] >= fitted_from], 8
+        f"largest |difference| in the {domain}, %": float(magnitude.max()),
+        f"share of the {domain} below 8 %": _share_below(magnitude, 8),
+        f"share below 8 % in the fitted part of the {domain}": _share_below(
+            magnitude[elastic["dR_mm"] >= fitted_from], 8
         ),
     }
 
@@ -239,18 +266,19 @@ def _title(row: MaterialRow) -> str:
     return f"{row.material.name}, $E$ = {E} GPa, $\\nu$ = {row.material.nu:g}"
 
 
-def _caption(row: MaterialRow, mapped: MappedLaw) -> str:
+def _caption(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> str:
     """Return the caption."""
     material = row.material
     origin = origins({material.name: row}, (material.name,), ELASTIC, YIELD)
     _, reference, end = REFERENCE_WORDS[mapped.reference.name]
+    stress = CRITERION_WORDS[criterion][2]
     return (
         f"Penetration of {mapped.name} less {reference} at equal load, in percent "
         "of the latter (Eq 9), against radial clearance (mm) and load per unit length (N/mm); "
         f"internal contact, both bodies of {material.name}{_calibration(mapped)}. "
         "Contours are solid above zero and dashed below; levels and colours are those of all "
-        f"these maps. {end} Ticked line: the peak "
-        f"pressure (Eq 7) in a hole of {PRACTICAL.R_i:g} mm radius reaches the yield stress of "
+        f"these maps. {end} Ticked line: {stress}, "
+        f"with a hole of {PRACTICAL.R_i:g} mm radius, reaches the yield stress of "
         f"{material.yield_stress:g} MPa, ticks where it exceeds it; the radius is our choice. "
         f"Material values that are not the paper's: {origin}.{mapped.coefficients}"
     )
@@ -268,10 +296,9 @@ def _calibration(mapped: MappedLaw) -> str:
     )
 
 
-def _stack_notes(axes: Axes, ends: FloatArray, yields: FloatArray, narrow: bool) -> bool:
+def _stack_notes(axes: Axes, ends: FloatArray, narrow: bool) -> bool:
     """Return whether the notes need two lines, after making room for the second."""
-    ceiling = FRAME.y[1]
-    stacked = bool(ends[0] < ceiling and (narrow or not (yields < ceiling).any()))
+    stacked = bool(ends[0] < FRAME.y[1] and narrow)
     if stacked:
         room = (2 + NOTE_LINE) * rcParams["font.size"]
         axes.set_title(axes.get_title(loc="left"), pad=room)
@@ -337,11 +364,9 @@ def _draw_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
 
 
 def _label_yield_line(
-    axes: Axes, dR: FloatArray, limit: FloatArray, second_line: bool = False
+    axes: Axes, dR: FloatArray, limit: FloatArray, words: str, second_line: bool
 ) -> None:
-    """Label the yield line on the side that yields, or note that there is none."""
-    inside = np.flatnonzero(limit < FRAME.y[1])
-    words = "yield line" if inside.size else "no yield in this window"
+    """Label the yield line on the side that yields if it is long enough, and note its words."""
     note = rf"{words} for $R_i$ = {PRACTICAL.R_i:g} mm, $\sigma_Y$ assumed"
     axes.annotate(
         note,
@@ -352,10 +377,13 @@ def _label_yield_line(
         ha="right",
         annotation_clip=False,
     )
+    inside = np.flatnonzero(limit < FRAME.y[1])
     if inside.size == 0:
         return
     ends, middle = inside[[0, -1]], inside[inside.size // 2]
     (x0, y0), (x1, y1) = axes.transData.transform(np.column_stack([dR[ends], limit[ends]]))
+    if np.hypot(x1 - x0, y1 - y0) < LABEL_LENGTH * rcParams["font.size"]:
+        return
     axes.annotate(
         "yields",
         xy=(dR[middle], limit[middle]),
@@ -370,7 +398,9 @@ def _label_yield_line(
 
 
 FIGURES: dict[str, Callable[[Bench], Drawing]] = {
-    f"fig{number}{variant}": partial(difference_map, material=material, law=law, label=label)
+    f"fig{number}{variant}": partial(
+        difference_map, material=material, law=law, label=label, criterion="Hertz"
+    )
     for number, material in enumerate(MATERIALS, start=10)
     for variant, (law, label) in VARIANTS.items()
 }

@@ -12,6 +12,8 @@ MISTAKES = [
     ({"bodies.ground": SLIDER_CRANK["bodies"]["rod"]}, "bodies.ground: is no body's name"),
     ({"clearance.law": "jonson"}, "clearance.law = 'jonson': is not a law; choose johnson"),
     ({"clearance.factor": "none"}, "clearance.factor = 'none': is not known; choose hunt-crossley"),
+    ({"clearance.yield_stress": -1}, "clearance.yield_stress = -1: must be greater than 0; give "
+     "the yield stress of both bodies in MPa"),
     ({"clearance.v1": 0.5}, "clearance.v1 = 0.5: must be above v0 = 1.0"),
     ({"clearance.joint": "slide"}, "'slide': is not a revolute joint; choose main, crank-pin"),
     ({"clearance.bearing": "crank"}, "clearance.bearing = 'crank': is not at that joint"),

@@ -8,7 +8,8 @@ from cylcontact import InputError
 from cylcontact.cli.mechanism import PAPER
 from cylcontact.mechanism import Case, Plan, Trajectory, cases, simulate, sweep
 from cylcontact.mechanism.studies import tolerance_table
-from tests.mechanism_cases import CASES, ROOT, slider_crank
+from tests.mechanism_cases import CASES, ROOT, SLIDER_CRANK, slider_crank
+from tests.spec_files import changed, write_toml
 
 SPEC = ROOT / "datasets/slider_crank.toml"
 WANTED = cases(["enhanced", "johnson"], [0.02], [1.0], [0.0, 0.1])
@@ -166,6 +167,16 @@ def test_simulate_prints_the_summary_and_the_assumptions(run):
     assert "contact_fraction" in out
     assert "Assumed, not from the paper:" in out
     assert "bodies.rod.mass = 0.21" in out
+
+
+def test_simulate_warns_of_a_load_above_first_yield_and_not_of_a_smaller_one(run, tmp_path):
+    for yield_stress, start in ((100.0, "warning: the largest load, "), (1000.0, "")):
+        given = changed(SLIDER_CRANK, {"clearance.yield_stress": yield_stress})
+        spec = write_toml(tmp_path / "mine.toml", given)
+        code, out, err = run("simulate", spec, "--revolutions", 1)
+        assert (code, out.count("% of first yield (von Mises)\n")) == (0, 1)
+        assert err.startswith(start)
+        assert err.count("is above first yield at ") == err.count("\n") == bool(start)
 
 
 def test_simulate_writes_what_a_later_one_goes_on_from(run, tmp_path):

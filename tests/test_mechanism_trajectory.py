@@ -8,7 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from cylcontact import InputError, laws
+from cylcontact import CylinderPair, InputError, Material, laws, limits
 from cylcontact.mechanism import Interrupted, Trajectory, read_mechanism, simulate
 from cylcontact.mechanism.assembly import assemble
 from tests.mechanism_cases import ROOT, slider_crank
@@ -96,6 +96,35 @@ def test_it_shows_itself_in_a_few_lines(run):
     assert "law: enhanced" in visible
     assert len(visible.splitlines()) < 16
     assert "<caption" in run._repr_html_()
+
+
+def test_the_largest_elastic_load_is_set_against_first_yield(run):
+    """The load from the law in Python; 500 MPa are passed, 1000 MPa are not."""
+    steel = Material("steel", 207e3, 0.3)
+    pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel)
+    load = float(laws.Enhanced().load(run.penetration.max() * 1e3, pair))
+    assert run.max_elastic_load == pytest.approx(load, rel=1e-9, abs=0)
+    assert 0 < load < run.normal_force.max() / 10.0  # which has damping as well
+    for yield_stress, passed in ((100.0, True), (1000.0, False)):
+        spec = {"clearance.yield_stress": yield_stress}
+        other = simulate(slider_crank(spec=spec), revolutions=3)
+        at = float(limits.yield_load(pair, yield_stress=yield_stress))
+        row = f"max elastic load: {load:,.0f} N/mm, {100 * load / at:.3g} % of first yield"
+        assert repr(other).splitlines()[-1].strip() == f"{row} (von Mises)"
+        assert "max elastic load" in other._repr_html_()
+        assert (load > at) == passed
+        assert (other.yield_warning is not None) == passed
+        assert same(run, other)
+    assert "yield" not in run.to_text()
+    assert run.yield_warning is None
+
+
+def test_an_ideal_joint_has_no_elastic_load():
+    spec = {"clearance.yield_stress": 1.0}
+    ideal = simulate(slider_crank(clearance=0.0, spec=spec), revolutions=1)
+    assert np.isnan(ideal.max_elastic_load)
+    assert ideal.yield_warning is None
+    assert "elastic load" not in repr(ideal)
 
 
 def test_every_assumption_is_disclosed(run):

@@ -120,6 +120,8 @@ def simulate(
     typer.echo(run.to_text(), nl=False)
     if out is not None:
         typer.echo(f"\nwritten to {out}")
+    if run.yield_warning is not None:
+        typer.echo(f"warning: {run.yield_warning}", err=True)
 
 
 def _earlier(mechanism: Mechanism, settings: Settings, out: Path | None) -> Trajectory | None:

@@ -271,7 +271,7 @@ def _clearance(
     ends = [(joint.i, joint.point_i), (joint.j, joint.point_j)]
     if names[c.bearing] != joint.i:
         ends.reverse()
-    material = Material("joint", c.E * 1e3, c.nu)
+    material = Material("joint", c.E * 1e3, c.nu, c.yield_stress)
     pair = None
     if c.radial > 0:
         pair = CylinderPair.from_dR("internal", c.radial, material, c.length, c.R_bearing)

@@ -83,6 +83,9 @@ class ClearanceSpec(Spec):
     length: float = Field(gt=0, description="the axial length in mm")
     E: float = Field(gt=0, description="Young's modulus of both bodies in GPa")
     nu: float = Field(ge=0, le=0.5, description="Poisson's ratio of both bodies")
+    yield_stress: float | None = Field(
+        None, gt=0, description="the yield stress of both bodies in MPa"
+    )
     law: str = Field(description=f"a contact law: {', '.join(LAWS)}")
     restitution: float = Field(gt=0, le=1, description="the restitution, above 0 up to 1")
     factor: str = Field(description=f"a hysteresis factor: {', '.join(FACTORS)}")

@@ -15,6 +15,7 @@ from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
 from cylcontact.html_repr import table_html
+from cylcontact.limits import yield_load, yield_warning
 from cylcontact.mechanism import contact, derived
 from cylcontact.mechanism.model import Mechanism, mechanism_from
 from cylcontact.mechanism.slider_crank import motion, recognise
@@ -283,6 +284,20 @@ class Trajectory:
             }
         )
 
+    @cached_property
+    def max_elastic_load(self) -> float:
+        """The law's load per unit length at the deepest penetration in N/mm, without damping."""
+        if self.mechanism.ideal:
+            return float("nan")
+        deepest = float(self.penetration[self.in_contact].max(initial=0.0))
+        return float(contact.elastic_force(deepest, self.block)) / self.mechanism.clearance.length
+
+    @property
+    def yield_warning(self) -> str | None:
+        """A sentence if the elastic load passes first yield; None if not, or without σ_Y."""
+        pair = self.mechanism.clearance.pair
+        return None if pair is None else yield_warning(self.max_elastic_load, pair)
+
     @property
     def assumptions(self) -> tuple[str, ...]:
         """Every assumption as "key = value", with the continuation of the law if there was one."""
@@ -430,7 +445,18 @@ class Trajectory:
             "energy error (J)": float(f"{np.abs(self.energy_error).max():.3g}"),
             "drift (m, rad)": float(f"{self.drift[:, 0].max():.3g}"),
             **({"beyond the law": self.settings.beyond} if self.continuation else {}),
+            **self._against_yield(),
         }
+
+    def _against_yield(self) -> dict[str, str]:
+        """Return the row of the summary on first yield; none without a yield stress."""
+        pair = self.mechanism.clearance.pair
+        if pair is None or pair.material_i.yield_stress is None:
+            return {}
+        load = self.max_elastic_load
+        share = load / float(yield_load(pair))
+        text = f"{load:,.0f} N/mm, {100 * share:.3g} % of first yield (von Mises)"
+        return {"max elastic load": text}
 
     def __repr__(self) -> str:
         rows = "\n".join(f"  {key:>22}: {value}" for key, value in self._summary().items())
