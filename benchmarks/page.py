@@ -94,6 +94,16 @@ AIMS = (
         2,
     ),
     Aim(
+        "A load for any two materials (parametric) in arrays, in ns",
+        lambda rows: find(rows, "law", "array, 1,000,000", "Parametric").value,
+        200,
+    ),
+    Aim(
+        "A load for any two materials (parametric) in compiled code, in ns",
+        lambda rows: find(rows, "law", "compiled", "parametric").value,
+        300,
+    ),
+    Aim(
         "Genetic search, 120 candidates: in units of its objective",
         over("search", "120 candidates", "genetic search", "objective alone"),
         2,

@@ -591,3 +591,36 @@ def test_a_mounting_that_cannot_be_is_refused():
         RigCompliance(laws.Johnson(), compliance=-1)
     with pytest.raises(InputError, match="offset = inf"):
         RigCompliance(laws.Johnson(), offset=float("inf"))
+
+
+# --- loads above first yield --------------------------------------------------------------------
+
+YIELDING = """dR_um,load_N_per_mm,penetration_um
+50,100,1.6
+50,1000,13
+50,9000,110
+50,12000,140
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "count"),
+    [
+        (("--material", "high-strength steel"), 0),
+        (("--material", "low-carbon steel"), 2),
+        (("--pin", "high-strength steel", "--hole", "low-carbon steel"), 2),
+        (("--E", "200000", "--nu", "0.3"), 0),  # of unknown strength
+    ],
+)
+def test_loads_above_first_yield_are_told(run, tmp_path, words, count):
+    (tmp_path / "t.csv").write_text(YIELDING)
+    options = ("--law", "power-one-pair", "--contact", "internal", "--R-i", "10", "-j", "1")
+    code, said, _ = run("fit", tmp_path / "t.csv", *options, *words, "-o", tmp_path / "r.json")
+    assert code == 0
+    note = f"{count} of 4 loads are above first yield by von Mises"
+    assert (note in said) == (count > 0)
+    assert said.count("first yield") == (count > 0)
+    # Without a radius there is no telling.
+    options = tuple(word for word in options if word not in ("--R-i", "10"))
+    _, said, _ = run("fit", tmp_path / "t.csv", *options, *words, "-o", tmp_path / "s.json")
+    assert "first yield" not in said

@@ -20,6 +20,7 @@ from cylcontact.datasets.measurements import (
     Measurements,
     measurements_of,
     read_measured,
+    yield_notes,
 )
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import (
@@ -367,7 +368,9 @@ def _of_table(name: str, spec: MeasuredSpec, table: Path, folder: Path, source: 
     else:
         model = model_of(spec.law, spec.contact, source)
     data = read_measured(table, spec.contact, spec.constants, materials, spec.ignore)
-    return _on_table(name, spec, measurements_of(data, str(table)), model, source)
+    measured = measurements_of(data, str(table))
+    data.notes.extend(yield_notes(measured, materials))
+    return _on_table(name, spec, measured, model, source)
 
 
 def _on_table(
