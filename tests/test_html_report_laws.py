@@ -262,6 +262,18 @@ def test_own_values_of_the_pin_start_at_the_last_ones(browser, explore):
         assert value_of(view, "beta") != 0
 
 
+def test_no_first_yield_is_shown_where_the_series_for_it_ends(browser, explore):
+    with opened(browser, explore) as view:
+        view.get_by_label("The pin's material").select_option("own values")
+        for name, text in {"E": "1e6", "pin_E": "0.5", "pin_nu": "0.5"}.items():
+            view.locator(f"#{name}").fill(text)
+        for name in ("yield_stress", "pin_yield_stress"):
+            view.locator(f"#{name}").fill("1e5")
+        view.wait_for_timeout(250)
+        assert math.isnan(value_of(view, "yield_load"))
+        assert "First yield is not computed here" in view.get_by_role("status").text_content()
+
+
 def test_advice_on_two_materials_says_what_the_command_says(browser, explore):
     def said_by_command(load):
         steel, aluminium = cc.Material("s", 200e3, 0.3), cc.Material("a", 69e3, 0.33)

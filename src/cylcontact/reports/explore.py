@@ -219,13 +219,10 @@ def view(choice: Choice) -> Drawing:
     force.plot(*point, "o", color=ACCENT, label="chosen load", zorder=3)
     force.set(xlabel="penetration (µm)", ylabel="load (N/mm)", xlim=0, ylim=(0, load.iloc[-1]))
     difference.axhspan(-TOLERANCE, TOLERANCE, color="0.93", linewidth=0)
-    for name, reference, style in (
-        ("johnson", "Johnson", "-"),
-        ("conformal", "conformal contact", "-."),
-    ):
-        values = table[f"{name}_difference_percent"]
+    for name, style in (("Johnson", "-"), ("conformal", "-.")):
+        values = table[f"{name.lower()}_difference_percent"]
         if values.notna().any():
-            label = f"from {reference}"
+            label = f"from {name}"
             difference.plot(load, values, **plain | {"linestyle": style}, label=label)
     difference.plot(choice.load, results["difference from Johnson, %"], "o", color=ACCENT, zorder=3)
     difference.set(
