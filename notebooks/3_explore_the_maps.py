@@ -14,10 +14,10 @@
 # %% [markdown]
 # # Explore the maps
 #
-# Set a material, a contact, a clearance, a load and a law to see the force–penetration curve, the
-# difference from Johnson's law and from conformal contact, and the limits. Choosing a material
-# fills in its numbers; change them for your own material. The yield stresses of the table are
-# assumptions.
+# Set the materials, a contact, a clearance, a load and a law to see the force–penetration curve,
+# the difference from Johnson's law and from conformal contact, and the limits. Choosing a material
+# fills in its numbers; change them for your own material. The pin, or the second roller, is of the
+# same material unless you choose another. The yield stresses of the table are assumptions.
 #
 # The numbers come from `cylcontact.reports.explore`; this notebook only connects the controls.
 
@@ -41,6 +41,7 @@ logarithmic = {"base": 10, "step": 0.01, "continuous_update": False, **wide}
 material = widgets.Dropdown(
     options=list(materials), value="low-carbon steel", description="material", **wide
 )
+other = widgets.Dropdown(options=["same", *materials], description="pin or roller j", **wide)
 modulus = widgets.FloatText(description="E (GPa)", **wide)
 ratio = widgets.FloatText(description="ν (-)", **wide)
 strength = widgets.FloatText(description="yield stress (MPa)", **wide)
@@ -75,7 +76,13 @@ def update(_change=None):
     try:
         own = cc.Material(material.value, 1e3 * modulus.value, ratio.value, strength.value or None)
         choice = explore.Choice(
-            own, contact.value, dR.value, load.value, cc.laws.LAWS[law.value](), radius.value
+            own,
+            contact.value,
+            dR.value,
+            load.value,
+            cc.laws.LAWS[law.value](),
+            radius.value,
+            material_j=materials.get(other.value),
         )
         drawn = explore.view(choice)
     except cc.InputError as error:
@@ -84,7 +91,7 @@ def update(_change=None):
     picture.value, table.value = drawn._repr_html_(), explore.as_table(drawn.headline)
 
 
-controls = [material, modulus, ratio, strength, contact, dR, radius, load, law]
+controls = [material, modulus, ratio, strength, other, contact, dR, radius, load, law]
 for control in controls:
     control.observe(update, names="value")
 update()

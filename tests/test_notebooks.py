@@ -3,12 +3,14 @@
 import math
 import re
 import sys
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from cylcontact import InputError, Material, laws, limits
+from cylcontact import CylinderPair, InputError, Material, laws, limits
 from cylcontact.reports import explore, notebook
 from cylcontact.reports.fit_figures import runs_drawing, runs_table
 from tests.paper_equations import e_star, johnson, johnson_end
@@ -130,6 +132,7 @@ CHANGES = {
     "modulus": 100.0,
     "ratio": 0.2,
     "strength": 300.0,
+    "other": "bronze",
     "contact": "external",
     "dR": 0.5,
     "radius": 20.0,
@@ -182,8 +185,30 @@ def test_numbers_by_hand():
 def test_rollers_share_their_radii_and_have_no_conformal_reference():
     choice = explore.Choice(STEEL, "external", 20.0, 100.0, laws.Enhanced())
     assert (choice.pair.R_i, choice.pair.R_j) == (10.0, 10.0)
-    assert math.isnan(explore.numbers(choice)["difference from Persson, %"])
-    assert explore.curve(choice)["persson_difference_percent"].isna().all()
+    assert math.isnan(explore.numbers(choice)["difference from conformal contact, %"])
+    assert explore.curve(choice)["conformal_difference_percent"].isna().all()
+
+
+def test_a_pin_of_another_material_is_measured_by_the_law_for_two():
+    aluminium = Material("aluminium", 69e3, 0.33, yield_stress=276.0)
+    choice = explore.Choice(STEEL, "internal", 0.02, 1500.0, laws.Explicit(), material_j=aluminium)
+    pair = CylinderPair.internal(10.0, 9.98, STEEL, 10.0, aluminium)
+    actual = explore.numbers(choice)
+    ratio = laws.Explicit().penetration(1500.0, pair) / laws.Conformal().penetration(1500.0, pair)
+    off = float(100 * (ratio - 1))
+    assert off < -2
+    assert actual["difference from conformal contact, %"] == pytest.approx(off, rel=1e-9)
+    assert actual["first yield, N/mm"] == pytest.approx(float(limits.yield_load(pair)), rel=1e-9)
+    table = explore.curve(choice).set_index("load_N_per_mm")
+    assert np.interp(1500.0, table.index, table["conformal_difference_percent"]) == pytest.approx(
+        off, rel=1e-2
+    )
+    johnson = explore.verdicts(replace(choice, law=laws.Johnson()))
+    assert any("from conformal contact, more than 10 %" in line for line in johnson)
+    with pytest.raises(InputError, match="must have the same E and ν as material_i"):
+        explore.numbers(replace(choice, law=laws.Persson()))
+    bare = replace(choice, material_j=Material("bare", 69e3, 0.33))
+    assert any("a material has no yield stress" in line for line in explore.verdicts(bare))
 
 
 @pytest.mark.parametrize(

@@ -18,11 +18,12 @@ from cylcontact import limits
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.html_repr import table_html
-from cylcontact.laws import ContactLaw, Johnson, Persson, difference_percent
+from cylcontact.laws import ContactLaw, Johnson, difference_percent
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.style import ACCENT, COLOURS, QUIET
+from cylcontact.reports.laws_bounds import truth_of
 
 __all__ = ["Choice", "as_message", "as_table", "curve", "numbers", "verdicts", "view"]
 
@@ -35,12 +36,12 @@ TOLERANCE = 10.0
 
 @dataclass(frozen=True)
 class Choice:
-    """A pair of one material, a load and a law.
+    """A pair, a load and a law.
 
     Attributes
     ----------
     material : Material
-        Of both bodies.
+        Of both bodies, or of body *i* when `material_j` is given.
     contact : {"internal", "external"}
         Pin in a hole, or two rollers of equal radii.
     dR : float
@@ -53,6 +54,8 @@ class Choice:
         The radius of the hole in mm; not used for rollers, whose radii follow from ΔR.
     length : float
         The axial length in mm, for the laws that need it.
+    material_j : Material, optional
+        Of the pin, or of the other roller.
     """
 
     material: Material
@@ -62,12 +65,15 @@ class Choice:
     law: ContactLaw
     R_i: float = 10.0
     length: float = 10.0
+    material_j: Material | None = None
 
     @property
     def pair(self) -> CylinderPair:
         """The pair with its radii."""
         R_i = self.R_i if self.contact == "internal" else self.dR / 2
-        return CylinderPair.from_dR(self.contact, self.dR, self.material, self.length, R_i)
+        return CylinderPair.from_dR(
+            self.contact, self.dR, self.material, self.length, R_i, self.material_j
+        )
 
 
 def numbers(choice: Choice) -> dict[str, float]:
@@ -81,13 +87,14 @@ def numbers(choice: Choice) -> dict[str, float]:
     Returns
     -------
     dict of str to float
-        NaN where a law is undefined, a reference does not apply, or the material has no yield
-        stress; inf where there is no limit.
+        NaN where a law is undefined, a reference does not apply, or a material has no yield
+        stress; inf where there is no limit. Conformal contact is `laws.Persson`, or
+        `laws.Conformal` for a pin of another material.
 
     Raises
     ------
     InputError
-        If the law is not for this contact, or the load is not positive.
+        If the law is not for this contact or these materials, or the load is not positive.
 
     Examples
     --------
@@ -105,7 +112,7 @@ def numbers(choice: Choice) -> dict[str, float]:
         "stiffness, N/mm²": law.stiffness(delta, pair),
         "Johnson's penetration, µm": 1e3 * Johnson().penetration(load, pair),
         "difference from Johnson, %": difference_percent(law, Johnson(), load, pair),
-        "difference from Persson, %": _difference_from_persson(choice, as_floats(load)),
+        "difference from conformal contact, %": _from_conformal(choice, as_floats(load)),
         "Hertz's peak pressure, MPa": limits.hertz_stress(load, pair),
         "first yield, N/mm": _yield_load(choice),
         "Johnson's largest load, N/mm": limits.johnson_limit_load(pair),
@@ -136,12 +143,11 @@ def verdicts(choice: Choice) -> list[str]:
         sentences.append(
             f"Johnson's law has ended: {choice.load:g} N/mm is beyond its {end:.1f} N/mm."
         )
-    elif abs(results["difference from Persson, %"]) > TOLERANCE:
-        difference = results["difference from Persson, %"]
+    elif abs(difference := results["difference from conformal contact, %"]) > TOLERANCE:
         sentences.append(f"{difference:+.1f} % from conformal contact, more than {TOLERANCE:g} %.")
     top = results["first yield, N/mm"]
     if np.isnan(top):
-        sentences.append("No yield limit: the material has no yield stress.")
+        sentences.append("No yield limit: a material has no yield stress.")
     elif choice.load > top:
         sentences.append(f"Not elastic: first yield, by von Mises, is at {top:.1f} N/mm.")
     else:
@@ -161,8 +167,8 @@ def curve(choice: Choice) -> pd.DataFrame:
     -------
     pandas.DataFrame
         Columns load_N_per_mm, penetration_mm, johnson_penetration_mm,
-        johnson_difference_percent and persson_difference_percent; NaN beyond a law's domain and
-        where Persson's law does not apply.
+        johnson_difference_percent and conformal_difference_percent; NaN beyond a law's domain,
+        and the last one for rollers.
     """
     _require_load(choice.load)
     load = as_floats(choice.load * np.geomspace(*SPAN, POINTS))
@@ -173,7 +179,7 @@ def curve(choice: Choice) -> pd.DataFrame:
             "penetration_mm": choice.law.penetration(load, pair),
             "johnson_penetration_mm": Johnson().penetration(load, pair),
             "johnson_difference_percent": difference_percent(choice.law, Johnson(), load, pair),
-            "persson_difference_percent": _difference_from_persson(choice, load),
+            "conformal_difference_percent": _from_conformal(choice, load),
         }
     )
 
@@ -194,7 +200,7 @@ def view(choice: Choice) -> Drawing:
     Raises
     ------
     InputError
-        If the law is not for this contact, or the load is not positive.
+        If the law is not for this contact or these materials, or the load is not positive.
     """
     table, results = curve(choice), numbers(choice)
     figure = new_figure("full", 78.0)
@@ -213,10 +219,10 @@ def view(choice: Choice) -> Drawing:
     force.plot(*point, "o", color=ACCENT, label="chosen load", zorder=3)
     force.set(xlabel="penetration (µm)", ylabel="load (N/mm)", xlim=0, ylim=(0, load.iloc[-1]))
     difference.axhspan(-TOLERANCE, TOLERANCE, color="0.93", linewidth=0)
-    for name, style in (("johnson", "-"), ("persson", "-.")):
-        values = table[f"{name}_difference_percent"]
+    for name, style in (("Johnson", "-"), ("conformal", "-.")):
+        values = table[f"{name.lower()}_difference_percent"]
         if values.notna().any():
-            label = f"from {name.capitalize()}"
+            label = f"from {name}"
             difference.plot(load, values, **plain | {"linestyle": style}, label=label)
     difference.plot(choice.load, results["difference from Johnson, %"], "o", color=ACCENT, zorder=3)
     difference.set(
@@ -269,18 +275,20 @@ def _mark_limits(axes: Axes, results: Mapping[str, float], span: tuple[float, fl
             axes.axvline(results[key], color=QUIET, linestyle=style, label=label)
 
 
-def _difference_from_persson(choice: Choice, load: FloatArray) -> FloatArray:
+def _from_conformal(choice: Choice, load: FloatArray) -> FloatArray:
     """Return the difference from conformal contact in percent; NaN for rollers."""
     if choice.contact == "external":
         return as_floats(np.full_like(load, np.nan))
-    return difference_percent(choice.law, Persson(), load, choice.pair)
+    pair = choice.pair
+    return difference_percent(choice.law, truth_of(pair), load, pair)
 
 
 def _yield_load(choice: Choice) -> FloatArray:
-    """Return the load of first yield in N/mm; NaN where the material has no yield stress."""
-    if choice.material.yield_stress is None:
+    """Return the load of first yield in N/mm; NaN where a material has no yield stress."""
+    pair = choice.pair
+    if pair.material_i.yield_stress is None or pair.material_j.yield_stress is None:
         return as_floats(np.nan)
-    return limits.yield_load(choice.pair)
+    return limits.yield_load(pair)
 
 
 def _require_load(load: float) -> None:

@@ -13,7 +13,7 @@ import pandas as pd
 from scipy.optimize import brentq, minimize_scalar
 
 from cylcontact.arrays import FloatArray
-from cylcontact.laws import ContactLaw, Explicit, Johnson, Persson, explicit_penetration
+from cylcontact.laws import Conformal, ContactLaw, Explicit, Johnson, Persson, explicit_penetration
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 
@@ -28,10 +28,11 @@ __all__ = [
     "explicit_error",
     "johnson_end",
     "johnson_shortfall",
+    "truth_of",
 ]
 
 STEEL = Material("steel", E=207e3, nu=0.3)  # of Fig 2
-# The reference for the other laws.
+# The reference for the other laws, of two bodies of one material.
 TRUTH: dict[Contact, ContactLaw] = {"internal": Persson(), "external": Johnson()}
 # The range of φ for the explicit law's error.
 BOUNDED: dict[Contact, tuple[float, float]] = {"internal": (1e-6, 60.0), "external": (1e-9, 0.02)}
@@ -42,6 +43,20 @@ CLEARANCES = (0.0075, 0.02, 0.05, 0.2, 0.5)  # mm
 
 # Ratio of a law's load or penetration to the reference's, as a function of the load in N/mm.
 Ratio = Callable[[FloatArray], FloatArray]
+
+
+def truth_of(pair: CylinderPair) -> ContactLaw:
+    """Return the reference law of a pair, which is `Conformal` for a pin of another material.
+
+    Examples
+    --------
+    >>> bronze = Material("bronze", E=110e3, nu=0.34)
+    >>> truth_of(CylinderPair.from_dR("internal", 0.05, STEEL, material_j=bronze)).name
+    'conformal'
+    """
+    if pair.contact == "internal" and not pair.of_one_material:
+        return Conformal()
+    return TRUTH[pair.contact]
 
 
 @cache

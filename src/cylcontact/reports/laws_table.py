@@ -13,11 +13,11 @@ import pandas as pd
 from cylcontact.arrays import FloatArray, require
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.laws import DEFINITIONS, LAWS, Conformal, ContactLaw
+from cylcontact.laws import DEFINITIONS, LAWS
 from cylcontact.laws.definition import Parameter
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_error
+from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_error, truth_of
 
 __all__ = ["case", "comparison", "departures", "deviations", "explicit_error", "to_text"]
 
@@ -195,7 +195,7 @@ def deviations(pair: CylinderPair) -> pd.DataFrame:
     """
     numbers = np.array(LOAD_NUMBERS[pair.contact])
     loads = numbers * pair.E_star * pair.dR
-    truth = _truth(pair).penetration(loads, pair)
+    truth = truth_of(pair).penetration(loads, pair)
     rows = {}
     for name, law in LAWS.items():
         try:
@@ -203,13 +203,6 @@ def deviations(pair: CylinderPair) -> pd.DataFrame:
         except InputError:
             rows[name] = np.full_like(numbers, np.nan)
     return pd.DataFrame.from_dict(rows, orient="index", columns=list(numbers)).rename_axis("law")
-
-
-def _truth(pair: CylinderPair) -> ContactLaw:
-    """Return the reference law of a pair."""
-    if pair.contact == "internal" and not pair.of_one_material:
-        return Conformal()
-    return TRUTH[pair.contact]
 
 
 def to_text(pair: CylinderPair, load: float) -> str:
@@ -235,7 +228,7 @@ def to_text(pair: CylinderPair, load: float) -> str:
         If the load is not positive and finite.
     """
     contact = pair.contact
-    truth = _truth(pair).name
+    truth = truth_of(pair).name
     side_by_side, errors = comparison(pair, load), deviations(pair)
     parts = [
         f"{contact} contact, ΔR = {float(pair.dR):g} mm, E* = {float(pair.E_star):.2f} MPa, "

@@ -10,7 +10,7 @@ from typing import Any
 from cylcontact.errors import InputError
 from cylcontact.export import EXPORTABLE, export, export_named
 from cylcontact.fitting.result import FitResult
-from cylcontact.laws import LAWS
+from cylcontact.laws import LAWS, Johnson, Parametric
 from cylcontact.laws.enhanced import PUBLISHED_DR
 from cylcontact.materials import MaterialRow
 from cylcontact.pair import CONTACTS
@@ -54,7 +54,8 @@ def explorer_data(
         "controls": CONTROLS,
         "materials": [_material(row) for row in materials.values()],
         "laws": [*_package_laws(), *_fitted_laws(results)],
-        "truth": {contact: law.name for contact, law in TRUTH.items()},
+        "truth": {contact: law.name for contact, law in TRUTH.items()}
+        | {"unlike": Parametric.name},
         "explicit_range": {contact: list(BOUNDED[contact]) for contact in CONTACTS},
         "trained_dR": {contact: list(PUBLISHED_DR[contact]) for contact in CONTACTS},
         "initial_laws": INITIAL_LAWS,
@@ -110,4 +111,6 @@ def _law(name: str, label: str, contact: str, exported: str | None) -> dict[str,
         "remark": document["remark"] if document else "Exact for like bodies, without friction.",
         "formula": document["formula"] if document else "",
         "document": {key: document[key] for key in NEEDED} if document else None,
+        # Its reach depends on the two materials, which the exported formula does not know.
+        "johnson": document is not None and document["law"] == Johnson.name,
     }

@@ -4,18 +4,24 @@
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   const laws = data.laws.map((law) => ({
-    ...law, compute: law.document ? Laws.exported(law.document) : Laws.persson,
+    ...law, compute: Laws.ofEntry(law),
   }));
   const form = document.getElementById("controls");
   const { number, percent } = Charts;
-  const OWN = "";
-  const FIXED = {
+  const OWN = "", SAME = "same";
+  const MATERIAL = {
     E: [1, 1000, 207, "log"], nu: [0, 0.49, 0.3, "linear"], yield_stress: [10, 5000, 250, "log"],
+  };
+  // The bodies by their select: the prefix of their sliders.
+  const BODIES = { material: "", pin_material: "pin_" };
+  const properties = (prefix) => Object.keys(MATERIAL).map((name) => prefix + name);
+  const FIXED = {
+    ...MATERIAL, ...Object.fromEntries(Object.entries(MATERIAL).map(([name, ends]) => [`pin_${name}`, ends])),
     R_i: [1, 500, 10, "log"], length: [1, 500, 10, "log"],
   };
   const values = Object.fromEntries(Object.entries(FIXED).map(([name, [, , start]]) => [name, start]));
   const selected = { internal: new Set(data.initial_laws), external: new Set(data.initial_laws) };
-  let contact = "internal";
+  let contact = "internal", truthId = data.truth.internal;
 
   // Sliders: a range of a thousand steps, linear or logarithmic, and a field for the exact number.
   const range = (name) => (name in FIXED ? FIXED[name] : [...data.controls[contact][name], "log"]);
@@ -42,7 +48,7 @@
     });
     field.addEventListener("input", () => {
       const number = Number(field.value);
-      const bad = field.value === "" || !(name === "nu" ? number >= 0 && number <= 0.5 : number > 0);
+      const bad = field.value === "" || !(name.endsWith("nu") ? number >= 0 && number <= 0.5 : number > 0);
       field.toggleAttribute("aria-invalid", bad);
       if (bad) {
         field.setAttribute("aria-invalid", "true");
@@ -54,38 +60,62 @@
     field.addEventListener("change", () => place(name));
   }
   function changed(name, exact) {
-    if (["E", "nu", "yield_stress"].includes(name)) form.elements.material.value = OWN;
+    for (const [select, prefix] of Object.entries(BODIES)) {
+      if (properties(prefix).includes(name)) form.elements[select].value = OWN;
+    }
     place(name, exact);
     update();
   }
 
   function fillMaterials() {
-    const select = form.elements.material;
-    for (const material of data.materials) select.add(new Option(material.name, material.name));
-    select.add(new Option("own values", OWN));
-    select.addEventListener("change", () => {
-      takeMaterial();
-      update();
-    });
-    const first = data.materials.find((each) => each.name === "low-carbon steel") || data.materials[0];
-    select.value = first ? first.name : OWN;
-    takeMaterial();
+    form.elements.pin_material.add(new Option("same as the hole", SAME));
+    for (const [name, prefix] of Object.entries(BODIES)) {
+      const select = form.elements[name];
+      for (const material of data.materials) select.add(new Option(material.name, material.name));
+      select.add(new Option("own values", OWN));
+      select.addEventListener("change", () => {
+        takeMaterial(select.value, prefix);
+        update();
+      });
+    }
+    const first = materialOf("low-carbon steel") || data.materials[0];
+    form.elements.material.value = first ? first.name : OWN;
+    form.elements.pin_material.value = SAME;
+    takeMaterial(form.elements.material.value, BODIES.material);
   }
-  function takeMaterial() {
-    const material = data.materials.find((each) => each.name === form.elements.material.value);
+  const materialOf = (name) => data.materials.find((each) => each.name === name);
+  function takeMaterial(name, prefix) {
+    const material = materialOf(name);
     if (!material) return;
-    values.E = material.E / 1000;
-    values.nu = material.nu;
-    if (material.yield_stress !== null) values.yield_stress = material.yield_stress;
-    for (const name of ["E", "nu", "yield_stress"]) place(name);
+    values[`${prefix}E`] = material.E / 1000;
+    values[`${prefix}nu`] = material.nu;
+    if (material.yield_stress !== null) values[`${prefix}yield_stress`] = material.yield_stress;
+    for (const property of properties(prefix)) place(property);
   }
-  function showOrigin() {
-    const material = data.materials.find((each) => each.name === form.elements.material.value);
-    const words = { E_GPa: "E", nu: "ν", yield_stress_MPa: "yield stress" };
-    document.getElementById("material-origin").textContent = material
-      ? Object.entries(words).filter(([key]) => key in material.provenance)
-        .map(([key, word]) => `${word}: ${material.provenance[key]}`).join("; ")
-      : "Your own values.";
+  function showOrigins() {
+    const words = { E_GPa: ["E", "E", " GPa"], nu: ["nu", "ν", ""], yield_stress_MPa: ["yield_stress", "yield stress", " MPa"] };
+    for (const [name, prefix] of Object.entries(BODIES)) {
+      const { value } = form.elements[name], material = materialOf(value);
+      const origin = document.getElementById(`${name}-origin`);
+      origin.hidden = value === SAME;
+      origin.textContent = material
+        ? Object.entries(words).filter(([key]) => key in material.provenance)
+          .map(([key, [own, word, suffix]]) => `${word} ${Charts.plain(values[prefix + own])}${suffix}: ${material.provenance[key]}`).join("; ")
+        : "Your own values.";
+    }
+    document.getElementById("pin-sliders").hidden = form.elements.pin_material.value !== OWN;
+  }
+  function followHole() {
+    if (form.elements.pin_material.value !== SAME) return;
+    for (const name of Object.keys(MATERIAL)) {
+      values[`pin_${name}`] = values[name];
+      place(`pin_${name}`);
+    }
+  }
+  // Modulus in MPa, Poisson's ratio and yield stress of a body; rollers are of one material.
+  function bodyOf(prefix) {
+    const [E, nu, stress] = properties(contact === "internal" ? prefix : "").map((name) => values[name]);
+    return { E: 1000 * E, nu, stress };
   }
 
   const here = () => laws.filter((law) => law.contact === contact);
@@ -130,11 +160,22 @@
     }
   }
 
+  // The laws to measure the others by; the one for this pair is shown in place of the last one.
+  function takeReference({ unlike }) {
+    const last = truthId;
+    truthId = data.truth[unlike ? "unlike" : contact];
+    if (contact !== "internal" || last === truthId) return;
+    if (selected.internal.delete(last)) selected.internal.add(truthId);
+    fillLaws();
+  }
+
   function compute() {
-    const pair = Laws.pairOf({ contact, ...values, E: values.E * 1000 });
-    const load = values.load;
+    const { dR, R_i, length, load } = values;
+    const hole = bodyOf(""), pin = bodyOf("pin_");
+    const pair = Laws.pairOf({ contact, E: hole.E, nu: hole.nu, pin, dR, R_i, length });
+    takeReference(pair);
     const find = (id) => here().find((law) => law.id === id).compute;
-    const johnson = find("johnson"), truth = find(data.truth[contact]);
+    const johnson = find("johnson"), truth = find(truthId);
     const reference = johnson.penetration(load, pair), exact = truth.penetration(load, pair);
     const answers = here().filter((law) => selected[contact].has(law.id)).map((law) => {
       const penetration = law.compute.penetration(load, pair);
@@ -147,14 +188,21 @@
         maxLoad: law.compute.maxLoad(pair),
       };
     });
-    const yields = Yield.first(values.yield_stress, pair);
+    const yields = Yield.first({ hole: hole.stress, pin: pin.stress }, pair);
     return { pair, load, johnson, truth, answers, yields, johnsonLoad: Laws.limits.johnsonLoad(pair) };
   }
 
+  const ofTwo = ({ alpha, beta, w_i, w_j }) => [
+    ["alpha", "Dundurs' α", alpha, ""],
+    ["beta", "Dundurs' β", beta, ""],
+    ["w_i", "the hole's share of 1/E*", w_i, ""],
+    ["w_j", "the pin's share of 1/E*", w_j, ""],
+  ];
   function showNumbers(now) {
     const { pair, load } = now;
     const entries = [
       ["E_star", "composite modulus E*", pair.E_star, "MPa"],
+      ...(pair.unlike ? ofTwo(pair) : []),
       ["R_j", "radius of body j", pair.R_j, "mm"],
       ["phi", "load number f/(E*ΔR)", load / (pair.E_star * pair.dR), ""],
       ["yield_load", "first yield, von Mises", now.yields.load, "N/mm"],
@@ -176,8 +224,7 @@
   }
 
   function showAnswers(now) {
-    const truthName = contact === "internal" ? "conformal contact" : "Johnson's law";
-    document.getElementById("truth-column").textContent = `against ${truthName}, %`;
+    document.getElementById("truth-column").textContent = `against ${Advice.truthOf(now.pair)}, %`;
     const body = document.querySelector("#answers tbody");
     body.replaceChildren(...now.answers.map((answer) => {
       const row = document.createElement("tr");
@@ -291,8 +338,9 @@
   const slotOf = (answers, law) => answers.findIndex((answer) => answer.law === law);
 
   function update() {
+    followHole();
     const now = compute();
-    showOrigin();
+    showOrigins();
     drawSwatches(now.answers.map(({ law }) => law));
     showNumbers(now);
     showAnswers(now);
@@ -308,6 +356,8 @@
     }
     const words = contact === "internal" ? "Radial clearance ΔR" : "Sum of the radii ΔR";
     document.querySelector('[data-slider="dR"] label').firstChild.textContent = `${words} `;
+    document.getElementById("material-of").textContent = contact === "internal" ? "Material of the hole" : "Material of both rollers";
+    document.getElementById("pin").hidden = contact === "external";
     fillLaws();
     update();
   }

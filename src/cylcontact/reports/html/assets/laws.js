@@ -116,15 +116,17 @@ const Laws = (() => {
   }
 
   // A law from its exported document: load and stiffness by penetration, penetration by load.
-  function exported(document) {
+  // Johnson's takes the reach of unlike bodies in place of dR, which is all that it needs dR for.
+  function exported(document, johnson = false) {
     const steps = document.steps.map((step) => {
       const cut = step.indexOf(" = ");
       return [step.slice(0, cut), compile(step.slice(cut + 3))];
     });
     const conditions = document.conditions.map(compile);
+    const namesOf = (pair) => ({ ...document.constants, ...pair, ...(johnson && { dR: pair.reach_dR }) });
 
     function both(penetration, pair) {
-      const names = { ...document.constants, ...pair, penetration };
+      const names = { ...namesOf(pair), penetration };
       if (penetration < 0) return [0, 0];
       if (!conditions.every((holds) => holds(names))) return [NaN, NaN];
       for (const [name, value] of steps) names[name] = value(names);
@@ -136,15 +138,14 @@ const Laws = (() => {
     };
     const limit = steps.find(([name]) => name === "f_max");
     return limit
-      ? { ...law, ...logarithmic(document.constants, limit[1]) }
+      ? { ...law, ...logarithmic(document.constants.kappa, (pair) => limit[1](namesOf(pair))) }
       : { ...law, ...unlimited(both) };
   }
 
   // Logarithmic laws, delta = kappa/(pi E*) f (ln(Lambda E*/f) + c), are explicit in the load:
   // Lambda E* e^c is e times the largest load, and the share of that keeps all digits near the end.
-  function logarithmic(constants, largest) {
-    const maxLoad = (pair) => largest({ ...constants, ...pair });
-    const compliance = (pair) => constants.kappa / (Math.PI * pair.E_star);
+  function logarithmic(kappa, maxLoad) {
+    const compliance = (pair) => kappa / (Math.PI * pair.E_star);
     function penetration(f, pair) {
       const highest = maxLoad(pair);
       if (!(f >= 0 && f <= highest)) return NaN;
@@ -204,6 +205,7 @@ const Laws = (() => {
   }
   const persson = {
     penetration(f, pair) {
+      if (pair.unlike) return NaN;
       if (f === 0) return 0;
       if (!(f > 0)) return NaN;
       const { u, v, log } = perssonArcOfLoad(f / (pair.E_star * pair.dR));
@@ -211,26 +213,39 @@ const Laws = (() => {
       return (f / (Math.PI * pair.E_star)) * (common + log / (2 * u * v));
     },
     stiffness(_penetration, pair, f) {
-      if (!(f >= 0)) return NaN;
+      if (pair.unlike || !(f >= 0)) return NaN;
       if (f === 0) return 0;
       const { u, v, log } = perssonArcOfLoad(f / (pair.E_star * pair.dR));
       const common = Math.log(4) + log - Math.log(u) - (2 - 0.5 / v) / v;
       const top = (1 + u * v) * log - (1 - u) ** 2 * v;
       return (Math.PI * pair.E_star) / (common + top / (v ** 2 * (1 + v - log)));
     },
-    maxLoad: () => Infinity,
-    maxPenetration: () => Infinity,
+    maxLoad: (pair) => (pair.unlike ? NaN : Infinity),
+    maxPenetration: (pair) => (pair.unlike ? NaN : Infinity),
   };
 
-  // tan(eps/2) of the contact under the load phi = f/(E*dR).
-  const perssonHalfTangent = (phi) => Math.sqrt(perssonArcOfLoad(phi).u);
+  // Any law of the page's data.
+  const ofEntry = ({ document, johnson }) => (document ? exported(document, johnson) : persson);
 
-  // E*, R and the numbers that the limits need; R is NaN where only dR is known.
-  function pairOf({ contact, E, nu, dR, R_i, length }) {
-    const R_j = contact === "internal" ? R_i - dR : dR - R_i;
-    const E_star = E / (2 * (1 - nu * nu));
-    const R = R_j > 0 ? (R_i * R_j) / dR : NaN;
-    return { contact, nu, E_star, dR, R_i, R_j: R_j > 0 ? R_j : NaN, R, length };
+  // E*, R, Dundurs' parameters and what the limits need; R is NaN where only dR is known. `pin`
+  // is body j, of the same material if it is left out.
+  function pairOf({ contact, E, nu, pin = { E, nu }, dR, R_i, length }) {
+    const gap = contact === "internal" ? R_i - dR : dR - R_i;
+    const R_j = gap > 0 ? gap : NaN;
+    const modulus_i = E / (1 - nu * nu), modulus_j = pin.E / (1 - pin.nu * pin.nu);
+    const total = modulus_i + modulus_j;
+    const w_i = modulus_j / total, w_j = modulus_i / total;
+    const part = (share, ratio) => (share * (1 - 2 * ratio)) / (2 - 2 * ratio);
+    const alpha = w_j - w_i, beta = part(w_j, pin.nu) - part(w_i, nu);
+    return {
+      contact, dR, R_i, R_j, length, alpha, beta, w_i, w_j,
+      ratios: { hole: nu, pin: pin.nu },
+      unlike: pin.E !== E || pin.nu !== nu,
+      E_star: (modulus_i / total) * modulus_j,
+      R: (R_i * R_j) / dR,
+      // Johnson's reach over 4 pi; known without the radii for bodies of equal moduli.
+      reach_dR: alpha === 0 ? dR : dR * (R_i / R_j) ** -alpha,
+    };
   }
 
   const limits = {
@@ -238,17 +253,17 @@ const Laws = (() => {
     hertzStress: (f, pair) => Math.sqrt((f * pair.E_star) / (Math.PI * pair.R)),
     hertzHalfWidth: (f, pair) => 2 * Math.sqrt((f * pair.R) / (Math.PI * pair.E_star)),
     // Eq 8.
-    johnsonLoad: (pair) => (4 * Math.PI * pair.E_star * pair.dR) / (Math.E * Math.E),
-    johnsonPenetration: (pair) => (4 * pair.dR) / (Math.E * Math.E),
+    johnsonLoad: (pair) => (4 * Math.PI * pair.E_star * pair.reach_dR) / (Math.E * Math.E),
+    johnsonPenetration: (pair) => (4 * pair.reach_dR) / (Math.E * Math.E),
   };
 
   // Johnson's load by Lambert's W, an independent check of the exported steps.
   function johnsonLoad(penetration, pair) {
-    const x = (-Math.E * penetration) / (4 * pair.dR);
+    const x = (-Math.E * penetration) / (4 * pair.reach_dR);
     return (-Math.PI * pair.E_star * penetration) / lambertWm1(x);
   }
 
   return {
-    compile, exported, inverted, johnsonLoad, lambertWm1, limits, pairOf, persson, perssonHalfTangent,
+    compile, exported, inverted, johnsonLoad, lambertWm1, limits, ofEntry, pairOf,
   };
 })();
