@@ -614,13 +614,13 @@ YIELDING = """dR_um,load_N_per_mm,penetration_um
 )
 def test_loads_above_first_yield_are_told(run, tmp_path, words, count):
     (tmp_path / "t.csv").write_text(YIELDING)
-    options = ("--law", "power-one-pair", "--contact", "internal", "--R-i", "10", "-j", "1")
+    options = ("--law", "power-one-pair", "--contact", "internal", "--Ri", "10", "-j", "1")
     code, said, _ = run("fit", tmp_path / "t.csv", *options, *words, "-o", tmp_path / "r.json")
     assert code == 0
     note = f"{count} of 4 loads are above first yield by von Mises"
     assert (note in said) == (count > 0)
     assert said.count("first yield") == (count > 0)
     # Without a radius there is no telling.
-    options = tuple(word for word in options if word not in ("--R-i", "10"))
+    options = tuple(word for word in options if word not in ("--Ri", "10"))
     _, said, _ = run("fit", tmp_path / "t.csv", *options, *words, "-o", tmp_path / "s.json")
     assert "first yield" not in said

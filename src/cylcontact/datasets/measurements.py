@@ -435,21 +435,23 @@ def _add_moduli(source: str, numbers: _Numbers, labels: _Labels, own: Path | Non
 def yield_notes(measured: Measurements, own: Path | None) -> list[str]:
     """Return a note if loads are above first yield, where materials and radii are known."""
     labels = measured.data.labels
-    bodies = [labels.get(f"material_{body}", labels.get("material")) for body in "ij"]
-    if bodies[0] is None or bodies[1] is None or "R_i" not in measured.columns:
+    of_both = labels.get("material")
+    holes, pins = labels.get("material_i", of_both), labels.get("material_j", of_both)
+    if holes is None or pins is None or "R_i" not in measured.columns:
         return []
-    names = np.stack([np.broadcast_to(words, len(measured)) for words in bodies], axis=1)
+    size = len(measured)
+    names = np.stack([np.broadcast_to(words, size) for words in (holes, pins)], axis=1)
     rows, above = known_materials(own), 0
     for words in np.unique(names, axis=0):
         part = measured.take(np.flatnonzero((names == words).all(axis=1)))
         hole, pin = (rows[word].material for word in words)
         if hole.yield_stress is not None and pin.yield_stress is not None:
             pair = replace(part.pair, material_i=hole, material_j=pin)
-            above += np.count_nonzero(part.load > limits.yield_load(pair))
+            above += int(np.count_nonzero(part.load > limits.yield_load(pair)))
     if not above:
         return []
     return [
-        f"{above} of {len(measured)} loads are above first yield by von Mises, with the yield "
+        f"{above} of {size} loads are above first yield by von Mises, with the yield "
         "stresses of the table of materials, and the law is elastic"
     ]
 
