@@ -275,7 +275,8 @@ def _formula(law: ExplicitPair, _: Contact | None) -> Formula:
         constants=NAMED | own,
         extra=("alpha", "beta"),
         conditions=CONDITIONS,
-        remark="The penetration is counted so that it tends to Johnson's.",
+        remark="The datum of the penetration is Johnson's, to whose law it tends at small loads.",
+        origin="calibrated by this package" if law.coefficients is None else "",
     )
 
 

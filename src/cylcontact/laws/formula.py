@@ -35,8 +35,8 @@ MEANINGS: Mapping[str, tuple[str, str]] = {
     "R_i": ("mm", "radius of body i"),
     "R_j": ("mm", "radius of body j"),
     "length": ("mm", "axial length of the contact"),
-    "alpha": ("-", "Dundurs' alpha, from -1 to 1, positive when body j (the pin) is the softer"),
-    "beta": ("-", "Dundurs' beta, of the same sign convention"),
+    "alpha": ("-", "w_j - w_i with w_k = E_star*(1 - nu_k^2)/E_k; body j is the pin"),
+    "beta": ("-", "w_j*g_j - w_i*g_i with g_k = (1 - 2*nu_k)/(2 - 2*nu_k)"),
 }
 _SIGNED = ("alpha", "beta")
 RESULTS: Mapping[str, tuple[str, str]] = {

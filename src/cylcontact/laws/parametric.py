@@ -385,6 +385,7 @@ def _formula(law: Parametric, _: Contact | None) -> Formula:
         )
     constants = _named(law.constants)
     is_johnson = isinstance(law.datum, str)
+    datum = "Johnson's, to whose law it tends at small loads" if is_johnson else f"C = {law.datum}"
     return Formula(
         name=function_name(law.name, "internal"),
         law=law,
@@ -395,14 +396,8 @@ def _formula(law: Parametric, _: Contact | None) -> Formula:
         constants=constants if is_johnson else constants | {"datum": float(law.datum)},
         extra=("alpha", "beta"),
         conditions=CONDITIONS,
-        remark=(
-            "The penetration is counted "
-            + (
-                "so that it tends to Johnson's."
-                if is_johnson
-                else f"from the datum C = {law.datum}."
-            )
-        ),
+        remark=f"The datum of the penetration is {datum}.",
+        origin="calibrated by this package" if law.coefficients is None else "",
     )
 
 
