@@ -11,6 +11,8 @@ from cylcontact.datasets import read_grid
 from cylcontact.datasets.finite_element import Setup, read_study, read_table, run_study, solve
 from cylcontact.datasets.finite_element.calculix import find_program, run_case
 from cylcontact.datasets.finite_element.spec import study_from
+from cylcontact.stress import in_pin, in_plate, pressure_along
+from cylcontact.yield_search import equivalent
 from tests.finite_element_series import PinInRing
 from tests.programs import require_program
 from tests.spec_files import ELEMENTS, changed, write_toml
@@ -302,3 +304,31 @@ class TestFiles:
         }
         with pytest.raises(InputError, match="is of a pin and a plate of different materials"):
             read_grid(write_toml(tmp_path / "grid.toml", spec))
+
+
+class TestFirstYield:
+    """The closed-form stresses behind `limits.first_yield`, on the line of the load."""
+
+    @pytest.mark.parametrize("name", ["steel in aluminium", "PEEK in steel", "steel in steel"])
+    @pytest.mark.parametrize("phi", [0.1, 1.0])
+    def test_von_mises_stress_inside_both_bodies(self, name, phi):
+        setup = joint(*PAIRS[name])
+        pair = setup.pair(DR)
+        load = phi * float(pair.E_star) * DR
+        (case,) = solve(setup, DR, [load])
+        law = laws.Conformal()
+        b = np.tan(np.radians(law.contact_angle(load, pair)) / 2)
+        pressure = pressure_along(np.atleast_1d(b), float(pair.beta))
+        for body, side, kappa, nu in (
+            ("plate", -1, float(pair.kolosov[0]), pair.material_i.nu),
+            ("pin", 1, None, pair.material_j.nu),
+        ):
+            depth, found = case.stress_below(body)
+            near = depth < 0.5 * R_I
+            shape = depth[near] / R_I
+            eta = 1j * (shape / (2 - side * shape))[None, :]
+            inside = in_pin(eta, pressure) if body == "pin" else in_plate(eta, pressure, kappa)
+            expected = equivalent(inside, nu, "von Mises")[0] * load / R_I
+            # Cells along the axis have their middles beside it.
+            np.testing.assert_allclose(found.von_mises[near], expected, atol=0.015 * expected.max())
+            assert found.von_mises[near].max() == pytest.approx(expected.max(), rel=0.012)
