@@ -48,6 +48,8 @@ def test_laws_advises_on_a_pin_and_a_hole_of_different_materials(run):
         worst = 100 * np.abs(law.penetration(loads, pair) / exact - 1).max()
         assert words.format(f"{worst:.2g}") in out
     assert "all penetrations are by Johnson's datum" in out
+    at = cc.limits.first_yield(pair)
+    assert f"first yield at {at.load:,.0f} N/mm (von Mises, in the {at.body}, " in out
     assert "penetration against conformal's at equal load" in out
     assert "too low against persson's" not in out
 

@@ -253,11 +253,9 @@ def yield_warning(load: ArrayLike, pair: CylinderPair) -> str | None:
     largest, at = np.nanmax(as_floats(load), initial=0.0), first_yield(pair)
     if largest <= at.load:
         return None
-    body = f"the {at.body}" if pair.contact == "internal" else f"body {at.body}"
-    place = f"{at.depth:.2g} mm below its surface" if at.depth > 0 else "at its surface"
     return (
-        f"the largest load, {largest:,.0f} N/mm, is above first yield at {at.load:,.0f} N/mm "
-        f"(von Mises, in {body}, {place}); all laws here are elastic"
+        f"the largest load, {largest:,.0f} N/mm, is above first yield at {at}; all laws here are "
+        "elastic"
     )
 
 

@@ -72,6 +72,12 @@ class FirstYield:
     depth: FloatArray
     criterion: Criterion
 
+    def __str__(self) -> str:
+        """Return the load and the place of one pair in words."""
+        body = f"the {self.body}" if self.body in ("hole", "pin") else f"body {self.body}"
+        place = f"{self.depth:.2g} mm below its surface" if self.depth > 0 else "at its surface"
+        return f"{self.load:,.0f} N/mm ({self.criterion}, in {body}, {place})"
+
 
 @dataclass(frozen=True)
 class Body:

@@ -15,6 +15,7 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws import DEFINITIONS, LAWS
 from cylcontact.laws.definition import Parameter
+from cylcontact.limits import first_yield
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_error, truth_of
@@ -245,6 +246,8 @@ def to_text(pair: CylinderPair, load: float) -> str:
             "at ΔR in mm; the last line is the end of johnson's law (Eq 8)",
             _departures(departures(pair.material_i)),
         ]
+    if all(body.yield_stress is not None for body in (pair.material_i, pair.material_j)):
+        parts[0] += f"\nfirst yield at {first_yield(pair)}"
     parts += [_explicit(), _each_law(contact), _parameters(contact)]
     return "\n\n".join(parts) + "\n"
 
