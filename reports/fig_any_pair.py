@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.laws import Conformal, ContactLaw, ExplicitPair, Parametric
 from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
-from cylcontact.plots.maps import signed
 from cylcontact.plots.style import COLOURS
 from cylcontact.reports.bench import Bench
+
+from .joints import draw_plane, error_table
 
 # The laws, and the levels of their maps in percent.
 LAWS: tuple[ContactLaw, ...] = (Parametric(), ExplicitPair())
@@ -48,15 +48,10 @@ def _table() -> pd.DataFrame:
     alpha, beta = possible_pairs()
     pair = CylinderPair.from_dundurs(alpha[..., None], beta[..., None])
     d = Conformal().penetration(PHI, pair)
-    columns = np.broadcast_arrays(alpha[..., None], beta[..., None], PHI)
     parts = []
     for law in LAWS:
-        error = 100 * (law.load(d, pair) / PHI - 1)
-        # Round-off would differ from machine to machine; + 0.0 removes −0.0.
-        values = np.round(np.column_stack([c.ravel() for c in (*columns, error)]), 9) + 0.0
-        part = pd.DataFrame(values, columns=["alpha", "beta", "phi", "error_percent"])
-        part.insert(0, "law", law.name)
-        parts.append(part)
+        error = as_floats(100 * (law.load(d, pair) / PHI - 1))
+        parts.append(error_table("law", law.name, alpha[..., None], beta[..., None], PHI, error))
     return pd.concat(parts, ignore_index=True)
 
 
@@ -82,11 +77,8 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
         bar = figure.colorbar(drawn, ax=axes, location="bottom", aspect=25)
         bar.set_label("largest error (%)")
         bar.set_ticks(LEVELS[number], labels=[f"{level:g}" for level in LEVELS[number]])
-        axes.plot([-1, -1, 1, 1, -1], [0, -0.5, 0, 0.5, 0], "-", color="black", lw=0.8, marker="")
-        axes.set(xlim=(-1, 1), ylim=(-0.5, 0.5), xlabel=r"Dundurs' $\alpha$ (-)")
-        for axis, step in ((axes.xaxis, 0.5), (axes.yaxis, 0.25)):
-            axis.set_major_locator(FixedLocator(list(np.arange(-2, 3) * step)))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: signed(value)))
+        draw_plane(axes)
+        axes.set(xlabel=r"Dundurs' $\alpha$ (-)")
         panel_title(axes, number, law.name)
         line = own.groupby("phi")["size"].max()
         over.plot(line.index, line, color=COLOURS[number], marker="", label=law.name)

@@ -1,4 +1,4 @@
-"""What a housing adds to the penetration: the datum of a plate that is clamped somewhere."""
+"""The datum of a clamped housing, and the penetration that it adds, against its radius."""
 
 from __future__ import annotations
 

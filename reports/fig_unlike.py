@@ -1,4 +1,4 @@
-"""How wrong the curve of equal materials is for a pin and a hole of two: what E* leaves out."""
+"""The error of taking a pin and a hole of two materials for equal ones of the same E*."""
 
 from __future__ import annotations
 
@@ -6,16 +6,26 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import AutoMinorLocator, FixedLocator, FuncFormatter
+from matplotlib.ticker import AutoMinorLocator
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.laws import unlike
 from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
-from cylcontact.plots.maps import RIM, add_scale, draw_contours, label_contours, signed
+from cylcontact.plots.maps import RIM, add_scale, draw_contours, label_contours
 from cylcontact.plots.style import small_text
 from cylcontact.reports.bench import Bench
 
-from .joints import ALUMINIUM, STEEL, Joint, label_of, origins_of, pair_of
+from .joints import (
+    ALUMINIUM,
+    STEEL,
+    Joint,
+    draw_plane,
+    error_table,
+    label_of,
+    origins_of,
+    pair_of,
+    signed_axis,
+)
 
 NU = 0.3
 G = (1 - 2 * NU) / (2 - 2 * NU)  # (κ − 1)/(κ + 1) of bodies of that ν, β/α of two of them
@@ -89,13 +99,8 @@ def _rows(bench: Bench, joint: Joint) -> pd.DataFrame:
 
 def _table(name: str, alpha: FloatArray, beta: float, phi: FloatArray) -> pd.DataFrame:
     """Tabulate the error for one β."""
-    error = error_of_E_star(as_floats(alpha), beta, phi)
-    columns = np.broadcast_arrays(alpha, beta, phi, error)
-    # Round-off would differ from machine to machine; + 0.0 removes −0.0.
-    values = np.round(np.column_stack([column.ravel() for column in columns]), 9) + 0.0
-    table = pd.DataFrame(values, columns=["alpha", "beta", "phi", "error_percent"])
-    table.insert(0, "pair", name)
-    return table
+    alpha = as_floats(alpha)
+    return error_table("pair", name, alpha, beta, phi, error_of_E_star(alpha, beta, phi))
 
 
 def _headline(table: pd.DataFrame, named: pd.DataFrame) -> dict[str, float]:
@@ -114,19 +119,20 @@ def _draw_maps(table: pd.DataFrame, named: pd.DataFrame) -> Figure:
     """Draw both maps."""
     figure = new_figure("full", 80.0)
     loads, plane = panels = figure.subplots(1, 2)
+    signed_axis(loads.xaxis, 0.5)
+    draw_plane(plane)
     for axes in panels:
         axes.set(xlim=(-1, 1), xlabel=r"Dundurs' $\alpha$ (-), positive: pin softer")
-        _signed_axis(axes, "x", 0.5)
+    for axis in (loads.xaxis, plane.xaxis, plane.yaxis):
+        axis.set_minor_locator(AutoMinorLocator(5))
     plain_log(loads, "y", (0.001, 0.01, 0.1, 1, 10))
     loads.set(ylabel=r"load $\varphi = f/(E^*\Delta R)$ (-)", ylim=(PHI[0], PHI[-1]))
-    _signed_axis(plane, "y", 0.25)
-    plane.set(ylabel=r"Dundurs' $\beta$ (-)", ylim=(-0.5, 0.5))
+    plane.set(ylabel=r"Dundurs' $\beta$ (-)")
     panel_title(loads, 0, rf"$\nu$ = {NU:g} for both")
     panel_title(plane, 1, rf"any pair, $\varphi$ = {PLANE_PHI:g}")
     add_scale(figure, list(panels), "error of the penetration with $E^*$ alone (%)")
     of_loads = draw_contours(loads, *_grid(table, LOADS, "phi", (COUNT, PHI.size)))
     of_plane = draw_contours(plane, *_grid(table, PLANE, "beta", (BETAS.size, COUNT)))
-    plane.plot([-1, -1, 1, 1, -1], [0, -0.5, 0, 0.5, 0], "-", color="black", lw=0.8, marker="")
     points = named.drop_duplicates("pair")
     _number_points(plane, points)
     figure.draw_without_rendering()
@@ -144,14 +150,6 @@ def _grid(
         rows[name].to_numpy().reshape(shape) for name in ("alpha", upwards, "error_percent")
     )
     return alpha, other, error
-
-
-def _signed_axis(axes: Axes, which: str, step: float) -> None:
-    """Put signed numbers on a linear axis."""
-    axis = axes.xaxis if which == "x" else axes.yaxis
-    axis.set_major_locator(FixedLocator(list(np.arange(-2, 3) * step)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: signed(value)))
-    axis.set_minor_locator(AutoMinorLocator(5))
 
 
 def _number_points(axes: Axes, points: pd.DataFrame) -> None:

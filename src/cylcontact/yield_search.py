@@ -1,4 +1,4 @@
-"""Where a contact first yields, and at which load.
+"""The search for first yield: its load, the body and the depth.
 
 With T = σ_Y·R/(E*·ΔR) and φ = f/(E*·ΔR) the condition is φ·m = T, where m is the largest equivalent
 stress in a body in units of f/R. It depends on the contact arc, β, κ and ν alone. `limits` holds

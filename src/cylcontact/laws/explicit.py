@@ -15,8 +15,9 @@ constants are calibrated by this package: for internal contact to Persson's solu
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -34,6 +35,7 @@ __all__ = [
     "DEFINITION",
     "Explicit",
     "ExplicitCoefficients",
+    "depth_under",
     "explicit_penetration",
     "is_defined",
 ]
@@ -137,10 +139,7 @@ class Explicit(Unlimited):
         dR, f = as_floats(pair.dR), as_floats(load)
         positive = f > 0
         phi = np.where(positive, f, 1.0) / (pair.E_star * dR)
-        d = _start(phi)
-        for _ in range(_NEWTON_STEPS):
-            L, slope = self._logarithms(d, pair.contact)
-            d = d * np.exp(-np.log(np.pi * d / (L * phi)) / (1 - slope / L))
+        d = depth_under(phi, _start(phi), partial(self._logarithms, contact=pair.contact))
         return inside_or_nan(np.where(positive, d * dR, 0.0), f >= 0)
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
@@ -211,6 +210,22 @@ def explicit_penetration(load: ArrayLike, pair: CylinderPair) -> FloatArray:
 def _start(phi: FloatArray) -> FloatArray:
     """Return δ/ΔR from φ by the explicit formula for the penetration."""
     return as_floats(phi / np.pi * (1.4232 + np.log1p(1.0942 / phi)))
+
+
+def depth_under(
+    phi: FloatArray,
+    d: FloatArray,
+    logarithms: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
+    steps: int = _NEWTON_STEPS,
+) -> FloatArray:
+    """Return δ/ΔR under the load φ > 0 of a law φ = π·d/L(d), from a start.
+
+    A fixed number of Newton steps on ln φ over ln d; `logarithms` returns L and dL/d(ln d).
+    """
+    for _ in range(steps):
+        L, slope = logarithms(d)
+        d = as_floats(d * np.exp(-np.log(np.pi * d / (L * phi)) / (1 - slope / L)))
+    return d
 
 
 _STEPS = """

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -28,6 +29,7 @@ from cylcontact.html_repr import completed_law_html
 from cylcontact.laws.conformal import in_units_of
 from cylcontact.laws.contact_law import ContactLaw, Unlimited, depth_of, require_hole
 from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
+from cylcontact.laws.explicit import depth_under
 from cylcontact.laws.formula import Formula, function_name, needed
 from cylcontact.laws.parametric import CALIBRATED as PARAMETRIC
 from cylcontact.laws.parametric import CONDITIONS, LAST_STEPS, NAMED, Curve
@@ -190,10 +192,8 @@ class ExplicitPair(Unlimited):
         some = phi > 0
         phi = np.where(some, phi, 1.0)
         numbers = self.numbers(pair)
-        d = as_floats(phi / np.pi * (numbers.c + np.log1p(1.1 / phi)))
-        for _ in range(_NEWTON_STEPS):
-            L, slope = _logarithms(d, numbers)
-            d = d * np.exp(-np.log(np.pi * d / (L * phi)) / (1 - slope / L))
+        start = as_floats(phi / np.pi * (numbers.c + np.log1p(1.1 / phi)))
+        d = depth_under(phi, start, partial(_logarithms, numbers=numbers), _NEWTON_STEPS)
         return inside_or_nan(np.where(some, d * dR, 0.0), touching)
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
