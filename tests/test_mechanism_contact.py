@@ -73,7 +73,7 @@ def test_the_pair_of_forces_balances_and_dissipates(bearing):
         q[3 * j] += here[2] - there[2] - gap.real
         q[3 * j + 1] += here[3] - there[3] - gap.imag
         force = np.zeros(9)
-        normal_power, friction_power = augmented.contact_on_bodies(q, v, force, p)
+        normal_power, friction_power, _, _ = augmented.contact_on_bodies(q, v, force, p)
         f_i, f_j = force[3 * i : 3 * i + 3], force[3 * j : 3 * j + 3]
         # Newton's third law, and no net moment about the origin.
         assert f_i[:2] == pytest.approx(-f_j[:2], abs=1e-9)

@@ -44,6 +44,7 @@ __all__ = [
     "IMPACT_RATE_FLOOR",
     "HysteresisFactor",
     "achieved_restitution",
+    "bounded_ratio",
     "dissipative_load",
     "exact_factor",
     "flores",
@@ -74,7 +75,7 @@ def dissipative_load(
     chi: ArrayLike,
     floor: float = IMPACT_RATE_FLOOR,
 ) -> FloatArray:
-    """Return F = F_el·(1 + χ·δ̇/δ̇⁽⁻⁾), never negative (Eqs 2, 3 and 5).
+    """Return F = F_el·(1 + χ·s(δ̇/δ̇⁽⁻⁾)), never negative (Eqs 2, 3 and 5 with bounded damping).
 
     Parameters
     ----------
@@ -101,10 +102,13 @@ def dissipative_load(
 
     Notes
     -----
-    For bodies that touch at rest and are then pressed together the damping would be unbounded,
-    because δ̇/δ̇⁽⁻⁾ grows without limit as δ̇⁽⁻⁾ → 0. With δ̇⁽⁻⁾ replaced by max(δ̇⁽⁻⁾, floor),
-    an impact slower than the floor has the factor χ·δ̇⁽⁻⁾/floor instead of χ. It dissipates
-    less, and e → 1 as the impact gets slower, as for real bodies.
+    s is `bounded_ratio`, the identity up to |δ̇| = δ̇⁽⁻⁾. An isolated impact never exceeds that,
+    but a contact that starts slowly and is then pressed together does, and without a bound its
+    damping would be many times the elastic load.
+
+    With δ̇⁽⁻⁾ replaced by max(δ̇⁽⁻⁾, floor), an impact slower than the floor has the factor
+    χ·δ̇⁽⁻⁾/floor instead of χ. It dissipates less, and e → 1 as the impact gets slower, as for
+    real bodies.
 
     The load is clipped at zero, because contact does not pull. Clipping does not occur in an
     isolated impact, but can occur when other forces pull the bodies apart.
@@ -124,7 +128,41 @@ def dissipative_load(
         "give the slowest impact rate that counts, in mm/s",
     )
     ratio = as_floats(penetration_rate) / np.maximum(as_floats(impact_rate), floor)
-    return as_floats(np.maximum(as_floats(elastic_load) * (1 + factor * ratio), 0.0))
+    damping = factor * bounded_ratio(ratio)
+    return as_floats(np.maximum(as_floats(elastic_load) * (1 + damping), 0.0))
+
+
+def bounded_ratio(ratio: ArrayLike) -> FloatArray:
+    """Return s(u), the velocity ratio u = δ̇/δ̇⁽⁻⁾ bounded by ±2.
+
+    s(u) = u for |u| ≤ 1, and sgn(u)·(1 + v/√(1 + v²)) with v = |u| − 1 beyond.
+
+    Parameters
+    ----------
+    ratio : array_like
+        u; 1 at first touch, and never beyond ±1 in an isolated impact.
+
+    Returns
+    -------
+    array of float
+        s, twice continuously differentiable, of the shape of `ratio`.
+
+    Notes
+    -----
+    The bound is ours, not the paper's: no dissipation model of the kind says what happens when a
+    contact becomes faster than its first touch. With s the damping never exceeds 2χ times the
+    elastic load. The restitution of every isolated impact stays as it is.
+
+    Examples
+    --------
+    >>> print(bounded_ratio([-0.5, 1.0, 2.0, 1000.0]).round(6))
+    [-0.5       1.        1.707107  2.      ]
+    """
+    u = as_floats(ratio)
+    beyond = np.maximum(np.abs(u) - 1, 0.0)
+    # v/√(1 + v²) without overflow.
+    bent = np.copysign(1 + beyond / np.hypot(1.0, beyond), u)
+    return as_floats(np.where(np.abs(u) <= 1, u, bent))
 
 
 def achieved_restitution(chi: ArrayLike) -> FloatArray:

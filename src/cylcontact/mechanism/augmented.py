@@ -7,8 +7,7 @@ With a diagonal mass matrix the accelerations follow from the multipliers,
 and Baumgarte's stabilisation replaces γ by γ* = γ − 2α·dΦ/dt − β²·Φ. The matrix on the left is
 symmetric and positive definite unless constraints are redundant, and is factored by Cholesky.
 
-The state is q, q̇ and three energies: work of the drive, normal dissipation and friction
-dissipation.
+The state is q, q̇ and the ledgers.
 """
 
 from __future__ import annotations
@@ -107,25 +106,30 @@ def contact_on_bodies(
     v: NDArray[np.float64],
     force: NDArray[np.float64],
     p: NDArray[np.float64],
-) -> tuple[float, float]:
-    """Add the contact forces of Eq 13 to `force`; return the powers that they dissipate in W."""
+) -> tuple[float, float, float, float]:
+    """Add the contact forces of Eq 13 to `force`; return the rates of the ledgers.
+
+    These are the powers that the normal and the friction force dissipate in W, the penetration
+    in m and the normal force in N.
+    """
     m = p[int(p[contact.MODEL_START]) :]
     i, j = int(m[BODY_I]), int(m[BODY_J])
     ai_x, ai_y, i_x, i_y, vi_x, vi_y, spin_i = constraints.point(q, v, i, m[I_X], m[I_Y])
     aj_x, aj_y, j_x, j_y, vj_x, vj_y, spin_j = constraints.point(q, v, j, m[J_X], m[J_Y])
-    f_x, f_y, moment_i, moment_j, _, normal_power, friction_power = contact.contact_force(
-        (i_x - j_x, i_y - j_y), (vi_x - vj_x, vi_y - vj_y), spin_i, spin_j, p
+    e = (i_x - j_x, i_y - j_y)
+    f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power = contact.contact_force(
+        e, (vi_x - vj_x, vi_y - vj_y), spin_i, spin_j, p
     )
     _apply(force, i, f_x, f_y, ai_x * f_y - ai_y * f_x + moment_i)
     _apply(force, j, -f_x, -f_y, -(aj_x * f_y - aj_y * f_x) + moment_j)
-    return normal_power, friction_power
+    return normal_power, friction_power, math.hypot(e[0], e[1]) - p[contact.CLEARANCE], normal
 
 
 @compiled
 def derivatives(
     t: float, y: NDArray[np.float64], out: NDArray[np.float64], p: NDArray[np.float64]
 ) -> None:
-    """Write dy/dt to `out`: velocities, accelerations and the three powers."""
+    """Write dy/dt to `out`: velocities, accelerations and the rates of the ledgers."""
     m = p[int(p[contact.MODEL_START]) :]
     size, joints, rows = 3 * int(m[BODIES]), int(m[JOINTS]), int(m[ROWS])
     q, v = y[:size], y[size : 2 * size]
@@ -138,9 +142,9 @@ def derivatives(
         force[k], force[k + 1], force[k + 2] = (
             mass[k] * m[GRAVITY_X], mass[k] * m[GRAVITY_Y], 0.0,
         )  # fmt: skip
-    normal_power, friction_power = 0.0, 0.0
+    rates = (0.0, 0.0, 0.0, 0.0)
     if p[contact.MODE] == contact.CONTACT:
-        normal_power, friction_power = contact_on_bodies(q, v, force, p)
+        rates = contact_on_bodies(q, v, force, p)
 
     work = np.empty((3, rows))
     value, rate, lam = work[0], work[1], work[2]
@@ -166,7 +170,8 @@ def derivatives(
             total -= jacobian[r, k] * lam[r]
         out[k] = v[k]
         out[size + k] = total / mass[k]
-    out[2 * size], out[2 * size + 1], out[2 * size + 2] = 0.0, normal_power, friction_power
+    power, lost, penetration, normal = rates
+    out[2 * size :] = np.array((0.0, power, lost, penetration, normal))
     if m[DRIVER_ROW] < 0:
         return
     i, j = int(m[DRIVER_I]), int(m[DRIVER_J])

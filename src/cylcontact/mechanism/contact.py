@@ -54,6 +54,7 @@ __all__ = [
     "STOP_PENETRATION",
     "V0",
     "V1",
+    "bounded_ratio",
     "contact_force",
     "elastic_force",
     "friction_force",
@@ -88,6 +89,15 @@ def elastic_force(penetration: float, p: NDArray[np.float64]) -> float:
         parameters = p[start : start + int(p[KERNEL_SIZE])]
         load = kernel_load(int(p[KERNEL]), parameters, delta)
     return float(load * p[LENGTH])
+
+
+@compiled
+def bounded_ratio(ratio: float) -> float:
+    """Return `dissipation.bounded_ratio` of one number."""
+    v = abs(ratio) - 1.0
+    if v <= 0.0:
+        return ratio
+    return math.copysign(1.0 + v / math.hypot(1.0, v), ratio)
 
 
 @compiled
@@ -136,7 +146,8 @@ def contact_force(
     v_t = e_dot[0] * n_y - e_dot[1] * n_x + omega_i * arm_i - omega_j * arm_j
 
     elastic = elastic_force(delta, p)
-    normal = max(elastic * (1.0 + p[CHI] * rate / p[IMPACT_RATE]), 0.0)
+    damping = p[CHI] * bounded_ratio(rate / p[IMPACT_RATE])
+    normal = max(elastic * (1.0 + damping), 0.0)
     tangential = friction_force(normal, v_t, p)
     force_x = -normal * n_x + tangential * n_y
     force_y = -normal * n_y - tangential * n_x

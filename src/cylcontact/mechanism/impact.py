@@ -15,7 +15,7 @@ from cylcontact.laws import ContactLaw
 from cylcontact.laws.kernels import kernel
 from cylcontact.mechanism import augmented, contact, derived
 from cylcontact.mechanism.loop import Run, advance
-from cylcontact.mechanism.step_history import StepHistory
+from cylcontact.mechanism.step_history import LEDGERS, StepHistory
 from cylcontact.mechanism.system import System, law_block
 from cylcontact.pair import CylinderPair
 
@@ -97,7 +97,7 @@ def isolated_impact(
     numbers = np.zeros(augmented.MODEL_HEADER)
     numbers[augmented.BODIES], numbers[augmented.DRIVER_ROW] = 1, -1
     numbers[augmented.BODY_I] = -1
-    start = np.zeros(9)
+    start = np.zeros(6 + len(LEDGERS))
     start[3] = speed
     p = law_block(
         kernel(law, pair), np.concatenate((numbers, [mass, mass, mass])), start.size, "stop"
@@ -106,7 +106,8 @@ def isolated_impact(
     p[contact.CLEARANCE] = float(radii[0] - radii[1]) * 1e-3
     p[contact.R_BEARING], p[contact.R_JOURNAL] = radii[0] * 1e-3, radii[1] * 1e-3
     p[contact.LENGTH] = pair.contact_length("an impact")
-    scale = np.array([p[contact.CLEARANCE]] * 3 + [speed] * 3 + [mass * speed**2] * 3)
+    c, energy = p[contact.CLEARANCE], mass * speed**2
+    scale = np.array([c] * 3 + [speed] * 3 + [energy] * 3 + [c * c / speed, mass * speed])
     system = System(augmented, p, start, scale, True, "isolated_impact", law.name)
     flight = p[contact.CLEARANCE] / speed
     rows, _ = advance(Run.start(system, tolerance, flight), _CROSSINGS * flight)
@@ -123,9 +124,10 @@ def _impact(rows: StepHistory, clearance: float) -> Impact:
             "give a faster or lighter journal",
         )  # fmt: skip
     first, last = int(begins[0]), int(ends[0])
+    lost = values[:, LEDGERS["normal_dissipation"]]
     return Impact(
         restitution=float(-values[last, 3] / values[first, 3]),
         duration=float(time[last] - time[first]),
         max_penetration=float(np.hypot(*values[first : last + 1, :2].T).max() - clearance),
-        dissipated=float(values[last, 7] - values[first, 7]),
+        dissipated=float(lost[last] - lost[first]),
     )

@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 from cylcontact.mechanism import contact
 from cylcontact.mechanism.cvode import RHS_SIGNATURE, ROOTS_SIGNATURE, block, values
 from cylcontact.mechanism.events import EVENTS, fill_roots
+from cylcontact.mechanism.step_history import LEDGERS
 from cylcontact.numba_cache import callback, compiled
 
 __all__ = [
@@ -69,7 +70,7 @@ ROD_MASS, SLIDER_MASS, OMEGA, ANGLE, SIDE, GRAVITY_X, GRAVITY_Y = 6, 7, 8, 9, 10
 CRANK_A, CRANK_B, CRANK_MASS = 13, 14, 15
 MODEL_SIZE = 16
 
-STATES = 7  # E_x, E_y, their rates, work of the drive, normal and friction dissipation
+STATES = 4 + len(LEDGERS)  # E_x, E_y, their rates and the ledgers
 
 
 @compiled
@@ -114,7 +115,7 @@ def ideal_reaction(t: float, y: NDArray[np.float64], m: NDArray[np.float64]) -> 
 def derivatives(
     t: float, y: NDArray[np.float64], out: NDArray[np.float64], p: NDArray[np.float64]
 ) -> None:
-    """Write dy/dt, seven numbers, to `out`."""
+    """Write dy/dt to `out`."""
     start = int(p[contact.MODEL_START])
     m = p[start : start + MODEL_SIZE]
     A_x, A_y, _, _, sine, cosine, spin = _rod_motion(t, y, m)
@@ -123,16 +124,18 @@ def derivatives(
 
     # Force on the slider, f, and moment on the rod about its end P.
     f_x, f_y, moment, normal_power, friction_power = 0.0, 0.0, 0.0, 0.0, 0.0
+    penetration, normal = 0.0, 0.0
     if np.isinf(p[contact.CLEARANCE]):
         f_x, f_y = ideal_reaction(t, y, m)
     elif p[contact.MODE] == contact.CONTACT:
         side = m[SIDE]
         e, e_dot = (side * y[0], side * y[1]), (side * y[2], side * y[3])
         spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
-        f_x, f_y, moment_i, moment_j, _, normal_power, friction_power = contact.contact_force(
+        f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power = contact.contact_force(
             e, e_dot, spin_i, spin_j, p
         )
         f_x, f_y = side * f_x, side * f_y
+        penetration = math.hypot(y[0], y[1]) - p[contact.CLEARANCE]
         moment = moment_j if side > 0 else moment_i
 
     # The rod about A, in the accelerating frame; gravity on the rod reduces Ä.
@@ -158,7 +161,7 @@ def derivatives(
     c_y = m[CRANK_A] * math.sin(theta) + m[CRANK_B] * math.cos(theta)
     weight = m[CRANK_MASS] * (c_x * m[GRAVITY_Y] - c_y * m[GRAVITY_X])
     out[4] = omega * (A_x * reaction_y - A_y * reaction_x - weight)
-    out[5], out[6] = normal_power, friction_power
+    out[5], out[6], out[7], out[8] = normal_power, friction_power, penetration, normal
 
 
 @callback(RHS_SIGNATURE)

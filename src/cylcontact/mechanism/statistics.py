@@ -10,7 +10,7 @@ import numpy as np
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.errors import InputError
 from cylcontact.mechanism.derived import changes
-from cylcontact.mechanism.step_history import StepHistory
+from cylcontact.mechanism.step_history import LEDGERS, StepHistory
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["Statistics", "statistics"]
 
 _PERCENTILES = (50, 95, 99)
-# The last states of every model, see `StepHistory`.
-_LEDGERS = {"drive_work_J": -3, "normal_dissipation_J": -2, "friction_dissipation_J": -1}
+_ENERGIES = ("drive_work", "normal_dissipation", "friction_dissipation")
 
 
 @dataclass(frozen=True)
@@ -124,9 +123,9 @@ def _one_revolution(
     }
     for percent, value in zip(_PERCENTILES, _percentiles(dt, force, inside), strict=True):
         numbers[f"force_p{percent}_N"] = value
-    for name, state in _LEDGERS.items():
-        ledger = rows.values[span, state]
-        numbers[name] = float(ledger[-1] - ledger[0])
+    for name in _ENERGIES:
+        ledger = rows.values[span, LEDGERS[name]]
+        numbers[f"{name}_J"] = float(ledger[-1] - ledger[0])
     return numbers
 
 

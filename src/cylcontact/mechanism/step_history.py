@@ -10,7 +10,17 @@ from numpy.typing import NDArray
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.choices import Beyond, Method
 
-__all__ = ["Settings", "State", "StepHistory", "concatenate"]
+__all__ = ["LEDGERS", "Settings", "State", "StepHistory", "concatenate"]
+
+# The last states of every model: energies in J, and the integrals over the time in contact of the
+# penetration in m s and of the normal force in N s.
+LEDGERS = {
+    "drive_work": -5,
+    "normal_dissipation": -4,
+    "friction_dissipation": -3,
+    "penetration_integral": -2,
+    "impulse": -1,
+}
 
 
 @dataclass(frozen=True)
@@ -43,8 +53,7 @@ class StepHistory:
     time : array of float, shape (n,)
         In s.
     values : array of float, shape (n, states)
-        The states of the model in SI units; the last three are the work of the drive, the normal
-        and the friction dissipation in J.
+        The states of the model in SI units; the last ones are the `LEDGERS`.
     in_contact : array of bool, shape (n,)
     impact_rate : array of float, shape (n,)
         δ̇⁽⁻⁾ of the current contact in m/s; 0 out of contact.

@@ -15,6 +15,7 @@ from cylcontact.mechanism.assembly import assemble, joint_table
 from cylcontact.mechanism.cvode import library
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import masses, recognise
+from cylcontact.mechanism.step_history import LEDGERS
 
 __all__ = ["TANGENT_FROM", "System", "build", "law_block"]
 
@@ -23,8 +24,9 @@ __all__ = ["TANGENT_FROM", "System", "build", "law_block"]
 TANGENT_FROM = 0.9
 
 # Scales of the absolute tolerances in m, m/s and J: states of the size of the clearance, speeds of
-# some metres per second and energies of some joules.
-_LENGTH_SCALE, _SPEED_SCALE, _ENERGY_SCALE = 1e-4, 1.0, 1e2
+# some metres per second, and the ledgers.
+_LENGTH_SCALE, _SPEED_SCALE = 1e-4, 1.0
+_LEDGER_SCALES = (1e2, 1e2, 1e2, 1e-3, 1e3)
 
 
 @dataclass(frozen=True)
@@ -85,11 +87,14 @@ def build(
     model: ModuleType
     if method == "minimal":
         numbers, start = _minimal_numbers(mechanism), np.zeros(minimal.STATES)
-        scale = [_LENGTH_SCALE] * 2 + [_SPEED_SCALE] * 2 + [_ENERGY_SCALE] * 3
+        scale = [_LENGTH_SCALE] * 2 + [_SPEED_SCALE] * 2 + list(_LEDGER_SCALES)
         model = minimal
     else:
-        numbers, start = _augmented_numbers(mechanism), np.concatenate((q, v, np.zeros(3)))
-        scale = [_LENGTH_SCALE] * q.size + [_SPEED_SCALE] * v.size + [_ENERGY_SCALE] * 3
+        numbers, start = (
+            _augmented_numbers(mechanism),
+            np.concatenate((q, v, np.zeros(len(LEDGERS)))),
+        )
+        scale = [_LENGTH_SCALE] * q.size + [_SPEED_SCALE] * v.size + list(_LEDGER_SCALES)
         model = augmented
     block = _block(mechanism, numbers, start.size, beyond)
     block[contact.ALLOWED_PENETRATION] = allowed_penetration or 0.0

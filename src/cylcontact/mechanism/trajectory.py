@@ -20,7 +20,7 @@ from cylcontact.mechanism import contact, derived
 from cylcontact.mechanism.model import Mechanism, mechanism_from
 from cylcontact.mechanism.slider_crank import motion, recognise
 from cylcontact.mechanism.statistics import Statistics, statistics
-from cylcontact.mechanism.step_history import Settings, State, StepHistory
+from cylcontact.mechanism.step_history import LEDGERS, Settings, State, StepHistory
 from cylcontact.mechanism.system import build
 from cylcontact.provenance import made_with
 
@@ -205,17 +205,17 @@ class Trajectory:
     @property
     def drive_work(self) -> FloatArray:
         """Work of the drive since the start in J, shape (n,)."""
-        return self.rows.values[:, -3]
+        return self.rows.values[:, LEDGERS["drive_work"]]
 
     @property
     def normal_dissipation(self) -> FloatArray:
         """Energy dissipated by the normal force since the start in J, shape (n,)."""
-        return self.rows.values[:, -2]
+        return self.rows.values[:, LEDGERS["normal_dissipation"]]
 
     @property
     def friction_dissipation(self) -> FloatArray:
         """Energy dissipated by friction since the start in J, shape (n,)."""
-        return self.rows.values[:, -1]
+        return self.rows.values[:, LEDGERS["friction_dissipation"]]
 
     @cached_property
     def kinetic_energy(self) -> FloatArray:
