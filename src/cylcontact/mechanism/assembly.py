@@ -36,7 +36,7 @@ _KINDS = {
 
 
 def joint_table(joints: tuple[Joint, ...]) -> FloatArray:
-    """Return joints as the table that `constraints.evaluate` takes, shape (joints, 9)."""
+    """Return joints as the table that `constraints.evaluate` takes, shape (joints, 11)."""
     rows = []
     for joint in joints:
         last = {
@@ -44,7 +44,10 @@ def joint_table(joints: tuple[Joint, ...]) -> FloatArray:
             "prismatic": (joint.direction, joint.angle),
             "driver": (joint.angle, joint.speed),
         }[joint.kind]
-        rows.append((_KINDS[joint.kind], joint.i, joint.j, *joint.point_i, *joint.point_j, *last))
+        axis = math.cos(last[0]), math.sin(last[0])
+        rows.append(
+            (_KINDS[joint.kind], joint.i, joint.j, *joint.point_i, *joint.point_j, *last, *axis)
+        )
     return np.array(rows, dtype=np.float64)
 
 
@@ -54,8 +57,9 @@ def evaluate(
     """Return Φ, dΦ/dt, Φ_q and γ of the joints in a table."""
     rows = sum(constraints.CONSTRAINTS[kind] for kind in table[:, 0])
     value, rate, gamma = np.zeros(rows), np.zeros(rows), np.zeros(rows)
-    jacobian = np.zeros((rows, q.size))
-    constraints.evaluate(t, q, v, table, value, rate, jacobian, gamma)
+    jacobian, turns = np.zeros((rows, q.size)), np.empty((q.size // 3, 2))
+    constraints.turn(q, turns)
+    constraints.evaluate(t, q, v, turns, table, value, rate, jacobian, gamma)
     return value, rate, jacobian, gamma
 
 

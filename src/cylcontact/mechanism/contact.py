@@ -29,6 +29,8 @@ from cylcontact.numba_cache import compiled
 
 __all__ = [
     "ALLOWED_PENETRATION",
+    "ANY",
+    "BRANCH",
     "CHI",
     "CLEARANCE",
     "CONTACT",
@@ -42,35 +44,49 @@ __all__ = [
     "LAST_LOAD",
     "LAST_PENETRATION",
     "LAST_SLOPE",
-    "LAYOUT",
+    "LAW",
     "LENGTH",
+    "LINE",
     "MODE",
     "MODEL_START",
     "RATE_FLOOR",
+    "REGIME",
     "R_BEARING",
     "R_JOURNAL",
-    "SIZE",
-    "STATES",
     "STOP_PENETRATION",
     "V0",
     "V1",
     "bounded_ratio",
     "contact_force",
     "elastic_force",
+    "forces",
     "friction_force",
+    "law_of",
 ]
 
-# Positions in the parameter block of a compiled right-hand side. The block is one array of floats,
-# because CVODE passes a single pointer to a compiled callback.
-SIZE, LAYOUT, STATES, MODE, IMPACT_RATE = 0, 1, 2, 3, 4
-CHI, FRICTION, V0, V1 = 5, 6, 7, 8
-CLEARANCE, R_BEARING, R_JOURNAL, LENGTH = 9, 10, 11, 12
-LAST_PENETRATION, LAST_LOAD, LAST_SLOPE, STOP_PENETRATION = 13, 14, 15, 16
-KERNEL, KERNEL_START, KERNEL_SIZE, MODEL_START = 17, 18, 19, 20
-ALLOWED_PENETRATION, RATE_FLOOR = 21, 22
-HEADER = 23
+# Positions in the parameter block of a compiled model: this header, the numbers of the law and
+# those of the model.
+MODE, IMPACT_RATE, BRANCH, REGIME = 0, 1, 2, 3
+CHI, FRICTION, V0, V1 = 4, 5, 6, 7
+CLEARANCE, R_BEARING, R_JOURNAL, LENGTH = 8, 9, 10, 11
+LAST_PENETRATION, LAST_LOAD, LAST_SLOPE, STOP_PENETRATION = 12, 13, 14, 15
+KERNEL, KERNEL_START, KERNEL_SIZE, MODEL_START = 16, 17, 18, 19
+ALLOWED_PENETRATION, RATE_FLOOR = 20, 21
+HEADER = 22
 
 FREE, CONTACT = 0.0, 1.0
+# The force is smooth in pieces. An integrator holds a piece through a step, beyond its ends if need
+# be, and changes it at events. Branches of friction: slip (±2), ramp (±1), none (0). Regimes of the
+# load: the law, or the straight line that continues it. ANY chooses by the state.
+LAW, LINE = 0.0, 1.0
+ANY = 9.0
+
+
+@compiled
+def law_of(p: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the numbers of the law in a parameter block."""
+    start = int(p[KERNEL_START])
+    return p[start : start + int(p[KERNEL_SIZE])]
 
 
 @compiled
@@ -79,15 +95,18 @@ def elastic_force(penetration: float, p: NDArray[np.float64]) -> float:
 
     Beyond `LAST_PENETRATION` (in mm) the load continues along a straight line.
     """
+    return _elastic(penetration, p, law_of(p))
+
+
+@compiled
+def _elastic(penetration: float, p: NDArray[np.float64], law: NDArray[np.float64]) -> float:
     delta = penetration * 1e3
     if delta <= 0.0:
         return 0.0
-    if delta > p[LAST_PENETRATION]:
+    if p[REGIME] == LINE or (p[REGIME] == ANY and delta > p[LAST_PENETRATION]):
         load = p[LAST_LOAD] + p[LAST_SLOPE] * (delta - p[LAST_PENETRATION])
     else:
-        start = int(p[KERNEL_START])
-        parameters = p[start : start + int(p[KERNEL_SIZE])]
-        load = kernel_load(int(p[KERNEL]), parameters, delta)
+        load = kernel_load(int(p[KERNEL]), law, delta)
     return float(load * p[LENGTH])
 
 
@@ -103,8 +122,15 @@ def bounded_ratio(ratio: float) -> float:
 @compiled
 def friction_force(normal: float, v_t: float, p: NDArray[np.float64]) -> float:
     """Return f_t = −c_f·c_d·f_n·sgn(v_t) in N (Eqs 14–15), v_t in m/s."""
-    c_d = min(max((abs(v_t) - p[V0]) / (p[V1] - p[V0]), 0.0), 1.0)
-    return float(-p[FRICTION] * c_d * normal * np.sign(v_t))
+    branch = p[BRANCH]
+    if branch == ANY:
+        correction = min(max((abs(v_t) - p[V0]) / (p[V1] - p[V0]), 0.0), 1.0)
+        correction = math.copysign(correction, v_t)
+    elif abs(branch) == 1.0:
+        correction = (v_t - branch * p[V0]) / (p[V1] - p[V0])
+    else:
+        correction = 0.5 * branch
+    return float(-p[FRICTION] * correction * normal)
 
 
 @compiled
@@ -115,16 +141,33 @@ def contact_force(
     omega_j: float,
     p: NDArray[np.float64],
 ) -> tuple[float, float, float, float, float, float, float]:
+    """Return the contact of a pair in contact mode: all but the last of `forces`."""
+    return forces(e[0], e[1], e_dot[0], e_dot[1], omega_i, omega_j, p, law_of(p))[:7]
+
+
+@compiled
+def forces(
+    e_x: float,
+    e_y: float,
+    u_x: float,
+    u_y: float,
+    omega_i: float,
+    omega_j: float,
+    p: NDArray[np.float64],
+    law: NDArray[np.float64],
+) -> tuple[float, float, float, float, float, float, float, float]:
     """Return the contact of a pair in contact mode.
 
     Parameters
     ----------
-    e, e_dot : pair of float
+    e_x, e_y, u_x, u_y : float
         Eccentricity in m and its rate in m/s.
     omega_i, omega_j : float
         Spins of the bodies with the bearing and with the journal, rad/s.
     p : array of float
         The parameter block.
+    law : array of float
+        The numbers of the law, `law_of(p)`.
 
     Returns
     -------
@@ -137,15 +180,17 @@ def contact_force(
         f_n in N.
     normal_power, friction_power : float
         Powers dissipated by the damping part of the normal force and by friction, in W.
+    penetration : float
+        δ in m.
     """
-    distance = math.hypot(e[0], e[1])
-    n_x, n_y = e[0] / distance, e[1] / distance
+    distance = math.sqrt(e_x * e_x + e_y * e_y)
+    n_x, n_y = e_x / distance, e_y / distance
     delta = distance - p[CLEARANCE]
-    rate = e_dot[0] * n_x + e_dot[1] * n_y
+    rate = u_x * n_x + u_y * n_y
     arm_i, arm_j = p[R_BEARING], p[R_JOURNAL] - delta
-    v_t = e_dot[0] * n_y - e_dot[1] * n_x + omega_i * arm_i - omega_j * arm_j
+    v_t = u_x * n_y - u_y * n_x + omega_i * arm_i - omega_j * arm_j
 
-    elastic = elastic_force(delta, p)
+    elastic = _elastic(delta, p, law)
     damping = p[CHI] * bounded_ratio(rate / p[IMPACT_RATE])
     normal = max(elastic * (1.0 + damping), 0.0)
     tangential = friction_force(normal, v_t, p)
@@ -153,12 +198,5 @@ def contact_force(
     force_y = -normal * n_y - tangential * n_x
     # (−a·n) × (f_t·t) = a·f_t, as n × t = −1.
     moment_i, moment_j = arm_i * tangential, -arm_j * tangential
-    return (
-        force_x,
-        force_y,
-        moment_i,
-        moment_j,
-        normal,
-        (normal - elastic) * rate,
-        -tangential * v_t,
-    )
+    normal_power, friction_power = (normal - elastic) * rate, -tangential * v_t
+    return force_x, force_y, moment_i, moment_j, normal, normal_power, friction_power, delta

@@ -100,9 +100,10 @@ def _drift(
 ) -> NDArray[np.float64]:
     out = np.zeros((time.size, 2))
     value, rate, gamma = np.zeros(rows), np.zeros(rows), np.zeros(rows)
-    jacobian = np.zeros((rows, q.shape[1]))
+    jacobian, turns = np.zeros((rows, q.shape[1])), np.empty((q.shape[1] // 3, 2))
     for k in range(time.size):
-        constraints.evaluate(time[k], q[k], v[k], table, value, rate, jacobian, gamma)
+        constraints.turn(q[k], turns)
+        constraints.evaluate(time[k], q[k], v[k], turns, table, value, rate, jacobian, gamma)
         out[k, 0], out[k, 1] = np.abs(value).max(), np.abs(rate).max()
     return out
 

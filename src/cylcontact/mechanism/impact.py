@@ -13,7 +13,7 @@ import numpy as np
 from cylcontact.errors import InputError
 from cylcontact.laws import ContactLaw
 from cylcontact.laws.kernels import kernel
-from cylcontact.mechanism import augmented, contact, derived
+from cylcontact.mechanism import augmented, contact, derived, dop853
 from cylcontact.mechanism.loop import Run, advance
 from cylcontact.mechanism.step_history import LEDGERS, StepHistory
 from cylcontact.mechanism.system import System, law_block
@@ -99,16 +99,13 @@ def isolated_impact(
     numbers[augmented.BODY_I] = -1
     start = np.zeros(6 + len(LEDGERS))
     start[3] = speed
-    p = law_block(
-        kernel(law, pair), np.concatenate((numbers, [mass, mass, mass])), start.size, "stop"
-    )
+    p = law_block(kernel(law, pair), np.concatenate((numbers, [mass, mass, mass])))
     p[contact.CHI], p[contact.V0], p[contact.V1] = chi, 0.0, 1.0
     p[contact.CLEARANCE] = float(radii[0] - radii[1]) * 1e-3
     p[contact.R_BEARING], p[contact.R_JOURNAL] = radii[0] * 1e-3, radii[1] * 1e-3
     p[contact.LENGTH] = pair.contact_length("an impact")
-    c, energy = p[contact.CLEARANCE], mass * speed**2
-    scale = np.array([c] * 3 + [speed] * 3 + [energy] * 3 + [c * c / speed, mass * speed])
-    system = System(augmented, p, start, scale, True, "isolated_impact", law.name)
+    scale = np.repeat([p[contact.CLEARANCE], speed], 3)
+    system = System(dop853.AUGMENTED, p, start, scale, True, "isolated_impact", law.name)
     flight = p[contact.CLEARANCE] / speed
     rows, _ = advance(Run.start(system, tolerance, flight), _CROSSINGS * flight)
     return _impact(rows, p[contact.CLEARANCE])

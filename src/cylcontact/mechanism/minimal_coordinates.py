@@ -26,17 +26,13 @@ crank's reaction about its pivot times ω.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
 from cylcontact.mechanism import contact
-from cylcontact.mechanism.cvode import RHS_SIGNATURE, ROOTS_SIGNATURE, block, values
-from cylcontact.mechanism.events import EVENTS, fill_roots
 from cylcontact.mechanism.step_history import LEDGERS
-from cylcontact.numba_cache import callback, compiled
+from cylcontact.numba_cache import compiled
 
 __all__ = [
     "ANGLE",
@@ -58,10 +54,8 @@ __all__ = [
     "SLIDER_MASS",
     "STATES",
     "derivatives",
-    "eccentricity",
     "ideal_reaction",
-    "rhs",
-    "roots",
+    "joint_motion",
 ]
 
 # Positions in the model's part of the parameter block.
@@ -74,35 +68,38 @@ STATES = 4 + len(LEDGERS)  # E_x, E_y, their rates and the ledgers
 
 
 @compiled
-def eccentricity(
-    t: float,  # noqa: ARG001 - for models whose joint moves with time
-    y: NDArray[np.float64],
-    p: NDArray[np.float64],
-) -> tuple[float, float, float, float]:
-    """Return e = r_i − r_j in m and its rate in m/s, in the frame of the slide."""
-    side = p[int(p[contact.MODEL_START]) + SIDE]
-    return side * y[0], side * y[1], side * y[2], side * y[3]
-
-
-@compiled
 def _rod_motion(
-    t: float, y: NDArray[np.float64], m: NDArray[np.float64]
-) -> tuple[float, float, float, float, float, float, float]:
-    """Return A and its velocity, and sin φ, cos φ and φ̇ of the rod."""
-    omega, theta = m[OMEGA], m[ANGLE] + m[OMEGA] * t
-    A_x, A_y = m[CRANK] * math.cos(theta), m[CRANK] * math.sin(theta)
-    sine = (m[OFFSET] - A_y - y[1]) / m[ROD]
+    c: float, s: float, y: NDArray[np.float64], m: NDArray[np.float64]
+) -> tuple[float, float, float]:
+    """Return sin φ, cos φ and φ̇ of the rod; c and s are those of the crank's angle."""
+    sine = (m[OFFSET] - m[CRANK] * s - y[1]) / m[ROD]
     cosine = math.sqrt(1.0 - sine * sine)
-    spin = -(omega * A_x + y[3]) / (m[ROD] * cosine)
-    return A_x, A_y, -omega * A_y, omega * A_x, sine, cosine, spin
+    spin = -(m[OMEGA] * m[CRANK] * c + y[3]) / (m[ROD] * cosine)
+    return sine, cosine, spin
 
 
 @compiled
-def ideal_reaction(t: float, y: NDArray[np.float64], m: NDArray[np.float64]) -> tuple[float, float]:
+def joint_motion(
+    c: float, s: float, y: NDArray[np.float64], m: NDArray[np.float64]
+) -> tuple[float, float, float, float, float, float]:
+    """Return e = r_i − r_j in m, its rate in m/s, and the spins of bearing and journal in rad/s.
+
+    In the frame of the slide; c and s are the cosine and sine of the crank's angle.
+    """
+    side = m[SIDE]
+    _, _, spin = _rod_motion(c, s, y, m)
+    spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
+    return side * y[0], side * y[1], side * y[2], side * y[3], spin_i, spin_j
+
+
+@compiled
+def ideal_reaction(
+    c: float, s: float, y: NDArray[np.float64], m: NDArray[np.float64]
+) -> tuple[float, float]:
     """Return the force in N on the slider that keeps E constant, the reaction of an ideal joint."""
-    A_x, A_y, _, _, sine, cosine, spin = _rod_motion(t, y, m)
+    sine, cosine, spin = _rod_motion(c, s, y, m)
     omega, length, square = m[OMEGA], m[ROD], spin * spin
-    a_x, a_y = -omega * omega * A_x, -omega * omega * A_y
+    a_x, a_y = -omega * omega * m[CRANK] * c, -omega * omega * m[CRANK] * s
     alpha = (length * sine * square - a_y) / (length * cosine)
     f_x = m[SLIDER_MASS] * (a_x - length * (sine * alpha + cosine * square) - m[GRAVITY_X])
     lean_x, lean_y = -m[ROD_A] * sine - m[ROD_B] * cosine, m[ROD_A] * cosine - m[ROD_B] * sine
@@ -113,30 +110,41 @@ def ideal_reaction(t: float, y: NDArray[np.float64], m: NDArray[np.float64]) -> 
 
 @compiled
 def derivatives(
-    t: float, y: NDArray[np.float64], out: NDArray[np.float64], p: NDArray[np.float64]
+    c: float,
+    s: float,
+    y: NDArray[np.float64],
+    k: NDArray[np.float64],
+    ledgers: NDArray[np.float64],
+    row: int,
+    p: NDArray[np.float64],
+    law: NDArray[np.float64],
+    m: NDArray[np.float64],
 ) -> None:
-    """Write dy/dt to `out`."""
-    start = int(p[contact.MODEL_START])
-    m = p[start : start + MODEL_SIZE]
-    A_x, A_y, _, _, sine, cosine, spin = _rod_motion(t, y, m)
+    """Write the rates of coordinates and ledgers to a row of `k` and `ledgers`.
+
+    c and s are the cosine and sine of the crank's angle; p, law and m are the parameter block and
+    its parts of the law and of the model.
+    """
+    sine, cosine, spin = _rod_motion(c, s, y, m)
     omega, length = m[OMEGA], m[ROD]
+    A_x, A_y = m[CRANK] * c, m[CRANK] * s
     a_x, a_y = -omega * omega * A_x, -omega * omega * A_y
 
     # Force on the slider, f, and moment on the rod about its end P.
-    f_x, f_y, moment, normal_power, friction_power = 0.0, 0.0, 0.0, 0.0, 0.0
-    penetration, normal = 0.0, 0.0
-    if np.isinf(p[contact.CLEARANCE]):
-        f_x, f_y = ideal_reaction(t, y, m)
-    elif p[contact.MODE] == contact.CONTACT:
+    f_x, f_y, moment = 0.0, 0.0, 0.0
+    ledgers[row, 1], ledgers[row, 2], ledgers[row, 3], ledgers[row, 4] = 0.0, 0.0, 0.0, 0.0
+    if p[contact.MODE] == contact.CONTACT:
         side = m[SIDE]
-        e, e_dot = (side * y[0], side * y[1]), (side * y[2], side * y[3])
         spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
-        f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power = contact.contact_force(
-            e, e_dot, spin_i, spin_j, p
+        f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power, delta = contact.forces(
+            side * y[0], side * y[1], side * y[2], side * y[3], spin_i, spin_j, p, law
         )
         f_x, f_y = side * f_x, side * f_y
-        penetration = math.hypot(y[0], y[1]) - p[contact.CLEARANCE]
         moment = moment_j if side > 0 else moment_i
+        ledgers[row, 1], ledgers[row, 2] = normal_power, friction_power
+        ledgers[row, 3], ledgers[row, 4] = delta, normal
+    elif p[contact.CLEARANCE] == math.inf:
+        f_x, f_y = ideal_reaction(c, s, y, m)
 
     # The rod about A, in the accelerating frame; gravity on the rod reduces Ä.
     a, b = m[ROD_A], m[ROD_B]
@@ -146,36 +154,16 @@ def derivatives(
     alpha = (turning - m[ROD_MASS] * inertial) / m[ROD_INERTIA]
     square = spin * spin
 
-    out[0], out[1] = y[2], y[3]
+    k[row, 0], k[row, 1] = y[2], y[3]
     slider = f_x / m[SLIDER_MASS] + m[GRAVITY_X]
-    out[2] = slider - a_x + length * (sine * alpha + cosine * square)
-    out[3] = -a_y - length * (cosine * alpha - sine * square)
+    k[row, 2] = slider - a_x + length * (sine * alpha + cosine * square)
+    k[row, 3] = -a_y - length * (cosine * alpha - sine * square)
 
     # The crank's reaction and the gravity on it, about the pivot.
     offset_x, offset_y = a * cosine - b * sine, a * sine + b * cosine
     G_x = a_x + lean_x * alpha - offset_x * square - m[GRAVITY_X]
     G_y = a_y + lean_y * alpha - offset_y * square - m[GRAVITY_Y]
     reaction_x, reaction_y = m[ROD_MASS] * G_x + f_x, m[ROD_MASS] * G_y + f_y
-    theta = m[ANGLE] + omega * t
-    c_x = m[CRANK_A] * math.cos(theta) - m[CRANK_B] * math.sin(theta)
-    c_y = m[CRANK_A] * math.sin(theta) + m[CRANK_B] * math.cos(theta)
+    c_x, c_y = m[CRANK_A] * c - m[CRANK_B] * s, m[CRANK_A] * s + m[CRANK_B] * c
     weight = m[CRANK_MASS] * (c_x * m[GRAVITY_Y] - c_y * m[GRAVITY_X])
-    out[4] = omega * (A_x * reaction_y - A_y * reaction_x - weight)
-    out[5], out[6], out[7], out[8] = normal_power, friction_power, penetration, normal
-
-
-@callback(RHS_SIGNATURE)
-def rhs(t: float, y: Any, out: Any, data: Any) -> int:
-    """CVODE's right-hand side."""
-    p = block(data)
-    derivatives(t, values(y, p), values(out, p), p)
-    return 0
-
-
-@callback(ROOTS_SIGNATURE)
-def roots(t: float, y: Any, out: Any, data: Any) -> int:
-    """CVODE's root functions."""
-    p = block(data)
-    e_x, e_y, u_x, u_y = eccentricity(t, values(y, p), p)
-    fill_roots(e_x, e_y, u_x, u_y, carray(out, (EVENTS,)), p)
-    return 0
+    ledgers[row, 0] = omega * (A_x * reaction_y - A_y * reaction_x - weight)

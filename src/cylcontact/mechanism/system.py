@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import ModuleType
 
 import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.laws.kernels import Kernel, kernel, kernel_load, kernel_stiffness
-from cylcontact.mechanism import augmented, constraints, contact
+from cylcontact.mechanism import augmented, constraints, contact, dop853
 from cylcontact.mechanism import minimal_coordinates as minimal
 from cylcontact.mechanism.assembly import assemble, joint_table
-from cylcontact.mechanism.cvode import library
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import masses, recognise
 from cylcontact.mechanism.step_history import LEDGERS
@@ -23,10 +21,9 @@ __all__ = ["TANGENT_FROM", "System", "build", "law_block"]
 # penetration. At the limit itself Johnson's law is infinitely stiff.
 TANGENT_FROM = 0.9
 
-# Scales of the absolute tolerances in m, m/s and J: states of the size of the clearance, speeds of
-# some metres per second, and the ledgers.
+# Scales of the absolute tolerances in m and m/s: lengths of the size of the clearance, speeds of
+# some metres per second.
 _LENGTH_SCALE, _SPEED_SCALE = 1e-4, 1.0
-_LEDGER_SCALES = (1e2, 1e2, 1e2, 1e-3, 1e3)
 
 
 @dataclass(frozen=True)
@@ -35,14 +32,14 @@ class System:
 
     Attributes
     ----------
-    model : module
-        `minimal_coordinates` or `augmented`.
+    model : int
+        `dop853.MINIMAL` or `dop853.AUGMENTED`.
     block : array of float
         The parameter block.
     start : array of float
         The state at t = 0.
     scale : array of float
-        The scale of the absolute tolerance of each state.
+        The scale of the absolute tolerance of each coordinate and rate.
     relative : bool
         Whether the tolerance is also relative to the state, which would be too coarse for
         absolute positions.
@@ -50,7 +47,7 @@ class System:
         Names of the mechanism and the law in errors.
     """
 
-    model: ModuleType
+    model: int
     block: FloatArray
     start: FloatArray
     scale: FloatArray
@@ -84,22 +81,20 @@ def build(
         If the mechanism cannot be assembled, or minimal coordinates do not apply to it.
     """
     q, v = assemble(mechanism)
-    model: ModuleType
     if method == "minimal":
         numbers, start = _minimal_numbers(mechanism), np.zeros(minimal.STATES)
-        scale = [_LENGTH_SCALE] * 2 + [_SPEED_SCALE] * 2 + list(_LEDGER_SCALES)
-        model = minimal
+        model = dop853.MINIMAL
     else:
         numbers, start = (
             _augmented_numbers(mechanism),
             np.concatenate((q, v, np.zeros(len(LEDGERS)))),
         )
-        scale = [_LENGTH_SCALE] * q.size + [_SPEED_SCALE] * v.size + list(_LEDGER_SCALES)
-        model = augmented
-    block = _block(mechanism, numbers, start.size, beyond)
+        model = dop853.AUGMENTED
+    scale = np.repeat([_LENGTH_SCALE, _SPEED_SCALE], (start.size - len(LEDGERS)) // 2)
+    block = _block(mechanism, numbers, beyond)
     block[contact.ALLOWED_PENETRATION] = allowed_penetration or 0.0
     law = str(mechanism.data["clearance"]["law"])
-    return System(model, block, start, np.array(scale), method == "minimal", mechanism.source, law)
+    return System(model, block, start, scale, method == "minimal", mechanism.source, law)
 
 
 def _joint_kernel(mechanism: Mechanism) -> Kernel | None:
@@ -108,10 +103,10 @@ def _joint_kernel(mechanism: Mechanism) -> Kernel | None:
     return None if joint.pair is None else kernel(joint.law, joint.pair)
 
 
-def _block(mechanism: Mechanism, numbers: FloatArray, states: int, beyond: str) -> FloatArray:
+def _block(mechanism: Mechanism, numbers: FloatArray, beyond: str) -> FloatArray:
     """Return the parameter block of a mechanism."""
     joint = mechanism.clearance
-    p = law_block(_joint_kernel(mechanism), numbers, states, beyond)
+    p = law_block(_joint_kernel(mechanism), numbers, beyond)
     p[contact.IMPACT_RATE] = p[contact.RATE_FLOOR] = joint.rate_floor
     p[contact.CHI], p[contact.FRICTION] = joint.chi, joint.friction
     p[contact.V0], p[contact.V1] = joint.v0, joint.v1
@@ -123,16 +118,14 @@ def _block(mechanism: Mechanism, numbers: FloatArray, states: int, beyond: str) 
     return p
 
 
-def law_block(
-    law: Kernel | None, numbers: FloatArray, states: int, beyond: str = "stop"
-) -> FloatArray:
+def law_block(law: Kernel | None, numbers: FloatArray, beyond: str = "stop") -> FloatArray:
     """Return a parameter block with the numbers of the law and of the model, otherwise zero.
 
     The block consists of the header, the numbers of the law and those of the model.
     """
     law_numbers = np.empty(0) if law is None else law.parameters
     p = np.concatenate((np.zeros(contact.HEADER), law_numbers, numbers))
-    p[contact.SIZE], p[contact.LAYOUT], p[contact.STATES] = p.size, library().data_words, states
+    p[contact.BRANCH] = p[contact.REGIME] = contact.ANY
     p[contact.KERNEL_START] = contact.HEADER
     p[contact.KERNEL_SIZE] = law_numbers.size
     p[contact.MODEL_START] = contact.HEADER + law_numbers.size
