@@ -56,18 +56,20 @@ MODEL_HEADER = 16
 def work_size(m: NDArray[np.float64]) -> int:
     """Return the size of the work array of `derivatives`."""
     size, rows = 3 * int(m[BODIES]), int(m[ROWS])
-    return size + 2 * rows * size + rows * rows + 3 * rows
+    return 2 * size // 3 + size + 2 * rows * size + rows * rows + 3 * rows
 
 
 @compiled
 def joint_motion(
-    y: NDArray[np.float64], turns: NDArray[np.float64], m: NDArray[np.float64]
+    y: NDArray[np.float64], m: NDArray[np.float64], work: NDArray[np.float64]
 ) -> tuple[float, float, float, float, float, float]:
     """Return e = r_i − r_j in m, its rate in m/s, and the spins of bearing and journal in rad/s.
 
-    In global axes; `turns` is that of `constraints.turn`.
+    In global axes; `work` is that of `derivatives`.
     """
     size = 3 * int(m[BODIES])
+    turns = work[: 2 * size // 3].reshape(size // 3, 2)
+    constraints.turn(y, turns)
     q, v = y[:size], y[size:]
     at_i = constraints.point(q, v, turns, int(m[BODY_I]), m[I_X], m[I_Y])
     at_j = constraints.point(q, v, turns, int(m[BODY_J]), m[J_X], m[J_Y])
@@ -169,25 +171,24 @@ def _schur(
 def derivatives(
     t: float,
     y: NDArray[np.float64],
-    k: NDArray[np.float64],
-    ledgers: NDArray[np.float64],
+    rates: NDArray[np.float64],
     row: int,
     p: NDArray[np.float64],
     law: NDArray[np.float64],
     m: NDArray[np.float64],
-    turns: NDArray[np.float64],
     work: NDArray[np.float64],
 ) -> None:
-    """Write the rates of coordinates and ledgers to a row of `k` and `ledgers`.
+    """Write the rates of coordinates and ledgers to a row of `rates`.
 
-    p, law and m are the parameter block and its parts of the law and of the model. `turns` and
-    `work` are arrays to work in; `work`, of `work_size`, must be zero at first.
+    p, law and m are the parameter block and its parts of the law and of the model. `work` is an
+    array of `work_size` to work in; it must be zero at first.
     """
     size, joints, rows = 3 * int(m[BODIES]), int(m[JOINTS]), int(m[ROWS])
     q, v = y[:size], y[size:]
     mass = m[MODEL_HEADER : MODEL_HEADER + size]
     first = MODEL_HEADER + size
     table = m[first : first + joints * constraints.COLUMNS].reshape(joints, constraints.COLUMNS)
+    turns, work = work[: 2 * size // 3].reshape(size // 3, 2), work[2 * size // 3 :]
     force, rest = work[:size], work[size:]
     jacobian = rest[: rows * size].reshape(rows, size)
     over_mass = rest[rows * size : 2 * rows * size].reshape(rows, size)
@@ -212,17 +213,18 @@ def derivatives(
     _solve_positive(matrix, lam)
 
     for n in range(size):
-        k[row, n], k[row, size + n] = v[n], force[n] / mass[n]
+        rates[row, n], rates[row, size + n] = v[n], force[n] / mass[n]
     for r in range(rows):
         for body in _bodies_of(r, table):
             if body < 0:
                 continue
             for n in range(3 * body, 3 * body + 3):
-                k[row, size + n] -= over_mass[r, n] * lam[r]
+                rates[row, size + n] -= over_mass[r, n] * lam[r]
     power = 0.0
     if m[DRIVER_ROW] >= 0:
         i, j = int(m[DRIVER_I]), int(m[DRIVER_J])
         relative = v[3 * j + 2] - (v[3 * i + 2] if i >= 0 else 0.0)
         power = -lam[int(m[DRIVER_ROW])] * relative
-    ledgers[row, 0], ledgers[row, 1], ledgers[row, 2] = power, lost, rubbed
-    ledgers[row, 3], ledgers[row, 4] = delta, normal
+    first = 2 * size
+    rates[row, first], rates[row, first + 1], rates[row, first + 2] = power, lost, rubbed
+    rates[row, first + 3], rates[row, first + 4] = delta, normal

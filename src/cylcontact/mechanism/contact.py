@@ -184,7 +184,8 @@ def forces(
         δ in m.
     """
     distance = math.sqrt(e_x * e_x + e_y * e_y)
-    n_x, n_y = e_x / distance, e_y / distance
+    per_distance = 1.0 / distance
+    n_x, n_y = e_x * per_distance, e_y * per_distance
     delta = distance - p[CLEARANCE]
     rate = u_x * n_x + u_y * n_y
     arm_i, arm_j = p[R_BEARING], p[R_JOURNAL] - delta

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from cylcontact.arrays import FloatArray
-from cylcontact.mechanism import augmented, constraints
+from cylcontact.mechanism import augmented
 from cylcontact.mechanism import minimal_coordinates as minimal
 from cylcontact.mechanism.step_history import LEDGERS
 from cylcontact.numba_cache import compiled
@@ -37,9 +37,9 @@ MINIMAL, AUGMENTED = 0, 1
 
 # The parameter block and its parts of the law and of the model.
 Blocks = tuple[FloatArray, FloatArray, FloatArray]
-# The rates of coordinates, shape (stages, n), and of ledgers by stage; a stage; `turns` and `work`
-# of the multiplier form.
-Workspace = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
+# The rates of coordinates and ledgers by stage, shape (STAGES + 1, n), with a row to spare; a
+# stage; an array for the multiplier form to work in.
+Workspace = tuple[FloatArray, FloatArray, FloatArray]
 
 STAGES = 12
 
@@ -162,18 +162,16 @@ _E5 = np.array(
 )
 _LEDGERS = len(LEDGERS)
 
+# Of Taylor's series.
+_COS = (-1 / 2, 1 / 24, -1 / 720, 1 / 40320)
+_SIN = (-1 / 6, 1 / 120, -1 / 5040, 1 / 362880)
+
 
 @compiled
 def workspace(model: int, size: int, m: FloatArray) -> Workspace:
     """Return arrays to work in, for `size` coordinates and rates."""
-    bodies, work = (size // 6, augmented.work_size(m)) if model == AUGMENTED else (0, 0)
-    return (
-        np.zeros((STAGES, size)),
-        np.zeros((STAGES, _LEDGERS)),
-        np.zeros(size),
-        np.zeros((bodies, 2)),
-        np.zeros(work),
-    )
+    work = augmented.work_size(m) if model == AUGMENTED else 0
+    return np.zeros((STAGES + 1, size + _LEDGERS)), np.zeros(size), np.zeros(work)
 
 
 @compiled
@@ -193,10 +191,10 @@ def turned(model: int, c: float, s: float, dt: float, m: FloatArray) -> tuple[fl
     angle = m[minimal.OMEGA] * dt
     if abs(angle) > 0.1:
         x, y = math.cos(angle), math.sin(angle)
-    else:  # Taylor's series to the last digit
+    else:  # Taylor's series to the last digit, without divisions
         z = angle * angle
-        x = 1.0 - z / 2 * (1.0 - z / 12 * (1.0 - z / 30 * (1.0 - z / 56 * (1.0 - z / 90))))
-        y = angle * (1.0 - z / 6 * (1.0 - z / 20 * (1.0 - z / 42 * (1.0 - z / 72))))
+        x = 1.0 + z * (_COS[0] + z * (_COS[1] + z * (_COS[2] + z * _COS[3])))
+        y = angle * (1.0 + z * (_SIN[0] + z * (_SIN[1] + z * (_SIN[2] + z * _SIN[3]))))
     return c * x - s * y, s * x + c * y
 
 
@@ -213,23 +211,39 @@ def evaluate(
 ) -> None:
     """Write the rates at a state to a row of the workspace."""
     p, law, m = blocks
-    k, ledgers, _, turns, work = space
+    rates, _, work = space
+    _evaluate(model, t, c, s, y, row, p, law, m, rates, work)
+
+
+@compiled
+def _evaluate(
+    model: int,
+    t: float,
+    c: float,
+    s: float,
+    y: FloatArray,
+    row: int,
+    p: FloatArray,
+    law: FloatArray,
+    m: FloatArray,
+    rates: FloatArray,
+    work: FloatArray,
+) -> None:
+    """Write the rates at a state to a row; the arrays are one by one because tuples are slow."""
     if model == MINIMAL:
-        minimal.derivatives(c, s, y, k, ledgers, row, p, law, m)
+        minimal.derivatives(c, s, y, rates, row, p, law, m)
     else:
-        augmented.derivatives(t, y, k, ledgers, row, p, law, m, turns, work)
+        augmented.derivatives(t, y, rates, row, p, law, m, work)
 
 
 @compiled
 def motion(
-    model: int, c: float, s: float, y: FloatArray, blocks: Blocks, space: Workspace
+    model: int, c: float, s: float, y: FloatArray, m: FloatArray, work: FloatArray
 ) -> tuple[float, float, float, float, float, float]:
     """Return e in m, its rate in m/s, and the spins of bearing and journal in rad/s at a state."""
-    m = blocks[2]
     if model == MINIMAL:
         return minimal.joint_motion(c, s, y, m)
-    constraints.turn(y, space[3])
-    return augmented.joint_motion(y, space[3], m)
+    return augmented.joint_motion(y, m, work)
 
 
 @compiled
@@ -245,12 +259,13 @@ def step(
     space: Workspace,
 ) -> None:
     """Write the state at t + h to `new`, from the state at t and its rates in row 0."""
-    k, stage, m = space[0], space[2], blocks[2]
+    p, law, m = blocks
+    rates, stage, work = space
     for i in range(1, STAGES):
-        _combine(i, h, y, k, stage)
+        _combine(i, h, y, rates, stage)
         c_i, s_i = turned(model, c, s, _C[i] * h, m)
-        evaluate(model, t + _C[i] * h, c_i, s_i, stage, i, blocks, space)
-    _combine(STAGES, h, y, k, new)
+        _evaluate(model, t + _C[i] * h, c_i, s_i, stage, i, p, law, m, rates, work)
+    _combine(STAGES, h, y, rates, new)
 
 
 @compiled
@@ -267,12 +282,10 @@ def _combine(i: int, h: float, y: FloatArray, k: FloatArray, out: FloatArray) ->
         out[0], out[1], out[2], out[3] = y[0] + h * k0, y[1] + h * k1, y[2] + h * k2, y[3] + h * k3
         return
     for n in range(y.size):
-        out[n] = y[n]
-    for j in range(i):
-        a = h * _A[i, j]
-        if a != 0.0:
-            for n in range(y.size):
-                out[n] += a * k[j, n]
+        total = 0.0
+        for j in range(i):
+            total += _A[i, j] * k[j, n]
+        out[n] = y[n] + h * total
 
 
 @compiled
@@ -295,8 +308,9 @@ def error(
 
 
 @compiled
-def sum_ledgers(h: float, ledgers: FloatArray, by_stage: FloatArray) -> None:
+def sum_ledgers(h: float, ledgers: FloatArray, rates: FloatArray) -> None:
     """Add what a step contributes to the ledgers."""
+    first = rates.shape[1] - _LEDGERS
     for n in range(_LEDGERS):
         for j in range(STAGES):
-            ledgers[n] += h * _A[STAGES, j] * by_stage[j, n]
+            ledgers[n] += h * _A[STAGES, j] * rates[j, first + n]

@@ -50,7 +50,7 @@ class Run:
         blocks = p, contact.law_of(p), p[int(p[contact.MODEL_START]) :]
         space = dop853.workspace(system.model, values.size, blocks[2])
         turn = dop853.crank(system.model, self.state.time, blocks[2])
-        e_x, e_y, *_ = dop853.motion(system.model, *turn, values, blocks, space)
+        e_x, e_y, *_ = dop853.motion(system.model, *turn, values, blocks[2], space[2])
         return math.hypot(e_x, e_y) - float(p[contact.CLEARANCE])
 
 
@@ -94,16 +94,13 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[StepHistory, int]:
     )
     parts, status = [], integrate.FULL
     while status == integrate.FULL:
-        buffers = (
-            np.empty(_BUFFER),
-            np.empty((_BUFFER, state.values.size)),
-            np.empty(_BUFFER, dtype=np.bool_),
-            np.empty(_BUFFER),
-        )
-        count, status = integrate.integrate(
+        times, impact_rates = np.empty(_BUFFER), np.empty(_BUFFER)
+        values, in_contact = np.empty((_BUFFER, state.values.size)), np.empty(_BUFFER, np.bool_)
+        buffers = times, values, in_contact, impact_rates
+        n, status = integrate.integrate(
             system.model, now, y, ledgers, end, system.block, tolerances, buffers
         )
-        parts.append(_label_rows(*(buffer[:count] for buffer in buffers), label))
+        parts.append(_label_rows(times[:n], values[:n], in_contact[:n], impact_rates[:n], label))
     run.state = State(
         float(now[integrate.TIME]),
         np.concatenate((y, ledgers)),

@@ -45,6 +45,9 @@ __all__ = [
     "MODEL_SIZE",
     "OFFSET",
     "OMEGA",
+    "PER_ROD",
+    "PER_ROD_INERTIA",
+    "PER_SLIDER_MASS",
     "ROD",
     "ROD_A",
     "ROD_B",
@@ -62,7 +65,8 @@ __all__ = [
 CRANK, ROD, OFFSET, ROD_A, ROD_B, ROD_INERTIA = 0, 1, 2, 3, 4, 5
 ROD_MASS, SLIDER_MASS, OMEGA, ANGLE, SIDE, GRAVITY_X, GRAVITY_Y = 6, 7, 8, 9, 10, 11, 12
 CRANK_A, CRANK_B, CRANK_MASS = 13, 14, 15
-MODEL_SIZE = 16
+PER_ROD, PER_ROD_INERTIA, PER_SLIDER_MASS = 16, 17, 18  # reciprocals: divisions are slow
+MODEL_SIZE = 19
 
 STATES = 4 + len(LEDGERS)  # E_x, E_y, their rates and the ledgers
 
@@ -72,9 +76,9 @@ def _rod_motion(
     c: float, s: float, y: NDArray[np.float64], m: NDArray[np.float64]
 ) -> tuple[float, float, float]:
     """Return sin φ, cos φ and φ̇ of the rod; c and s are those of the crank's angle."""
-    sine = (m[OFFSET] - m[CRANK] * s - y[1]) / m[ROD]
+    sine = (m[OFFSET] - m[CRANK] * s - y[1]) * m[PER_ROD]
     cosine = math.sqrt(1.0 - sine * sine)
-    spin = -(m[OMEGA] * m[CRANK] * c + y[3]) / (m[ROD] * cosine)
+    spin = -(m[OMEGA] * m[CRANK] * c + y[3]) * m[PER_ROD] / cosine
     return sine, cosine, spin
 
 
@@ -113,14 +117,13 @@ def derivatives(
     c: float,
     s: float,
     y: NDArray[np.float64],
-    k: NDArray[np.float64],
-    ledgers: NDArray[np.float64],
+    rates: NDArray[np.float64],
     row: int,
     p: NDArray[np.float64],
     law: NDArray[np.float64],
     m: NDArray[np.float64],
 ) -> None:
-    """Write the rates of coordinates and ledgers to a row of `k` and `ledgers`.
+    """Write the rates of coordinates and ledgers to a row of `rates`.
 
     c and s are the cosine and sine of the crank's angle; p, law and m are the parameter block and
     its parts of the law and of the model.
@@ -132,7 +135,7 @@ def derivatives(
 
     # Force on the slider, f, and moment on the rod about its end P.
     f_x, f_y, moment = 0.0, 0.0, 0.0
-    ledgers[row, 1], ledgers[row, 2], ledgers[row, 3], ledgers[row, 4] = 0.0, 0.0, 0.0, 0.0
+    rates[row, 5], rates[row, 6], rates[row, 7], rates[row, 8] = 0.0, 0.0, 0.0, 0.0
     if p[contact.MODE] == contact.CONTACT:
         side = m[SIDE]
         spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
@@ -141,8 +144,8 @@ def derivatives(
         )
         f_x, f_y = side * f_x, side * f_y
         moment = moment_j if side > 0 else moment_i
-        ledgers[row, 1], ledgers[row, 2] = normal_power, friction_power
-        ledgers[row, 3], ledgers[row, 4] = delta, normal
+        rates[row, 5], rates[row, 6] = normal_power, friction_power
+        rates[row, 7], rates[row, 8] = delta, normal
     elif p[contact.CLEARANCE] == math.inf:
         f_x, f_y = ideal_reaction(c, s, y, m)
 
@@ -151,13 +154,13 @@ def derivatives(
     lean_x, lean_y = -a * sine - b * cosine, a * cosine - b * sine  # a·u⊥ − b·u
     inertial = lean_x * (a_x - m[GRAVITY_X]) + lean_y * (a_y - m[GRAVITY_Y])
     turning = length * (sine * f_x - cosine * f_y) + moment
-    alpha = (turning - m[ROD_MASS] * inertial) / m[ROD_INERTIA]
+    alpha = (turning - m[ROD_MASS] * inertial) * m[PER_ROD_INERTIA]
     square = spin * spin
 
-    k[row, 0], k[row, 1] = y[2], y[3]
-    slider = f_x / m[SLIDER_MASS] + m[GRAVITY_X]
-    k[row, 2] = slider - a_x + length * (sine * alpha + cosine * square)
-    k[row, 3] = -a_y - length * (cosine * alpha - sine * square)
+    rates[row, 0], rates[row, 1] = y[2], y[3]
+    slider = f_x * m[PER_SLIDER_MASS] + m[GRAVITY_X]
+    rates[row, 2] = slider - a_x + length * (sine * alpha + cosine * square)
+    rates[row, 3] = -a_y - length * (cosine * alpha - sine * square)
 
     # The crank's reaction and the gravity on it, about the pivot.
     offset_x, offset_y = a * cosine - b * sine, a * sine + b * cosine
@@ -166,4 +169,4 @@ def derivatives(
     reaction_x, reaction_y = m[ROD_MASS] * G_x + f_x, m[ROD_MASS] * G_y + f_y
     c_x, c_y = m[CRANK_A] * c - m[CRANK_B] * s, m[CRANK_A] * s + m[CRANK_B] * c
     weight = m[CRANK_MASS] * (c_x * m[GRAVITY_Y] - c_y * m[GRAVITY_X])
-    ledgers[row, 0] = omega * (A_x * reaction_y - A_y * reaction_x - weight)
+    rates[row, 4] = omega * (A_x * reaction_y - A_y * reaction_x - weight)

@@ -172,6 +172,8 @@ def _minimal_numbers(mechanism: Mechanism) -> FloatArray:
     m[minimal.GRAVITY_X], m[minimal.GRAVITY_Y] = turn.real, turn.imag
     m[minimal.CRANK_A], m[minimal.CRANK_B] = shape.crank_centre
     m[minimal.CRANK_MASS] = crank.mass
+    m[minimal.PER_ROD], m[minimal.PER_SLIDER_MASS] = 1 / shape.rod_length, 1 / slider.mass
+    m[minimal.PER_ROD_INERTIA] = 1 / m[minimal.ROD_INERTIA]
     return m
 
 
