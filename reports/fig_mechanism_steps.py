@@ -20,7 +20,7 @@ REVOLUTION = 3  # from 0
 LOSSES = ((1.0, 0.0), (0.9, 0.1))
 CASES = [Case("enhanced", c, *losses) for c in JOINT_CLEARANCES for losses in LOSSES]
 CAPTION = (
-    "Accepted steps (µs) of the integrator, CVODE's Adams method at a tolerance of {tolerance:g}, "
+    "Accepted steps (µs) of the integrator, DOP853 at a tolerance of {tolerance:g}, "
     "over revolution {revolution} of the slider-crank with the enhanced law, by radial clearance "
     "(mm) and losses: without any, and with c_e = 0.9 and c_f = 0.1. Each onset and release of "
     "contact is found by root and followed by a short first step, which makes the combs. The "

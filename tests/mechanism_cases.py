@@ -1,10 +1,13 @@
 """Mechanisms for tests: the shipped specs, changed where a test needs it."""
 
+import math
 import tomllib
 from itertools import product
 from pathlib import Path
 
-from cylcontact.mechanism import mechanism_from
+import numpy as np
+
+from cylcontact.mechanism import contact, dop853, mechanism_from
 from tests.spec_files import changed
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -38,3 +41,30 @@ ODD = {
     "joints.slide.angle": 20.0,
     "joints.drive.angle": 40.0,
 }
+
+
+class Equations:
+    """The compiled right-hand side of a mechanism, called from Python in either mode."""
+
+    def __init__(self, system):
+        self.model, self.p = system.model, system.block.copy()
+        m = self.p[int(self.p[contact.MODEL_START]) :]
+        self.blocks = self.p, contact.law_of(self.p), m
+        self.size = system.start.size - 5
+        self.space = dop853.workspace(self.model, self.size, m)
+
+    def rates(self, t, y):
+        """Return the rates of coordinates and ledgers."""
+        turn = dop853.crank(self.model, t, self.blocks[2])
+        y = np.ascontiguousarray(y[: self.size], dtype=float)
+        dop853.evaluate(self.model, t, *turn, y, 0, self.blocks, self.space)
+        return self.space[0][0].copy()
+
+    def gap(self, t, y):
+        """Return δ in m and δ̇ in m/s."""
+        turn = dop853.crank(self.model, t, self.blocks[2])
+        y = np.ascontiguousarray(y[: self.size], dtype=float)
+        e_x, e_y, u_x, u_y, *_ = dop853.motion(self.model, *turn, y, self.blocks[2], self.space[2])
+        distance = math.hypot(e_x, e_y)
+        rate = (e_x * u_x + e_y * u_y) / distance if distance > 0 else 0.0
+        return distance - self.p[contact.CLEARANCE], rate

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import quad
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.formula import steps_of
-from cylcontact.laws.kernels import TABLE, kernel
+from cylcontact.laws.kernels import TABLE, kernel, kernel_energy
 from cylcontact.laws.tabulated import TABLE_ERROR
 from cylcontact.pair import CONTACTS
 from tests.strategies import NOT_TOUCHING, ROUNDING, powers_of_ten
@@ -191,6 +192,17 @@ def test_the_compiled_law_is_the_array_law(law, pair):
     actual = np.array([made.stiffness(delta) for delta in deltas])
     exact = law.stiffness(deltas, pair)
     assert np.all(np.abs(actual - exact) <= allowed * exact)
+
+
+@every_case
+@pytest.mark.parametrize("share", [1e-9, 1e-3, 0.3, 0.9])
+def test_the_stored_energy_is_the_integral_of_the_load(law, pair, share):
+    made, deepest = kernel(law, pair), share * reach(law, pair)
+    wanted, _ = quad(
+        lambda s: 2 * s * made.load(s * s), 0.0, deepest**0.5, epsabs=0, epsrel=1e-11, limit=200
+    )
+    actual = kernel_energy(made.kind, made.parameters, deepest)
+    assert actual == pytest.approx(wanted, rel=1e-7 if made.kind == TABLE else 1e-9, abs=0)
 
 
 @every_case

@@ -9,7 +9,12 @@ from hypothesis import strategies as st
 from numba import njit
 
 from cylcontact import CylinderPair, InputError, Material, laws
-from cylcontact.laws.kernels import TABLE, kernel, kernel_load, kernel_stiffness
+from cylcontact.laws.kernels import (
+    TABLE,
+    kernel,
+    kernel_load,
+    kernel_stiffness,
+)
 from cylcontact.laws.tabulated import DEEPEST, TABLE_ERROR, cubic, tabulate
 
 STEEL = Material("steel", E=207e3, nu=0.3)

@@ -68,12 +68,16 @@ def test_the_pair_of_forces_balances_and_dissipates(bearing):
         # Put the journal 2 µm deep into the bearing, in a random direction.
         turn = np.exp(2j * np.pi * RNG.random())
         gap = (c + 2e-6) * turn
-        here = constraints.point(q, v, i, *joint.point_i)
-        there = constraints.point(q, v, j, *joint.point_j)
+        turns = np.empty((3, 2))
+        constraints.turn(q, turns)
+        here = constraints.point(q, v, turns, i, *joint.point_i)
+        there = constraints.point(q, v, turns, j, *joint.point_j)
         q[3 * j] += here[2] - there[2] - gap.real
         q[3 * j + 1] += here[3] - there[3] - gap.imag
         force = np.zeros(9)
-        normal_power, friction_power, _, _ = augmented.contact_on_bodies(q, v, force, p)
+        normal_power, friction_power, _, _ = augmented.contact_on_bodies(
+            q, v, turns, force, p, contact.law_of(p), p[int(p[contact.MODEL_START]) :]
+        )
         f_i, f_j = force[3 * i : 3 * i + 3], force[3 * j : 3 * j + 3]
         # Newton's third law, and no net moment about the origin.
         assert f_i[:2] == pytest.approx(-f_j[:2], abs=1e-9)
@@ -82,7 +86,7 @@ def test_the_pair_of_forces_balances_and_dissipates(bearing):
         assert moment == pytest.approx(0.0, abs=1e-12 * scale * 10 + 1e-9)
         # The power of both forces, through the bodies' own velocities at the contact point.
         n = np.array([turn.real, turn.imag])
-        bearing_centre = np.array(constraints.point(q, v, i, *joint.point_i)[2:4])
+        bearing_centre = np.array(constraints.point(q, v, turns, i, *joint.point_i)[2:4])
         point = bearing_centre - joint.R_bearing * n
         velocities = [
             v[3 * k : 3 * k + 2]
@@ -106,7 +110,7 @@ def test_the_pair_of_forces_balances_and_dissipates(bearing):
 
 
 def test_what_a_run_reports_is_what_its_ledgers_add_up():
-    run = simulate(slider_crank(), revolutions=1, tolerance=1e-10)
+    run = simulate(slider_crank(spec={"integration.max_step": 1e-6}), revolutions=1)
     power = -run.friction_force * run.tangential_velocity
     assert (power >= 0).all()
     assert np.trapezoid(power, run.time) == pytest.approx(run.friction_dissipation[-1], rel=5e-4)

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import pandas as pd
 
-from cylcontact.mechanism.loop import FIRST_STEP
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Finding, claim, joined, listed, verdict_if, with_unit
 
@@ -391,10 +390,9 @@ def elastic_forces_are_large(bench: Bench) -> Finding:
 
 # The integrator's steps.
 STEP_CHOICE = (
-    f"{BASIS}; mean step over a revolution by CVODE's Adams method with contact found by root, "
-    "where the paper controls the step by the penetration at onset; an event's second row is no "
-    "step, but the short ones after every event count, where the integrator starts anew at "
-    f"{FIRST_STEP:g} s"
+    f"{BASIS}; mean step over a revolution by DOP853 with contact found by root, where the paper "
+    "controls the step of a predictor and corrector by the penetration at onset; an event's second "
+    "row is no step, but the short ones at the start of every contact count"
 )
 
 

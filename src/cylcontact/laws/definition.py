@@ -136,7 +136,7 @@ class KernelSteps:
         From a law and a pair to these numbers.
     steps : str
         Assignments in the notation of `laws.formula.Formula`, with the penetration and `names`,
-        f and k among them.
+        f and k among them; also `energy`, ∫ f dδ, if it has a closed form.
     """
 
     names: tuple[str, ...]

@@ -33,9 +33,7 @@ from cylcontact.laws.tabulated import cubic, tabulate
 from cylcontact.numba_cache import compiled
 from cylcontact.pair import CylinderPair
 
-__all__ = ["TABLE", "Kernel", "kernel", "kernel_load", "kernel_stiffness"]
-
-_Scalar = Callable[[FloatArray, float], float]
+__all__ = ["TABLE", "Kernel", "kernel", "kernel_energy", "kernel_load", "kernel_stiffness"]
 
 # The steps of a law, by its `load`, so that a subclass that overrides it is tabulated.
 _STEPS: dict[Any, KernelSteps] = {}
@@ -134,14 +132,14 @@ _cubic = compiled(cubic)
 
 
 @compiled
-def _table_load(table: FloatArray, penetration: float) -> float:
+def _table_load(_kind: int, table: FloatArray, penetration: float) -> float:
     """Return the load in N/mm from a table."""
     load, _ = _read_table(table, penetration)
     return load
 
 
 @compiled
-def _table_stiffness(table: FloatArray, penetration: float) -> float:
+def _table_stiffness(_kind: int, table: FloatArray, penetration: float) -> float:
     """Return the stiffness in N/mm² from a table."""
     load, exponent = _read_table(table, penetration)
     return load * exponent / penetration
@@ -171,7 +169,7 @@ def _read_table(table: FloatArray, penetration: float) -> tuple[float, float]:
 
 
 def _steps(kernel: KernelSteps, result: str) -> list[str]:
-    """Return the lines that compute `result`, f or k, from the numbers of a kernel.
+    """Return the lines that compute `result`, f, k or energy, from the numbers of a kernel.
 
     Steps that the result does not need are left out, because a compiler keeps calls of `pow`.
     """
@@ -183,22 +181,42 @@ def _steps(kernel: KernelSteps, result: str) -> list[str]:
     return [*numbers, *(step.text for step in steps), f"return {result}"]
 
 
-def _of_all_kinds(result: str, table: _Scalar) -> Callable[[int, FloatArray, float], float]:
-    """Return one function for the load, or the stiffness, of kernels of every kind.
+def _of_all_kinds(result: str, table: Any) -> Callable[[int, FloatArray, float], float]:
+    """Return one function for the load, the stiffness or the energy of kernels of every kind.
+
+    `table` is for tables, and for kinds that have no closed form of the result.
 
     All in one function, because handing an array to another costs as much as a logarithm.
     """
     lines = ["def function(kind, numbers, penetration):"]
     for kind, steps in enumerate(_KINDS):
+        if not needed(steps.steps, result):
+            continue
         lines += [f"  if kind == {kind}:", *(f"    {line}" for line in _steps(steps, result))]
     names = {**vars(math), "table": table}
-    exec("\n".join([*lines, "  return table(numbers, penetration)"]), names)
+    exec("\n".join([*lines, "  return table(kind, numbers, penetration)"]), names)
     inlined = njit(error_model="numpy", inline="always")(names["function"])
     return cast(Callable[[int, FloatArray, float], float], inlined)
 
 
 _load = _of_all_kinds("f", _table_load)
 _stiffness = _of_all_kinds("k", _table_stiffness)
+
+# Gauss nodes and weights on [0, 1] in s, with x = s², in which f ~ xⁿ with n ≥ 1 is smooth enough.
+_s, _w = np.polynomial.legendre.leggauss(24)
+_NODES, _WEIGHTS = (_s + 1) ** 2 / 4, _w * (_s + 1) / 2
+
+
+@compiled
+def _quadrature(kind: int, numbers: FloatArray, penetration: float) -> float:
+    """Return the integral of the load up to a penetration, in N."""
+    total = 0.0
+    for node in range(_NODES.size):
+        total += _WEIGHTS[node] * _load(kind, numbers, penetration * _NODES[node])
+    return total * penetration
+
+
+_energy = _of_all_kinds("energy", _quadrature)
 
 
 @compiled
@@ -243,3 +261,25 @@ def kernel_stiffness(kind: int, parameters: FloatArray, penetration: float) -> f
     if penetration <= 0:
         return 0.0
     return _stiffness(kind, parameters, penetration)
+
+
+@compiled
+def kernel_energy(kind: int, parameters: FloatArray, penetration: float) -> float:
+    """Return ∫ f dδ from 0 to `penetration` in mm: the stored energy per unit length, in N.
+
+    Parameters
+    ----------
+    kind, parameters
+        Of a `Kernel`.
+    penetration : float
+        In mm.
+
+    Returns
+    -------
+    float
+        Zero where there is no penetration. In closed form for logarithmic and power laws, else by
+        quadrature to some ten digits.
+    """
+    if penetration <= 0:
+        return 0.0
+    return _energy(kind, parameters, penetration)

@@ -196,6 +196,7 @@ w = 0 if p >= 1 else start - t * start * u * (1 + t * (0.5 + t * (0.5 + start / 
 f = f_max * (p / (1 + w)) if p <= 1 else nan
 slope = f_max / (deepest * w) if p <= 1 else nan
 k = 0 if p <= 0 else slope
+energy = f * (penetration / 2 - deepest / 4 * (f / f_max))
 """.format(*START)
 
 

@@ -156,6 +156,7 @@ def _numbers(law: PowerShaped, pair: CylinderPair) -> tuple[float, float]:
 _STEPS = """
 f = factor * penetration ** n
 k = n * (factor * penetration ** (n - 1))
+energy = f * penetration / (n + 1)
 """
 KERNEL = KernelSteps(("factor", "n"), _numbers, _STEPS)
 

@@ -6,24 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cylcontact.arrays import BoolArray, FloatArray
+from cylcontact.laws.kernels import kernel_energy
 from cylcontact.mechanism import constraints, contact
 from cylcontact.mechanism.assembly import joint_table
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.numba_cache import compiled
 
 __all__ = [
-    "NODES",
-    "WEIGHTS",
     "changes",
     "drift",
     "elastic_energy",
     "joint_forces",
     "kinetic_and_potential",
 ]
-
-# Gauss nodes and weights on [0, 1] in s, with x = s², in which f ~ xⁿ with n ≥ 1 is smooth enough.
-_s, _w = np.polynomial.legendre.leggauss(24)
-NODES, WEIGHTS = (_s + 1) ** 2 / 4, _w * (_s + 1) / 2
 
 
 @compiled
@@ -59,22 +54,15 @@ def joint_forces(
 
 
 @compiled
-def elastic_energy(
-    penetration: NDArray[np.float64],
-    nodes: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    p: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Return ∫ F_el dδ in J up to each penetration in m, by quadrature of the law itself."""
+def elastic_energy(penetration: NDArray[np.float64], p: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return ∫ F_el dδ in J up to each penetration in m."""
     out = np.zeros(penetration.size)
     turn = p[contact.LAST_PENETRATION] * 1e-3  # the law continues as a straight line from there
+    law, kind = contact.law_of(p), int(p[contact.KERNEL])
     for k in range(penetration.size):
         delta = penetration[k]
-        if delta <= 0.0:
-            continue
-        lower = min(delta, turn)
-        for node in range(nodes.size):
-            out[k] += lower * weights[node] * contact.elastic_force(lower * nodes[node], p)
+        # N/mm·mm times the length in mm is N mm.
+        out[k] = kernel_energy(kind, law, 1e3 * min(delta, turn)) * p[contact.LENGTH] * 1e-3
         if delta > turn:
             ends = contact.elastic_force(turn, p) + contact.elastic_force(delta, p)
             out[k] += 0.5 * (delta - turn) * ends

@@ -31,7 +31,7 @@ __all__ = ["Trajectory"]
 
 # The key of the schema's metadata with everything but the states.
 _METADATA = b"cylcontact.trajectory"
-_LIBRARIES = ("numpy", "numba", "scikit-sundae", "pyarrow")
+_LIBRARIES = ("numpy", "numba", "pyarrow")
 _WIDTH = 98
 
 
@@ -229,14 +229,11 @@ class Trajectory:
 
     @cached_property
     def elastic_energy(self) -> FloatArray:
-        """Energy stored in the contact in J, by quadrature of the law, shape (n,)."""
+        """Energy stored in the contact in J, shape (n,)."""
         if self.mechanism.ideal:
             return np.zeros_like(self.time)
         energy: FloatArray = derived.elastic_energy(
-            np.where(self.in_contact, self.penetration, 0.0),
-            derived.NODES,
-            derived.WEIGHTS,
-            self.block,
+            np.where(self.in_contact, self.penetration, 0.0), self.block
         )
         return energy
 
