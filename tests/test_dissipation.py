@@ -241,25 +241,25 @@ def test_bodies_that_part_fast_do_not_pull_each_other():
 
 @pytest.mark.parametrize("impact_rate", [2.0, 1e-300, 0.0, -5.0])
 def test_below_the_floor_the_floor_counts(impact_rate):
-    assert dissipative_load(100.0, 1.5, impact_rate, 0.5, floor=2.0) == 137.5
-    assert dissipative_load(100.0, 1.5, 6.0, 0.5, floor=2.0) == 112.5
+    assert dissipative_load(100.0, 3.0, impact_rate, 0.5, floor=2.0) == 175.0
+    assert dissipative_load(100.0, 3.0, 6.0, 0.5, floor=2.0) == 125.0
 
 
 @given(st.floats(-1e300, 1e300))
 def test_the_damping_is_bounded_and_that_of_the_paper_in_an_isolated_impact(u):
     bounded = float(bounded_ratio(u))
-    assert bounded == contact.bounded_ratio(u)
-    assert bounded == u if abs(u) <= 1 else 1 <= abs(bounded) <= min(2, abs(u))
+    assert bounded == pytest.approx(contact.bounded_ratio(u), rel=1e-15, abs=0)
+    assert bounded == u if abs(u) <= 10 else 10 <= abs(bounded) <= min(20, abs(u))
     assert bounded == -bounded_ratio(-u)
 
 
 def test_the_bound_is_twice_continuously_differentiable():
-    """Its derivatives beyond 1 by central differences of 50 digits: 1 and 0 at the bend."""
+    """The formula beyond the bend, with 50 digits, has the slope 1 and the curvature 0 there."""
     with mp.workdps(50):
-        bent = lambda u: 1 + (u - 1) / mp.sqrt(1 + (u - 1) ** 2)  # noqa: E731
-        assert abs(mp.diff(bent, 1, 1) - 1) < 1e-20
-        assert abs(mp.diff(bent, 1, 2)) < 1e-20
-        assert float(bent(mp.mpf("1.7"))) == pytest.approx(bounded_ratio(1.7), rel=1e-15)
+        bent = lambda u: 10 * (1 + (u / 10 - 1) / mp.sqrt(1 + (u / 10 - 1) ** 2))  # noqa: E731
+        assert abs(mp.diff(bent, 10, 1) - 1) < 1e-20
+        assert abs(mp.diff(bent, 10, 2)) < 1e-20
+        assert float(bent(mp.mpf(17))) == pytest.approx(float(bounded_ratio(17.0)), rel=1e-15)
 
 
 @given(st.floats(0, 1e9), st.floats(-1e6, 1e6), st.floats(0, 1e6), st.floats(0, 1e6))

@@ -42,6 +42,7 @@ from cylcontact.errors import InputError
 __all__ = [
     "FACTORS",
     "IMPACT_RATE_FLOOR",
+    "RATIO_BEND",
     "HysteresisFactor",
     "achieved_restitution",
     "bounded_ratio",
@@ -63,6 +64,8 @@ HysteresisFactor = Callable[[ArrayLike], FloatArray]
 # Assumed: the slowest impact rate in mm/s at which the factor applies in full. The impacts of a
 # mechanism are two to four orders of magnitude faster.
 IMPACT_RATE_FLOOR = 1.0
+# Assumed: |δ̇|/δ̇⁽⁻⁾ up to which the damping is that of the models; twice that is its bound.
+RATIO_BEND = 10.0
 
 # Newton's method reaches machine precision after four steps in the worst case.
 _NEWTON_STEPS = 5
@@ -102,9 +105,9 @@ def dissipative_load(
 
     Notes
     -----
-    s is `bounded_ratio`, the identity up to |δ̇| = δ̇⁽⁻⁾. An isolated impact never exceeds that,
-    but a contact that starts slowly and is then pressed together does, and without a bound its
-    damping would be many times the elastic load.
+    s is `bounded_ratio`, the identity up to |δ̇| = 10·δ̇⁽⁻⁾. An isolated impact never exceeds
+    δ̇⁽⁻⁾, but a contact that starts slowly and is then pressed together does, and without a bound
+    its damping could be any multiple of the elastic load.
 
     With δ̇⁽⁻⁾ replaced by max(δ̇⁽⁻⁾, floor), an impact slower than the floor has the factor
     χ·δ̇⁽⁻⁾/floor instead of χ. It dissipates less, and e → 1 as the impact gets slower, as for
@@ -133,9 +136,9 @@ def dissipative_load(
 
 
 def bounded_ratio(ratio: ArrayLike) -> FloatArray:
-    """Return s(u), the velocity ratio u = δ̇/δ̇⁽⁻⁾ bounded by ±2.
+    """Return s(u), the velocity ratio u = δ̇/δ̇⁽⁻⁾ bounded by ±2U, with U = 10.
 
-    s(u) = u for |u| ≤ 1, and sgn(u)·(1 + v/√(1 + v²)) with v = |u| − 1 beyond.
+    s(u) = u for |u| ≤ U, and sgn(u)·U·(1 + v/√(1 + v²)) with v = |u|/U − 1 beyond.
 
     Parameters
     ----------
@@ -150,19 +153,20 @@ def bounded_ratio(ratio: ArrayLike) -> FloatArray:
     Notes
     -----
     The bound is ours, not the paper's: no dissipation model of the kind says what happens when a
-    contact becomes faster than its first touch. With s the damping never exceeds 2χ times the
-    elastic load. The restitution of every isolated impact stays as it is.
+    contact becomes faster than its first touch. With s the damping never exceeds 2U·χ times the
+    elastic load. The restitution of every isolated impact stays as it is. U is assumed; in the
+    slider-crank of Sect. 4 a joint in permanent contact reaches |u| = 6.
 
     Examples
     --------
-    >>> print(bounded_ratio([-0.5, 1.0, 2.0, 1000.0]).round(6))
-    [-0.5       1.        1.707107  2.      ]
+    >>> print(bounded_ratio([-0.5, 10.0, 20.0, 1e6]).round(6))
+    [-0.5      10.       17.071068 20.      ]
     """
     u = as_floats(ratio)
-    beyond = np.maximum(np.abs(u) - 1, 0.0)
+    beyond = np.maximum(np.abs(u) / RATIO_BEND - 1, 0.0)
     # v/√(1 + v²) without overflow.
-    bent = np.copysign(1 + beyond / np.hypot(1.0, beyond), u)
-    return as_floats(np.where(np.abs(u) <= 1, u, bent))
+    bent = np.copysign(RATIO_BEND * (1 + beyond / np.hypot(1.0, beyond)), u)
+    return as_floats(np.where(np.abs(u) <= RATIO_BEND, u, bent))
 
 
 def achieved_restitution(chi: ArrayLike) -> FloatArray:

@@ -24,6 +24,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from cylcontact.dissipation import RATIO_BEND
 from cylcontact.laws.kernels import kernel_load
 from cylcontact.numba_cache import compiled
 
@@ -113,10 +114,10 @@ def _elastic(penetration: float, p: NDArray[np.float64], law: NDArray[np.float64
 @compiled
 def bounded_ratio(ratio: float) -> float:
     """Return `dissipation.bounded_ratio` of one number."""
-    v = abs(ratio) - 1.0
+    v = abs(ratio) / RATIO_BEND - 1.0
     if v <= 0.0:
         return ratio
-    return math.copysign(1.0 + v / math.hypot(1.0, v), ratio)
+    return math.copysign(RATIO_BEND * (1.0 + v / math.hypot(1.0, v)), ratio)
 
 
 @compiled
