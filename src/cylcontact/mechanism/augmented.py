@@ -43,8 +43,9 @@ __all__ = [
     "work_size",
 ]
 
-# Positions in the model's part of the parameter block; the masses and the table follow. A negative
-# row of the driver means that there is none.
+# Positions in the model's part of the parameter block. The masses follow, their reciprocals, the
+# two bodies of every constraint, and the table. A negative row of the driver means that there is
+# none.
 BODIES, JOINTS, ROWS, DRIVER_ROW, DRIVER_I, DRIVER_J = 0, 1, 2, 3, 4, 5
 BODY_I, I_X, I_Y, BODY_J, J_X, J_Y, ALPHA, BETA, GRAVITY_X, GRAVITY_Y = (
     6, 7, 8, 9, 10, 11, 12, 13, 14, 15,
@@ -133,22 +134,12 @@ def contact_on_bodies(
 
 
 @compiled
-def _bodies_of(row: int, table: NDArray[np.float64]) -> tuple[int, int]:
-    """Return the two bodies that a constraint concerns."""
-    for number in range(table.shape[0]):
-        row -= 1 if table[number, 0] == constraints.DRIVER else 2
-        if row < 0:
-            return int(table[number, 1]), int(table[number, 2])
-    return -1, -1
-
-
-@compiled
 def _schur(
     jacobian: NDArray[np.float64],
     over_mass: NDArray[np.float64],
-    mass: NDArray[np.float64],
+    mobility: NDArray[np.float64],
     force: NDArray[np.float64],
-    table: NDArray[np.float64],
+    bodies: NDArray[np.float64],
     matrix: NDArray[np.float64],
     right: NDArray[np.float64],
 ) -> None:
@@ -156,11 +147,12 @@ def _schur(
     for row in range(right.size):
         for s in range(row + 1):
             matrix[row, s] = 0.0
-        for body in _bodies_of(row, table):
+        for end in range(2):
+            body = int(bodies[2 * row + end])
             if body < 0:
                 continue
             for k in range(3 * body, 3 * body + 3):
-                weighted = jacobian[row, k] / mass[k]
+                weighted = jacobian[row, k] * mobility[k]
                 over_mass[row, k] = weighted
                 right[row] += weighted * force[k]
                 for s in range(row + 1):
@@ -185,8 +177,8 @@ def derivatives(
     """
     size, joints, rows = 3 * int(m[BODIES]), int(m[JOINTS]), int(m[ROWS])
     q, v = y[:size], y[size:]
-    mass = m[MODEL_HEADER : MODEL_HEADER + size]
-    first = MODEL_HEADER + size
+    mass, mobility = m[MODEL_HEADER:], m[MODEL_HEADER + size :]
+    bodies, first = mobility[size:], MODEL_HEADER + 2 * (size + rows)
     table = m[first : first + joints * constraints.COLUMNS].reshape(joints, constraints.COLUMNS)
     turns, work = work[: 2 * size // 3].reshape(size // 3, 2), work[2 * size // 3 :]
     force, rest = work[:size], work[size:]
@@ -209,13 +201,14 @@ def derivatives(
     for r in range(rows):
         # lam holds γ; the right-hand side is Φ_q·M⁻¹·g − γ*.
         lam[r] = 2.0 * m[ALPHA] * rate[r] + m[BETA] ** 2 * value[r] - lam[r]
-    _schur(jacobian, over_mass, mass, force, table, matrix, lam)
+    _schur(jacobian, over_mass, mobility, force, bodies, matrix, lam)
     _solve_positive(matrix, lam)
 
     for n in range(size):
-        rates[row, n], rates[row, size + n] = v[n], force[n] / mass[n]
+        rates[row, n], rates[row, size + n] = v[n], force[n] * mobility[n]
     for r in range(rows):
-        for body in _bodies_of(r, table):
+        for end in range(2):
+            body = int(bodies[2 * r + end])
             if body < 0:
                 continue
             for n in range(3 * body, 3 * body + 3):

@@ -16,7 +16,7 @@ from cylcontact.laws.kernels import kernel
 from cylcontact.mechanism import augmented, contact, derived, dop853
 from cylcontact.mechanism.loop import Run, advance
 from cylcontact.mechanism.step_history import LEDGERS, StepHistory
-from cylcontact.mechanism.system import System, law_block
+from cylcontact.mechanism.system import System, augmented_block, law_block
 from cylcontact.pair import CylinderPair
 
 __all__ = ["Impact", "isolated_impact"]
@@ -99,7 +99,8 @@ def isolated_impact(
     numbers[augmented.BODY_I] = -1
     start = np.zeros(6 + len(LEDGERS))
     start[3] = speed
-    p = law_block(kernel(law, pair), np.concatenate((numbers, [mass, mass, mass])))
+    none = np.empty((0, 2))
+    p = law_block(kernel(law, pair), augmented_block(numbers, np.full(3, mass), none, none))
     p[contact.CHI], p[contact.V0], p[contact.V1] = chi, 0.0, 1.0
     p[contact.CLEARANCE] = float(radii[0] - radii[1]) * 1e-3
     p[contact.R_BEARING], p[contact.R_JOURNAL] = radii[0] * 1e-3, radii[1] * 1e-3

@@ -15,7 +15,7 @@ from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import masses, recognise
 from cylcontact.mechanism.step_history import LEDGERS
 
-__all__ = ["TANGENT_FROM", "System", "build", "law_block"]
+__all__ = ["TANGENT_FROM", "System", "augmented_block", "build", "law_block"]
 
 # Assumed: where the straight line of "tangent" takes over, as a fraction of the law's largest
 # penetration. At the limit itself Johnson's law is infinitely stiff.
@@ -195,5 +195,16 @@ def _augmented_numbers(mechanism: Mechanism) -> FloatArray:
         mechanism.integration.beta,
     )
     m[augmented.GRAVITY_X], m[augmented.GRAVITY_Y] = mechanism.gravity
-    mass = [value for body in mechanism.bodies for value in (body.mass, body.mass, body.inertia)]
-    return np.concatenate((m, mass, table.ravel()))
+    mass = np.array([[body.mass, body.mass, body.inertia] for body in mechanism.bodies]).ravel()
+    return augmented_block(m, mass, np.repeat(table[:, 1:3], sizes, axis=0), table)
+
+
+def augmented_block(
+    header: FloatArray, mass: FloatArray, bodies: FloatArray, table: FloatArray
+) -> FloatArray:
+    """Return the numbers of `augmented` in one array, from those of its parts.
+
+    These are the header, masses and inertias, the two bodies of every constraint and the table of
+    the joints.
+    """
+    return np.concatenate((header, mass, 1 / mass, bodies.ravel(), table.ravel()))
