@@ -33,7 +33,7 @@ STYLES = {
 
 
 def draw(bench: Bench) -> Drawing:
-    runs = {case: simulated(bench, case, REVOLUTION + 1) for case in CASES}
+    runs = {case: simulated(bench, case, REVOLUTION + 1, max_step=None) for case in CASES}
     tables = {case: _steps(case, run) for case, run in runs.items()}
     headline = {}
     for case, table in tables.items():

@@ -47,6 +47,8 @@ AGAINST = "_against"
 # Penetrations at which laws are compared: decades below the largest, and how many points.
 DECADES, POINTS = 2.0, 801
 SPEC = "datasets/slider_crank.toml"
+# Longest step in s of the runs that are drawn, so that curves are smooth from step to step.
+DRAWN_STEP = 2e-6
 _STATISTICS: dict[str, pd.DataFrame] = {}
 STATISTICS = (
     "contact_fraction",
@@ -69,9 +71,16 @@ def mechanism(bench: Bench, case: Case | None = None) -> Mechanism:
     return read_mechanism(file, **({} if case is None else vars(case)))
 
 
-def simulated(bench: Bench, case: Case, revolutions: int) -> Trajectory:
-    """Return a case's run, cached; beyond its domain the law continues along its tangent."""
+def simulated(
+    bench: Bench, case: Case, revolutions: int, max_step: float | None = DRAWN_STEP
+) -> Trajectory:
+    """Return a case's run, cached; beyond its domain the law continues along its tangent.
+
+    The longest step in s is that of the spec if `max_step` is None.
+    """
     model = mechanism(bench, case)
+    if max_step is not None:
+        model.data["integration"]["max_step"] = max_step
     return _simulated(json.dumps(model.data), model.source, revolutions)
 
 
