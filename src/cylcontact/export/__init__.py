@@ -26,7 +26,7 @@ def __dir__() -> list[str]:
 # Each is a module of this package, whose function `source` returns the text of a file.
 TARGETS = ("c", "fortran", "matlab", "json")
 # Each is a module of `joints`; with the suffix of the file that is named.
-JOINT_TARGETS = {"c": ".c"}
+JOINT_TARGETS = {"c": ".c", "cpp": ".hpp", "fortran": ".f90", "matlab": ".m", "python": ".py"}
 
 
 def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str:
