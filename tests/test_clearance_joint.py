@@ -1,5 +1,6 @@
 """The joint as a force element: the library's own, and its exports along whole trajectories."""
 
+import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -7,19 +8,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cylcontact import dissipation
+from cylcontact import CylinderPair, InputError, Material, dissipation, laws
+from cylcontact.export import JOINT_TARGETS, export_joint
 from cylcontact.mechanism import (
     JointState,
     contact,
     isolated_impact,
     joint_from,
+    read_joint,
     simulate,
 )
 from cylcontact.mechanism.clearance_joint import BEYOND_LAW, YIELDS
 from cylcontact.spec import read_toml
-from tests.joint_runners import RUNNERS, run_library, run_octave, write
+from tests.export_runners import compile_with, run_program
+from tests.joint_runners import RUNNERS, run_c, run_library, run_octave, run_python, write
 from tests.mechanism_cases import slider_crank
-from tests.spec_files import changed
+from tests.spec_files import DROP, changed
 
 ROOT = Path(__file__).resolve().parents[1]
 JOINT = read_toml(ROOT / "datasets/joint.toml")
@@ -347,8 +351,6 @@ int main(void)
 
 
 def test_joints_in_one_program_have_states_of_their_own(tmp_path):
-    from tests.export_runners import compile_with, run_program
-
     first = joint_for("explicit", 0.05, name="left")
     second = joint_for("conformal", 0.05, name="right")
     sources = [write(first, "c", tmp_path, "left"), write(second, "c", tmp_path, "right")]
@@ -402,3 +404,175 @@ def test_a_pin_dropped_in_octave_bounces_as_in_the_library(tmp_path):
     clearance = float(joint.pair.dR) * 1e-3
     assert deepest - clearance == pytest.approx(impact.max_penetration, rel=1e-4)
     assert duration == pytest.approx(impact.duration, rel=1e-5)
+
+
+# --- what it says ---
+
+
+@pytest.mark.parametrize("target", JOINT_TARGETS)
+@pytest.mark.parametrize("units", ["SI", "mm"])
+def test_texts_are_plain_and_name_every_number(target, units):
+    joint = joint_for(
+        "johnson", 0.05, units, **{"pin.yield_stress": 250.0, "pin.point": [3.0, 4.0]}
+    )
+    texts = export_joint(joint, target)
+    text = "\n".join(texts.values())
+    assert text.isascii()
+    assert all(part.endswith("\n") and "\n\n\n\n" not in part for part in texts.values())
+    assert max(map(len, text.splitlines())) <= 130  # Fortran takes 132
+    unit = 1e-3 if units == "SI" else 1.0
+    last = joint.block[contact.LAST_PENETRATION]
+    for number in (10.0 * unit, 3.0 * unit, 4.0 * unit, 10.0 * unit, joint.chi, float(last)):
+        assert repr(number) in text
+    assert f"moments in N {'m' if units == 'SI' else 'mm'}" in text
+
+
+@pytest.mark.parametrize("target", JOINT_TARGETS)
+def test_no_name_breaks_out_of_its_comment(target):
+    joint = joint_for("explicit", 0.05, name='a \n b */ \\ é ??/ \'""" $c {d}')
+    origin = "fit result 'x\n*/ ??/ \\"
+    texts = export_joint(replace(joint, origin=origin), target)
+    assert all(name.startswith("a_b_c_d") for name in texts)
+    together = "\n".join(texts.values())
+    assert "??" not in together
+    assert not set(together) & set("é\\$")
+
+
+def check_values(text):
+    """Return the rows and answers that the comment of an export shows."""
+    rows, answers = [], []
+    shown = text.partition("Check values")[2].partition("#ifndef")[0].replace("//", "")
+    for state in shown.split("impact_rate")[1:]:
+        given, _, gives = state.partition("gives")
+        words = given.replace("bearing", ",").replace("pin", ",").replace("\n", ",").split(",")
+        rows.append([float(word) for word in words if word.strip()])
+        answers.append([float(word.split()[-1]) for word in gives.replace("\n", ",").split(",")
+                        if word.strip()])  # fmt: skip
+    return np.array(rows), np.array(answers)
+
+
+@pytest.mark.parametrize("units", ["SI", "mm"])
+def test_the_check_values_are_what_the_element_gives(units, tmp_path):
+    joint = joint_for("explicit", 0.05, units, **{"bearing.point": [30.0, -4.0]})
+    rows, wanted = check_values(export_joint(joint, "c")["explicit_0_05.h"])
+    assert rows.shape == (4, 13)
+    assert (np.abs(wanted[:, 6]) > 1.0).sum() == 3
+    answers = run_c(joint, rows, tmp_path)
+    np.testing.assert_allclose(answers[:, : wanted.shape[1]], wanted, rtol=1e-9, atol=1e-9)
+
+
+def test_a_fit_result_is_a_law(tmp_path):
+    path = ROOT / "fitting/results/internal.json"
+    joint = joint_for(str(path), 0.05, name="refit")
+    coefficients = json.loads(path.read_text(encoding="utf-8"))["coefficients"]
+    assert joint.law == laws.Enhanced(coefficients)
+    assert "fit result 'internal'" in export_joint(joint, "python")["refit.py"]
+    bearing, pin = motion(joint, DEEP, 0.05, 20.0)
+    rows = np.array([[0.1, *bearing, *pin]])
+    answers = run_python(joint, rows, tmp_path)
+    np.testing.assert_allclose(answers, run_library(joint, rows), rtol=1e-12, atol=1e-12)
+
+
+def test_materials_may_be_named_or_given():
+    joint = read_joint(ROOT / "datasets/joint.toml")
+    bronze = Material.named("bronze")
+    assert joint.pair == CylinderPair.internal(
+        10.0, 9.95, bronze, 10.0, Material("pin", 207e3, 0.3, 250.0)
+    )
+    given = joint_for("explicit", 0.05, **{"pin.E": "69e3 MPa", "bearing.yield_stress": 300.0})
+    assert given.pair.material_j.E == pytest.approx(69e3, rel=1e-15)
+    harder = joint_from(changed(JOINT, {"bearing.yield_stress": 300.0}))
+    assert (harder.pair.material_i.E, harder.pair.material_i.yield_stress) == (bronze.E, 300.0)
+
+
+NOT_FOR_IT = ROOT / "fitting/results/external.json"
+MISTAKES = {
+    "missing key": ({"pin.R": DROP}, "pin.R: is required; add the radius in mm"),
+    "missing table": ({"friction": DROP}, "friction: is required; add a table [friction]"),
+    "no modulus": ({"pin.E": DROP}, "pin.E: is required; give E, or material = NAME"),
+    "no unit": ({"pin.E": "hard"}, "pin.E = 'hard': must be a number; give Young's modulus in GPa"),
+    "no stiffness": ({"pin.E": "0 GPa"}, "pin.E = '0 GPa': must be greater than 0; give Young's"),
+    "both": ({"bearing.nu": 0.3}, "bearing.nu = 0.3: is that of the material already; remove nu"),
+    "unknown material": (
+        {"bearing.material": "cheese"},
+        "bearing.material = 'cheese': is not in the package's table; give E and nu, or choose "
+        "ceramics,",
+    ),
+    "large pin": ({"pin.R": 10.0}, "pin.R = 10.0: does not fit in the hole; keep it below 10.0"),
+    "units": ({"units": "inch"}, "units = 'inch': must be 'SI' or 'mm'; give \"SI\""),
+    "name": ({"name": "4 pins"}, "name = '4 pins': cannot name a function; begin with one of A"),
+    "long name": ({"name": "p" * 41}, "cannot name a function; begin with one of A to Z, and take"),
+    "unknown law": ({"law": "hertz"}, "law = 'hertz': is neither a law nor a fit result; choose"),
+    "no result": ({"law": "no.json"}, "no.json: cannot be read (No such file or directory); check"),
+    "external result": (
+        {"law": str(NOT_FOR_IT)},
+        "is a fit to external contact; name a fit for a pin in a hole",
+    ),
+    "law undefined": (
+        {"law": "enhanced", "bearing.R": 100.0, "pin.R": 80.0},
+        "law = 'enhanced': is undefined for this pair, with its clearance of 20 mm; choose another",
+    ),
+    "factor": ({"dissipation.factor": "x"}, "dissipation.factor = 'x': is not known; choose hunt"),
+    "restitution": ({"dissipation.restitution": 0.0}, "must be greater than 0; give the restitu"),
+    "speeds": ({"friction.v1": 0.5}, "friction.v1 = 0.5: must be above v0 = 1.0; raise it"),
+}
+
+
+@pytest.mark.parametrize(("changes", "message"), MISTAKES.values(), ids=MISTAKES)
+def test_mistakes_in_a_joints_file_are_told(changes, message):
+    with pytest.raises(InputError) as caught:
+        joint_from(changed(JOINT, changes), "mine.toml")
+    assert message in str(caught.value)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_motion_that_is_no_motion_is_told():
+    joint = joint_for("explicit", 0.05)
+    with pytest.raises(InputError, match=r"pin = .*must be six numbers; give x, y, angle"):
+        joint.evaluate(joint.start(), [0.0] * 6, [0.0] * 5)
+
+
+# --- the command ---
+
+
+@pytest.mark.parametrize(("target", "suffix"), JOINT_TARGETS.items())
+def test_export_writes_the_files_of_a_joint(run, tmp_path, target, suffix):
+    out = tmp_path / "new" / f"joint{suffix}"
+    command = ("export", "--joint", ROOT / "datasets/joint.toml", "--to", target, "-o", out)
+    code, printed, err = run(*command)
+    texts = export_joint(read_joint(ROOT / "datasets/joint.toml"), target, "joint")
+    assert (code, err) == (0, "")
+    assert (
+        printed == f"wrist-pin written to {', '.join(str(out.parent / name) for name in texts)}\n"
+    )
+    assert {p.name: p.read_text(encoding="ascii") for p in out.parent.iterdir()} == texts
+
+
+REFUSALS = {
+    "no file": (("--to", "c"), "export: --out: is missing for a joint; name the file, e.g. -o wri"),
+    "suffix": (("--to", "c", "-o", "x.f90"), "x.f90: is not a .c; name the output so that it is"),
+    "target": (("--to", "json", "-o", "x.json"), "--to = 'json': is not a known target; choose c,"),
+    "import": (("--to", "python", "-o", "2pins.py"), "--out = '2pins': cannot be called by its na"),
+    "keyword": (("--to", "matlab", "-o", "for.m"), "--out = 'for': cannot be called by its name"),
+    "letters": (("--to", "c", "-o", "pün.c"), "--out = 'pün': is not plain text; name the file"),
+    "law": (("explicit", "--to", "c"), "RESULT|LAW = 'explicit': is in the file of the joint alr"),
+    "contact": (
+        ("--to", "c", "--contact", "internal"),
+        "--contact = 'internal': is in the file of",
+    ),
+}
+
+
+@pytest.mark.parametrize(("arguments", "message"), REFUSALS.values(), ids=REFUSALS)
+def test_export_of_a_joint_refuses_in_one_line(run, tmp_path, monkeypatch, arguments, message):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run("export", "--joint", ROOT / "datasets/joint.toml", *arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert message in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_export_wants_a_law_or_a_joint(run):
+    code, _, err = run("export", "--to", "c")
+    assert code == 2
+    assert "RESULT|LAW: is missing; name one, e.g. explicit, or a joint with --joint" in err

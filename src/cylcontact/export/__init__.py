@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection
 from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from cylcontact.arrays import require
 from cylcontact.choices import listed
 from cylcontact.errors import InputError
 from cylcontact.export.named import EXPORTABLE, find_law
@@ -142,6 +144,10 @@ def export_joint(joint: ClearanceJoint, target: str, stem: str = "") -> dict[str
     ['wrist_pin.c', 'wrist_pin.h']
     """
     _require_target(target, JOINT_TARGETS)
+    require(
+        not stem or re.fullmatch(r"[\w+-][\w.+-]*", stem, re.ASCII) is not None, "export", "--out",
+        stem, "is not plain text", "name the file with letters, digits, hyphens and underscores",
+    )  # fmt: skip
     module = import_module(f"{__name__}.joints.{target}")
     texts: dict[str, str] = module.source(joint, stem)
     return texts
