@@ -126,7 +126,15 @@ def contact_on_bodies(
     ai_x, ai_y, i_x, i_y, vi_x, vi_y, spin_i = constraints.point(q, v, turns, i, m[I_X], m[I_Y])
     aj_x, aj_y, j_x, j_y, vj_x, vj_y, spin_j = constraints.point(q, v, turns, j, m[J_X], m[J_Y])
     f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power, delta = contact.forces(
-        i_x - j_x, i_y - j_y, vi_x - vj_x, vi_y - vj_y, spin_i, spin_j, p, law
+        i_x - j_x,
+        i_y - j_y,
+        vi_x - vj_x,
+        vi_y - vj_y,
+        spin_i,
+        spin_j,
+        p[contact.IMPACT_RATE],
+        p,
+        law,
     )
     _apply(force, i, f_x, f_y, ai_x * f_y - ai_y * f_x + moment_i)
     _apply(force, j, -f_x, -f_y, -(aj_x * f_y - aj_y * f_x) + moment_j)

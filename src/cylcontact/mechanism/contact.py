@@ -143,7 +143,8 @@ def contact_force(
     p: NDArray[np.float64],
 ) -> tuple[float, float, float, float, float, float, float]:
     """Return the contact of a pair in contact mode: all but the last of `forces`."""
-    return forces(e[0], e[1], e_dot[0], e_dot[1], omega_i, omega_j, p, law_of(p))[:7]
+    law = law_of(p)
+    return forces(e[0], e[1], e_dot[0], e_dot[1], omega_i, omega_j, p[IMPACT_RATE], p, law)[:7]
 
 
 @compiled
@@ -154,6 +155,7 @@ def forces(
     u_y: float,
     omega_i: float,
     omega_j: float,
+    impact_rate: float,
     p: NDArray[np.float64],
     law: NDArray[np.float64],
 ) -> tuple[float, float, float, float, float, float, float, float]:
@@ -165,6 +167,8 @@ def forces(
         Eccentricity in m and its rate in m/s.
     omega_i, omega_j : float
         Spins of the bodies with the bearing and with the journal, rad/s.
+    impact_rate : float
+        δ̇⁽⁻⁾ in m/s, positive.
     p : array of float
         The parameter block.
     law : array of float
@@ -193,7 +197,7 @@ def forces(
     v_t = u_x * n_y - u_y * n_x + omega_i * arm_i - omega_j * arm_j
 
     elastic = _elastic(delta, p, law)
-    damping = p[CHI] * bounded_ratio(rate / p[IMPACT_RATE])
+    damping = p[CHI] * bounded_ratio(rate / impact_rate)
     normal = max(elastic * (1.0 + damping), 0.0)
     tangential = friction_force(normal, v_t, p)
     force_x = -normal * n_x + tangential * n_y

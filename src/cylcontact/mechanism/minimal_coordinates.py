@@ -140,7 +140,15 @@ def derivatives(
         side = m[SIDE]
         spin_i, spin_j = (0.0, spin) if side > 0 else (spin, 0.0)
         f_x, f_y, moment_i, moment_j, normal, normal_power, friction_power, delta = contact.forces(
-            side * y[0], side * y[1], side * y[2], side * y[3], spin_i, spin_j, p, law
+            side * y[0],
+            side * y[1],
+            side * y[2],
+            side * y[3],
+            spin_i,
+            spin_j,
+            p[contact.IMPACT_RATE],
+            p,
+            law,
         )
         f_x, f_y = side * f_x, side * f_y
         moment = moment_j if side > 0 else moment_i
