@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cylcontact import choices
+from cylcontact.arrays import require
 from cylcontact.choices import BEYOND, METHODS, TABLE_SUFFIXES, listed
 from cylcontact.cli.options import Jobs, Scheduler, expand_options, integer_from, resumable
 from cylcontact.cli.terminal import progress_bars, workers
@@ -18,7 +19,7 @@ from cylcontact.errors import InputError
 from cylcontact.files import owning, require_suffix, write_table
 
 if TYPE_CHECKING:
-    from cylcontact.mechanism import Mechanism, Settings, Trajectory
+    from cylcontact.mechanism import Mechanism, Settings, Statistics, Trajectory
 
 __all__ = ["PAPER", "Changes", "Integration", "SpecFile", "simulate", "sweep", "tolerances"]
 
@@ -102,34 +103,95 @@ def simulate(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on from what --out holds, with its settings.")
     ] = False,
+    first: Annotated[
+        int | None,
+        typer.Option(
+            parser=integer_from(0),
+            metavar="INTEGER",
+            help="First revolution that counts, from 0; by default 10, and a fifth of a short run.",
+        ),
+    ] = None,
+    table: Annotated[
+        Path | None, typer.Option(help="Write the numbers by revolution to this .csv or .parquet.")
+    ] = None,
 ) -> None:
-    """Simulate a mechanism with a clearance joint, and print a summary."""
+    """Simulate a mechanism with a clearance joint, and print its statistics.
+
+    Without --out the steps are not kept, and memory does not grow with the revolutions.
+    """
     from cylcontact.mechanism import read_mechanism
+    from cylcontact.mechanism.long_run import first_of
     from cylcontact.mechanism.simulate import settings_for
+    from cylcontact.mechanism.studies import agreement
 
     mechanism = read_mechanism(spec, **asdict(changes))
     if out is not None:
         require_suffix(out, ".parquet")
+    if table is not None:
+        require_suffix(table, *TABLE_SUFFIXES)
     allowed = None if allowed_penetration is None else allowed_penetration * 1e-6
     settings = settings_for(mechanism, **asdict(integration), allowed_penetration=allowed)
-    with owning(out) if out else nullcontext():
-        earlier = _earlier(mechanism, settings, out) if resume else None
-        run = _run(mechanism, settings, revolutions, earlier, out)
-        if out is not None:
+    total = revolutions or mechanism.integration.revolutions
+    first = first_of(total) if first is None else first
+    require(
+        first < total, "simulate", "--first", first, f"leaves none of {total} revolutions",
+        "start earlier, or simulate more",
+    )  # fmt: skip
+    with owning(out) if out else nullcontext(), owning(table) if table else nullcontext():
+        if out is None:
+            if resume:
+                raise InputError(
+                    "simulate", "--resume", None, "needs a file to go on from", "name it: -o"
+                )
+            statistics = _statistics(mechanism, settings, total, first)
+        else:
+            earlier = _earlier(mechanism, settings, out) if resume else None
+            run = _run(mechanism, settings, total, earlier, out)
             run.save(out)
-    typer.echo(run.to_text(), nl=False)
-    if out is not None:
-        typer.echo(f"\nwritten to {out}")
-    if run.yield_warning is not None:
-        typer.echo(f"warning: {run.yield_warning}", err=True)
+            statistics = run.statistics(first)
+        if table is not None:
+            write_table(statistics.by_revolution.reset_index(), table)
+    typer.echo(statistics.to_text(), nl=False)
+    for path in (out, table):
+        if path is not None:
+            typer.echo(f"\nwritten to {path}")
+    typer.echo(f"\n{agreement(mechanism, settings, total)}")
+    for warning in statistics.warnings:
+        typer.echo(f"warning: {warning}", err=True)
 
 
-def _earlier(mechanism: Mechanism, settings: Settings, out: Path | None) -> Trajectory | None:
+def _statistics(
+    mechanism: Mechanism, settings: Settings, revolutions: int, first: int
+) -> Statistics:
+    """Simulate without keeping the steps; print what an interrupted run has given."""
+    from cylcontact.mechanism import Interrupted, long_run
+
+    try:
+        with progress_bars() as progress:
+            return long_run(
+                mechanism,
+                revolutions,
+                first,
+                settings.method,
+                settings.tolerance,
+                settings.beyond,
+                progress,
+                allowed_penetration=settings.allowed_penetration,
+            )
+    except Interrupted as interruption:
+        if interruption.statistics is None:
+            raise KeyboardInterrupt from None
+        typer.echo(interruption.statistics.to_text(), nl=False)
+        count = len(interruption.statistics.revolutions)
+        raise KeyboardInterrupt(
+            f"interrupted; these are the numbers of {count} complete revolutions"
+        ) from None
+
+
+def _earlier(mechanism: Mechanism, settings: Settings, out: Path) -> Trajectory | None:
     """Return the run to resume; refuse one of another mechanism or other options."""
     from cylcontact.mechanism import Trajectory
 
-    if out is None:
-        raise InputError("simulate", "--resume", None, "needs a file to go on from", "name it: -o")
     if not out.exists():
         typer.echo(f"cylcontact: there is no {out} yet; the run starts anew", err=True)
         return None
@@ -145,9 +207,9 @@ def _earlier(mechanism: Mechanism, settings: Settings, out: Path | None) -> Traj
 def _run(
     mechanism: Mechanism,
     settings: Settings,
-    revolutions: int | None,
+    revolutions: int,
     earlier: Trajectory | None,
-    out: Path | None,
+    out: Path,
 ) -> Trajectory:
     """Simulate; save the complete revolutions of an interrupted run."""
     from cylcontact.mechanism import Interrupted
@@ -166,7 +228,7 @@ def _run(
                 settings.allowed_penetration,
             )
     except Interrupted as interruption:
-        if out is None or interruption.trajectory is None:
+        if interruption.trajectory is None:
             raise KeyboardInterrupt from None
         interruption.trajectory.save(out)
         count = interruption.trajectory.revolutions

@@ -1,6 +1,7 @@
 """Planar mechanisms with a clearance joint: those of Section 4 of the paper, and your own."""
 
 from cylcontact.mechanism.impact import Impact, isolated_impact
+from cylcontact.mechanism.long_run import long_run
 from cylcontact.mechanism.loop import LawDomainError
 from cylcontact.mechanism.model import Mechanism, mechanism_from, read_mechanism
 from cylcontact.mechanism.simulate import Interrupted, simulate
@@ -21,6 +22,7 @@ __all__ = [
     "Trajectory",
     "cases",
     "isolated_impact",
+    "long_run",
     "mechanism_from",
     "read_mechanism",
     "simulate",
