@@ -1,4 +1,4 @@
-"""The commands `simulate`, `sweep` and `tolerances`."""
+"""The commands `simulate`, `sweep`, `bifurcation` and `tolerances`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,16 @@ from cylcontact.files import owning, require_suffix, write_table
 if TYPE_CHECKING:
     from cylcontact.mechanism import Mechanism, Settings, Statistics, Trajectory
 
-__all__ = ["PAPER", "Changes", "Integration", "SpecFile", "simulate", "sweep", "tolerances"]
+__all__ = [
+    "PAPER",
+    "Changes",
+    "Integration",
+    "SpecFile",
+    "bifurcation",
+    "simulate",
+    "sweep",
+    "tolerances",
+]
 
 # The cases of Sect. 4.3: laws, clearances in mm, restitutions, friction coefficients.
 PAPER = (
@@ -62,6 +71,25 @@ class Changes:
 
 
 @dataclass(frozen=True)
+class Losses:
+    """The changes of a spec but for the clearance."""
+
+    law: Annotated[str | None, typer.Option(help="A contact law, e.g. johnson.")] = None
+    restitution: Annotated[float | None, typer.Option(help="Restitution, (0, 1].")] = None
+    friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None
+
+
+Beyond = Annotated[
+    choices.Beyond,
+    typer.Option(
+        parser=str,
+        metavar="WHAT",
+        help=f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
+    ),
+]
+
+
+@dataclass(frozen=True)
 class Integration:
     """Options of the integration; None for the spec's."""
 
@@ -76,14 +104,7 @@ class Integration:
     tolerance: Annotated[
         float | None, typer.Option(help="Of the integrator; the spec's by default.")
     ] = None
-    beyond: Annotated[
-        choices.Beyond,
-        typer.Option(
-            parser=str,
-            metavar="WHAT",
-            help=f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
-        ),
-    ] = "stop"
+    beyond: Beyond = "stop"
 
 
 @expand_options
@@ -331,6 +352,66 @@ def tolerances(
         table = tolerance_table(tables)
         write_table(table, out)
     typer.echo(table.to_string(index=False, float_format="%.3g"))
+
+
+@expand_options
+def bifurcation(
+    spec: SpecFile,
+    *,
+    out: TableFile,
+    clearances: Annotated[
+        str, typer.Option(help="The smallest and the largest radial clearance, mm.")
+    ] = "0.01,0.5",
+    points: Annotated[
+        int, typer.Option(parser=integer_from(1), metavar="INTEGER", help="How many of them.")
+    ] = 40,
+    changes: Losses,
+    revolutions: Annotated[
+        int, typer.Option(parser=integer_from(2), metavar="INTEGER", help="Length of each run.")
+    ] = 200,
+    last: Annotated[
+        int, typer.Option(parser=integer_from(1), metavar="INTEGER", help="Sections kept of each.")
+    ] = 50,
+    rates: Annotated[
+        str,
+        typer.Option(
+            "--impact-rates",
+            help="δ̇⁽⁻⁾ that contact carries, m/s, separated by commas; 0 for that of its onset.",
+        ),
+    ] = "0",
+    beyond: Beyond = "stop",
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+) -> None:
+    """Tabulate the Poincaré sections of a mechanism over its clearance: periodic or not."""
+    import numpy as np
+    import pandas as pd
+
+    from cylcontact.mechanism import read_mechanism
+    from cylcontact.mechanism.studies import bifurcation as run
+
+    require_suffix(out, *TABLE_SUFFIXES)
+    mechanism = read_mechanism(spec, **asdict(changes))
+    ends = _numbers("--clearances", clearances)
+    require(
+        len(ends) == 2 and min(ends) > 0, "--clearances", "", clearances,
+        "must be two positive numbers", "e.g. 0.01,0.5",
+    )  # fmt: skip
+    values = [float(f"{value:.4g}") for value in np.geomspace(ends[0], ends[1], points)]
+    where = workers(jobs, scheduler)
+    with owning(out):
+        with progress_bars() as progress:
+            tables = [
+                run(mechanism, values, revolutions, last, rate or None, beyond, where, progress)
+                for rate in _numbers("--impact-rates", rates)
+            ]
+        table = pd.concat(tables, ignore_index=True)
+        write_table(table, out)
+    periods = table.drop_duplicates(["clearance_mm", "held_m_per_s"])["period"]
+    counts = [(int((periods == period).sum()), int(period)) for period in sorted(set(periods))]
+    texts = [f"{count} of period {period}" for count, period in counts if period]
+    texts += [f"{count} of no period up to 8" for count, period in counts if not period]
+    typer.echo(f"{out}: {len(periods)} runs, {', '.join(texts)}")
 
 
 def _numbers(option: str, text: str) -> list[float]:

@@ -360,8 +360,9 @@ class Statistics:
             return "no intervals: nothing dissipates, and these are numbers of this horizon"
         if not count:
             return "too few revolutions for intervals (at least 8)"
-        size = len(self.by_revolution) // count
-        return f"± half the 95 % interval from {count} batches of {size} revolutions or one more"
+        size, over = divmod(len(self.by_revolution), count)
+        more = " or one more" if over else ""
+        return f"± half the 95 % interval from {count} batches of {size} revolutions{more}"
 
     @property
     def motion(self) -> tuple[str, ...]:
