@@ -200,7 +200,9 @@ class TestStatistics:
         text = repr(statistics)
         assert "revolutions 11 to 40, the first 10 left out; ± half the 95 % interval" in text
         assert "from 15 batches of 2 revolutions" in text
-        assert "too few revolutions for a period (at least 32)" in text
+        assert "no period up to 8 revolutions" in text
+        few = repr(long_run(sensitive.mechanism, revolutions=3))
+        assert "too few revolutions for a period (at least 32)" in few
         assert "<td>" in statistics._repr_html_()
         with pytest.raises(InputError, match=r"level = 95: must lie in \(0, 1\)"):
             statistics.interval(95)

@@ -408,10 +408,15 @@ def bifurcation(
         table = pd.concat(tables, ignore_index=True)
         write_table(table, out)
     periods = table.drop_duplicates(["clearance_mm", "held_m_per_s"])["period"]
-    counts = [(int((periods == period).sum()), int(period)) for period in sorted(set(periods))]
-    texts = [f"{count} of period {period}" for count, period in counts if period]
-    texts += [f"{count} of no period up to 8" for count, period in counts if not period]
-    typer.echo(f"{out}: {len(periods)} runs, {', '.join(texts)}")
+    counts = {
+        f"of period {period:g}" if period else "of no period up to 8": int(
+            (periods == period).sum()
+        )
+        for period in sorted(periods.dropna().unique())
+    }
+    counts["too short to tell"] = int(periods.isna().sum())
+    texts = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+    typer.echo(f"{out}: {len(periods)} runs, {texts}")
 
 
 def _numbers(option: str, text: str) -> list[float]:

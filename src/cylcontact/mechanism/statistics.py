@@ -234,13 +234,15 @@ class Statistics:
 
         Each of the last 24 sections must repeat the one p revolutions earlier, to a thousandth of
         the clearance and, for the rates, of the clearance times the driver's speed. 0 if there is
-        no such p; None if there are less than 25 revolutions. Of a long run a period says
+        no such p; None if the run is too short to tell, below 32. Of a long run a period says
         something of its end only.
         """
         clearance = self.mechanism.clearance.radial
         speed = clearance * abs(self.mechanism.driver.speed)
         scale = np.array([clearance * 1e6] * 2 + [speed] * 2 + [1.0])
-        points = self.section.to_numpy(dtype=np.float64) / np.where(scale > 0, scale, 1.0)
+        points = self.revolutions[list(SECTION)].to_numpy(dtype=np.float64) / np.where(
+            scale > 0, scale, 1.0
+        )
         return period_of(points)
 
     @property

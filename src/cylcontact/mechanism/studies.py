@@ -195,8 +195,8 @@ def bifurcation(
     >>> table = bifurcation(mechanism, [0.5], revolutions=40, last=2)
     >>> print(table[["clearance_mm", "revolution", "in_contact", "period"]].to_string(index=False))
      clearance_mm  revolution  in_contact  period
-              0.5          38        True       1
-              0.5          39        True       1
+              0.5          38        True     1.0
+              0.5          39        True     1.0
     """
     import pandas as pd
 
@@ -240,7 +240,8 @@ def sections(
             start = replace(start, end=replace(start.end, impact_rate=impact_rate))
     run = long_run(mechanism, revolutions, first, beyond=beyond, resume=start)
     table: pd.DataFrame = run.section.assign(
-        impact_rate_m_per_s=run.by_revolution["impact_rate_m_per_s"], period=run.period
+        impact_rate_m_per_s=run.by_revolution["impact_rate_m_per_s"],
+        period=np.nan if run.period is None else float(run.period),
     ).reset_index()
     table.insert(0, "clearance_mm", clearance)
     table.insert(1, "held_m_per_s", np.nan if impact_rate is None else impact_rate)
