@@ -201,6 +201,14 @@ def test_simulate_says_how_well_its_means_are_known(run, tmp_path):
     assert statistics(kept) == statistics(again)
 
 
+def test_simulate_takes_an_ideal_joint(run):
+    code, out, err = run("simulate", SPEC, "--clearance", 0, "--revolutions", 2)
+    assert (code, err) == (0, "")
+    assert "contacts: 0" in out
+    assert "keep to one path" not in out
+    assert "part after" not in out
+
+
 def test_an_interrupted_simulate_prints_what_is_complete(run, monkeypatch):
     def stop(mechanism, *_, **__):
         raise Interrupted(statistics=long_run(mechanism, 3, 1))

@@ -176,7 +176,8 @@ def simulate(
     for path in (out, table):
         if path is not None:
             typer.echo(f"\nwritten to {path}")
-    typer.echo(f"\n{agreement(mechanism, settings, total)}")
+    if not mechanism.ideal:
+        typer.echo(f"\n{agreement(mechanism, settings, total)}")
     for warning in statistics.warnings:
         typer.echo(f"warning: {warning}", err=True)
 
