@@ -23,7 +23,7 @@ MAIN_FIGURES := $(foreach number,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16
 unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: all committed env extras fits finite-element mechanism optimizers figures report claims verify \
+.PHONY: all committed env extras fits finite-element mechanism bifurcation optimizers figures report claims verify \
 	bench scaling notebooks pair docs test test-skipped test-slow lint format lock clean distclean help FORCE
 
 ##@ The main job
@@ -75,6 +75,13 @@ mechanism: $(VENV)/.editable ## Redo the mechanism's tables, datasets/mechanism 
 		--tolerances 1e-5,1e-6,1e-7,1e-8,1e-9,1e-10
 	$(CYLCONTACT) sweep datasets/slider_crank.toml -o datasets/mechanism/cases.csv \
 		--revolutions 20 --first 3 --beyond tangent --against 1e-10
+	$(MAKE) bifurcation
+
+# Periodic or not: once each contact with the δ̇⁽⁻⁾ of its onset, once with one that is held.
+bifurcation: $(VENV)/.editable ## Redo datasets/mechanism/bifurcation.csv alone (some minutes)
+	$(CYLCONTACT) bifurcation datasets/slider_crank.toml -o datasets/mechanism/bifurcation.csv \
+		--law johnson --beyond tangent --clearances 0.01,0.5 --points 48 --revolutions 200 \
+		--last 60 --impact-rates 0,0.1
 
 optimizers: $(COMPARISONS) ## Compare the optimisers on both main campaigns, into fitting/results
 

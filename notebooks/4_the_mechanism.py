@@ -167,7 +167,7 @@ except InputError as stopped:
 
 # %%
 continued = simulate(read_mechanism(spec, law="johnson", **tight), beyond="tangent")
-print(continued.continuation[0])
+print(continued.statistics().continuation)
 
 # %% [markdown]
 # The explicit law has no end, so nothing has to be continued.

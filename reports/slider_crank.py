@@ -37,8 +37,9 @@ CASES = tuple(cases(JOINT_LAWS, JOINT_CLEARANCES, RESTITUTIONS, FRICTIONS))
 # Statistics omit the first revolutions: the journal starts at rest in the centre, and impacts make
 # two tolerances diverge, if at all, within 1.5 revolutions (datasets/mechanism/cases.csv).
 REVOLUTIONS, FIRST = 8, 3
-# Without dissipation, friction drives the journal round along the wall of a small clearance. The
-# number of revolutions until that stops depends on every digit.
+# Without dissipation, friction drives the journal round along the wall of a small clearance. Such a
+# whirl lasts for some twenty revolutions in the mean, stops and comes back, so that these few
+# revolutions are one sample of it; `long_run` over a thousand gives an interval.
 WHIRLING = Case("", min(JOINT_CLEARANCES), 1.0, 0.1)
 WHIRLING_REVOLUTIONS = 16
 # Tolerance of a case's second run, relative to the spec's.

@@ -69,8 +69,9 @@ WORDS |= {"coefficient_x", "coefficient_y"}
 WORDS |= {"changed", "reading", "search", "coefficient", "campaign", "crossover", "kind"}
 UNITLESS |= {"value", "objective_published", "run", "population", "evaluations"}
 UNITLESS |= {"searched", "polished"}
+UNITLESS |= {"e_y_over_clearance", "period"}
 UNITS = ("_mm", "_um", "_us", "_us_std", "_N", "_J")
-UNITS += ("_N_per_mm", "_MPa", "_GPa", "_percent", "_N_per_mm_n")
+UNITS += ("_m_per_s", "_N_per_mm", "_MPa", "_GPa", "_percent", "_N_per_mm_n")
 
 
 class TestFiles:

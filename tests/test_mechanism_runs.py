@@ -154,7 +154,7 @@ def test_the_tangent_takes_over_smoothly_and_is_told():
     run = simulate(mechanism, revolutions=1, beyond="tangent")
     limit = TANGENT_FROM * float(Johnson().max_penetration(mechanism.clearance.pair))
     assert run.penetration.max() * 1e3 > limit
-    (note,) = run.continuation
+    note = run.statistics().continuation
     assert note in run.assumptions
     assert note.startswith("beyond 9.744 µm the law goes on along its tangent, up to ")
     below, above = (
@@ -169,7 +169,7 @@ def test_the_tangent_takes_over_smoothly_and_is_told():
 
 def test_no_continuation_is_told_where_none_was_needed():
     run = simulate(slider_crank("johnson"), revolutions=1, beyond="tangent")
-    assert run.continuation == ()
+    assert run.statistics().continuation == ""
 
 
 def test_steps_that_collapse_are_told():

@@ -6,7 +6,16 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.cli.mechanism import PAPER
-from cylcontact.mechanism import Case, Plan, Trajectory, cases, simulate, sweep
+from cylcontact.mechanism import (
+    Case,
+    Interrupted,
+    Plan,
+    Trajectory,
+    cases,
+    long_run,
+    simulate,
+    sweep,
+)
 from cylcontact.mechanism.studies import tolerance_table
 from tests.mechanism_cases import CASES, ROOT, SLIDER_CRANK, slider_crank
 from tests.spec_files import changed, write_toml
@@ -169,6 +178,70 @@ def test_simulate_prints_the_summary_and_the_assumptions(run):
     assert "bodies.rod.mass = 0.21" in out
 
 
+def test_simulate_says_how_well_its_means_are_known(run, tmp_path):
+    table = tmp_path / "table.csv"
+    options = ("--friction", 0, "--law", "johnson", "--revolutions", 12, "--table", table)
+    code, out, _ = run("simulate", SPEC, *options)
+    assert code == 0
+    assert "Means over revolutions 3 to 12, the first 2 left out; ± half the 95 % interval" in out
+    assert "tolerances of 1e-08 and 1e-09 part after " in out
+    assert list(tmp_path.iterdir()) == [table]
+    read = pd.read_csv(table, index_col="revolution")
+    mechanism = slider_crank("johnson", friction=0.0)
+    expected = long_run(mechanism, 12).by_revolution
+    assert list(read.columns) == list(expected.columns)
+    assert list(read["impacts"]) == list(expected["impacts"])
+    again = run("simulate", SPEC, *options[:6], "--first", 5, "-o", tmp_path / "run.parquet")[1]
+    assert "revolutions 6 to 12, the first 5 left out; too few revolutions" in again
+    kept = run("simulate", SPEC, *options[:6], "--first", 5)[1]
+
+    def statistics(text):
+        return text[: text.index(" ms of computing")].rpartition("\n")[0]
+
+    assert statistics(kept) == statistics(again)
+
+
+def test_simulate_takes_an_ideal_joint(run):
+    code, out, err = run("simulate", SPEC, "--clearance", 0, "--revolutions", 2)
+    assert (code, err) == (0, "")
+    assert "contacts: 0" in out
+    assert "keep to one path" not in out
+    assert "part after" not in out
+
+
+def test_an_interrupted_simulate_prints_what_is_complete(run, monkeypatch):
+    def stop(mechanism, *_, **__):
+        raise Interrupted(statistics=long_run(mechanism, 3, 1))
+
+    monkeypatch.setattr("cylcontact.mechanism.long_run", stop)
+    code, out, err = run("simulate", SPEC, "--revolutions", 1000)
+    assert code == 130
+    assert "Means over revolutions 2 to 3" in out
+    assert "interrupted; these are the numbers of 3 complete revolutions" in err
+
+
+def test_bifurcation_tabulates_sections(run, tmp_path):
+    out = tmp_path / "table.csv"
+    options = ("--clearances", "0.4,0.5", "--points", 2, "--revolutions", 33, "--last", 4)
+    code, sentence, _ = run(
+        "bifurcation", SPEC, "-o", out, *options, "--impact-rates", "0,0.05", "--jobs", 1
+    )
+    assert code == 0
+    assert "4 runs, " in sentence
+    table = pd.read_csv(out)
+    assert list(table["clearance_mm"].unique()) == [0.4, 0.5]
+    assert list(table["revolution"].unique()) == [29, 30, 31, 32]
+    assert table["held_m_per_s"].isna().sum() == 8
+    alone = table[(table["clearance_mm"] == 0.5) & table["held_m_per_s"].isna()]
+    expected = long_run(slider_crank(), 33).section.tail(4)
+    for column in ("e_x_um", "e_y_rate_m_per_s"):
+        assert alone[column].to_numpy() == pytest.approx(expected[column].to_numpy(), rel=1e-9)
+    held = table[table["held_m_per_s"] == 0.05]
+    assert (held["impact_rate_m_per_s"] == 0.05).any()
+    short = ("--points", 1, "--revolutions", 4, "--last", 2, "--jobs", 1)
+    assert run("bifurcation", SPEC, "-o", out, *short)[1].endswith("1 runs, 1 too short to tell\n")
+
+
 def test_simulate_warns_of_a_load_above_first_yield_and_not_of_a_smaller_one(run, tmp_path):
     for yield_stress, start in ((100.0, "warning: the largest load, "), (1000.0, "")):
         given = changed(SLIDER_CRANK, {"clearance.yield_stress": yield_stress})
@@ -219,6 +292,24 @@ def test_resuming_what_is_not_there_starts_anew(run, tmp_path):
         (("simulate", SPEC, "--tolerance", "2"), "tolerance = 2.0: must lie in [1e-14, 1e-3]"),
         (("simulate", SPEC, "--resume"), "--resume: needs a file to go on from"),
         (("simulate", SPEC, "-o", "run.csv"), "run.csv: is not a .parquet"),
+        (("simulate", SPEC, "--table", "t.txt"), "t.txt: is neither .csv nor .parquet"),
+        (
+            ("simulate", SPEC, "--revolutions", 2, "--first", 2),
+            "--first = 2: leaves none of 2 revolutions",
+        ),
+        (("bifurcation", SPEC, "-o", "t.txt"), "t.txt: is neither .csv nor .parquet"),
+        (
+            ("bifurcation", SPEC, "-o", "t.csv", "--clearances", "0,1"),
+            "'0,1': must be two positive numbers",
+        ),
+        (
+            ("bifurcation", SPEC, "-o", "t.csv", "--revolutions", 3, "--last", 3),
+            "last = 3: must be at least 1 and below the 3 revolutions",
+        ),
+        (
+            ("bifurcation", SPEC, "-o", "t.csv", "--impact-rates", "-1"),
+            "impact_rate = -1.0: must be positive",
+        ),
         (
             ("simulate", SPEC, "--law", "johnson", "--clearance", 0.02, "--restitution", 1,
              "--revolutions", 1),
@@ -254,5 +345,5 @@ def test_sweep_writes_a_table_and_tells_what_stopped(run, tmp_path):
     assert list(pd.read_csv(out)["status"]) == ["stopped", "complete"]
     assert list(tmp_path.iterdir()) == [out]
     run("sweep", SPEC, "-o", parquet, *options)
-    read = pd.read_csv(out).fillna({"message": ""})
-    pd.testing.assert_frame_equal(pd.read_parquet(parquet), read, check_dtype=False)
+    written = pd.read_parquet(parquet).replace({"": np.nan})
+    pd.testing.assert_frame_equal(written, pd.read_csv(out), check_dtype=False)

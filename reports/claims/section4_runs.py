@@ -41,7 +41,7 @@ BASIS = (
     f"geometry and masses assumed (Table 2 is missing); means over revolutions {FIRST + 1} to "
     f"{REVOLUTIONS} (to {WHIRLING_REVOLUTIONS} at {WHIRLING.clearance:g} mm with "
     f"c_e = {WHIRLING.restitution:g} and c_f = {WHIRLING.friction:g}, where a whirl along the wall "
-    "lasts for a number of revolutions that hangs on the tolerance, and then stops), after the "
+    "stops and comes back, so that so few revolutions are one sample of it), after the "
     "start-up and where sensitive runs have parted, of two runs for each case, at the spec's "
     f"tolerance and at {TIGHTER:g} of it"
 )

@@ -1,4 +1,4 @@
-"""The commands `simulate`, `sweep` and `tolerances`."""
+"""The commands `simulate`, `sweep`, `bifurcation` and `tolerances`."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cylcontact import choices
+from cylcontact.arrays import require
 from cylcontact.choices import BEYOND, METHODS, TABLE_SUFFIXES, listed
 from cylcontact.cli.options import Jobs, Scheduler, expand_options, integer_from, resumable
 from cylcontact.cli.terminal import progress_bars, workers
@@ -18,9 +19,18 @@ from cylcontact.errors import InputError
 from cylcontact.files import owning, require_suffix, write_table
 
 if TYPE_CHECKING:
-    from cylcontact.mechanism import Mechanism, Settings, Trajectory
+    from cylcontact.mechanism import Mechanism, Settings, Statistics, Trajectory
 
-__all__ = ["PAPER", "Changes", "Integration", "SpecFile", "simulate", "sweep", "tolerances"]
+__all__ = [
+    "PAPER",
+    "Changes",
+    "Integration",
+    "SpecFile",
+    "bifurcation",
+    "simulate",
+    "sweep",
+    "tolerances",
+]
 
 # The cases of Sect. 4.3: laws, clearances in mm, restitutions, friction coefficients.
 PAPER = (
@@ -61,6 +71,25 @@ class Changes:
 
 
 @dataclass(frozen=True)
+class Losses:
+    """The changes of a spec but for the clearance."""
+
+    law: Annotated[str | None, typer.Option(help="A contact law, e.g. johnson.")] = None
+    restitution: Annotated[float | None, typer.Option(help="Restitution, (0, 1].")] = None
+    friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None
+
+
+Beyond = Annotated[
+    choices.Beyond,
+    typer.Option(
+        parser=str,
+        metavar="WHAT",
+        help=f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
+    ),
+]
+
+
+@dataclass(frozen=True)
 class Integration:
     """Options of the integration; None for the spec's."""
 
@@ -75,14 +104,7 @@ class Integration:
     tolerance: Annotated[
         float | None, typer.Option(help="Of the integrator; the spec's by default.")
     ] = None
-    beyond: Annotated[
-        choices.Beyond,
-        typer.Option(
-            parser=str,
-            metavar="WHAT",
-            help=f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
-        ),
-    ] = "stop"
+    beyond: Beyond = "stop"
 
 
 @expand_options
@@ -102,34 +124,96 @@ def simulate(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on from what --out holds, with its settings.")
     ] = False,
+    first: Annotated[
+        int | None,
+        typer.Option(
+            parser=integer_from(0),
+            metavar="INTEGER",
+            help="First revolution that counts, from 0; by default 10, and a fifth of a short run.",
+        ),
+    ] = None,
+    table: Annotated[
+        Path | None, typer.Option(help="Write the numbers by revolution to this .csv or .parquet.")
+    ] = None,
 ) -> None:
-    """Simulate a mechanism with a clearance joint, and print a summary."""
+    """Simulate a mechanism with a clearance joint, and print its statistics.
+
+    Without --out the steps are not kept, and memory does not grow with the revolutions.
+    """
     from cylcontact.mechanism import read_mechanism
+    from cylcontact.mechanism.long_run import first_of
     from cylcontact.mechanism.simulate import settings_for
+    from cylcontact.mechanism.studies import agreement
 
     mechanism = read_mechanism(spec, **asdict(changes))
     if out is not None:
         require_suffix(out, ".parquet")
+    if table is not None:
+        require_suffix(table, *TABLE_SUFFIXES)
     allowed = None if allowed_penetration is None else allowed_penetration * 1e-6
     settings = settings_for(mechanism, **asdict(integration), allowed_penetration=allowed)
-    with owning(out) if out else nullcontext():
-        earlier = _earlier(mechanism, settings, out) if resume else None
-        run = _run(mechanism, settings, revolutions, earlier, out)
-        if out is not None:
+    total = revolutions or mechanism.integration.revolutions
+    first = first_of(total) if first is None else first
+    require(
+        first < total, "simulate", "--first", first, f"leaves none of {total} revolutions",
+        "start earlier, or simulate more",
+    )  # fmt: skip
+    with owning(out) if out else nullcontext(), owning(table) if table else nullcontext():
+        if out is None:
+            if resume:
+                raise InputError(
+                    "simulate", "--resume", None, "needs a file to go on from", "name it: -o"
+                )
+            statistics = _statistics(mechanism, settings, total, first)
+        else:
+            earlier = _earlier(mechanism, settings, out) if resume else None
+            run = _run(mechanism, settings, total, earlier, out)
             run.save(out)
-    typer.echo(run.to_text(), nl=False)
-    if out is not None:
-        typer.echo(f"\nwritten to {out}")
-    if run.yield_warning is not None:
-        typer.echo(f"warning: {run.yield_warning}", err=True)
+            statistics = run.statistics(first)
+        if table is not None:
+            write_table(statistics.by_revolution.reset_index(), table)
+    typer.echo(statistics.to_text(), nl=False)
+    for path in (out, table):
+        if path is not None:
+            typer.echo(f"\nwritten to {path}")
+    if not mechanism.ideal:
+        typer.echo(f"\n{agreement(mechanism, settings, total)}")
+    for warning in statistics.warnings:
+        typer.echo(f"warning: {warning}", err=True)
 
 
-def _earlier(mechanism: Mechanism, settings: Settings, out: Path | None) -> Trajectory | None:
+def _statistics(
+    mechanism: Mechanism, settings: Settings, revolutions: int, first: int
+) -> Statistics:
+    """Simulate without keeping the steps; print what an interrupted run has given."""
+    from cylcontact.mechanism import Interrupted, long_run
+
+    try:
+        with progress_bars() as progress:
+            return long_run(
+                mechanism,
+                revolutions,
+                first,
+                settings.method,
+                settings.tolerance,
+                settings.beyond,
+                progress,
+                allowed_penetration=settings.allowed_penetration,
+            )
+    except Interrupted as interruption:
+        if interruption.statistics is None:
+            raise KeyboardInterrupt from None
+        typer.echo(interruption.statistics.to_text(), nl=False)
+        count = len(interruption.statistics.revolutions)
+        raise KeyboardInterrupt(
+            f"interrupted; these are the numbers of {count} complete revolutions"
+        ) from None
+
+
+def _earlier(mechanism: Mechanism, settings: Settings, out: Path) -> Trajectory | None:
     """Return the run to resume; refuse one of another mechanism or other options."""
     from cylcontact.mechanism import Trajectory
 
-    if out is None:
-        raise InputError("simulate", "--resume", None, "needs a file to go on from", "name it: -o")
     if not out.exists():
         typer.echo(f"cylcontact: there is no {out} yet; the run starts anew", err=True)
         return None
@@ -145,9 +229,9 @@ def _earlier(mechanism: Mechanism, settings: Settings, out: Path | None) -> Traj
 def _run(
     mechanism: Mechanism,
     settings: Settings,
-    revolutions: int | None,
+    revolutions: int,
     earlier: Trajectory | None,
-    out: Path | None,
+    out: Path,
 ) -> Trajectory:
     """Simulate; save the complete revolutions of an interrupted run."""
     from cylcontact.mechanism import Interrupted
@@ -166,7 +250,7 @@ def _run(
                 settings.allowed_penetration,
             )
     except Interrupted as interruption:
-        if out is None or interruption.trajectory is None:
+        if interruption.trajectory is None:
             raise KeyboardInterrupt from None
         interruption.trajectory.save(out)
         count = interruption.trajectory.revolutions
@@ -269,6 +353,71 @@ def tolerances(
         table = tolerance_table(tables)
         write_table(table, out)
     typer.echo(table.to_string(index=False, float_format="%.3g"))
+
+
+@expand_options
+def bifurcation(
+    spec: SpecFile,
+    *,
+    out: TableFile,
+    clearances: Annotated[
+        str, typer.Option(help="The smallest and the largest radial clearance, mm.")
+    ] = "0.01,0.5",
+    points: Annotated[
+        int, typer.Option(parser=integer_from(1), metavar="INTEGER", help="How many of them.")
+    ] = 40,
+    changes: Losses,
+    revolutions: Annotated[
+        int, typer.Option(parser=integer_from(2), metavar="INTEGER", help="Length of each run.")
+    ] = 200,
+    last: Annotated[
+        int, typer.Option(parser=integer_from(1), metavar="INTEGER", help="Sections kept of each.")
+    ] = 50,
+    rates: Annotated[
+        str,
+        typer.Option(
+            "--impact-rates",
+            help="δ̇⁽⁻⁾ that contact carries, m/s, separated by commas; 0 for that of its onset.",
+        ),
+    ] = "0",
+    beyond: Beyond = "stop",
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+) -> None:
+    """Tabulate the Poincaré sections of a mechanism over its clearance: periodic or not."""
+    import numpy as np
+    import pandas as pd
+
+    from cylcontact.mechanism import read_mechanism
+    from cylcontact.mechanism.studies import bifurcation as run
+
+    require_suffix(out, *TABLE_SUFFIXES)
+    mechanism = read_mechanism(spec, **asdict(changes))
+    ends = _numbers("--clearances", clearances)
+    require(
+        len(ends) == 2 and min(ends) > 0, "--clearances", "", clearances,
+        "must be two positive numbers", "e.g. 0.01,0.5",
+    )  # fmt: skip
+    values = [float(f"{value:.4g}") for value in np.geomspace(ends[0], ends[1], points)]
+    where = workers(jobs, scheduler)
+    with owning(out):
+        with progress_bars() as progress:
+            tables = [
+                run(mechanism, values, revolutions, last, rate or None, beyond, where, progress)
+                for rate in _numbers("--impact-rates", rates)
+            ]
+        table = pd.concat(tables, ignore_index=True)
+        write_table(table, out)
+    periods = table.drop_duplicates(["clearance_mm", "held_m_per_s"])["period"]
+    counts = {
+        f"of period {period:g}" if period else "of no period up to 8": int(
+            (periods == period).sum()
+        )
+        for period in sorted(periods.dropna().unique())
+    }
+    counts["too short to tell"] = int(periods.isna().sum())
+    texts = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+    typer.echo(f"{out}: {len(periods)} runs, {texts}")
 
 
 def _numbers(option: str, text: str) -> list[float]:

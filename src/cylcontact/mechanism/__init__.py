@@ -8,6 +8,7 @@ from cylcontact.mechanism.clearance_joint import (
     read_joint,
 )
 from cylcontact.mechanism.impact import Impact, isolated_impact
+from cylcontact.mechanism.long_run import long_run
 from cylcontact.mechanism.loop import LawDomainError
 from cylcontact.mechanism.model import Mechanism, mechanism_from, read_mechanism
 from cylcontact.mechanism.simulate import Interrupted, simulate
@@ -32,6 +33,7 @@ __all__ = [
     "cases",
     "isolated_impact",
     "joint_from",
+    "long_run",
     "mechanism_from",
     "read_joint",
     "read_mechanism",

@@ -11,25 +11,33 @@ from dataclasses import replace
 
 import numpy as np
 
+from cylcontact.arrays import require
 from cylcontact.choices import BEYOND, METHODS, Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.mechanism.loop import Run, advance, one_row
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import recognise
-from cylcontact.mechanism.step_history import Settings, StepHistory, concatenate
+from cylcontact.mechanism.statistics import Statistics
+from cylcontact.mechanism.step_history import Settings, State, StepHistory, concatenate
 from cylcontact.mechanism.system import build
 from cylcontact.mechanism.trajectory import Trajectory
 from cylcontact.progress import Progress, silent
 
-__all__ = ["Interrupted", "settings_for", "simulate"]
+__all__ = ["Interrupted", "begin", "one_revolution", "settings_for", "simulate"]
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a run; `trajectory` has the complete revolutions, or is None."""
+    """Ctrl-C during a run, with what the complete revolutions give; None before the first one.
 
-    def __init__(self, trajectory: Trajectory | None) -> None:
+    `simulate` leaves a `trajectory`, `long_run` leaves `statistics`.
+    """
+
+    def __init__(
+        self, trajectory: Trajectory | None = None, statistics: Statistics | None = None
+    ) -> None:
         super().__init__()
         self.trajectory = trajectory
+        self.statistics = statistics
 
 
 def simulate(
@@ -96,29 +104,35 @@ def simulate(
     else:
         mechanism, settings = resume.mechanism, resume.settings
     total = mechanism.integration.revolutions if revolutions is None else revolutions
-    if total < 1:
-        raise InputError("simulate", "revolutions", total, "must be at least 1", "give e.g. 10")
-    system = build(mechanism, settings.method, settings.beyond, settings.allowed_penetration)
-    run = Run.start(
-        system, settings.tolerance, settings.max_step, None if resume is None else resume.end
-    )
+    run = begin(mechanism, settings, total, None if resume is None else resume.end)
     parts = [one_row(run.state, 0)] if resume is None else [resume.rows]
     done = 0 if resume is None else resume.revolutions
     try:
         for index in range(done, total):
             progress("revolutions", index, total)
-            parts.append(_revolution(run, index, mechanism.period))
+            parts.append(one_revolution(run, index, mechanism.period))
     except KeyboardInterrupt:
         rows = concatenate(parts)
-        complete = (
-            Trajectory(mechanism, settings, rows, system.block.copy()) if rows.counts.size else None
-        )
+        block = run.system.block.copy()
+        complete = Trajectory(mechanism, settings, rows, block) if rows.counts.size else None
         raise Interrupted(complete) from None
     progress("revolutions", total, total)
-    return Trajectory(mechanism, settings, concatenate(parts), system.block.copy())
+    return Trajectory(mechanism, settings, concatenate(parts), run.system.block.copy())
 
 
-def _revolution(run: Run, index: int, period: float) -> StepHistory:
+def begin(
+    mechanism: Mechanism, settings: Settings, revolutions: int, state: State | None = None
+) -> Run:
+    """Return a run at its start, or at the state where an earlier one ended."""
+    require(
+        revolutions >= 1, "simulate", "revolutions", revolutions, "must be at least 1",
+        "give e.g. 10",
+    )  # fmt: skip
+    system = build(mechanism, settings.method, settings.beyond, settings.allowed_penetration)
+    return Run.start(system, settings.tolerance, settings.max_step, state)
+
+
+def one_revolution(run: Run, index: int, period: float) -> StepHistory:
     """Integrate one revolution of the driver."""
     start, begun = run.state.time, time.perf_counter()
     rows, evaluations = advance(run, (index + 1) * period, index)

@@ -1,150 +1,489 @@
-"""Statistics of a run: values for each revolution, their means and their scatter."""
+"""Statistics of a run over its revolutions: means with intervals, steadiness, period, warnings."""
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from html import escape
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cylcontact.arrays import BoolArray, FloatArray
+from cylcontact.arrays import FloatArray, require
 from cylcontact.errors import InputError
-from cylcontact.mechanism.derived import changes
-from cylcontact.mechanism.step_history import LEDGERS, StepHistory
+from cylcontact.limits import yield_load, yield_warning
+from cylcontact.mechanism.batch_means import BatchMeans
+from cylcontact.mechanism.model import Mechanism
+from cylcontact.mechanism.revolution import ENERGIES, FORCE_PERCENTILES, Limits
+from cylcontact.mechanism.step_history import Settings, State
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Statistics", "statistics"]
+__all__ = ["QUANTITIES", "SECTION", "Statistics", "described", "period_of"]
 
-_PERCENTILES = (50, 95, 99)
-_ENERGIES = ("drive_work", "normal_dissipation", "friction_dissipation")
+# Every quantity that is averaged, and the sums of which its mean is the ratio. None stands for the
+# number of revolutions.
+_RATIOS: dict[str, tuple[str, str | None, float]] = {
+    "mean_penetration_um": ("penetration_integral_um_s", "contact_time_s", 1.0),
+    "mean_force_N": ("impulse_N_s", "contact_time_s", 1.0),
+    "mean_step_contact_us": ("contact_time_s", "contact_steps", 1e6),
+    "mean_step_flight_us": ("flight_time_s", "flight_steps", 1e6),
+}
+QUANTITIES = (
+    "contact_fraction",
+    "impacts",
+    "mean_penetration_um",
+    "max_penetration_um",
+    "mean_force_N",
+    *(f"force_p{percent}_N" for percent in FORCE_PERCENTILES),
+    "max_force_N",
+    *(f"{name}_J" for name in ENERGIES),
+    "mean_step_contact_us",
+    "mean_step_flight_us",
+    "steps",
+    "evaluations",
+)
+# The Poincaré section at the end of every revolution.
+SECTION = ("e_x_um", "e_y_um", "e_x_rate_m_per_s", "e_y_rate_m_per_s", "in_contact")
+
+# Assumed: two sections are the same if they differ by less than this share of the clearance, and
+# their rates by this share of the clearance times the driver's speed.
+REPEATS = 1e-3
+# A motion has period p if each of the last HELD sections repeats the one p revolutions earlier.
+HELD, LONGEST = 24, 8
+# The energy balance expected of every revolution, relative to the largest kinetic energy: the
+# default tolerance is the loosest at which ten of them close to 1e-5.
+BALANCE = 1e-6
+_LEVEL, _WIDTH = 0.95, 98
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Statistics:
-    """Statistics by revolution.
+    """Statistics of a run over its revolutions, from the revolution `first` on.
 
     Attributes
     ----------
-    by_revolution : DataFrame
-        One row for each revolution, indexed by its number, with the columns
+    revolutions : DataFrame
+        One row for each revolution of the run, indexed by its number from 0, with the columns
 
         - `contact_fraction`: share of the time in contact;
         - `impacts`: onsets of contact;
-        - `mean_penetration_um`: over the time in contact;
+        - `mean_penetration_um`, `mean_force_N`: over the time in contact, from integrals that
+          the integrator carries along;
         - `max_penetration_um`;
         - `force_p50_N`, `force_p95_N`, `force_p99_N`, `max_force_N`: percentiles of the normal
-          force over the time in contact;
+          force over the time in contact, from the steps;
         - `drive_work_J`, `normal_dissipation_J`, `friction_dissipation_J`: in that revolution;
         - `mean_step_contact_us`, `mean_step_flight_us`: mean steps of the integrator;
-        - `steps`, `evaluations`.
+        - `steps`, `evaluations`, `seconds` of computing;
+        - `contact_time_s`, `flight_time_s`, `penetration_integral_um_s`, `impulse_N_s`,
+          `contact_steps`: the sums of which means are ratios;
+        - `impact_rate_m_per_s`: δ̇⁽⁻⁾ of the contact at the revolution's end; 0 out of contact;
+        - `contacts`: contacts that are under way or begin; of these `above_yield` and
+          `beyond_law`, and `grazing`, impacts slower than the floor of δ̇⁽⁻⁾, each with the time
+          of the first one (`_s`, NaN if there is none). `above_yield` is NaN without a yield
+          stress;
+        - `max_load_N_per_mm`: the largest elastic load, without damping;
+        - `kinetic_energy_J`: the largest;
+        - `energy_error_J`: at the revolution's end, since the start of the run;
+        - `drift`: largest |Φ| at its end in m or rad; NaN in minimal coordinates, which have none;
+        - `e_x_um`, `e_y_um`, `e_x_rate_m_per_s`, `e_y_rate_m_per_s`, `in_contact`: the Poincaré
+          section, the eccentricity and its rate at the revolution's end.
+    mechanism : Mechanism
+        The mechanism.
+    settings : Settings
+        The settings of the run.
+    end : State
+        The state at its end, from which `long_run` goes on.
+    limits : Limits
+        What contacts were held against.
+    first : int
+        The first revolution that counts for means, intervals and tests.
     """
 
-    by_revolution: pd.DataFrame
+    revolutions: pd.DataFrame
+    mechanism: Mechanism
+    settings: Settings
+    end: State
+    limits: Limits
+    first: int = 0
+
+    def __post_init__(self) -> None:
+        total = len(self.revolutions)
+        if not 0 <= self.first < total:
+            raise InputError(
+                "statistics", "first", self.first, f"leaves none of {total} revolutions",
+                "start earlier, or simulate more revolutions",
+            )  # fmt: skip
+
+    @property
+    def by_revolution(self) -> pd.DataFrame:
+        """The rows of the revolutions from `first` on; the columns are those of `revolutions`."""
+        return self.revolutions.iloc[self.first :]
 
     @property
     def mean(self) -> pd.Series[float]:
-        """The means over the revolutions; a revolution without contact has no forces."""
-        return self.by_revolution.mean()
+        """The means of the quantities over the revolutions; NaN where there was no contact.
+
+        Means over the time in contact are ratios of sums: revolutions with more contact count
+        more. Of the percentiles and the largest values the mean over revolutions is taken.
+        """
+        import pandas as pd
+
+        return pd.Series(self._batches.ratio, QUANTITIES)
 
     @property
     def scatter(self) -> pd.Series[float]:
-        """The standard deviations over the revolutions (n − 1 in the denominator)."""
-        return self.by_revolution.std()
+        """The standard deviations from revolution to revolution (n − 1 in the denominator).
+
+        They do not say how well a mean is known; `interval` does.
+        """
+        return self.by_revolution[list(QUANTITIES)].std()
+
+    @cached_property
+    def _batches(self) -> BatchMeans:
+        table = self.by_revolution
+        sums = table.assign(flight_steps=table["steps"] - table["contact_steps"])
+        over, under = [], []
+        for name in QUANTITIES:
+            numerator, denominator, factor = _RATIOS.get(name, (name, None, 1.0))
+            over.append(factor * sums[numerator].to_numpy(dtype=np.float64))
+            under.append(np.ones(len(sums)) if denominator is None else sums[denominator])
+        return BatchMeans.of(np.column_stack(over), np.column_stack(under).astype(np.float64))
+
+    def interval(self, level: float = _LEVEL) -> pd.DataFrame:
+        """Return the means with intervals of confidence, by batch means.
+
+        The revolutions are divided into 20 batches, or as many as leave two revolutions in each.
+        Less than four batches, and a mechanism without losses, give no interval.
+
+        Parameters
+        ----------
+        level : float
+            The confidence.
+
+        Returns
+        -------
+        DataFrame
+            Indexed by quantity, with the columns `mean` and `half_width` (NaN: no interval).
+
+        Raises
+        ------
+        InputError
+            If the level is not between 0 and 1.
+
+        Examples
+        --------
+        >>> from cylcontact.mechanism import long_run, read_mechanism
+        >>> mechanism = read_mechanism("datasets/slider_crank.toml")
+        >>> table = long_run(mechanism, revolutions=30).interval()
+        >>> print(table.loc["drive_work_J"].round(2).to_list())
+        [3.05, 0.0]
+        """
+        import pandas as pd
+
+        require(0 < level < 1, "interval", "level", level, "must lie in (0, 1)", "give e.g. 0.95")
+        width = self._batches.half_width(level)
+        if self.lossless:
+            width[:] = np.nan
+        return pd.DataFrame({"mean": self.mean, "half_width": width}, list(QUANTITIES))
+
+    @property
+    def lossless(self) -> bool:
+        """Whether nothing dissipates: c_e = 1 and no friction."""
+        joint = self.mechanism.clearance
+        return joint.chi == 0.0 and joint.friction == 0.0
+
+    @property
+    def stationary(self) -> pd.Series[str]:
+        """What can be said of the steadiness of each quantity.
+
+        - "yes": no trend was found;
+        - "drifts": the batch means have a trend (t-test of their slope at 1 %) of more than a
+          thousandth of the mean;
+        - "correlated": there is no trend, but successive batch means are correlated (von
+          Neumann's test at 1 %), so that the interval is too narrow and the run too short;
+        - "too short": there are less than four batches of two revolutions;
+        - "no steady state": nothing dissipates. The energy spreads upwards, and a mean is a
+          number of its horizon;
+        - "-": there is no value, as of a force without contact.
+
+        Of a hundred steady quantities one is called drifting by chance, and one correlated.
+        """
+        import pandas as pd
+
+        found = self._batches
+        verdicts = np.where(found.drifts, "drifts", np.where(found.correlated, "correlated", "yes"))
+        if self.lossless:
+            verdicts = np.full(len(QUANTITIES), "no steady state")
+        elif not found.batches:
+            verdicts = np.full(len(QUANTITIES), "too short")
+        verdicts = np.where(np.isnan(found.ratio), "-", verdicts)
+        return pd.Series(verdicts, QUANTITIES, dtype=object)
+
+    @property
+    def section(self) -> pd.DataFrame:
+        """The Poincaré section: eccentricity, its rate and the mode at every revolution's end."""
+        return self.by_revolution[list(SECTION)]
+
+    @property
+    def period(self) -> int | None:
+        """The smallest number p ≤ 8 of revolutions after which the motion repeats.
+
+        Each of the last 24 sections must repeat the one p revolutions earlier, to a thousandth of
+        the clearance and, for the rates, of the clearance times the driver's speed. 0 if there is
+        no such p; None if the run is too short to tell, below 32. Of a long run a period says
+        something of its end only.
+        """
+        clearance = self.mechanism.clearance.radial
+        speed = clearance * abs(self.mechanism.driver.speed)
+        scale = np.array([clearance * 1e6] * 2 + [speed] * 2 + [1.0])
+        points = self.revolutions[list(SECTION)].to_numpy(dtype=np.float64) / np.where(
+            scale > 0, scale, 1.0
+        )
+        return period_of(points)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """A sentence for each thing to be wary of, over the whole run: how often, and when first.
+
+        First yield, the end of the law's domain, impacts slower than the floor of δ̇⁽⁻⁾, and an
+        energy balance worse than a millionth of the largest kinetic energy per revolution.
+        """
+        texts = (self._yield(), self.continuation, self._grazing(), self._balance())
+        return tuple(text for text in texts if text)
+
+    def _counted(self, column: str, among: str, text: str) -> str:
+        """Return how many contacts are of a kind, their share, and the first one."""
+        table = self.revolutions
+        count, total = int(table[column].sum()), int(table[among].sum())
+        rows = int((table[column] > 0).sum())
+        first = float(table[f"{column}_s"].min())
+        return (
+            f"{count:,} of {total:,} {text} ({_percent(count / total)}), in {rows:,} of "
+            f"{len(table):,} revolutions, first at {first:.4g} s"
+        )
+
+    def _yield(self) -> str:
+        pair = self.mechanism.clearance.pair
+        load = self.revolutions["max_load_N_per_mm"].max()
+        text = None if pair is None else yield_warning(load, pair)
+        return (
+            f"{text}; {self._counted('above_yield', 'contacts', 'contacts pass it')}"
+            if text
+            else ""
+        )
+
+    @property
+    def continuation(self) -> str:
+        """A sentence on contacts for which the law was continued beyond its domain, or nothing."""
+        if not self.revolutions["beyond_law"].sum() > 0:
+            return ""
+        deepest = float(self.revolutions["max_penetration_um"].max())
+        counted = self._counted("beyond_law", "contacts", "contacts")
+        return (
+            f"beyond {self.limits.law * 1e6:.4g} µm the law goes on along its tangent, up to "
+            f"{deepest:.4g} µm: {counted}"
+        )
+
+    def _grazing(self) -> str:
+        if not self.revolutions["grazing"].sum() > 0:
+            return ""
+        counted = self._counted("grazing", "impacts", "impacts begin slower")
+        return (
+            f"grazing starts: below {self.limits.floor * 1e3:g} mm/s an impact counts as one of "
+            f"that speed; {counted}"
+        )
+
+    def _balance(self) -> str:
+        table = self.revolutions
+        share = table["energy_error_J"].abs() / table["kinetic_energy_J"].max()
+        worse = share > BALANCE * np.arange(1, len(table) + 1)
+        if not worse.any():
+            return ""
+        at = int(np.argmax(worse))
+        return (
+            f"the energy balance is off by up to {table['energy_error_J'].abs().max():.3g} J, "
+            f"{_percent(float(share.max()))} of the largest kinetic energy, and by more than "
+            f"{BALANCE:g} of it per revolution at the end of {int(worse.sum()):,} of "
+            f"{len(table):,} revolutions, first of revolution {at + 1:,}; a tighter "
+            "tolerance mends it"
+        )
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """What describes the whole run, by name."""
+        clearance, table = self.mechanism.data["clearance"], self.revolutions
+        worst = float(table["energy_error_J"].abs().max())
+        drift = float(table["drift"].max())
+        return {
+            "law": clearance["law"],
+            "clearance (mm)": clearance["radial"],
+            "restitution": clearance["restitution"],
+            "friction": clearance["friction"],
+            "method": self.settings.method,
+            "tolerance": self.settings.tolerance,
+            "revolutions": len(table),
+            "steps": int(table["steps"].sum()),
+            "contacts": int(table["impacts"].sum()),
+            "max penetration (µm)": round(float(table["max_penetration_um"].max()), 3),
+            "energy error (J)": float(f"{worst:.3g}"),
+            **({"drift (m, rad)": float(f"{drift:.3g}")} if np.isfinite(drift) else {}),
+            **({"beyond the law": self.settings.beyond} if self.continuation else {}),
+            **self._against_yield(),
+        }
+
+    def _against_yield(self) -> dict[str, str]:
+        """Return the row of the summary on first yield; none without a yield stress."""
+        if np.isnan(self.limits.first_yield):
+            return {}
+        pair = self.mechanism.clearance.pair
+        assert pair is not None
+        load = float(self.revolutions["max_load_N_per_mm"].max())
+        share = load / float(yield_load(pair))
+        text = f"{load:,.0f} N/mm, {100 * share:.3g} % of first yield (von Mises)"
+        return {"max elastic load": text}
+
+    @property
+    def _counts(self) -> str:
+        """Which revolutions count."""
+        total = len(self.revolutions)
+        text = f"revolutions {self.first + 1:,} to {total:,}"
+        left_out = f", the first {self.first:,} left out" if self.first else ""
+        return (f"revolution {total:,}" if self.first + 1 == total else text) + left_out
+
+    @property
+    def _method(self) -> str:
+        """How the intervals were made, or why there are none."""
+        count = self._batches.batches
+        if self.lossless:
+            return "no intervals: nothing dissipates, and these are numbers of this horizon"
+        if not count:
+            return "too few revolutions for intervals (at least 8)"
+        size, over = divmod(len(self.by_revolution), count)
+        more = " or one more" if over else ""
+        return f"± half the 95 % interval from {count} batches of {size} revolutions{more}"
+
+    @property
+    def motion(self) -> tuple[str, ...]:
+        """Sentences on the motion: whether it is steady, its period, and the δ̇⁽⁻⁾ it carries."""
+        verdicts = self.stationary[self.stationary != "-"]
+        texts = []
+        for verdict, sentence in _STEADINESS.items():
+            found = list(verdicts.index[verdicts == verdict])
+            if len(found) == len(verdicts):
+                texts.append(sentence)
+            elif found and verdict != "yes":
+                texts.append(f"{sentence}: {', '.join(found)}")
+        return (*texts, self._repeats(), *self._carried())
+
+    def _repeats(self) -> str:
+        """Return a sentence on the period."""
+        period, closeness = self.period, f"{REPEATS:g} of the clearance"
+        if period is None:
+            return f"too few revolutions for a period (at least {HELD + LONGEST})"
+        if period == 0:
+            return f"no period up to {LONGEST} revolutions (the sections of the last {HELD})"
+        unit = "revolution" if period == 1 else "revolutions"
+        return f"periodic: repeats after {period} {unit} to {closeness}, over the last {HELD}"
+
+    @property
+    def carried(self) -> float:
+        """δ̇⁽⁻⁾ in m/s that a contact without end keeps from its onset; NaN if the run has flights.
+
+        It scales the damping, and so decides what motion the contact settles to: a contact that
+        began slower is damped more. A run "has flights" if its last revolution has one.
+        """
+        last = self.revolutions.iloc[-1]
+        return float(last["impact_rate_m_per_s"] if last["flight_time_s"] == 0 else np.nan)
+
+    def _carried(self) -> tuple[str, ...]:
+        """Return a sentence on the δ̇⁽⁻⁾ of a contact that does not end, or none."""
+        if np.isnan(self.carried):
+            return ()
+        flights = np.flatnonzero(self.revolutions["flight_time_s"] > 0)
+        since = f"revolution {int(flights[-1]) + 2:,}" if flights.size else "the start"
+        return (
+            f"in contact throughout since {since}, with the δ̇⁽⁻⁾ of its onset, "
+            f"{self.carried:.3g} m/s, which scales the damping",
+        )
+
+    def _table(self) -> pd.DataFrame:
+        """Return what `repr` shows."""
+        counted = self.by_revolution[list(QUANTITIES)]
+        table = self.interval().rename(columns={"half_width": "±"})
+        return table.assign(
+            std=counted.std(), min=counted.min(), max=counted.max(), stationary=self.stationary
+        )
 
     def __repr__(self) -> str:
-        table = self.by_revolution.agg(["mean", "std", "min", "max"]).T
-        return f"{len(self.by_revolution)} revolutions\n{table.to_string(float_format='%.6g')}"
+        table = self._table().to_string(float_format=lambda number: f"{number:.5g}", na_rep="-")
+        lines = [f"Means over {self._counts}; {self._method}", table, *self.motion]
+        return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        table: str = self.by_revolution.agg(["mean", "std", "min", "max"]).T.to_html()
-        return table
+        notes = "".join(f"<p>{escape(text)}.</p>" for text in (self._method, *self.motion))
+        table: str = self._table().to_html(float_format=lambda number: f"{number:.5g}", na_rep="–")
+        return f"<p>Means over {self._counts}.</p>{table}{notes}"
+
+    def to_text(self) -> str:
+        """Return the report that `cylcontact simulate` prints: summary, statistics, assumptions."""
+        milliseconds = float(self.revolutions["seconds"].mean()) * 1e3
+        lines = [
+            described(f"Run of {self.mechanism.name!r}", self.summary),
+            "",
+            repr(self),
+            "",
+            f"{milliseconds:.1f} ms of computing for a revolution in the mean, "
+            f"{self.mechanism.period * 1e3:.3g} ms in real time",
+            "",
+            "Assumed, not from the paper:",
+            *textwrap.wrap(
+                "; ".join(self.assumptions), _WIDTH, initial_indent="  ", subsequent_indent="  "
+            ),
+        ]
+        return "\n".join(lines) + "\n"
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """Every assumption as "key = value", with the continuation of the law if there was one."""
+        return (*self.mechanism.assumptions, *filter(None, [self.continuation]))
 
 
-def statistics(
-    rows: StepHistory, penetration: FloatArray, normal_force: FloatArray, first: int = 0
-) -> Statistics:
-    """Return the statistics of a run over its revolutions from `first` on.
+_STEADINESS = {
+    "yes": "no quantity has a trend",
+    "drifts": "not steady, with a trend",
+    "correlated": "too short, as batches still depend on each other",
+    "too short": "too few revolutions to tell a trend",
+    "no steady state": "no steady state: nothing dissipates, and the energy spreads upwards",
+}
 
-    Parameters
-    ----------
-    rows : StepHistory
-        The steps of the run, n of them.
-    penetration, normal_force : array of float, shape (n,)
-        δ in m and f_n in N.
-    first : int
-        The first revolution that counts, from 0.
 
-    Raises
-    ------
-    InputError
-        If no revolution is left.
+def described(title: str, summary: dict[str, Any]) -> str:
+    """Return a title and a summary as lines."""
+    rows = "\n".join(f"  {key:>22}: {value}" for key, value in summary.items())
+    return f"{title}\n{rows}"
+
+
+def period_of(points: FloatArray) -> int | None:
+    """Return the period of sections of shape (n, coordinates), scaled; see `Statistics.period`.
+
+    Examples
+    --------
+    >>> period_of(np.tile([[0.0], [1.0], [2.0]], (20, 1)))
+    3
     """
-    import pandas as pd
-
-    revolutions = rows.counts.shape[0]
-    if not 0 <= first < revolutions:
-        raise InputError(
-            "statistics", "first", first, f"leaves none of {revolutions} revolutions",
-            "start earlier, or simulate more revolutions",
-        )  # fmt: skip
-    starts = np.searchsorted(rows.revolution, np.arange(revolutions + 1))
-    onsets, _ = changes(rows.in_contact)
-    records = []
-    for index in range(first, revolutions):
-        # From the last row of the previous revolution.
-        span = slice(max(int(starts[index]) - 1, 0), int(starts[index + 1]))
-        impacts = np.count_nonzero((onsets >= starts[index]) & (onsets < starts[index + 1]))
-        steps, evaluations, _ = rows.counts[index].astype(int)
-        records.append(
-            _one_revolution(rows, span, penetration[span], normal_force[span])
-            | {"impacts": impacts, "steps": steps, "evaluations": evaluations}
-        )
-    return Statistics(
-        pd.DataFrame(records, index=pd.RangeIndex(first, revolutions, name="revolution"))
-    )
+    for period in range(1, LONGEST + 1):
+        if len(points) < HELD + period:
+            return None
+        apart = points[-HELD:] - points[-HELD - period : -period]
+        if np.abs(apart).max() < REPEATS:
+            return period
+    return 0
 
 
-def _one_revolution(
-    rows: StepHistory, span: slice, penetration: FloatArray, force: FloatArray
-) -> dict[str, float]:
-    """Return the numbers of one revolution."""
-    touching, dt = rows.in_contact[span], np.diff(rows.time[span])
-    # A step has the mode of its last row; the second row of an onset has dt = 0.
-    inside, moving = touching[1:], dt > 0
-    numbers = {
-        "contact_fraction": float(dt[inside].sum() / dt.sum()),
-        "mean_penetration_um": _mean(dt, penetration, inside) * 1e6,
-        "max_penetration_um": float(penetration[touching].max(initial=0.0)) * 1e6,
-        "max_force_N": float(force.max(initial=0.0)),
-        "mean_step_contact_us": _average(dt[inside & moving]) * 1e6,
-        "mean_step_flight_us": _average(dt[~inside & moving]) * 1e6,
-    }
-    for percent, value in zip(_PERCENTILES, _percentiles(dt, force, inside), strict=True):
-        numbers[f"force_p{percent}_N"] = value
-    for name in _ENERGIES:
-        ledger = rows.values[span, LEDGERS[name]]
-        numbers[f"{name}_J"] = float(ledger[-1] - ledger[0])
-    return numbers
-
-
-def _average(values: FloatArray) -> float:
-    return float(values.mean()) if values.size else float("nan")
-
-
-def _mean(dt: FloatArray, values: FloatArray, inside: BoolArray) -> float:
-    """Return the mean over the time inside, by the trapezoidal rule; NaN where there is none."""
-    weight = dt[inside]
-    middle = 0.5 * (values[1:] + values[:-1])[inside]
-    return float(weight @ middle / weight.sum()) if weight.sum() > 0 else float("nan")
-
-
-def _percentiles(dt: FloatArray, values: FloatArray, inside: BoolArray) -> list[float]:
-    """Return percentiles over the time inside; NaN where there is none."""
-    weight, middle = dt[inside], 0.5 * (values[1:] + values[:-1])[inside]
-    if not weight.sum() > 0:
-        return [float("nan")] * len(_PERCENTILES)
-    order = np.argsort(middle, kind="stable")
-    share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
-    return [float(np.interp(percent / 100, share, middle[order])) for percent in _PERCENTILES]
+def _percent(share: float) -> str:
+    """Return a share in per cent, with two digits if it is small."""
+    return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"

@@ -70,6 +70,11 @@ class StepHistory:
     revolution: NDArray[np.int32]
     counts: FloatArray
 
+    def taken(self, rows: slice, index: int) -> StepHistory:
+        """Return some rows, with the counts of the revolution `index`."""
+        parts = {field.name: getattr(self, field.name)[rows] for field in fields(self)}
+        return StepHistory(**parts | {"counts": self.counts[index : index + 1]})
+
 
 def concatenate(parts: list[StepHistory]) -> StepHistory:
     """Return the rows of all parts, in order."""

@@ -105,11 +105,13 @@ def sweep(
     -------
     DataFrame
         One row for each case in their order: what varies, `status` ("complete", or "stopped" with
-        the reason in `message`), mean and standard deviation over the revolutions of every number
-        that `Statistics` knows, the largest energy error relative to the peak of the kinetic
+        the reason in `message`), the largest energy error relative to the peak of the kinetic
         energy, the largest drift of a constraint (NaN in minimal coordinates, from which bodies are
-        placed so that joints close), and the assumptions. With `plan.against` also the
-        horizon in revolutions and the statistics at the other tolerance.
+        placed so that joints close), and the assumptions. From `Statistics`: of every quantity the
+        mean, the standard deviation over the revolutions (`_std`), half the 95 % interval
+        (`_half_width`) and the verdict (`_stationary`), the `period`, the δ̇⁽⁻⁾ carried
+        (`carried_m_per_s`) and the `warnings`. With `plan.against` also the horizon in revolutions
+        and the statistics at the other tolerance (`_against`).
 
     Raises
     ------
@@ -180,7 +182,7 @@ def _complete(run: Trajectory, first: int) -> dict[str, Any]:
     """Return what a complete run adds to a row."""
     return {
         "status": "complete",
-        "message": "; ".join(run.continuation),
+        "message": run.statistics().continuation,
         **_numbers(run, first),
         "method": run.settings.method,
         "tolerance": run.settings.tolerance,
@@ -195,17 +197,21 @@ def _drift(run: Trajectory) -> float:
     return math.nan if run.settings.method == "minimal" else float(run.drift[:, 0].max())
 
 
-def _numbers(run: Trajectory, first: int) -> dict[str, float]:
-    """Return mean and standard deviation of every statistic; none where no revolution is left."""
+def _numbers(run: Trajectory, first: int) -> dict[str, Any]:
+    """Return the statistics of every quantity; none where no revolution is left."""
     if first >= run.revolutions:
         return {}
     statistics = run.statistics(first)
-    scatter = statistics.scatter
-    numbers: dict[str, float] = {}
-    for name, mean in statistics.mean.items():
-        numbers[str(name)] = float(mean)
-        numbers[f"{name}_std"] = float(scatter[str(name)])
-    return numbers
+    columns = statistics.interval().assign(std=statistics.scatter, stationary=statistics.stationary)
+    numbers: dict[str, Any] = {}
+    for name, row in columns.to_dict("index").items():
+        numbers[str(name)] = row.pop("mean")
+        numbers |= {f"{name}_{key}": value for key, value in row.items()}
+    return numbers | {
+        "period": statistics.period,
+        "carried_m_per_s": statistics.carried,
+        "warnings": "; ".join(statistics.warnings),
+    }
 
 
 def _require_possible(mechanism: Mechanism, wanted: Sequence[Case], plan: Plan) -> None:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import textwrap
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,11 +14,12 @@ from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
 from cylcontact.html_repr import table_html
-from cylcontact.limits import yield_load, yield_warning
+from cylcontact.limits import yield_load
 from cylcontact.mechanism import contact, derived
 from cylcontact.mechanism.model import Mechanism, mechanism_from
+from cylcontact.mechanism.revolution import Limits, reduce_revolution
 from cylcontact.mechanism.slider_crank import motion, recognise
-from cylcontact.mechanism.statistics import Statistics, statistics
+from cylcontact.mechanism.statistics import SECTION, Statistics, described
 from cylcontact.mechanism.step_history import LEDGERS, Settings, State, StepHistory
 from cylcontact.mechanism.system import build
 from cylcontact.provenance import made_with
@@ -32,7 +32,6 @@ __all__ = ["Trajectory"]
 # The key of the schema's metadata with everything but the states.
 _METADATA = b"cylcontact.trajectory"
 _LIBRARIES = ("numpy", "numba", "pyarrow")
-_WIDTH = 98
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -238,11 +237,16 @@ class Trajectory:
         return energy
 
     @cached_property
-    def energy_error(self) -> FloatArray:
-        """Energy stored and dissipated minus the drive's work since the start in J, shape (n,)."""
+    def energy(self) -> FloatArray:
+        """Energy stored and dissipated minus the drive's work, which is constant, in J, (n,)."""
         stored = self.kinetic_energy + self.potential_energy + self.elastic_energy
-        total = stored + self.normal_dissipation + self.friction_dissipation - self.drive_work
-        return as_floats(total - total[0])
+        lost = self.normal_dissipation + self.friction_dissipation
+        return as_floats(stored + lost - self.drive_work)
+
+    @property
+    def energy_error(self) -> FloatArray:
+        """`energy` minus its value at the start in J, shape (n,)."""
+        return as_floats(self.energy - self.energy[0])
 
     @cached_property
     def drift(self) -> FloatArray:
@@ -290,34 +294,85 @@ class Trajectory:
         return float(contact.elastic_force(deepest, self.block)) / self.mechanism.clearance.length
 
     @property
-    def yield_warning(self) -> str | None:
-        """A sentence if the elastic load passes first yield; None if not, or without σ_Y."""
-        pair = self.mechanism.clearance.pair
-        return None if pair is None else yield_warning(self.max_elastic_load, pair)
+    def warnings(self) -> tuple[str, ...]:
+        """A sentence for each thing to be wary of; see `Statistics.warnings`."""
+        return self.statistics().warnings
 
     @property
     def assumptions(self) -> tuple[str, ...]:
         """Every assumption as "key = value", with the continuation of the law if there was one."""
-        return (*self.mechanism.assumptions, *self.continuation)
+        return self.statistics().assumptions
 
-    @property
-    def continuation(self) -> tuple[str, ...]:
-        """A note on the steps for which the law was continued beyond its domain, or none."""
-        limit = float(self.block[contact.LAST_PENETRATION]) * 1e-3
-        if self.settings.beyond == "stop" or not np.isfinite(limit) or not self.in_contact.any():
-            return ()
-        penetration = self.penetration[self.in_contact]
-        deepest = float(penetration.max())
-        if deepest <= limit:
-            return ()
-        share = float(np.mean(penetration > limit))
-        return (
-            f"beyond {limit * 1e6:.4g} µm the law goes on along its tangent, up to "
-            f"{deepest * 1e6:.4g} µm and in {share:.2%} of the steps in contact",
+    @cached_property
+    def limits(self) -> Limits:
+        """What contacts are held against: first yield, the law's tangent, the slowest impact."""
+        tangent = self.settings.beyond == "tangent"
+        return Limits(
+            self._yield_penetration(),
+            float(self.block[contact.LAST_PENETRATION]) * 1e-3 if tangent else np.inf,
+            self.mechanism.clearance.rate_floor,
         )
 
+    def _yield_penetration(self) -> float:
+        """Return the penetration in m at first yield; inf if the law has no such load."""
+        from scipy.optimize import brentq
+
+        joint = self.mechanism.clearance
+        if joint.pair is None or joint.pair.material_i.yield_stress is None:
+            return float("nan")
+        load = float(yield_load(joint.pair)) * joint.length
+
+        def excess(penetration: float) -> float:
+            return float(contact.elastic_force(penetration, self.block)) - load
+
+        if excess(joint.R_bearing) <= 0:
+            return float("inf")
+        return float(brentq(excess, 0.0, joint.R_bearing, xtol=1e-15))
+
+    def reduced(self, origin: float, limits: Limits) -> dict[str, Any]:
+        """Return the row of `Statistics.revolutions` for the one revolution of these steps.
+
+        Parameters
+        ----------
+        origin : float
+            The `energy` at the start of the whole run in J.
+        limits : Limits
+            What contacts are held against.
+        """
+        end = self._taken(slice(-1, None), 0)
+        place, rate = end.eccentricity[0], end.eccentricity_rate[0]
+        section = (*place * 1e6, *rate, bool(end.in_contact[0]))
+        return {
+            **reduce_revolution(self.rows, self.penetration, self.normal_force, limits),
+            "max_load_N_per_mm": self.max_elastic_load,
+            "kinetic_energy_J": float(self.kinetic_energy.max()),
+            "energy_error_J": float(end.energy[0]) - origin,
+            "drift": np.nan if self.settings.method == "minimal" else float(end.drift[0, 0]),
+            **dict(zip(SECTION, section, strict=True)),
+        }
+
+    def _taken(self, rows: slice, index: int) -> Trajectory:
+        """Return some rows and the counts of a revolution, as a trajectory."""
+        return replace(self, rows=self.rows.taken(rows, index))
+
+    @cached_property
+    def _revolutions(self) -> pd.DataFrame:
+        """The rows of `Statistics.revolutions`."""
+        import pandas as pd
+
+        starts = np.searchsorted(self.rows.revolution, np.arange(self.revolutions + 1))
+        origin = float(self._taken(slice(1), 0).energy[0])
+        records = [
+            # From the last row of the previous revolution.
+            self._taken(slice(max(int(starts[k]) - 1, 0), int(starts[k + 1])), k).reduced(
+                origin, self.limits
+            )
+            for k in range(self.revolutions)
+        ]
+        return pd.DataFrame(records, pd.RangeIndex(self.revolutions, name="revolution"))
+
     def statistics(self, first: int = 0) -> Statistics:
-        """Return means and scatter over the revolutions from `first` (0 is the first) on.
+        """Return the statistics over the revolutions from `first` (0 is the first) on.
 
         Raises
         ------
@@ -332,7 +387,9 @@ class Trajectory:
         >>> print(f"{statistics.mean['contact_fraction']:.3f}")
         1.000
         """
-        return statistics(self.rows, self.penetration, self.normal_force, first)
+        return Statistics(
+            self._revolutions, self.mechanism, self.settings, self.end, self.limits, first
+        )
 
     def save(self, path: Path | str) -> None:
         """Write to a Parquet file, with the spec, the settings and the provenance.
@@ -405,59 +462,8 @@ class Trajectory:
         system = build(mechanism, settings.method, settings.beyond)
         return cls(mechanism, settings, rows, system.block)
 
-    def to_text(self) -> str:
-        """Return the report that `cylcontact simulate` prints: summary, statistics, assumptions."""
-        milliseconds = self.counts["seconds"].to_numpy() * 1e3
-        lines = [
-            repr(self),
-            "",
-            "Over the revolutions:",
-            *(f"  {line}" for line in repr(self.statistics()).splitlines()[1:]),
-            "",
-            f"{milliseconds.min():.1f} ms of computing for the fastest revolution, "
-            f"{self.mechanism.period * 1e3:.3g} ms in real time",
-            "",
-            "Assumed, not from the paper:",
-            *textwrap.wrap(
-                "; ".join(self.assumptions), _WIDTH, initial_indent="  ", subsequent_indent="  "
-            ),
-        ]
-        return "\n".join(lines) + "\n"
-
-    def _summary(self) -> dict[str, Any]:
-        """Return what `repr` shows, by name."""
-        clearance = self.mechanism.data["clearance"]
-        begins, _ = derived.changes(self.in_contact)
-        return {
-            "law": clearance["law"],
-            "clearance (mm)": clearance["radial"],
-            "restitution": clearance["restitution"],
-            "friction": clearance["friction"],
-            "method": self.settings.method,
-            "tolerance": self.settings.tolerance,
-            "revolutions": self.revolutions,
-            "steps": self.time.size,
-            "contacts": begins.size,
-            "max penetration (µm)": round(float(self.penetration.max()) * 1e6, 3),
-            "energy error (J)": float(f"{np.abs(self.energy_error).max():.3g}"),
-            "drift (m, rad)": float(f"{self.drift[:, 0].max():.3g}"),
-            **({"beyond the law": self.settings.beyond} if self.continuation else {}),
-            **self._against_yield(),
-        }
-
-    def _against_yield(self) -> dict[str, str]:
-        """Return the row of the summary on first yield; none without a yield stress."""
-        pair = self.mechanism.clearance.pair
-        if pair is None or pair.material_i.yield_stress is None:
-            return {}
-        load = self.max_elastic_load
-        share = load / float(yield_load(pair))
-        text = f"{load:,.0f} N/mm, {100 * share:.3g} % of first yield (von Mises)"
-        return {"max elastic load": text}
-
     def __repr__(self) -> str:
-        rows = "\n".join(f"  {key:>22}: {value}" for key, value in self._summary().items())
-        return f"Trajectory of {self.mechanism.name!r}\n{rows}"
+        return described(f"Trajectory of {self.mechanism.name!r}", self.statistics().summary)
 
     def _repr_html_(self) -> str:
-        return table_html(f"Trajectory of {self.mechanism.name}", self._summary())
+        return table_html(f"Trajectory of {self.mechanism.name}", self.statistics().summary)
