@@ -108,6 +108,8 @@ def simulate(
     from cylcontact.mechanism.simulate import settings_for
 
     mechanism = read_mechanism(spec, **asdict(changes))
+    for warning in mechanism.warnings:
+        typer.echo(f"warning: {warning}", err=True)
     if out is not None:
         require_suffix(out, ".parquet")
     allowed = None if allowed_penetration is None else allowed_penetration * 1e-6
