@@ -33,6 +33,7 @@ _KINDS = (
     ("a fit result", {"coefficients"}),
     ("a fit result", {"settings"}),
     ("a mechanism", {"bodies", "joints"}),
+    ("a joint", {"bearing", "pin"}),
     ("a finite-element set-up", {"hole_radius", "load_on"}),
     ("a campaign", {"dataset", "law"}),
     ("a campaign", {"data", "law"}),

@@ -23,7 +23,7 @@ from cylcontact.cli.options import (
 )
 from cylcontact.cli.terminal import cores, progress_bars
 from cylcontact.errors import InputError
-from cylcontact.export import TARGETS
+from cylcontact.export import JOINT_TARGETS, TARGETS
 from cylcontact.files import replacing, require_suffix, shipped_bench, write_table
 from cylcontact.limits import yield_warning
 from cylcontact.pair import CONTACTS
@@ -227,19 +227,34 @@ def compare_laws(
 
 def export(
     what: Annotated[
-        str, typer.Argument(metavar="RESULT|LAW", help="A fit result, or a law, e.g. johnson.")
+        str | None,
+        typer.Argument(metavar="[RESULT|LAW]", help="A fit result, or a law, e.g. johnson."),
+    ] = None,
+    *,
+    joint: Annotated[
+        Path | None, typer.Option(help="A joint, e.g. datasets/joint.toml, as a force element.")
+    ] = None,
+    target: Annotated[
+        str,
+        typer.Option("--to", help=f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}."),
     ],
-    target: Annotated[str, typer.Option("--to", help=f"{listed(TARGETS)}.")],
     contact: Annotated[
         str | None, typer.Option(help=f"{listed(CONTACTS)}, for laws that depend on it.")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="The file; standard output by default.")
+        Path | None,
+        typer.Option("-o", "--out", help="The file; of a law, standard output by default."),
     ] = None,
 ) -> None:
-    """Write a law as a function in another language, for a multibody code."""
+    """Write a law, or a whole clearance joint, in another language, for a multibody code."""
     from cylcontact.export import export_named
 
+    if joint is not None:
+        _export_joint(joint, target, out, {"RESULT|LAW": what, "--contact": contact})
+        return
+    if what is None:
+        remedy = "name one, e.g. explicit, or a joint with --joint"
+        raise InputError("export", "RESULT|LAW", None, "is missing", remedy)
     source = export_named(what, contact, target)
     if out is None:
         typer.echo(source, nl=False)
@@ -247,3 +262,25 @@ def export(
     with replacing(out) as temporary:
         temporary.write_text(source, encoding="ascii")
     typer.echo(f"{what} written to {out}")
+
+
+def _export_joint(path: Path, target: str, out: Path | None, others: dict[str, str | None]) -> None:
+    """Write a joint as a force element, next to the file `out`."""
+    from cylcontact.export import export_joint
+    from cylcontact.mechanism import read_joint
+
+    for key, value in others.items():
+        if value is not None:
+            rule = "is in the file of the joint already"
+            raise InputError("export", key, value, rule, "leave it out, or --joint")
+    joint = read_joint(path)
+    texts = export_joint(joint, target, out.stem if out else "")
+    suffix = JOINT_TARGETS[target]
+    if out is None:
+        remedy = f"name the file, e.g. -o {joint.identifier}{suffix}"
+        raise InputError("export", "--out", None, "is missing for a joint", remedy)
+    require_suffix(out, suffix)
+    for name, text in texts.items():
+        with replacing(out.with_name(name)) as temporary:
+            temporary.write_text(text, encoding="ascii")
+    typer.echo(f"{joint.name} written to {', '.join(str(out.with_name(name)) for name in texts)}")

@@ -1,9 +1,11 @@
-"""Laws as source text for other programs: C, Fortran, MATLAB and JSON."""
+"""Laws and clearance joints as source text for other programs: C, Fortran, MATLAB and others."""
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 from cylcontact.choices import listed
 from cylcontact.errors import InputError
@@ -11,7 +13,10 @@ from cylcontact.export.named import EXPORTABLE, find_law
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import CONTACTS, Contact
 
-__all__ = ["EXPORTABLE", "TARGETS", "export", "export_named"]
+if TYPE_CHECKING:
+    from cylcontact.mechanism import ClearanceJoint
+
+__all__ = ["EXPORTABLE", "JOINT_TARGETS", "TARGETS", "export", "export_joint", "export_named"]
 
 
 def __dir__() -> list[str]:
@@ -20,6 +25,8 @@ def __dir__() -> list[str]:
 
 # Each is a module of this package, whose function `source` returns the text of a file.
 TARGETS = ("c", "fortran", "matlab", "json")
+# Each is a module of `joints`; with the suffix of the file that is named.
+JOINT_TARGETS = {"c": ".c"}
 
 
 def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str:
@@ -102,11 +109,49 @@ def export_named(what: str, contact: str | None, target: str) -> str:
     return export(named.law, named.contact, target, named.origin)
 
 
-def _require_target(target: str) -> None:
+def export_joint(joint: ClearanceJoint, target: str, stem: str = "") -> dict[str, str]:
+    """Return a clearance joint as a force element in another language.
+
+    The source is self-contained, with `start`, `evaluate` and `accept` as
+    `cylcontact.mechanism.ClearanceJoint` has them; units, constants, assumptions and check values
+    stand in its comments.
+
+    Parameters
+    ----------
+    joint : ClearanceJoint
+        The joint, of any law.
+    target : str
+        The language, one of `JOINT_TARGETS`.
+    stem : str, optional
+        The name of the files without suffix; by default that of the joint.
+
+    Returns
+    -------
+    dict
+        The texts of the files by name.
+
+    Raises
+    ------
+    InputError
+        If the target is unknown, or the file's name is not one that the language can import.
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_joint
+    >>> list(export_joint(read_joint("datasets/joint.toml"), "c"))
+    ['wrist_pin.c', 'wrist_pin.h']
+    """
+    _require_target(target, JOINT_TARGETS)
+    module = import_module(f"{__name__}.joints.{target}")
+    texts: dict[str, str] = module.source(joint, stem)
+    return texts
+
+
+def _require_target(target: str, targets: Collection[str] = TARGETS) -> None:
     """Raise `InputError` for an unknown target."""
-    if target not in TARGETS:
+    if target not in targets:
         raise InputError(
-            "export", "--to", target, "is not a known target", f"choose {listed(TARGETS)}"
+            "export", "--to", target, "is not a known target", f"choose {listed(targets)}"
         )
 
 

@@ -9,9 +9,9 @@ import numpy as np
 from cylcontact.export.render import Dialect
 from cylcontact.laws.formula import Formula
 
-__all__ = ["source"]
+__all__ = ["DIALECT", "source"]
 
-_DIALECT = Dialect(
+DIALECT = Dialect(
     comment="//",
     number=repr,
     power="pow({x}, {y})",
@@ -88,4 +88,4 @@ def source(formula: Formula) -> str:
         const double root = sqrt(penetration / (2.0 * (dR + penetration)));
     """
     parameters = ", ".join(f"double {name}" for name in formula.arguments)
-    return _DIALECT.source(formula, _FRAME, parameters=parameters)
+    return DIALECT.source(formula, _FRAME, parameters=parameters)

@@ -9,7 +9,7 @@ from textwrap import wrap
 
 from cylcontact.laws.formula import MEANINGS, RESULTS, Formula
 
-__all__ = ["WIDTH", "comment_lines", "domain"]
+__all__ = ["WIDTH", "comment_lines", "domain", "paragraph", "plain", "table"]
 
 WIDTH = 90
 
@@ -30,7 +30,7 @@ def comment_lines(formula: Formula, mark: str) -> str:
 def _provenance(formula: Formula) -> str:
     """Return the version of the package and the origin of the coefficients."""
     origin = formula.origin or "given by the caller"
-    return f"exported by cylcontact {version('cylcontact')}; coefficients: {_plain(origin)}"
+    return f"exported by cylcontact {version('cylcontact')}; coefficients: {plain(origin)}"
 
 
 def domain(formula: Formula) -> str:
@@ -38,12 +38,12 @@ def domain(formula: Formula) -> str:
     return "; ".join(filter(None, (", ".join(formula.requirements), formula.domain)))
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """Return text that is safe in a comment of any language: one line of plain ASCII.
 
     Examples
     --------
-    >>> _plain("fit result 'ΔR */ #1'")
+    >>> plain("fit result 'ΔR */ #1'")
     "fit result '_R __ _1'"
     """
     return re.sub(r"[^\w '.,:;=()+-]", "_", text, flags=re.ASCII)
@@ -58,30 +58,30 @@ def _description(formula: Formula) -> list[str]:
         "",
         f"The contact law '{formula.law.name}' for parallel cylinders, {contact}.",
         "",
-        *_paragraph("Formula", formula.equation),
-        *_paragraph("Remark", formula.remark),
-        *_paragraph("Provenance", _provenance(formula)),
+        *paragraph("Formula", formula.equation),
+        *paragraph("Remark", formula.remark),
+        *paragraph("Provenance", _provenance(formula)),
         *(f"  {name} = {value!r}" for name, value in formula.coefficients.items()),
         "",
         "Arguments, in this order:",
-        *_table(arguments),
+        *table(arguments),
         "Results:",
-        *_table(RESULTS),
+        *table(RESULTS),
         "",
-        *_paragraph("Domain", domain(formula)),
-        *_paragraph(
+        *paragraph("Domain", domain(formula)),
+        *paragraph(
             "Outside the domain",
             "load and stiffness are NaN",
         ),
-        *_paragraph("Without contact", "at a negative penetration load and stiffness are 0"),
+        *paragraph("Without contact", "at a negative penetration load and stiffness are 0"),
     ]
 
 
-def _paragraph(title: str, text: str) -> list[str]:
+def paragraph(title: str, text: str) -> list[str]:
     """Return `title: text`, wrapped."""
     return wrap(f"{title}: {text}.".replace("..", "."), WIDTH, subsequent_indent="  ")
 
 
-def _table(rows: Mapping[str, tuple[str, str]]) -> list[str]:
+def table(rows: Mapping[str, tuple[str, str]]) -> list[str]:
     """Return a line for each name, with unit and meaning."""
     return [f"  {name:<12} {unit:<7} {meaning}" for name, (unit, meaning) in rows.items()]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from string import Template
 from textwrap import indent
@@ -12,7 +12,7 @@ from textwrap import indent
 from cylcontact.export.comments import comment_lines
 from cylcontact.laws.formula import Formula, Step, expression
 
-__all__ = ["Dialect"]
+__all__ = ["Dialect", "filled"]
 
 # Operator precedence, the same in all targets.
 _OR, _AND, _COMPARISON, _SUM, _PRODUCT, _POWER, _ATOM = range(7)
@@ -85,9 +85,7 @@ class Dialect:
         **own : str
             Further parts of the frame.
         """
-        constant = self.constant or self.assignment
-        steps = "\n".join(map(self._statement, formula.steps))
-        helpers = (text for name, text in self.helpers.items() if f"{name}(" in steps)
+        steps = self.statements(formula.steps)
         parts = {
             "comment": comment_lines(formula, self.comment),
             "name": formula.name,
@@ -95,13 +93,24 @@ class Dialect:
             "domain": self.joint.join(
                 self.render(expression(text)) for text in formula.requirements
             ),
-            "constants": "\n".join(
-                constant.format(name=name, value=value) for name, value in formula.constants.items()
-            ),
+            "constants": self.constants(formula.constants),
             "steps": steps,
-            "helpers": "".join(helpers),
+            "helpers": self.helpers_of(steps),
         }
-        return "".join(_filled(line, parts | own) for line in frame.splitlines(keepends=True))
+        return filled(frame, parts | own)
+
+    def statements(self, steps: Iterable[Step]) -> str:
+        """Return steps in this language, one a line."""
+        return "\n".join(map(self._statement, steps))
+
+    def constants(self, numbers: Mapping[str, float]) -> str:
+        """Return constants in this language, one a line."""
+        form = self.constant or self.assignment
+        return "\n".join(form.format(name=name, value=value) for name, value in numbers.items())
+
+    def helpers_of(self, steps: str) -> str:
+        """Return the definitions of the functions that rendered steps call."""
+        return "".join(text for name, text in self.helpers.items() if f"{name}(" in steps)
 
     def render(self, node: ast.expr) -> str:
         """Return an expression in this language."""
@@ -159,7 +168,15 @@ class Dialect:
         return self.symbols.get(kind) or _SYMBOLS[kind]
 
 
-def _filled(line: str, parts: Mapping[str, str]) -> str:
+def filled(frame: str, parts: Mapping[str, str]) -> str:
+    """Return a frame with its placeholders replaced.
+
+    A placeholder alone on its line may stand for several lines, indented as it is, or for none.
+    """
+    return "".join(_filled_line(line, parts) for line in frame.splitlines(keepends=True))
+
+
+def _filled_line(line: str, parts: Mapping[str, str]) -> str:
     """Return a line of a frame with its placeholders replaced."""
     alone = re.fullmatch(r"( *)\$(\w+)\n", line)
     if alone is None:

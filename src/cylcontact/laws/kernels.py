@@ -33,7 +33,7 @@ from cylcontact.laws.tabulated import cubic, tabulate
 from cylcontact.numba_cache import compiled
 from cylcontact.pair import CylinderPair
 
-__all__ = ["TABLE", "Kernel", "kernel", "kernel_load", "kernel_stiffness"]
+__all__ = ["TABLE", "Kernel", "kernel", "kernel_load", "kernel_stiffness", "steps_for"]
 
 _Scalar = Callable[[FloatArray, float], float]
 
@@ -122,12 +122,17 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
         f"the {law.name} law is undefined for this pair",
         "choose another law, or a pair within its range",
     )
-    steps = _STEPS.get(type(law).load)
+    steps = steps_for(law)
     if steps is None:
         table = tabulate(law, pair)
         return Kernel(TABLE, table, float(table[0]))
     numbers = np.array(steps.numbers(law, pair), dtype=np.float64)
     return Kernel(_KINDS.index(steps), numbers, float(limit))
+
+
+def steps_for(law: ContactLaw) -> KernelSteps | None:
+    """Return the steps that a law is compiled from; None if it is tabulated."""
+    return _STEPS.get(type(law).load)
 
 
 _cubic = compiled(cubic)

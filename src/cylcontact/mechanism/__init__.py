@@ -1,5 +1,12 @@
 """Planar mechanisms with a clearance joint: those of Section 4 of the paper, and your own."""
 
+from cylcontact.mechanism.clearance_joint import (
+    ClearanceJoint,
+    JointState,
+    JointWrench,
+    joint_from,
+    read_joint,
+)
 from cylcontact.mechanism.impact import Impact, isolated_impact
 from cylcontact.mechanism.loop import LawDomainError
 from cylcontact.mechanism.model import Mechanism, mechanism_from, read_mechanism
@@ -11,8 +18,11 @@ from cylcontact.mechanism.trajectory import Trajectory
 
 __all__ = [
     "Case",
+    "ClearanceJoint",
     "Impact",
     "Interrupted",
+    "JointState",
+    "JointWrench",
     "LawDomainError",
     "Mechanism",
     "Plan",
@@ -21,7 +31,9 @@ __all__ = [
     "Trajectory",
     "cases",
     "isolated_impact",
+    "joint_from",
     "mechanism_from",
+    "read_joint",
     "read_mechanism",
     "simulate",
     "sweep",

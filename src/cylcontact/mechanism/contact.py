@@ -55,6 +55,7 @@ __all__ = [
     "V0",
     "V1",
     "bounded_ratio",
+    "contact_at_rate",
     "contact_force",
     "elastic_force",
     "friction_force",
@@ -138,6 +139,19 @@ def contact_force(
     normal_power, friction_power : float
         Powers dissipated by the damping part of the normal force and by friction, in W.
     """
+    return contact_at_rate(e, e_dot, omega_i, omega_j, p[IMPACT_RATE], p)
+
+
+@compiled
+def contact_at_rate(
+    e: tuple[float, float],
+    e_dot: tuple[float, float],
+    omega_i: float,
+    omega_j: float,
+    impact_rate: float,
+    p: NDArray[np.float64],
+) -> tuple[float, float, float, float, float, float, float]:
+    """Return `contact_force` for a δ̇⁽⁻⁾ in m/s that is not the block's."""
     distance = math.hypot(e[0], e[1])
     n_x, n_y = e[0] / distance, e[1] / distance
     delta = distance - p[CLEARANCE]
@@ -146,7 +160,7 @@ def contact_force(
     v_t = e_dot[0] * n_y - e_dot[1] * n_x + omega_i * arm_i - omega_j * arm_j
 
     elastic = elastic_force(delta, p)
-    damping = p[CHI] * bounded_ratio(rate / p[IMPACT_RATE])
+    damping = p[CHI] * bounded_ratio(rate / impact_rate)
     normal = max(elastic * (1.0 + damping), 0.0)
     tangential = friction_force(normal, v_t, p)
     force_x = -normal * n_x + tangential * n_y

@@ -1,0 +1,1 @@
+"""Clearance joints as force elements in other languages: one module for each."""

@@ -1,0 +1,431 @@
+"""A clearance joint by itself, as a force element: the wrench on bearing and pin from their motion.
+
+The element has one state, the impact rate δ̇⁽⁻⁾ of the contact under way, 0 without contact.
+`ClearanceJoint.evaluate` does not change it, because solvers evaluate trial steps and go back;
+`ClearanceJoint.accept`, called for accepted steps or at the onset of a contact, returns the next.
+`cylcontact.export.export_joint` writes the element in other languages.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.dissipation import IMPACT_RATE_FLOOR, hysteresis_factor
+from cylcontact.errors import InputError
+from cylcontact.laws import LAWS, ContactLaw
+from cylcontact.laws.kernels import Kernel, kernel
+from cylcontact.limits import yield_load
+from cylcontact.materials import Material
+from cylcontact.mechanism import contact
+from cylcontact.mechanism.joint_spec import BodySpec, ClearanceJointSpec
+from cylcontact.mechanism.system import law_block
+from cylcontact.numba_cache import compiled
+from cylcontact.pair import CylinderPair
+from cylcontact.spec import parse_spec, read_toml
+
+__all__ = [
+    "BEYOND_LAW",
+    "YIELDS",
+    "ClearanceJoint",
+    "JointState",
+    "JointWrench",
+    "joint_from",
+    "read_joint",
+]
+
+# The bits of a wrench's flag.
+YIELDS, BEYOND_LAW = 1, 2
+
+# Of the wrenches as the compiled function writes them.
+_COLUMNS = 11
+
+# Metres and millimetres in the element's unit of length.
+_METRES = {"SI": 1.0, "mm": 1e-3}
+_MILLIMETRES = {"SI": 1e3, "mm": 1.0}
+
+
+class JointState(NamedTuple):
+    """The state of a joint: the impact rate δ̇⁽⁻⁾ > 0 of the contact under way, 0 without."""
+
+    impact_rate: float | FloatArray
+
+
+class JointWrench(NamedTuple):
+    """Forces and moments of a joint, in its units.
+
+    Attributes
+    ----------
+    force_bearing, force_pin : array of float, shape (..., 2)
+        On the two bodies, opposite to each other.
+    moment_bearing, moment_pin : float or array of float
+        About the reference points of the bodies, positive anticlockwise.
+    penetration, penetration_rate : float or array of float
+        δ, negative without contact, and its rate.
+    normal_force, friction_force : float or array of float
+        f_n ≥ 0, and f_t on the bearing along t = [n_y, −n_x], where n points from the pin's
+        centre to the bearing's.
+    tangential_velocity : float or array of float
+        v_t = (v_bearing − v_pin)·t at the contact.
+    dissipated_power : float or array of float
+        By damping and friction, not negative.
+    flag : int or array of int
+        1 if the elastic load is above first yield, plus 2 beyond the law's domain.
+    """
+
+    force_bearing: FloatArray
+    moment_bearing: FloatArray
+    force_pin: FloatArray
+    moment_pin: FloatArray
+    penetration: FloatArray
+    penetration_rate: FloatArray
+    normal_force: FloatArray
+    friction_force: FloatArray
+    tangential_velocity: FloatArray
+    dissipated_power: FloatArray
+    flag: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class ClearanceJoint:
+    """A revolute joint with clearance, as a force element; build one with `read_joint`.
+
+    Attributes
+    ----------
+    name : str
+    units : {"SI", "mm"}
+        Those of the element: m or mm, N, s and rad; moments in N m or N mm.
+    pair : CylinderPair
+        Hole and pin with radii and length, in mm and MPa.
+    law : ContactLaw
+    chi : float
+        The hysteresis factor χ.
+    friction : float
+        The friction coefficient.
+    v0, v1 : float
+        The speeds of Eq 15 in mm/s.
+    point_bearing, point_pin : pair of float
+        The centres of hole and pin in mm, from the reference points in the axes of the bodies.
+    origin : str
+        Where the law's coefficients come from, if from a fit.
+    data : dict
+        The file's content.
+
+    Notes
+    -----
+    Beyond nine tenths of the largest penetration of a law that ends, the load continues along its
+    tangent. The damping is at most 2χ times the elastic load (`dissipation.bounded_ratio`), and an
+    impact slower than 1 mm/s counts as one of 1 mm/s.
+
+    Examples
+    --------
+    A pin of 9.95 mm, 51 µm off the centre of its hole of 10 mm, still moving outwards:
+
+    >>> joint = read_joint("datasets/joint.toml")
+    >>> bearing, pin = [0.0] * 6, [51e-6, 0.0, 0.0, 0.02, 0.0, 0.0]
+    >>> state = joint.accept(joint.start(), bearing, pin)
+    >>> wrench = joint.evaluate(state, bearing, pin)
+    >>> print(f"{1e6 * wrench.penetration:.3f} µm, {wrench.force_pin[0]:.1f} N")
+    1.000 µm, -482.8 N
+    """
+
+    name: str
+    units: Literal["SI", "mm"]
+    pair: CylinderPair
+    law: ContactLaw
+    chi: float
+    friction: float
+    v0: float
+    v1: float
+    point_bearing: tuple[float, float] = (0.0, 0.0)
+    point_pin: tuple[float, float] = (0.0, 0.0)
+    origin: str = ""
+    data: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    @property
+    def identifier(self) -> str:
+        """The name as other languages take it.
+
+        Examples
+        --------
+        >>> read_joint("datasets/joint.toml").identifier
+        'wrist_pin'
+        """
+        return re.sub("[^A-Za-z0-9]+", "_", self.name).strip("_")
+
+    @property
+    def in_mm(self) -> float:
+        """The unit of length in mm."""
+        return _MILLIMETRES[self.units]
+
+    @property
+    def rate_floor(self) -> float:
+        """The slowest impact rate, in the joint's units."""
+        return IMPACT_RATE_FLOOR / self.in_mm
+
+    @cached_property
+    def first_yield(self) -> float:
+        """The elastic force in N at first yield; inf unless both yield stresses are known."""
+        bodies = self.pair.material_i, self.pair.material_j
+        if any(body.yield_stress is None for body in bodies):
+            return float("inf")
+        return float(yield_load(self.pair)) * self.pair.contact_length("the joint")
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """The law at the pair, ready to be compiled."""
+        return kernel(self.law, self.pair)
+
+    @cached_property
+    def block(self) -> FloatArray:
+        """The parameter block of `mechanism.contact`, in SI."""
+        R_i, R_j = (float(R) for R in self.pair.radii("the joint"))
+        p = law_block(self.kernel, np.zeros(0), 0, "tangent")
+        p[contact.CHI], p[contact.FRICTION] = self.chi, self.friction
+        p[contact.V0], p[contact.V1] = self.v0 * 1e-3, self.v1 * 1e-3
+        p[contact.IMPACT_RATE] = p[contact.RATE_FLOOR] = IMPACT_RATE_FLOOR * 1e-3
+        p[contact.CLEARANCE] = float(np.asarray(self.pair.dR)) * 1e-3
+        p[contact.R_BEARING], p[contact.R_JOURNAL] = R_i * 1e-3, R_j * 1e-3
+        p[contact.LENGTH] = self.pair.contact_length("the joint")
+        return p
+
+    def start(self) -> JointState:
+        """Return the state without contact."""
+        return JointState(0.0)
+
+    def evaluate(self, state: JointState, bearing: ArrayLike, pin: ArrayLike) -> JointWrench:
+        """Return the wrench; the state stays as it is.
+
+        Parameters
+        ----------
+        state : JointState
+            Its impact rate has shape () or (...).
+        bearing, pin : array_like, shape (6,) or (..., 6)
+            x, y, angle, v_x, v_y and spin of the reference points of the two bodies.
+
+        Returns
+        -------
+        JointWrench
+            If the state says "no contact" where the surfaces overlap, as in a trial step across the
+            onset, the impact rate is the penetration rate of these very arguments.
+        """
+        rate, bodies = _rows(state, bearing, pin)
+        numbers = np.array([*self._points, _METRES[self.units], self.rate_floor, self.first_yield])
+        out = np.empty((rate.size, _COLUMNS))
+        first, second = (body.reshape(-1, 6) for body in bodies)
+        _wrenches(rate.ravel(), first, second, numbers, self.block, out)
+        x, y, moment_bearing, moment_pin, *others, flag = (
+            as_floats(column.reshape(rate.shape)) for column in out.T
+        )
+        delta, delta_rate, normal, tangential, v_t, power = others
+        force = np.stack((x, y), axis=-1)
+        return JointWrench(
+            force_bearing=force,
+            moment_bearing=moment_bearing,
+            force_pin=-force,
+            moment_pin=moment_pin,
+            penetration=delta,
+            penetration_rate=delta_rate,
+            normal_force=normal,
+            friction_force=tangential,
+            tangential_velocity=v_t,
+            dissipated_power=power,
+            flag=flag.astype(np.int64),
+        )
+
+    def accept(self, state: JointState, bearing: ArrayLike, pin: ArrayLike) -> JointState:
+        """Return the state after an accepted step, or at the onset of a contact.
+
+        Parameters
+        ----------
+        state, bearing, pin
+            As for `evaluate`.
+
+        Returns
+        -------
+        JointState
+            Without contact, 0. At the first touch the penetration rate, at least 1 mm/s. Unchanged
+            while the contact lasts.
+        """
+        wrench = self.evaluate(state, bearing, pin)
+        first = np.maximum(wrench.penetration_rate, self.rate_floor)
+        kept = np.where(as_floats(state.impact_rate) > 0, state.impact_rate, first)
+        rate = as_floats(np.where(wrench.penetration > 0, kept, 0.0))
+        return JointState(rate if rate.ndim else float(rate))
+
+    @property
+    def _points(self) -> tuple[float, ...]:
+        """The centres of hole and pin, in the joint's units."""
+        return tuple(x / self.in_mm for x in (*self.point_bearing, *self.point_pin))
+
+
+def _rows(
+    state: JointState, bearing: ArrayLike, pin: ArrayLike
+) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
+    """Return impact rates, shape (...), and both bodies, shape (..., 6), of one common shape."""
+    bodies = []
+    for key, body in (("bearing", bearing), ("pin", pin)):
+        numbers = np.asarray(body, dtype=np.float64)
+        require(
+            numbers.ndim > 0 and numbers.shape[-1] == 6, "joint", key, body,
+            "must be six numbers", "give x, y, angle, v_x, v_y, spin",
+        )  # fmt: skip
+        bodies.append(numbers)
+    rate = np.asarray(state.impact_rate, dtype=np.float64)
+    shape = np.broadcast_shapes(rate.shape, *(b.shape[:-1] for b in bodies))
+    first, second = (np.ascontiguousarray(np.broadcast_to(b, (*shape, 6))) for b in bodies)
+    return np.ascontiguousarray(np.broadcast_to(rate, shape)).reshape(shape), (first, second)
+
+
+@compiled
+def _wrenches(
+    impact_rate: NDArray[np.float64],
+    bearing: NDArray[np.float64],
+    pin: NDArray[np.float64],
+    joint: NDArray[np.float64],
+    p: NDArray[np.float64],
+    out: NDArray[np.float64],
+) -> None:
+    """Write the wrench of each row.
+
+    Columns of `out`: force on the bearing, moments on bearing and pin, δ, δ̇, f_n, f_t, v_t, power,
+    flag. `joint` has the centres of hole and pin in the joint's units, the unit of length in m, the
+    floor of the impact rate in the joint's units and the force at first yield.
+    """
+    metres = joint[4]
+    for k in range(impact_rate.size):
+        b, j = bearing[k], pin[k]
+        cos_b, sin_b, cos_j, sin_j = np.cos(b[2]), np.sin(b[2]), np.cos(j[2]), np.sin(j[2])
+        arm_bx, arm_by = cos_b * joint[0] - sin_b * joint[1], sin_b * joint[0] + cos_b * joint[1]
+        arm_jx, arm_jy = cos_j * joint[2] - sin_j * joint[3], sin_j * joint[2] + cos_j * joint[3]
+        e_x, e_y = b[0] + arm_bx - (j[0] + arm_jx), b[1] + arm_by - (j[1] + arm_jy)
+        u_x = b[3] - b[5] * arm_by - (j[3] - j[5] * arm_jy)
+        u_y = b[4] + b[5] * arm_bx - (j[4] + j[5] * arm_jx)
+        e, e_dot = (e_x * metres, e_y * metres), (u_x * metres, u_y * metres)
+        distance = np.hypot(e[0], e[1])
+        n_x, n_y = (e[0] / distance, e[1] / distance) if distance > 0 else (1.0, 0.0)
+        delta = distance - p[contact.CLEARANCE]
+        rate = e_dot[0] * n_x + e_dot[1] * n_y
+        v_t = (
+            e_dot[0] * n_y
+            - e_dot[1] * n_x
+            + b[5] * p[contact.R_BEARING]
+            - j[5] * (p[contact.R_JOURNAL] - delta)
+        )
+        out[k] = 0.0
+        out[k, 4], out[k, 5], out[k, 8] = delta / metres, rate / metres, v_t / metres
+        if delta <= 0.0:
+            continue
+        onset = impact_rate[k] if impact_rate[k] > 0.0 else max(rate / metres, joint[5])
+        f_x, f_y, m_b, m_j, normal, lost, rubbed = contact.contact_at_rate(
+            e, e_dot, b[5], j[5], onset * metres, p
+        )
+        out[k, 0], out[k, 1] = f_x, f_y
+        out[k, 2] = m_b / metres + arm_bx * f_y - arm_by * f_x
+        out[k, 3] = m_j / metres - arm_jx * f_y + arm_jy * f_x
+        out[k, 6], out[k, 7] = normal, contact.friction_force(normal, v_t, p)
+        out[k, 9] = (lost + rubbed) / metres
+        if contact.elastic_force(delta, p) > joint[6]:
+            out[k, 10] += YIELDS
+        if delta * 1e3 > p[contact.LAST_PENETRATION]:
+            out[k, 10] += BEYOND_LAW
+
+
+def read_joint(path: Path | str) -> ClearanceJoint:
+    """Read a joint's file.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file, e.g. datasets/joint.toml. The path of a fit result in it counts from the
+        folder in which Python runs.
+
+    Returns
+    -------
+    ClearanceJoint
+
+    Raises
+    ------
+    InputError
+        With the first mistake in the file.
+
+    Examples
+    --------
+    >>> joint = read_joint("datasets/joint.toml")
+    >>> joint.law.name, round(joint.chi, 4), round(joint.first_yield)
+    ('parametric', 0.1665, 33201)
+    """
+    return joint_from(read_toml(path), str(path))
+
+
+def joint_from(data: dict[str, Any], source: str = "joint") -> ClearanceJoint:
+    """Return the joint of a file's data; see `read_joint`."""
+    spec = parse_spec(ClearanceJointSpec, data, source)
+    hole, pin = (
+        _material(source, key, body) for key, body in (("bearing", spec.bearing), ("pin", spec.pin))
+    )
+    pair = CylinderPair.internal(spec.bearing.R, spec.pin.R, hole, spec.length, pin)
+    law, origin = _law(spec.law, source)
+    require(
+        np.asarray(law.max_penetration(pair)) > 0, source, "law", spec.law,
+        f"is undefined for this pair, with its clearance of {float(pair.dR):.4g} mm",
+        "choose another law",
+    )  # fmt: skip
+    return ClearanceJoint(
+        name=spec.name,
+        units=spec.units,
+        pair=pair,
+        law=law,
+        chi=float(hysteresis_factor(spec.dissipation.factor)(spec.dissipation.restitution)),
+        friction=spec.friction.coefficient,
+        v0=spec.friction.v0,
+        v1=spec.friction.v1,
+        point_bearing=spec.bearing.point,
+        point_pin=spec.pin.point,
+        origin=origin,
+        data=data,
+    )
+
+
+def _material(source: str, key: str, body: BodySpec) -> Material:
+    """Return the material of a body, from the table or from its numbers."""
+    if body.material is None:
+        assert body.E is not None
+        assert body.nu is not None
+        return Material(key, body.E * 1e3, body.nu, body.yield_stress)
+    try:
+        named = Material.named(body.material)
+    except InputError as error:
+        raise InputError(
+            source, f"{key}.material", body.material, "is not in the package's table",
+            "give E and nu, or choose" + error.remedy.removeprefix("choose").partition(", or")[0],
+        ) from None  # fmt: skip
+    stress = body.yield_stress or named.yield_stress
+    return Material(named.name, named.E, named.nu, stress)
+
+
+def _law(what: str, source: str) -> tuple[ContactLaw, str]:
+    """Return the law with a name, or of a fit result, and the origin of its coefficients."""
+    if what in LAWS:
+        return LAWS[what](), ""
+    if Path(what).suffix != ".json":
+        raise InputError(
+            source, "law", what, "is neither a law nor a fit result",
+            f"choose {', '.join(LAWS)}, or the path of a result",
+        )  # fmt: skip
+    from cylcontact.fitting.law_models import law_of
+    from cylcontact.fitting.result import FitResult
+
+    result = FitResult.load(what)
+    require(
+        result.contact == "internal", source, "law", what, "is a fit to external contact",
+        "name a fit for a pin in a hole",
+    )  # fmt: skip
+    return law_of(result, what), f"fit result '{result.name}', fitted to {result.reference}"
