@@ -282,5 +282,5 @@ def _export_joint(path: Path, target: str, out: Path | None, others: dict[str, s
     require_suffix(out, suffix)
     for name, text in texts.items():
         with replacing(out.with_name(name)) as temporary:
-            temporary.write_text(text, encoding="ascii")
+            temporary.write_bytes(text if isinstance(text, bytes) else text.encode("ascii"))
     typer.echo(f"{joint.name} written to {', '.join(str(out.with_name(name)) for name in texts)}")
