@@ -110,9 +110,9 @@ static void wrench_of(const Memory *memory, JOINT(wrench) *wrench)
 
 /*
  * Let the contact begin, last or end, and the flag follow; return whether anything changed.
- * An importer may locate the touch a hair before it: within TOUCH of it, an approach is one.
+ * An importer may locate the event of a touch a hair before it: within TOUCH, an approach is one.
  */
-static int settle(Memory *memory)
+static int settle(Memory *memory, int at_event)
 {
     const double rate = memory->contact.impact_rate;
     const int flag = memory->flag;
@@ -123,7 +123,7 @@ static int settle(Memory *memory)
     wrench_of(memory, &wrench);
     if (wrench.penetration > 0.0 || wrench.penetration < -TOUCH || !(wrench.penetration_rate > 0.0))
         JOINT(accept)(&memory->contact, bodies, bodies + 6);
-    else if (!(rate > 0.0))
+    else if (at_event && !(rate > 0.0))
         memory->contact.impact_rate =
             wrench.penetration_rate > RATE_FLOOR ? wrench.penetration_rate : RATE_FLOOR;
     wrench_of(memory, &wrench);
@@ -212,7 +212,7 @@ EXPORT fmi2Status NAME(fmi2EnterInitializationMode)(fmi2Component c)
 
 EXPORT fmi2Status NAME(fmi2ExitInitializationMode)(fmi2Component c)
 {
-    settle(&((Instance *)c)->memory);
+    settle(&((Instance *)c)->memory, 1);
     return fmi2OK;
 }
 
@@ -400,7 +400,7 @@ EXPORT fmi2Status NAME(fmi2EnterEventMode)(fmi2Component c)
 
 EXPORT fmi2Status NAME(fmi2NewDiscreteStates)(fmi2Component c, fmi2EventInfo *info)
 {
-    settle(&((Instance *)c)->memory);
+    settle(&((Instance *)c)->memory, 1);
     memset(info, 0, sizeof *info);
     return fmi2OK;
 }
@@ -416,7 +416,7 @@ EXPORT fmi2Status NAME(fmi2CompletedIntegratorStep)(fmi2Component c, fmi2Boolean
                                                     fmi2Boolean *terminate)
 {
     (void)no_going_back;
-    *enter_event_mode = settle(&((Instance *)c)->memory) ? fmi2True : fmi2False;
+    *enter_event_mode = settle(&((Instance *)c)->memory, 0) ? fmi2True : fmi2False;
     *terminate = fmi2False;
     return fmi2OK;
 }
@@ -476,7 +476,7 @@ EXPORT fmi2Status NAME(fmi2DoStep)(fmi2Component c, fmi2Real time, fmi2Real step
     Memory *memory = &((Instance *)c)->memory;
     (void)time, (void)no_going_back;
     memory->ahead += step;
-    settle(memory);
+    settle(memory, 0);
     return fmi2OK;
 }
 

@@ -78,8 +78,8 @@ _UNITS = {
     "power": ("W", "N.mm/s", {"kg": 1, "m": 2, "s": -3}),
 }
 
-# The impact rate, and so the onset of a contact, is taken this close to it, in mm: an importer
-# that locates the touch leaves a rounding error on either side.
+# At an event, bodies that approach each other within this distance in mm touch: whoever locates
+# the root of the penetration leaves a small error on either side.
 _TOUCH = 1e-6
 
 _DEFINITIONS = """\
