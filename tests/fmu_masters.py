@@ -7,11 +7,30 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from cylcontact.export.joints.fmu import VARIABLES
+from cylcontact.mechanism import joint_from
 from cylcontact.mechanism.assembly import assemble, evaluate, joint_table
 from cylcontact.mechanism.clearance_joint import JointState
 
 REALS = [v.name for v in VARIABLES if v.quantity != "flag"]
 INPUTS, OUTPUTS = list(range(12)), list(range(12, len(REALS)))
+
+
+def joint_of(mechanism, **changes):
+    """Return a mechanism's clearance joint as a force element in SI units."""
+    c, clearance = mechanism.data["clearance"], mechanism.clearance
+    body = {"E": c["E"], "nu": c["nu"]}
+    data = {
+        "name": c["joint"],
+        "units": "SI",
+        "length": c["length"],
+        "law": c["law"],
+        "bearing": body | {"R": c["R_bearing"], "point": [1e3 * x for x in clearance.point_i]},
+        "pin": body
+        | {"R": c["R_bearing"] - c["radial"], "point": [1e3 * x for x in clearance.point_j]},
+        "dissipation": {"factor": c["factor"], "restitution": c["restitution"]},
+        "friction": {"coefficient": c["friction"], "v0": c["v0"], "v1": c["v1"]},
+    }
+    return joint_from(data | changes)
 
 
 def export_fmu(joint, folder):
@@ -77,6 +96,37 @@ class Fmu:
         self.fmu.enterEventMode()
         self.event()
 
+    def step(self, t, size, motion):
+        """In co-simulation: the wrench and the penetration after a step."""
+        self.set(motion)
+        self.fmu.doStep(t, size)
+        return np.array(self.fmu.getReal(OUTPUTS[:7]))
+
+
+class Cosim:
+    """An FMU in libcosim, with the same step."""
+
+    def __init__(self, path, size):
+        from libcosimpy.CosimExecution import CosimExecution
+        from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+        from libcosimpy.CosimManipulator import CosimManipulator
+        from libcosimpy.CosimObserver import CosimObserver
+        from libcosimpy.CosimSlave import CosimLocalSlave
+
+        log_output_level(CosimLogLevel.WARNING)
+        self.execution = CosimExecution.from_step_size(step_size=round(size * 1e9))  # ns
+        self.slave = CosimLocalSlave(fmu_path=str(path), instance_name="joint")
+        self.index = self.execution.add_local_slave(local_slave=self.slave)
+        self.manipulator = CosimManipulator.create_override()
+        self.execution.add_manipulator(manipulator=self.manipulator)
+        self.observer = CosimObserver.create_last_value()
+        self.execution.add_observer(observer=self.observer)
+
+    def step(self, _t, _size, motion):
+        self.manipulator.slave_real_values(self.index, INPUTS, [float(x) for x in motion])
+        assert self.execution.step()
+        return np.array(self.observer.last_real_values(self.index, OUTPUTS[:7]))
+
 
 class Library:
     """`ClearanceJoint` for the same master."""
@@ -140,6 +190,35 @@ def integrate(system, element, end, tolerance=1e-11):
                 element.at_event(system.motion(t, y))
                 break
     return np.array(times), np.array(states), np.array(onsets)
+
+
+def cosimulate(system, element, end, size):
+    """Co-simulation: positions at the steps, velocities half a step later (leapfrog).
+
+    Returns times, states and penetrations at the ends of the steps. The element moves the bodies
+    on by a step at the velocities it is given, to where they are then.
+    """
+    half = system.start.size // 2
+    x = system.start[:half].copy()
+    none = np.zeros(6)
+    v = system.start[half:] + size / 2 * system.derivative(0.0, system.start, none)[half:]
+    rows = []
+    for k in range(round(end / size)):
+        out = element.step(k * size, size, system.motion(k * size, np.concatenate([x, v])))
+        x = x + size * v
+        t = (k + 1) * size
+        acceleration = system.derivative(t, np.concatenate([x, v]), out[:6])[half:]
+        rows.append(np.concatenate([[t], x, v + size / 2 * acceleration, out[6:]]))
+        v = v + size * acceleration
+    rows = np.array(rows)
+    return rows[:, 0], rows[:, 1:-1], rows[:, -1]
+
+
+def onsets_of(times, penetration):
+    """The times of the first touches, by straight lines between the steps."""
+    k = np.flatnonzero((penetration[:-1] <= 0) & (penetration[1:] > 0))
+    rise = penetration[k + 1] - penetration[k]
+    return times[k] - penetration[k] / rise * (times[k + 1] - times[k])
 
 
 class Journal:
