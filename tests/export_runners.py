@@ -45,7 +45,7 @@ def run_c(case, folder):
     """Compile the C export and return load and stiffness of every row."""
     source, library = folder / "law.c", folder / "law_c.so"
     source.write_text(export(case.law, case.contact, "c"), encoding="ascii")
-    _compile("gcc", *C_FLAGS, source, "-o", library, "-lm")
+    compile_with("gcc", *C_FLAGS, source, "-o", library, "-lm")
     loaded = ctypes.CDLL(str(library))
     columns = [column.tolist() for column in case.arguments.values()]
     answers = []
@@ -67,7 +67,7 @@ def run_fortran(case, folder):
     source, driver, library = folder / "law.f90", folder / "run.f90", folder / "law_f.so"
     source.write_text(export(case.law, case.contact, "fortran"), encoding="ascii")
     driver.write_text(wrapper, encoding="ascii")
-    _compile("gfortran", *FORTRAN_FLAGS, f"-J{folder}", source, driver, "-o", library)
+    compile_with("gfortran", *FORTRAN_FLAGS, f"-J{folder}", source, driver, "-o", library)
     columns = [np.ascontiguousarray(column) for column in case.arguments.values()]
     answers = [np.empty(case.rows) for _ in range(4)]
     pointers = [column.ctypes.data_as(ctypes.c_void_p) for column in (*columns, *answers)]
@@ -88,17 +88,18 @@ def run_octave(cases, folder, more=""):
         shape = {"rows": case.rows, "columns": len(case.arguments)}
         script.append(OCTAVE_CASE.format(folder=place, function=case.function, **shape))
     (folder / "all.m").write_text("1;\n" + "".join(script) + more, encoding="ascii")
-    _run("octave-cli", "--no-gui", "--norc", "--quiet", folder / "all.m")
+    run_program("octave-cli", "--no-gui", "--norc", "--quiet", folder / "all.m")
     return {name: np.fromfile(folder / name / "out").reshape(2, -1) for name in cases}
 
 
-def _compile(compiler, *arguments):
+def compile_with(compiler, *arguments):
     require_program(compiler)
-    _run(compiler, *arguments)
+    run_program(compiler, *arguments)
 
 
-def _run(*command):
+def run_program(*command):
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
     # Octave 7 ends every script, good or bad, with a message about its own exit.
     assert done.returncode == 0, done.stderr
     assert "warning" not in done.stderr, done.stderr
+    return done.stdout

@@ -17,6 +17,7 @@ from cylcontact.datasets.grid import DimensionlessGridSpec, GridSpec
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.specs import CampaignSpec, MeasuredSpec
 from cylcontact.materials import COLUMNS
+from cylcontact.mechanism.joint_spec import ClearanceJointSpec
 from cylcontact.mechanism.spec import MechanismSpec
 from cylcontact.plots.style import StyleFile
 from tests.spec_files import CAMPAIGN, DROP, GRID, changed, toml
@@ -57,6 +58,7 @@ class Case(NamedTuple):
 
 OUT = ("-j", "1", "-o", "out.json")
 POWER = ("--law", "power", "--contact", "internal", *OUT)
+JOINT = ("export", "--joint", "{}", "--to", "c", "-o", "out.c")
 # Small files, which are run in full.
 READERS = {
     "fitting/small.toml": ("fit", "fitting/small.toml", *OUT),
@@ -71,6 +73,7 @@ READERS = {
 SPECS = (
     ("datasets/slider_crank.toml", MechanismSpec, ("simulate", "{}", "--revolutions", "1")),
     ("datasets/four_bar.toml", MechanismSpec, ("simulate", "{}", "--revolutions", "1")),
+    ("datasets/joint.toml", ClearanceJointSpec, JOINT),
     ("datasets/finite_element/*.toml", StudySpec, ("finite-element", "{}", "-o", "out.csv")),
     ("datasets/any-pair.toml", DimensionlessGridSpec, ("sample", "{}", "-o", "out.csv")),
     ("datasets/*.toml", GridSpec, ("sample", "{}", "-o", "out.csv")),
@@ -305,6 +308,13 @@ fit table.csv --law nomodule:f --contact internal -o out.json;
 optimizers fitting/small.toml simplex; optimizers fitting/small.toml -o out.json;
 optimizers no.toml; optimizers fitting/small.toml -o .; optimizers datasets/small.toml;
 compare mechanism.toml; export good.json; export good.json --to cobol;
+export --to c; export --joint no.toml --to c -o out.c; export --joint good.json --to c -o out.c;
+export --joint datasets/slider_crank.toml --to c -o out.c;
+export --joint datasets/joint.toml --to c; export --joint datasets/joint.toml --to c -o out.f90;
+export --joint datasets/joint.toml --to json -o out.json;
+export --joint datasets/joint.toml --to python -o 2-pins.py;
+export explicit --joint datasets/joint.toml --to c -o out.c;
+export --joint datasets/joint.toml --contact internal --to c -o out.c;
 export nonsense --to c; export johnson --to c --contact sideways; export no.json --to c;
 laws --E -1; laws --nu 2; laws --dR 0; laws --load x; laws --contact sideways; claims -o out.txt;
 report nonsense; simulate datasets/small.toml; simulate mechanism.toml --restitution 2;

@@ -10,6 +10,7 @@ import pytest
 # The Debian packages that hold each program.
 PACKAGES = {
     "gcc": "gcc libc6-dev",
+    "g++": "g++",
     "gfortran": "gfortran",
     "octave-cli": "octave",
     "ccx": "calculix-ccx",

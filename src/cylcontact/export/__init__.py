@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection
 from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from cylcontact.arrays import require
 from cylcontact.choices import listed
 from cylcontact.errors import InputError
 from cylcontact.export.named import EXPORTABLE, find_law
@@ -26,7 +28,14 @@ def __dir__() -> list[str]:
 # Each is a module of this package, whose function `source` returns the text of a file.
 TARGETS = ("c", "fortran", "matlab", "json")
 # Each is a module of `joints`; with the suffix of the file that is named.
-JOINT_TARGETS = {"c": ".c", "fmu": ".fmu"}
+JOINT_TARGETS = {
+    "c": ".c",
+    "cpp": ".hpp",
+    "fortran": ".f90",
+    "matlab": ".m",
+    "python": ".py",
+    "fmu": ".fmu",
+}
 
 
 def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str:
@@ -143,6 +152,10 @@ def export_joint(joint: ClearanceJoint, target: str, stem: str = "") -> dict[str
     ['wrist_pin.c', 'wrist_pin.h']
     """
     _require_target(target, JOINT_TARGETS)
+    require(
+        not stem or re.fullmatch(r"[\w+-][\w.+-]*", stem, re.ASCII) is not None, "export", "--out",
+        stem, "is not plain text", "name the file with letters, digits, hyphens and underscores",
+    )  # fmt: skip
     module = import_module(f"{__name__}.joints.{target}")
     texts: dict[str, str] | dict[str, bytes] = module.source(joint, stem)
     return texts

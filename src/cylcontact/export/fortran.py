@@ -11,7 +11,7 @@ from cylcontact.export.comments import WIDTH
 from cylcontact.export.render import Dialect
 from cylcontact.laws.formula import Formula
 
-__all__ = ["source"]
+__all__ = ["DIALECT", "source"]
 
 # atanh is accurate for small x, also with a compiler that reorders sums.
 _LOG1P = """
@@ -26,7 +26,7 @@ elemental function log1p(x) result(y)
     end if
 end function log1p"""
 
-_DIALECT = Dialect(
+DIALECT = Dialect(
     comment="!",
     number="{!r}_wp".format,
     power="{x}**{y}",
@@ -109,4 +109,4 @@ def source(formula: Formula) -> str:
     root = sqrt(penetration / (2.0_wp * (dR + penetration)))
     """
     names = wrap(", ".join(step.name for step in formula.steps), WIDTH - 24)
-    return _DIALECT.source(formula, _FRAME, variables="real(wp) :: " + " &\n    ".join(names))
+    return DIALECT.source(formula, _FRAME, variables="real(wp) :: " + " &\n    ".join(names))

@@ -7,7 +7,7 @@ import ast
 from cylcontact.export.render import Dialect
 from cylcontact.laws.formula import Formula
 
-__all__ = ["source"]
+__all__ = ["DIALECT", "source"]
 
 _CHOOSE = """
 function x = choose(condition, yes, no)
@@ -18,7 +18,7 @@ x(condition) = yes(condition);
 end"""
 
 # The results are assigned inside the domain only.
-_DIALECT = Dialect(
+DIALECT = Dialect(
     comment="%",
     number=lambda value: repr(value).removesuffix(".0"),
     power="{x}.^{y}",
@@ -67,4 +67,4 @@ def source(formula: Formula) -> str:
     root = sqrt(penetration ./ (2 .* (dR + penetration)));
     """
     selection = (f"{name} = select({name}, inside);" for name in formula.arguments)
-    return _DIALECT.source(formula, _FRAME, selection="\n".join(selection))
+    return DIALECT.source(formula, _FRAME, selection="\n".join(selection))

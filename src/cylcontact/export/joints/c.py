@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from cylcontact.arrays import FloatArray
 from cylcontact.export.c import DIALECT
-from cylcontact.export.joints.element import ARGUMENTS, RESULTS, Element
-from cylcontact.export.render import Dialect, filled
+from cylcontact.export.joints.element import RESULTS, Element, argument_names, bodies_of, rows_of
+from cylcontact.export.render import filled
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
 
 __all__ = ["body_parts", "source"]
@@ -117,19 +117,19 @@ const double x_0 = x[low], y_0 = y[low], s_0 = s[low];
 const double x_1 = x[high], y_1 = y[high], s_1 = s[high];"""
 
 _RESULTS = """\
-wrench->force_bearing[0] = {0};
-wrench->force_bearing[1] = {1};
-wrench->moment_bearing = {2};
-wrench->force_pin[0] = -{0};
-wrench->force_pin[1] = -{1};
-wrench->moment_pin = {3};
-wrench->penetration = {4};
-wrench->penetration_rate = {5};
-wrench->normal_force = {6};
-wrench->friction_force = {7};
-wrench->tangential_velocity = {8};
-wrench->dissipated_power = {9};
-wrench->flag = (int){10};"""
+{wrench}force_bearing[0] = {0};
+{wrench}force_bearing[1] = {1};
+{wrench}moment_bearing = {2};
+{wrench}force_pin[0] = -{0};
+{wrench}force_pin[1] = -{1};
+{wrench}moment_pin = {3};
+{wrench}penetration = {4};
+{wrench}penetration_rate = {5};
+{wrench}normal_force = {6};
+{wrench}friction_force = {7};
+{wrench}tangential_velocity = {8};
+{wrench}dissipated_power = {9};
+{wrench}flag = (int){10};"""
 
 
 def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
@@ -145,44 +145,33 @@ def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
     names = {"name": joint.identifier, "stem": stem, "capitals": joint.identifier.upper()}
     usage = filled(_USAGE, names).splitlines()
     comment = "\n".join(f"// {line}".rstrip() for line in element.description(usage))
-    parts = {**names, "comment": comment, **body_parts(element)}
+    parts = {
+        **names,
+        "comment": comment,
+        **body_parts(element, "wrench->", f"{joint.identifier}_law"),
+    }
     return {f"{stem}.c": filled(_SOURCE, parts), f"{stem}.h": filled(_HEADER, parts)}
 
 
-def body_parts(element: Element) -> dict[str, str]:
-    """Return the bodies of the functions, for C and C++."""
-    dialect = _dialect(element.joint.identifier)
+def body_parts(element: Element, wrench: str, law: str) -> dict[str, str]:
+    """Return the bodies of the functions, for C and C++.
+
+    `wrench` is what stands before its members, `law` the name of the function of the law.
+    """
+    names = {**DIALECT.names, **argument_names("{body}[{k}]", 0), "law": law}
     table = element.table
-    parts = {
-        "law": dialect.statements(element.law),
-        "law_constants": dialect.constants(element.law_constants),
+    return {
+        **bodies_of(element, replace(DIALECT, names=names)),
         "table": "" if table is None else _arrays(table),
         "lookup": "" if table is None else _LOOKUP.format(last=table[0].size - 1),
-        "results": _RESULTS.format(*RESULTS),
+        "results": _RESULTS.format(*RESULTS, wrench=wrench),
     }
-    for function in ("evaluate", "accept"):
-        steps = getattr(element, function)
-        parts[function] = dialect.statements(steps)
-        parts[f"{function}_constants"] = dialect.constants(element.constants(steps))
-    return parts
-
-
-def _dialect(name: str) -> Dialect:
-    """Return C's notation with the names of this joint's inputs."""
-    inputs = {
-        argument: f"{body}[{k}]"
-        for body, arguments in ARGUMENTS.items()
-        for k, argument in enumerate(arguments)
-    }
-    return replace(DIALECT, names={**DIALECT.names, **inputs, "law": f"{name}_law"})
 
 
 def _arrays(table: tuple[FloatArray, ...]) -> str:
     """Return the arrays of a table: ln of the penetration, ln of the load, slopes."""
     texts = []
     for name, numbers in zip("xys", table, strict=True):
-        values = [repr(float(number)) for number in numbers]
-        rows = [", ".join(values[k : k + 4]) for k in range(0, len(values), 4)]
-        inside = ",\n    ".join(rows)
-        texts.append(f"static const double {name}[{len(values)}] = {{\n    {inside}}};")
+        inside = ",\n    ".join(rows_of(numbers))
+        texts.append(f"static const double {name}[{numbers.size}] = {{\n    {inside}}};")
     return "\n".join(texts)

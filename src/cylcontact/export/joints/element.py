@@ -7,16 +7,18 @@ language has formulas of its own. Only the law is in mm: the step `depth` is the
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
+from keyword import iskeyword
 from textwrap import wrap
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, require
 from cylcontact.export.comments import WIDTH, paragraph, plain
+from cylcontact.export.render import Dialect
 from cylcontact.laws.formula import MEANINGS, Step, needed, steps_of
 from cylcontact.laws.kernels import steps_for
 from cylcontact.materials import Material
@@ -24,11 +26,10 @@ from cylcontact.mechanism import contact
 from cylcontact.mechanism.clearance_joint import ClearanceJoint, JointState
 from cylcontact.mechanism.system import TANGENT_FROM
 
-__all__ = ["ARGUMENTS", "RESULTS", "Element"]
+__all__ = ["RESULTS", "Element", "argument_names", "bodies_of", "require_importable", "rows_of"]
 
-# The inputs of the steps, in the order in which the two bodies are passed.
+# The motion of a body as it is passed; in the steps bearing_x and so on.
 _MOTION = ("x", "y", "angle", "vx", "vy", "spin")
-ARGUMENTS = {body: tuple(f"{body}_{part}" for part in _MOTION) for body in ("bearing", "pin")}
 
 _MOTION_STEPS = """
 cos_b = cos(bearing_angle)
@@ -318,6 +319,47 @@ _RESULT_LINES = (
     "  dissipated_power                by damping and friction, never negative",
     "  flag                            0, or 1 above first yield, plus 2 beyond the law",
 )
+
+
+def argument_names(form: str, first: int) -> dict[str, str]:
+    """Return the inputs of the steps as elements of two arrays, counted from `first`.
+
+    Examples
+    --------
+    >>> argument_names("{body}[{k}]", 0)["pin_spin"]
+    'pin[5]'
+    """
+    return {
+        f"{body}_{part}": form.format(body=body, k=k)
+        for body in ("bearing", "pin")
+        for k, part in enumerate(_MOTION, first)
+    }
+
+
+def bodies_of(element: Element, dialect: Dialect) -> dict[str, str]:
+    """Return the bodies of law, `evaluate` and `accept`, each with its constants, in a language."""
+    parts = {
+        "law": dialect.statements(element.law),
+        "law_constants": dialect.constants(element.law_constants),
+    }
+    for function, steps in (("evaluate", element.evaluate), ("accept", element.accept)):
+        parts[function] = dialect.statements(steps)
+        parts[f"{function}_constants"] = dialect.constants(element.constants(steps))
+    return parts
+
+
+def rows_of(numbers: FloatArray, number: Callable[[float], str] = repr) -> list[str]:
+    """Return literals of numbers, four a line."""
+    literals = [number(float(value)) for value in numbers]
+    return [", ".join(literals[k : k + 4]) for k in range(0, len(literals), 4)]
+
+
+def require_importable(stem: str) -> None:
+    """Raise `InputError` for a file that no import or call can name."""
+    require(
+        stem.isascii() and stem.isidentifier() and not iskeyword(stem), "export", "--out", stem,
+        "cannot be called by its name", "name the file with letters, digits and underscores",
+    )  # fmt: skip
 
 
 def _rows(title: str, texts: Iterable[str]) -> Iterator[str]:

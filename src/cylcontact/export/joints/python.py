@@ -1,0 +1,155 @@
+"""The Python target: a module that needs the standard library only."""
+
+from __future__ import annotations
+
+import ast
+import math
+
+import numpy as np
+
+from cylcontact.arrays import FloatArray
+from cylcontact.export.joints.element import (
+    RESULTS,
+    Element,
+    argument_names,
+    bodies_of,
+    require_importable,
+    rows_of,
+)
+from cylcontact.export.render import Dialect, filled
+from cylcontact.mechanism.clearance_joint import ClearanceJoint
+
+__all__ = ["source"]
+
+_DIALECT = Dialect(
+    comment="#",
+    number=repr,
+    power="{x}**{y}",
+    assignment="{name} = {value}",
+    choice="{name} = {yes} if {test} else {no}",
+    joint=" and ",
+    names={"pi": repr(np.pi), "law": "_law", **argument_names("{body}[{k}]", 0)},
+)
+
+_USAGE = """\
+import $stem as joint
+
+impact_rate = joint.start()      (the state: 0, not in contact)
+wrench = joint.evaluate(impact_rate, bearing, pin)
+impact_rate = joint.accept(impact_rate, bearing, pin)"""
+
+_FRAME = """\
+$comment
+#
+# Python 3; needs the standard library only.
+
+from math import $functions
+from typing import NamedTuple
+
+
+class Wrench(NamedTuple):
+    force_bearing: tuple
+    moment_bearing: float
+    force_pin: tuple
+    moment_pin: float
+    penetration: float
+    penetration_rate: float
+    normal_force: float
+    friction_force: float
+    tangential_velocity: float
+    dissipated_power: float
+    flag: int
+
+
+def start():
+    return 0.0
+
+
+def evaluate(impact_rate, bearing, pin):
+    $evaluate_constants
+    $evaluate
+    $results
+
+
+def accept(impact_rate, bearing, pin):
+    $accept_constants
+    $accept
+    return next_rate
+
+
+def _law(penetration):
+    # The law: N/mm at a penetration in mm.
+    if penetration <= 0.0:
+        return 0.0
+    $lookup
+    $law_constants
+    $law
+    return f
+$table
+"""
+
+# The nodes around a penetration, by bisection.
+_LOOKUP = """\
+at = log(penetration)
+low, high = 0, {last}
+while high - low > 1:
+    middle = (low + high) // 2
+    if _X[middle] <= at:
+        low = middle
+    else:
+        high = middle
+x_0, y_0, s_0 = _X[low], _Y[low], _S[low]
+x_1, y_1, s_1 = _X[high], _Y[high], _S[high]"""
+
+_RESULTS = """\
+force, opposite = ({0}, {1}), (-{0}, -{1})
+return Wrench(
+    force, {2}, opposite, {3}, {4}, {5}, {6}, {7}, {8}, {9}, int({10})
+)"""
+
+
+def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
+    """Return the text of the module, by file name.
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_joint
+    >>> list(source(read_joint("datasets/joint.toml"), "pin"))
+    ['pin.py']
+    """
+    element, stem = Element(joint), stem or joint.identifier
+    require_importable(stem)
+    table = element.table
+    parts = {
+        "stem": stem,
+        **bodies_of(element, _DIALECT),
+        "functions": ", ".join(_functions(element)),
+        "table": "" if table is None else _arrays(table),
+        "lookup": "" if table is None else _LOOKUP.format(last=table[0].size - 1),
+        "results": _RESULTS.format(*RESULTS),
+    }
+    usage = filled(_USAGE, parts).splitlines()
+    parts["comment"] = "\n".join(f"# {line}".rstrip() for line in element.description(usage))
+    return {f"{stem}.py": filled(_FRAME, parts)}
+
+
+def _functions(element: Element) -> list[str]:
+    """Return the names of the module `math` that the steps use."""
+    used = {
+        node.id
+        for step in (*element.evaluate, *element.law)
+        for node in ast.walk(step.value)
+        if isinstance(node, ast.Name)
+    }
+    lookup = set() if element.table is None else {"log"}
+    assigned = {step.name for step in (*element.evaluate, *element.law)}
+    return sorted((used - assigned | lookup) & set(vars(math)) - {"pi"})
+
+
+def _arrays(table: tuple[FloatArray, ...]) -> str:
+    """Return the tuples of a table: ln of the penetration, ln of the load, slopes."""
+    texts = [""]
+    for name, numbers in zip("XYS", table, strict=True):
+        inside = ",\n    ".join(rows_of(numbers))
+        texts.append(f"\n_{name} = (\n    {inside},\n)")
+    return "\n".join(texts)
