@@ -101,6 +101,17 @@ def test_fmpy_finds_no_problem(tmp_path, units):
     assert factors[length] == factors[f"N.{length}"] == float({"SI": 1, "mm": "1e-3"}[units])
 
 
+def test_no_name_breaks_out_of_the_description(tmp_path):
+    from fmpy.validation import validate_fmu
+
+    require_program("gcc")
+    name = 'a \n\x01 b */ \\ é ??/ \'"<& $c {d} -->'
+    path = export_fmu(joint_from(changed(DATA, {"name": name})), tmp_path)
+    assert path.name == "a_b_c_d.fmu"
+    assert validate_fmu(str(path)) == []
+    Fmu(path, tmp_path / "unpacked")
+
+
 def test_the_file_depends_on_the_joint_alone(fmu, joint, tmp_path):
     assert export_fmu(joint, tmp_path).read_bytes() == fmu.read_bytes()
     other = export_fmu(joint_from(changed(DATA, {"friction.coefficient": 0.2})), tmp_path)

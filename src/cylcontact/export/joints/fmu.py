@@ -16,6 +16,7 @@ from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
 from cylcontact.errors import InputError
+from cylcontact.export.comments import plain
 from cylcontact.export.joints import c
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
 
@@ -203,10 +204,12 @@ def _description(joint: ClearanceJoint, guid: str) -> str:
     sources = f"    <SourceFiles>\n{files}    </SourceFiles>\n"
     outputs = [k + 1 for k, v in enumerate(VARIABLES) if v.causality == "output"]
     unknowns = "".join(f'      <Unknown index="{index}"/>\n' for index in outputs)
-    text = f"The clearance joint {joint.name!r}: law {joint.law.name}, clearance {float(joint.pair.dR):.6g} mm"
+    title = plain(joint.name)
+    law, clearance = plain(joint.law.name), float(joint.pair.dR)
+    text = f"The clearance joint '{title}': law {law}, clearance {clearance:.6g} mm"
     return f"""\
 <?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName={quoteattr(joint.name)} guid="{guid}"
+<fmiModelDescription fmiVersion="2.0" modelName={quoteattr(title)} guid="{guid}"
     description={quoteattr(text)} generationTool="cylcontact {version("cylcontact")}"
     variableNamingConvention="structured" numberOfEventIndicators="1">
   <ModelExchange {abilities}>
