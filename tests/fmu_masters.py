@@ -7,30 +7,11 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from cylcontact.export.joints.fmu import VARIABLES
-from cylcontact.mechanism import joint_from
 from cylcontact.mechanism.assembly import assemble, evaluate, joint_table
 from cylcontact.mechanism.clearance_joint import JointState
 
 REALS = [v.name for v in VARIABLES if v.quantity != "flag"]
 INPUTS, OUTPUTS = list(range(12)), list(range(12, len(REALS)))
-
-
-def joint_of(mechanism, **changes):
-    """Return a mechanism's clearance joint as a force element in SI units."""
-    c, clearance = mechanism.data["clearance"], mechanism.clearance
-    body = {"E": c["E"], "nu": c["nu"]}
-    data = {
-        "name": c["joint"],
-        "units": "SI",
-        "length": c["length"],
-        "law": c["law"],
-        "bearing": body | {"R": c["R_bearing"], "point": [1e3 * x for x in clearance.point_i]},
-        "pin": body
-        | {"R": c["R_bearing"] - c["radial"], "point": [1e3 * x for x in clearance.point_j]},
-        "dissipation": {"factor": c["factor"], "restitution": c["restitution"]},
-        "friction": {"coefficient": c["friction"], "v0": c["v0"], "v1": c["v1"]},
-    }
-    return joint_from(data | changes)
 
 
 def export_fmu(joint, folder):

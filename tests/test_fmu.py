@@ -13,6 +13,7 @@ from cylcontact.export import export_joint
 from cylcontact.mechanism import joint_from, read_joint, read_mechanism, simulate
 from cylcontact.mechanism.clearance_joint import JointState
 from cylcontact.spec import read_toml
+from benchmarks.exudyn_peer import joint_of
 from tests.fmu_masters import (
     INPUTS,
     OUTPUTS,
@@ -25,7 +26,6 @@ from tests.fmu_masters import (
     cosimulate,
     export_fmu,
     integrate,
-    joint_of,
     onsets_of,
 )
 from tests.mechanism_cases import ROOT
