@@ -181,6 +181,34 @@ def test_forces_and_moments_balance_and_dissipate(case):
     np.testing.assert_allclose(balance, 0.0, atol=1e-12 * peak * np.abs(rows[:, 3:]).max())
 
 
+def test_only_the_motion_against_each_other_matters():
+    """Seen from the turning bearing, and from a frame that moves and turns at will."""
+    joint, rows = absolute_joint("explicit", 0.5), rows_of(run_of("explicit", 0.5), relative=False)
+    wanted = run_library(joint, rows)
+    moving = rows.copy()
+    origin, drift = np.array([0.3, -0.2]), np.array([1.5, 0.7])
+    turn, spin = 0.8, 40.0
+    cosine, sine = np.cos(turn), np.sin(turn)
+    into = np.array([[cosine, sine], [-sine, cosine]])
+    for first in (1, 7):
+        place, speed = rows[:, first : first + 2] - origin, rows[:, first + 3 : first + 5] - drift
+        speed = speed - spin * np.column_stack((-place[:, 1], place[:, 0]))
+        moving[:, first : first + 2], moving[:, first + 3 : first + 5] = (
+            place @ into.T,
+            speed @ into.T,
+        )
+        moving[:, first + 2] -= turn
+        moving[:, first + 5] -= spin
+    answers = run_library(joint, moving)
+    peak = np.abs(wanted[:, FORCES]).max()
+    assert np.abs(wanted[:, 7]).max() > 100.0
+    inside = np.abs(wanted[:, 4]) > 1e-12
+    close = {"rtol": 0, "atol": 1e-9 * peak}
+    np.testing.assert_allclose(answers[inside, :2] @ into, wanted[inside, :2], **close)
+    np.testing.assert_allclose(answers[inside][:, MOMENTS], wanted[inside][:, MOMENTS], **close)
+    np.testing.assert_allclose(answers[inside, POWER], wanted[inside, POWER], rtol=1e-6, atol=1e-6)
+
+
 # --- in other languages ---
 
 

@@ -62,7 +62,7 @@ def test_the_readme_leaves_no_litter_and_can_be_followed_twice(tmp_path, monkeyp
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_every_block_says_what_it_is(page):
-    known = {"python", "bash", "text", "toml", "csv", "c"}
+    known = {"python", "bash", "text", "toml", "csv", "c", "cpp"}
     assert {block.language for block in blocks(page)} <= known
 
 
