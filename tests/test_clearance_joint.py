@@ -510,6 +510,9 @@ def test_materials_may_be_named_or_given():
     assert joint.pair == CylinderPair.internal(
         10.0, 9.95, bronze, 10.0, Material("pin", 207e3, 0.3, 250.0)
     )
+    soft = {"pin.E": "200 MPa", "bearing.material": "PTFE", "bearing.E": DROP, "bearing.nu": DROP}
+    pair = joint_for("explicit", 0.05, **soft).pair
+    assert (pair.material_i.E, pair.material_j.E) == (500.0, 200.0)
     given = joint_for("explicit", 0.05, **{"pin.E": "69e3 MPa", "bearing.yield_stress": 300.0})
     assert given.pair.material_j.E == pytest.approx(69e3, rel=1e-15)
     harder = joint_from(changed(JOINT, {"bearing.yield_stress": 300.0}))
@@ -521,8 +524,9 @@ MISTAKES = {
     "missing key": ({"pin.R": DROP}, "pin.R: is required; add the radius in mm"),
     "missing table": ({"friction": DROP}, "friction: is required; add a table [friction]"),
     "no modulus": ({"pin.E": DROP}, "pin.E: is required; give E, or material = NAME"),
-    "no unit": ({"pin.E": "hard"}, "pin.E = 'hard': must be a number; give Young's modulus in GPa"),
-    "no stiffness": ({"pin.E": "0 GPa"}, "pin.E = '0 GPa': must be greater than 0; give Young's"),
+    "no unit": ({"pin.E": "hard"}, "pin.E = 'hard': must be a number in GPa, or a text with"),
+    "no stiffness": ({"pin.E": "0 GPa"}, "pin.E = '0 GPa': Young's modulus must be positive and"),
+    "in MPa": ({"pin.E": 207e3}, "pin.E = 207000.0: a bare number is in GPa, and diamond has 1200; d"),
     "both": ({"bearing.nu": 0.3}, "bearing.nu = 0.3: is that of the material already; remove nu"),
     "unknown material": (
         {"bearing.material": "cheese"},

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, Strict, field_validator, model_validator
+from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from cylcontact.dissipation import FACTORS
 from cylcontact.errors import InputError
@@ -20,6 +20,7 @@ __all__ = [
     "IntegrationSpec",
     "JointSpec",
     "MechanismSpec",
+    "Modulus",
     "ProvenanceSpec",
 ]
 
@@ -27,6 +28,25 @@ __all__ = [
 _LARGEST_BARE = 1500.0
 # TOML has lists, not tuples.
 _Pair = Annotated[tuple[float, float], Strict(False)]
+
+
+def _in_GPa(E: object) -> object:
+    """Return a modulus as a number of GPa; pydantic refuses what is neither number nor text."""
+    if isinstance(E, str):
+        if not E.rstrip().endswith("Pa"):
+            rule = "must be a number in GPa, or a text with a unit"
+            raise broken("", E, rule, 'write e.g. 207.0, or "207 GPa"')
+        try:
+            return float(modulus_in_MPa(E, "", "")) * 1e-3
+        except InputError as error:
+            raise broken("", E, error.rule, error.remedy) from None
+    if isinstance(E, int | float) and E > _LARGEST_BARE:
+        remedy = f'did you mean {E * 1e-3:g}? Or write "{E:g} GPa"'
+        raise broken("", E, "a bare number is in GPa, and diamond has 1200", remedy)
+    return E
+
+
+Modulus = Annotated[float, BeforeValidator(_in_GPa)]
 
 
 class BodySpec(Spec):
@@ -85,7 +105,7 @@ class ClearanceSpec(Spec):
     radial: float = Field(ge=0, description="the radial clearance in mm, 0 for an ideal joint")
     R_bearing: float = Field(gt=0, description="the radius of the bearing in mm")
     length: float = Field(gt=0, description="the axial length in mm")
-    E: float = Field(
+    E: Modulus = Field(
         gt=0, description='Young\'s modulus of both bodies in GPa, or with a unit, "207 GPa"'
     )
     nu: float = Field(ge=0, le=0.5, description="Poisson's ratio of both bodies")
@@ -98,23 +118,6 @@ class ClearanceSpec(Spec):
     friction: float = Field(ge=0, description="the friction coefficient")
     v0: float = Field(ge=0, description="the speed in mm/s up to which there is no friction")
     v1: float = Field(gt=0, description="the speed in mm/s from which there is all of it")
-
-    @field_validator("E", mode="before")
-    @classmethod
-    def _in_GPa(cls, E: object) -> object:
-        """Return E in GPa; pydantic refuses what is neither a number nor a text."""
-        if isinstance(E, str):
-            if not E.rstrip().endswith("Pa"):
-                rule = "must be a number in GPa, or a text with a unit"
-                raise broken("", E, rule, 'write e.g. 207.0, or "207 GPa"')
-            try:
-                return float(modulus_in_MPa(E, "", "")) * 1e-3
-            except InputError as error:
-                raise broken("", E, error.rule, error.remedy) from None
-        if isinstance(E, int | float) and E > _LARGEST_BARE:
-            remedy = f'did you mean {E * 1e-3:g}? Or write "{E:g} GPa"'
-            raise broken("", E, "a bare number is in GPa, and diamond has 1200", remedy)
-        return E
 
     @model_validator(mode="after")
     def _check(self) -> ClearanceSpec:
