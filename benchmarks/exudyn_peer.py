@@ -1,8 +1,9 @@
 """The slider-crank with a clearance as a model of Exudyn, a general multibody code.
 
-Planar rigid bodies, revolute joints, the crank kept at its speed by a constraint on its velocity,
-and a sphere in a hollow sphere for the journal in its bearing: pressed in the plane of motion,
-a contact F = K·δⁿ of the same line of action as ours. Its steps are all of one size.
+Planar rigid bodies, revolute joints, the crank kept at its speed by a constraint on its velocity.
+For the journal in its bearing either Exudyn's own sphere in a hollow sphere: pressed in the plane of
+motion, a contact F = K·δⁿ of the same line of action as ours; or our joint as `cylcontact export
+--to python` writes it, a user function for the forces on the two bodies. Steps are of one size.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 
 import exudyn
 import numpy as np
@@ -24,56 +26,131 @@ from exudyn.itemInterface import (
     NodeRigidBody2D,
     ObjectConnectorCoordinate,
     ObjectContactSphereSphere,
+    ObjectGenericODE2,
     ObjectGround,
     ObjectJointRevolute2D,
     ObjectRigidBody2D,
-    SensorBody,
+    SensorMarker,
+    SensorNode,
+    SensorObject,
 )
+from scipy.integrate import cumulative_trapezoid
 
+from cylcontact.export import export_joint
 from cylcontact.laws.power import PowerShaped
-from cylcontact.mechanism import Trajectory
+from cylcontact.mechanism import ClearanceJoint, Trajectory, joint_from
+
+_OUTPUT = exudyn.OutputVariableType
 
 
 @dataclass(frozen=True)
 class Run:
     """The journal in its bearing, at every step: time in s, penetration in m.
 
-    `seconds` is what the solution took, without building and assembling the model.
+    Also the kinetic energy and the work of the drive in J; of our joint, what it says that it
+    dissipates. `seconds` is the processor time of the solution, without building the model.
     """
 
     time: np.ndarray
     penetration: np.ndarray
     seconds: float
+    kinetic_energy: np.ndarray
+    drive_work: np.ndarray
+    dissipated: np.ndarray | None = None
 
 
-def simulate_in_exudyn(mechanism, start: Trajectory, end: float, step: float) -> Run:
-    """Simulate a slider-crank without friction or dissipation to a time, in steps of one size.
+def simulate_in_exudyn(
+    mechanism, start: Trajectory, end: float, step: float, joint: ModuleType | None = None
+) -> Run:
+    """Simulate a slider-crank to a time, in steps of one size.
 
     Parameters
     ----------
     mechanism : Mechanism
-        As `read_mechanism` returns it; its law a power law, ce = 1 and no friction.
+        As `read_mechanism` returns it. For Exudyn's own contact its law must be a power law, and
+        its dissipation that of Hunt and Crossley; the friction differs below the speed v1.
     start : Trajectory
         A run of ours, to begin where it begins.
     end, step : float
         In s.
+    joint : module, optional
+        The exported joint of the mechanism; without it, the contact is Exudyn's own.
     """
     container = exudyn.SystemContainer()
     system = container.AddSystem()
-    sensors = _assemble(system, mechanism, start)
+    nodes, marker = _assemble(system, mechanism, start)
+    clearance = mechanism.clearance
+    powers = None
+    if joint is None:
+        _contact(system, clearance, marker)
+    else:
+        powers = _our_contact(system, joint, nodes[clearance.i], nodes[clearance.j])
+    centres = [
+        _sensor(system, SensorMarker, "Position", markerNumber=marker(*end_of))
+        for end_of in ((clearance.i, clearance.point_i), (clearance.j, clearance.point_j))
+    ]
+    speeds = [_sensor(system, SensorNode, "Coordinates_t", nodeNumber=node) for node in nodes]
+    drive = _guide(system, nodes, mechanism.driver.speed)
+    moment = _sensor(system, SensorObject, "Force", objectNumber=drive)
     with _quiet():
         system.Assemble()
         settings = _settings(end, step)
-        started = time.perf_counter()
+        started = time.process_time()
         system.SolveDynamic(settings, solverType=exudyn.DynamicSolverType.TrapezoidalIndex2)
-        seconds = time.perf_counter() - started
-    bearing, journal = (system.GetSensorStoredData(sensor) for sensor in sensors)
+        seconds = time.process_time() - started
+    stored = system.GetSensorStoredData
+    bearing, journal = (stored(sensor) for sensor in centres)
+    times = bearing[:, 0]
     eccentricity = np.hypot(*(bearing - journal)[:, 1:3].T)
-    return Run(bearing[:, 0], eccentricity - mechanism.clearance.radial, seconds)
+    energy = sum(
+        0.5 * stored(sensor)[:, 1:4] ** 2 @ [body.mass, body.mass, body.inertia]
+        for sensor, body in zip(speeds, mechanism.bodies, strict=True)
+    )
+    power = stored(moment)[:, 1] * -mechanism.driver.speed
+    return Run(
+        times,
+        eccentricity - clearance.radial,
+        seconds,
+        np.asarray(energy),
+        cumulative_trapezoid(power, times, initial=0.0),
+        None if powers is None else _integral(powers, times),
+    )
 
 
-def _assemble(system, mechanism, start: Trajectory) -> tuple[int, int]:
-    """Build the model; return the sensors of the bearing's and of the journal's centre."""
+def joint_of(mechanism, **changes) -> ClearanceJoint:
+    """Return a mechanism's clearance joint as a force element in SI units."""
+    c, clearance = mechanism.data["clearance"], mechanism.clearance
+    body = {"E": c["E"], "nu": c["nu"]}
+    pin = {"R": c["R_bearing"] - c["radial"], "point": [1e3 * x for x in clearance.point_j]}
+    data = {
+        "name": c["joint"],
+        "units": "SI",
+        "length": c["length"],
+        "law": c["law"],
+        "bearing": body | {"R": c["R_bearing"], "point": [1e3 * x for x in clearance.point_i]},
+        "pin": body | pin,
+        "dissipation": {"factor": c["factor"], "restitution": c["restitution"]},
+        "friction": {"coefficient": c["friction"], "v0": c["v0"], "v1": c["v1"]},
+    }
+    return joint_from(data | changes)
+
+
+def module_of(joint: ClearanceJoint) -> ModuleType:
+    """Return the module that `cylcontact export --to python` writes of a joint."""
+    ((name, text),) = export_joint(joint, "python").items()
+    module = ModuleType(name.removesuffix(".py"))
+    exec(compile(text, name, "exec"), module.__dict__)
+    return module
+
+
+def _integral(powers: list[tuple[float, float]], times: np.ndarray) -> np.ndarray:
+    """Return the work done up to some times by powers at other times."""
+    at, power = np.array(powers).T
+    return np.interp(times, at, cumulative_trapezoid(power, at, initial=0.0))
+
+
+def _assemble(system, mechanism, start: Trajectory):
+    """Build bodies and ideal joints; return the nodes, and a function that places markers."""
     nodes, bodies = [], []
     for k, body in enumerate(mechanism.bodies):
         node = system.AddNode(
@@ -98,31 +175,67 @@ def _assemble(system, mechanism, start: Trajectory) -> tuple[int, int]:
         if joint.kind == "revolute" and joint.name != mechanism.clearance.joint:
             pins = [marker(joint.i, joint.point_i), marker(joint.j, joint.point_j)]
             system.AddObject(ObjectJointRevolute2D(markerNumbers=pins))
-    _guide(system, nodes, mechanism.driver.speed)
-    return _contact(system, mechanism.clearance, marker, bodies)
+    return nodes, marker
 
 
-def _guide(system, nodes: list[int], speed: float) -> None:
-    """Keep the crank at its speed, and the slider on its line."""
+def _guide(system, nodes: list[int], speed: float) -> int:
+    """Keep the slider on its line, and the crank at its speed; return the drive."""
     fixed = system.AddMarker(
         MarkerNodeCoordinate(nodeNumber=system.AddNode(NodePointGround()), coordinate=0)
     )
     crank, _, slider = nodes
     for node, coordinate, offset, of_velocity in (
-        (crank, 2, speed, True),
         (slider, 1, 0.0, False),
         (slider, 2, 0.0, False),
+        (crank, 2, speed, True),
     ):
         moving = system.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
-        system.AddObject(
+        constraint = system.AddObject(
             ObjectConnectorCoordinate(
                 markerNumbers=[fixed, moving], offset=offset, velocityLevel=of_velocity
             )
         )
+    return constraint
 
 
-def _contact(system, clearance, marker, bodies: list[int]) -> tuple[int, int]:
-    """Put the journal into its bearing, and sensors on both."""
+def _our_contact(system, joint: ModuleType, bearing: int, pin: int) -> list[tuple[float, float]]:
+    """Put our joint between two bodies; return the list of times and dissipated powers.
+
+    Trial states are evaluated only; δ̇⁽⁻⁾ is kept or forgotten at the end of each step.
+    """
+    places = [np.array(system.GetNode(node)["referenceCoordinates"]) for node in (bearing, pin)]
+    offsets = [*places[0], *places[1]]
+    impact_rate, powers = joint.start(), [(0.0, 0.0)]
+
+    def bodies(q, v):
+        at = [x + x_0 for x, x_0 in zip(q, offsets, strict=True)]
+        return (*at[:3], *v[:3]), (*at[3:], *v[3:])
+
+    def forces(_system, _t, _number, q, v):
+        w = joint.evaluate(impact_rate, *bodies(q, v))
+        return [*w.force_bearing, w.moment_bearing, *w.force_pin, w.moment_pin]
+
+    def coordinates(kind):
+        return [x for node in (bearing, pin) for x in system.GetNodeOutput(node, kind)]
+
+    def accept(_system, t):
+        nonlocal impact_rate
+        now = bodies(coordinates(_OUTPUT.Coordinates), coordinates(_OUTPUT.Coordinates_t))
+        impact_rate = joint.accept(impact_rate, *now)
+        powers.append((t, joint.evaluate(impact_rate, *now).dissipated_power))
+        return True
+
+    system.AddObject(
+        ObjectGenericODE2(
+            nodeNumbers=[bearing, pin], massMatrix=np.zeros((6, 6)), forceUserFunction=forces
+        )
+    )
+    system.SetPostStepUserFunction(accept)
+    return powers
+
+
+def _contact(system, clearance, marker) -> None:
+    """Put the journal into its bearing, with Exudyn's own contact."""
     law: PowerShaped = clearance.law
     factor, n = law.factor_and_exponent(clearance.pair)
     data = system.AddNode(NodeGenericData(numberOfDataCoordinates=4, initialCoordinates=[0.0] * 4))
@@ -139,23 +252,21 @@ def _contact(system, clearance, marker, bodies: list[int]) -> tuple[int, int]:
             # N/mm per mmⁿ, times the length in mm, to N per mⁿ.
             contactStiffness=float(factor) * clearance.length * 1000 ** float(n),
             contactStiffnessExponent=float(n),
-            restitutionCoefficient=1.0,
+            dynamicFriction=clearance.friction,
+            frictionProportionalZone=clearance.v1,
+            # Hunt and Crossley's χ = 3(1 − e)/2.
+            restitutionCoefficient=1.0 - clearance.chi / 1.5,
             impactModel=1,
         )
     )
 
-    def sensor(body: int, point) -> int:
-        return system.AddSensor(
-            SensorBody(
-                bodyNumber=bodies[body],
-                localPosition=[*point, 0.0],
-                outputVariableType=exudyn.OutputVariableType.Position,
-                storeInternal=True,
-                writeToFile=False,
-            )
-        )
 
-    return sensor(clearance.i, clearance.point_i), sensor(clearance.j, clearance.point_j)
+def _sensor(system, kind, output: str, **where: int) -> int:
+    """Add a sensor that keeps what it reads."""
+    variable = getattr(_OUTPUT, output)
+    return system.AddSensor(
+        kind(outputVariableType=variable, storeInternal=True, writeToFile=False, **where)
+    )
 
 
 def _settings(end: float, step: float):
@@ -163,7 +274,8 @@ def _settings(end: float, step: float):
     settings.timeIntegration.numberOfSteps = round(end / step)
     settings.timeIntegration.endTime = end
     settings.timeIntegration.verboseMode = 0
-    settings.timeIntegration.adaptiveStep = False
+    # A smaller step only where Newton's method does not converge, as with Exudyn's own friction.
+    settings.timeIntegration.adaptiveStep = True
     settings.timeIntegration.discontinuous.useRecommendedStepSize = False
     settings.timeIntegration.newton.useModifiedNewton = True
     settings.solution.file.write = False

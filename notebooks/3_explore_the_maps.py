@@ -74,7 +74,8 @@ picture, table = widgets.HTML(), widgets.HTML()
 def update(_change=None):
     """Show the results for the controls, or the error message."""
     try:
-        own = cc.Material(material.value, 1e3 * modulus.value, ratio.value, strength.value or None)
+        E = f"{modulus.value} GPa"
+        own = cc.Material(material.value, E, ratio.value, strength.value or None)
         choice = explore.Choice(
             own,
             contact.value,

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.power_fit import fit_power
 from cylcontact.laws import Enhanced
-from cylcontact.materials import Material
+from cylcontact.materials import Material, material_in_MPa
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log, plain_number
 from cylcontact.reports.bench import Bench
@@ -116,7 +116,7 @@ def _draw_ratios(axes: Axes, table: pd.DataFrame) -> None:
 
 def _draw_published(axes: Axes, study: ExponentStudy) -> None:
     """Draw the published exponent, which depends on ΔR only."""
-    pair = CylinderPair.from_dR(study.contact, study.dR, Material("any", 1.0, 0.0))
+    pair = CylinderPair.from_dR(study.contact, study.dR, material_in_MPa("any", 1.0, 0.0))
     style: dict[str, Any] = {"marker": "", "color": "0.6", "linewidth": 2.2, "zorder": 1}
     axes.plot(study.dR, Enhanced().exponent(pair), "-", label="published $n$ (Eq 6c)", **style)
 

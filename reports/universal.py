@@ -25,12 +25,12 @@ from cylcontact.laws import (
     Winkler,
     explicit_penetration,
 )
-from cylcontact.materials import Material
+from cylcontact.materials import material_in_MPa
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.laws_bounds import BOUNDED, STEEL
 
 # E* = 1 MPa and ΔR = 1 mm, so that a load is φ and a penetration is d.
-_UNIT = Material("unit", E=2.0, nu=0.0)
+_UNIT = material_in_MPa("unit", 2.0, 0.0)
 UNIT_PAIR = CylinderPair.from_dR("internal", 1.0, _UNIT)
 UNIT_ROLLERS = CylinderPair.from_dR("external", 1.0, _UNIT)
 PHI_MIN, PHI_MAX = BOUNDED["internal"]

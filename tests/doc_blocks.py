@@ -120,6 +120,8 @@ def run_cylcontact(arguments, monkeypatch):
         *arguments, _, target = arguments
         Path(target).write_text(run_cylcontact(arguments, monkeypatch), encoding="utf-8")
         return ""
+    if "fmu" in arguments:
+        require_program("gcc")
     monkeypatch.setattr(sys, "argv", ["cylcontact", *arguments])
     out, err = io.StringIO(), io.StringIO()
     with (

@@ -18,6 +18,7 @@ from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.samples import collect_samples
 from cylcontact.laws import explicit_pair, glauert, parametric, unlike
+from cylcontact.materials import material_in_MPa
 from cylcontact.progress import silent
 from tests.spec_files import write_toml
 
@@ -53,7 +54,7 @@ def test_the_error_over_pairs_drawn_at_random_is_below_what_is_said(name):
 @pytest.mark.parametrize("E", [1.0, 207e3])
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
 def test_the_parametric_law_is_exact_without_beta(E, nu):
-    pair = CylinderPair.from_dR("internal", 0.3, Material("any", E, nu))
+    pair = CylinderPair.from_dR("internal", 0.3, material_in_MPa("any", E, nu))
     delta = 0.3 * np.geomspace(1e-12, 1e3, 200)
     expected = laws.Persson().load(delta, pair)
     np.testing.assert_allclose(laws.Parametric().load(delta, pair), expected, rtol=1e-13)

@@ -19,6 +19,7 @@ from cylcontact.laws.conformal import (
 from cylcontact.laws.persson import LIMIT_ANGLE, U
 from cylcontact.laws.winkler import DEPTH, Winkler
 from cylcontact.limits import hertz_stress
+from cylcontact.materials import material_in_MPa
 from tests.strategies import NOT_TOUCHING, gaps, materials, powers_of_ten
 
 LAW = Persson()
@@ -26,7 +27,7 @@ LAW = Persson()
 METHODS = ("load", "penetration", "stiffness")
 EPS = np.finfo(float).eps
 # With E* = 1 MPa and ΔR = 1 mm a load is φ and a penetration is δ/ΔR.
-UNIT = CylinderPair.from_dR("internal", 1.0, Material("unit", E=2.0, nu=0.0))
+UNIT = CylinderPair.from_dR("internal", 1.0, material_in_MPa("unit", E=2.0, nu=0.0))
 # A radius whose clearance is small, so that R_i and R_j are nearly the same.
 SLIM = CylinderPair.internal(10.0, 10.0 - 1e-6, Material("steel", 207e3, 0.3))
 

@@ -12,6 +12,7 @@ from mpmath import mp
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.laws import ClampedPlate, Conformal, Johnson, Persson, conformal, glauert, unlike
 from cylcontact.limits import hertz_stress
+from cylcontact.materials import material_in_MPa
 from tests.strategies import NOT_TOUCHING, powers_of_ten
 
 LAW = Conformal()
@@ -36,7 +37,7 @@ def pair_of(pin, hole, plane="strain", dR=1.0):
 def pair_of_shares(w_i, g_i, g_j, R_i=R, R_j=R):
     """A pair in plane strain of E* = 1 MPa and ΔR = 1 mm with given shares and g = (κ−1)/(κ+1)."""
     hole, pin = (
-        Material(name, (1 - nu**2) / share, nu)
+        material_in_MPa(name, (1 - nu**2) / share, nu)
         for name, share, nu in (
             ("hole", w_i, (1 - 2 * g_i) / (2 - 2 * g_i)),
             ("pin", 1 - w_i, (1 - 2 * g_j) / (2 - 2 * g_j)),
@@ -112,7 +113,7 @@ def S_mp(phi, w):
 @hypothesis_settings(max_examples=40)
 def test_incompressible_bodies_of_any_moduli_are_the_closed_form(phi, ratio):
     """ν = 0.5 makes β zero; π·E*·dδ/df has a closed form of its own."""
-    hole, pin = Material("hole", 1.0, 0.5), Material("pin", ratio, 0.5)
+    hole, pin = material_in_MPa("hole", 1.0, 0.5), material_in_MPa("pin", ratio, 0.5)
     pair = CylinderPair.from_dR("internal", 1.0, hole, material_j=pin)
     assert pair.beta == 0
     with mp.workdps(60):
@@ -139,7 +140,10 @@ def test_no_ratio_of_moduli_is_too_large(nu, sign):
     phi = np.array([1e-6, 1e-2, 1.0, 1e3])
 
     def asked(exponent):
-        hole, pin = Material("hole", 1.0, nu), Material("pin", 10.0 ** (sign * exponent), nu)
+        hole, pin = (
+            material_in_MPa("hole", 1.0, nu),
+            material_in_MPa("pin", 10.0 ** (sign * exponent), nu),
+        )
         pair = CylinderPair.from_dR("internal", 1.0, hole, material_j=pin)
         f = phi * pair.E_star
         d = LAW.penetration(f, pair)
@@ -155,7 +159,7 @@ def test_no_ratio_of_moduli_is_too_large(nu, sign):
 
 @pytest.mark.parametrize(("ratio", "limit"), [(1e12, 72.348301), (1.0, 84.827946)])
 def test_the_arc_ends_at_its_limit(ratio, limit):
-    hole, pin = Material("hole", 1.0, 0.5), Material("pin", ratio, 0.5)
+    hole, pin = material_in_MPa("hole", 1.0, 0.5), material_in_MPa("pin", ratio, 0.5)
     pair = CylinderPair.from_dR("internal", 1.0, hole, material_j=pin)
     assert LAW.contact_angle(1e300, pair) == pytest.approx(limit, abs=1e-6)
 
@@ -163,7 +167,7 @@ def test_the_arc_ends_at_its_limit(ratio, limit):
 def test_a_rubber_pin_in_a_rigid_hole_can_close_all_around():
     """(1 − S)² → 2w_i at complete contact, so the limit angle tends to 180° with w_i."""
     w_i = np.array([0.25, 1e-4, 1e-8, 1e-12])
-    hole, pin = Material("hole", 1.0, 0.5), Material("pin", w_i / (1 - w_i), 0.5)
+    hole, pin = material_in_MPa("hole", 1.0, 0.5), material_in_MPa("pin", w_i / (1 - w_i), 0.5)
     pair = CylinderPair.from_dR("internal", 1.0, hole, material_j=pin)
     limit = LAW.contact_angle(np.inf, pair)
     assert limit[0] == pytest.approx(96.644995, abs=1e-6)

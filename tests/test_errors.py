@@ -30,7 +30,22 @@ BAD_INPUT = {
     "Material 'clay': E = {!r}: Young's modulus must be positive and finite; "
     "give it in MPa, e.g. 207e3 for steel": (
         lambda E: material("E", E),
-        (*NO_NUMBERS, [1e3, -1e3]),
+        (*NO_NUMBERS, [1e3, -1e3], "0 GPa", "-2", "inf MPa"),
+    ),
+    "Material 'clay': E = {!r}: a bare number is in MPa; did you mean \"207 GPa\"? "
+    'For a material as soft as that write "207 MPa"': (
+        lambda E: material("E", E),
+        (207, 207.0, "207"),
+    ),
+    "Material 'clay': E = {!r}: a bare number is in MPa; did you mean \"3.5 GPa\"? "
+    'For a material as soft as that write "3.5 MPa", one Material each': (
+        lambda E: material("E", E),
+        ([207e3, 3.5],),
+    ),
+    "Material 'clay': E = {!r}: must be a number with a unit; "
+    'write e.g. "207 GPa" or "200 MPa"': (
+        lambda E: material("E", E),
+        ("hard", "207 psi", "GPa", ""),
     ),
     "Material 'clay': nu = {!r}: Poisson's ratio must lie in [0, 0.5]; give e.g. 0.3 for steel": (
         lambda nu: material("nu", nu),

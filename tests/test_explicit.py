@@ -11,8 +11,9 @@ from mpmath import mp, mpf
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.fitting import FitResult
 from cylcontact.laws.explicit import CALIBRATED
+from cylcontact.materials import material_in_MPa
 
-UNIT = Material("of unit composite modulus", E=2.0, nu=0.0)
+UNIT = material_in_MPa("of unit composite modulus", E=2.0, nu=0.0)
 STEEL = Material("steel", E=207e3, nu=0.3)
 LAW = laws.Explicit()
 ROOT = Path(__file__).resolve().parents[1]
@@ -74,7 +75,7 @@ def test_stiffness_is_the_derivative_of_the_load(contact):
     contact=st.sampled_from(["internal", "external"]),
 )
 def test_round_trip_and_scaling(E, nu, dR, depth, contact):
-    pair = CylinderPair.from_dR(contact, dR, Material("any", E=E, nu=nu))
+    pair = CylinderPair.from_dR(contact, dR, material_in_MPa("any", E=E, nu=nu))
     d = 10.0**depth
     load = LAW.load(d * dR, pair)
     assert LAW.penetration(load, pair) == pytest.approx(d * dR, rel=1e-12)

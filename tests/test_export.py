@@ -9,13 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cylcontact import CylinderPair, InputError, Material, laws
+from cylcontact import CylinderPair, InputError, laws
 from cylcontact.choices import listed
 from cylcontact.export import EXPORTABLE, TARGETS, export, export_named
 from cylcontact.export.formulas import formula_of
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws.lambert import branch_distance
+from cylcontact.materials import material_in_MPa
 from tests import programs
 from tests.export_runners import run_c, run_fortran, run_octave
 
@@ -66,7 +67,9 @@ PARTS = np.concatenate(
         [1 + EPS, 1 + 1e-9, 1.1, 10.0, 1e3, 1e10],
     ]
 )
-MATERIALS = [Material("any", E=E, nu=nu) for E, nu in ((69e3, 0.33), (207e3, 0.3), (2.0, 0.5))]
+MATERIALS = [
+    material_in_MPa("any", E=E, nu=nu) for E, nu in ((69e3, 0.33), (207e3, 0.3), (2.0, 0.5))
+]
 GAPS = {
     "internal": (
         *(0.001, np.nextafter(0.005, 0), 0.005, 0.0075, 0.05, 0.34, 0.34954, 0.36),

@@ -11,6 +11,7 @@ import cylcontact as cc
 from cylcontact.errors import InputError
 from cylcontact.export.named import find_law
 from cylcontact.laws import LAWS
+from cylcontact.materials import material_in_MPa
 from cylcontact.reports.laws_table import comparison, to_text
 from cylcontact.reports.laws_table import pin_in_hole as laws_pin_in_hole
 from tests.browser import opened
@@ -65,8 +66,8 @@ def python_law(law, folder):
 
 
 def pair_of(contact, E, nu, dR, pin=None):
-    hole = cc.Material("m", E, nu, yield_stress=250.0)
-    other = cc.Material("n", *pin, yield_stress=600.0) if pin else hole
+    hole = material_in_MPa("m", E, nu, yield_stress=250.0)
+    other = material_in_MPa("n", *pin, yield_stress=600.0) if pin else hole
     return cc.CylinderPair.from_dR(contact, dR, hole, 12.0, 10.0, other)
 
 

@@ -6,6 +6,7 @@ from mpmath import mp
 
 from cylcontact import CylinderPair, Material
 from cylcontact.laws import Johnson
+from cylcontact.materials import material_in_MPa
 from tests.strategies import ROUNDING, fractions, gaps, moduli, pairs, ratios
 
 LAW = Johnson()
@@ -32,7 +33,7 @@ def case(request):
 
 
 def build(contact, dR, E, nu):
-    return CylinderPair.from_dR(contact, dR, Material("any", E=E, nu=nu))
+    return CylinderPair.from_dR(contact, dR, material_in_MPa("any", E=E, nu=nu))
 
 
 class Exact:
@@ -192,7 +193,7 @@ def test_nan_takes_only_the_elements_outside_the_domain(pair):
 
 # --- one curve --------------------------------------------------------------------------------
 
-UNIT = CylinderPair.from_dR("internal", 1.0, Material("unit", E=2.0, nu=0.0))  # E* = ΔR = 1
+UNIT = CylinderPair.from_dR("internal", 1.0, material_in_MPa("unit", E=2.0, nu=0.0))  # E* = ΔR = 1
 
 
 @given(pairs, fractions)

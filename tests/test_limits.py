@@ -8,6 +8,7 @@ from mpmath import mp
 from scipy.optimize import brentq
 
 from cylcontact import CylinderPair, Material, limits
+from cylcontact.materials import material_in_MPa
 from tests.strategies import NOT_TOUCHING, ROUNDING, gaps, loads, materials
 
 ALUMINIUM = Material("aluminium", E=69e3, nu=0.33, yield_stress=276.0)
@@ -136,7 +137,7 @@ def test_yield_and_johnsons_limit_meet_at_the_clearance_that_a_root_finder_finds
 
 @pytest.mark.parametrize("strength", [1e-8, 1e-3, 1.0, 1e3, 1e8])
 def test_the_clearance_solves_its_quadratic_for_any_ratio_of_strength_to_stiffness(strength):
-    material = Material("any", E=2.0, nu=0.0, yield_stress=strength)  # E* = 1
+    material = material_in_MPa("any", E=2.0, nu=0.0, yield_stress=strength)  # E* = 1
     pair = CylinderPair.from_dR("internal", 1.0, material)
     with mp.workdps(60):
         m = (mp.e * mp.mpf(strength) / 2) ** 2

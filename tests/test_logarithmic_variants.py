@@ -16,6 +16,7 @@ from cylcontact.laws.logarithmic_variants import (
     RadzimovskyRadii,
     RoarkYoung,
 )
+from cylcontact.materials import material_in_MPa
 
 STEEL = Material("steel", E=207e3, nu=0.3)
 PAIR = CylinderPair.from_dR("internal", 0.05, STEEL, length=10.0, R_i=10.0)
@@ -72,9 +73,9 @@ def test_load_is_the_root_of_the_printed_formula(law, share):
 @pytest.mark.parametrize("law", [RoarkYoung, Radzimovsky, RadzimovskyRadii, Esdu78035])
 @given(E=st.floats(1e2, 1e7), dR=st.floats(1e-4, 1e3), share=st.floats(1e-9, 1.0))
 def test_those_of_the_clearance_alone_are_one_curve(law, E, dR, share):
-    pair = CylinderPair.from_dR("internal", dR, Material("any", E=E, nu=0.3))
+    pair = CylinderPair.from_dR("internal", dR, material_in_MPa("any", E=E, nu=0.3))
     phi = share * law().max_load(pair) / (pair.E_star * dR)
-    unit = CylinderPair.from_dR("internal", 1.0, Material("unit", E=2.0, nu=0.0))
+    unit = CylinderPair.from_dR("internal", 1.0, material_in_MPa("unit", E=2.0, nu=0.0))
     d = law().penetration(phi * pair.E_star * dR, pair) / dR
     assert d == pytest.approx(law().penetration(min(phi, law().max_load(unit)), unit), rel=1e-9)
 

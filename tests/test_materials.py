@@ -3,7 +3,8 @@ import pytest
 from hypothesis import given
 from mpmath import mp
 
-from cylcontact import Material
+from cylcontact import InputError, Material
+from cylcontact.materials import material_in_MPa
 from tests.strategies import ROUNDING, moduli, ratios
 
 
@@ -23,7 +24,23 @@ def test_arrays_of_moduli_and_ratios_broadcast():
 
 @pytest.mark.parametrize("nu", [0.0, 0.5])
 def test_poissons_ratio_may_take_both_ends_of_its_range(nu):
-    assert Material("end", E=1.0, nu=nu).plane_strain_modulus == 1 / (1 - nu**2)
+    assert material_in_MPa("end", 1.0, nu).plane_strain_modulus == 1 / (1 - nu**2)
+
+
+@pytest.mark.parametrize(
+    ("text", "E"),
+    [("200 MPa", 200.0), (" 0.2GPa ", 200.0), ("207 GPa", 207e3), ("2e8 Pa", 200.0), ("2e5", 2e5)],
+)
+def test_a_modulus_may_come_with_its_unit(text, E):
+    material = Material("any", text, 0.3)
+    assert material.E == pytest.approx(E, rel=4 * ROUNDING)
+    assert material == material_in_MPa("any", material.E, 0.3)
+
+
+def test_the_softest_bare_modulus_is_1000_mpa():
+    assert Material("any", 1000, 0.3).E == 1000
+    with pytest.raises(InputError, match="a bare number is in MPa"):
+        Material("any", np.nextafter(1000, 0), 0.3)
 
 
 def test_yield_stress_is_optional(steel):

@@ -3,7 +3,13 @@
 import pytest
 
 from cylcontact import InputError, Material
-from cylcontact.materials import COLUMNS, SHIPPED, known_materials, read_materials
+from cylcontact.materials import (
+    COLUMNS,
+    SHIPPED,
+    known_materials,
+    material_in_MPa,
+    read_materials,
+)
 from tests.spec_files import assert_told
 
 # E in GPa and ν with their provenance, yield stress in MPa; all yield stresses are assumed. The
@@ -40,7 +46,7 @@ def test_the_shipped_table_holds_the_materials_in_order():
 def test_shipped_values_and_where_they_come_from(name):
     E, E_from, nu, nu_from, yield_stress = VALUES[name]
     row = read_materials(SHIPPED)[name]
-    assert row.material == Material(name, E * 1e3, nu, yield_stress)
+    assert row.material == material_in_MPa(name, E * 1e3, nu, yield_stress)
     assert row.provenance == {"E_GPa": E_from, "nu": nu_from, "yield_stress_MPa": "assumed"}
 
 

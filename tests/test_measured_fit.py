@@ -467,6 +467,7 @@ def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):
             (*JOHNSON, "--pin", "PEEK", "--hole", "soap"),
             "material_i = 'soap': is not in the table that ships; choose ceramics, high-strength",
         ),
+        ((*JOHNSON, "--E", "207"), "--E = '207': a bare number is in MPa; did you mean"),
         (
             (*JOHNSON, "--bound", "c=2:1", "--E", "2e5", "--nu", ".3"),
             "parameters.c.low = 2.0: must be below high",

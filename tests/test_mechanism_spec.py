@@ -4,6 +4,7 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.mechanism import mechanism_from, read_mechanism
+from cylcontact.mechanism.assumptions import assumptions
 from tests.mechanism_cases import FOUR_BAR, ROOT, SLIDER_CRANK
 from tests.spec_files import DROP, changed
 
@@ -14,6 +15,13 @@ MISTAKES = [
     ({"clearance.factor": "none"}, "clearance.factor = 'none': is not known; choose hunt-crossley"),
     ({"clearance.yield_stress": -1}, "clearance.yield_stress = -1: must be greater than 0; give "
      "the yield stress of both bodies in MPa"),
+    ({"clearance.E": 207e3}, "clearance.E = 207000.0: a bare number is in GPa, and diamond has "
+     '1200; did you mean 207? Or write "207000 GPa"'),
+    ({"clearance.E": "207"}, "clearance.E = '207': must be a number in GPa, or a text with a unit; "
+     'write e.g. 207.0, or "207 GPa"'),
+    ({"clearance.E": "hard Pa"}, "clearance.E = 'hard Pa': must be a number with a unit; write"),
+    ({"clearance.E": -1.0}, "clearance.E = -1.0: must be greater than 0; give Young's modulus"),
+    ({"clearance.E": True}, "clearance.E = True: must be a number; give Young's modulus"),
     ({"clearance.v1": 0.5}, "clearance.v1 = 0.5: must be above v0 = 1.0"),
     ({"clearance.joint": "slide"}, "'slide': is not a revolute joint; choose main, crank-pin"),
     ({"clearance.bearing": "crank"}, "clearance.bearing = 'crank': is not at that joint"),
@@ -75,3 +83,43 @@ def test_changes_take_the_place_of_the_specs_values_and_of_their_provenance():
 def test_what_cannot_be_changed_is_told():
     with pytest.raises(InputError, match="speed = 3: cannot be set; choose law, clearance"):
         mechanism_from(FOUR_BAR, speed=3)
+
+
+def test_a_modulus_may_come_with_its_unit():
+    def material(E):
+        return mechanism_from(changed(SLIDER_CRANK, {"clearance.E": E})).clearance.pair.material_i
+
+    assert material("207 GPa") == material("207000 MPa") == material(207.0)
+    assert material("2000 GPa").E == pytest.approx(2e6)
+    table = {"paper": ["joints.drive.speed", "integration"], "assumed": ["clearance"]}
+    assert assumptions({"clearance": {"E": "207 GPa"}, "provenance": table}) == (
+        "clearance.E = 207 GPa",
+    )
+
+
+def test_the_shipped_masses_are_not_warned_of():
+    for spec in (SLIDER_CRANK, FOUR_BAR):
+        assert mechanism_from(spec).warnings == ()
+
+
+# The extent of the slider-crank is that from its pivot to its slider, 0.17 m, whose cube of
+# 20,000 kg/m³ weighs 98.26 kg.
+@pytest.mark.parametrize(
+    ("changes", "sentences"),
+    [
+        ({"bodies.slider.mass": 98.25, "bodies.slider.inertia": 1e-2}, []),
+        ({"bodies.slider.mass": 98.27, "bodies.slider.inertia": 1e-2},
+         ["slider has 98.27 kg in a mechanism of 0.17 m; masses are in kg, not in g"]),
+        ({"bodies.crank.mass": 300.0, "bodies.rod.mass": 210.0}, ["crank has", "rod has"]),
+        ({"bodies.crank.inertia": 0.3 * 0.1699**2}, []),
+        ({"bodies.crank.inertia": 0.3 * 0.1701**2}, ["crank has a radius of gyration of 0.17 m"]),
+        ({"bodies.crank.inertia": 0.3 * 0.1701e-3**2}, []),
+        ({"bodies.crank.inertia": 0.3 * 0.1699e-3**2}, ["crank has a radius of gyration of 0.000"]),
+        ({"bodies.crank.inertia": 1e5, "bodies.rod.inertia": 2.5e5}, ["crank has a", "rod has a"]),
+    ],
+)  # fmt: skip
+def test_masses_that_can_hardly_be_meant_are_warned_of(changes, sentences):
+    warnings = mechanism_from(changed(SLIDER_CRANK, changes)).warnings
+    assert len(warnings) == len(sentences)
+    for warning, sentence in zip(warnings, sentences, strict=True):
+        assert warning.startswith(sentence)

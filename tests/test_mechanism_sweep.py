@@ -252,6 +252,13 @@ def test_simulate_warns_of_a_load_above_first_yield_and_not_of_a_smaller_one(run
         assert err.count("is above first yield at ") == err.count("\n") == bool(start)
 
 
+def test_simulate_warns_of_an_inertia_in_g_mm2(run, tmp_path):
+    given = changed(SLIDER_CRANK, {"bodies.crank.inertia": 1e5})
+    code, out, err = run("simulate", write_toml(tmp_path / "mine.toml", given), "--revolutions", 1)
+    assert (code, "warning" in out, err.count("\n")) == (0, False, 1)
+    assert err.startswith("warning: crank has a radius of gyration of 577 m in a mechanism of 0.17")
+
+
 def test_simulate_writes_what_a_later_one_goes_on_from(run, tmp_path):
     out = tmp_path / "run.parquet"
     options = ("--friction", 0, "--tolerance", "1e-7", "-o", out)

@@ -6,6 +6,7 @@ from mpmath import mp
 
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.laws import LankaraniNikravesh, PowerLaw
+from cylcontact.materials import material_in_MPa
 from tests.strategies import loads, materials, powers_of_ten
 
 METHODS = ("load", "penetration", "stiffness")
@@ -36,7 +37,10 @@ def test_the_load_is_K_times_a_power_of_the_penetration(pair):
 
 @given(st.floats(0.5, 2.0), powers_of_ten(0, 8), powers_of_ten(-9, 0))
 def test_load_and_stiffness_hold_at_forty_digits(n, K, delta):
-    law, anywhere = PowerLaw(n=n, K=K), CylinderPair.from_dR("internal", 1.0, Material("", 1, 0))
+    law, anywhere = (
+        PowerLaw(n=n, K=K),
+        CylinderPair.from_dR("internal", 1.0, material_in_MPa("", 1, 0)),
+    )
     with mp.workdps(40):
         load = mp.mpf(K) * mp.mpf(delta) ** mp.mpf(n)
         slope = mp.diff(lambda d: mp.mpf(K) * d ** mp.mpf(n), mp.mpf(delta), h=delta * 1e-12)
@@ -47,7 +51,10 @@ def test_load_and_stiffness_hold_at_forty_digits(n, K, delta):
 
 @given(exponents, powers_of_ten(0, 8), loads)
 def test_load_comes_back_from_its_penetration(n, K, load):
-    law, anywhere = PowerLaw(n=n, K=K), CylinderPair.from_dR("internal", 1.0, Material("", 1, 0))
+    law, anywhere = (
+        PowerLaw(n=n, K=K),
+        CylinderPair.from_dR("internal", 1.0, material_in_MPa("", 1, 0)),
+    )
     back = law.load(law.penetration(load, anywhere), anywhere)
     assert back == pytest.approx(load, rel=1e-14, abs=0)
 

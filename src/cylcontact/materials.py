@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import csv
+import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats, own_arrays, require, same_fields
 from cylcontact.errors import InputError
 from cylcontact.html_repr import table_html
+from cylcontact.units import QUANTITIES
 
 __all__ = [
     "COLUMNS",
@@ -19,6 +22,8 @@ __all__ = [
     "Material",
     "MaterialRow",
     "known_materials",
+    "material_in_MPa",
+    "modulus_in_MPa",
     "read_materials",
     "shipped_materials",
 ]
@@ -31,6 +36,8 @@ COLUMNS = (
     *(c for pair in (_NUMBER_COLUMNS | _YIELD_COLUMNS).items() for c in pair),
     "note",
 )
+# A smaller bare number was probably meant in GPa; stiff plastics begin here.
+_SMALLEST_BARE = 1000.0  # MPa
 # The table of the package; a table of the user adds to it.
 SHIPPED = Path(__file__).parent / "data" / "materials.csv"
 
@@ -43,9 +50,10 @@ class Material:
     ----------
     name : str
         Its name in reports.
-    E : float or array_like
-        Young's modulus in MPa; an array describes a family of materials and broadcasts
-        with the other arguments.
+    E : float, str or array_like
+        Young's modulus in MPa, at least 1000, or a text with its unit, "207 GPa" or "200 MPa";
+        kept in MPa. An array describes a family of materials and broadcasts with the other
+        arguments.
     nu : float or array_like
         Poisson's ratio, from 0 to 0.5.
     yield_stress : float, optional
@@ -54,13 +62,16 @@ class Material:
     Raises
     ------
     InputError
-        If a modulus or yield stress is not positive and finite, or ν is outside [0, 0.5].
+        If a modulus or yield stress is not positive and finite, a bare modulus is below 1000,
+        which is hardly meant in MPa, a unit is not known, or ν is outside [0, 0.5].
 
     Examples
     --------
     >>> steel = Material("steel", E=207e3, nu=0.3, yield_stress=250)
     >>> print(f"{steel.plane_strain_modulus:.1f} MPa")
     227472.5 MPa
+    >>> Material("LDPE", E="200 MPa", nu=0.45).E
+    200.0
     """
 
     name: str
@@ -68,17 +79,26 @@ class Material:
     nu: float | FloatArray
     yield_stress: float | None = None
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            name: str,
+            E: float | str | FloatArray,
+            nu: float | FloatArray,
+            yield_stress: float | None = None,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
+        E = modulus_in_MPa(self.E, f"Material {self.name!r}")
+        object.__setattr__(self, "E", E)
+        self._check()
+
+    def _check(self) -> None:
+        """Raise `InputError` for a value out of its range; own the arrays."""
         source = f"Material {self.name!r}"
-        modulus, ratio = as_floats(self.E), as_floats(self.nu)
-        require(
-            (modulus > 0) & np.isfinite(modulus),
-            source,
-            "E",
-            self.E,
-            "Young's modulus must be positive and finite",
-            "give it in MPa, e.g. 207e3 for steel",
-        )
+        ratio = as_floats(self.nu)
+        _require_modulus(self.E, source, "E")
         require(
             (ratio >= 0) & (ratio <= 0.5),
             source,
@@ -147,6 +167,95 @@ class Material:
         """E/(1 − ν²) in MPa."""
         modulus, ratio = as_floats(self.E), as_floats(self.nu)
         return modulus / (1 - ratio**2)
+
+
+def material_in_MPa(
+    name: str,
+    E: float | FloatArray,
+    nu: float | FloatArray,
+    yield_stress: float | None = None,
+) -> Material:
+    """Return a material whose modulus is known to be in MPa, however small.
+
+    For values from tables and files that name their unit, and for normalised pairs with E* = 1.
+
+    Examples
+    --------
+    >>> material_in_MPa("of unit modulus", 1.0, 0.0).plane_strain_modulus
+    np.float64(1.0)
+    """
+    material = object.__new__(Material)
+    fields = {"name": name, "E": E, "nu": nu, "yield_stress": yield_stress}
+    for field, value in fields.items():
+        object.__setattr__(material, field, value)
+    material._check()
+    return material
+
+
+def modulus_in_MPa(E: float | str | FloatArray, source: str, key: str = "E") -> float | FloatArray:
+    """Return Young's modulus in MPa from a number in MPa, or from a text with a unit.
+
+    Parameters
+    ----------
+    E : float, str or array of float
+        A number, "207 GPa", or "207000", which is a bare number too.
+    source, key : str
+        For errors.
+
+    Raises
+    ------
+    InputError
+        If a bare number is below 1000 MPa, or the text is not a positive number with a unit.
+
+    Examples
+    --------
+    >>> modulus_in_MPa("207 GPa", "example")
+    207000.0
+    """
+    unit = ""
+    number: float | FloatArray
+    if isinstance(E, str):
+        number, unit = _with_unit(E, source, key)
+    else:
+        number = E
+    _require_modulus(number, source, key, E)
+    if unit:
+        return number * QUANTITIES["E"][unit]
+    smallest = np.min(as_floats(number))
+    meant = f'did you mean "{smallest:g} GPa"? For a material as soft as that write'
+    require(
+        smallest >= _SMALLEST_BARE,
+        source,
+        key,
+        E,
+        "a bare number is in MPa",
+        f'{meant} "{smallest:g} MPa"' + (", one Material each" if np.ndim(number) else ""),
+    )
+    return number
+
+
+def _with_unit(text: str, source: str, key: str) -> tuple[float, str]:
+    """Return the number and the unit of a text; no unit for a bare number."""
+    match = re.fullmatch(r"\s*(\S+?)\s*([GM]?Pa)?\s*", text)
+    try:
+        return float(match[1] if match else text), (match[2] or "" if match else "")
+    except ValueError:
+        raise InputError(
+            source, key, text, "must be a number with a unit", 'write e.g. "207 GPa" or "200 MPa"'
+        ) from None
+
+
+def _require_modulus(E: float | FloatArray, source: str, key: str, given: object = None) -> None:
+    """Raise `InputError` unless E is positive and finite."""
+    modulus = as_floats(E)
+    require(
+        (modulus > 0) & np.isfinite(modulus),
+        source,
+        key,
+        E if given is None else given,
+        "Young's modulus must be positive and finite",
+        "give it in MPa, e.g. 207e3 for steel",
+    )
 
 
 @dataclass(frozen=True)
@@ -291,7 +400,7 @@ def _parse_row(source: str, row: dict[str, str]) -> MaterialRow:
         for column in numbers
     }
     try:
-        material = Material(
+        material = material_in_MPa(
             row["name"], numbers["E_GPa"] * 1e3, numbers["nu"], numbers.get("yield_stress_MPa")
         )
     except InputError as error:

@@ -10,7 +10,7 @@ import numpy as np
 from cylcontact.arrays import BoolArray, FloatArray, as_floats, own_arrays, require, same_fields
 from cylcontact.errors import InputError, short
 from cylcontact.html_repr import table_html
-from cylcontact.materials import Material
+from cylcontact.materials import Material, material_in_MPa
 
 __all__ = ["CONTACTS", "PLANES", "Contact", "CylinderPair", "Length", "Plane", "are_possible"]
 
@@ -435,7 +435,7 @@ def _of_unit_share(name: str, share: FloatArray, g: FloatArray) -> Material:
     """Return the material of one body, from its share of the compliance at E* = 1 and its g."""
     g = np.minimum(g, 0.5)  # rounding may exceed it
     nu = (1 - 2 * g) / (2 - 2 * g)
-    return Material(name, as_floats((1 - nu**2) / share), as_floats(nu))
+    return material_in_MPa(name, as_floats((1 - nu**2) / share), as_floats(nu))
 
 
 def _require_contact(contact: object) -> None:

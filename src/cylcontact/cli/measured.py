@@ -20,7 +20,6 @@ from cylcontact.cli.options import (
     Scheduler,
     Seed,
     integer_from,
-    modulus_in_MPa,
     require_internal,
 )
 from cylcontact.cli.terminal import progress_bars, workers
@@ -75,8 +74,7 @@ class TableOptions:
         _option("--materials", help="A table of your own materials; datasets/materials.csv."),
     ] = None
     E_MPa: Annotated[
-        float | None,
-        _option("--E", help="Young's modulus of both bodies, MPa.", callback=modulus_in_MPa),
+        str | None, _option("--E", help="Young's modulus of both bodies, MPa or e.g. '207 GPa'.")
     ] = None
     nu: Annotated[float | None, _option("--nu", help="Poisson's ratio of both bodies.")] = None
     dR_mm: Annotated[float | None, _option("--dR", help="ΔR, mm.")] = None
@@ -133,6 +131,7 @@ def plan(path: Path, options: TableOptions, search: SearchOptions) -> Campaign:
 def _plan_of_table(path: Path, given: dict[str, Any], search: SearchOptions) -> Campaign:
     """Return the campaign of a table."""
     from cylcontact.fitting.campaign import campaign_of_table
+    from cylcontact.materials import modulus_in_MPa
 
     for name, example in (("law", "power"), ("contact", "internal")):
         if name not in given:
@@ -141,6 +140,8 @@ def _plan_of_table(path: Path, given: dict[str, Any], search: SearchOptions) -> 
             )
     _name_bodies(str(path), given)
     constants = {name: given.pop(name) for name in CONSTANTS if name in given}
+    if "E_MPa" in constants:
+        constants["E_MPa"] = modulus_in_MPa(constants["E_MPa"], str(path), "--E")
     parameters = _parameters(str(path), given.pop("bound", []), given.pop("fix", []))
     runs, seed, optimizer = astuple(search)
     settings = {**given, "seed": seed, "optimizer": optimizer, "parameters": parameters or None}

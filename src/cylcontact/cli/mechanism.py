@@ -146,6 +146,8 @@ def simulate(
     from cylcontact.mechanism.studies import agreement
 
     mechanism = read_mechanism(spec, **asdict(changes))
+    for warning in mechanism.warnings:
+        typer.echo(f"warning: {warning}", err=True)
     if out is not None:
         require_suffix(out, ".parquet")
     if table is not None:

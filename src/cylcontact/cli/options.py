@@ -29,7 +29,6 @@ __all__ = [
     "Seed",
     "expand_options",
     "integer_from",
-    "modulus_in_MPa",
     "require_internal",
     "resumable",
 ]
@@ -39,8 +38,6 @@ RESULTS = Path("fitting/results")
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
 STYLES = ("journal", "single-column", "double-column", "slides")
 TABLES = ("latex", "csv", "html")
-# A smaller Young's modulus was probably meant in GPa; stiff plastics begin here.
-_SMALLEST_MODULUS = 1000.0  # MPa
 
 
 def integer_from(least: int) -> Callable[[str], int]:
@@ -56,13 +53,6 @@ def integer_from(least: int) -> Callable[[str], int]:
         return number
 
     return parse
-
-
-def modulus_in_MPa(E: float | None) -> float | None:
-    """Return `E` in MPa, with a note on standard error if it was probably meant in GPa."""
-    if E is not None and 0 < E < _SMALLEST_MODULUS:
-        typer.echo(f"cylcontact: --E is in MPa; did you mean {E:g}e3?", err=True)
-    return E
 
 
 def require_internal(source: str, contact: str, remedy: str) -> None:

@@ -19,7 +19,6 @@ from cylcontact.cli.options import (
     Pin,
     Results,
     expand_options,
-    modulus_in_MPa,
     require_internal,
 )
 from cylcontact.cli.terminal import cores, progress_bars
@@ -179,10 +178,7 @@ def claims(
 
 def compare_laws(
     E: Annotated[
-        float | None,
-        typer.Option(
-            "--E", help="Young's modulus, MPa; 207000 by default.", callback=modulus_in_MPa
-        ),
+        str | None, typer.Option("--E", help="Young's modulus, MPa or '207 GPa', the default.")
     ] = None,
     nu: Annotated[
         float | None, typer.Option("--nu", help="Poisson's ratio; 0.3 by default.")
@@ -199,7 +195,7 @@ def compare_laws(
     hole: Hole = None,
 ) -> None:
     """Compare the laws: which one to use, and all of them side by side for one pair."""
-    from cylcontact.materials import Material
+    from cylcontact.materials import Material, modulus_in_MPa
     from cylcontact.reports import laws_to_use
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.laws_table import case, pin_in_hole, to_text
@@ -209,7 +205,8 @@ def compare_laws(
         raise InputError(
             "laws", missing, None, f"is missing beside {given}", "name both materials, or neither"
         )
-    elastic = {name: value for name, value in (("E", E), ("nu", nu)) if value is not None}
+    modulus = None if E is None else float(modulus_in_MPa(E, "laws", "--E"))
+    elastic = {name: value for name, value in (("E", modulus), ("nu", nu)) if value is not None}
     if pin is None or hole is None:
         pair = case(contact, dR=dR, R_i=R_i, length=length, **elastic)
     else:
@@ -285,5 +282,5 @@ def _export_joint(path: Path, target: str, out: Path | None, others: dict[str, s
     require_suffix(out, suffix)
     for name, text in texts.items():
         with replacing(out.with_name(name)) as temporary:
-            temporary.write_text(text, encoding="ascii")
+            temporary.write_bytes(text if isinstance(text, bytes) else text.encode("ascii"))
     typer.echo(f"{joint.name} written to {', '.join(str(out.with_name(name)) for name in texts)}")

@@ -15,7 +15,7 @@ from cylcontact.arrays import FloatArray, IndexArray
 from cylcontact.datasets.tabulated import FINITE_ELEMENT, TabulatedReference, with_table
 from cylcontact.errors import InputError
 from cylcontact.laws import REFERENCES, ContactLaw, reference_law
-from cylcontact.materials import Material
+from cylcontact.materials import material_in_MPa
 from cylcontact.pair import Contact, CylinderPair, are_possible
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
@@ -165,7 +165,7 @@ class GridSpec(Spec):
             key = "table" if self.table is not None else "penetrations"
             rule = f"is used only with reference {FINITE_ELEMENT}"
             raise broken(key, None, rule, "drop it")
-        pair = CylinderPair.from_dR(self.contact, 1.0, Material("any", E=1.0, nu=0.0))
+        pair = CylinderPair.from_dR(self.contact, 1.0, material_in_MPa("any", 1.0, 0.0))
         _check_reference(self.reference, pair, f", {FINITE_ELEMENT}")
         return self
 
@@ -310,7 +310,7 @@ class Grid:
     def pairs(self, dR: float, rows: IndexArray) -> CylinderPair:
         """Return the pairs of rows at one ΔR in mm, in the shape of `rows`."""
         E, nu = self.row_values(rows)
-        return CylinderPair.from_dR(self.contact, dR, Material("grid", E * 1e3, nu))
+        return CylinderPair.from_dR(self.contact, dR, material_in_MPa("grid", E * 1e3, nu))
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,12 @@ from cylcontact import limits
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.choices import TABLE_SUFFIXES
 from cylcontact.errors import InputError
-from cylcontact.materials import Material, MaterialRow, known_materials, shipped_materials
+from cylcontact.materials import (
+    MaterialRow,
+    known_materials,
+    material_in_MPa,
+    shipped_materials,
+)
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.spec import Spec
 from cylcontact.units import LABELS, Column, column_named, spellings
@@ -140,8 +145,8 @@ class Measurements:
     def pair(self) -> CylinderPair:
         """The pair of each row."""
         columns = self.columns
-        body_i = Material("i", columns["E_i"], columns["nu_i"])
-        body_j = Material("j", columns["E_j"], columns["nu_j"])
+        body_i = material_in_MPa("i", columns["E_i"], columns["nu_i"])
+        body_j = material_in_MPa("j", columns["E_j"], columns["nu_j"])
         R_i, R_j = columns.get("R_i"), columns.get("R_j")
         # Laws broadcast a length like all other arguments, although its type is a single number.
         length = cast("float | None", columns.get("length"))

@@ -28,7 +28,14 @@ def __dir__() -> list[str]:
 # Each is a module of this package, whose function `source` returns the text of a file.
 TARGETS = ("c", "fortran", "matlab", "json")
 # Each is a module of `joints`; with the suffix of the file that is named.
-JOINT_TARGETS = {"c": ".c", "cpp": ".hpp", "fortran": ".f90", "matlab": ".m", "python": ".py"}
+JOINT_TARGETS = {
+    "c": ".c",
+    "cpp": ".hpp",
+    "fortran": ".f90",
+    "matlab": ".m",
+    "python": ".py",
+    "fmu": ".fmu",
+}
 
 
 def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str:
@@ -111,7 +118,9 @@ def export_named(what: str, contact: str | None, target: str) -> str:
     return export(named.law, named.contact, target, named.origin)
 
 
-def export_joint(joint: ClearanceJoint, target: str, stem: str = "") -> dict[str, str]:
+def export_joint(
+    joint: ClearanceJoint, target: str, stem: str = ""
+) -> dict[str, str] | dict[str, bytes]:
     """Return a clearance joint as a force element in another language.
 
     The source is self-contained, with `start`, `evaluate` and `accept` as
@@ -130,12 +139,13 @@ def export_joint(joint: ClearanceJoint, target: str, stem: str = "") -> dict[str
     Returns
     -------
     dict
-        The texts of the files by name.
+        The texts of the files by name; of an FMU the bytes.
 
     Raises
     ------
     InputError
-        If the target is unknown, or the file's name is not one that the language can import.
+        If the target is unknown, the file's name is not one that the language can import, or an
+        FMU finds no C compiler.
 
     Examples
     --------
@@ -149,7 +159,7 @@ def export_joint(joint: ClearanceJoint, target: str, stem: str = "") -> dict[str
         stem, "is not plain text", "name the file with letters, digits, hyphens and underscores",
     )  # fmt: skip
     module = import_module(f"{__name__}.joints.{target}")
-    texts: dict[str, str] = module.source(joint, stem)
+    texts: dict[str, str] | dict[str, bytes] = module.source(joint, stem)
     return texts
 
 

@@ -18,7 +18,7 @@ from cylcontact.datasets.sampling import Block, Counts, blocks, reduce_grid
 from cylcontact.errors import InputError
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.definition import LawModel
-from cylcontact.materials import Material
+from cylcontact.materials import material_in_MPa
 from cylcontact.pair import Contact, CylinderPair
 
 __all__ = [
@@ -33,7 +33,7 @@ __all__ = [
 ]
 
 # With E = 2 MPa and ν = 0 the composite modulus is 1 MPa.
-_UNIT = Material("of unit composite modulus", E=2.0, nu=0.0)
+_UNIT = material_in_MPa("of unit composite modulus", 2.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,7 +38,9 @@ def _numbers(data: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """
     for key, value in _leaves(data):
         several = isinstance(value, list | tuple) and len(value) > 0
-        if _is_number(value) or (several and all(map(_is_number, value))):
+        # Young's modulus may be a text with its unit.
+        one = _is_number(value) or key == "clearance.E"
+        if one or (several and all(map(_is_number, value))):
             yield key, value
 
 

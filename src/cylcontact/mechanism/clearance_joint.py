@@ -23,7 +23,7 @@ from cylcontact.errors import InputError
 from cylcontact.laws import LAWS, ContactLaw
 from cylcontact.laws.kernels import Kernel, kernel
 from cylcontact.limits import yield_load
-from cylcontact.materials import Material
+from cylcontact.materials import Material, material_in_MPa
 from cylcontact.mechanism import contact
 from cylcontact.mechanism.joint_spec import BodySpec, ClearanceJointSpec
 from cylcontact.mechanism.system import law_block
@@ -399,7 +399,7 @@ def _material(source: str, key: str, body: BodySpec) -> Material:
     if body.material is None:
         assert body.E is not None
         assert body.nu is not None
-        return Material(key, body.E * 1e3, body.nu, body.yield_stress)
+        return material_in_MPa(key, body.E * 1e3, body.nu, body.yield_stress)
     try:
         named = Material.named(body.material)
     except InputError as error:
@@ -408,7 +408,7 @@ def _material(source: str, key: str, body: BodySpec) -> Material:
             "give E and nu, or choose" + error.remedy.removeprefix("choose").partition(", or")[0],
         ) from None  # fmt: skip
     stress = body.yield_stress or named.yield_stress
-    return Material(named.name, named.E, named.nu, stress)
+    return material_in_MPa(named.name, named.E, named.nu, stress)
 
 
 def _law(what: str, source: str) -> tuple[ContactLaw, str]:

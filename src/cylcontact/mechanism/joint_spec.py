@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-from contextlib import suppress
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, Strict, model_validator
+from pydantic import Field, Strict, model_validator
 
 from cylcontact.dissipation import FACTORS
+from cylcontact.mechanism.spec import Modulus
 from cylcontact.spec import Spec, broken
-from cylcontact.units import QUANTITIES
 
 __all__ = ["BodySpec", "ClearanceJointSpec", "DissipationSpec", "FrictionSpec"]
 
@@ -21,31 +20,12 @@ _LONGEST_NAME = 40
 _Point = Annotated[tuple[float, float], Strict(False)]
 
 
-def _in_GPa(value: object) -> object:
-    """Return a modulus with its unit, "207 GPa", as a number of GPa; other values as they are.
-
-    Examples
-    --------
-    >>> _in_GPa("3600 MPa"), _in_GPa(3.6), _in_GPa("soft")
-    (3.6, 3.6, 'soft')
-    """
-    if not isinstance(value, str):
-        return value
-    number, _, unit = value.partition(" ")
-    with suppress(ValueError, KeyError):
-        return float(number) * QUANTITIES["E"][unit] / QUANTITIES["E"]["GPa"]
-    return value
-
-
-_Modulus = Annotated[float, BeforeValidator(_in_GPa)]
-
-
 class BodySpec(Spec):
     """The hole of the bearing, or the pin."""
 
     R: float = Field(gt=0, description="the radius in mm")
     material: str | None = Field(None, description="a material of the package's table")
-    E: _Modulus | None = Field(
+    E: Modulus | None = Field(
         None, gt=0, description='Young\'s modulus in GPa, or with its unit, "207 GPa"'
     )
     nu: float | None = Field(None, ge=0, le=0.5, description="Poisson's ratio")

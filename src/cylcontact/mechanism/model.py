@@ -11,9 +11,10 @@ from typing import Any
 from cylcontact.dissipation import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.errors import InputError
 from cylcontact.laws import LAWS, ContactLaw
-from cylcontact.materials import Material
+from cylcontact.materials import material_in_MPa
 from cylcontact.mechanism.assumptions import assumptions
 from cylcontact.mechanism.spec import MechanismSpec
+from cylcontact.mechanism.unusual import unusual_masses
 from cylcontact.pair import CylinderPair
 from cylcontact.spec import parse_spec, read_toml
 
@@ -167,6 +168,11 @@ class Mechanism:
         """Every assumption as "key = value": those of the spec and those of the model."""
         return (*assumptions(self.data), *_ASSUMED)
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """A sentence for each mass or inertia that can hardly be meant; see `unusual_masses`."""
+        return unusual_masses(self.data)
+
 
 def read_mechanism(path: Path | str, **changes: Any) -> Mechanism:
     """Read a mechanism's spec.
@@ -271,7 +277,7 @@ def _clearance(
     ends = [(joint.i, joint.point_i), (joint.j, joint.point_j)]
     if names[c.bearing] != joint.i:
         ends.reverse()
-    material = Material("joint", c.E * 1e3, c.nu, c.yield_stress)
+    material = material_in_MPa("joint", c.E * 1e3, c.nu, c.yield_stress)
     pair = None
     if c.radial > 0:
         pair = CylinderPair.from_dR("internal", c.radial, material, c.length, c.R_bearing)

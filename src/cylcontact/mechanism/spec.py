@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, Strict, model_validator
+from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from cylcontact.dissipation import FACTORS
+from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
+from cylcontact.materials import modulus_in_MPa
 from cylcontact.mechanism.assumptions import check_provenance
 from cylcontact.spec import Spec, broken
 
@@ -18,11 +20,33 @@ __all__ = [
     "IntegrationSpec",
     "JointSpec",
     "MechanismSpec",
+    "Modulus",
     "ProvenanceSpec",
 ]
 
+# In GPa, above diamond's 1200: a larger bare number was probably meant in MPa.
+_LARGEST_BARE = 1500.0
 # TOML has lists, not tuples.
 _Pair = Annotated[tuple[float, float], Strict(False)]
+
+
+def _in_GPa(E: object) -> object:
+    """Return a modulus as a number of GPa; pydantic refuses what is neither number nor text."""
+    if isinstance(E, str):
+        if not E.rstrip().endswith("Pa"):
+            rule = "must be a number in GPa, or a text with a unit"
+            raise broken("", E, rule, 'write e.g. 207.0, or "207 GPa"')
+        try:
+            return float(modulus_in_MPa(E, "", "")) * 1e-3
+        except InputError as error:
+            raise broken("", E, error.rule, error.remedy) from None
+    if isinstance(E, int | float) and E > _LARGEST_BARE:
+        remedy = f'did you mean {E * 1e-3:g}? Or write "{E:g} GPa"'
+        raise broken("", E, "a bare number is in GPa, and diamond has 1200", remedy)
+    return E
+
+
+Modulus = Annotated[float, BeforeValidator(_in_GPa)]
 
 
 class BodySpec(Spec):
@@ -81,7 +105,9 @@ class ClearanceSpec(Spec):
     radial: float = Field(ge=0, description="the radial clearance in mm, 0 for an ideal joint")
     R_bearing: float = Field(gt=0, description="the radius of the bearing in mm")
     length: float = Field(gt=0, description="the axial length in mm")
-    E: float = Field(gt=0, description="Young's modulus of both bodies in GPa")
+    E: Modulus = Field(
+        gt=0, description='Young\'s modulus of both bodies in GPa, or with a unit, "207 GPa"'
+    )
     nu: float = Field(ge=0, le=0.5, description="Poisson's ratio of both bodies")
     yield_stress: float | None = Field(
         None, gt=0, description="the yield stress of both bodies in MPa"

@@ -16,7 +16,7 @@ from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws import DEFINITIONS, LAWS
 from cylcontact.laws.definition import Parameter
 from cylcontact.limits import first_yield
-from cylcontact.materials import Material
+from cylcontact.materials import Material, material_in_MPa
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_error, truth_of
 
@@ -79,7 +79,7 @@ def case(
     # The pair refuses any other contact.
     kind = cast(Contact, contact)
     gap = {"internal": 0.05, "external": 2 * R_i}.get(kind, 1.0) if dR is None else dR
-    material = Material("the material of both bodies", E, nu)
+    material = material_in_MPa("the material of both bodies", E, nu)
     return CylinderPair.from_dR(kind, gap, material, length, R_i)
 
 

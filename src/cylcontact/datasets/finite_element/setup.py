@@ -11,7 +11,7 @@ from cylcontact.arrays import FloatArray, require
 from cylcontact.datasets.finite_element.mesh import Grading, Mesh, make_mesh
 from cylcontact.errors import InputError
 from cylcontact.laws import Conformal
-from cylcontact.materials import Material
+from cylcontact.materials import Material, material_in_MPa
 from cylcontact.pair import CylinderPair, Plane
 
 __all__ = ["FEWEST_CELLS", "BodyName", "Clamp", "LoadOn", "Plane", "Setup", "require_room"]
@@ -112,9 +112,9 @@ class Setup:
     def material(self, of: BodyName) -> Material:
         """Return the material of a body."""
         if of == "plate":
-            return Material("plate", self.E, self.nu)
+            return material_in_MPa("plate", self.E, self.nu)
         E = self.E if self.pin_E is None else self.pin_E
-        return Material("pin", E, self.nu if self.pin_nu is None else self.pin_nu)
+        return material_in_MPa("pin", E, self.nu if self.pin_nu is None else self.pin_nu)
 
     @property
     def pin_is_other(self) -> bool:
