@@ -1,8 +1,8 @@
 """The slider-crank with a clearance as a model of Exudyn, a general multibody code.
 
 Planar rigid bodies, revolute joints, the crank kept at its speed by a constraint on its velocity.
-For the journal in its bearing either Exudyn's own sphere in a hollow sphere: pressed in the plane of
-motion, a contact F = K·δⁿ of the same line of action as ours; or our joint as `cylcontact export
+For the journal in its bearing either Exudyn's own sphere in a hollow sphere: pressed in the plane
+of motion, a contact F = K·δⁿ of the same line of action as ours; or our joint as `cylcontact export
 --to python` writes it, a user function for the forces on the two bodies. Steps are of one size.
 """
 

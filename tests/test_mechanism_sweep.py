@@ -40,8 +40,8 @@ def test_every_case_has_its_row(table):
     ] == WANTED
     statuses = dict(zip(WANTED, table["status"], strict=True))
     # Johnson's law ends where the journal whirls in a dry, elastic bearing.
-    assert statuses.pop(Case("johnson", 0.02, 1.0, 0.1)) == "stopped"
-    assert set(statuses.values()) == {"complete"}
+    assert statuses[Case("johnson", 0.02, 1.0, 0.1)] == "stopped"
+    assert {status for case, status in statuses.items() if case.law == "enhanced"} == {"complete"}
     assert "leaves its domain at t = 0.00109" in table["message"].iloc[3]
     assert np.isnan(table["impacts"].iloc[3])
 
@@ -124,7 +124,7 @@ def test_the_tolerance_table_sums_sweeps_up():
     assert error[2] > 10 * error[3]
     # Minimal coordinates cannot violate a joint.
     assert drift[:2].isna().all()
-    assert drift[2] > 10 * drift[3]
+    assert drift[2:].max() < 1e-12
     steps = summary["steps_per_revolution"]
     assert steps[0] < steps[1]
     assert steps[2] < steps[3]

@@ -146,8 +146,6 @@ def simulate(
     from cylcontact.mechanism.studies import agreement
 
     mechanism = read_mechanism(spec, **asdict(changes))
-    for warning in mechanism.warnings:
-        typer.echo(f"warning: {warning}", err=True)
     if out is not None:
         require_suffix(out, ".parquet")
     if table is not None:
@@ -162,16 +160,13 @@ def simulate(
     )  # fmt: skip
     with owning(out) if out else nullcontext(), owning(table) if table else nullcontext():
         if out is None:
-            if resume:
-                raise InputError(
-                    "simulate", "--resume", None, "needs a file to go on from", "name it: -o"
-                )
+            require(
+                not resume, "simulate", "--resume", None, "needs a file to go on from",
+                "name it: -o",
+            )  # fmt: skip
             statistics = _statistics(mechanism, settings, total, first)
         else:
-            earlier = _earlier(mechanism, settings, out) if resume else None
-            run = _run(mechanism, settings, total, earlier, out)
-            run.save(out)
-            statistics = run.statistics(first)
+            statistics = _kept(mechanism, settings, total, out, resume).statistics(first)
         if table is not None:
             write_table(statistics.by_revolution.reset_index(), table)
     typer.echo(statistics.to_text(), nl=False)
@@ -180,7 +175,7 @@ def simulate(
             typer.echo(f"\nwritten to {path}")
     if not mechanism.ideal:
         typer.echo(f"\n{agreement(mechanism, settings, total)}")
-    for warning in statistics.warnings:
+    for warning in (*mechanism.warnings, *statistics.warnings):
         typer.echo(f"warning: {warning}", err=True)
 
 
@@ -210,6 +205,16 @@ def _statistics(
         raise KeyboardInterrupt(
             f"interrupted; these are the numbers of {count} complete revolutions"
         ) from None
+
+
+def _kept(
+    mechanism: Mechanism, settings: Settings, revolutions: int, out: Path, resume: bool
+) -> Trajectory:
+    """Simulate and save the trajectory."""
+    earlier = _earlier(mechanism, settings, out) if resume else None
+    run = _run(mechanism, settings, revolutions, earlier, out)
+    run.save(out)
+    return run
 
 
 def _earlier(mechanism: Mechanism, settings: Settings, out: Path) -> Trajectory | None:

@@ -69,7 +69,7 @@ VARIABLES = (
 )
 
 # Name of each quantity's unit, in SI or with mm, and its exponents of kg, m and s.
-_UNITS = {
+_UNITS: dict[str, tuple[str, str, dict[str, int]]] = {
     "length": ("m", "mm", {"m": 1}),
     "angle": ("rad", "rad", {"rad": 1}),
     "speed": ("m/s", "mm/s", {"m": 1, "s": -1}),
@@ -236,7 +236,8 @@ def _description(joint: ClearanceJoint, guid: str) -> str:
 
 def _unit(joint: ClearanceJoint, quantity: str) -> str:
     """Return the unit of a quantity."""
-    return _UNITS[quantity][0 if joint.units == "SI" else 1]
+    in_SI, in_mm, _ = _UNITS[quantity]
+    return in_SI if joint.units == "SI" else in_mm
 
 
 def _unit_definitions(joint: ClearanceJoint) -> str:
