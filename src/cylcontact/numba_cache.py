@@ -19,7 +19,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 
-__all__ = ["PACKAGE", "PARTS", "callback", "compiled", "source_hash"]
+__all__ = ["PACKAGE", "PARTS", "compiled", "inlined", "source_hash"]
 
 # Typed as Any: numba declares no attributes to a type checker.
 _SETTINGS: Any = numba.config
@@ -40,25 +40,14 @@ def compiled(function: _Function) -> _Function:
         return cast(_Function, numba.njit(cache=writable, error_model="numpy")(function))
 
 
-def callback(signature: Any) -> Callable[[_Function], Any]:
-    """Return a decorator that compiles a function for calls from C and caches it on disk.
+def inlined(function: _Function) -> _Function:
+    """Compile a function as `compiled` does, and always into its callers.
 
-    Parameters
-    ----------
-    signature : numba signature
-        Of the C function.
-
-    Returns
-    -------
-    callable
-        A decorator; its result has the `address` of the C function.
+    For the innermost functions of a loop, where a call costs as much as the work.
     """
-
-    def compile_function(function: _Function) -> Any:
-        with _own_cache() as writable:
-            return numba.cfunc(signature, cache=writable, error_model="numpy")(function)
-
-    return compile_function
+    with _own_cache() as writable:
+        compile_inline = numba.njit(cache=writable, error_model="numpy", forceinline=True)
+        return cast(_Function, compile_inline(function))
 
 
 @contextmanager

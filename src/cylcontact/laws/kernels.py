@@ -30,7 +30,7 @@ from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.definition import KernelSteps
 from cylcontact.laws.formula import needed
 from cylcontact.laws.tabulated import cubic, tabulate
-from cylcontact.numba_cache import compiled
+from cylcontact.numba_cache import compiled, inlined
 from cylcontact.pair import CylinderPair
 
 __all__ = [
@@ -232,7 +232,7 @@ def _quadrature(kind: int, numbers: FloatArray, penetration: float) -> float:
 _energy = _of_all_kinds("energy", _quadrature)
 
 
-@compiled
+@inlined
 def kernel_load(kind: int, parameters: FloatArray, penetration: float) -> float:
     """Return the load in N/mm at `penetration` in mm.
 

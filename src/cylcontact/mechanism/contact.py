@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from cylcontact.dissipation import RATIO_BEND
 from cylcontact.laws.kernels import kernel_load
-from cylcontact.numba_cache import compiled
+from cylcontact.numba_cache import compiled, inlined
 
 __all__ = [
     "ALLOWED_PENETRATION",
@@ -99,7 +99,7 @@ def elastic_force(penetration: float, p: NDArray[np.float64]) -> float:
     return _elastic(penetration, p, law_of(p))
 
 
-@compiled
+@inlined
 def _elastic(penetration: float, p: NDArray[np.float64], law: NDArray[np.float64]) -> float:
     delta = penetration * 1e3
     if delta <= 0.0:
@@ -111,7 +111,7 @@ def _elastic(penetration: float, p: NDArray[np.float64], law: NDArray[np.float64
     return float(load * p[LENGTH])
 
 
-@compiled
+@inlined
 def bounded_ratio(ratio: float) -> float:
     """Return `dissipation.bounded_ratio` of one number."""
     v = abs(ratio) / RATIO_BEND - 1.0
@@ -120,7 +120,7 @@ def bounded_ratio(ratio: float) -> float:
     return math.copysign(RATIO_BEND * (1.0 + v / math.hypot(1.0, v)), ratio)
 
 
-@compiled
+@inlined
 def friction_force(normal: float, v_t: float, p: NDArray[np.float64]) -> float:
     """Return f_t = −c_f·c_d·f_n·sgn(v_t) in N (Eqs 14–15), v_t in m/s."""
     branch = p[BRANCH]
@@ -147,7 +147,7 @@ def contact_force(
     return forces(e[0], e[1], e_dot[0], e_dot[1], omega_i, omega_j, p[IMPACT_RATE], p, law)[:7]
 
 
-@compiled
+@inlined
 def forces(
     e_x: float,
     e_y: float,

@@ -15,7 +15,7 @@ from cylcontact.arrays import FloatArray
 from cylcontact.mechanism import augmented
 from cylcontact.mechanism import minimal_coordinates as minimal
 from cylcontact.mechanism.step_history import LEDGERS
-from cylcontact.numba_cache import compiled
+from cylcontact.numba_cache import compiled, inlined
 
 __all__ = [
     "AUGMENTED",
@@ -183,7 +183,7 @@ def crank(model: int, t: float, m: FloatArray) -> tuple[float, float]:
     return math.cos(theta), math.sin(theta)
 
 
-@compiled
+@inlined
 def turned(model: int, c: float, s: float, dt: float, m: FloatArray) -> tuple[float, float]:
     """Return the cosine and sine of `crank` a time dt later."""
     if model == AUGMENTED:
@@ -198,7 +198,7 @@ def turned(model: int, c: float, s: float, dt: float, m: FloatArray) -> tuple[fl
     return c * x - s * y, s * x + c * y
 
 
-@compiled
+@inlined
 def evaluate(
     model: int,
     t: float,
@@ -215,7 +215,7 @@ def evaluate(
     _evaluate(model, t, c, s, y, row, p, law, m, rates, work)
 
 
-@compiled
+@inlined
 def _evaluate(
     model: int,
     t: float,
@@ -236,7 +236,7 @@ def _evaluate(
         augmented.derivatives(t, y, rates, row, p, law, m, work)
 
 
-@compiled
+@inlined
 def motion(
     model: int, c: float, s: float, y: FloatArray, m: FloatArray, work: FloatArray
 ) -> tuple[float, float, float, float, float, float]:
@@ -268,7 +268,7 @@ def step(
     _combine(STAGES, h, y, rates, new)
 
 
-@compiled
+@inlined
 def _combine(i: int, h: float, y: FloatArray, k: FloatArray, out: FloatArray) -> None:
     """Write y + h·Σ a_ij·k_j to `out`."""
     if y.size == 4:  # minimal coordinates: sums that stay in registers
@@ -288,7 +288,7 @@ def _combine(i: int, h: float, y: FloatArray, k: FloatArray, out: FloatArray) ->
         out[n] = y[n] + h * total
 
 
-@compiled
+@inlined
 def error(
     h: float, y: FloatArray, new: FloatArray, k: FloatArray, relative: float, absolute: FloatArray
 ) -> float:
@@ -307,7 +307,7 @@ def error(
     return abs(h) * fifth / math.sqrt(y.size * (fifth + 0.01 * third))
 
 
-@compiled
+@inlined
 def sum_ledgers(h: float, ledgers: FloatArray, rates: FloatArray) -> None:
     """Add what a step contributes to the ledgers."""
     first = rates.shape[1] - _LEDGERS

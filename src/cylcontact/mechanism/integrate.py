@@ -32,7 +32,7 @@ from cylcontact.mechanism.dop853 import (
     turned,
     workspace,
 )
-from cylcontact.numba_cache import compiled
+from cylcontact.numba_cache import compiled, inlined
 
 __all__ = [
     "COLLAPSED",
@@ -78,7 +78,7 @@ Look = tuple[float, float, float, float, float]
 _SAFETY, _BETA, _SHRINK, _GROW = 0.9, 0.04, 1 / 3, 8.0
 
 
-@compiled
+@inlined
 def _look(model: int, c: float, s: float, y: FloatArray, blocks: Blocks, space: Workspace) -> Look:
     """Return what decides about events at a state."""
     p = blocks[0]
@@ -103,7 +103,7 @@ def _choose_pieces(delta: float, v_t: float, p: FloatArray) -> None:
         p[contact.REGIME] = contact.LINE if beyond else contact.LAW
 
 
-@compiled
+@inlined
 def _bounds(branch: float, p: FloatArray) -> tuple[float, float]:
     """Return the tangential velocities between which a branch of friction holds."""
     v0, v1 = p[contact.V0], p[contact.V1]
@@ -115,7 +115,7 @@ def _bounds(branch: float, p: FloatArray) -> tuple[float, float]:
     return (inner, outer) if branch > 0 else (-outer, -inner)
 
 
-@compiled
+@inlined
 def _margin(kind: int, look: Look, p: FloatArray) -> float:
     """Return how far a state is inside the present piece; negative outside."""
     delta, v_t = look[0], look[2]
@@ -163,7 +163,7 @@ def _first_event(start: Look, end: Look, p: FloatArray) -> tuple[int, bool]:
     return found, starts_inside
 
 
-@compiled
+@inlined
 def _limit(look: Look, acceleration: float, p: FloatArray) -> float:
     """Return the longest step in s from a state: towards the release, and in flight."""
     delta, rate, _, u_x, u_y = look
@@ -415,7 +415,7 @@ def _examine(
     return (_RETRY if h > _SHORTEST else event), h, 0.0
 
 
-@compiled
+@inlined
 def _record(
     row: int,
     now: FloatArray,

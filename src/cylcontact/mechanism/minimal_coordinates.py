@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from cylcontact.mechanism import contact
 from cylcontact.mechanism.step_history import LEDGERS
-from cylcontact.numba_cache import compiled
+from cylcontact.numba_cache import compiled, inlined
 
 __all__ = [
     "ANGLE",
@@ -71,7 +71,7 @@ MODEL_SIZE = 19
 STATES = 4 + len(LEDGERS)  # E_x, E_y, their rates and the ledgers
 
 
-@compiled
+@inlined
 def _rod_motion(
     c: float, s: float, y: NDArray[np.float64], m: NDArray[np.float64]
 ) -> tuple[float, float, float]:
@@ -82,7 +82,7 @@ def _rod_motion(
     return sine, cosine, spin
 
 
-@compiled
+@inlined
 def joint_motion(
     c: float, s: float, y: NDArray[np.float64], m: NDArray[np.float64]
 ) -> tuple[float, float, float, float, float, float]:
@@ -112,7 +112,7 @@ def ideal_reaction(
     return f_x, (sine * f_x - turning / length) / cosine
 
 
-@compiled
+@inlined
 def derivatives(
     c: float,
     s: float,
