@@ -341,7 +341,9 @@ class TestWarnings:
             counts=np.array([[8.0, 16.0, 0.1]]),
         )  # fmt: skip
         depth = np.array([3.0, 0, 1, 4, 0, 2, 0, 0, 1])
-        row = reduce_revolution(rows, depth, depth, Limits(2.5, np.inf, 1e-3))
+        row = reduce_revolution(
+            rows, depth, depth, np.zeros((depth.size - 1, 1)), Limits(2.5, np.inf, 1e-3)
+        )
         assert (row["impacts"], row["contacts"], row["contact_steps"]) == (3, 4, 4)
         assert (row["grazing"], row["grazing_s"]) == (2, 2.0)
         assert (row["above_yield"], row["above_yield_s"]) == (2, 0.0)

@@ -59,7 +59,10 @@ def test_the_statistics_are_those_of_the_steps(run):
     inside = (run.contacts["release_s"].fillna(run.time[-1]) - run.contacts["onset_s"]).sum()
     assert table["contact_fraction"].sum() * T == pytest.approx(inside, rel=1e-12)
     assert table["max_penetration_um"].max() == run.penetration.max() * 1e6
-    assert table["max_force_N"].max() == run.normal_force.max()
+    # The peak lies between two steps; with steps of 1 µs it is a step.
+    fine = simulate(slider_crank(spec={"integration.max_step": 1e-6}), revolutions=1)
+    assert table["max_force_N"].max() == pytest.approx(fine.normal_force.max(), rel=2e-3)
+    assert table["max_force_N"].max() > run.normal_force.max()
     assert table["drive_work_J"].sum() == pytest.approx(run.drive_work[-1], rel=1e-12)
     assert table["steps"].sum() == np.count_nonzero(np.diff(run.time))
     # The percentiles, on an even grid of times.

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cylcontact.arrays import BoolArray, FloatArray, IndexArray
+from cylcontact.arrays import FloatArray, IndexArray
 from cylcontact.mechanism.derived import changes
 from cylcontact.mechanism.step_history import LEDGERS, StepHistory
 
@@ -36,7 +36,11 @@ class Limits(NamedTuple):
 
 
 def reduce_revolution(
-    rows: StepHistory, penetration: FloatArray, force: FloatArray, limits: Limits
+    rows: StepHistory,
+    penetration: FloatArray,
+    force: FloatArray,
+    within: FloatArray,
+    limits: Limits,
 ) -> dict[str, float]:
     """Return the numbers of one revolution; see `Statistics.by_revolution`.
 
@@ -46,6 +50,8 @@ def reduce_revolution(
         The last step of the revolution before and the n − 1 steps of this one.
     penetration, force : array of float, shape (n,)
         δ in m and f_n in N.
+    within : array of float, shape (n − 1, parts)
+        f_n in N in equal parts of every step.
     limits : Limits
         What contacts are held against.
     """
@@ -64,9 +70,11 @@ def reduce_revolution(
         "max_penetration_um": float(penetration[touching].max(initial=0.0)) * 1e6,
         "mean_force_N": _ratio(spent["impulse"], contact_time),
     }
-    for percent, value in zip(FORCE_PERCENTILES, _percentiles(dt, force, inside), strict=True):
+    for percent, value in zip(
+        FORCE_PERCENTILES, _percentiles(dt[inside], within[inside]), strict=True
+    ):
         numbers[f"force_p{percent}_N"] = value
-    numbers["max_force_N"] = float(force.max(initial=0.0))
+    numbers["max_force_N"] = float(max(force.max(initial=0.0), within.max(initial=0.0)))
     numbers |= {f"{name}_J": spent[name] for name in ENERGIES}
     return numbers | {
         "mean_step_contact_us": _ratio(contact_time, contact_steps) * 1e6,
@@ -88,14 +96,17 @@ def _ratio(numerator: float, denominator: float) -> float:
     return numerator / denominator if denominator > 0 else float("nan")
 
 
-def _percentiles(dt: FloatArray, values: FloatArray, inside: BoolArray) -> list[float]:
-    """Return percentiles over the time inside; NaN where there is none."""
-    weight, middle = dt[inside], 0.5 * (values[1:] + values[:-1])[inside]
-    if not weight.sum() > 0:
+def _percentiles(dt: FloatArray, values: FloatArray) -> list[float]:
+    """Return percentiles over the time of steps, shape (m,), with `values` in equal parts of each.
+
+    NaN without any step.
+    """
+    if not dt.sum() > 0:
         return [float("nan")] * len(FORCE_PERCENTILES)
-    order = np.argsort(middle, kind="stable")
+    weight, sample = np.repeat(dt, values.shape[1]), values.ravel()
+    order = np.argsort(sample, kind="stable")
     share = (np.cumsum(weight[order]) - 0.5 * weight[order]) / weight.sum()
-    return [float(np.interp(percent / 100, share, middle[order])) for percent in FORCE_PERCENTILES]
+    return [float(np.interp(percent / 100, share, sample[order])) for percent in FORCE_PERCENTILES]
 
 
 def _passed(rows: StepHistory, penetration: FloatArray, limits: Limits) -> dict[str, float]:

@@ -181,6 +181,20 @@ class Trajectory:
         )
         return forces
 
+    @cached_property
+    def _force_within(self) -> FloatArray:
+        """f_n in N within the steps; see `derived.force_within`."""
+        forces: FloatArray = derived.force_within(
+            self.time,
+            np.ascontiguousarray(self.eccentricity),
+            np.ascontiguousarray(self.eccentricity_rate),
+            self.in_contact,
+            self.rows.impact_rate,
+            self.mechanism.clearance.rate_floor,
+            self.block,
+        )
+        return forces
+
     @property
     def force(self) -> FloatArray:
         """The contact force on the bearing in N, Eq 13a, shape (n, 2)."""
@@ -281,9 +295,14 @@ class Trajectory:
                 "release_s": release,
                 "impact_rate_m_per_s": self.rows.impact_rate[begins],
                 "max_penetration_m": [self.penetration[span].max() for span in spans],
-                "max_force_N": [self.normal_force[span].max() for span in spans],
+                "max_force_N": [self._peak(span) for span in spans],
             }
         )
+
+    def _peak(self, span: slice) -> float:
+        """Return the largest f_n in N in some rows and within the steps between them."""
+        within = self._force_within[span.start : span.stop - 1]
+        return float(max(self.normal_force[span].max(), within.max(initial=0.0)))
 
     @cached_property
     def max_elastic_load(self) -> float:
@@ -343,7 +362,9 @@ class Trajectory:
         place, rate = end.eccentricity[0], end.eccentricity_rate[0]
         section = (*place * 1e6, *rate, bool(end.in_contact[0]))
         return {
-            **reduce_revolution(self.rows, self.penetration, self.normal_force, limits),
+            **reduce_revolution(
+                self.rows, self.penetration, self.normal_force, self._force_within, limits
+            ),
             "max_load_N_per_mm": self.max_elastic_load,
             "kinetic_energy_J": float(self.kinetic_energy.max()),
             "energy_error_J": float(end.energy[0]) - origin,
