@@ -140,7 +140,7 @@ def test_the_default_tolerance_is_the_one_that_the_table_says():
     assert set(committed["cases"]) == {24}
     assert committed.loc[committed["method"] == "minimal", "drift_max"].isna().all()
     worst = committed.groupby("tolerance")[["energy_error_max", "drift_max"]].max()
-    enough = worst[(worst["energy_error_max"] < 1e-5) & (worst["drift_max"] < 1e-8)]
+    enough = worst[(worst["energy_error_max"] < 1e-7) & (worst["drift_max"] < 1e-10)]
     assert enough.index.max() == slider_crank().integration.tolerance
 
 
@@ -150,7 +150,7 @@ def test_the_committed_cases_are_what_comes_out():
     varied = committed[["law", "clearance_mm", "restitution", "friction"]]
     assert [Case(*row) for row in varied.to_numpy()] == cases(*PAPER)
     assert set(committed["status"]) == {"complete"}
-    assert committed["energy_error"].max() < 1e-5
+    assert committed["energy_error"].max() < 1e-7
     # No row counts the start.
     assert committed["first"].min() == 3
     steady = [Case("johnson", 0.02, 0.9, 0.1), Case("lankarani-nikravesh", 0.5, 0.9, 0.1)]

@@ -66,10 +66,10 @@ def test_the_statistics_are_those_of_the_steps(run):
     assert table["drive_work_J"].sum() == pytest.approx(run.drive_work[-1], rel=1e-12)
     assert table["steps"].sum() == np.count_nonzero(np.diff(run.time))
     # The percentiles, on an even grid of times.
-    time = np.linspace(run.time[0], T, 400_001)
-    force = np.interp(time, run.time, run.normal_force)
-    fraction = np.searchsorted(run.time, time)
-    force = force[run.in_contact[np.minimum(fraction, run.time.size - 1)]]
+    time = np.linspace(fine.time[0], T, 400_001)
+    force = np.interp(time, fine.time, fine.normal_force)
+    fraction = np.searchsorted(fine.time, time)
+    force = force[fine.in_contact[np.minimum(fraction, fine.time.size - 1)]]
     for percent in (50, 95, 99):
         wanted = np.percentile(force, percent)
         assert table.loc[0, f"force_p{percent}_N"] == pytest.approx(wanted, rel=0.01)
