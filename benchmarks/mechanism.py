@@ -38,7 +38,7 @@ def measure(short: bool) -> Iterator[list[Row]]:
 
 
 def _cases(short: bool) -> Iterator[list[Row]]:
-    revolutions = 1 if short else 200
+    revolutions = 1 if short else 50
     for law, clearance, restitution, friction in product(LAWS, (0.5, 0.02), (1.0, 0.9), (0.0, 0.1)):
         if short and (law, clearance) != ("enhanced", 0.02):
             continue
