@@ -198,7 +198,7 @@ def turned(model: int, c: float, s: float, dt: float, m: FloatArray) -> tuple[fl
     return c * x - s * y, s * x + c * y
 
 
-@inlined
+@compiled
 def evaluate(
     model: int,
     t: float,

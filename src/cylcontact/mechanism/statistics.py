@@ -53,8 +53,8 @@ SECTION = ("e_x_um", "e_y_um", "e_x_rate_m_per_s", "e_y_rate_m_per_s", "in_conta
 REPEATS = 1e-3
 # A motion has period p if each of the last HELD sections repeats the one p revolutions earlier.
 HELD, LONGEST = 24, 8
-# The energy balance expected of every revolution, relative to the largest kinetic energy: the
-# default tolerance is the loosest at which ten of them close to 1e-5.
+# Assumed: the energy balance expected of every revolution, relative to the largest kinetic energy.
+# At the default tolerance ten revolutions close to 1e-7.
 BALANCE = 1e-6
 _LEVEL, _WIDTH = 0.95, 98
 
