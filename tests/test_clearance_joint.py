@@ -524,7 +524,7 @@ MISTAKES = {
     "missing key": ({"pin.R": DROP}, "pin.R: is required; add the radius in mm"),
     "missing table": ({"friction": DROP}, "friction: is required; add a table [friction]"),
     "no modulus": ({"pin.E": DROP}, "pin.E: is required; give E, or material = NAME"),
-    "no unit": ({"pin.E": "hard"}, "pin.E = 'hard': must be a number in GPa, or a text with"),
+    "no unit": ({"pin.E": "hard"}, "pin.E = 'hard': must be a number; give Young's modulus in GPa"),
     "no stiffness": ({"pin.E": "0 GPa"}, "pin.E = '0 GPa': Young's modulus must be positive and"),
     "in MPa": (
         {"pin.E": 207e3},
