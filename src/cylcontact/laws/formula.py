@@ -118,8 +118,8 @@ class Formula:
 
     @property
     def steps(self) -> tuple[Step, ...]:
-        """The assignments of `text`."""
-        return steps_of(self.text)
+        """The assignments of `text` that f and k need."""
+        return needed(self.text, "f", "k")
 
     @property
     def requirements(self) -> tuple[str, ...]:
