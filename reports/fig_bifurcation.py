@@ -155,9 +155,9 @@ def _draw_rates(axes: Axes, runs: pd.DataFrame) -> None:
 
 def _draw_sections(axes: Axes, sections: pd.DataFrame) -> None:
     """Draw the sections of the run of each kind that fills most of the plane."""
-    kept = sections[sections["impact_rate_m_per_s"] == sections["held_m_per_s"]]
+    still_held = sections[sections["impact_rate_m_per_s"] == sections["held_m_per_s"]]
     for kind, colour in KINDS.items():
-        rows = kept[_kind(kept) == kind]
+        rows = still_held[_kind(still_held) == kind]
         if rows.empty:
             continue
         group = rows.groupby("clearance_mm")["e_y_over_clearance"]

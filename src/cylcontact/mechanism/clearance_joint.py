@@ -309,16 +309,7 @@ def _wrenches(
         u_x = b[3] - b[5] * arm_by - (j[3] - j[5] * arm_jy)
         u_y = b[4] + b[5] * arm_bx - (j[4] + j[5] * arm_jx)
         e_x, e_y, u_x, u_y = e_x * metres, e_y * metres, u_x * metres, u_y * metres
-        distance = np.sqrt(e_x * e_x + e_y * e_y)
-        n_x, n_y = (e_x / distance, e_y / distance) if distance > 0 else (1.0, 0.0)
-        delta = distance - p[contact.CLEARANCE]
-        rate = u_x * n_x + u_y * n_y
-        v_t = (
-            u_x * n_y
-            - u_y * n_x
-            + b[5] * p[contact.R_BEARING]
-            - j[5] * (p[contact.R_JOURNAL] - delta)
-        )
+        _, _, delta, rate, v_t = contact.relative_motion(e_x, e_y, u_x, u_y, b[5], j[5], p)
         out[k] = 0.0
         out[k, 4], out[k, 5], out[k, 8] = delta / metres, rate / metres, v_t / metres
         if delta <= 0.0:

@@ -63,6 +63,7 @@ __all__ = [
     "forces",
     "friction_force",
     "law_of",
+    "relative_motion",
 ]
 
 # Positions in the parameter block of a compiled model: this header, the numbers of the law and
@@ -134,6 +135,31 @@ def friction_force(normal: float, v_t: float, p: NDArray[np.float64]) -> float:
     return float(-p[FRICTION] * correction * normal)
 
 
+@inlined
+def relative_motion(
+    e_x: float,
+    e_y: float,
+    u_x: float,
+    u_y: float,
+    omega_i: float,
+    omega_j: float,
+    p: NDArray[np.float64],
+) -> tuple[float, float, float, float, float]:
+    """Return n_x, n_y, δ in m, and δ̇ and v_t in m/s, of the arguments of `forces`.
+
+    Centres that coincide have the normal (1, 0).
+    """
+    distance = math.sqrt(e_x * e_x + e_y * e_y)
+    n_x, n_y = 1.0, 0.0
+    if distance > 0.0:
+        per_distance = 1.0 / distance
+        n_x, n_y = e_x * per_distance, e_y * per_distance
+    delta = distance - p[CLEARANCE]
+    rate = u_x * n_x + u_y * n_y
+    v_t = u_x * n_y - u_y * n_x + omega_i * p[R_BEARING] - omega_j * (p[R_JOURNAL] - delta)
+    return n_x, n_y, delta, rate, v_t
+
+
 @compiled
 def contact_force(
     e: tuple[float, float],
@@ -188,14 +214,7 @@ def forces(
     penetration : float
         δ in m.
     """
-    distance = math.sqrt(e_x * e_x + e_y * e_y)
-    per_distance = 1.0 / distance
-    n_x, n_y = e_x * per_distance, e_y * per_distance
-    delta = distance - p[CLEARANCE]
-    rate = u_x * n_x + u_y * n_y
-    arm_i, arm_j = p[R_BEARING], p[R_JOURNAL] - delta
-    v_t = u_x * n_y - u_y * n_x + omega_i * arm_i - omega_j * arm_j
-
+    n_x, n_y, delta, rate, v_t = relative_motion(e_x, e_y, u_x, u_y, omega_i, omega_j, p)
     elastic = _elastic(delta, p, law)
     damping = p[CHI] * bounded_ratio(rate / impact_rate)
     normal = max(elastic * (1.0 + damping), 0.0)
@@ -203,6 +222,6 @@ def forces(
     force_x = -normal * n_x + tangential * n_y
     force_y = -normal * n_y - tangential * n_x
     # (−a·n) × (f_t·t) = a·f_t, as n × t = −1.
-    moment_i, moment_j = arm_i * tangential, -arm_j * tangential
+    moment_i, moment_j = p[R_BEARING] * tangential, -(p[R_JOURNAL] - delta) * tangential
     normal_power, friction_power = (normal - elastic) * rate, -tangential * v_t
     return force_x, force_y, moment_i, moment_j, normal, normal_power, friction_power, delta

@@ -38,20 +38,15 @@ def joint_forces(
 ) -> NDArray[np.float64]:
     """Return force on the bearing (x, y), f_n, f_t in N and v_t in m/s, shape (n, 5)."""
     out = np.zeros((e.shape[0], 5))
+    law = contact.law_of(p)
     for k in range(e.shape[0]):
-        distance = np.hypot(e[k, 0], e[k, 1])
-        n_x, n_y = (e[k, 0] / distance, e[k, 1] / distance) if distance > 0 else (1.0, 0.0)
-        delta = distance - p[contact.CLEARANCE]
-        out[k, 4] = (
-            e_rate[k, 0] * n_y
-            - e_rate[k, 1] * n_x
-            + spins[k, 0] * p[contact.R_BEARING]
-            - spins[k, 1] * (p[contact.R_JOURNAL] - delta)
-        )
+        e_x, e_y, u_x, u_y = e[k, 0], e[k, 1], e_rate[k, 0], e_rate[k, 1]
+        spin_i, spin_j = spins[k, 0], spins[k, 1]
+        out[k, 4] = contact.relative_motion(e_x, e_y, u_x, u_y, spin_i, spin_j, p)[4]
         if in_contact[k]:
-            p[contact.IMPACT_RATE] = max(impact_rate[k], floor)
-            f_x, f_y, _, _, normal, _, _ = contact.contact_force(
-                (e[k, 0], e[k, 1]), (e_rate[k, 0], e_rate[k, 1]), spins[k, 0], spins[k, 1], p
+            rate = max(impact_rate[k], floor)
+            f_x, f_y, _, _, normal, _, _, _ = contact.forces(
+                e_x, e_y, u_x, u_y, spin_i, spin_j, rate, p, law
             )
             out[k, 0], out[k, 1], out[k, 2] = f_x, f_y, normal
             out[k, 3] = contact.friction_force(normal, out[k, 4], p)

@@ -308,9 +308,10 @@ def error(
 
 
 @inlined
-def sum_ledgers(h: float, ledgers: FloatArray, rates: FloatArray) -> None:
-    """Add what a step contributes to the ledgers."""
+def sum_ledgers(h: float, rest: float, ledgers: FloatArray, rates: FloatArray) -> None:
+    """Add what a step contributes to the ledgers, and a very short time after it."""
     first = rates.shape[1] - _LEDGERS
     for n in range(_LEDGERS):
         for j in range(STAGES):
             ledgers[n] += h * _A[STAGES, j] * rates[j, first + n]
+        ledgers[n] += rest * rates[STAGES - 1, first + n]

@@ -80,7 +80,7 @@ _SAFETY, _BETA, _SHRINK, _GROW = 0.9, 0.04, 1 / 3, 8.0
 
 @inlined
 def _look(model: int, c: float, s: float, y: FloatArray, blocks: Blocks, space: Workspace) -> Look:
-    """Return what decides about events at a state."""
+    """Return δ, δ̇, v_t and ė at a state."""
     p = blocks[0]
     e_x, e_y, u_x, u_y, spin_i, spin_j = motion(model, c, s, y, blocks[2], space[2])
     distance = math.sqrt(e_x * e_x + e_y * e_y)
@@ -287,7 +287,7 @@ def _land(
         else:
             high = x
         space[1][:] = new
-        _shift(_AT_SLOPE, space[1], now[:0], space[0])
+        _shift(_AT_SLOPE, space[1], space[0])
         c, s = turned(model, c, s, _AT_SLOPE, blocks[2])
         look = _look(model, c, s, space[1], blocks, space)
         rise = _margin(kind, look, p) - g
@@ -301,14 +301,12 @@ def _land(
 
 
 @compiled
-def _shift(dt: float, y: FloatArray, ledgers: FloatArray, rates: FloatArray) -> None:
+def _shift(dt: float, y: FloatArray, rates: FloatArray) -> None:
     """Move a state by a very short time, with the rates of the last stage."""
     half, last = y.size // 2, STAGES - 1
     for n in range(half):
         y[n] += dt * (y[half + n] + 0.5 * dt * rates[last, half + n])
         y[half + n] += dt * rates[last, half + n]
-    for n in range(ledgers.size):
-        ledgers[n] += dt * rates[last, y.size + n]
 
 
 @compiled
@@ -371,7 +369,7 @@ def _examine(
     space: Workspace,
     now: FloatArray,
 ) -> tuple[int, float, float]:
-    """Look for events in a good step, and shorten it to the first one.
+    """Find the first event in a step within its tolerance, and end the step there.
 
     Parameters
     ----------
@@ -496,8 +494,8 @@ def integrate(
             event, length, rest = _examine(model, t, h, turn, look, y, new, blocks, space, now)
             if event == _RETRY:
                 continue
-        sum_ledgers(length, ledgers, space[0])
-        _shift(rest, new, ledgers, space[0])
+        sum_ledgers(length, rest, ledgers, space[0])
+        _shift(rest, new, space[0])
         y[:] = new
         now[TIME] = end if length == h and t + h * (1.0 + 1e-9) >= end else t + (length + rest)
         turn = crank(model, now[TIME], m)

@@ -17,7 +17,7 @@ ENERGIES = ("drive_work", "normal_dissipation", "friction_dissipation")
 
 
 class Limits(NamedTuple):
-    """What a contact may pass.
+    """Thresholds that a contact may pass.
 
     Attributes
     ----------

@@ -198,7 +198,7 @@ class Statistics:
 
     @property
     def stationary(self) -> pd.Series[str]:
-        """What can be said of the steadiness of each quantity.
+        """Whether each quantity is steady.
 
         - "yes": no trend was found;
         - "drifts": the batch means have a trend (t-test of their slope at 1 %) of more than a
@@ -314,7 +314,7 @@ class Statistics:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """What describes the whole run, by name."""
+        """Settings and largest values of the whole run, by name."""
         clearance, table = self.mechanism.data["clearance"], self.revolutions
         worst = float(table["energy_error_J"].abs().max())
         drift = float(table["drift"].max())

@@ -177,7 +177,7 @@ class Trajectory:
             self.in_contact,
             self.rows.impact_rate,
             joint.rate_floor,
-            self.block.copy(),
+            self.block,
         )
         return forces
 

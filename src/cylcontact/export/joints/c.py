@@ -6,7 +6,14 @@ from dataclasses import replace
 
 from cylcontact.arrays import FloatArray
 from cylcontact.export.c import DIALECT
-from cylcontact.export.joints.element import RESULTS, Element, argument_names, bodies_of, rows_of
+from cylcontact.export.joints.element import (
+    RESULTS,
+    Element,
+    argument_names,
+    bodies_of,
+    rows_of,
+    table_parts,
+)
 from cylcontact.export.render import filled
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
 
@@ -143,8 +150,7 @@ def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
     """
     element, stem = Element(joint), stem or joint.identifier
     names = {"name": joint.identifier, "stem": stem, "capitals": joint.identifier.upper()}
-    usage = filled(_USAGE, names).splitlines()
-    comment = "\n".join(f"// {line}".rstrip() for line in element.description(usage))
+    comment = element.comment(filled(_USAGE, names), "//")
     parts = {
         **names,
         "comment": comment,
@@ -159,11 +165,9 @@ def body_parts(element: Element, wrench: str, law: str) -> dict[str, str]:
     `wrench` is what stands before its members, `law` the name of the function of the law.
     """
     names = {**DIALECT.names, **argument_names("{body}[{k}]", 0), "law": law}
-    table = element.table
     return {
         **bodies_of(element, replace(DIALECT, names=names)),
-        "table": "" if table is None else _arrays(table),
-        "lookup": "" if table is None else _LOOKUP.format(last=table[0].size - 1),
+        **table_parts(element, _arrays, _LOOKUP, 0),
         "results": _RESULTS.format(*RESULTS, wrench=wrench),
     }
 

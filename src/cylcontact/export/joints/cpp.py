@@ -92,7 +92,6 @@ def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
     """
     element, stem = Element(joint), stem or joint.identifier
     names = {"name": joint.identifier, "stem": stem, "capitals": joint.identifier.upper()}
-    usage = filled(_USAGE, names).splitlines()
-    comment = "\n".join(f"// {line}".rstrip() for line in element.description(usage))
+    comment = element.comment(filled(_USAGE, names), "//")
     parts = {**names, "comment": comment, **body_parts(element, "result.", "law")}
     return {f"{stem}.hpp": filled(_FRAME, parts)}

@@ -105,7 +105,7 @@ f = exp(exponent)
 
 @dataclass(frozen=True)
 class Element:
-    """What the languages need of a joint."""
+    """A joint as steps and constants in neutral notation, which every language renders."""
 
     joint: ClearanceJoint
 
@@ -201,8 +201,12 @@ class Element:
             constants["first_yield"] = (joint.first_yield, "N", "elastic force at first yield")
         return constants
 
-    def description(self, usage: Iterable[str]) -> list[str]:
-        """Return the lines of the comment at the top of a file, `usage` among them."""
+    def comment(self, usage: str, mark: str) -> str:
+        """Return the comment at the top of a file, `usage` in it, each line behind a `mark`."""
+        return "\n".join(f"{mark} {line}".rstrip() for line in self._description(usage))
+
+    def _description(self, usage: str) -> list[str]:
+        """Return the lines of `comment`."""
         joint, pair = self.joint, self.joint.pair
         u = "m" if joint.units == "SI" else "mm"
         bodies = {"hole": (pair.material_i, pair.R_i), "pin": (pair.material_j, pair.R_j)}
@@ -221,7 +225,7 @@ class Element:
             *(_body_text(name, *body) for name, body in bodies.items()),
             "",
             "Use:",
-            *(f"  {line}".rstrip() for line in usage),
+            *(f"  {line}".rstrip() for line in usage.splitlines()),
             *_ARGUMENT_LINES,
             "",
             "Results:",
@@ -349,6 +353,19 @@ def bodies_of(element: Element, dialect: Dialect) -> dict[str, str]:
         parts[function] = dialect.statements(steps)
         parts[f"{function}_constants"] = dialect.constants(element.constants(steps))
     return parts
+
+
+def table_parts(
+    element: Element, arrays: Callable[[tuple[FloatArray, ...]], str], lookup: str, first: int
+) -> dict[str, str]:
+    """Return the arrays of a law's table and their lookup; empty for a law with a formula.
+
+    `first` is the index of the first element of an array in the language.
+    """
+    table = element.table
+    if table is None:
+        return {"table": "", "lookup": ""}
+    return {"table": arrays(table), "lookup": lookup.format(last=table[0].size - 1 + first)}
 
 
 def rows_of(numbers: FloatArray, number: Callable[[float], str] = repr) -> list[str]:

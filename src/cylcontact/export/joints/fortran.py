@@ -9,7 +9,14 @@ from textwrap import wrap
 from cylcontact.arrays import FloatArray
 from cylcontact.export.comments import WIDTH
 from cylcontact.export.fortran import DIALECT
-from cylcontact.export.joints.element import RESULTS, Element, argument_names, bodies_of, rows_of
+from cylcontact.export.joints.element import (
+    RESULTS,
+    Element,
+    argument_names,
+    bodies_of,
+    rows_of,
+    table_parts,
+)
 from cylcontact.export.render import filled
 from cylcontact.laws.formula import Step
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
@@ -151,23 +158,20 @@ def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
     element, stem = Element(joint), stem or joint.identifier
     names = argument_names("{body}({k})", 1) | {"impact_rate": "state%impact_rate"}
     bodies = bodies_of(element, replace(DIALECT, names={**DIALECT.names, **names}))
-    table = element.table
     parts = {
         "name": joint.identifier,
         **bodies,
         "evaluate_variables": _declared(element.evaluate),
         "accept_variables": _declared(element.accept),
         "law_variables": _declared(step for step in element.law if step.name != "f"),
-        "table": "" if table is None else _arrays(table),
-        "lookup": "" if table is None else _LOOKUP.format(last=table[0].size),
+        **table_parts(element, _arrays, _LOOKUP, 1),
         "results": _RESULTS.format(*RESULTS),
         "helpers": DIALECT.helpers_of(bodies["law"]),
         "nan_module": "",
     }
     if DIALECT.names["nan"] in bodies["law"]:
         parts["nan_module"] = "use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan"
-    usage = filled(_USAGE, parts).splitlines()
-    parts["comment"] = "\n".join(f"! {line}".rstrip() for line in element.description(usage))
+    parts["comment"] = element.comment(filled(_USAGE, parts), "!")
     return {f"{stem}.f90": filled(_FRAME, parts)}
 
 

@@ -12,6 +12,7 @@ from cylcontact.export.joints.element import (
     bodies_of,
     require_importable,
     rows_of,
+    table_parts,
 )
 from cylcontact.export.matlab import DIALECT
 from cylcontact.export.render import filled
@@ -114,16 +115,13 @@ def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
     """
     element, stem = Element(joint), stem or joint.identifier
     require_importable(stem)
-    table = element.table
     parts = {
         "stem": stem,
         **bodies_of(element, _DIALECT),
-        "table": "" if table is None else _arrays(table),
-        "lookup": "" if table is None else _LOOKUP.format(last=table[0].size),
+        **table_parts(element, _arrays, _LOOKUP, 1),
         "results": _RESULTS.format(*RESULTS),
     }
-    usage = filled(_USAGE, parts).splitlines()
-    parts["comment"] = "\n".join(f"% {line}".rstrip() for line in element.description(usage))
+    parts["comment"] = element.comment(filled(_USAGE, parts), "%")
     return {f"{stem}.m": filled(_FRAME, parts)}
 
 

@@ -15,6 +15,7 @@ from cylcontact.export.joints.element import (
     bodies_of,
     require_importable,
     rows_of,
+    table_parts,
 )
 from cylcontact.export.render import Dialect, filled
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
@@ -119,17 +120,14 @@ def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
     """
     element, stem = Element(joint), stem or joint.identifier
     require_importable(stem)
-    table = element.table
     parts = {
         "stem": stem,
         **bodies_of(element, _DIALECT),
         "functions": ", ".join(_functions(element)),
-        "table": "" if table is None else _arrays(table),
-        "lookup": "" if table is None else _LOOKUP.format(last=table[0].size - 1),
+        **table_parts(element, _arrays, _LOOKUP, 0),
         "results": _RESULTS.format(*RESULTS),
     }
-    usage = filled(_USAGE, parts).splitlines()
-    parts["comment"] = "\n".join(f"# {line}".rstrip() for line in element.description(usage))
+    parts["comment"] = element.comment(filled(_USAGE, parts), "#")
     return {f"{stem}.py": filled(_FRAME, parts)}
 
 
