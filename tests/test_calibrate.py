@@ -133,12 +133,12 @@ def test_progress_counts_to_the_end():
 @pytest.mark.parametrize("path", COMMITTED, ids=lambda path: path.stem)
 def test_committed_results_belong_to_the_committed_campaigns(path):
     campaign = read_campaign(ROOT / f"fitting/{path.stem}.toml")
-    assert FitResult.load(path).settings == campaign.settings
+    assert FitResult.read(path).settings == campaign.settings
 
 
 def test_a_fresh_fit_verifies_the_committed_one(results):
     for name, fresh in results.items():
-        committed = FitResult.load(ROOT / f"fitting/results/{name}.json")
+        committed = FitResult.read(ROOT / f"fitting/results/{name}.json")
         assert all(check.holds for check in compare_results(committed, fresh))
 
 
@@ -151,7 +151,7 @@ def test_a_tampered_result_is_found_out(results, name):
 
 
 def test_round_off_is_not_compared_digit_by_digit():
-    committed = FitResult.load(ROOT / "fitting/results/synthetic-external.json")
+    committed = FitResult.read(ROOT / "fitting/results/synthetic-external.json")
     for objective, holds in ((3e-8, True), (1e-5, False)):
         value = committed.objective.model_copy(update={"value": objective})
         checks = compare_results(committed, committed.model_copy(update={"objective": value}))

@@ -92,8 +92,8 @@ def test_fit_writes_the_result_beside_the_campaign(bench, run, small_result):
     code, said, errors = run("fit", "fitting/small.toml", "--jobs", "1")
     assert (code, errors) == (0, "")
     path = bench / "fitting/results/small.json"
-    assert FitResult.load(path).repeatable() == small_result.repeatable()
-    assert said == f"{FitResult.load(path)}\n\nwritten to fitting/results/small.json\n"
+    assert FitResult.read(path).repeatable() == small_result.repeatable()
+    assert said == f"{FitResult.read(path)}\n\nwritten to fitting/results/small.json\n"
     assert [file.name for file in path.parent.iterdir()] == ["small.json"]
 
 
@@ -107,7 +107,7 @@ def test_fit_from_the_campaigns_own_folder(bench, run, monkeypatch):
 def test_runs_and_seed_are_recorded_in_the_settings(bench, run):
     arguments = ("--runs", "2", "--seed", "11", "--jobs", "1", "-o", "new/r.json")
     assert run("fit", "fitting/small.toml", *arguments)[0] == 0
-    result = FitResult.load(bench / "new/r.json")
+    result = FitResult.read(bench / "new/r.json")
     settings = result.settings["campaign"]
     assert (settings["genetic"]["runs"], settings["seed"], len(result.runs)) == (2, 11, 2)
     assert result.settings["dataset"] == GRID
@@ -362,7 +362,7 @@ def test_bounds_that_exclude_a_part_of_the_laws_domain_are_no_mistake(bench, run
     changes = {"parameters.K_star.low": -5, "genetic.generations": 20}
     write_toml(bench / "fitting/partly.toml", changed(CAMPAIGN, changes))
     assert run("fit", "fitting/partly.toml", "--jobs", "1", "-o", "partly.json")[0] == 0
-    profile = FitResult.load(bench / "partly.json").profiles["K_star"]
+    profile = FitResult.read(bench / "partly.json").profiles["K_star"]
     assert profile.values[0] > 0
     assert profile.low > 0
 
@@ -427,7 +427,7 @@ def test_a_reader_that_has_gone_is_no_mistake():
 @posix
 def test_a_result_is_written_even_if_nobody_reads_the_report(bench):
     finish_unread(*FIT, *TO_RESULT)
-    assert FitResult.load(bench / "r.json").name == "small"
+    assert FitResult.read(bench / "r.json").name == "small"
     assert not (bench / "r.json.partial").exists()
 
 
@@ -483,4 +483,4 @@ def test_output_that_is_closed_is_no_mistake(bench):
     command = [*closing, "fit", "fitting/small.toml", "-o", "r.json", "--jobs", "2"]
     finished = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (finished.returncode, finished.stderr) == (0, "")
-    assert FitResult.load(bench / "r.json").name == "small"
+    assert FitResult.read(bench / "r.json").name == "small"

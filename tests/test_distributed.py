@@ -103,7 +103,7 @@ def test_the_command_line_fits_on_a_cluster(loopback, tmp_path, monkeypatch, run
     monkeypatch.chdir(tmp_path)
     arguments = ("fit", "fitting/small.toml", "--scheduler", loopback.address, "-o", "r.json")
     assert run(*arguments)[0] == 0
-    assert bits(FitResult.load("r.json")) == bits(small_result)
+    assert bits(FitResult.read("r.json")) == bits(small_result)
 
 
 # --- one clear line ---------------------------------------------------------------------------

@@ -112,7 +112,7 @@ def test_constants_that_make_no_law_are_refused(coefficients, rule):
 
 @pytest.mark.parametrize("contact", ["internal", "external"])
 def test_rounded_constants_are_those_the_campaign_found(contact):
-    result = FitResult.load(ROOT / f"fitting/results/explicit-{contact}.json")
+    result = FitResult.read(ROOT / f"fitting/results/explicit-{contact}.json")
     for name, value in result.coefficients.items():
         assert getattr(CALIBRATED[contact], name) == pytest.approx(value, rel=5e-4)
     assert result.objective.value < 0.09

@@ -27,7 +27,7 @@ EPS = 2.0**-52
 
 @cache
 def coefficients(path):
-    return FitResult.load(path).coefficients
+    return FitResult.read(path).coefficients
 
 
 def two_formulas(law):
@@ -379,7 +379,7 @@ def test_every_law_that_is_fitted_on_a_grid_can_be_exported():
 
 @pytest.mark.parametrize("path", sorted(RESULTS.glob("*.json")), ids=lambda path: path.stem)
 def test_every_committed_result_can_be_exported(path):
-    result = FitResult.load(path)
+    result = FitResult.read(path)
     name = f"cylcontact_{result.law.replace('-', '_')}_{result.contact}"
     assert f"void {name}(" in export_named(str(path), None, "c")
 

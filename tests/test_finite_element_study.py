@@ -292,7 +292,7 @@ class TestReference:
             assert written[column].to_numpy() == pytest.approx(rows[column].to_numpy(), rel=1e-12)
 
     def test_committed_fit_is_of_the_committed_table(self):
-        result = FitResult.load(ROOT / "fitting/results/finite-element.json")
+        result = FitResult.read(ROOT / "fitting/results/finite-element.json")
         campaign = read_campaign(ROOT / "fitting/finite-element.toml")
         assert result.reference == "finite-element"
         assert result.counts.samples == 39

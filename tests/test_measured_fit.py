@@ -246,7 +246,7 @@ def test_nothing_is_imported_because_a_result_names_it(tmp_path):
     result.save(path)
     marker = tmp_path / "ran"
     (tmp_path / "mine.py").write_text(f"open({str(marker)!r}, 'w')\n{USER_LAW}")
-    again = FitResult.load(path)
+    again = FitResult.read(path)
     assert "mine:load" in compare([again])
     with pytest.raises(InputError, match="not run because a result names it"):
         verify(path, 1, lambda *_: None)
@@ -288,7 +288,7 @@ def test_the_shipped_example_finds_the_law_it_was_made_of(example):
 def test_a_result_is_saved_loaded_compared_and_verified(tmp_path, example):
     path = tmp_path / "r.json"
     example.save(path)
-    again = FitResult.load(path)
+    again = FitResult.read(path)
     assert again == example
     assert "published" in compare([again])
     assert all(check.holds for check in verify(path, 1, lambda *_: None))
@@ -318,7 +318,7 @@ def test_a_damaged_result_is_told(tmp_path, example, changes, key, rule):
         data["uncertainty"]["estimates"]["m"] = data["uncertainty"]["estimates"]["c"]
     path.write_text(json.dumps(data))
     with pytest.raises(InputError) as caught:
-        FitResult.load(path)
+        FitResult.read(path)
     assert caught.value.key == key
     assert rule in caught.value.rule
 
@@ -334,7 +334,7 @@ def test_a_result_may_lack_what_it_needs_not_have(tmp_path, example, changes):
     example.save(tmp_path / "r.json")
     data = changed(json.loads((tmp_path / "r.json").read_text("utf-8")), changes)
     (tmp_path / "r.json").write_text(json.dumps(data))
-    assert FitResult.load(tmp_path / "r.json").coefficients == example.coefficients
+    assert FitResult.read(tmp_path / "r.json").coefficients == example.coefficients
 
 
 # --- campaign files ---------------------------------------------------------------------------
@@ -417,7 +417,7 @@ def test_a_table_is_fitted_from_the_command_line(tmp_path, run):
         *("--runs", 2, "--seed", 3, "-j", 1, "-o", out),
     )
     assert (code, errors) == (0, "")
-    result = FitResult.load(out)
+    result = FitResult.read(out)
     assert result.settings["campaign"]["seed"] == 3
     searched = {"low": -2.0, "high": 0.0, "fixed": False}
     assert result.settings["campaign"]["parameters"]["c"] == searched
@@ -435,7 +435,7 @@ def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):
     for number, options in enumerate((("--pin", "--hole"), ("--material-j", "--material-i"))):
         named = [word for pair in zip(options, names, strict=True) for word in pair]
         assert run(*fit, *named, "-o", tmp_path / f"{number}.json")[0] == 0
-    one, other = (FitResult.load(tmp_path / f"{number}.json") for number in range(2))
+    one, other = (FitResult.read(tmp_path / f"{number}.json") for number in range(2))
     assert one.coefficients == other.coefficients
     constants = one.settings["campaign"]["constants"]
     assert (constants["material_i"], constants["material_j"]) == ("low-carbon steel", "PEEK")
@@ -539,7 +539,7 @@ def test_a_rig_that_is_off_and_gives_way_is_found_with_the_law(tmp_path, objecti
     truth = {**TRUTHS["persson", "internal"], "offset": 2e-3, "compliance": 1.5e-6}
     assert result.coefficients == pytest.approx(truth, rel=1e-6)
     result.save(tmp_path / "r.json")
-    assert FitResult.load(tmp_path / "r.json") == result
+    assert FitResult.read(tmp_path / "r.json") == result
     assert all(check.holds for check in verify(tmp_path / "r.json", 1, lambda *_: None))
 
 

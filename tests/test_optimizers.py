@@ -109,7 +109,7 @@ def test_a_campaign_says_which_optimiser_and_the_result_records_it(tmp_path, opt
     assert result.settings["campaign"]["optimizer"] == optimizer
     assert [run.crossover is None for run in result.runs] == [optimizer != "genetic"] * 3
     result.save(tmp_path / "result.json")
-    again = FitResult.load(tmp_path / "result.json")
+    again = FitResult.read(tmp_path / "result.json")
     assert again.repeatable() == result.repeatable()
     assert str(again) == str(result)
 

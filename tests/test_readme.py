@@ -39,7 +39,7 @@ def rows_of(table):
 
 @pytest.mark.parametrize("contact", ["internal", "external"])
 def test_the_recovered_coefficients_are_those_of_the_committed_results(contact):
-    result = FitResult.load(ROOT / f"fitting/results/recovered-{contact}.json")
+    result = FitResult.read(ROOT / f"fitting/results/recovered-{contact}.json")
     paper = result.published
     numbers = {
         label: (f"{paper.coefficients[name]:g}", result.coefficients[name], ".5g")

@@ -58,7 +58,7 @@ def searched_again(contact, start, sampled):
     ("contact", "rms"), [("internal", (0.1164, 0.1176)), ("external", (0.0506, 0.0508))]
 )
 def test_the_published_coefficients_come_back(contact, rms):
-    result = FitResult.load(ROOT / f"fitting/results/recovered-{contact}.json")
+    result = FitResult.read(ROOT / f"fitting/results/recovered-{contact}.json")
     actual = [result.coefficients[name] for name in SEARCHED[contact]]
     assert actual == pytest.approx(PUBLISHED[contact], rel=0.006)  # README's 0.6 %
     sampled = samples(contact)
@@ -139,7 +139,7 @@ def test_what_is_said_of_the_readings(figures):
 
 @pytest.mark.parametrize("contact", ["internal", "external"])
 def test_the_search_alone_finds_the_coefficients_of_the_recovered_campaigns(contact):
-    result = FitResult.load(ROOT / f"fitting/results/recovered-{contact}.json")
+    result = FitResult.read(ROOT / f"fitting/results/recovered-{contact}.json")
     for run in result.runs:
         for name in result.profiles:
             searched = run.coefficients_before_polish[name]

@@ -22,19 +22,19 @@ EXTERNAL = next(path for path in COMMITTED if path.stem == "external")
 def test_a_result_comes_back_as_it_was_saved(small_result, tmp_path):
     path = tmp_path / "results/small.json"
     small_result.save(path)
-    assert FitResult.load(path) == small_result
+    assert FitResult.read(path) == small_result
     assert [file for file in tree(tmp_path) if file != "results"] == ["results/small.json"]
 
 
 def test_saving_what_was_loaded_gives_the_same_bytes(small_result, tmp_path):
     small_result.save(tmp_path / "one.json")
-    FitResult.load(tmp_path / "one.json").save(tmp_path / "two.json")
+    FitResult.read(tmp_path / "one.json").save(tmp_path / "two.json")
     assert (tmp_path / "one.json").read_bytes() == (tmp_path / "two.json").read_bytes()
 
 
 @pytest.mark.parametrize("path", COMMITTED, ids=lambda path: path.stem)
 def test_every_committed_result_loads_and_saves_as_it_is(path, tmp_path):
-    result = FitResult.load(path)
+    result = FitResult.read(path)
     assert result.name == path.stem
     result.save(tmp_path / path.name)
     assert (tmp_path / path.name).read_bytes() == path.read_bytes()
@@ -154,7 +154,7 @@ def test_bad_input_is_told_by_file_key_value_rule_and_remedy(
     path = tmp_path / "r.json"
     path.write_text(json.dumps(changed(json.loads(EXTERNAL.read_text("utf-8")), changes)))
     with pytest.raises(InputError) as caught:
-        FitResult.load(path)
+        FitResult.read(path)
     assert_told(caught, f"{path}{where}", key, value, rule, remedy)
 
 
@@ -163,7 +163,7 @@ def test_a_profile_of_no_coefficient_is_refused(tmp_path):
     data["profiles"]["m"] = data["profiles"]["a"]
     (tmp_path / "r.json").write_text(json.dumps(data))
     with pytest.raises(InputError, match=r"profiles\.m: must be that of a coefficient"):
-        FitResult.load(tmp_path / "r.json")
+        FitResult.read(tmp_path / "r.json")
 
 
 def test_coefficients_of_a_run_are_checked_too(tmp_path):
@@ -171,20 +171,20 @@ def test_coefficients_of_a_run_are_checked_too(tmp_path):
     del data["runs"][3]["coefficients"]["n"]
     (tmp_path / "r.json").write_text(json.dumps(data))
     with pytest.raises(InputError, match=r"runs\.3\.coefficients = \['a', 'b'\]: must be the"):
-        FitResult.load(tmp_path / "r.json")
+        FitResult.read(tmp_path / "r.json")
 
 
 def test_a_foreign_table_is_refused_by_its_first_unknown_key(tmp_path):
     path = tmp_path / "package.json"
     path.write_text('{"name": "x", "dependencies": {}}')
     with pytest.raises(InputError) as caught:
-        FitResult.load(path)
+        FitResult.read(path)
     assert_told(caught, path, "dependencies", {}, "is not a known key", "name, law, contact")
 
 
 def test_a_result_that_loads_can_be_reported(tmp_path, small_result):
     """Whatever passes the checks has a report, verdicts and a place in a comparison."""
     small_result.save(tmp_path / "r.json")
-    result = FitResult.load(tmp_path / "r.json")
+    result = FitResult.read(tmp_path / "r.json")
     assert verdicts(result) == verdicts(small_result)
-    assert "small" in compare([result, FitResult.load(EXTERNAL)])
+    assert "small" in compare([result, FitResult.read(EXTERNAL)])

@@ -147,7 +147,7 @@ def test_a_fit_keeps_its_ties_and_says_so(tmp_path):
     assert all(run.coefficients["K_star"] == 2 * run.coefficients["n"] for run in result.runs)
     assert set(result.profiles) == {"n"}
     result.save(tmp_path / "result.json")
-    again = FitResult.load(tmp_path / "result.json")
+    again = FitResult.read(tmp_path / "result.json")
     assert again == result
     assert again.settings["campaign"]["ties"] == {"K_star": "2*n"}
     (line,) = (line for line in str(again).splitlines() if line.startswith("K_star"))
@@ -184,4 +184,4 @@ def test_a_law_fitted_to_measurements_may_have_ties(tmp_path):
     assert result.coefficients == pytest.approx({"K_star": 2.2, "n": 1.1}, rel=1e-9)
     assert list(result.uncertainty.estimates) == ["n"]
     result.save(tmp_path / "result.json")
-    assert FitResult.load(tmp_path / "result.json") == result
+    assert FitResult.read(tmp_path / "result.json") == result

@@ -120,7 +120,7 @@ def compare(
     """Compare results with each other and with the published coefficients."""
     from cylcontact import fitting
 
-    typer.echo(fitting.compare([fitting.FitResult.load(path) for path in results]))
+    typer.echo(fitting.compare([fitting.FitResult.read(path) for path in results]))
 
 
 def verify(

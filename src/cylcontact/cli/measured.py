@@ -226,7 +226,7 @@ def uncertainty(
     from cylcontact.fitting.uncertainty.study import NoiseStudy, Resampling, study_noise
 
     _require_study(result, out, level, bootstrap, over)
-    fit = FitResult.load(result)
+    fit = FitResult.read(result)
     where = workers(jobs, scheduler)
     study: NoiseStudy | DiscrepancyStudy
     with progress_bars() as progress:

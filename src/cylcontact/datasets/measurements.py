@@ -55,7 +55,7 @@ _Numbers = dict[str, FloatArray]
 _Labels = dict[str, list[str]]
 _Materials = dict[str, MaterialRow]
 _SHIPPED = "the table that ships"
-_GROUPINGS = ("rows", "material", "dR", "pair", "group")
+_GROUPINGS = ("rows", "material", "dR", "pair", "group", "branch")
 
 
 class _Range(NamedTuple):
@@ -196,6 +196,14 @@ class Measurements:
         for k, row in enumerate(map(tuple, stacked.tolist())):
             positions.setdefault(row, []).append(self.line(k))
         return [lines for lines in positions.values() if len(lines) > 1]
+
+    def replicates(self) -> list[Indices]:
+        """Return the rows of each load that was repeated."""
+        _, pair = self.groups("pair")
+        sets: dict[tuple[int, float], list[int]] = {}
+        for k, key in enumerate(zip(pair.tolist(), self.load.tolist(), strict=True)):
+            sets.setdefault(key, []).append(k)
+        return [np.array(rows) for rows in sets.values() if len(rows) > 1]
 
     def _group_name(self, over: str, k: int) -> str:
         """Return the name of the group that row k belongs to."""

@@ -72,7 +72,7 @@ def _from_result(path: str, contact: Contact | None) -> FoundLaw:
     from cylcontact.fitting.law_models import law_of
     from cylcontact.fitting.result import FitResult
 
-    result = FitResult.load(path)
+    result = FitResult.read(path)
     if contact not in (None, result.contact):
         raise InputError(
             path,

@@ -9,7 +9,8 @@ from cylcontact.fitting.uncertainty.profiles import FAIRLY, TOLERANCE, WELL
 from cylcontact.fitting.uncertainty.residual_model import ROUNDING
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.result import FitResult, RunRecord
+    from cylcontact.fitting.records import RunRecord
+    from cylcontact.fitting.result import FitResult
     from cylcontact.fitting.uncertainty.estimates import Uncertainty
 
 __all__ = [

@@ -26,14 +26,14 @@ from cylcontact.fitting.objectives import ON_ROWS, make_objective, max_abs_diffe
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed, search
 from cylcontact.fitting.polish import polish_across_kinks
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.result import (
-    FitResult,
+from cylcontact.fitting.records import (
     MaxDifference,
     ObjectiveValue,
     Published,
     RunRecord,
     SampleCounts,
 )
+from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import Samples, collect_samples
 from cylcontact.fitting.specs import CampaignSpec
 from cylcontact.fitting.uncertainty.estimates import Uncertainty, uncertainty_of
@@ -120,7 +120,7 @@ def calibrate(
     way = _WAYS[campaign.data.kind]
     largest = way.largest_percent(campaign, compared, jobs, progress)
     quality = way.quality(campaign, problem, compared, jobs, progress)
-    return FitResult(
+    result = FitResult(
         name=campaign.name,
         law=campaign.model.law,
         contact=campaign.model.contact,
@@ -140,6 +140,7 @@ def calibrate(
         profiles=quality.profiles,
         uncertainty=quality.uncertainty,
     )
+    return result.with_problem(problem) if campaign.data.kind == "noise" else result
 
 
 def problem_of(campaign: Campaign, jobs: Workers, progress: Progress) -> tuple[Problem, Counts]:

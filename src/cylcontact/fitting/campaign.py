@@ -25,12 +25,15 @@ from cylcontact.datasets.measurements import (
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import (
     RIG_NAMES,
+    for_measurements,
     grid_model_of,
     is_user_law,
     model_of,
     with_rig,
 )
-from cylcontact.fitting.measured_objective import objective_name
+from cylcontact.fitting.measured_objective import STANDARDISED, objective_name
+from cylcontact.fitting.noise_fit import noise_of
+from cylcontact.fitting.noise_model import NoiseModel
 from cylcontact.fitting.specs import (
     CampaignSpec,
     MeasuredSpec,
@@ -89,9 +92,10 @@ class GridData:
 
 @dataclass(frozen=True, eq=False)
 class TableData:
-    """A table of measurements."""
+    """A table of measurements, and the noise model of its fit, if it has one."""
 
     measurements: Measurements
+    noise: NoiseModel | None = None
     kind: ClassVar[Literal["noise"]] = "noise"
     reference: ClassVar[str] = "measurements"
 
@@ -370,7 +374,32 @@ def _of_table(name: str, spec: MeasuredSpec, table: Path, folder: Path, source: 
     data = read_measured(table, spec.contact, spec.constants, materials, spec.ignore)
     measured = measurements_of(data, str(table))
     data.notes.extend(yield_notes(measured, materials))
-    return _on_table(name, spec, measured, model, source)
+    return _on_table(name, spec, measured, _freed(model, spec, measured, source), source)
+
+
+def _freed(
+    model: LawModel, spec: MeasuredSpec, measured: Measurements, source: str
+) -> LawModel:
+    """Return the model with what is free in a fit to measurements."""
+    free = spec.free or ()
+    for name in free:
+        if name not in (*model.names, *RIG_NAMES):
+            rule = f"is not a parameter of {model.law} for {model.contact} contact"
+            remedy = f"its parameters: {', '.join((*model.names, *RIG_NAMES))}"
+            raise InputError(source, "free", name, rule, remedy)
+        if name in spec.named:
+            rule, remedy = "is bounded, fixed or tied as well", "keep one of them"
+            raise InputError(source, "free", name, rule, remedy)
+    if is_user_law(spec.law):
+        model = with_rig(model, {*free, *spec.named})
+    else:
+        model = for_measurements(model, free, spec.named)
+    # A reading is not further from zero than the largest of them by much.
+    reach = float(f"{2 * np.abs(measured.penetration).max():.1g}")
+    parameters = (
+        replace(p, low=-reach, high=reach) if p.name == "offset" else p for p in model.parameters
+    )
+    return replace(model, parameters=tuple(parameters))
 
 
 def _on_table(
@@ -389,9 +418,16 @@ def _on_table(
             f"are not more than the {free} free parameters",
             "measure more points, or fix parameters with fixed = true",
         )
-    objective = objective_name(spec.objective, measured, is_user_law(spec.law), source)
-    complete = completed(spec, parameters).model_copy(update={"objective": objective})
-    return Campaign(name, complete, TableData(measured), model, parameters, objective, source)
+    noise = noise_of(spec, measured, parameters, source)
+    if noise is not None:
+        objective = STANDARDISED
+    else:
+        prefers_load = is_user_law(spec.law)
+        objective = objective_name(spec.objective, spec.noise, measured, prefers_load, source)
+    chosen = {"objective": objective, "noise": spec.noise if noise else None}
+    complete = completed(spec, parameters).model_copy(update=chosen)
+    data = TableData(measured, noise)
+    return Campaign(name, complete, data, model, parameters, objective, source)
 
 
 def _stored_model(spec: MeasuredSpec, source: str) -> LawModel:

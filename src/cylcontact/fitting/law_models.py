@@ -1,8 +1,12 @@
 """The models by which laws are fitted: those of the package, and what a test rig adds.
 
-`cylcontact laws` lists the parameters of each law with their bounds. A campaign may add two
-parameters of the test rig to any law: `offset`, the reading at first touch in mm, and `compliance`
-in mm per N/mm (`laws.adapters.RigCompliance`).
+`cylcontact laws` lists the parameters of each law with their bounds. A campaign may add three to
+any law: `offset`, the reading at first touch in mm, `compliance` of the rig in mm per N/mm
+(`laws.adapters.RigCompliance`), and `stiffness_factor`, a factor of the load.
+
+A fit to measurements holds the constants that give a law its shape, which are known, and frees the
+offset and one parameter of stiffness: the law's own if it has one, such as Johnson's `kappa`, else
+the factor. A power law, whose constants nobody knows, is fitted with all of them free.
 """
 
 from __future__ import annotations
@@ -13,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from cylcontact.errors import InputError
 from cylcontact.laws import DEFINITIONS, ContactLaw
-from cylcontact.laws.adapters import RigCompliance
+from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.definition import Coefficients, LawModel, Parameter
 from cylcontact.pair import Contact
 
@@ -23,43 +27,31 @@ if TYPE_CHECKING:
 __all__ = [
     "MODELS",
     "RIG_NAMES",
+    "for_measurements",
     "grid_model_of",
     "is_user_law",
     "law_of",
     "model_of",
+    "units_of",
     "with_rig",
 ]
 
 MODELS = {(m.law, m.contact): m for definition in DEFINITIONS for m in definition.models}
 
-# What a test rig adds to a reading.
 _RIG = (
+    Parameter("stiffness_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="factor of the load"),
     Parameter(
-        "offset",
-        -1.0,
-        1.0,
-        nominal=0.0,
-        value=0.0,
-        shift=True,
-        unit="mm",
-        meaning="reading at first touch",
+        "offset", -1.0, 1.0, 0.0, shift=True, unit="mm", meaning="reading at first touch"
     ),
     Parameter(
-        "compliance",
-        0.0,
-        1.0,
-        nominal=0.0,
-        value=0.0,
-        shift=True,
-        unit="mm/(N/mm)",
-        meaning="compliance of the rig",
+        "compliance", 0.0, 1.0, 0.0, shift=True, unit="mm/(N/mm)", meaning="compliance of the rig"
     ),
 )
 RIG_NAMES = tuple(parameter.name for parameter in _RIG)
 
 
 def with_rig(model: LawModel, named: Collection[str]) -> LawModel:
-    """Return a model with the parameters of the rig that a campaign names.
+    """Return a model with those parameters of the rig that are named.
 
     Examples
     --------
@@ -72,20 +64,53 @@ def with_rig(model: LawModel, named: Collection[str]) -> LawModel:
 
     def build(values: Coefficients) -> ContactLaw:
         rig = {p.name: values[p.name] for p in added}
-        return RigCompliance(model.build({name: values[name] for name in model.names}), **rig)
+        law = model.build({name: values[name] for name in model.names})
+        if "stiffness_factor" in rig:
+            law = ScaledLaw(law, load_factor=rig.pop("stiffness_factor"))
+        return RigCompliance(law, **rig) if rig else law
 
     return replace(model, parameters=(*model.parameters, *added), build=build)
 
 
-def _without_rig(coefficients: Coefficients) -> dict[str, float]:
-    """Return the coefficients of the contact, without those of the rig.
+def for_measurements(model: LawModel, free: Collection[str], named: Collection[str]) -> LawModel:
+    """Return a model as it is fitted to measurements if a campaign does not say otherwise.
+
+    Parameters
+    ----------
+    model : LawModel
+        Of a law of the package.
+    free : collection of str
+        Parameters to free with their default bounds.
+    named : collection of str
+        Parameters that the campaign bounds, fixes or ties.
+
+    Returns
+    -------
+    LawModel
+        With a value for each constant that is held.
 
     Examples
     --------
-    >>> _without_rig({"K_star": 3.0, "n": 1.1, "offset": 1e-3})
-    {'K_star': 3.0, 'n': 1.1}
+    >>> model = model_of("explicit", "internal", "example")
+    >>> [p.name for p in for_measurements(model, [], []).parameters if p.is_free]
+    ['stiffness_factor', 'offset']
     """
-    return {name: value for name, value in coefficients.items() if name not in RIG_NAMES}
+    if any(p.nominal is None for p in model.parameters):
+        return with_rig(model, {*free, *named})
+    held = tuple(
+        replace(p, value=None if p.stiffness or p.name in free else p.nominal)
+        for p in model.parameters
+    )
+    usual = {"offset"}
+    if not any(p.stiffness for p in held):
+        usual.add("stiffness_factor")
+    return with_rig(replace(model, parameters=held), {*usual, *free, *named})
+
+
+def _without_rig(model: LawModel, coefficients: Coefficients) -> dict[str, float]:
+    """Return the coefficients of the contact, without the offset and compliance of the rig."""
+    rig = {"offset", "compliance"} - {*model.names}
+    return {name: value for name, value in coefficients.items() if name not in rig}
 
 
 def model_of(law: str, contact: Contact, source: str) -> LawModel:
@@ -101,7 +126,7 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
     >>> model_of("johnson", "internal", "example").names
     ('kappa', 'c', 'Lambda_factor')
     """
-    model = MODELS.get((law, contact))
+    model = MODELS.get((law, contact)) or _without_parameters(law, contact)
     if model is not None:
         return model
     others = [place for name, place in MODELS if name == law]
@@ -117,6 +142,21 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
         "is not a law that can be fitted",
         f"choose {known}, or module:function for one of your own",
     )
+
+
+def _without_parameters(law: str, contact: Contact) -> LawModel | None:
+    """Return the model of a law that has no constants to fit; None if there is no such law."""
+    definition = next((d for d in DEFINITIONS if d.law.name == law and d.has_defaults), None)
+    if definition is None or definition.models or contact not in definition.contacts:
+        return None
+    return LawModel(law, contact, (), lambda _: definition.law())
+
+
+def units_of(law: str, contact: Contact) -> dict[str, str]:
+    """Return the units of the parameters of a law and of the rig, by name."""
+    model = MODELS.get((law, contact))
+    parameters = (*(model.parameters if model else ()), *_RIG)
+    return {parameter.name: parameter.unit for parameter in parameters}
 
 
 def grid_model_of(law: str, contact: Contact, source: str) -> LawModel:
@@ -164,4 +204,5 @@ def law_of(result: FitResult, source: str = "") -> ContactLaw:
             "fit a law of the package, e.g. explicit",
         )
     model = model_of(result.law, result.contact, source or result.name)
-    return model.build(_without_rig(result.coefficients))
+    contact = _without_rig(model, result.coefficients)
+    return with_rig(model, contact).build(contact)

@@ -9,17 +9,26 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
-from cylcontact.fitting.campaign import Campaign, measured_of
+from cylcontact.fitting.campaign import Campaign, TableData, measured_of
 from cylcontact.fitting.least_squares import descend, starting_points
 from cylcontact.fitting.loss import TUNING, Loss
 from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.noise_fit import fit_noise
+from cylcontact.fitting.noise_model import NoiseModel
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.result import RunRecord
+from cylcontact.fitting.records import RunRecord
 from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA, measured
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.parallel import Call, call
 
-__all__ = ["descents", "largest_percent", "measured_problem", "plain_problem", "with_loss"]
+__all__ = [
+    "descents",
+    "largest_percent",
+    "measured_problem",
+    "noise_model_of",
+    "plain_problem",
+    "with_loss",
+]
 
 # Iterations for the scale of a robust loss.
 _SCALE_ROUNDS = 5
@@ -35,7 +44,7 @@ def plain_problem(campaign: Campaign) -> Problem:
 
 
 def measured_problem(campaign: Campaign) -> Problem:
-    """Return the problem of a campaign on measurements, with the scale of a robust loss.
+    """Return the problem of a campaign on measurements, with its noise or robust loss.
 
     Raises
     ------
@@ -44,7 +53,23 @@ def measured_problem(campaign: Campaign) -> Problem:
     """
     problem = plain_problem(campaign)
     _require_defined(problem, campaign)
+    noise = noise_model_of(campaign)
+    if noise is not None:
+        return fit_noise(problem, noise, _best_of_starts(problem, campaign))
     return problem if measured_of(campaign)[1].loss == "linear" else _robust(problem, campaign)
+
+
+def noise_model_of(campaign: Campaign) -> NoiseModel | None:
+    """Return the noise model of a campaign on measurements."""
+    return campaign.data.noise if isinstance(campaign.data, TableData) else None
+
+
+def _best_of_starts(problem: Problem, campaign: Campaign) -> FloatArray:
+    """Return the best point of descents from several starts."""
+    _, spec = measured_of(campaign)
+    starts = starting_points(problem, campaign.nominal, spec.starts, spec.seed)
+    minima = [descend(problem, start)[:2] for start in starts]
+    return min(minima, key=lambda pair: pair[1])[0]
 
 
 def descents(campaign: Campaign, problem: Problem) -> list[Call]:
@@ -95,9 +120,7 @@ def _robust(problem: Problem, campaign: Campaign) -> Problem:
     objective, (_, spec) = measured(problem), measured_of(campaign)
     if spec.loss_scale is not None or objective.has_sigma:
         return with_loss(problem, Loss(spec.loss, spec.loss_scale or TUNING))
-    starts = starting_points(problem, campaign.nominal, spec.starts, spec.seed)
-    minima = [descend(problem, start)[:2] for start in starts]
-    point = min(minima, key=lambda pair: pair[1])[0]
+    point = _best_of_starts(problem, campaign)
     for _ in range(_SCALE_ROUNDS):
         r = objective.raw(problem.form(point[None, :]))[0]
         spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(r)))

@@ -6,8 +6,10 @@
 | rms-log-load | ln(f_law(δ)/f) | noise proportional to f |
 | rms-penetration | (δ_law(f) − δ)/σ, σ = 1 mm by default | constant noise, or σ |
 | rms-load | (f_law(δ) − f)/σ, σ = 1 N/mm by default | constant noise, or σ |
+| rms-standardised | V^(−½)·(δ_law(f) − δ), in standard deviations | a noise model (`noise_model`) |
 
-Weights multiply the squares, scaled to a mean of 1.
+Weights multiply the squares, scaled to a mean of 1. The last objective is that of a campaign with
+a noise model, which its keys noise, group, drift and load_error choose.
 """
 
 from __future__ import annotations
@@ -20,14 +22,16 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Measurements
 from cylcontact.errors import InputError
 from cylcontact.fitting.loss import Loss
+from cylcontact.fitting.noise_model import FittedNoise
 from cylcontact.fitting.samples import Form, LawForm, law_form_of
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.definition import LawModel
 
-__all__ = ["MeasuredObjective", "laws_of", "objective_name"]
+__all__ = ["STANDARDISED", "MeasuredObjective", "laws_of", "objective_name"]
 
 _LEAST_SQUARES = Loss()
 _OBJECTIVES = ("rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load")
+STANDARDISED = "rms-standardised"
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,11 +46,14 @@ class MeasuredObjective:
         One of `_OBJECTIVES`.
     loss : Loss
         Plain least squares by default.
+    noise : FittedNoise, optional
+        For `STANDARDISED`; without one the residuals are in mm.
     """
 
     data: Measurements
     name: str
     loss: Loss = _LEAST_SQUARES
+    noise: FittedNoise | None = None
 
     @property
     def dR(self) -> FloatArray:
@@ -66,6 +73,8 @@ class MeasuredObjective:
     @property
     def has_sigma(self) -> bool:
         """Whether the standard deviation of the noise is known."""
+        if self.name == STANDARDISED:
+            return self.noise is not None and self.noise.is_given
         return not self.is_log and self._sigma_name in self.data.columns
 
     @property
@@ -96,26 +105,34 @@ class MeasuredObjective:
         """Return the residuals with weights and σ, before the loss, shape (P, N)."""
         return np.array([self._of_law(law) for law in laws_of(form)])
 
+    @property
+    def observed(self) -> FloatArray:
+        """The measured loads in N/mm or penetrations in mm, shape (N,)."""
+        return self.data.load if self.of_load else self.data.penetration
+
+    def differences(self, form: Form) -> FloatArray:
+        """Return the predicted less the measured values in mm or N/mm, shape (P, N)."""
+        predicted = np.array([self._predicted(law) for law in laws_of(form)])
+        return as_floats(predicted - self.observed)
+
     def _of_law(self, law: ContactLaw | None) -> FloatArray:
         """Return the residuals of one law, shape (N,); NaN outside its domain."""
+        predicted, observed = self._predicted(law), self.observed
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            difference = np.log(predicted / observed) if self.is_log else predicted - observed
+            if self.noise is not None:
+                return self.noise.whitening(as_floats(difference))
+            return as_floats(difference * self._scale)
+
+    def _predicted(self, law: ContactLaw | None) -> FloatArray:
+        """Return what one law predicts, shape (N,); NaN outside its domain."""
         data = self.data
         if law is None:
             return np.full(len(data), np.nan)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             if self.of_load:
-                predicted, observed = law.load(data.penetration, data.pair), data.load
-            else:
-                predicted, observed = law.penetration(data.load, data.pair), data.penetration
-            difference = np.log(predicted / observed) if self.is_log else predicted - observed
-            return as_floats(difference * self._scale)
-
-    def predicted(self, raw: FloatArray) -> FloatArray:
-        """Return the predictions in units of the residuals, from residuals, shape (N,).
-
-        The residuals must be differences. σ and weights are applied to the predictions as well.
-        """
-        observed = self.data.load if self.of_load else self.data.penetration
-        return as_floats(raw + observed * self._scale)
+                return law.load(data.penetration, data.pair)
+            return law.penetration(data.load, data.pair)
 
     @property
     def _scale(self) -> FloatArray:
@@ -135,13 +152,17 @@ def laws_of(form: Form) -> tuple[ContactLaw | None, ...]:
     return form.laws
 
 
-def objective_name(given: str | None, data: Measurements, prefers_load: bool, source: str) -> str:
-    """Return the objective of a campaign, or the default for its data.
+def objective_name(
+    given: str | None, noise: str | None, data: Measurements, prefers_load: bool, source: str
+) -> str:
+    """Return the objective of a campaign without a noise model, or the default for its data.
 
     Parameters
     ----------
     given : str or None
         The one in the campaign.
+    noise : {"constant", "proportional"} or None
+        How the scatter grows, in place of an objective.
     data : Measurements
         The data.
     prefers_load : bool
@@ -160,14 +181,6 @@ def objective_name(given: str | None, data: Measurements, prefers_load: bool, so
         If it is unknown, or not that of the standard deviations in the data.
     """
     sigmas = [q for q in ("load", "penetration") if f"{q}_std" in data.columns]
-    if len(sigmas) > 1:
-        raise InputError(
-            source,
-            "load_std, penetration_std",
-            None,
-            "are both given, and only one of the two can carry the noise",
-            "keep that of the less certain quantity",
-        )
     if sigmas and "weight" in data.columns:
         raise InputError(
             source,
@@ -176,6 +189,12 @@ def objective_name(given: str | None, data: Measurements, prefers_load: bool, so
             f"conflicts with {sigmas[0]}_std, which implies the weights",
             "keep one of them",
         )
+    if noise is not None:
+        for key, value in (("objective", given), (f"{sigmas[0]}_std" if sigmas else "", sigmas)):
+            if value:
+                rule = f"conflicts with {key}, which says the same"
+                raise InputError(source, "noise", noise, rule, "keep one of them")
+        return "rms-penetration" if noise == "constant" else "rms-log-penetration"
     if given is None:
         quantity = "load" if prefers_load else "penetration"
         return f"rms-{sigmas[0]}" if sigmas else f"rms-log-{quantity}"

@@ -13,7 +13,7 @@ from cylcontact.fitting.calibration import problem_of, search_all
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed
 from cylcontact.fitting.report import text_table
-from cylcontact.fitting.result import RunRecord
+from cylcontact.fitting.records import RunRecord
 from cylcontact.parallel import Workers
 from cylcontact.progress import Progress, silent
 

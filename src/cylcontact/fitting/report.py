@@ -8,7 +8,11 @@ from html import escape
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+import pandas as pd
+
 from cylcontact.fitting.assessment import fixed, identification, noise_verdicts, ties, verdicts
+from cylcontact.fitting.law_models import units_of
 from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, FEW_REFITS, FEWEST_REFITS
 
 if TYPE_CHECKING:
@@ -24,6 +28,7 @@ __all__ = [
     "as_html",
     "as_text",
     "by_search",
+    "coefficient_table",
     "compare",
     "discrepancy_text",
     "labels",
@@ -91,6 +96,25 @@ def _headline(result: FitResult) -> str:
         f"{result.counts.samples:,} samples ({result.counts.masked:,} masked by the reference's "
         "domain)"
     )
+
+
+def coefficient_table(result: FitResult) -> pd.DataFrame:
+    """Return the coefficients of a result as a table; `FitResult.to_frame` describes it."""
+    units = units_of(result.law, result.contact)
+    estimates = result.uncertainty.estimates if result.uncertainty else {}
+    rows = {}
+    for name, value in result.coefficients.items():
+        estimate, profile = estimates.get(name), result.profiles.get(name)
+        ends = estimate.profile if estimate is not None else profile
+        rows[name] = {
+            "value": value,
+            "unit": units.get(name, ""),
+            "standard_error": np.nan if estimate is None else estimate.standard_error,
+            "low": np.nan if ends is None else ends.low,
+            "high": np.nan if ends is None else ends.high,
+            "verdict": identification(result, name),
+        }
+    return pd.DataFrame.from_dict(rows, orient="index")
 
 
 def _columns(result: FitResult) -> tuple[str, ...]:
@@ -189,7 +213,7 @@ def labels(result: FitResult) -> dict[str, str]:
     Examples
     --------
     >>> from cylcontact.fitting import FitResult
-    >>> labels(FitResult.load("fitting/results/recovered-external.json"))
+    >>> labels(FitResult.read("fitting/results/recovered-external.json"))
     {'a': 'a', 'b': 'b', 'n': 'n (fixed)'}
     """
     of_ties = {name: f"{name} = {expression}" for name, expression in ties(result).items()}
@@ -216,7 +240,7 @@ def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
     Examples
     --------
     >>> from cylcontact.fitting import FitResult
-    >>> table = side_by_side([FitResult.load("fitting/results/external.json")])
+    >>> table = side_by_side([FitResult.read("fitting/results/external.json")])
     >>> table["n"], table["objective"]
     (['1.094', '1.0847', '-0.8'], ['0.065965', '0.051954', '-21.2'])
     """

@@ -4,78 +4,45 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import Field
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+from pydantic import Field, PrivateAttr
 
 from cylcontact.errors import InputError, short
 from cylcontact.files import replacing
 from cylcontact.fitting import report
 from cylcontact.fitting.campaign import Campaign, campaign_from_settings
+from cylcontact.fitting.law_models import law_of
+from cylcontact.fitting.predictions import prediction_table, residual_table
+from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.records import (
+    MaxDifference,
+    ObjectiveValue,
+    Published,
+    RunRecord,
+    SampleCounts,
+)
 from cylcontact.fitting.uncertainty.estimates import Uncertainty
 from cylcontact.fitting.uncertainty.profiles import Profile
-from cylcontact.pair import Contact
+from cylcontact.fitting.uncertainty.study import problem_of_result
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.pair import Contact, CylinderPair
 from cylcontact.spec import Spec, parse_spec, require_other_kind
 
-__all__ = [
-    "FitResult",
-    "MaxDifference",
-    "ObjectiveValue",
-    "Published",
-    "RunRecord",
-    "SampleCounts",
-    "require_same_inputs",
-]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
-
-class ObjectiveValue(Spec):
-    """An objective's name and value."""
-
-    name: str = Field(description="the objective's name")
-    value: float = Field(description="its value")
-
-
-class Published(Spec):
-    """The published coefficients on the same data."""
-
-    coefficients: dict[str, float] = Field(description="the coefficients of the law's source")
-    objective: float = Field(description="their objective")
-
-
-class MaxDifference(Spec):
-    """Largest |Eq 9| over the data, in percent."""
-
-    fitted: float = Field(description="of the fitted coefficients")
-    published: float | None = Field(description="of the published ones, where there are any")
-
-
-class SampleCounts(Spec):
-    """Samples used, and samples that the reference's domain masked."""
-
-    samples: int = Field(description="samples used")
-    masked: int = Field(description="samples masked")
-
-
-class RunRecord(Spec):
-    """The result of a run; only the seconds differ between repeats."""
-
-    index: int = Field(description="the run's place in the campaign")
-    seed: int = Field(description="the seed of the search")
-    population: int = Field(description="the population, which sets the budget of every search")
-    crossover: str | None = Field(description="the crossover of a genetic search")
-    objective_before_polish: float = Field(description="the best of the search")
-    coefficients_before_polish: dict[str, float] = Field(description="those of the search alone")
-    objective: float = Field(description="the objective after the polish")
-    coefficients: dict[str, float] = Field(description="the coefficients after the polish")
-    evaluations: int = Field(description="candidates that the search evaluated")
-    seconds: float = Field(description="wall-clock time")
+__all__ = ["FitResult", "require_same_inputs"]
 
 
 class FitResult(Spec):
     """The result of a campaign.
 
-    `print(result)` gives the report, and a notebook shows it as a table. The coefficients can be
-    passed to `laws.Enhanced(coefficients=...)`. `calibrate` has an example.
+    `print(result)` gives the report, and a notebook shows it with its picture. `to_law` returns the
+    fitted law. `cylcontact.fit` has an example.
     """
 
     name: str = Field(description="the campaign's name")
@@ -104,8 +71,11 @@ class FitResult(Spec):
         None, description="the uncertainty of the coefficients, for measured data"
     )
 
+    # The problem it solves, which may hold a function of the user's own; made again if absent.
+    _problem: Problem | None = PrivateAttr(None)
+
     @classmethod
-    def load(cls, path: Path | str) -> FitResult:
+    def read(cls, path: Path | str) -> FitResult:
         """Read a result file.
 
         Raises
@@ -146,6 +116,159 @@ class FitResult(Spec):
         exclude = {"kind", "uncertainty"} if self.kind == "discrepancy" else None
         return self.model_dump(exclude=exclude)
 
+    @property
+    def problem(self) -> Problem:
+        """The problem of a fit to measurements.
+
+        Raises
+        ------
+        InputError
+            If it is a fit to a law, or was read from a file and has a law of your own.
+        """
+        if self._problem is None:
+            object.__setattr__(self, "_problem", problem_of_result(self))
+        return self._problem  # type: ignore[return-value]
+
+    def with_problem(self, problem: Problem) -> FitResult:
+        """Return the result, which remembers the problem it solves."""
+        self._problem = problem
+        return self
+
+    def to_law(self) -> ContactLaw:
+        """Return the fitted law of the contact, without the offset and compliance of the rig.
+
+        Raises
+        ------
+        InputError
+            If the law is a Python function of your own.
+        """
+        return law_of(self)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the coefficients as a table.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each coefficient: value, unit, standard_error, low, high (the ends of the
+            interval; NaN for one that was not searched), and verdict.
+        """
+        return report.coefficient_table(self)
+
+    def summary(self) -> str:
+        """Return the report as text, as `print` shows it."""
+        return str(self)
+
+    @property
+    def residuals(self) -> pd.DataFrame:
+        """The data beside the fit, a row for each measurement.
+
+        Columns line, load_N_per_mm, penetration_mm, fitted (in the unit of the quantity fitted),
+        residual (measured less fitted), standardised (in standard deviations), those of the
+        series, and the ends of the band for a new reading.
+        """
+        return residual_table(self.problem, self.coefficients, self._level)
+
+    def predict(
+        self, load: ArrayLike, band: float = 0.95, pair: CylinderPair | None = None
+    ) -> pd.DataFrame:
+        """Return what the fitted law predicts for readings, with bands.
+
+        Parameters
+        ----------
+        load : array_like
+            Loads in N/mm.
+        band : float
+            Level of the bands.
+        pair : CylinderPair, optional
+            Any pair of the same contact; by default that of the data.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns load_N_per_mm, penetration_mm, low_mm and high_mm (band of a new reading),
+            curve_low_mm and curve_high_mm (band of the curve).
+
+        Raises
+        ------
+        InputError
+            If the data have several pairs and none is given, the coefficients have no covariance,
+            or the law is undefined at a load.
+        """
+        return prediction_table(self.problem, self.coefficients, load, band, pair)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the data, the fitted law and the band of a new reading; return the axes.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; by default a figure of its own.
+        """
+        from cylcontact.fitting import drawings
+
+        return drawings.plot(self, ax)
+
+    def plot_residuals(self, ax: Axes | None = None) -> Axes:
+        """Draw the residuals over the load; `ax` as for `plot`."""
+        from cylcontact.fitting import drawings
+
+        return drawings.plot_residuals(self, ax)
+
+    def plot_profile(self, name: str, ax: Axes | None = None) -> Axes:
+        """Draw how much worse the fit gets when a coefficient moves and all others follow.
+
+        Parameters
+        ----------
+        name : str
+            A coefficient that was searched.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; by default a figure of its own.
+        """
+        from cylcontact.fitting import drawings
+
+        return drawings.plot_profile(self, name, ax)
+
+    @property
+    def correlation(self) -> pd.DataFrame:
+        """Correlations of the free coefficients of a fit to measurements."""
+        return pd.DataFrame(self._uncertainty("correlation"))
+
+    @property
+    def aic(self) -> float:
+        """Akaike's information criterion, 2k − 2·ln L, k with the deviations of the noise."""
+        return float(2 * self._uncertainty("estimated") - 2 * self._uncertainty("log_likelihood"))
+
+    @property
+    def bic(self) -> float:
+        """The Bayesian information criterion, k·ln N − 2·ln L."""
+        k, N = self._uncertainty("estimated"), self._uncertainty("rows")
+        return float(k * np.log(N) - 2 * self._uncertainty("log_likelihood"))
+
+    @property
+    def r_squared(self) -> float:
+        """Share of the variance of the readings that the law describes."""
+        return float(self._uncertainty("r_squared"))
+
+    @property
+    def _level(self) -> float:
+        """The level of the intervals."""
+        return float(self._uncertainty("level"))
+
+    def _uncertainty(self, name: str) -> Any:
+        """Return an attribute of the uncertainty.
+
+        Raises
+        ------
+        InputError
+            If the result has none.
+        """
+        value = getattr(self.uncertainty, name, None)
+        if value is None:
+            rule = "is for fits to measurements, by least squares, of this version"
+            raise InputError(f"fit result {self.name!r}", name, None, rule, "fit the data again")
+        return value
+
     def repeatable(self) -> dict[str, Any]:
         """Return what the same seed reproduces: everything but times and provenance."""
         data = self.model_dump(exclude={"provenance"})
@@ -185,7 +308,7 @@ def require_same_inputs(path: Path, campaign: Campaign) -> None:
     if not path.exists():
         return
     try:
-        before = FitResult.load(path).settings
+        before = FitResult.read(path).settings
     except InputError as error:
         rule = "is in the place of the result and cannot be read as one"
         raise InputError(str(path), "", None, rule, remedy) from error

@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.loss import LOSSES
+from cylcontact.fitting.noise_model import NOISES
 from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.ties import require_valid
@@ -147,6 +148,16 @@ class MeasuredSpec(Spec):
     contact: Contact = Field(description='"internal" or "external"')
     law: str = Field(description="the law to fit, or module:function for one of your own")
     objective: str | None = Field(None, description="an objective for measurements")
+    noise: str | None = Field(
+        None, description=f"how the scatter of the readings grows, one of {', '.join(NOISES)}"
+    )
+    group: str | None = Field(
+        None, description="the column that names the series, which have errors of their own"
+    )
+    drift: bool | None = Field(None, description="true if readings drift along a series")
+    load_error: float | None = Field(
+        None, gt=0, lt=1, description="standard deviation of the loads relative to them, 0 to 1"
+    )
     loss: str = Field("linear", description=f"one of {', '.join(LOSSES)}")
     loss_scale: float | None = Field(
         None, gt=0, description="the residual beyond which a point counts less, a positive number"
@@ -162,6 +173,9 @@ class MeasuredSpec(Spec):
         {},
         description="tables [parameters.NAME] for parameters with other bounds, or fixed ones",
     )
+    free: tuple[str, ...] | None = Field(
+        None, strict=False, description="a list of parameters to free with their default bounds"
+    )
     ties: dict[str, str] | None = Field(None, description=_TIES)
     optimizer: str | None = Field(
         None, description=f"a search instead of several starts, one of {', '.join(OPTIMIZERS)}"
@@ -173,6 +187,8 @@ class MeasuredSpec(Spec):
     @model_validator(mode="after")
     def _check(self) -> MeasuredSpec:
         _require_known("loss", self.loss, "loss", LOSSES)
+        if self.noise is not None:
+            _require_known("noise", self.noise, "noise", NOISES)
         if self.optimizer is not None:
             _require_known(
                 "optimizer", self.optimizer, "optimiser", OPTIMIZERS, ", or leave it out"
@@ -188,7 +204,7 @@ class MeasuredSpec(Spec):
 
     @property
     def named(self) -> list[str]:
-        """The parameters that the file names."""
+        """The parameters that the file bounds, fixes or ties."""
         return [*self.parameters, *(self.ties or {})]
 
 

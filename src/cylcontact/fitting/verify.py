@@ -77,7 +77,7 @@ def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
     InputError
         If the file is not a result.
     """
-    committed = FitResult.load(path)
+    committed = FitResult.read(path)
     campaign = campaign_from_settings(committed.name, committed.settings, str(path))
     problem, _ = problem_of(campaign, jobs, progress)
     of_coefficients = Check(

@@ -223,7 +223,7 @@ def scaled_model(base: ContactLaw) -> LawModel:
         return ScaledLaw(base, values["modulus_factor"] * clearance, clearance)
 
     parameters = (
-        Parameter("modulus_factor", 0.05, 20.0, nominal=1.0, meaning="factor of E*"),
+        Parameter("modulus_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="factor of E*"),
         Parameter("clearance_factor", 0.05, 20.0, nominal=1.0, value=1.0, meaning="factor of ΔR"),
     )
     return LawModel(base.name, "internal", parameters, build)

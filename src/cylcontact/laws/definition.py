@@ -40,6 +40,8 @@ class Parameter:
         The expression that sets it, e.g. "a/10" (`fitting.ties`).
     shift : bool
         Whether its zero is arbitrary, so that a relative error has no meaning.
+    stiffness : bool
+        Whether it sets how stiff the contact is, and is free by default in a fit to measurements.
     unit : str
         Its unit; empty for a number without one.
     meaning : str
@@ -53,6 +55,7 @@ class Parameter:
     value: float | None = None
     tie: str | None = None
     shift: bool = False
+    stiffness: bool = False
     unit: str = ""
     meaning: str = ""
 

@@ -270,7 +270,7 @@ def definition_of(law: type[LogarithmicLaw]) -> Definition:
         return adjusted_logarithmic(base, **values)
 
     parameters = (
-        Parameter("kappa", 0.2, 5.0, float(law.kappa), meaning="factor of δ"),
+        Parameter("kappa", 0.2, 5.0, float(law.kappa), stiffness=True, meaning="factor of δ"),
         Parameter(
             "c", -5.0, 5.0, float(law.shift), shift=True, meaning="term beside the logarithm"
         ),

@@ -96,7 +96,7 @@ def _fitted(values: Coefficients) -> ContactLaw:
 
 
 _PARAMETERS = (
-    Parameter("factor", 1e-2, 1e2, nominal=1.0, meaning="factor of the law's load"),
+    Parameter("factor", 1e-2, 1e2, 1.0, stiffness=True, meaning="factor of the law's load"),
     Parameter("n", 0.8, 2.0, nominal=1.5, meaning="exponent of the penetration"),
 )
 DEFINITION = Definition(

@@ -188,7 +188,12 @@ def _formula(law: Winkler, _: Contact | None) -> Formula:
 
 
 _DEPTH = Parameter(
-    "depth", 0.05, 20.0, nominal=DEPTH, meaning="depth of the foundation over the radius"
+    "depth",
+    0.05,
+    20.0,
+    nominal=DEPTH,
+    stiffness=True,
+    meaning="depth of the foundation over the radius",
 )
 DEFINITION = Definition(
     law=Winkler,

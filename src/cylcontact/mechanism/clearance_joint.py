@@ -414,7 +414,7 @@ def _law(what: str, source: str) -> tuple[ContactLaw, str]:
     from cylcontact.fitting.law_models import law_of
     from cylcontact.fitting.result import FitResult
 
-    result = FitResult.load(what)
+    result = FitResult.read(what)
     require(
         result.contact == "internal", source, "law", what, "is a fit to external contact",
         "name a fit for a pin in a hole",

@@ -173,7 +173,7 @@ class Bench:
                 "this fit result does not exist",
                 f"make it with: cylcontact fit fitting/{name}.toml -o {path}",
             )
-        return FitResult.load(path)
+        return FitResult.read(path)
 
     def results_by_name(self) -> dict[str, FitResult]:
         """Load every fit result of the results folder, name → result.
@@ -184,7 +184,7 @@ class Bench:
             If a file there is not a fit result.
         """
         return {
-            path.stem: FitResult.load(path) for path in sorted(self.results_folder.glob("*.json"))
+            path.stem: FitResult.read(path) for path in sorted(self.results_folder.glob("*.json"))
         }
 
 

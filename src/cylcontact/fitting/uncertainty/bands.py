@@ -1,8 +1,9 @@
 """Confidence bands of a fitted curve and prediction bands of a new measurement.
 
-The delta method is used in ln δ and ln f, where contact laws are nearly linear: the variance of
-the curve is gᵀCg with g the derivatives by the free parameters and C their covariance. A new
-measurement adds the noise. Noise of a penetration becomes noise of the load, and vice versa,
+The delta method is used in ln f, and in ln δ if the noise is proportional, since contact laws are
+nearly linear there; in δ otherwise, where readings may be negative. The variance of the curve is
+gᵀCg with g the derivatives by the free parameters and C their covariance. A new measurement adds
+the noise, with random effects that of a series not yet measured. Noise of a penetration becomes noise of the load, and vice versa,
 through the local exponent n = d ln f/d ln δ.
 """
 
@@ -94,16 +95,17 @@ def predict(
             "are not identifiable one by one, so that there is no band",
             "fix one of them with fixed = true, or choose a wider loss, and fit again",
         )
-    of_load = penetration is not None
+    of_load, objective = penetration is not None, measured(problem)
     at = np.atleast_1d(as_floats(penetration if of_load else load))
+    is_log = of_load or objective.is_log
 
-    def logarithms(points: FloatArray) -> FloatArray:
+    def predictions(points: FloatArray) -> FloatArray:
         laws = laws_of(problem.form(points))
-        return np.array([_log_prediction(law, at, pair, of_load) for law in laws])
+        return np.array([_prediction(law, at, pair, of_load, is_log) for law in laws])
 
     point = problem.point(best)
-    centre = logarithms(point[None, :])[0]
-    slopes = jacobian(problem, point, logarithms)
+    centre = predictions(point[None, :])[0]
+    slopes = jacobian(problem, point, predictions)
     (law,) = laws_of(problem.form(point[None, :]))
     if law is None or not np.isfinite(centre).all():
         raise InputError(
@@ -114,11 +116,16 @@ def predict(
             "stay within it",
         )
     variance = ((slopes @ noise.covariance) * slopes).sum(axis=1)
-    added = _noise_variance(measured(problem), noise, law, at, pair, of_load)
-    reach = noise.half_width(level)
+    depth = at if of_load else law.penetration(at, pair)
+    force = law.load(at, pair) if of_load else at
+    added = _noise_variance(objective, noise, law, best, (depth, force, pair), of_load)
+    if not is_log:
+        added = as_floats(added * depth**2)
+    reach = noise.half_width(level, noise.degrees_of(slopes))
     spread, wider = reach * np.sqrt(variance), reach * np.sqrt(variance + added)
     ends = (centre, centre - spread, centre + spread, centre - wider, centre + wider)
-    value, low, high, new_low, new_high = ([float(v) for v in np.exp(end)] for end in ends)
+    curves = (np.exp(end) if is_log else end for end in ends)
+    value, low, high, new_low, new_high = ([float(v) for v in curve] for curve in curves)
     return Band(
         name=name,
         quantity="load_N_per_mm" if of_load else "penetration_mm",
@@ -156,33 +163,37 @@ def bands_of_data(
     return bands
 
 
-def _log_prediction(
-    law: ContactLaw | None, at: FloatArray, pair: CylinderPair, of_load: bool
+def _prediction(
+    law: ContactLaw | None, at: FloatArray, pair: CylinderPair, of_load: bool, is_log: bool
 ) -> FloatArray:
-    """Return ln f or ln δ of a law; NaN outside its domain."""
+    """Return f or δ of a law, or its logarithm; NaN outside its domain."""
     if law is None:
         return np.full_like(at, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return as_floats(np.log(law.load(at, pair) if of_load else law.penetration(at, pair)))
+        value = law.load(at, pair) if of_load else law.penetration(at, pair)
+        return as_floats(np.log(value)) if is_log else value
 
 
 def _noise_variance(
     objective: MeasuredObjective,
     noise: ResidualModel,
     law: ContactLaw,
-    at: FloatArray,
-    pair: CylinderPair,
+    best: Mapping[str, float],
+    at: tuple[FloatArray, FloatArray, CylinderPair],
     of_load: bool,
 ) -> FloatArray:
-    """Return the variance of a new measurement in ln f or ln δ.
+    """Return the variance of a new measurement relative to f or δ.
 
-    With given standard deviations, a new measurement has their median.
+    With given standard deviations, a new measurement has their median, or with a noise model that
+    of the loads measured.
     """
-    depth = at if of_load else law.penetration(at, pair)
-    force = law.load(at, pair) if of_load else at
+    depth, force, pair = at
     sigma = 1.0 if noise.known else noise.sigma
-    size = np.full_like(at, sigma)
-    if not objective.is_log:
+    size = np.full_like(force, sigma)
+    if objective.noise is not None:
+        of_contact = as_floats(depth - best.get("offset", 0.0))
+        size = np.sqrt(objective.noise.new_variance(of_contact, force)) / depth
+    elif not objective.is_log:
         size = sigma * float(np.median(objective.sigma)) / (force if objective.of_load else depth)
     if objective.of_load != of_load:
         exponent = law.stiffness(depth, pair) * depth / force

@@ -8,8 +8,11 @@ import numpy as np
 from pydantic import Field
 from scipy import special
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.fitting.noise_model import FittedNoise
 from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.uncertainty.findings import Finding, findings_of
+from cylcontact.fitting.uncertainty.information import log_likelihood, number_estimated
 from cylcontact.fitting.uncertainty.profiles import (
     BETTER,
     FAIRLY,
@@ -17,12 +20,14 @@ from cylcontact.fitting.uncertainty.profiles import (
     Interval,
     interval,
     is_at_bound,
+    refit_to_data,
 )
 from cylcontact.fitting.uncertainty.residual_model import (
     MEDIAN_TO_SIGMA,
     ResidualModel,
     measured,
     residual_model_at,
+    with_rows,
 )
 from cylcontact.parallel import Workers, call, collect
 from cylcontact.spec import Spec
@@ -32,8 +37,11 @@ __all__ = [
     "OUTLYING",
     "STRONG_CORRELATION",
     "Estimate",
+    "FittedDeviations",
     "Outlier",
+    "SeriesEffect",
     "Uncertainty",
+    "series_effects",
     "uncertainty_of",
 ]
 
@@ -57,6 +65,9 @@ class Estimate(Spec):
     high: float | None = Field(description="upper end of the interval from the covariance")
     profile: Interval | None = Field(description="the interval from the profile likelihood")
     verdict: str = Field(description="well, fairly, poorly, not, or at a bound")
+    degrees_of_freedom: float | None = Field(
+        None, description="of the standard error; null if the size of the noise is known"
+    )
 
 
 class Outlier(Spec):
@@ -64,6 +75,24 @@ class Outlier(Spec):
 
     line: int = Field(description="its line in the table")
     deviations: float = Field(description="measured less fitted, in robust standard deviations")
+
+
+class SeriesEffect(Spec):
+    """What the readings of a series share, as estimated."""
+
+    name: str = Field(description="the series")
+    rows: int = Field(description="its rows")
+    effects: dict[str, float] = Field(description="offset and drift in mm, gain relative")
+
+
+class FittedDeviations(Spec):
+    """The deviations of a noise model."""
+
+    deviations: dict[str, float] = Field(
+        description="constant, offset and drift in mm, proportional and gain relative"
+    )
+    random: bool = Field(description="whether the effects of the series are random")
+    series: list[SeriesEffect] = Field(description="the series")
 
 
 class Uncertainty(Spec):
@@ -92,6 +121,20 @@ class Uncertainty(Spec):
     notes: list[str] = Field(
         description="warnings about the intervals, and the sources of material constants"
     )
+    noise: FittedDeviations | None = Field(None, description="of a noise model")
+    log_likelihood: float | None = Field(
+        None, description="of the readings in mm or N/mm; null with a robust loss"
+    )
+    estimated: int | None = Field(
+        None, description="free parameters, deviations of the noise and fixed effects"
+    )
+    r_squared: float | None = Field(
+        None, description="share of the variance of the readings that the law describes"
+    )
+    findings: list[Finding] = Field([], description="tests that the noise assumed fails")
+    without_outliers: dict[str, float] = Field(
+        {}, description="the coefficients without the outliers, if there are any"
+    )
 
 
 def uncertainty_of(
@@ -118,6 +161,7 @@ def uncertainty_of(
     noise = residual_model_at(problem, point)
     data = objective.data
     estimates = _estimates(problem, noise, best, level, jobs)
+    outliers = _outliers(problem, noise, point)
     return Uncertainty(
         level=level,
         rows=noise.rows,
@@ -132,9 +176,75 @@ def uncertainty_of(
         correlation=_correlation(problem, noise),
         only_together=list(noise.blind),
         duplicates=data.duplicates(),
-        outliers=_outliers(problem, noise, point),
+        outliers=outliers,
         notes=[*noise.notes, *_better_optima(estimates), *data.data.notes],
+        noise=_deviations(problem, point),
+        log_likelihood=log_likelihood(problem, point),
+        estimated=number_estimated(problem),
+        r_squared=_r_squared(problem, point),
+        findings=findings_of(problem, point) if not noise.is_rounding else [],
+        without_outliers=_without(problem, best, outliers),
     )
+
+
+def _deviations(problem: Problem, point: FloatArray) -> FittedDeviations | None:
+    """Return the deviations of the noise model and the effects of the series."""
+    objective = measured(problem)
+    if objective.noise is None:
+        return None
+    covariance, names = objective.noise.covariance, objective.noise.covariance.model.effects
+    series: list[SeriesEffect] = []
+    if names:
+        over = covariance.model.over
+        labels = objective.data.groups(over)[0] if over else ["all rows"]
+        effects = _effects_of_series(problem, point, objective.noise)
+        sizes = np.bincount(covariance.series)
+        series = [
+            SeriesEffect(
+                name=label,
+                rows=int(size),
+                effects={name: float(v) for name, v in zip(names, own, strict=True)},
+            )
+            for label, size, own in zip(labels, sizes, effects, strict=True)
+        ]
+    return FittedDeviations(
+        deviations=dict(objective.noise.deviations), random=covariance.is_random, series=series
+    )
+
+
+def _effects_of_series(problem: Problem, point: FloatArray, noise: FittedNoise) -> FloatArray:
+    """Return the effects of each series, shape (G, q)."""
+    return noise.series_effects(measured(problem).differences(problem.form(point[None, :]))[0])
+
+
+def series_effects(problem: Problem, point: FloatArray) -> FloatArray | None:
+    """Return what its series adds to each reading in mm, shape (N,); None without series."""
+    noise = measured(problem).noise
+    if noise is None or not noise.covariance.model.effects:
+        return None
+    effects = _effects_of_series(problem, point, noise)
+    return as_floats((noise.covariance.columns * effects[noise.covariance.series]).sum(axis=1))
+
+
+def _r_squared(problem: Problem, point: FloatArray) -> float | None:
+    """Return 1 − Σ(fitted − measured)²/Σ(measured − mean)²; None if all readings are equal."""
+    objective = measured(problem)
+    total = float(((objective.observed - objective.observed.mean()) ** 2).sum())
+    rest = float((objective.differences(problem.form(point[None, :])) ** 2).sum())
+    return 1 - rest / total if total > 0 else None
+
+
+def _without(
+    problem: Problem, best: Mapping[str, float], outliers: Sequence[Outlier]
+) -> dict[str, float]:
+    """Return the coefficients of a fit without the outliers; none if there are none."""
+    data = measured(problem).data
+    lines = {outlier.line for outlier in outliers}
+    rows = np.array([k for k in range(len(data)) if data.line(k) not in lines])
+    if not lines or rows.size <= len(problem.free):
+        return {}
+    rest = with_rows(problem, rows)
+    return rest.coefficients(refit_to_data(rest, rest.point(best))[0])
 
 
 def _better_optima(estimates: Mapping[str, Estimate]) -> list[str]:
@@ -151,6 +261,8 @@ def _unit(noise: ResidualModel, is_log: bool, of_load: bool) -> str:
     """Return the unit of the residuals."""
     if noise.known:
         return "given standard deviations"
+    if noise.satterthwaite is not None:
+        return "estimated standard deviations"
     quantity = "load" if of_load else "penetration"
     return f"share of the {quantity}" if is_log else ("N/mm" if of_load else "mm")
 
@@ -160,18 +272,24 @@ def _estimates(
 ) -> dict[str, Estimate]:
     """Return each free parameter with its intervals."""
     names = [p.name for p in problem.free]
+    degrees = noise.degrees_of_each()
     profiles: Sequence[Interval | None] = [None] * len(names)
     if noise.covariance is not None and not noise.is_rounding:
         calls = [call(interval, problem, noise, name, best, level) for name in names]
         profiles = collect(calls, jobs)
     return {
-        name: _estimate(best[name], noise, k, profile, level)
+        name: _estimate(best[name], noise, k, profile, level, float(degrees[k]))
         for k, (name, profile) in enumerate(zip(names, profiles, strict=True))
     }
 
 
 def _estimate(
-    value: float, noise: ResidualModel, place: int, profile: Interval | None, level: float
+    value: float,
+    noise: ResidualModel,
+    place: int,
+    profile: Interval | None,
+    level: float,
+    degrees: float,
 ) -> Estimate:
     """Return one parameter with its intervals."""
     if noise.covariance is None:
@@ -179,7 +297,7 @@ def _estimate(
             value=value, standard_error=None, low=None, high=None, profile=None, verdict="not"
         )
     error = float(np.sqrt(max(noise.covariance[place, place], 0.0)))
-    reach = noise.half_width(level) * error
+    reach = float(noise.half_width(level, degrees)) * error
     return Estimate(
         value=value,
         standard_error=error,
@@ -187,6 +305,7 @@ def _estimate(
         high=value + reach,
         profile=profile,
         verdict=_verdict(value, reach, profile, float(noise.per_unit[place])),
+        degrees_of_freedom=degrees if np.isfinite(degrees) else None,
     )
 
 

@@ -26,7 +26,7 @@ from cylcontact.arrays import FloatArray
 from cylcontact.fitting.least_squares import descend
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.uncertainty.residual_model import ResidualModel
+from cylcontact.fitting.uncertainty.residual_model import ResidualModel, residual_model_at
 from cylcontact.laws.definition import Coefficients, Parameter
 from cylcontact.spec import Spec
 
@@ -44,6 +44,7 @@ __all__ = [
     "fixed_ratio",
     "interval",
     "is_at_bound",
+    "likelihood_profile",
     "pair_map",
     "pairs_of",
     "profile",
@@ -324,7 +325,8 @@ def interval(
     Interval
     """
     refits = _Refits(problem, best, partial(fixed_ratio, problem, noise))
-    limit = float(np.sqrt(noise.threshold(level)))
+    place = [p.name for p in problem.free].index(name)
+    limit = float(np.sqrt(noise.threshold(level, [place])))
 
     def excess(ratio: float) -> float:
         # The square root of the ratio is nearly linear in the parameter.
@@ -334,7 +336,7 @@ def interval(
         excess,
         most=_FAR * limit - limit,
         first_step=_FIRST_STEP_OF_NOISE,
-        distance=_guess(problem, noise, name, limit),
+        distance=_guess(noise, place, limit),
         follows=True,
     )
     parameter = refits.parameter(name)
@@ -349,11 +351,45 @@ def interval(
     )
 
 
-def _guess(problem: Problem, noise: ResidualModel, name: str, limit: float) -> float:
+def likelihood_profile(
+    problem: Problem, best: Coefficients, name: str, ends: Interval, level: float
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return the rise of a fit over one parameter, with all others refitted.
+
+    Parameters
+    ----------
+    problem : Problem
+        On measurements.
+    best : mapping
+        The coefficients at the optimum.
+    name : str
+        A free parameter.
+    ends : Interval
+        Its profile interval, which sets the extent.
+    level : float
+        Of the threshold.
+
+    Returns
+    -------
+    values : array of float, shape (n,)
+        Of the parameter.
+    rise : array of float, shape (n,)
+        √((S(θ) − S)/τ), which for a linear law is the distance in standard errors.
+    threshold : float
+        Its value at the ends of the interval.
+    """
+    noise = residual_model_at(problem, problem.point(best))
+    refits = _Refits(problem, best, partial(fixed_ratio, problem, noise))
+    values = np.array(refits.around(name, ends, _REACH_OF_NOISE))
+    place = [p.name for p in problem.free].index(name)
+    rise = np.sqrt(np.maximum(refits.along(name, values), 0.0))
+    return values, rise, float(np.sqrt(noise.threshold(level, [place])))
+
+
+def _guess(noise: ResidualModel, place: int, limit: float) -> float:
     """Return slightly more than the distance to the threshold by the covariance."""
     if noise.covariance is None:
         return 0.0
-    place = [p.name for p in problem.free].index(name)
     return 1.1 * limit * float(np.sqrt(max(noise.covariance[place, place], 0.0)))
 
 
@@ -387,12 +423,14 @@ def pair_map(
     """
     refits = _Refits(problem, best, partial(fixed_ratio, problem, noise))
     x, y = (refits.around(name, intervals[name], _REACH_OF_NOISE, points) for name in names)
+    free = [p.name for p in problem.free]
+    places = [free.index(name) for name in names]
     return PairMap(
         names=names,
         x=x,
         y=y,
         ratio=refits.over(names, x, y),
-        thresholds={f"{100 * level:g}": noise.threshold(level, 2) for level in levels},
+        thresholds={f"{100 * level:g}": noise.threshold(level, places) for level in levels},
     )
 
 

@@ -112,6 +112,15 @@ def bootstrap(
         If there is only one group, or fewer than two refits could start.
     """
     names, _ = _groups(problem, over)
+    noise = measured(problem).noise
+    if noise is not None and noise.covariance.model.over not in (None, over):
+        raise InputError(
+            measured(problem).data.data.source,
+            "over",
+            over,
+            "would tear apart the series of the noise model",
+            "resample whole series with --over group",
+        )
     seeds = np.random.SeedSequence(seed).spawn(replicates)
     batches = [seeds[k : k + _BATCH] for k in range(0, replicates, _BATCH)]
     calls = [call(_replicates, problem, best, over, batch) for batch in batches]
@@ -265,7 +274,8 @@ def _replicates(
     for seed in seeds:
         drawn = np.random.default_rng(seed).integers(len(names), size=len(names))
         rows = np.concatenate([members[k] for k in drawn])
-        point, value = refit_to_data(with_rows(problem, rows), start)
+        copies = np.repeat(np.arange(drawn.size), [members[k].size for k in drawn])
+        point, value = refit_to_data(with_rows(problem, rows, copies), start)
         points.append(point if np.isfinite(value) else None)
     return points
 

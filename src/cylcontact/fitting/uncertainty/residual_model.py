@@ -2,16 +2,19 @@
 
 With residuals r and J their derivatives by the free parameters at the optimum, least squares has
 the covariance s²·(JᵀJ)⁻¹, where s² is 1 if the standard deviations are known and Σr²/(N − k) if
-not. With a robust loss it is the sandwich H⁻¹GH⁻¹ of H = Σψ'JJᵀ and G = N/(N − k)·Σψ²JJᵀ (Huber
+not. With a noise model r are in standard deviations, s² is 1, and the degrees of freedom are
+Satterthwaite's (`restricted_likelihood`). With a robust loss it is the sandwich H⁻¹GH⁻¹ of H = Σψ'JJᵀ and G = N/(N − k)·Σψ²JJᵀ (Huber
 1981), ψ being half the loss's derivative. ψ' is negative for large residuals of Cauchy's loss. If
 they are so many that H is not positive definite, there is no covariance.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import special
 
 from cylcontact.arrays import FloatArray, as_floats
@@ -19,7 +22,9 @@ from cylcontact.datasets.measurements import Indices
 from cylcontact.fitting.least_squares import jacobian
 from cylcontact.fitting.loss import Loss
 from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.noise_fit import likelihood_at
 from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.restricted_likelihood import Degrees
 
 __all__ = [
     "MEDIAN_TO_SIGMA",
@@ -76,6 +81,8 @@ class ResidualModel:
         arbitrary, the root mean square of the relative change of the predictions per unit of it.
     notes : tuple of str
         Warnings for the report.
+    satterthwaite : Degrees, optional
+        Degrees of freedom with a noise model.
     """
 
     rows: int
@@ -89,6 +96,7 @@ class ResidualModel:
     blind: tuple[str, ...]
     per_unit: FloatArray
     notes: tuple[str, ...] = ()
+    satterthwaite: Degrees | None = None
 
     @property
     def degrees(self) -> int:
@@ -100,18 +108,39 @@ class ResidualModel:
         """Whether the data follow the law to round-off, without noise."""
         return not self.known and self.sigma < ROUNDING
 
-    def half_width(self, level: float) -> float:
-        """Return the half-width of an interval of this level in standard errors."""
-        tail = (1 + level) / 2
-        if self.known:
-            return float(special.ndtri(tail))
-        return float(special.stdtrit(self.degrees, tail))
+    def degrees_of(self, contrasts: FloatArray) -> FloatArray:
+        """Return the degrees of freedom of linear combinations of the parameters.
 
-    def threshold(self, level: float, parameters: int = 1) -> float:
-        """Return the largest (S(θ) − S)/τ within a region of this level in several parameters."""
-        if self.known:
-            return float(special.chdtri(parameters, 1 - level))
-        return float(parameters * special.fdtri(parameters, self.degrees, level))
+        Parameters
+        ----------
+        contrasts : array of float, shape (..., k)
+            Their coefficients.
+
+        Returns
+        -------
+        array of float, shape (...)
+            Infinite if the standard deviations are known.
+        """
+        if self.satterthwaite is not None:
+            return self.satterthwaite(contrasts)
+        return np.full(contrasts.shape[:-1], np.inf if self.known else float(self.degrees))
+
+    def degrees_of_each(self) -> FloatArray:
+        """Return the degrees of freedom of each parameter, shape (k,)."""
+        return self.degrees_of(np.eye(self.free))
+
+    def half_width(self, level: float, degrees: ArrayLike) -> FloatArray:
+        """Return half-widths of intervals of this level in standard errors."""
+        tail, finite = (1 + level) / 2, np.isfinite(degrees)
+        student = special.stdtrit(np.where(finite, degrees, 1.0), tail)
+        return as_floats(np.where(finite, student, special.ndtri(tail)))
+
+    def threshold(self, level: float, places: Sequence[int]) -> float:
+        """Return the largest (S(θ) − S)/τ within a region of this level in these parameters."""
+        number, degrees = len(places), float(self.degrees_of_each()[list(places)].min())
+        if np.isinf(degrees):
+            return float(special.chdtri(number, 1 - level))
+        return float(number * special.fdtri(number, degrees, level))
 
     @property
     def chi_square_p(self) -> float | None:
@@ -166,6 +195,10 @@ def residual_model_at(problem: Problem, point: FloatArray) -> ResidualModel:
         if covariance is None and inverse is not None:
             notes = (_NOT_CURVED,)
     names = [p.name for p in problem.free]
+    satterthwaite = None
+    if objective.noise is not None:
+        satterthwaite = Degrees.of(likelihood_at(problem, point), objective.noise.deviations)
+        unit, covariance = 1.0, None if inverse is None else satterthwaite.covariance
     return ResidualModel(
         rows=r.size,
         free=point.size,
@@ -176,15 +209,21 @@ def residual_model_at(problem: Problem, point: FloatArray) -> ResidualModel:
         unit=unit,
         covariance=covariance,
         blind=tuple(names[k] for k in blind),
-        per_unit=_per_unit(problem, point, _effect(objective, r, slopes)),
+        per_unit=_per_unit(problem, point),
         notes=notes,
+        satterthwaite=satterthwaite,
     )
 
 
-def with_rows(problem: Problem, rows: Indices) -> Problem:
-    """Return the problem with a selection of its measurements, possibly repeated."""
+def with_rows(problem: Problem, rows: Indices, series: Indices | None = None) -> Problem:
+    """Return the problem with a selection of its measurements, possibly repeated.
+
+    `series` renumbers the series of its noise model, of which repeated rows are others.
+    """
     objective = measured(problem)
-    return replace(problem, objective=replace(objective, data=objective.data.take(rows)))
+    noise = None if objective.noise is None else objective.noise.take(rows, series)
+    part = replace(objective, data=objective.data.take(rows), noise=noise)
+    return replace(problem, objective=part)
 
 
 def _sandwich(
@@ -207,20 +246,22 @@ def _sandwich(
     return unit, as_floats(half @ (weighted.T @ weighted) @ half.T * (r.size / degrees))
 
 
-def _per_unit(problem: Problem, point: FloatArray, effect: FloatArray) -> FloatArray:
+def _per_unit(problem: Problem, point: FloatArray) -> FloatArray:
     """Return the factors from half-widths to relative ones, shape (k,)."""
+    objective = measured(problem)
+
+    def differences(points: FloatArray) -> FloatArray:
+        return objective.differences(problem.form(points))
+
+    # The relative change of the predictions per unit of each parameter.
+    observed = objective.observed
+    size = observed if objective.is_log else np.full_like(observed, np.sqrt((observed**2).mean()))
+    moved = jacobian(problem, point, differences) / size[:, None]
+    effect = np.sqrt((moved**2).mean(axis=0))
     # Bounds on either side of zero make it arbitrary, whatever the law declares.
     is_shift = [p.shift or p.low < 0 < p.high for p in problem.free]
     with np.errstate(divide="ignore"):
         return as_floats(np.where(is_shift, effect, 1 / np.abs(point)))
-
-
-def _effect(objective: MeasuredObjective, r: FloatArray, slopes: FloatArray) -> FloatArray:
-    """Return the relative change of the predictions per unit of each parameter, shape (k,)."""
-    moved = np.sqrt((slopes**2).mean(axis=0))
-    if objective.is_log:
-        return as_floats(moved)
-    return as_floats(moved / np.sqrt((objective.predicted(r) ** 2).mean()))
 
 
 def _inverse(slopes: FloatArray) -> tuple[FloatArray | None, list[int]]:

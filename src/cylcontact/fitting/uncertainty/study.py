@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from pydantic import Field
@@ -13,9 +13,9 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.law_models import with_rig
 from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.measured_fit import plain_problem, with_loss
+from cylcontact.fitting.measured_fit import noise_model_of, plain_problem, with_loss
+from cylcontact.fitting.noise_fit import with_noise
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.bands import Band, bands_of_data
 from cylcontact.fitting.uncertainty.estimates import LEVEL, Uncertainty, uncertainty_of
 from cylcontact.fitting.uncertainty.profiles import PairMap, pair_map, pairs_of
@@ -25,6 +25,9 @@ from cylcontact.fitting.user_law import user_model
 from cylcontact.parallel import Workers, call, collect
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.result import FitResult
 
 __all__ = ["NoiseStudy", "Resampling", "problem_of_result", "study_noise"]
 
@@ -105,6 +108,10 @@ def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
         model = user_model(law, Path.cwd(), result.contact, f"fit result {result.name!r}")
         campaign = replace(campaign, model=with_rig(model, campaign.spec.parameters))
     problem = plain_problem(campaign)
+    model = noise_model_of(campaign)
+    if model is not None and result.uncertainty.noise is not None:
+        deviations = result.uncertainty.noise.deviations
+        problem = with_noise(problem, model, result.coefficients, deviations)
     if result.uncertainty.loss_scale is not None:
         loss = Loss(result.settings["campaign"]["loss"], result.uncertainty.loss_scale)
         problem = with_loss(problem, loss)

@@ -1,0 +1,172 @@
+"""Pictures of a fit: the data with the law and its band, the residuals, and profiles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from cylcontact.datasets.measurements import Indices
+from cylcontact.errors import InputError
+from cylcontact.fitting.predictions import band_table
+from cylcontact.fitting.uncertainty.profiles import likelihood_profile
+from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
+from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots.measured import Curve, draw_curves, draw_readings, draw_residuals
+from cylcontact.plots.style import ACCENT, QUIET, figure_style
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.result import FitResult
+
+__all__ = ["fit_drawing", "plot", "plot_profile", "plot_residuals"]
+
+# Points of a curve, and the most pairs with curves of their own.
+_POINTS, _PAIRS = 121, 5
+
+
+@contextmanager
+def _axes(ax: Axes | None, height_mm: float) -> Iterator[Axes]:
+    """Give the axes to draw in, a new figure's in the journal's style if there are none."""
+    if ax is not None:
+        yield ax
+        return
+    with figure_style():
+        yield new_figure("column", height_mm).subplots()
+
+
+def plot(result: FitResult, ax: Axes | None = None) -> Axes:
+    """Draw the data, the fitted law and the band of a new reading."""
+    data = measured(result.problem).data
+    with _axes(ax, 68.0) as axes:
+        draw_curves(axes, _curves(result))
+        draw_readings(axes, data.load, data.penetration, _series(result))
+        axes.legend()
+    return axes
+
+
+def plot_residuals(result: FitResult, ax: Axes | None = None) -> Axes:
+    """Draw the residuals over the load."""
+    table, uncertainty = result.residuals, result.uncertainty
+    load, standardised = table["load_N_per_mm"].to_numpy(), table["standardised"].to_numpy()
+    lines = {o.line for o in uncertainty.outliers} if uncertainty else set()
+    words = {k: f"line {line}" for k, line in enumerate(table["line"]) if line in lines}
+    with _axes(ax, 45.0) as axes:
+        draw_residuals(axes, load, standardised, "residual (std. dev.)", _series(result), words)
+    return axes
+
+
+def plot_profile(result: FitResult, name: str, ax: Axes | None = None) -> Axes:
+    """Draw how much worse the fit gets when a coefficient moves and all others follow."""
+    with _axes(ax, 60.0) as axes:
+        if result.uncertainty is None:
+            _draw_profile_of_law(result, name, axes)
+        else:
+            _draw_profile_of_data(result, name, axes)
+        axes.set_xlabel(name)
+    return axes
+
+
+def fit_drawing(result: FitResult) -> Drawing:
+    """Draw a fit to measurements: the data with the law and its band, the residuals beneath.
+
+    Parameters
+    ----------
+    result : FitResult
+        Of measurements.
+
+    Returns
+    -------
+    Drawing
+        Its table is `FitResult.residuals`, its headline the coefficients.
+    """
+    figure = new_figure("column", 96.0)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.4, 1])
+    plot(result, upper)
+    plot_residuals(result, lower)
+    upper.set_xlabel("")
+    level = 100 * result._level  # noqa: SLF001 - a part of the same result
+    values = ", ".join(f"{name} = {value:.4g}" for name, value in _free(result).items())
+    caption = (
+        f"{result.name}: {result.counts.samples} measurements, the {result.law} law fitted to them "
+        f"({values}), and the band of {level:g} % of new readings; beneath, measured less fitted "
+        "in standard deviations."
+    )
+    return Drawing(figure, result.residuals, _free(result), caption)
+
+
+def _free(result: FitResult) -> dict[str, float]:
+    """Return the coefficients that were searched."""
+    names = result.uncertainty.estimates if result.uncertainty else result.coefficients
+    return {name: result.coefficients[name] for name in names}
+
+
+def _series(result: FitResult) -> list[str] | None:
+    """Return the series of each row: the groups, or the pairs if there are several."""
+    data = measured(result.problem).data
+    over = "group" if "group" in data.data.labels else "pair"
+    names, index = data.groups(over)
+    return [names[k] for k in index] if len(names) > 1 else None
+
+
+def _curves(result: FitResult) -> list[Curve]:
+    """Return the predicted curve of each pair in the data, over its loads."""
+    data = measured(result.problem).data
+    names, index = data.groups("pair")
+    curves = []
+    for number, name in enumerate(names[:_PAIRS]):
+        rows: Indices = np.flatnonzero(index == number)
+        loads = data.load[rows]
+        at = np.geomspace(loads.min(), loads.max(), _POINTS)
+        curves.append(_curve(result, rows[:1], at, name if len(names) > 1 else result.law))
+    return curves
+
+
+def _curve(result: FitResult, row: Indices, at: np.ndarray, label: str) -> Curve:
+    """Return the curve of the pair of a row, without a band if there is no covariance."""
+    problem, best = result.problem, result.coefficients
+    pair = measured(problem).data.take(row).pair
+    if result.uncertainty is None or residual_model_at(problem, problem.point(best)).covariance is None:
+        (law,) = problem.form(problem.point(best)[None, :]).laws  # type: ignore[attr-defined]
+        return Curve(at, law.penetration(at, pair), label=label)
+    table = band_table(problem, best, at, result._level, pair)  # noqa: SLF001
+    low, high = table["low_mm"].to_numpy(), table["high_mm"].to_numpy()
+    return Curve(at, table["penetration_mm"].to_numpy(), low, high, label)
+
+
+def _draw_profile_of_law(result: FitResult, name: str, axes: Axes) -> None:
+    """Draw the best objective over a coefficient of a fit to a law."""
+    if name not in result.profiles:
+        _refuse(result, name, list(result.profiles))
+    curve, optimum = result.profiles[name], result.objective.value
+    axes.plot(curve.values, curve.objective, marker="", linestyle="-")
+    axes.axhline(1.01 * optimum, color=QUIET, linestyle=":", marker="")
+    axes.axvline(result.coefficients[name], color=ACCENT, linestyle="--", marker="")
+    axes.set_ylabel(f"best {result.objective.name}")
+
+
+def _draw_profile_of_data(result: FitResult, name: str, axes: Axes) -> None:
+    """Draw the likelihood ratio over a coefficient of a fit to measurements."""
+    uncertainty = result.uncertainty
+    estimate = uncertainty.estimates.get(name) if uncertainty else None
+    if estimate is None or estimate.profile is None:
+        _refuse(result, name, list(uncertainty.estimates) if uncertainty else [])
+        return
+    values, root, threshold = likelihood_profile(
+        result.problem, result.coefficients, name, estimate.profile, result._level  # noqa: SLF001
+    )
+    axes.plot(values, root, marker="", linestyle="-")
+    axes.axhline(threshold, color=QUIET, linestyle=":", marker="")
+    for end in (estimate.profile.low, estimate.profile.high):
+        axes.axvline(end, color=QUIET, linestyle="--", marker="", linewidth=0.8)
+    axes.axvline(estimate.value, color=ACCENT, linestyle="--", marker="")
+    axes.set_ylabel("rise of the objective (std. dev.)")
+
+
+def _refuse(result: FitResult, name: str, known: list[str]) -> None:
+    """Refuse a coefficient without a profile."""
+    rule = "has no profile: it was not searched, or the data do not determine it"
+    remedy = f"choose {', '.join(known)}" if known else "free it"
+    raise InputError(f"fit result {result.name!r}", "name", name, rule, remedy)

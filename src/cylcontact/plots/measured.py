@@ -1,0 +1,151 @@
+"""Measurements with the curve of a law: the readings over the load, and their residuals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from cylcontact.arrays import FloatArray
+from cylcontact.plots.style import COLOURS, MARKERS, QUIET
+
+__all__ = ["Curve", "draw_curves", "draw_readings", "draw_residuals"]
+
+# More series than this are drawn alike.
+_MOST_SERIES = len(COLOURS)
+_MICROMETRES = 1e3
+# Axes are logarithmic if loads span more than this ratio and all readings are positive.
+_WIDE = 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """What a law predicts for one pair.
+
+    Attributes
+    ----------
+    load, reading : array of float, shape (m,)
+        In N/mm and mm.
+    low, high : array of float, shape (m,), optional
+        The band of a new reading in mm.
+    label : str
+        Its name in the legend.
+    """
+
+    load: FloatArray
+    reading: FloatArray
+    low: FloatArray | None = None
+    high: FloatArray | None = None
+    label: str = "fitted law"
+
+
+def draw_readings(
+    axes: Axes, load: FloatArray, reading: FloatArray, series: Sequence[str] | None = None
+) -> None:
+    """Draw readings over the load, logarithmic if they span decades.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    load, reading : array of float, shape (N,)
+        In N/mm and mm.
+    series : sequence of str, optional
+        The series of each reading; up to five have markers of their own.
+    """
+    for label, rows, style in _styles(load.size, series, "measured"):
+        axes.plot(load[rows], _MICROMETRES * reading[rows], linestyle="", label=label, **style)
+    if reading.min() > 0 and load.max() > _WIDE * load.min():
+        axes.set(xscale="log", yscale="log")
+    axes.set(xlabel="load (N/mm)", ylabel="penetration (µm)")
+
+
+def draw_curves(axes: Axes, curves: Sequence[Curve], level: float = 0.95) -> None:
+    """Draw the curves of laws with their bands.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    curves : sequence of Curve
+        One for each pair, or for each law.
+    level : float
+        Of the bands, for the legend.
+    """
+    for number, curve in enumerate(curves):
+        colour = COLOURS[2] if len(curves) == 1 else COLOURS[(number + 1) % len(COLOURS)]
+        if curve.low is not None and curve.high is not None:
+            axes.fill_between(
+                curve.load,
+                _MICROMETRES * curve.low,
+                _MICROMETRES * curve.high,
+                color=colour,
+                alpha=0.18,
+                linewidth=0,
+                label=f"{100 * level:g} % of new readings" if number == 0 else None,
+            )
+        axes.plot(
+            curve.load,
+            _MICROMETRES * curve.reading,
+            linestyle="-" if len(curves) == 1 else None,
+            marker="",
+            color=colour,
+            label=curve.label,
+        )
+
+
+def draw_residuals(
+    axes: Axes,
+    load: FloatArray,
+    residual: FloatArray,
+    label: str,
+    series: Sequence[str] | None = None,
+    outliers: Mapping[int, str] | None = None,
+) -> None:
+    """Draw residuals over the load.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to draw.
+    load, residual : array of float, shape (N,)
+        Loads in N/mm, and residuals in the unit of `label`.
+    label : str
+        Label of the axis.
+    series : sequence of str, optional
+        As for `draw_readings`.
+    outliers : mapping of int to str, optional
+        Words at some of the rows.
+    """
+    axes.axhline(0.0, color=QUIET, linewidth=0.6, linestyle="-", marker="")
+    for name, rows, style in _styles(load.size, series, "measured"):
+        axes.plot(load[rows], residual[rows], linestyle="", label=name, **style)
+    for row, words in (outliers or {}).items():
+        axes.annotate(
+            words,
+            (load[row], residual[row]),
+            xytext=(4, 0),
+            textcoords="offset points",
+            va="center",
+        )
+    if load.max() > _WIDE * load.min():
+        axes.set_xscale("log")
+    axes.set(xlabel="load (N/mm)", ylabel=label)
+
+
+def _styles(
+    size: int, series: Sequence[str] | None, label: str
+) -> list[tuple[str, FloatArray | slice, dict[str, object]]]:
+    """Return the name, the rows and the markers of each series."""
+    hollow: dict[str, object] = {"markerfacecolor": "white"}
+    names = list(dict.fromkeys(series or ()))
+    if series is None or not 1 < len(names) <= _MOST_SERIES:
+        count = f"{label} ({len(names)} series)" if len(names) > 1 else label
+        return [(count, slice(size), {"marker": "o", "color": COLOURS[0], **hollow})]
+    member = np.asarray(series)
+    return [
+        (name, np.flatnonzero(member == name), {"marker": marker, "color": colour, **hollow})
+        for name, marker, colour in zip(names, MARKERS, COLOURS, strict=False)
+    ]
