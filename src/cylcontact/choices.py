@@ -7,27 +7,34 @@ from typing import Literal, get_args
 
 __all__ = [
     "BEYOND",
+    "BRANCHES",
     "ENGINES",
     "FORMATS",
     "METHODS",
+    "OUTPUT_SUFFIXES",
     "TABLE_SUFFIXES",
     "Beyond",
+    "Branch",
     "Engine",
     "Format",
     "Method",
     "listed",
 ]
 
+Branch = Literal["loading", "unloading"]
 Method = Literal["minimal", "multiplier"]
 Beyond = Literal["stop", "tangent"]
 Engine = Literal["embedded", "calculix"]
 Format = Literal["png", "pdf", "svg", "pgf"]
 
+BRANCHES: tuple[Branch, ...] = get_args(Branch)
 METHODS: tuple[Method, ...] = get_args(Method)
 BEYOND: tuple[Beyond, ...] = get_args(Beyond)
 ENGINES: tuple[Engine, ...] = get_args(Engine)
 FORMATS: tuple[Format, ...] = get_args(Format)
-TABLE_SUFFIXES = (".csv", ".parquet")
+# Of tables that are read, and of those that are written.
+TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
+OUTPUT_SUFFIXES = (".csv", ".parquet")
 
 
 def listed(names: Iterable[str]) -> str:

@@ -13,7 +13,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cylcontact.choices import TABLE_SUFFIXES
+from cylcontact.choices import OUTPUT_SUFFIXES
 from cylcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -236,7 +236,7 @@ def require_suffix(path: Path | str, *suffixes: str) -> str:
 
 def write_table(table: pd.DataFrame, path: Path | str) -> None:
     """Write a table as .csv or .parquet; it appears complete or not at all."""
-    suffix = require_suffix(path, *TABLE_SUFFIXES)
+    suffix = require_suffix(path, *OUTPUT_SUFFIXES)
     with replacing(path) as temporary:
         if suffix == ".csv":
             table.to_csv(temporary, index=False, lineterminator="\n")

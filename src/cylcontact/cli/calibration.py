@@ -47,7 +47,9 @@ def sample(
 def fit(
     campaign: Annotated[
         Path,
-        typer.Argument(help="A campaign, e.g. fitting/internal.toml, or a .csv or .parquet table."),
+        typer.Argument(
+            help="A campaign, e.g. fitting/internal.toml, or a .csv, .xlsx or .parquet table."
+        ),
     ],
     *,
     out: Annotated[

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cylcontact.choices import TABLE_SUFFIXES, listed
+from cylcontact.choices import BRANCHES, TABLE_SUFFIXES, listed
 from cylcontact.cli.options import (
     LOSSES,
     Hole,
@@ -89,6 +89,21 @@ class TableOptions:
         list[str] | None,
         _option("--ignore", help="A column to leave out; may be repeated.", metavar="COLUMN"),
     ] = None
+    columns: Annotated[
+        list[str] | None,
+        _option(
+            "--columns",
+            help="What a column is, e.g. load_N=Kraft; may be repeated.",
+            metavar="NAME=COLUMN",
+        ),
+    ] = None
+    group: Annotated[
+        str | None,
+        _option("--group", help="The column of the groups, e.g. specimens.", metavar="COLUMN"),
+    ] = None
+    branch: Annotated[
+        str | None, _option("--branch", help=f"Keep the rows of {listed(BRANCHES)} alone.")
+    ] = None
     bound: Annotated[
         list[str] | None,
         _option(
@@ -142,9 +157,11 @@ def _plan_of_table(path: Path, given: dict[str, Any], search: SearchOptions) -> 
     constants = {name: given.pop(name) for name in CONSTANTS if name in given}
     if "E_MPa" in constants:
         constants["E_MPa"] = modulus_in_MPa(constants["E_MPa"], str(path), "--E")
+    columns = _columns(str(path), given.pop("columns", []))
     parameters = _parameters(str(path), given.pop("bound", []), given.pop("fix", []))
     runs, seed, optimizer = astuple(search)
     settings = {**given, "seed": seed, "optimizer": optimizer, "parameters": parameters or None}
+    settings["columns"] = columns or None
     settings |= {"starts": runs} if optimizer is None else {"genetic": runs and {"runs": runs}}
     law, contact = settings.pop("law"), settings.pop("contact")
     return campaign_of_table(path, law, contact, constants, **settings)
@@ -161,6 +178,22 @@ def _name_bodies(source: str, given: dict[str, Any]) -> None:
             rule = f"is the body that {other} names as well"
             raise InputError(source, f"--{role}", given[role], rule, "keep one of them")
         given[body] = given.pop(role)
+
+
+def _columns(source: str, texts: list[str]) -> dict[str, str]:
+    """Return the table [columns] from --columns."""
+    columns: dict[str, str] = {}
+    for text in texts:
+        name, _, column = (part.strip() for part in text.partition("="))
+        if not name or not column:
+            raise InputError(
+                source, "--columns", text, "is not valid", "write --columns load_N=Kraft"
+            )
+        if name in columns:
+            rule = f"{name} is given twice"
+            raise InputError(source, "--columns", text, rule, "keep one of them")
+        columns[name] = column
+    return columns
 
 
 def _parameters(source: str, bounds: list[str], fixed: list[str]) -> dict[str, dict[str, Any]]:

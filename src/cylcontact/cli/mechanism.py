@@ -12,7 +12,7 @@ import typer
 
 from cylcontact import choices
 from cylcontact.arrays import require
-from cylcontact.choices import BEYOND, METHODS, TABLE_SUFFIXES, listed
+from cylcontact.choices import BEYOND, METHODS, OUTPUT_SUFFIXES, listed
 from cylcontact.cli.options import Jobs, Scheduler, expand_options, integer_from, resumable
 from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
@@ -149,7 +149,7 @@ def simulate(
     if out is not None:
         require_suffix(out, ".parquet")
     if table is not None:
-        require_suffix(table, *TABLE_SUFFIXES)
+        require_suffix(table, *OUTPUT_SUFFIXES)
     allowed = None if allowed_penetration is None else allowed_penetration * 1e-6
     settings = settings_for(mechanism, **asdict(integration), allowed_penetration=allowed)
     total = revolutions or mechanism.integration.revolutions
@@ -306,7 +306,7 @@ def sweep(
     from cylcontact.mechanism import sweep as run
 
     mechanism = read_mechanism(spec)
-    require_suffix(out, *TABLE_SUFFIXES)
+    require_suffix(out, *OUTPUT_SUFFIXES)
     wanted = cases(
         [law.strip() for law in varied.laws.split(",")],
         _numbers("--clearances", varied.clearances),
@@ -342,7 +342,7 @@ def tolerances(
     from cylcontact.mechanism.studies import tolerance_table
 
     mechanism = read_mechanism(spec)
-    require_suffix(out, *TABLE_SUFFIXES)
+    require_suffix(out, *OUTPUT_SUFFIXES)
     turns = revolutions or mechanism.integration.revolutions
     wanted = cases(*PAPER)
     where = workers(jobs, scheduler)
@@ -398,7 +398,7 @@ def bifurcation(
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism.studies import bifurcation as run
 
-    require_suffix(out, *TABLE_SUFFIXES)
+    require_suffix(out, *OUTPUT_SUFFIXES)
     mechanism = read_mechanism(spec, **asdict(changes))
     ends = _numbers("--clearances", clearances)
     require(

@@ -7,14 +7,11 @@ the columns that come out. `measurements_of` checks them row by row and returns 
 
 from __future__ import annotations
 
-import csv
-import hashlib
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +19,17 @@ from pydantic import Field
 
 from cylcontact import limits
 from cylcontact.arrays import BoolArray, FloatArray
-from cylcontact.choices import TABLE_SUFFIXES
+from cylcontact.choices import BRANCHES, Branch
+from cylcontact.datasets.branches import is_unloading
+from cylcontact.datasets.columns import Mapped, mapped, require_found
+from cylcontact.datasets.tables import (
+    MAX_ROWS,
+    Table,
+    finite_numbers,
+    read_table,
+    table_of_frame,
+    texts,
+)
 from cylcontact.errors import InputError
 from cylcontact.materials import (
     MaterialRow,
@@ -34,6 +41,9 @@ from cylcontact.pair import Contact, CylinderPair
 from cylcontact.spec import Spec
 from cylcontact.units import LABELS, Column, column_named, spellings
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 __all__ = [
     "MAX_ROWS",
     "Constants",
@@ -41,20 +51,22 @@ __all__ = [
     "MeasuredData",
     "Measurements",
     "measurements_of",
+    "read_frame",
     "read_measured",
+    "require_positive_penetration",
     "yield_notes",
 ]
 
-# All rows are held in memory and stored in the result.
-MAX_ROWS = 200_000
 Constants = Mapping[str, float | str]
 Indices = NDArray[np.intp]
-# Of each row of a table its position in the file, a CSV's line or a Parquet's row, and its cells.
-_Rows = Sequence[tuple[int, Sequence[object]]]
 _Numbers = dict[str, FloatArray]
 _Labels = dict[str, list[str]]
 _Materials = dict[str, MaterialRow]
 _SHIPPED = "the table that ships"
+# Positions of rows that a step lists.
+_LISTED = 8
+# What tells pairs apart.
+_OF_PAIR = ("dR", "R_i", "R_j", "E_i", "E_j", "nu_i", "nu_j", "length")
 _GROUPINGS = ("rows", "material", "dR", "pair", "group", "branch")
 
 
@@ -66,11 +78,12 @@ class _Range(NamedTuple):
 
 
 _POSITIVE = _Range("must be positive and finite", lambda values: values > 0)
+_FINITE = _Range("must be finite", np.isfinite)
 _RATIO = _Range("must lie in [0, 0.5]", lambda values: (values >= 0) & (values <= 0.5))
 # What a row may have of each quantity, in the unit in which it is kept, in the order of checks.
 _RANGES = {
     "load": _POSITIVE,  # N/mm
-    "penetration": _POSITIVE,  # mm
+    "penetration": _FINITE,  # mm; a reading that is not zeroed may be negative
     "E_i": _POSITIVE,  # MPa
     "E_j": _POSITIVE,  # MPa
     "dR": _POSITIVE,  # mm
@@ -80,6 +93,7 @@ _RANGES = {
     "load_std": _POSITIVE,  # N/mm
     "penetration_std": _POSITIVE,  # mm
     "weight": _POSITIVE,
+    "time": _FINITE,  # s
     "nu_i": _RATIO,
     "nu_j": _RATIO,
 }
@@ -97,6 +111,7 @@ class MeasuredData(Spec):
     numbers: dict[str, list[float]] = Field(description="columns of numbers")
     labels: dict[str, list[str]] = Field(description="columns of words")
     notes: list[str] = Field(description="remarks for the report")
+    steps: list[str] = Field([], description="what was done to the table")
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,12 +213,21 @@ class Measurements:
         return [lines for lines in positions.values() if len(lines) > 1]
 
     def replicates(self) -> list[Indices]:
-        """Return the rows of each load that was repeated."""
-        _, pair = self.groups("pair")
-        sets: dict[tuple[int, float], list[int]] = {}
-        for k, key in enumerate(zip(pair.tolist(), self.load.tolist(), strict=True)):
-            sets.setdefault(key, []).append(k)
-        return [np.array(rows) for rows in sets.values() if len(rows) > 1]
+        """Return the indices of rows of the same load and pair, an array for two or more of them.
+
+        Examples
+        --------
+        >>> import pandas as pd
+        >>> frame = pd.DataFrame({"load_N_per_mm": [1, 2, 1], "penetration_um": [0.2, 0.3, 0.1]})
+        >>> data = read_frame(frame, "internal", {"E_GPa": 207, "nu": 0.3, "dR_um": 30})
+        >>> measurements_of(data, "example").replicates()
+        [array([0, 2])]
+        """
+        keys = [self.columns[name] for name in ("load", *_OF_PAIR) if name in self.columns]
+        alike = _alike(keys, len(self))
+        order = np.argsort(alike, kind="stable")
+        parts = np.split(order, np.flatnonzero(np.diff(alike[order])) + 1)
+        return [rows for rows in parts if rows.size > 1]
 
     def _group_name(self, over: str, k: int) -> str:
         """Return the name of the group that row k belongs to."""
@@ -230,13 +254,17 @@ def read_measured(
     constants: Constants | None = None,
     materials: Path | None = None,
     ignored: Sequence[str] = (),
+    columns: Mapping[str, str] | None = None,
+    group: str | None = None,
+    branch: Branch | None = None,
 ) -> MeasuredData:
     r"""Read a table of measurements into columns.
 
     Parameters
     ----------
     path : path
-        A CSV or Parquet file with the units in the column names (`cylcontact.units`).
+        A CSV, Excel or Parquet file with the units in the names of its columns or below them
+        (`cylcontact.units`).
     contact : {"internal", "external"}
         Pin in hole, or two rollers.
     constants : mapping, optional
@@ -245,6 +273,12 @@ def read_measured(
         Your own table of materials, in addition to that of the package.
     ignored : sequence of str
         Columns to leave out.
+    columns : mapping, optional
+        Columns by what they are, where their names do not say it: {"load_N": "Kraft"}.
+    group : str, optional
+        The column whose values are the groups: specimens, runs, dates.
+    branch : {"loading", "unloading"}, optional
+        The rows to keep; all by default.
 
     Returns
     -------
@@ -254,30 +288,95 @@ def read_measured(
     Raises
     ------
     InputError
-        If the file cannot be read or is of another kind, has an unknown or repeated column, a cell
-        that is empty or not a number, no rows or too many; or a constant is wrong, a quantity is
-        given twice or not at all, or a material is unknown.
+        If the file cannot be read or is of another kind, has a column in doubt or a cell that is
+        empty or not a number, no rows or too many; or a constant is wrong, a quantity is given
+        twice or not at all, or a material is unknown.
 
     Examples
     --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = Path(folder, "mine.csv")
-    ...     _ = path.write_text("load_kN,penetration_um\n0.2,0.206\n0.5,0.454\n")
+    ...     _ = path.write_text("F [kN];displacement [µm]\n0,2;0,206\n0,5;0,454\n")
     ...     pair = {"E_GPa": 207, "nu": 0.3, "dR_um": 30, "length_mm": 20}
     ...     data = read_measured(path, "internal", pair)
     >>> data.numbers["load"], data.numbers["E_i"], data.lines
     ([10.0, 25.0], [207000.0], [2, 3])
+    >>> print(*data.steps, sep="\n")
+    cells are separated by semicolons
+    decimals are marked by commas
+    column 'F [kN]' is read as total load in kN, divided by the length of 20 mm
+    column 'displacement [µm]' is read as penetration in µm
     """
-    source = str(path)
-    row_word = "row" if source.lower().endswith(".parquet") else "line"
-    sha256, names, rows = _read_table(source)
-    lines = [line for line, _ in rows]
-    columns = _recognised(source, names, ignored)
-    values = _values(f"{source}, {row_word}", columns, names, rows)
-    del rows  # their text takes more memory than the numbers
+    table = read_table(path)
+    found = mapped(table, columns or {}, group, ignored)
+    return _measured_data(found, Path(table.source).name, contact, constants, materials, branch)
+
+
+def read_frame(
+    frame: pd.DataFrame,
+    contact: Contact,
+    constants: Constants | None = None,
+    materials: Path | None = None,
+    ignored: Sequence[str] = (),
+    columns: Mapping[str, str] | None = None,
+    group: str | None = None,
+    branch: Branch | None = None,
+) -> MeasuredData:
+    """Read a DataFrame as `read_measured` reads a file.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        The table; its index is not used. Errors count its rows from 1.
+    contact, constants, materials, ignored, columns, group, branch
+        As for `read_measured`.
+
+    Returns
+    -------
+    MeasuredData
+        With the hash of the table as CSV.
+
+    Raises
+    ------
+    InputError
+        As for `read_measured`.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> frame = pd.DataFrame({"load_N_per_mm": [10.0, 25.0], "depth": [0.2, 0.5]})
+    >>> pair = {"E_GPa": 207, "nu": 0.3, "dR_um": 30}
+    >>> data = read_frame(frame, "internal", pair, columns={"penetration_um": "depth"})
+    >>> data.numbers["penetration"], data.steps
+    ([0.0002, 0.0005], ["column 'depth' is read as penetration in µm"])
+    """
+    table = table_of_frame(frame)
+    found = mapped(table, columns or {}, group, ignored)
+    return _measured_data(found, table.source, contact, constants, materials, branch)
+
+
+def _measured_data(
+    found: Mapped,
+    name: str,
+    contact: Contact,
+    constants: Constants | None,
+    materials: Path | None,
+    branch: Branch | None,
+) -> MeasuredData:
+    """Return the data of a table whose columns are known."""
+    table, source = found.table, found.table.source
+    columns = list(found.columns.values())
+    of_numbers = found.indices(of_words=False)
+    read = zip(of_numbers, finite_numbers(table, of_numbers), strict=True)
+    values: dict[str, list[Any]] = {found.columns[k].quantity: cells for k, cells in read}
+    values |= {found.columns[k].quantity: texts(table, k) for k in found.indices(of_words=True)}
+    if found.group is not None:
+        values["group"] = texts(table, found.group)
+    require_found(found, "load")
+    require_found(found, "penetration")
     columns += _add_constants(source, constants or {}, values)
-    labels = {c.quantity: values[c.quantity] for c in columns if c.quantity in LABELS}
+    labels = {quantity: words for quantity, words in values.items() if quantity in LABELS}
     numbers = {
         c.quantity: np.array([value * c.factor for value in values[c.quantity]])
         for c in columns
@@ -285,126 +384,122 @@ def read_measured(
     }
     notes = _add_moduli(source, numbers, labels, materials)
     _divide_by_length(source, numbers, sorted(c.quantity for c in columns if c.is_total))
+    table.steps.extend(_readings(found, numbers))
+    kept = _kept_rows(table, numbers, labels, branch)
     return MeasuredData(
-        source=Path(source).name,
-        sha256=sha256,
+        source=name,
+        sha256=table.sha256,
         contact=contact,
-        row_word=row_word,
-        lines=lines,
-        numbers={name: column.tolist() for name, column in numbers.items()},
-        labels=labels,
+        row_word=table.row_word,
+        lines=np.array(table.lines)[kept].tolist(),
+        numbers={name: _taken(column, kept).tolist() for name, column in numbers.items()},
+        labels={
+            name: _taken(np.array(column, object), kept).tolist() for name, column in labels.items()
+        },
         notes=notes,
+        steps=table.steps,
     )
 
 
-def _read_table(source: str) -> tuple[str, list[str], _Rows]:
-    """Return the hash of a file's bytes, the names of its columns, and its rows."""
-    suffix = Path(source).suffix.lower()
-    if suffix not in TABLE_SUFFIXES:
-        raise InputError(source, "", None, "is neither .csv nor .parquet", "name a table")
-    try:
-        sha256 = hashlib.sha256(Path(source).read_bytes()).hexdigest()
-        names, rows = _read_csv(source) if suffix == ".csv" else _read_parquet(source)
-    except OSError as error:
-        rule = f"cannot be read ({error.strerror or error})"
-        raise InputError(source, "", None, rule, "check the path") from error
-    if not rows:
-        raise InputError(source, "", None, "holds no rows", "give it at least one below the names")
-    if len(rows) > MAX_ROWS:
-        rule = f"has {len(rows)} rows (at most {MAX_ROWS})"
-        raise InputError(source, "", None, rule, "thin or average them")
-    return sha256, names, rows
+def _readings(found: Mapped, numbers: _Numbers) -> list[str]:
+    """Return how columns are read whose names are not those of the package."""
+    steps = []
+    for column in found.columns.values():
+        if column.is_standard:
+            continue
+        step = f"column {column.name!r} is read as "
+        step += f"total {column.quantity}" if column.is_total else column.quantity
+        step += (
+            f" in {column.unit.replace('_per_', '/').replace('um', 'µm')}" if column.unit else ""
+        )
+        if column.is_total:
+            length = numbers["length"]
+            of_all = length.size == 1
+            step += f", divided by the length of {f'{length[0]:g} mm' if of_all else 'its row'}"
+        steps.append(step)
+    if found.group is not None and found.table.names[found.group] != "group":
+        steps.append(f"column {found.table.names[found.group]!r} is read as group")
+    return steps
 
 
-def _read_csv(source: str) -> tuple[list[str], _Rows]:
-    """Return the names of the columns, and the rows of text, without empty ones.
+def _taken(column: NDArray[Any], kept: Indices) -> NDArray[Any]:
+    """Return some rows of a column, which may be one of a single value for all rows."""
+    return column if column.size == 1 else column[kept]
 
-    pandas would count lines otherwise, and fill rows that lack cells.
+
+# --- rows that are kept -------------------------------------------------------------------------
+
+
+def _kept_rows(table: Table, numbers: _Numbers, labels: _Labels, branch: Branch | None) -> Indices:
+    """Return the rows to keep, and add to the labels the branch of each row if loads fall.
+
+    Rows of zero load are left out; they help to find the branches before.
     """
-    try:
-        with Path(source).open(encoding="utf-8-sig", newline="") as file:
-            # A comment becomes an empty line, so that the lines below it keep their numbers.
-            reader = csv.reader(("\n" if x.startswith("#") else x for x in file), strict=True)
-            rows = [(reader.line_num, c) for row in reader if any(c := [*map(str.strip, row)])]
-    except (UnicodeDecodeError, csv.Error) as error:
-        rule = f"is not a CSV table ({error})"
-        raise InputError(source, "", None, rule, "save it as CSV in UTF-8") from error
-    if not rows:
-        raise InputError(source, "", None, "is empty", "give it a line of column names, then rows")
-    names = rows.pop(0)[1]
-    if any(";" in name for name in names):
-        remedy = "save it with commas, points in numbers"
-        raise InputError(source, "", None, "is separated by semicolons", remedy)
-    for line, row in rows:
-        if len(row) != len(names):
-            rule = f"has {len(row)} cells for {len(names)} columns"
-            remedy = "give every row a cell for each column, separated by commas"
-            raise InputError(f"{source}, line {line}", "", None, rule, remedy)
-    return names, rows
+    load = numbers["load"]
+    falls = is_unloading(load, _series(numbers, labels, load.size))
+    zero = load == 0
+    if zero.any():
+        table.steps.append(f"{_rows(zero)} of zero load left out ({_at(table, zero)})")
+    if zero.all():
+        raise InputError(table.source, "load", 0.0, "is zero in all rows", "give loads above zero")
+    keeps = ~zero
+    if falls is None and branch is not None:
+        rule = "cannot be told: the loads rise and fall in no order"
+        remedy = "keep the order of measurement, name the series with --group, or leave it out"
+        raise InputError(table.source, "branch", branch, rule, remedy)
+    if falls is not None and falls.any():
+        labels["branch"] = [BRANCHES[fall] for fall in falls.astype(int)]
+    keeps &= _of_branch(table, np.zeros_like(zero) if falls is None else falls, zero, branch)
+    return np.flatnonzero(keeps)
 
 
-def _read_parquet(source: str) -> tuple[list[str], _Rows]:
-    """Return the names of the columns, and the rows, whose cells may be of any type."""
-    import pyarrow as pa
-    import pyarrow.parquet
-
-    try:
-        table = pyarrow.parquet.read_table(source)
-    except pa.ArrowException as error:
-        rule = f"is not a Parquet table ({error})"
-        raise InputError(source, "", None, rule, "write it anew, or use CSV") from error
-    cells = (column.to_pylist() for column in table.columns)
-    return table.column_names, list(enumerate(zip(*cells, strict=True), start=1))
-
-
-def _recognised(source: str, names: Sequence[str], ignored: Sequence[str]) -> list[Column]:
-    """Return the parsed names of the columns that are not ignored."""
-    for name in ignored:
-        if name not in names:
-            rule, remedy = "is not a column of the table", f"it has {', '.join(names)}"
-            raise InputError(source, "ignore", name, rule, remedy)
-    columns: dict[str, Column] = {}
-    for name in (name for name in names if name not in ignored):
-        column = column_named(name)
-        if column is None:
-            remedy = (
-                "give the quantity and its unit, e.g. load_N_per_mm, penetration_um, E_GPa, nu, "
-                "dR_um, or list it under ignore"
-            )
-            raise InputError(source, "columns", name, "is not a known column", remedy)
-        if column.quantity in columns:
-            rule = f"gives the same quantity as {columns[column.quantity].name}"
-            raise InputError(source, "columns", name, rule, "keep one of them")
-        columns[column.quantity] = column
-    return list(columns.values())
+def _of_branch(table: Table, falls: BoolArray, zero: BoolArray, branch: Branch | None) -> BoolArray:
+    """Return which rows are of a branch, all without one; say how many there are of each."""
+    fall, rise = falls & ~zero, ~(falls | zero)
+    kept, other = (fall, rise) if branch == "unloading" else (rise, fall)
+    if branch is None:
+        if fall.any():
+            counts = f"{_rows(rise)} of loading and {_rows(fall)} of unloading"
+            table.steps.append(f"{counts}, all kept (--branch loading keeps the first)")
+        return np.ones_like(falls)
+    if not kept.any():
+        rule, remedy = f"has no rows of {branch}", "leave it out"
+        raise InputError(table.source, "branch", branch, rule, remedy)
+    name = "loading" if branch == "unloading" else "unloading"
+    table.steps.append(f"{_rows(other)} of {name} left out (--branch {branch})")
+    return kept
 
 
-def _values(
-    where: str, columns: Sequence[Column], names: Sequence[str], rows: _Rows
-) -> dict[str, list[Any]]:
-    """Return the columns by quantity, those of numbers first, still in their units."""
-    values: dict[str, list[Any]] = {}
-    for column in sorted(columns, key=lambda column: column.quantity in LABELS):
-        k = names.index(column.name)
-        values[column.quantity] = [_value(where, column, line, row[k]) for line, row in rows]
-    return values
+def _series(numbers: _Numbers, labels: _Labels, size: int) -> Indices:
+    """Return the series of each row: its group and pair."""
+    pair = [numbers[name] for name in _OF_PAIR if name in numbers]
+    group = labels.get("group", [""])
+    codes = {word: code for code, word in enumerate(dict.fromkeys(group))}
+    keys = [*pair, np.array([codes[word] for word in group], dtype=np.float64)]
+    return _alike([key for key in keys if key.size > 1], size)
 
 
-def _value(where: str, column: Column, line: int, cell: object) -> float | str:
-    """Return a cell as a word or a finite number."""
-    if cell is None or cell == "":
-        remedy = "fill it in, or remove the row"
-        raise InputError(f"{where} {line}", column.name, None, "is empty", remedy)
-    if column.quantity in LABELS:
-        return str(cell)
-    try:
-        number = float(cell)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number):
-        remedy = "write it with a decimal point, without its unit"
-        raise InputError(f"{where} {line}", column.name, cell, "must be a finite number", remedy)
-    return number
+def _alike(columns: Sequence[FloatArray], size: int) -> Indices:
+    """Return a number for each of N rows, the same for rows that are equal in all columns."""
+    if not columns:
+        return np.zeros(size, dtype=np.intp)
+    return np.unique(np.column_stack(columns), axis=0, return_inverse=True)[1].reshape(-1)
+
+
+def _rows(chosen: BoolArray) -> str:
+    """Return how many rows are chosen, in words."""
+    count = int(np.count_nonzero(chosen))
+    return "1 row" if count == 1 else f"{count} rows"
+
+
+def _at(table: Table, chosen: BoolArray) -> str:
+    """Return the positions of chosen rows in the file, the first few of many."""
+    lines = [str(table.lines[k]) for k in np.flatnonzero(chosen)]
+    word = table.row_word if len(lines) == 1 else f"{table.row_word}s"
+    return f"{word} {', '.join(lines[:_LISTED])}{', …' if len(lines) > _LISTED else ''}"
+
+
+# --- constants, materials and lengths -----------------------------------------------------------
 
 
 def _add_constants(source: str, constants: Constants, values: dict[str, list[Any]]) -> list[Column]:
@@ -412,7 +507,7 @@ def _add_constants(source: str, constants: Constants, values: dict[str, list[Any
     columns = []
     for name, value in constants.items():
         key, column = f"constants.{name}", column_named(name)
-        if column is None or column.quantity in ("load", "penetration", "weight", "group"):
+        if column is None or column.quantity in ("load", "penetration", "weight", "time", "group"):
             remedy = "give e.g. E_GPa, nu, material, dR_um, R_i_mm, length_mm"
             raise InputError(source, key, value, "is not a known constant", remedy)
         if column.quantity in values:
@@ -497,7 +592,10 @@ def _divide_by_length(source: str, numbers: _Numbers, totals: Sequence[str]) -> 
     for quantity in totals:
         if "length" not in numbers:
             rule = "is a total force, and the axial length is not given"
-            remedy = f"add {spellings('length')}, or give the load per unit length"
+            remedy = (
+                "add --length in mm (in a campaign length_mm under [constants]), or a column "
+                f"{spellings('length')}, or give the load per unit length"
+            )
             raise InputError(source, quantity, None, rule, remedy)
         with np.errstate(divide="ignore", invalid="ignore"):  # the length may be 0
             numbers[quantity] = numbers[quantity] / numbers["length"]
@@ -543,6 +641,7 @@ def measurements_of(data: MeasuredData, source: str) -> Measurements:
         for name, values in data.numbers.items()
     }
     _require_given(source, _REQUIRED, columns)
+    _require_sign(data, source, columns)
     for name, allowed in _RANGES.items():
         if name in columns:
             _require(data, source, name, columns[name], allowed)
@@ -572,7 +671,12 @@ def _require_given(source: str, names: Sequence[str], columns: _Numbers) -> None
 
 
 def _require(
-    data: MeasuredData, source: str, name: str, values: FloatArray, allowed: _Range
+    data: MeasuredData,
+    source: str,
+    name: str,
+    values: FloatArray,
+    allowed: _Range,
+    remedy: str = "correct the row, or remove it; mind the unit in the column's name",
 ) -> None:
     """Raise `InputError` for the first row with a value that is not allowed."""
     wrong = np.flatnonzero(~(allowed.allows(values) & np.isfinite(values)))
@@ -580,8 +684,46 @@ def _require(
         first = int(wrong[0])
         where = f"{source}, {data.row_word} {data.lines[first]}"
         more = f" ({wrong.size - 1} more like it)" if wrong.size > 1 else ""
-        remedy = f"correct the row, or remove it; mind the unit in the column's name{more}"
-        raise InputError(where, name, float(values[first]), allowed.rule, remedy)
+        raise InputError(where, name, float(values[first]), allowed.rule, f"{remedy}{more}")
+
+
+def _require_sign(data: MeasuredData, source: str, columns: _Numbers) -> None:
+    """Raise `InputError` for a table that counts compression negative."""
+    if (columns["load"] <= 0).all() and (columns["penetration"] <= 0).all():
+        remedy = "turn the sign of both columns: compression counts as positive"
+        rule = _POSITIVE._replace(rule="must be positive, and no load or penetration is")
+        _require(data, source, "load", columns["load"], rule, remedy)
+
+
+def require_positive_penetration(measured: Measurements, source: str, remedy: str) -> None:
+    """Raise `InputError` for the first row whose penetration is not positive.
+
+    Parameters
+    ----------
+    measured : Measurements
+        The rows.
+    source : str
+        Their table's name in errors.
+    remedy : str
+        What to do about readings that are not zeroed.
+
+    Raises
+    ------
+    InputError
+        The message names the row.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> frame = pd.DataFrame({"load_N_per_mm": [1, 2], "penetration_um": [-0.1, 0.2]})
+    >>> data = read_frame(frame, "internal", {"E_GPa": 207, "nu": 0.3, "dR_um": 30})
+    >>> measured = measurements_of(data, "example")
+    >>> require_positive_penetration(measured, "example", "correct it")
+    Traceback (most recent call last):
+    ...
+    cylcontact.errors.InputError: example, row 1: penetration = -0.0001: must be positive...
+    """
+    _require(measured.data, source, "penetration", measured.penetration, _POSITIVE, remedy)
 
 
 def _complete_geometry(data: MeasuredData, columns: _Numbers, source: str) -> None:

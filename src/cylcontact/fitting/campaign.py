@@ -20,6 +20,7 @@ from cylcontact.datasets.measurements import (
     Measurements,
     measurements_of,
     read_measured,
+    require_positive_penetration,
     yield_notes,
 )
 from cylcontact.errors import InputError
@@ -60,6 +61,10 @@ __all__ = [
 ]
 
 _MATERIALS = "datasets/materials.csv"
+_ZERO_REMEDY = (
+    "correct the row, or remove it; readings that are not zeroed need a free offset "
+    "(--free offset, or a table [parameters.offset]) and --noise constant"
+)
 _LIBRARIES = ("numpy", "scipy", "pandas", "pygad", "joblib")
 
 
@@ -101,8 +106,10 @@ class TableData:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """The whole table."""
-        return {"measurements": self.measurements.data.model_dump(mode="json")}
+        """The whole table; without steps as results have it that were saved before these."""
+        data = self.measurements.data
+        without = None if data.steps else {"steps"}
+        return {"measurements": data.model_dump(mode="json", exclude=without)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -355,7 +362,7 @@ def _read_on_table(path: Path, contents: dict[str, Any], source: str) -> Campaig
             "data",
             spec.data,
             "no such file beside the campaign or above it",
-            "name a .csv or .parquet table",
+            "name a .csv, .xlsx or .parquet table",
         )
     return _of_table(path.stem, spec, table, path.parent, source)
 
@@ -371,7 +378,10 @@ def _of_table(name: str, spec: MeasuredSpec, table: Path, folder: Path, source: 
         model = user_model(spec.law, folder.resolve(), spec.contact, source)
     else:
         model = model_of(spec.law, spec.contact, source)
-    data = read_measured(table, spec.contact, spec.constants, materials, spec.ignore)
+    data = read_measured(
+        *(table, spec.contact, spec.constants, materials),
+        *(spec.ignore, spec.columns, spec.group, spec.branch),
+    )
     measured = measurements_of(data, str(table))
     data.notes.extend(yield_notes(measured, materials))
     return _on_table(name, spec, measured, _freed(model, spec, measured, source), source)
@@ -424,6 +434,10 @@ def _on_table(
     else:
         prefers_load = is_user_law(spec.law)
         objective = objective_name(spec.objective, spec.noise, measured, prefers_load, source)
+    if "log" in objective or not any(p.is_free for p in parameters if p.name == "offset"):
+        named = Path(source).name == measured.data.source
+        where = source if named else f"{source}, {measured.data.source}"
+        require_positive_penetration(measured, where, _ZERO_REMEDY)
     chosen = {"objective": objective, "noise": spec.noise if noise else None}
     complete = completed(spec, parameters).model_copy(update=chosen)
     data = TableData(measured, noise)

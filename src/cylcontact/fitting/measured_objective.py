@@ -197,6 +197,8 @@ def objective_name(
         return "rms-penetration" if noise == "constant" else "rms-log-penetration"
     if given is None:
         quantity = "load" if prefers_load else "penetration"
+        if (data.penetration <= 0).any() and not sigmas:
+            return "rms-penetration"
         return f"rms-{sigmas[0]}" if sigmas else f"rms-log-{quantity}"
     if given not in _OBJECTIVES:
         raise InputError(

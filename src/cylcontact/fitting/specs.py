@@ -9,6 +9,7 @@ from typing import TypeVar
 
 from pydantic import Field, model_validator
 
+from cylcontact.choices import Branch
 from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.loss import LOSSES
@@ -144,7 +145,9 @@ class CampaignSpec(Spec):
 class MeasuredSpec(Spec):
     """A campaign file that names a table of measurements."""
 
-    data: str = Field(description="the path of a .csv or .parquet table, beside or above the file")
+    data: str = Field(
+        description="the path of a .csv, .xlsx or .parquet table, beside or above the file"
+    )
     contact: Contact = Field(description='"internal" or "external"')
     law: str = Field(description="the law to fit, or module:function for one of your own")
     objective: str | None = Field(None, description="an objective for measurements")
@@ -169,6 +172,10 @@ class MeasuredSpec(Spec):
     )
     materials: str | None = Field(None, description="the path of a table of materials")
     ignore: tuple[str, ...] = Field((), strict=False, description="a list of columns to leave out")
+    columns: dict[str, str] | None = Field(
+        None, description='a table [columns] of what columns are, e.g. load_N = "Kraft"'
+    )
+    branch: Branch | None = Field(None, description='"loading" or "unloading"')
     parameters: dict[str, ParameterSpec] = Field(
         {},
         description="tables [parameters.NAME] for parameters with other bounds, or fixed ones",

@@ -1,0 +1,433 @@
+"""Tables as files hold them: the names of columns, and cells of text or numbers."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cylcontact.choices import TABLE_SUFFIXES
+from cylcontact.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["MAX_ROWS", "Table", "finite_numbers", "read_table", "table_of_frame", "texts"]
+
+# All rows are held in memory and stored in the result.
+MAX_ROWS = 200_000
+# Of each row its position in the file and its cells.
+_Rows = list[tuple[int, list[Any]]]
+_SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+# Beyond letters, what the Windows-1252 text of a table may have that is not ASCII.
+_EXTRA = "µ°±²³·×–€"
+_GROUPED = {mark: re.compile(rf"[+-]?[1-9]\d{{0,2}}(?:\{mark}\d{{3}})+") for mark in ".,"}
+_THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:[\u00a0\u202f '’.,]\d{3})+(?:[.,]\d+)?")
+
+
+@dataclass(frozen=True)
+class Table:
+    """The cells of a table with N rows.
+
+    Attributes
+    ----------
+    source : str
+        Its name in errors.
+    row_word : str
+        "line" or "row", in errors.
+    sha256 : str
+        The hash of its bytes.
+    names : list of str
+        The names of the columns.
+    lines : list of int
+        The position of each row in the file, N of them.
+    columns : list of list
+        The cells, column by column; None where one is empty.
+    separator : str
+        What separates the cells of a CSV; empty for other files.
+    steps : list of str
+        What was recognised, for the result.
+    """
+
+    source: str
+    row_word: str
+    sha256: str
+    names: list[str]
+    lines: list[int]
+    columns: list[list[Any]]
+    separator: str = ""
+    steps: list[str] = field(default_factory=list)
+
+
+def read_table(path: Path | str) -> Table:
+    r"""Read a CSV file, an Excel workbook or a Parquet file.
+
+    The separator of a CSV, its encoding and its decimal mark are recognised. Of a workbook the
+    first sheet that holds cells is read.
+
+    Parameters
+    ----------
+    path : path
+        A .csv, .xlsx or .parquet file, with the names of the columns in its first row.
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is of another kind, or has no rows or too many.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "mine.csv")
+    ...     _ = path.write_text("F [kN];Weg [mm]\n0,5;0,001\n")
+    ...     table = read_table(path)
+    >>> table.names, table.columns, table.steps
+    (['F [kN]', 'Weg [mm]'], [['0,5'], ['0,001']], ['cells are separated by semicolons'])
+    """
+    source, suffix = str(path), Path(path).suffix.lower()
+    if suffix not in TABLE_SUFFIXES:
+        *most, last = TABLE_SUFFIXES
+        raise InputError(
+            source, "", None, f"is neither {', '.join(most)} nor {last}", "name a table"
+        )
+    try:
+        content = Path(source).read_bytes()
+    except OSError as error:
+        rule = f"cannot be read ({error.strerror or error})"
+        raise InputError(source, "", None, rule, "check the path") from error
+    steps: list[str] = []
+    separator = ""
+    if suffix == ".csv":
+        separator, rows = _read_csv(source, content, steps)
+    else:
+        rows = (_read_workbook if suffix == ".xlsx" else _read_parquet)(source, content, steps)
+    if not rows:
+        raise InputError(source, "", None, "is empty", "give it a line of column names, then rows")
+    row_word = "line" if suffix == ".csv" else "row"
+    _require_rectangular(source, row_word, rows, separator)
+    names = ["" if name is None else str(name) for name in rows.pop(0)[1]]
+    lines = [line for line, _ in rows]
+    columns = [list(cells) for cells in zip(*(cells for _, cells in rows), strict=True)]
+    sha256 = hashlib.sha256(content).hexdigest()
+    table = Table(source, row_word, sha256, names, lines, columns, separator, steps)
+    require_rows(table)
+    return table
+
+
+def table_of_frame(frame: pd.DataFrame) -> Table:
+    """Return a DataFrame as a table, rows counted from 1; missing values are empty cells."""
+    content = frame.to_csv(index=False, lineterminator="\n").encode()
+    columns = [frame.iloc[:, k] for k in range(frame.shape[1])]
+    cells = [column.astype(object).where(column.notna(), None).tolist() for column in columns]
+    table = Table(
+        source="DataFrame",
+        row_word="row",
+        sha256=hashlib.sha256(content).hexdigest(),
+        names=[str(name) for name in frame.columns],
+        lines=list(range(1, len(frame) + 1)),
+        columns=[[_plain(cell) for cell in column] for column in cells],
+    )
+    require_rows(table)
+    return table
+
+
+def require_rows(table: Table) -> None:
+    """Raise `InputError` for a table without rows, or with too many."""
+    if not table.lines:
+        rule, remedy = "holds no rows", "give it at least one below the names"
+        raise InputError(table.source, "", None, rule, remedy)
+    if len(table.lines) > MAX_ROWS:
+        rule = f"has {len(table.lines)} rows (at most {MAX_ROWS})"
+        raise InputError(table.source, "", None, rule, "thin or average them")
+
+
+def _require_rectangular(source: str, row_word: str, rows: _Rows, separator: str) -> None:
+    """Raise `InputError` for the first row with more or fewer cells than there are names."""
+    width = len(rows[0][1])
+    for line, row in rows[1:]:
+        if len(row) != width:
+            rule = f"has {len(row)} cells for {width} columns"
+            by = _SEPARATORS[separator]
+            remedy = f"give every row a cell for each column, separated by {by}"
+            raise InputError(f"{source}, {row_word} {line}", "", None, rule, remedy)
+
+
+# --- CSV ----------------------------------------------------------------------------------------
+
+
+def _read_csv(source: str, content: bytes, steps: list[str]) -> tuple[str, _Rows]:
+    """Return the separator, and the rows of text without empty ones, that of names first.
+
+    pandas would count lines otherwise, and fill rows that lack cells.
+    """
+    try:
+        text = _decoded(content, steps)
+        separator = _separator(text)
+        rows = list(_rows(text, separator, strict=True))
+    except (UnicodeError, csv.Error) as error:
+        rule = f"is not a CSV table ({error})"
+        raise InputError(source, "", None, rule, "save it as CSV in UTF-8") from error
+    if separator != ",":
+        steps.append(f"cells are separated by {_SEPARATORS[separator]}")
+    return separator, rows
+
+
+def _decoded(content: bytes, steps: list[str]) -> str:
+    """Return the text of UTF-8, of UTF-16 with a byte order mark, or of Windows-1252.
+
+    Any bytes are some text in Windows-1252, so that it may have letters and a few signs only.
+    """
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        text = content.decode("utf-16")
+        steps.append("text is in UTF-16")
+    else:
+        try:
+            text = content.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            text = content.decode("cp1252")
+            if not all(c.isascii() or c.isalpha() or c in _EXTRA for c in set(text)):
+                raise
+            steps.append("text is in Windows-1252")
+    if "\0" in text:
+        raise UnicodeError("it holds zero bytes")
+    return text
+
+
+def _separator(text: str) -> str:
+    """Return the separator that the row of names shows."""
+    if len(_header(text, ";")) > 1:
+        return ";"
+    # Commas may be followed by a tab for alignment, and names between tabs may hold commas.
+    is_split_by_tabs = any("\t" in name for name in _header(text, ","))
+    return "\t" if is_split_by_tabs else ","
+
+
+def _header(text: str, separator: str) -> list[str]:
+    """Return the names of columns for a separator."""
+    return next(_rows(text, separator, strict=False), (0, []))[1]
+
+
+def _rows(text: str, separator: str, strict: bool) -> Iterator[tuple[int, list[Any]]]:
+    """Yield the rows that are not empty, each with the number of its line."""
+    # A comment becomes an empty line, so that the lines below it keep their numbers.
+    lines = ("\n" if x.startswith("#") else x for x in io.StringIO(text, newline=""))
+    reader = csv.reader(lines, delimiter=separator, strict=strict)
+    for row in reader:
+        cells = [cell.strip() or None for cell in row]
+        if any(cells):
+            yield reader.line_num, cells
+
+
+# --- workbooks and Parquet ----------------------------------------------------------------------
+
+
+def _read_workbook(source: str, content: bytes, steps: list[str]) -> _Rows:
+    """Return the rows of the first sheet with cells, that of names first."""
+    try:
+        title, sheets, rows = _first_sheet(content, data_only=False)
+        if any(_is_formula(cell) for _, cells in rows for cell in cells):
+            rows = _with_values(rows, _first_sheet(content, data_only=True, title=title)[2])
+    except Exception as error:  # openpyxl raises whatever a damaged file makes it stumble over
+        rule = f"is not an Excel workbook ({error or type(error).__name__})"
+        raise InputError(source, "", None, rule, "save it as .xlsx or .csv") from error
+    if sheets > 1:
+        steps.append(f"sheet {title!r} is read, the first of {sheets} with cells")
+    rows = [(line, cells) for line, cells in rows if not str(cells[0]).startswith("#")]
+    used = (
+        [k for k in range(max(len(cells) for _, cells in rows)) if _is_used(rows, k)]
+        if rows
+        else []
+    )
+    return [(line, [cells[k] if k < len(cells) else None for k in used]) for line, cells in rows]
+
+
+def _first_sheet(content: bytes, data_only: bool, title: str = "") -> tuple[str, int, _Rows]:
+    """Return the title of the first sheet with cells, or a given one, how many there are, its rows.
+
+    Of a formula they hold the text, or with `data_only` the value that was last computed.
+    """
+    import openpyxl
+
+    book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=data_only)
+    try:
+        sheets = [sheet for sheet in book.worksheets if title in ("", sheet.title)]
+        for sheet in sheets:
+            found = enumerate(sheet.iter_rows(values_only=True), start=1)
+            plain = ((line, [_plain(cell) for cell in cells]) for line, cells in found)
+            rows = [(line, cells) for line, cells in plain if any(c is not None for c in cells)]
+            if rows:
+                return sheet.title, len(sheets), rows
+    finally:
+        book.close()
+    return "", 0, []
+
+
+def _with_values(formulas: _Rows, values: _Rows) -> _Rows:
+    """Return rows with the values of their formulas, where the file has them."""
+    known = dict(values)
+    return [
+        (line, [_value(cell, known.get(line, ()), k) for k, cell in enumerate(cells)])
+        for line, cells in formulas
+    ]
+
+
+def _value(cell: Any, values: Sequence[Any], k: int) -> Any:
+    """Return a cell, or for a formula its value or else its text."""
+    value = values[k] if _is_formula(cell) and k < len(values) else None
+    return cell if value is None else value
+
+
+def _is_formula(cell: Any) -> bool:
+    return isinstance(cell, str) and cell.startswith("=")
+
+
+def _is_used(rows: _Rows, k: int) -> bool:
+    """Return whether a column has a cell."""
+    return any(k < len(cells) and cells[k] is not None for _, cells in rows)
+
+
+def _read_parquet(source: str, content: bytes, _steps: list[str]) -> _Rows:
+    """Return the rows, whose cells may be of any type, that of names first as row 0."""
+    import pyarrow as pa
+    import pyarrow.parquet
+
+    try:
+        table = pyarrow.parquet.read_table(pa.BufferReader(content))
+    except pa.ArrowException as error:
+        rule = f"is not a Parquet table ({error})"
+        raise InputError(source, "", None, rule, "write it anew, or use CSV") from error
+    columns = [[_plain(cell) for cell in column.to_pylist()] for column in table.columns]
+    return [(0, table.column_names), *enumerate(map(list, zip(*columns, strict=True)), start=1)]
+
+
+def _plain(cell: Any) -> Any:
+    """Return a cell without spaces around its text; None if it is empty."""
+    cell = getattr(cell, "text", cell)  # an array formula
+    return cell.strip() or None if isinstance(cell, str) else cell
+
+
+# --- from cells to words and numbers ------------------------------------------------------------
+
+
+def texts(table: Table, k: int) -> list[str]:
+    """Return a column as words.
+
+    Raises
+    ------
+    InputError
+        If a cell is empty.
+    """
+    cells = table.columns[k]
+    _require_filled(table, k)
+    return [str(int(c)) if isinstance(c, float) and c.is_integer() else str(c) for c in cells]
+
+
+def finite_numbers(table: Table, wanted: Sequence[int]) -> list[list[float]]:
+    """Return columns as finite numbers; what marks their decimals becomes a step of the table.
+
+    Commas mark decimals if no number has a point, and one of them can mark nothing else: "1,234"
+    alone may be a thousand.
+
+    Parameters
+    ----------
+    table : Table
+        The cells.
+    wanted : sequence of int
+        The indices of the columns.
+
+    Returns
+    -------
+    list of list of float
+        The columns, N numbers each.
+
+    Raises
+    ------
+    InputError
+        If a cell is empty or not a finite number, or the decimal mark is not certain.
+
+    Examples
+    --------
+    >>> table = Table("example", "row", "", ["a", "b"], [1, 2], [["1,5", "2"], ["0,25", "1,125"]])
+    >>> finite_numbers(table, [0, 1]), table.steps
+    ([[1.5, 2.0], [0.25, 1.125]], ['decimals are marked by commas'])
+    """
+    has_commas = _require_decimals(table, wanted)
+    if has_commas:
+        table.steps.append("decimals are marked by commas")
+    return [_numbers(table, k, has_commas) for k in wanted]
+
+
+def _require_decimals(table: Table, wanted: Sequence[int]) -> bool:
+    """Return whether commas mark decimals; refuse marks that may be of thousands."""
+    cells = [(row, k, cell) for k in wanted for row, cell in enumerate(table.columns[k])]
+    written = [(row, k, cell) for row, k, cell in cells if isinstance(cell, str)]
+    of_mark = {mark: [place for place in written if mark in place[2]] for mark in ".,"}
+    commas, points = of_mark[","], of_mark["."]
+    plain = "write all numbers with a decimal point, without separators of thousands"
+    if commas and points:
+        row, k, _ = commas[0]
+        raise _cell_error(table, row, k, "has a comma, and other numbers a point", plain)
+    # Between commas a point is a decimal mark; a file without them may write either.
+    marks = {",": commas} if table.separator in ("", ",") else of_mark
+    for mark, places in marks.items():
+        if places and all(_GROUPED[mark].fullmatch(cell) for _, _, cell in places):
+            row, k, cell = places[0]
+            rule = "may be of thousands or have decimals, as all numbers with such a mark"
+            remedy = f"write it as {cell}0 if these are decimals, else leave the mark out of all"
+            raise _cell_error(table, row, k, rule, remedy)
+    return bool(commas)
+
+
+def _numbers(table: Table, k: int, has_commas: bool) -> list[float]:
+    """Return one column as finite numbers."""
+    cells = table.columns[k]
+    if has_commas:
+        cells = [c.replace(",", ".") if isinstance(c, str) else c for c in cells]
+    try:
+        numbers = [float(cell) for cell in cells]
+        if all(map(math.isfinite, numbers)) and bool not in set(map(type, cells)):
+            return numbers
+    except (TypeError, ValueError):
+        pass
+    _require_filled(table, k)
+    row = next(row for row, cell in enumerate(cells) if not _is_number(cell))
+    cell = table.columns[k][row]
+    rule, remedy = "must be a finite number", "write it with a decimal point, without its unit"
+    if isinstance(cell, str) and _THOUSANDS.fullmatch(cell):
+        rule, remedy = "has separators of thousands", "write it without them"
+    elif _is_formula(cell):
+        rule = "is a formula without a stored value"
+        remedy = "open the workbook in a spreadsheet program and save it, or paste the values"
+    raise _cell_error(table, row, k, rule, remedy)
+
+
+def _is_number(cell: Any) -> bool:
+    """Return whether a cell is a finite number."""
+    try:
+        return not isinstance(cell, bool) and math.isfinite(float(cell))
+    except (TypeError, ValueError):
+        return False
+
+
+def _require_filled(table: Table, k: int) -> None:
+    """Raise `InputError` for the first empty cell of a column."""
+    row = next((row for row, cell in enumerate(table.columns[k]) if cell is None), None)
+    if row is not None:
+        raise _cell_error(table, row, k, "is empty", "fill it in, or remove the row")
+
+
+def _cell_error(table: Table, row: int, k: int, rule: str, remedy: str) -> InputError:
+    """Return the error for a cell."""
+    where = f"{table.source}, {table.row_word} {table.lines[row]}"
+    return InputError(where, table.names[k], table.columns[k][row], rule, remedy)
