@@ -4,6 +4,7 @@ import pytest
 
 from cylcontact.cli import options
 from cylcontact.fitting.loss import LOSSES
+from cylcontact.fitting.noise_model import NOISES
 from cylcontact.plots import style
 from cylcontact.reports import tables
 
@@ -12,6 +13,7 @@ from cylcontact.reports import tables
     ("offered", "known"),
     [
         (options.LOSSES, LOSSES),
+        (options.NOISES, NOISES),
         (options.STYLES, style.STYLES),
         (options.TABLES, tables.KINDS),
     ],

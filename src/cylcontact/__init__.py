@@ -1,13 +1,16 @@
 """Calibrate explicit contact laws for parallel cylinders, and see where each can be trusted."""
 
 from importlib import import_module
-from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 from cylcontact import dissipation, friction, laws, limits
 from cylcontact.errors import InputError
 from cylcontact.laws import ContactLaw
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.own_data import fit
 
 __all__ = [
     "ContactLaw",
@@ -17,6 +20,7 @@ __all__ = [
     "datasets",
     "dissipation",
     "export",
+    "fit",
     "fitting",
     "friction",
     "laws",
@@ -31,9 +35,11 @@ __version__ = "0.1.0"
 _LAZY = ("datasets", "export", "fitting", "mechanism", "plots", "reports")
 
 
-def __getattr__(name: str) -> ModuleType:
+def __getattr__(name: str) -> Any:
     if name in _LAZY:
         return import_module(f"cylcontact.{name}")
+    if name == "fit":
+        return import_module("cylcontact.fitting.own_data").fit
     raise AttributeError(f"module 'cylcontact' has no attribute {name!r}")
 
 

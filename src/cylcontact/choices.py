@@ -9,6 +9,7 @@ __all__ = [
     "BEYOND",
     "BRANCHES",
     "ENGINES",
+    "FIT_FILES",
     "FORMATS",
     "METHODS",
     "OUTPUT_SUFFIXES",
@@ -33,6 +34,8 @@ BEYOND: tuple[Beyond, ...] = get_args(Beyond)
 ENGINES: tuple[Engine, ...] = get_args(Engine)
 FORMATS: tuple[Format, ...] = get_args(Format)
 # Of tables that are read, and of those that are written.
+# What the folder of a fit to a table holds.
+FIT_FILES = ("result.json", "residuals.csv", "fit.png", "fit.pdf")
 TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
 OUTPUT_SUFFIXES = (".csv", ".parquet")
 

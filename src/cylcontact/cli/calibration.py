@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cylcontact.choices import FIT_FILES, TABLE_SUFFIXES
 from cylcontact.cli import measured
 from cylcontact.cli.options import (
     RESULTS,
@@ -23,6 +24,9 @@ from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
 from cylcontact.files import owning, replacing, require_suffix
 from cylcontact.fitting.optimizers import OPTIMIZERS
+
+if TYPE_CHECKING:
+    from cylcontact.fitting.result import FitResult
 
 __all__ = ["compare", "fit", "optimizers", "sample", "verify"]
 
@@ -54,7 +58,11 @@ def fit(
     *,
     out: Annotated[
         Path | None,
-        typer.Option("-o", "--out", help="The result; results/NAME.json beside the campaign."),
+        typer.Option(
+            "-o",
+            "--out",
+            help="The result, .json or for a table a folder; results/NAME beside the input.",
+        ),
     ] = None,
     jobs: Jobs = None,
     search: measured.SearchOptions,
@@ -68,7 +76,7 @@ def fit(
     from cylcontact.fitting.result import require_same_inputs
 
     planned = measured.plan(campaign, table, search)
-    target = out or campaign.parent / "results" / f"{campaign.stem}.json"
+    target, folder = _place(campaign, out)
     where = workers(jobs, scheduler)
     with owning(target):
         if out is None and not force:
@@ -78,8 +86,33 @@ def fit(
                 typer.echo(f"cylcontact: no runs are kept in {journal}; all are run", err=True)
             with progress_bars() as progress:
                 result = calibrate(planned, where, progress, journal, resume)
-            result.save(target)
-    typer.echo(f"{result}\n\nwritten to {target}")
+            _save(result, target, folder)
+    names = f": {', '.join(FIT_FILES)}" if folder else ""
+    typer.echo(f"{result}\n\nwritten to {folder or target}{names}")
+
+
+def _place(campaign: Path, out: Path | None) -> tuple[Path, Path | None]:
+    """Return the file of the result, and for a table the folder of all its files.
+
+    A campaign's result is a file alone, and so is one that is to be written to a .json.
+    """
+    results = campaign.parent / "results"
+    is_table = campaign.suffix.lower() in TABLE_SUFFIXES
+    if out is None:
+        out = results / (campaign.stem if is_table else f"{campaign.stem}.json")
+    if is_table and out.suffix.lower() != ".json":
+        return out / FIT_FILES[0], out
+    return out, None
+
+
+def _save(result: FitResult, target: Path, folder: Path | None) -> None:
+    """Write a result, with its residuals and picture if it has a folder."""
+    if folder is None:
+        result.save(target)
+        return
+    from cylcontact.reports.fit_folder import write_fit
+
+    write_fit(result, folder)
 
 
 def optimizers(

@@ -13,6 +13,7 @@ import typer
 from cylcontact.choices import BRANCHES, TABLE_SUFFIXES, listed
 from cylcontact.cli.options import (
     LOSSES,
+    NOISES,
     Hole,
     Jobs,
     Pin,
@@ -104,6 +105,20 @@ class TableOptions:
     branch: Annotated[
         str | None, _option("--branch", help=f"Keep the rows of {listed(BRANCHES)} alone.")
     ] = None
+    noise: Annotated[
+        str | None, _option("--noise", help=f"How readings scatter: {listed(NOISES)}.")
+    ] = None
+    drift: Annotated[
+        bool | None, _option("--drift", help="Allow for a drift along each series.")
+    ] = None
+    load_error: Annotated[
+        str | None,
+        _option("--load-error", help="Standard deviation of the loads, e.g. 1%.", metavar="SHARE"),
+    ] = None
+    free: Annotated[
+        list[str] | None,
+        _option("--free", help="Search a parameter that is held; may be repeated.", metavar="NAME"),
+    ] = None
     bound: Annotated[
         list[str] | None,
         _option(
@@ -148,12 +163,16 @@ def _plan_of_table(path: Path, given: dict[str, Any], search: SearchOptions) -> 
     from cylcontact.fitting.campaign import campaign_of_table
     from cylcontact.materials import modulus_in_MPa
 
-    for name, example in (("law", "power"), ("contact", "internal")):
+    if "contact" not in given and {"pin", "hole"} & {*given}:
+        given["contact"] = "internal"
+    for name, example in (("law", "explicit"), ("contact", "internal")):
         if name not in given:
             raise InputError(
                 str(path), f"--{name}", None, "is required for a table", f"add --{name} {example}"
             )
     _name_bodies(str(path), given)
+    if "load_error" in given:
+        given["load_error"] = _share(str(path), "--load-error", given["load_error"])
     constants = {name: given.pop(name) for name in CONSTANTS if name in given}
     if "E_MPa" in constants:
         constants["E_MPa"] = modulus_in_MPa(constants["E_MPa"], str(path), "--E")
@@ -214,6 +233,14 @@ def _parameters(source: str, bounds: list[str], fixed: list[str]) -> dict[str, d
                 else {"value": values[0], "fixed": True}
             )
     return tables
+
+
+def _share(source: str, key: str, text: str) -> float:
+    """Return a share such as 1% or 0.01 as a number."""
+    numbers = _numbers([text.strip().removesuffix("%")])
+    if numbers is None:
+        raise InputError(source, key, text, "is not a share", f"write {key} 1% or {key} 0.01")
+    return numbers[0] / 100 if text.strip().endswith("%") else numbers[0]
 
 
 def _numbers(texts: list[str]) -> list[float] | None:

@@ -16,6 +16,7 @@ from cylcontact.errors import InputError
 
 __all__ = [
     "LOSSES",
+    "NOISES",
     "RESULTS",
     "STYLES",
     "TABLES",
@@ -36,6 +37,7 @@ __all__ = [
 RESULTS = Path("fitting/results")
 # Keys of tables of functions, which are slow to import; tests/test_cli_choices.py compares them.
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
+NOISES = ("constant", "proportional", "both")
 STYLES = ("journal", "single-column", "double-column", "slides")
 TABLES = ("latex", "csv", "html")
 

@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     from cylcontact.fitting.assessment import verdicts
     from cylcontact.fitting.calibration import calibrate
     from cylcontact.fitting.campaign import Campaign, campaign_of_table, read_campaign
+    from cylcontact.fitting.own_data import fit
     from cylcontact.fitting.power_fit import PowerFit, fit_power, fit_power_to_law
     from cylcontact.fitting.report import compare
     from cylcontact.fitting.result import FitResult
@@ -18,6 +19,7 @@ __all__ = [
     "calibrate",
     "campaign_of_table",
     "compare",
+    "fit",
     "fit_power",
     "fit_power_to_law",
     "read_campaign",
@@ -32,6 +34,7 @@ _MODULES = {
     "calibrate": "calibration",
     "campaign_of_table": "campaign",
     "compare": "report",
+    "fit": "own_data",
     "fit_power": "power_fit",
     "fit_power_to_law": "power_fit",
     "read_campaign": "campaign",

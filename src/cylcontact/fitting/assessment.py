@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from cylcontact.fitting.uncertainty.estimates import OUTLYING, STRONG_CORRELATION
@@ -11,7 +12,7 @@ from cylcontact.fitting.uncertainty.residual_model import ROUNDING
 if TYPE_CHECKING:
     from cylcontact.fitting.records import RunRecord
     from cylcontact.fitting.result import FitResult
-    from cylcontact.fitting.uncertainty.estimates import Uncertainty
+    from cylcontact.fitting.uncertainty.estimates import FittedDeviations, Uncertainty
 
 __all__ = [
     "SAME_BASIN",
@@ -23,6 +24,7 @@ __all__ = [
     "same_basin",
     "ties",
     "verdicts",
+    "warnings",
 ]
 
 # Runs whose objectives are this close, relatively, ended in the same basin.
@@ -48,7 +50,12 @@ def verdicts(result: FitResult) -> list[str]:
     `noise_verdicts`, the objective of the published coefficients, and how many runs agree.
     """
     if result.uncertainty is not None:
-        sentences = [*noise_verdicts(result.uncertainty), _on_published_law(result)]
+        steps = result.settings["measurements"].get("steps", [])
+        sentences = [
+            *noise_verdicts(result.uncertainty),
+            _on_published_law(result),
+            *(f"data: {step}" for step in steps),
+        ]
     else:
         sentences = [
             _on_published(result),
@@ -187,21 +194,72 @@ def _on_runs(result: FitResult) -> list[str]:
 # --- what the uncertainty of a fit to measurements means, in sentences ------------------------
 
 
+def warnings(result: FitResult) -> list[str]:
+    """Return what keeps the intervals of a fit to measurements from being what they say.
+
+    Tests of the noise that fail, with the option that allows for it; parameters that are at a
+    bound or not determined; and runs that disagree.
+    """
+    uncertainty = result.uncertainty
+    if uncertainty is None:
+        return []
+    sentences = [
+        *(finding.sentence for finding in uncertainty.findings),
+        _on_shape(uncertainty),
+        *_on_lack_of_determination(uncertainty),
+        _on_outliers(uncertainty, result.coefficients),
+    ]
+    (_, agreeing), *_ = basins(result)
+    if 2 * agreeing < len(result.runs):
+        sentences.append(
+            f"only {agreeing} of {len(result.runs)} starts reached the best fit: narrow the bounds "
+            "with --bound, or take more with --runs"
+        )
+    return [sentence for sentence in sentences if sentence]
+
+
 def noise_verdicts(uncertainty: Uncertainty) -> list[str]:
     """Return the verdicts on a fit to measurements, most important first.
 
-    They state how large the noise is, whether the residuals are random, which parameters are
-    determined, which are correlated, and which rows are duplicates or outliers.
+    They state how large the noise is, which parameters are determined, which are correlated, and
+    which rows are duplicates.
     """
+    determined = _on_lack_of_determination(uncertainty) or [
+        f"every free parameter is determined to ±{100 * FAIRLY:g} % or better "
+        f"(well: ±{100 * WELL:g} %), a shift in terms of the prediction"
+    ]
     sentences = [
         _on_noise(uncertainty),
-        _on_shape(uncertainty),
-        *_on_determination(uncertainty),
+        *determined,
         *_on_correlations(uncertainty),
         *_on_rows(uncertainty),
         *uncertainty.notes,
     ]
     return [sentence for sentence in sentences if sentence]
+
+
+def _on_outliers(uncertainty: Uncertainty, coefficients: Mapping[str, float]) -> str:
+    """Name the outliers, and what a fit without them gives."""
+    if not uncertainty.outliers:
+        return ""
+    lines = ", ".join(
+        f"{outlier.line} ({outlier.deviations:+.1f})" for outlier in uncertainty.outliers[:_LISTED]
+    )
+    more = ", …" if len(uncertainty.outliers) > _LISTED else ""
+    sentence = (
+        f"rows more than {OUTLYING:g} robust standard deviations away, not left out: lines "
+        f"{lines}{more}"
+    )
+    changes = [
+        f"{name} {coefficients[name]:.4g} → {uncertainty.without_outliers[name]:.4g}"
+        for name in uncertainty.estimates
+        if name in uncertainty.without_outliers
+    ]
+    if changes:
+        sentence += f"; without them {', '.join(changes)}"
+    if uncertainty.loss_scale is None and uncertainty.noise is None:
+        sentence += "; --loss huber reduces their influence"
+    return sentence
 
 
 def _is_exact(uncertainty: Uncertainty) -> bool:
@@ -216,6 +274,8 @@ def _on_noise(uncertainty: Uncertainty) -> str:
         return (
             "the data follow the law to round-off: there is no noise to estimate, and no interval"
         )
+    if uncertainty.noise is not None:
+        return _on_deviations(uncertainty.noise, uncertainty.level)
     if not uncertainty.sigma_known:
         is_share = unit.startswith("share")
         amount = f"{100 * sigma:.3g} % of the {unit.split()[-1]}" if is_share else None
@@ -242,6 +302,28 @@ def _on_noise(uncertainty: Uncertainty) -> str:
     return f"measured data with given standard deviations: residuals are {verdict} (p = {p:.3g})"
 
 
+def _on_deviations(noise: FittedDeviations, level: float) -> str:
+    """Return a sentence on the deviations of a noise model."""
+    in_mm = {"constant": "{} µm", "offset": "{} µm of offset", "drift": "{} µm of drift"}
+    relative = {"proportional": "{} % of the penetration", "gain": "{} % of gain"}
+    single: list[str] = []
+    series: list[str] = []
+    for name, value in noise.deviations.items():
+        text = in_mm.get(name) or relative[name]
+        amount = text.format(f"{(1e3 if name in in_mm else 100) * value:.3g}")
+        (series if name in ("offset", "gain", "drift") else single).append(amount)
+    parts = [f"single readings scatter by {' and '.join(single)}"] if single else []
+    if series:
+        parts.append(f"the {len(noise.series)} series differ by {', '.join(series)}")
+    elif noise.series:
+        parts.append(
+            f"the {len(noise.series)} series have fixed effects, so that the intervals are about "
+            "these series, not about others like them"
+        )
+    sizes = "; ".join(parts) or "the standard deviations are those given"
+    return f"measured data: {sizes} (standard deviations); intervals are at {100 * level:g} %"
+
+
 def _on_shape(uncertainty: Uncertainty) -> str:
     """Return a sentence if neighbouring residuals are correlated, unlike those of noise."""
     p = uncertainty.runs_test_p
@@ -253,8 +335,8 @@ def _on_shape(uncertainty: Uncertainty) -> str:
     )
 
 
-def _on_determination(uncertainty: Uncertainty) -> list[str]:
-    """Name the parameters by how well they are determined."""
+def _on_lack_of_determination(uncertainty: Uncertainty) -> list[str]:
+    """Name the parameters that are not well or fairly determined."""
     together = uncertainty.only_together
     if together:
         return [
@@ -273,10 +355,7 @@ def _on_determination(uncertainty: Uncertainty) -> list[str]:
         names = [name for name, e in uncertainty.estimates.items() if e.verdict == verdict]
         if names:
             sentences.append(f"{', '.join(names)}: {meaning}")
-    return sentences or [
-        f"every free parameter is determined to ±{100 * FAIRLY:g} % or better "
-        f"(well: ±{100 * WELL:g} %), a shift in terms of the prediction"
-    ]
+    return sentences
 
 
 def _on_correlations(uncertainty: Uncertainty) -> list[str]:
@@ -296,7 +375,7 @@ def _on_correlations(uncertainty: Uncertainty) -> list[str]:
 
 
 def _on_rows(uncertainty: Uncertainty) -> list[str]:
-    """Name duplicates and outliers, which stay in the fit, and the scale of a robust loss."""
+    """Name duplicates, and the scale of a robust loss."""
     sentences = []
     if uncertainty.duplicates:
         groups = "; ".join(
@@ -304,17 +383,6 @@ def _on_rows(uncertainty: Uncertainty) -> list[str]:
         )
         more = ", …" if len(uncertainty.duplicates) > _LISTED else ""
         sentences.append(f"identical rows, each of them counted: lines {groups}{more}")
-    if uncertainty.outliers:
-        lines = ", ".join(
-            f"{outlier.line} ({outlier.deviations:+.1f})"
-            for outlier in uncertainty.outliers[:_LISTED]
-        )
-        more = ", …" if len(uncertainty.outliers) > _LISTED else ""
-        advice = '; a robust loss (loss = "huber") would reduce their influence'
-        sentences.append(
-            f"rows more than {OUTLYING:g} robust standard deviations away, not left out: "
-            f"lines {lines}{more}{'' if uncertainty.loss_scale is not None else advice}"
-        )
     if uncertainty.loss_scale is not None:
         sentences.append(
             f"a robust loss of scale {uncertainty.loss_scale:.4g} was used: intervals are "

@@ -20,7 +20,7 @@ from cylcontact.datasets.grid import AnyGrid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.errors import InputError
-from cylcontact.fitting.campaign import Campaign, grid_of
+from cylcontact.fitting.campaign import Campaign, TableData, grid_of
 from cylcontact.fitting.measured_fit import descents, largest_percent, measured_problem
 from cylcontact.fitting.objectives import ON_ROWS, make_objective, max_abs_difference_percent
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed, search
@@ -48,6 +48,8 @@ __all__ = ["RunPlan", "calibrate", "execute", "plan_runs", "problem_of", "search
 
 # Every worker keeps all samples in memory, 24 bytes each.
 _MAX_ROWS = 20_000_000
+# Descents to so few measurements take less than a second.
+_FEW_ROWS = 2_000
 # Sets of coefficients evaluated at a time until the law is defined for one.
 _TRIED = 64
 
@@ -111,6 +113,8 @@ def calibrate(
     """
     if campaign.spec.optimizer is not None:
         require_installed(campaign.spec.optimizer, campaign.source)
+    elif isinstance(jobs, int) and _is_quick(campaign):
+        jobs = 1  # starting the workers would take longer
     problem, counts = problem_of(campaign, jobs, progress)
     journal = Journal(checkpoint, "campaign", campaign.key) if checkpoint else None
     records = search_all(problem, campaign, jobs, progress, journal, resume)
@@ -141,6 +145,11 @@ def calibrate(
         uncertainty=quality.uncertainty,
     )
     return result.with_problem(problem) if campaign.data.kind == "noise" else result
+
+
+def _is_quick(campaign: Campaign) -> bool:
+    """Return whether a fit to a table takes less time than starting worker processes does."""
+    return isinstance(campaign.data, TableData) and len(campaign.data.measurements) <= _FEW_ROWS
 
 
 def problem_of(campaign: Campaign, jobs: Workers, progress: Progress) -> tuple[Problem, Counts]:

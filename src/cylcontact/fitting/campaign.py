@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 import numpy as np
+import pandas as pd
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid, grid_from, read_grid_data
@@ -19,6 +20,7 @@ from cylcontact.datasets.measurements import (
     MeasuredData,
     Measurements,
     measurements_of,
+    read_frame,
     read_measured,
     require_positive_penetration,
     yield_notes,
@@ -211,20 +213,23 @@ def read_campaign(
 
 
 def campaign_of_table(
-    table: Path,
+    table: Path | pd.DataFrame,
     law: str,
     contact: Contact,
     constants: Constants,
+    name: str = "",
     **settings: Any,
 ) -> Campaign:
     """Return a campaign on a table, without a file of its own.
 
     Parameters
     ----------
-    table : path
+    table : path or DataFrame
         The measurements.
     law, contact, constants
         As in a campaign file.
+    name : str, optional
+        Of the campaign; by default that of the file.
     **settings
         Any other key of a campaign file.
 
@@ -238,9 +243,11 @@ def campaign_of_table(
         If the table or a setting is invalid.
     """
     others = {key: value for key, value in settings.items() if value is not None}
-    required = {"data": table.name, "law": law, "contact": contact, "constants": dict(constants)}
-    spec = parse_spec(MeasuredSpec, required | others, str(table))
-    return _of_table(table.stem, spec, table, table.parent, str(table))
+    path = table if isinstance(table, Path) else Path("data")
+    source = str(table) if isinstance(table, Path) else "DataFrame"
+    required = {"data": path.name, "law": law, "contact": contact, "constants": dict(constants)}
+    spec = parse_spec(MeasuredSpec, required | others, source)
+    return _of_table(name or path.stem, spec, table, path.parent, source)
 
 
 def campaign_from_settings(name: str, settings: dict[str, Any], source: str) -> Campaign:
@@ -367,7 +374,9 @@ def _read_on_table(path: Path, contents: dict[str, Any], source: str) -> Campaig
     return _of_table(path.stem, spec, table, path.parent, source)
 
 
-def _of_table(name: str, spec: MeasuredSpec, table: Path, folder: Path, source: str) -> Campaign:
+def _of_table(
+    name: str, spec: MeasuredSpec, table: Path | pd.DataFrame, folder: Path, source: str
+) -> Campaign:
     """Read the data and the law of a campaign."""
     materials = _beside_or_above(folder, spec.materials or _MATERIALS)
     if spec.materials is not None and materials is None:
@@ -378,18 +387,17 @@ def _of_table(name: str, spec: MeasuredSpec, table: Path, folder: Path, source: 
         model = user_model(spec.law, folder.resolve(), spec.contact, source)
     else:
         model = model_of(spec.law, spec.contact, source)
-    data = read_measured(
+    read: Callable[..., MeasuredData] = read_measured if isinstance(table, Path) else read_frame
+    data = read(
         *(table, spec.contact, spec.constants, materials),
         *(spec.ignore, spec.columns, spec.group, spec.branch),
     )
-    measured = measurements_of(data, str(table))
+    measured = measurements_of(data, str(table) if isinstance(table, Path) else source)
     data.notes.extend(yield_notes(measured, materials))
     return _on_table(name, spec, measured, _freed(model, spec, measured, source), source)
 
 
-def _freed(
-    model: LawModel, spec: MeasuredSpec, measured: Measurements, source: str
-) -> LawModel:
+def _freed(model: LawModel, spec: MeasuredSpec, measured: Measurements, source: str) -> LawModel:
     """Return the model with what is free in a fit to measurements."""
     free = spec.free or ()
     for name in free:

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 
 from cylcontact.datasets.measurements import Indices
 from cylcontact.errors import InputError
+from cylcontact.fitting.measured_objective import laws_of
 from cylcontact.fitting.predictions import band_table
 from cylcontact.fitting.uncertainty.profiles import likelihood_profile
 from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
@@ -87,7 +88,7 @@ def fit_drawing(result: FitResult) -> Drawing:
     plot(result, upper)
     plot_residuals(result, lower)
     upper.set_xlabel("")
-    level = 100 * result._level  # noqa: SLF001 - a part of the same result
+    level = 100 * result._level
     values = ", ".join(f"{name} = {value:.4g}" for name, value in _free(result).items())
     caption = (
         f"{result.name}: {result.counts.samples} measurements, the {result.law} law fitted to them "
@@ -127,11 +128,13 @@ def _curves(result: FitResult) -> list[Curve]:
 def _curve(result: FitResult, row: Indices, at: np.ndarray, label: str) -> Curve:
     """Return the curve of the pair of a row, without a band if there is no covariance."""
     problem, best = result.problem, result.coefficients
-    pair = measured(problem).data.take(row).pair
-    if result.uncertainty is None or residual_model_at(problem, problem.point(best)).covariance is None:
-        (law,) = problem.form(problem.point(best)[None, :]).laws  # type: ignore[attr-defined]
+    pair, point = measured(problem).data.take(row).pair, problem.point(best)
+    if residual_model_at(problem, point).covariance is None:
+        (law,) = laws_of(problem.form(point[None, :]))
+        if law is None:
+            raise TypeError("the law is undefined at the best coefficients")
         return Curve(at, law.penetration(at, pair), label=label)
-    table = band_table(problem, best, at, result._level, pair)  # noqa: SLF001
+    table = band_table(problem, best, at, result._level, pair)
     low, high = table["low_mm"].to_numpy(), table["high_mm"].to_numpy()
     return Curve(at, table["penetration_mm"].to_numpy(), low, high, label)
 
@@ -155,7 +158,7 @@ def _draw_profile_of_data(result: FitResult, name: str, axes: Axes) -> None:
         _refuse(result, name, list(uncertainty.estimates) if uncertainty else [])
         return
     values, root, threshold = likelihood_profile(
-        result.problem, result.coefficients, name, estimate.profile, result._level  # noqa: SLF001
+        result.problem, result.coefficients, name, estimate.profile, result._level
     )
     axes.plot(values, root, marker="", linestyle="-")
     axes.axhline(threshold, color=QUIET, linestyle=":", marker="")

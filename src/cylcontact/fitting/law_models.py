@@ -40,9 +40,7 @@ MODELS = {(m.law, m.contact): m for definition in DEFINITIONS for m in definitio
 
 _RIG = (
     Parameter("stiffness_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="factor of the load"),
-    Parameter(
-        "offset", -1.0, 1.0, 0.0, shift=True, unit="mm", meaning="reading at first touch"
-    ),
+    Parameter("offset", -1.0, 1.0, 0.0, shift=True, unit="mm", meaning="reading at first touch"),
     Parameter(
         "compliance", 0.0, 1.0, 0.0, shift=True, unit="mm/(N/mm)", meaning="compliance of the rig"
     ),

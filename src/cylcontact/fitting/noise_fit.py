@@ -68,7 +68,9 @@ def noise_of(
     )
 
 
-def with_noise(problem: Problem, model: NoiseModel, best: Mapping[str, float], deviations: Mapping[str, float]) -> Problem:
+def with_noise(
+    problem: Problem, model: NoiseModel, best: Mapping[str, float], deviations: Mapping[str, float]
+) -> Problem:
     """Return a problem with a noise model of these deviations, for a law close to the best."""
     objective = _plain(problem)
     law = laws_of(problem.form(problem.point(best)[None, :]))[0]

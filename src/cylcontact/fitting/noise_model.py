@@ -34,6 +34,7 @@ __all__ = [
     "FittedNoise",
     "NoiseModel",
     "Whitening",
+    "basis_of",
 ]
 
 NOISES = ("constant", "proportional", "both")
@@ -227,7 +228,7 @@ class Covariance:
                 rows = np.flatnonzero(self.series == number)
                 blocks.append(_random_block(rows, self.columns[rows] / scale[rows, None] * spread))
         elif self.fixed.shape[1]:
-            basis = _basis(self.fixed / scale[:, None])
+            basis = basis_of(self.fixed / scale[:, None])
             blocks.append(_Block(slice(None), basis, np.eye(basis.shape[1])))
         return Whitening(scale, tuple(blocks))
 
@@ -249,10 +250,11 @@ def _random_block(rows: Indices, columns: FloatArray) -> _Block:
     return _Block(rows, as_floats(Q), as_floats((vectors * shrunk) @ vectors.T))
 
 
-def _basis(columns: FloatArray) -> FloatArray:
+def basis_of(columns: FloatArray) -> FloatArray:
     """Return an orthonormal basis of the space of columns, which need not be independent."""
     length = np.linalg.norm(columns, axis=0)
-    left, singular, _ = np.linalg.svd(columns / np.where(length > 0, length, 1.0), full_matrices=False)
+    scaled = columns / np.where(length > 0, length, 1.0)
+    left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
     return as_floats(left[:, singular > 1e-10 * singular[0]])
 
 
@@ -278,8 +280,6 @@ class Whitening:
             part = u[..., block.rows]
             u[..., block.rows] = part - (part @ block.Q) @ block.S @ block.Q.T
         return as_floats(u)
-
-
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,9 +312,10 @@ class FittedNoise:
         return replace(self, covariance=self.covariance.take(rows, series))
 
     def series_effects(self, residuals: FloatArray) -> FloatArray:
-        """Return the effects of each series, shape (G, q): offsets and drifts in mm, gains relative.
+        """Return the effects of each series, shape (G, q).
 
-        Random effects are the best linear unbiased predictions, fixed ones their least squares.
+        Offsets and drifts are in mm, gains relative. Random effects are the best linear unbiased
+        predictions, fixed ones their least squares.
 
         Parameters
         ----------
@@ -355,7 +356,6 @@ class FittedNoise:
         load : array of float, shape (m,)
             Loads in N/mm.
         """
-        deviations, model = self.deviations, self.covariance.model
         deviations = self.deviations
         relative = np.hypot(deviations.get("proportional", 0.0), deviations.get("gain", 0.0))
         mm = [deviations.get(name, 0.0) for name in ("constant", "offset", "drift")]

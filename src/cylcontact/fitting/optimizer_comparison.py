@@ -12,8 +12,8 @@ from cylcontact.fitting.assessment import SAME_BASIN, same_basin
 from cylcontact.fitting.calibration import problem_of, search_all
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed
-from cylcontact.fitting.report import text_table
 from cylcontact.fitting.records import RunRecord
+from cylcontact.fitting.report import text_table
 from cylcontact.parallel import Workers
 from cylcontact.progress import Progress, silent
 

@@ -20,7 +20,7 @@ from cylcontact.pair import CylinderPair
 __all__ = ["band_table", "pair_of", "prediction_table", "residual_table"]
 
 
-def residual_table(problem: Problem, best: Mapping[str, float], level: float) -> pd.DataFrame:
+def residual_table(problem: Problem, best: Mapping[str, float]) -> pd.DataFrame:
     """Return the data beside the fit, a row for each measurement.
 
     Parameters
@@ -29,8 +29,6 @@ def residual_table(problem: Problem, best: Mapping[str, float], level: float) ->
         On measurements.
     best : mapping
         The coefficients at its optimum.
-    level : float
-        Of the band.
 
     Returns
     -------

@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from cylcontact.fitting.assessment import fixed, identification, noise_verdicts, ties, verdicts
+from cylcontact.fitting.assessment import (
+    basins,
+    fixed,
+    identification,
+    noise_verdicts,
+    ties,
+    verdicts,
+    warnings,
+)
 from cylcontact.fitting.law_models import units_of
 from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, FEW_REFITS, FEWEST_REFITS
 
@@ -54,6 +62,9 @@ NUMBERS = {
 # The axes of a grid, with symbols and units.
 _AXES = {"E": ("E", " GPa"), "nu": ("ν", ""), "dR": ("ΔR", " mm"), "load": ("load", " N/mm")}
 
+# The units of objectives that have one, if no deviations are given with the data.
+_OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-load": "N/mm", "rms-standardised": "std. dev."}
+
 _Rows = list[tuple[str, ...]]
 
 
@@ -62,14 +73,42 @@ _Rows = list[tuple[str, ...]]
 
 def as_text(result: FitResult) -> str:
     """Return the report on one result."""
+    warned = [_item(sentence, "! ") for sentence in warnings(result)]
     return "\n".join(
         [
             fill(_headline(result), _WIDTH),
+            *([_status(result)] if result.uncertainty is not None else []),
+            *warned,
             "",
             text_table(_columns(result), _rows(result)),
-            *map(_item, verdicts(result)),
+            *map(_item, _unwarned(result)),
         ]
     )
+
+
+def _unwarned(result: FitResult) -> list[str]:
+    """Return the verdicts on a result that are not among its warnings."""
+    warned = warnings(result)
+    return [sentence for sentence in verdicts(result) if sentence not in warned]
+
+
+def _status(result: FitResult) -> str:
+    """Return in a line whether a fit to measurements can be taken as it is."""
+    agreeing = basins(result)[0][1]
+    uncertainty = result.uncertainty
+    found = [e.verdict for e in uncertainty.estimates.values()] if uncertainty else []
+    at_bound = found.count("at a bound")
+    poor = found.count("poorly") + found.count("not")
+    parts = [
+        f"{agreeing} of {len(result.runs)} runs agree",
+        f"{at_bound or 'none'} at a bound",
+        f"{poor or 'none'} ill determined",
+    ]
+    if uncertainty is not None and uncertainty.r_squared is not None:
+        parts.append(f"R² = {uncertainty.r_squared:.5f}")
+    if uncertainty is not None and uncertainty.log_likelihood is not None:
+        parts.append(f"AIC = {result.aic:.1f}, BIC = {result.bic:.1f}")
+    return " · ".join(parts)
 
 
 def as_html(result: FitResult) -> str:
@@ -79,9 +118,12 @@ def as_html(result: FitResult) -> str:
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>"
         for row in _rows(result)
     )
-    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in verdicts(result))
+    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in _unwarned(result))
+    status = f"<p>{escape(_status(result))}</p>" if result.uncertainty is not None else ""
+    style = "border-left: 4px solid #D55E00; padding-left: 0.5em"
+    warned = "".join(f'<p style="{style}">{escape(sentence)}</p>' for sentence in warnings(result))
     return (
-        f"<p>{escape(_headline(result))}</p>"
+        f"<p>{escape(_headline(result))}</p>{status}{warned}"
         f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table><ul>{items}</ul>"
     )
 
@@ -126,7 +168,8 @@ def _columns(result: FitResult) -> tuple[str, ...]:
     if result.uncertainty is None:
         return ("", "fitted", "published", "penalty at published", "within 1 %", "identified")
     interval = f"{100 * result.uncertainty.level:g} % interval"
-    return ("", "fitted", "std. error", interval, "published", "determined")
+    published = ("published",) if result.published else ()
+    return ("", "fitted", "unit", "std. error", interval, *published, "determined")
 
 
 def _rows(result: FitResult) -> _Rows:
@@ -154,10 +197,13 @@ def _rows(result: FitResult) -> _Rows:
 
 def _measured_rows(result: FitResult, uncertainty: Uncertainty) -> _Rows:
     """Return the rows of the table of a fit to measurements."""
-    published = result.published
+    published, units = result.published, units_of(result.law, result.contact)
     rows: _Rows = []
-    for name, value in result.coefficients.items():
-        paper = f"{published.coefficients[name]:.5g}" if published else "-"
+    # The free ones first: the others are the law's own constants.
+    ordered = sorted(result.coefficients, key=lambda name: name not in uncertainty.estimates)
+    for name in ordered:
+        value = result.coefficients[name]
+        paper = f"{published.coefficients[name]:.5g}" if published else ""
         estimate = uncertainty.estimates.get(name)
         error = interval = ""
         if estimate is not None and estimate.standard_error is not None:
@@ -166,12 +212,15 @@ def _measured_rows(result: FitResult, uncertainty: Uncertainty) -> _Rows:
             ends = estimate.profile
             cut = ", bound" if ends.low_is_bound or ends.high_is_bound else ""
             interval = f"{ends.low:.5g} … {ends.high:.5g}{cut}"
-        rows.append((name, f"{value:.5g}", error, interval, paper, identification(result, name)))
-    paper = f"{published.objective:.5g}" if published else "-"
-    rows.append((result.objective.name, f"{result.objective.value:.5g}", "", "", paper, ""))
+        verdict = identification(result, name)
+        rows.append((name, f"{value:.5g}", units.get(name, ""), error, interval, paper, verdict))
+    paper = f"{published.objective:.5g}" if published else ""
+    unit = _OBJECTIVE_UNITS.get(result.objective.name, "")
+    rows.append((result.objective.name, f"{result.objective.value:.5g}", unit, "", "", paper, ""))
     worst = result.max_abs_diff_percent
-    rows.append(("max |Eq 9|, %", f"{worst.fitted:.4g}", "", "", _or_dash(worst.published), ""))
-    return rows
+    largest = ("largest |Eq 9|", f"{worst.fitted:.4g}", "%", "", "", _or_dash(worst.published), "")
+    rows.append(largest)
+    return rows if published else [(*row[:5], row[6]) for row in rows]
 
 
 # --- several results --------------------------------------------------------------------------
@@ -487,9 +536,9 @@ def text_table(columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> str:
     return "\n".join(line.rstrip() for line in stream.getvalue().splitlines())
 
 
-def _item(sentence: str) -> str:
+def _item(sentence: str, mark: str = "- ") -> str:
     """Return a sentence as an item of a list, wrapped."""
-    return fill(sentence, _WIDTH, initial_indent="- ", subsequent_indent="  ")
+    return fill(sentence, _WIDTH, initial_indent=mark, subsequent_indent="  ")
 
 
 def _or_dash(value: float | None) -> str:

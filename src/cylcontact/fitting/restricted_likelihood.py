@@ -17,12 +17,14 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import OptimizeResult, minimize
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.fitting.noise_model import Covariance
+from cylcontact.datasets.measurements import Indices
+from cylcontact.fitting.noise_model import Covariance, basis_of
 
 __all__ = ["Degrees", "Likelihood", "estimate"]
 
@@ -30,6 +32,7 @@ __all__ = ["Degrees", "Likelihood", "estimate"]
 _LEAST, _MOST = -14.0, 9.0
 # Steps of the derivatives of ℓ, and of its curvature.
 _STEP, _WIDE_STEP = 1e-4, 1e-2
+_OPTIONS: Any = {"ftol": 1e-14, "gtol": 1e-7, "maxiter": 500}
 # A deviation is zero if −2ℓ loses no more than this by it.
 _NO_LOSS = 1e-6
 
@@ -83,10 +86,7 @@ class Likelihood:
     @cached_property
     def _reduced(self) -> FloatArray:
         """The residuals, then an orthonormal basis of the derivatives and fixed effects."""
-        design = np.hstack([self.slopes, self.covariance.fixed])
-        size = np.linalg.norm(design, axis=0)
-        left, singular, _ = np.linalg.svd(design / np.where(size > 0, size, 1.0), full_matrices=False)
-        basis = left[:, singular > 1e-10 * singular[0]]
+        basis = basis_of(np.hstack([self.slopes, self.covariance.fixed]))
         return np.column_stack([self.residuals, basis])
 
     def _inner(
@@ -109,7 +109,7 @@ class Likelihood:
         return inner, log_det + float(np.linalg.slogdet(core)[1].sum())
 
 
-def _by_series(series: FloatArray, values: FloatArray) -> FloatArray:
+def _by_series(series: Indices, values: FloatArray) -> FloatArray:
     """Return sums over the rows of each series, shape (N, ...) to (G, ...)."""
     order = np.argsort(series, kind="stable")
     starts = np.flatnonzero(np.diff(series[order], prepend=-1))
@@ -139,8 +139,8 @@ def estimate(likelihood: Likelihood) -> dict[str, float]:
     >>> model = NoiseModel("constant")
     >>> covariance = Covariance(model, one, none, one, one, np.zeros(4, dtype=int), none)
     >>> r = np.array([1.0, -1.0, 1.0, -1.0])
-    >>> print({k: round(v, 5) for k, v in estimate(Likelihood(covariance, r, one[:, None])).items()})
-    {'constant': 1.1547}
+    >>> round(estimate(Likelihood(covariance, r, one[:, None]))["constant"], 5)
+    1.1547
     """
     names = likelihood.covariance.names
     if not names:
@@ -150,13 +150,16 @@ def estimate(likelihood: Likelihood) -> dict[str, float]:
     def value(steps: FloatArray) -> float:
         return likelihood(_scaled(first, names, steps))
 
-    solution = minimize(
+    def slopes(steps: FloatArray) -> FloatArray:
+        return _gradient(value, steps)
+
+    solution: OptimizeResult = minimize(  # type: ignore[call-overload]
         value,
         np.zeros(len(names)),
-        jac=lambda steps: _gradient(value, steps),
+        jac=slopes,
         method="L-BFGS-B",
         bounds=[(_LEAST, _MOST)] * len(names),
-        options={"ftol": 1e-14, "gtol": 1e-7, "maxiter": 500},
+        options=_OPTIONS,
     )
     best, lowest = _scaled(first, names, solution.x), float(solution.fun)
     for name in sorted(names, key=lambda name: best[name] / first[name]):

@@ -108,8 +108,12 @@ class FitResult(Spec):
     def save(self, path: Path | str) -> None:
         """Write the result as JSON, complete or not at all."""
         with replacing(path) as temporary:
-            text = json.dumps(self._plain(), indent=1, ensure_ascii=False, allow_nan=False)
-            temporary.write_text(text + "\n", encoding="utf-8")
+            self.write(temporary)
+
+    def write(self, path: Path) -> None:
+        """Write the result as JSON to a file that is not yet in its place."""
+        text = json.dumps(self._plain(), indent=1, ensure_ascii=False, allow_nan=False)
+        path.write_text(text + "\n", encoding="utf-8")
 
     def _plain(self) -> dict[str, Any]:
         """Return the contents of the file; only fits to measurements have the last two keys."""
@@ -163,11 +167,11 @@ class FitResult(Spec):
     def residuals(self) -> pd.DataFrame:
         """The data beside the fit, a row for each measurement.
 
-        Columns line, load_N_per_mm, penetration_mm, fitted (in the unit of the quantity fitted),
-        residual (measured less fitted), standardised (in standard deviations), those of the
-        series, and the ends of the band for a new reading.
+        Columns line, the labels of the table, load_N_per_mm, penetration_mm, fitted_mm (or
+        fitted_N_per_mm if loads were compared), residual_mm (measured less fitted), standardised
+        (in standard deviations), and with series series_mm, what the series adds to the law.
         """
-        return residual_table(self.problem, self.coefficients, self._level)
+        return residual_table(self.problem, self.coefficients)
 
     def predict(
         self, load: ArrayLike, band: float = 0.95, pair: CylinderPair | None = None

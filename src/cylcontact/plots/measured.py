@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -137,9 +138,9 @@ def draw_residuals(
 
 def _styles(
     size: int, series: Sequence[str] | None, label: str
-) -> list[tuple[str, FloatArray | slice, dict[str, object]]]:
+) -> list[tuple[str, Any, dict[str, Any]]]:
     """Return the name, the rows and the markers of each series."""
-    hollow: dict[str, object] = {"markerfacecolor": "white"}
+    hollow: dict[str, Any] = {"markerfacecolor": "white"}
     names = list(dict.fromkeys(series or ()))
     if series is None or not 1 < len(names) <= _MOST_SERIES:
         count = f"{label} ({len(names)} series)" if len(names) > 1 else label

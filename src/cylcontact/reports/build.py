@@ -41,6 +41,7 @@ __all__ = [
     "chosen_recipes",
     "draw",
     "find_recipes",
+    "save_picture",
     "write",
 ]
 
@@ -291,7 +292,7 @@ def write(
             stack.enter_context(replacing(folder / f"{name}.{ending}")) for ending in endings
         )
         for form, picture in zip(options.formats, pictures, strict=True):
-            _save(drawing, picture, form, options.style)
+            save_picture(drawing, picture, form, options.style)
         drawing.table.to_csv(csv, index=False, float_format=NUMBER_FORMAT, lineterminator="\n")
     return tuple(folder / f"{name}.{ending}" for ending in endings)
 
@@ -308,7 +309,7 @@ def _require_programs(formats: Iterable[Format]) -> None:
         )
 
 
-def _save(drawing: Drawing, picture: Path, form: Format, style: FigureStyle) -> None:
+def save_picture(drawing: Drawing, picture: Path, form: Format, style: FigureStyle) -> None:
     """Write one picture, with the caption as metadata where the format allows it."""
     # No dates and versions: they would change the bytes.
     metadata: dict[Format, dict[str, str | None]] = {

@@ -3,8 +3,8 @@
 The delta method is used in ln f, and in ln δ if the noise is proportional, since contact laws are
 nearly linear there; in δ otherwise, where readings may be negative. The variance of the curve is
 gᵀCg with g the derivatives by the free parameters and C their covariance. A new measurement adds
-the noise, with random effects that of a series not yet measured. Noise of a penetration becomes noise of the load, and vice versa,
-through the local exponent n = d ln f/d ln δ.
+the noise, with random effects that of a series not yet measured. Noise of a penetration becomes
+noise of the load, and vice versa, through the local exponent n = d ln f/d ln δ.
 """
 
 from __future__ import annotations

@@ -215,7 +215,7 @@ def _branches(residuals: _Residuals) -> Finding | None:
 
 
 def _repeats(residuals: _Residuals) -> Finding | None:
-    """Test whether the means of repeated loads are further from the law than their scatter allows."""
+    """Test whether the law misses the means of repeated loads by more than they scatter."""
     sets = residuals.objective.data.replicates()
     r, degrees = residuals.r, sum(rows.size - 1 for rows in sets)
     between = r.size - residuals.parameters - degrees

@@ -40,8 +40,8 @@ def number_estimated(problem: Problem) -> int:
     objective = measured(problem)
     if objective.noise is not None:
         covariance = objective.noise.covariance
-        return len(problem.free) + len(covariance.names) + covariance.fixed.shape[1]
-    return len(problem.free) + (not objective.has_sigma)
+        return len(problem.free) + len(covariance.names) + int(covariance.fixed.shape[1])
+    return len(problem.free) + (0 if objective.has_sigma else 1)
 
 
 def _plain(objective: MeasuredObjective, r: FloatArray) -> float | None:

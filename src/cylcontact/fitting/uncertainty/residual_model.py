@@ -3,9 +3,10 @@
 With residuals r and J their derivatives by the free parameters at the optimum, least squares has
 the covariance s²·(JᵀJ)⁻¹, where s² is 1 if the standard deviations are known and Σr²/(N − k) if
 not. With a noise model r are in standard deviations, s² is 1, and the degrees of freedom are
-Satterthwaite's (`restricted_likelihood`). With a robust loss it is the sandwich H⁻¹GH⁻¹ of H = Σψ'JJᵀ and G = N/(N − k)·Σψ²JJᵀ (Huber
-1981), ψ being half the loss's derivative. ψ' is negative for large residuals of Cauchy's loss. If
-they are so many that H is not positive definite, there is no covariance.
+Satterthwaite's (`restricted_likelihood`). With a robust loss it is the sandwich H⁻¹GH⁻¹ of
+H = Σψ'JJᵀ and G = N/(N − k)·Σψ²JJᵀ (Huber 1981), ψ being half the loss's derivative. ψ' is negative
+for large residuals of Cauchy's loss. If they are so many that H is not positive definite, there is
+no covariance.
 """
 
 from __future__ import annotations

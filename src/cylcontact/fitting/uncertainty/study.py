@@ -108,10 +108,10 @@ def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
         model = user_model(law, Path.cwd(), result.contact, f"fit result {result.name!r}")
         campaign = replace(campaign, model=with_rig(model, campaign.spec.parameters))
     problem = plain_problem(campaign)
-    model = noise_model_of(campaign)
-    if model is not None and result.uncertainty.noise is not None:
+    noise = noise_model_of(campaign)
+    if noise is not None and result.uncertainty.noise is not None:
         deviations = result.uncertainty.noise.deviations
-        problem = with_noise(problem, model, result.coefficients, deviations)
+        problem = with_noise(problem, noise, result.coefficients, deviations)
     if result.uncertainty.loss_scale is not None:
         loss = Loss(result.settings["campaign"]["loss"], result.uncertainty.loss_scale)
         problem = with_loss(problem, loss)
