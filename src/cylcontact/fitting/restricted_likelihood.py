@@ -153,7 +153,7 @@ def estimate(likelihood: Likelihood) -> dict[str, float]:
     def slopes(steps: FloatArray) -> FloatArray:
         return _gradient(value, steps)
 
-    solution: OptimizeResult = minimize(  # type: ignore[call-overload]
+    solution: OptimizeResult = minimize(
         value,
         np.zeros(len(names)),
         jac=slopes,
