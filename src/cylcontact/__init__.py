@@ -10,13 +10,14 @@ from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.own_data import fit
+    from cylcontact.fitting.own_data import choose, fit
 
 __all__ = [
     "ContactLaw",
     "CylinderPair",
     "InputError",
     "Material",
+    "choose",
     "datasets",
     "dissipation",
     "export",
@@ -38,8 +39,8 @@ _LAZY = ("datasets", "export", "fitting", "mechanism", "plots", "reports")
 def __getattr__(name: str) -> Any:
     if name in _LAZY:
         return import_module(f"cylcontact.{name}")
-    if name == "fit":
-        return import_module("cylcontact.fitting.own_data").fit
+    if name in ("choose", "fit"):
+        return getattr(import_module("cylcontact.fitting.own_data"), name)
     raise AttributeError(f"module 'cylcontact' has no attribute {name!r}")
 
 

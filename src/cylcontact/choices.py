@@ -8,6 +8,7 @@ from typing import Literal, get_args
 __all__ = [
     "BEYOND",
     "BRANCHES",
+    "CHOICE_FILES",
     "ENGINES",
     "FIT_FILES",
     "FORMATS",
@@ -36,6 +37,8 @@ FORMATS: tuple[Format, ...] = get_args(Format)
 # Of tables that are read, and of those that are written.
 # What the folder of a fit to a table holds.
 FIT_FILES = ("result.json", "residuals.csv", "fit.png", "fit.pdf")
+# What `choose` adds to it.
+CHOICE_FILES = ("choice.csv", "choice.png", "choice.pdf")
 TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
 OUTPUT_SUFFIXES = (".csv", ".parquet")
 

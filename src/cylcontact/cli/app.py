@@ -46,6 +46,7 @@ def _common(
 app.command()(init.init)
 app.command()(calibration.sample)
 app.command()(calibration.fit)
+app.command()(measured.choose)
 app.command()(calibration.optimizers)
 app.command()(measured.uncertainty)
 app.command()(calibration.compare)

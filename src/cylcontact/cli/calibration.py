@@ -69,13 +69,14 @@ def fit(
     scheduler: Scheduler = None,
     resume: Annotated[bool, typer.Option("--resume", help="Resume an interrupted fit.")] = False,
     force: Force = False,
+    law: measured.LawOption,
     table: measured.TableOptions,
 ) -> None:
     """Calibrate a law to a reference, or to a table of measurements."""
     from cylcontact.fitting import calibrate
     from cylcontact.fitting.result import require_same_inputs
 
-    planned = measured.plan(campaign, table, search)
+    planned = measured.plan(campaign, law, table, search)
     target, folder = _place(campaign, out)
     where = workers(jobs, scheduler)
     with owning(target):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cylcontact.choices import BRANCHES, TABLE_SUFFIXES, listed
+from cylcontact.choices import BRANCHES, CHOICE_FILES, TABLE_SUFFIXES, listed
 from cylcontact.cli.options import (
     LOSSES,
     NOISES,
@@ -20,19 +20,28 @@ from cylcontact.cli.options import (
     Runs,
     Scheduler,
     Seed,
+    expand_options,
     integer_from,
     require_internal,
 )
 from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
-from cylcontact.files import replacing, require_suffix, require_writable
+from cylcontact.files import owning, replacing, require_suffix, require_writable
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.pair import CONTACTS
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.campaign import Campaign
+    from cylcontact.fitting.campaign import Campaign, MeasuredTable
 
-__all__ = ["CONSTANTS", "SearchOptions", "TableOptions", "plan", "uncertainty"]
+__all__ = [
+    "CONSTANTS",
+    "LawOption",
+    "SearchOptions",
+    "TableOptions",
+    "choose",
+    "plan",
+    "uncertainty",
+]
 
 _PANEL = "For a table of measurements"
 
@@ -57,11 +66,8 @@ class SearchOptions:
 
 @dataclass(frozen=True)
 class TableOptions:
-    """The options of `fit` for tables; None if not given."""
+    """Options of `fit` and `choose` for tables; None if not given."""
 
-    law: Annotated[
-        str | None, _option("--law", help="The law, or module:function of your own.")
-    ] = None
     contact: Annotated[str | None, _option("--contact", help=f"{listed(CONTACTS)}.")] = None
     material: Annotated[
         str | None, _option("--material", help="Of both bodies, by name in the table of materials.")
@@ -133,17 +139,26 @@ class TableOptions:
     ] = None
 
 
+@dataclass(frozen=True)
+class LawOption:
+    """The option of `fit` for the law to fit to a table."""
+
+    law: Annotated[
+        str | None, _option("--law", help="The law, or module:function of your own.")
+    ] = None
+
+
 CONSTANTS = (
     *("material", "material_i", "material_j"),
     *("E_MPa", "nu", "dR_mm", "R_i_mm", "R_j_mm", "length_mm"),
 )
 
 
-def plan(path: Path, options: TableOptions, search: SearchOptions) -> Campaign:
+def plan(path: Path, law: LawOption, options: TableOptions, search: SearchOptions) -> Campaign:
     """Return the campaign of a file, or of a table and its options."""
     from cylcontact.fitting.campaign import read_campaign
 
-    given = {name: value for name, value in asdict(options).items() if value not in (None, [])}
+    given = _given(asdict(law) | asdict(options))
     if path.suffix.lower() not in TABLE_SUFFIXES:
         if given:
             name = next(iter(given)).removesuffix("_mm").removesuffix("_MPa").replace("R_", "R")
@@ -155,12 +170,18 @@ def plan(path: Path, options: TableOptions, search: SearchOptions) -> Campaign:
                 "set it in the campaign file",
             )
         return read_campaign(path, **asdict(search))
-    return _plan_of_table(path, given, search)
+    table = _table(path, given, search)
+    return table.campaign(table.spec.law)
 
 
-def _plan_of_table(path: Path, given: dict[str, Any], search: SearchOptions) -> Campaign:
-    """Return the campaign of a table."""
-    from cylcontact.fitting.campaign import campaign_of_table
+def _given(options: dict[str, Any]) -> dict[str, Any]:
+    """Return the options that were given."""
+    return {name: value for name, value in options.items() if value not in (None, [])}
+
+
+def _table(path: Path, given: dict[str, Any], search: SearchOptions) -> MeasuredTable:
+    """Return a table with the options for it."""
+    from cylcontact.fitting.campaign import read_table
     from cylcontact.materials import modulus_in_MPa
 
     if "contact" not in given and {"pin", "hole"} & {*given}:
@@ -183,7 +204,37 @@ def _plan_of_table(path: Path, given: dict[str, Any], search: SearchOptions) -> 
     settings["columns"] = columns or None
     settings |= {"starts": runs} if optimizer is None else {"genetic": runs and {"runs": runs}}
     law, contact = settings.pop("law"), settings.pop("contact")
-    return campaign_of_table(path, law, contact, constants, **settings)
+    return read_table(path, law, contact, constants, **settings)
+
+
+@expand_options
+def choose(
+    data: Annotated[Path, typer.Argument(help="A .csv, .xlsx or .parquet table.")],
+    *,
+    law: Annotated[
+        list[str] | None,
+        _option("--law", help="A law to compare; may be repeated. All by default."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="The folder; results/NAME beside the table.")
+    ] = None,
+    table: TableOptions,
+) -> None:
+    """Fit all laws that apply to a table, rank them, and say whether the data can tell."""
+    from cylcontact.fitting.choice import choose_law
+    from cylcontact.reports.fit_folder import write_choice
+
+    if data.suffix.lower() not in TABLE_SUFFIXES:
+        rule, remedy = f"is neither {listed(TABLE_SUFFIXES)}", "name a table of measurements"
+        raise InputError(str(data), "", None, rule, remedy)
+    folder = out or data.parent / "results" / data.stem
+    with owning(folder / CHOICE_FILES[0]):
+        first = law[0] if law else "johnson"
+        measured = _table(data, {"law": first, **_given(asdict(table))}, SearchOptions())
+        with progress_bars() as progress:
+            choice = choose_law(measured, law or (), progress)
+        write_choice(choice, folder)
+    typer.echo(f"{choice}\n\nwritten to {folder}: {', '.join(CHOICE_FILES)}")
 
 
 def _name_bodies(source: str, given: dict[str, Any]) -> None:

@@ -7,17 +7,20 @@ if TYPE_CHECKING:
     from cylcontact.fitting.assessment import verdicts
     from cylcontact.fitting.calibration import calibrate
     from cylcontact.fitting.campaign import Campaign, campaign_of_table, read_campaign
-    from cylcontact.fitting.own_data import fit
+    from cylcontact.fitting.choice import Choice
+    from cylcontact.fitting.own_data import choose, fit
     from cylcontact.fitting.power_fit import PowerFit, fit_power, fit_power_to_law
     from cylcontact.fitting.report import compare
     from cylcontact.fitting.result import FitResult
 
 __all__ = [
     "Campaign",
+    "Choice",
     "FitResult",
     "PowerFit",
     "calibrate",
     "campaign_of_table",
+    "choose",
     "compare",
     "fit",
     "fit_power",
@@ -29,6 +32,8 @@ __all__ = [
 # Loaded on first use, so that the command line can read the names of the optimisers at once.
 _MODULES = {
     "Campaign": "campaign",
+    "Choice": "choice",
+    "choose": "own_data",
     "FitResult": "result",
     "PowerFit": "power_fit",
     "calibrate": "calibration",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -53,12 +53,14 @@ from cylcontact.spec import parse_spec, read_toml
 __all__ = [
     "Campaign",
     "GridData",
+    "MeasuredTable",
     "TableData",
     "campaign_from_settings",
     "campaign_of_table",
     "grid_of",
     "measured_of",
     "read_campaign",
+    "read_table",
     "with_grid",
 ]
 
@@ -167,6 +169,48 @@ class Campaign:
         return made_with(Path(self.source).parent, self.settings, _LIBRARIES)
 
 
+@dataclass(frozen=True, eq=False)
+class MeasuredTable:
+    """A table of measurements, and how laws are fitted to it.
+
+    Attributes
+    ----------
+    name : str
+        Of the campaigns.
+    spec : MeasuredSpec
+        Their settings as given.
+    measurements : Measurements
+        The data.
+    folder : path
+        Where a module with a law of one's own is looked for.
+    source : str
+        Its name in errors.
+    """
+
+    name: str
+    spec: MeasuredSpec
+    measurements: Measurements
+    folder: Path
+    source: str
+
+    def campaign(self, law: str, free: Sequence[str] = ()) -> Campaign:
+        """Return the campaign that fits a law, with further parameters free.
+
+        Raises
+        ------
+        InputError
+            If the law is unknown, or the settings are not for it.
+        """
+        if is_user_law(law):
+            model = user_model(law, self.folder.resolve(), self.spec.contact, self.source)
+        else:
+            model = model_of(law, self.spec.contact, self.source)
+        wanted = tuple(dict.fromkeys((*(self.spec.free or ()), *free))) or None
+        spec = self.spec.model_copy(update={"law": law, "free": wanted})
+        model = _freed(model, spec, self.measurements, self.source)
+        return _on_table(self.name, spec, self.measurements, model, self.source)
+
+
 def read_campaign(
     path: Path | str,
     runs: int | None = None,
@@ -242,12 +286,24 @@ def campaign_of_table(
     InputError
         If the table or a setting is invalid.
     """
+    return read_table(table, law, contact, constants, name, **settings).campaign(law)
+
+
+def read_table(
+    table: Path | pd.DataFrame,
+    law: str,
+    contact: Contact,
+    constants: Constants,
+    name: str = "",
+    **settings: Any,
+) -> MeasuredTable:
+    """Read a table to which several laws may be fitted, as for `campaign_of_table`."""
     others = {key: value for key, value in settings.items() if value is not None}
     path = table if isinstance(table, Path) else Path("data")
     source = str(table) if isinstance(table, Path) else "DataFrame"
     required = {"data": path.name, "law": law, "contact": contact, "constants": dict(constants)}
     spec = parse_spec(MeasuredSpec, required | others, source)
-    return _of_table(name or path.stem, spec, table, path.parent, source)
+    return _read_table(name or path.stem, spec, table, path.parent, source)
 
 
 def campaign_from_settings(name: str, settings: dict[str, Any], source: str) -> Campaign:
@@ -378,15 +434,18 @@ def _of_table(
     name: str, spec: MeasuredSpec, table: Path | pd.DataFrame, folder: Path, source: str
 ) -> Campaign:
     """Read the data and the law of a campaign."""
+    return _read_table(name, spec, table, folder, source).campaign(spec.law)
+
+
+def _read_table(
+    name: str, spec: MeasuredSpec, table: Path | pd.DataFrame, folder: Path, source: str
+) -> MeasuredTable:
+    """Read the data of a campaign."""
     materials = _beside_or_above(folder, spec.materials or _MATERIALS)
     if spec.materials is not None and materials is None:
         raise InputError(
             source, "materials", spec.materials, "no such file", "name a table of materials"
         )
-    if is_user_law(spec.law):
-        model = user_model(spec.law, folder.resolve(), spec.contact, source)
-    else:
-        model = model_of(spec.law, spec.contact, source)
     read: Callable[..., MeasuredData] = read_measured if isinstance(table, Path) else read_frame
     data = read(
         *(table, spec.contact, spec.constants, materials),
@@ -394,7 +453,7 @@ def _of_table(
     )
     measured = measurements_of(data, str(table) if isinstance(table, Path) else source)
     data.notes.extend(yield_notes(measured, materials))
-    return _on_table(name, spec, measured, _freed(model, spec, measured, source), source)
+    return MeasuredTable(name, spec, measured, folder, source)
 
 
 def _freed(model: LawModel, spec: MeasuredSpec, measured: Measurements, source: str) -> LawModel:

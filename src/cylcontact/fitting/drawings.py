@@ -20,12 +20,20 @@ from cylcontact.plots.measured import Curve, draw_curves, draw_readings, draw_re
 from cylcontact.plots.style import ACCENT, QUIET, figure_style
 
 if TYPE_CHECKING:
+    from cylcontact.fitting.choice import Choice
     from cylcontact.fitting.result import FitResult
 
-__all__ = ["fit_drawing", "plot", "plot_profile", "plot_residuals"]
+__all__ = [
+    "choice_drawing",
+    "fit_drawing",
+    "plot",
+    "plot_choice",
+    "plot_profile",
+    "plot_residuals",
+]
 
-# Points of a curve, and the most pairs with curves of their own.
-_POINTS, _PAIRS = 121, 5
+# Points of a curve, and the most pairs and laws with curves of their own.
+_POINTS, _PAIRS, _LAWS = 121, 5, 4
 
 
 @contextmanager
@@ -96,6 +104,75 @@ def fit_drawing(result: FitResult) -> Drawing:
         "in standard deviations."
     )
     return Drawing(figure, result.residuals, _free(result), caption)
+
+
+def plot_choice(choice: Choice, ax: Axes | None = None) -> Axes:
+    """Draw the data with the best laws."""
+    data = choice.data.measurements
+    with _axes(ax, 68.0) as axes:
+        draw_curves(axes, list(_of_laws(choice).values()))
+        draw_readings(axes, data.load, data.penetration)
+        axes.legend()
+    return axes
+
+
+def choice_drawing(choice: Choice) -> Drawing:
+    """Draw the data with the best laws, and beneath both less the best law.
+
+    Parameters
+    ----------
+    choice : Choice
+        The ranked laws.
+
+    Returns
+    -------
+    Drawing
+        Its table is that of the choice, its headline the AICc of each law.
+    """
+    figure = new_figure("column", 104.0)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1])
+    plot_choice(choice, upper)
+    _draw_differences(choice, lower)
+    upper.set_xlabel("")
+    table, number = choice.table.reset_index(), min(_LAWS, len(choice.laws))
+    caption = (
+        f"{choice.data.name}: measurements and the {number} best laws by AICc, "
+        f"each with its offset and stiffness fitted; beneath, all less {choice.best.law}."
+    )
+    return Drawing(figure, table, {law.law: law.aicc for law in choice.laws}, caption)
+
+
+def _of_laws(choice: Choice) -> dict[str, Curve]:
+    """Return the curves of the best laws for the first pair in the data."""
+    data = choice.data.measurements
+    names, index = data.groups("pair")
+    curves: dict[str, Curve] = {}
+    for ranked in choice.laws[:_LAWS]:
+        (law,) = laws_of(ranked.problem.form(ranked.point[None, :]))
+        rows: Indices = np.flatnonzero(index == 0)
+        loads = data.load[rows]
+        at = np.geomspace(loads.min(), loads.max(), _POINTS)
+        if law is None:
+            raise TypeError("the law is undefined at the best coefficients")
+        reading = law.penetration(at, data.take(rows[:1]).pair)
+        label = ranked.law if len(names) == 1 else f"{ranked.law}, {names[0]}"
+        curves[ranked.law] = Curve(at, reading, label=label)
+    return curves
+
+
+def _draw_differences(choice: Choice, axes: Axes) -> None:
+    """Draw the readings of the first pair and the other laws, less the best law."""
+    data, curves = choice.data.measurements, _of_laws(choice)
+    best = curves[choice.best.law]
+    rows = np.flatnonzero(data.groups("pair")[1] == 0)
+    load, reading = data.load[rows], data.penetration[rows]
+    less = [
+        Curve(curve.load, curve.reading - best.reading, label=name)
+        for name, curve in curves.items()
+    ]
+    draw_curves(axes, less)
+    draw_readings(axes, load, reading - np.interp(load, best.load, best.reading))
+    axes.set_ylabel(f"less {choice.best.law} (µm)")
 
 
 def _free(result: FitResult) -> dict[str, float]:

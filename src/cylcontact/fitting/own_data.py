@@ -1,4 +1,4 @@
-"""Fit a law to measurements in one call, as `cylcontact fit TABLE` does."""
+"""Fit a law to measurements in one call, or choose one, as `cylcontact fit` and `choose` do."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ import pandas as pd
 from cylcontact.datasets.measurements import Constants
 from cylcontact.errors import InputError
 from cylcontact.fitting.calibration import calibrate
-from cylcontact.fitting.campaign import Campaign, campaign_of_table
+from cylcontact.fitting.campaign import MeasuredTable, read_table
+from cylcontact.fitting.choice import Choice, choose_law
 from cylcontact.fitting.result import FitResult
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.parallel import Workers
 
-__all__ = ["campaign_of", "constants_of", "fit"]
+__all__ = ["choose", "constants_of", "fit"]
 
 
 def fit(
@@ -82,49 +83,88 @@ def fit(
     >>> print(result.to_frame().loc["stiffness_factor", ["value", "standard_error"]].to_dict())
     {'value': 1.0008..., 'standard_error': 0.0043...}
     """
-    campaign = campaign_of(
-        data,
-        law,
-        pair,
-        contact=contact,
-        constants=constants,
-        free=free,
-        fixed=fixed,
-        bounds=bounds,
-        **settings,
-    )
-    return calibrate(campaign, jobs)
+    settings |= _parameters(free, fixed, bounds)
+    return calibrate(_table(data, law, pair, contact, constants, settings).campaign(law), jobs)
 
 
-def campaign_of(
+def choose(
     data: pd.DataFrame | Path | str,
-    law: str,
     pair: CylinderPair | None = None,
     *,
     contact: Contact | None = None,
     constants: Constants | None = None,
-    free: Sequence[str] = (),
-    fixed: Mapping[str, float] | None = None,
-    bounds: Mapping[str, tuple[float, float]] | None = None,
+    laws: Sequence[str] = (),
     **settings: Any,
-) -> Campaign:
-    """Return the campaign that `fit` runs, with the same parameters."""
+) -> Choice:
+    """Fit all laws that apply to measurements, rank them, and say whether the data can tell.
+
+    Parameters
+    ----------
+    data, pair, contact, constants
+        As for `fit`.
+    laws : sequence of str, optional
+        The laws to compare; by default all for the contact.
+    **settings
+        As for `fit`.
+
+    Returns
+    -------
+    Choice
+
+    Raises
+    ------
+    InputError
+        If the data or a setting is invalid, or no law can be fitted.
+
+    Examples
+    --------
+    >>> import cylcontact as cc
+    >>> steel = cc.Material("steel", E="207 GPa", nu=0.3)
+    >>> pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+    >>> load, noise = np.geomspace(10.0, 3000.0, 30), 1 + 0.01 * np.cos(np.arange(30))
+    >>> depth = cc.laws.Explicit().penetration(load, pair) * noise
+    >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": 1e3 * depth})
+    >>> cc.choose(data, pair, laws=["johnson", "explicit", "power"]).undecided
+    ['explicit']
+    """
+    first = laws[0] if laws else "johnson"
+    return choose_law(_table(data, first, pair, contact, constants, settings), laws)
+
+
+def _parameters(
+    free: Sequence[str],
+    fixed: Mapping[str, float] | None,
+    bounds: Mapping[str, tuple[float, float]] | None,
+) -> dict[str, Any]:
+    """Return parameters as the keys of a campaign."""
+    tables: dict[str, dict[str, Any]] = {}
+    for name, value in (fixed or {}).items():
+        tables[name] = {"value": value, "fixed": True}
+    for name, (low, high) in (bounds or {}).items():
+        tables[name] = {"low": low, "high": high}
+    return {"free": tuple(free) or None, "parameters": tables or None}
+
+
+def _table(
+    data: pd.DataFrame | Path | str,
+    law: str,
+    pair: CylinderPair | None,
+    contact: Contact | None,
+    constants: Constants | None,
+    settings: Mapping[str, Any],
+) -> MeasuredTable:
+    """Return measurements of a pair."""
     if pair is not None and contact not in (None, pair.contact):
         rule = f"contradicts the pair, which is for {pair.contact} contact"
         raise InputError("fit", "contact", contact, rule, "leave it out")
     kind = pair.contact if pair is not None else contact
     if kind is None:
         raise InputError("fit", "contact", None, "is required without a pair", "give a pair")
-    tables = {name: {"value": value, "fixed": True} for name, value in (fixed or {}).items()}
-    for name, (low, high) in (bounds or {}).items():
-        tables[name] = {"low": low, "high": high}
-    return campaign_of_table(
+    return read_table(
         data if isinstance(data, pd.DataFrame) else Path(data),
         law,
         kind,
         {**(constants_of(pair) if pair is not None else {}), **(constants or {})},
-        free=tuple(free) or None,
-        parameters=tables or None,
         **settings,
     )
 

@@ -1,18 +1,41 @@
-"""The folder of a fit to measurements: the result, its residuals, and its picture."""
+"""The folder of a table of measurements: its fit with residuals and picture, and ranked laws."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
-from cylcontact.choices import FIT_FILES
+from cylcontact.choices import CHOICE_FILES, FIT_FILES
 from cylcontact.files import replacing
-from cylcontact.fitting.drawings import fit_drawing
+from cylcontact.fitting.choice import Choice
+from cylcontact.fitting.drawings import choice_drawing, fit_drawing
 from cylcontact.fitting.result import FitResult
+from cylcontact.plots.figure import Drawing
 from cylcontact.plots.style import JOURNAL, figure_style
 from cylcontact.reports.build import NUMBER_FORMAT, save_picture
 
-__all__ = ["write_fit"]
+__all__ = ["write_choice", "write_fit"]
+
+
+def write_choice(choice: Choice, folder: Path) -> None:
+    """Write ranked laws into a folder, as `choices.CHOICE_FILES`; on an error, write none of them.
+
+    Parameters
+    ----------
+    choice : Choice
+        The ranked laws.
+    folder : path
+        Where to write; made if it does not exist.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to.
+    """
+    with figure_style():
+        drawing = choice_drawing(choice)
+    _write(drawing, folder, CHOICE_FILES, lambda _: None)
 
 
 def write_fit(result: FitResult, folder: Path) -> None:
@@ -32,9 +55,22 @@ def write_fit(result: FitResult, folder: Path) -> None:
     """
     with figure_style():
         drawing = fit_drawing(result)
+    _write(drawing, folder, FIT_FILES, lambda paths: result.write(paths[".json"]))
+
+
+def _write(
+    drawing: Drawing,
+    folder: Path,
+    names: Sequence[str],
+    rest: Callable[[Mapping[str, Path]], None],
+) -> None:
+    """Write a drawing's pictures and table, and by suffix whatever else there is."""
     with ExitStack() as stack:
-        json, csv, png, pdf = (stack.enter_context(replacing(folder / name)) for name in FIT_FILES)
-        save_picture(drawing, png, "png", JOURNAL)
-        save_picture(drawing, pdf, "pdf", JOURNAL)
-        drawing.table.to_csv(csv, index=False, float_format=NUMBER_FORMAT, lineterminator="\n")
-        result.write(json)
+        files = {Path(name).suffix: replacing(folder / name) for name in names}
+        paths = {suffix: stack.enter_context(file) for suffix, file in files.items()}
+        save_picture(drawing, paths[".png"], "png", JOURNAL)
+        save_picture(drawing, paths[".pdf"], "pdf", JOURNAL)
+        drawing.table.to_csv(
+            paths[".csv"], index=False, float_format=NUMBER_FORMAT, lineterminator="\n"
+        )
+        rest(paths)
