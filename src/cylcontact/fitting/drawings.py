@@ -34,6 +34,8 @@ __all__ = [
 
 # Points of a curve, and the most pairs and laws with curves of their own.
 _POINTS, _PAIRS, _LAWS = 121, 5, 4
+# Curves closer than this share of the readings' range are drawn as one.
+_APART = 0.005
 
 
 @contextmanager
@@ -134,30 +136,32 @@ def choice_drawing(choice: Choice) -> Drawing:
     plot_choice(choice, upper)
     _draw_differences(choice, lower)
     upper.set_xlabel("")
-    table, number = choice.table.reset_index(), min(_LAWS, len(choice.laws))
     caption = (
-        f"{choice.data.name}: measurements and the {number} best laws by AICc, "
-        f"each with its offset and stiffness fitted; beneath, all less {choice.best.law}."
+        f"{choice.data.name}: measurements and the best laws by AICc, each with its offset and "
+        f"stiffness fitted; beneath, all less {choice.best.law}. Of laws that coincide within "
+        f"{100 * _APART:g} % of the range one is drawn."
     )
-    return Drawing(figure, table, {law.law: law.aicc for law in choice.laws}, caption)
+    return Drawing(
+        figure, choice.table.reset_index(), {law.law: law.aicc for law in choice.laws}, caption
+    )
 
 
 def _of_laws(choice: Choice) -> dict[str, Curve]:
-    """Return the curves of the best laws for the first pair in the data."""
+    """Return the curves of the best laws for the first pair, of those that coincide only one."""
     data = choice.data.measurements
-    names, index = data.groups("pair")
+    rows = np.flatnonzero(data.groups("pair")[1] == 0)
+    loads, pair = data.load[rows], data.take(rows[:1]).pair
+    at = np.geomspace(loads.min(), loads.max(), _POINTS)
     curves: dict[str, Curve] = {}
-    for ranked in choice.laws[:_LAWS]:
+    for ranked in choice.laws:
         (law,) = laws_of(ranked.problem.form(ranked.point[None, :]))
-        rows: Indices = np.flatnonzero(index == 0)
-        loads = data.load[rows]
-        at = np.geomspace(loads.min(), loads.max(), _POINTS)
         if law is None:
             raise TypeError("the law is undefined at the best coefficients")
-        reading = law.penetration(at, data.take(rows[:1]).pair)
-        label = ranked.law if len(names) == 1 else f"{ranked.law}, {names[0]}"
-        curves[ranked.law] = Curve(at, reading, label=label)
-    return curves
+        reading = law.penetration(at, pair)
+        apart = [np.abs(reading - c.reading).max() / np.ptp(c.reading) for c in curves.values()]
+        if min(apart, default=np.inf) > _APART:
+            curves[ranked.law] = Curve(at, reading, label=ranked.law)
+    return dict(list(curves.items())[:_LAWS])
 
 
 def _draw_differences(choice: Choice, axes: Axes) -> None:
