@@ -142,7 +142,9 @@ def pins_in_hole(
 
 
 def require_one_pair(pair: CylinderPair, source: str, key: str) -> None:
-    """Raise `InputError` for a pair that holds arrays."""
+    """Raise `InputError` for a pair that holds arrays, or is none."""
+    remedy = "build one with CylinderPair.internal or .external"
+    require(isinstance(pair, CylinderPair), source, key, pair, "must be a CylinderPair", remedy)
     numbers = (pair.dR, pair.R_i, *pair.moduli)
     require(
         all(number is None or np.ndim(number) == 0 for number in numbers),

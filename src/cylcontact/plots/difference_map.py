@@ -168,7 +168,7 @@ def map_grid(
     pair : CylinderPair
         With clearances of shape (161, 1).
     loads : array of float
-        In N/mm, shape (161, 81).
+        In N/mm, shape (161, 81); NaN at clearances where the reference ends below them all.
 
     Raises
     ------
@@ -190,7 +190,8 @@ def map_grid(
     clearances = np.clip(dR[0] * (dR[1] / dR[0]) ** u, *dR)[:, np.newaxis]
     pair = pins_in_hole(as_floats(clearances), "plot_map", material, R_i, material_j, length)
     low = load[0]
-    top = np.clip(reference.max_load(pair), *load)
+    top = np.minimum(reference.max_load(pair), load[1])
+    top = np.where(top >= low, top, np.nan)
     return pair, as_floats(np.minimum(low * (top / low) ** v, top) * np.ones(POINTS))
 
 
