@@ -1,4 +1,4 @@
-"""What the functions that draw laws accept: laws or their names, ranges, axes."""
+"""What the functions that draw laws share: their laws, ranges and axes, and the legend."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from cylcontact.plots.style import Width, figure_style
 __all__ = [
     "AnyLaw",
     "Range",
+    "add_legend",
     "as_law",
     "axes_for",
     "pins_in_hole",
@@ -66,6 +67,13 @@ def axes_for(ax: Axes | None, source: str, width: Width, height_mm: float) -> It
         "give one panel, e.g. axes[0] of fig, axes = plt.subplots(1, 2)",
     )
     yield ax
+
+
+def add_legend(axes: Axes) -> None:
+    """Name what is drawn below the axes, where it hides nothing."""
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        axes.figure.legend(handles, labels, loc="outside lower center", ncols=3)
 
 
 def as_law(law: AnyLaw, source: str, key: str) -> ContactLaw:

@@ -19,6 +19,7 @@ from cylcontact.pair import CylinderPair
 from cylcontact.plots.arguments import (
     AnyLaw,
     Range,
+    add_legend,
     as_law,
     axes_for,
     pins_in_hole,
@@ -133,7 +134,7 @@ def plot_map(
             yields = yield_load(pair, criterion)[:, 0]
             _draw_yield_line(axes, clearances, yields, f"first yield ({criterion})", R_i)
         if ax is None:
-            _add_legend(axes)
+            add_legend(axes)
         _settle_layout(axes)
         if yields is not None:
             _label_yield_line(axes, clearances, yields, load)
@@ -220,13 +221,6 @@ def _draw_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray, words: str, 
         "path_effects": [withStroke(linewidth=3.2, foreground="white"), comb],
     }
     axes.plot(dR, limit, "-", **line, label=f"{words}, $R_i$ = {R_i:g} mm")
-
-
-def _add_legend(axes: Axes) -> None:
-    """Name the yield line and the hatching below the map."""
-    handles, labels = axes.get_legend_handles_labels()
-    if handles:
-        axes.figure.legend(handles, labels, loc="outside lower center", ncols=2)
 
 
 def _settle_layout(axes: Axes) -> None:

@@ -14,6 +14,7 @@ from cylcontact.pair import CylinderPair
 from cylcontact.plots.arguments import (
     AnyLaw,
     Range,
+    add_legend,
     as_law,
     axes_for,
     require_one_pair,
@@ -86,7 +87,7 @@ def plot_laws(
         known = named.get(relative_to) if isinstance(relative_to, str) else None
         reference = known or as_law(relative_to, "plot_laws", "relative_to")
     curves = {label: _curve(law, reference, loads, pair) for label, law in named.items()}
-    with axes_for(ax, "plot_laws", "column", 70.0) as axes:
+    with axes_for(ax, "plot_laws", "middle", 90.0) as axes:
         for label, curve in curves.items():
             # No marker hides another line's.
             marks = {"label": label, "markevery": staggered(len(axes.lines), POINTS)}
@@ -100,7 +101,7 @@ def plot_laws(
             axes.axhline(0.0, color=QUIET, linewidth=0.6, linestyle="-", marker="", zorder=1)
             axes.set_ylabel("difference of penetration (%)")
         if ax is None:
-            axes.legend()
+            add_legend(axes)
     return axes
 
 

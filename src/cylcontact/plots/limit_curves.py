@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.limits import hertz_stress, johnson_limit_load, yield_load
 from cylcontact.materials import Material
-from cylcontact.plots.arguments import Range, axes_for, pins_in_hole, require_range
+from cylcontact.plots.arguments import Range, add_legend, axes_for, pins_in_hole, require_range
 from cylcontact.plots.figure import plain_log, round_ticks
 from cylcontact.plots.style import staggered
 from cylcontact.yield_search import Criterion
@@ -96,7 +96,7 @@ def plot_limits(
         loads[f"{who}: first yield ({criterion}), $R_i$ = {R_i:g} mm"] = yield_load(pair, criterion)
     if johnson:
         loads[f"{who}: largest load of Johnson's law"] = johnson_limit_load(pair)
-    with axes_for(ax, "plot_limits", "column", 70.0) as axes:
+    with axes_for(ax, "plot_limits", "middle", 90.0) as axes:
         for label, values in loads.items():
             drawn = hertz_stress(values, pair) if pressure else values
             # No marker hides another line's.
@@ -109,7 +109,7 @@ def plot_limits(
         axes.yaxis.set_minor_locator(LogLocator(subs=(1.0,), numticks=20))
         axes.yaxis.set_minor_formatter(NullFormatter())
         if ax is None:
-            axes.legend()
+            add_legend(axes)
     return axes
 
 
