@@ -10,6 +10,7 @@ from matplotlib.contour import QuadContourSet
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.plots import new_figure, plot_laws, plot_limits, plot_map
+from cylcontact.plots.difference_map import map_grid
 from cylcontact.plots.figure import round_ticks
 from cylcontact.plots.style import JOURNAL, figure_style
 from tests.paper_equations import (
@@ -156,6 +157,8 @@ class TestMap:
         lowest = 10.0 * np.e**2 / (4 * np.pi * e_star(500.0, 0.4))  # mm, by Eq 8
         reached = filled_points(axes)[:, 0]
         assert lowest <= reached.min() < 1.05 * lowest
+        pair, loads = map_grid(cc.laws.Johnson(), SOFT, load=(10.0, 500.0))
+        assert (np.isnan(loads) == (pair.dR < lowest)).all()
 
     @pytest.mark.parametrize("R_i", [5.0, 20.0])
     def test_the_yield_line_by_hertz_is_eq_7(self, R_i: float) -> None:
