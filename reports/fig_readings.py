@@ -21,7 +21,7 @@ from cylcontact.arrays import FloatArray
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.objectives import ON_ROWS
-from cylcontact.fitting.polish import polish, polish_across_kinks
+from cylcontact.fitting.polish import polish, polish_across_basins
 from cylcontact.fitting.problem import Problem
 from cylcontact.laws import PUBLISHED
 from cylcontact.laws.definition import Parameter
@@ -223,9 +223,9 @@ def best(problem: Problem) -> tuple[FloatArray, float]:
     lattice = np.stack(np.meshgrid(*[unit] * points), axis=-1).reshape(-1, points)
     lattice = problem.low + lattice * (problem.high - problem.low)
     start = lattice[np.argmin(problem.values(lattice))]
-    # Only the internal law has kinks, where the branches of Y meet.
-    descend = polish_across_kinks if problem.model.contact == "internal" else polish
-    return descend(problem, start)
+    # Only the internal law has several basins: its Y has two branches.
+    is_internal = problem.model.contact == "internal"
+    return polish_across_basins(problem, start, seed=0) if is_internal else polish(problem, start)
 
 
 def _draw_panels(table: pd.DataFrame) -> StyledFigure:

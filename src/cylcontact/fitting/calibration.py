@@ -24,7 +24,7 @@ from cylcontact.fitting.campaign import Campaign, grid_of
 from cylcontact.fitting.measured_fit import descents, largest_percent, measured_problem
 from cylcontact.fitting.objectives import ON_ROWS, make_objective, max_abs_difference_percent
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed, search
-from cylcontact.fitting.polish import polish_across_kinks
+from cylcontact.fitting.polish import polish_across_basins
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.result import (
     FitResult,
@@ -447,7 +447,7 @@ def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRec
         best = search(
             problem, plan.optimizer, plan.population, plan.generations, plan.crossover, plan.seed
         )
-        point, value = polish_across_kinks(problem, best.point)
+        point, value = polish_across_basins(problem, best.point, plan.seed)
     if not np.isfinite(value):
         raise InputError(
             source,
