@@ -22,6 +22,7 @@ __all__ = [
     "same_basin",
     "ties",
     "verdicts",
+    "warnings",
 ]
 
 # Runs whose objectives are this close, relatively, ended in the same basin.
@@ -41,7 +42,7 @@ _LISTED = 8
 def verdicts(result: FitResult) -> list[str]:
     """Return the verdicts on a result, most important first.
 
-    For a fit to a reference law they state whether the published coefficients are the optimum,
+    For a fit to a reference law they are its `warnings`, then state whether the published coefficients are the optimum,
     how far the fit is from the lower bound, which coefficients are well identified, which are at
     a bound, and how many runs agree. For a fit to measurements they are those of
     `noise_verdicts`, the objective of the published coefficients, and how many runs agree.
@@ -50,12 +51,27 @@ def verdicts(result: FitResult) -> list[str]:
         sentences = [*noise_verdicts(result.uncertainty), _on_published_law(result)]
     else:
         sentences = [
+            *warnings(result),
             _on_published(result),
             _on_lower_bound(result),
             _on_identification(result),
             *_on_search_bounds(result),
         ]
     return [sentence for sentence in [*sentences, *_on_runs(result)] if sentence]
+
+
+def warnings(result: FitResult) -> list[str]:
+    """Return what makes the optimum of a fit to a reference law doubtful, with the remedy."""
+    (_, agreeing), *_ = basins(result)
+    runs = len(result.runs)
+    if result.uncertainty is not None or 2 * agreeing >= runs:
+        return []
+    held = " or ".join(_poorly_identified(result)) or "a coefficient"
+    return [
+        f"only {agreeing} of {runs} runs reached the best objective within 0.1 %, so a lower one "
+        f"may have been missed: make more runs (--runs {4 * runs}), or hold {held} at a value "
+        "(fixed = true in the campaign)"
+    ]
 
 
 def identification(result: FitResult, name: str) -> str:
@@ -150,7 +166,7 @@ def _on_identification(result: FitResult) -> str:
     """Name the coefficients that are poorly identified, if there are profiles."""
     if not result.profiles:
         return ""
-    poor = [name for name in result.profiles if identification(result, name) == "poorly"]
+    poor = _poorly_identified(result)
     if not poor:
         return "every coefficient inside its bounds is at least fairly identified"
     return (
@@ -158,6 +174,11 @@ def _on_identification(result: FitResult) -> str:
         f"{100 * TOLERANCE:g} % while the coefficient moves by more than {100 * FAIRLY:g} % of its "
         f"value, or to a bound; well identified is {100 * WELL:g} %)"
     )
+
+
+def _poorly_identified(result: FitResult) -> list[str]:
+    """Return the coefficients that the profiles show to be poorly identified."""
+    return [name for name in result.profiles if identification(result, name) == "poorly"]
 
 
 def _on_search_bounds(result: FitResult) -> list[str]:

@@ -20,8 +20,9 @@ __all__ = ["central_differences", "minimise_largest", "polish", "polish_across_b
 # A restart that gains less than this, relatively, ends the polish.
 _MIN_GAIN = 1e-10
 _MAX_RESTARTS = 20
-# The hops end when so many in a row gained nothing, or less than this, relatively.
-_PATIENCE, _MIN_HOP_GAIN = 48, 1e-4
+# The hops end when so many in a row gained nothing, or less than this, relatively. Those of a
+# largest magnitude are fewer, as descents by linear programmes take long.
+_PATIENCE, _PATIENCE_LARGEST, _MIN_HOP_GAIN = 72, 12, 1e-4
 # Standard deviations relative to the bounds: of a hop across a kink, and, as powers of ten, of
 # each coefficient in a hop to another basin.
 _SHORT_HOP, _LONG_HOP_DECADES = 0.005, (-3.0, -0.3)
@@ -109,9 +110,10 @@ def polish_across_basins(
         return start, value
     point, value = _descended(problem, start, _FINER)
     rng = np.random.default_rng(seed)
+    patience = _PATIENCE_LARGEST if isinstance(problem.objective, Largest) else _PATIENCE
     hops = 0  # in a row that gained nothing
     for hop in cycle((_anywhere, _far, _beside)):
-        if hops == _PATIENCE:
+        if hops == patience:
             break
         hops += 1
         candidate, reached = _descended(problem, hop(problem, point, rng), _ROUGH)

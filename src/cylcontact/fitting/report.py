@@ -8,7 +8,14 @@ from html import escape
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
-from cylcontact.fitting.assessment import fixed, identification, noise_verdicts, ties, verdicts
+from cylcontact.fitting.assessment import (
+    fixed,
+    identification,
+    noise_verdicts,
+    ties,
+    verdicts,
+    warnings,
+)
 from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, FEW_REFITS, FEWEST_REFITS
 
 if TYPE_CHECKING:
@@ -60,9 +67,10 @@ def as_text(result: FitResult) -> str:
     return "\n".join(
         [
             fill(_headline(result), _WIDTH),
+            *(fill(f"warning: {sentence}", _WIDTH) for sentence in warnings(result)),
             "",
             text_table(_columns(result), _rows(result)),
-            *map(_item, verdicts(result)),
+            *map(_item, _below_table(result)),
         ]
     )
 
@@ -74,11 +82,17 @@ def as_html(result: FitResult) -> str:
         "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>"
         for row in _rows(result)
     )
-    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in verdicts(result))
+    warned = "".join(f"<p><b>warning:</b> {escape(w)}</p>" for w in warnings(result))
+    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in _below_table(result))
     return (
-        f"<p>{escape(_headline(result))}</p>"
+        f"<p>{escape(_headline(result))}</p>{warned}"
         f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table><ul>{items}</ul>"
     )
+
+
+def _below_table(result: FitResult) -> list[str]:
+    """Return the verdicts without the warnings, which are above the table."""
+    return verdicts(result)[len(warnings(result)) :]
 
 
 def _headline(result: FitResult) -> str:
