@@ -42,10 +42,11 @@ _LISTED = 8
 def verdicts(result: FitResult) -> list[str]:
     """Return the verdicts on a result, most important first.
 
-    For a fit to a reference law they are its `warnings`, then state whether the published coefficients are the optimum,
-    how far the fit is from the lower bound, which coefficients are well identified, which are at
-    a bound, and how many runs agree. For a fit to measurements they are those of
-    `noise_verdicts`, the objective of the published coefficients, and how many runs agree.
+    For a fit to a reference law they are its `warnings`; then they state whether the published
+    coefficients are the optimum, how far the fit is from the lower bound, which coefficients are
+    well identified, which are at a bound, and how many runs agree. For a fit to measurements they
+    are those of `noise_verdicts`, the objective of the published coefficients, and how many runs
+    agree.
     """
     if result.uncertainty is not None:
         sentences = [*noise_verdicts(result.uncertainty), _on_published_law(result)]
