@@ -59,8 +59,8 @@ def test_too_few_runs_at_the_best_are_a_warning_above_the_table(monkeypatch):
     assert agreeing < 3
     said = (
         f"only {agreeing} of 6 runs reached the best objective within 0.1 %, so a lower one may "
-        "have been missed: make more runs (--runs 24), or hold a coefficient at a value (fixed = true in "
-        "the campaign)"
+        "have been missed: make more runs (--runs 24), or hold a coefficient at a value (fixed = "
+        "true in the campaign)"
     )
     assert verdicts(result)[0] == said
     above, below = str(result).split("\n\n", 1)
