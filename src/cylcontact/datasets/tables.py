@@ -30,6 +30,8 @@ _EXTRA = "µ°±²³·×–€"
 _GROUPED = {mark: re.compile(rf"[+-]?[1-9]\d{{0,2}}(?:\{mark}\d{{3}})+") for mark in ".,"}
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:[\u00a0\u202f '’.,]\d{3})+(?:[.,]\d+)?")
 
+_NO_THOUSANDS = "has separators of thousands", "write it without them"
+
 
 @dataclass(frozen=True)
 class Table:
@@ -328,9 +330,14 @@ def texts(table: Table, k: int) -> list[str]:
     InputError
         If a cell is empty.
     """
-    cells = table.columns[k]
     _require_filled(table, k)
-    return [str(int(c)) if isinstance(c, float) and c.is_integer() else str(c) for c in cells]
+    return [_text(cell) for cell in table.columns[k]]
+
+
+def _text(cell: Any) -> str:
+    """Return a cell as text: a number without a fraction as an integer, a day without a time."""
+    whole = int(cell) if isinstance(cell, float) and cell.is_integer() else cell
+    return str(whole).removesuffix(" 00:00:00")
 
 
 def finite_numbers(table: Table, wanted: Sequence[int]) -> list[list[float]]:
@@ -374,10 +381,13 @@ def _require_decimals(table: Table, wanted: Sequence[int]) -> bool:
     written = [(row, k, cell) for row, k, cell in cells if isinstance(cell, str)]
     of_mark = {mark: [place for place in written if mark in place[2]] for mark in ".,"}
     commas, points = of_mark[","], of_mark["."]
-    plain = "write all numbers with a decimal point, without separators of thousands"
+    for row, k, cell in [*commas, *points]:
+        if cell.count(",") + cell.count(".") > 1 and _THOUSANDS.fullmatch(cell):
+            raise _cell_error(table, row, k, *_NO_THOUSANDS)
     if commas and points:
         row, k, _ = commas[0]
-        raise _cell_error(table, row, k, "has a comma, and other numbers a point", plain)
+        rule = "has a comma, and other numbers a point"
+        raise _cell_error(table, row, k, rule, "write all numbers with a decimal point")
     # Between commas a point is a decimal mark; a file without them may write either.
     marks = {",": commas} if table.separator in ("", ",") else of_mark
     for mark, places in marks.items():
@@ -405,7 +415,7 @@ def _numbers(table: Table, k: int, has_commas: bool) -> list[float]:
     cell = table.columns[k][row]
     rule, remedy = "must be a finite number", "write it with a decimal point, without its unit"
     if isinstance(cell, str) and _THOUSANDS.fullmatch(cell):
-        rule, remedy = "has separators of thousands", "write it without them"
+        rule, remedy = _NO_THOUSANDS
     elif _is_formula(cell):
         rule = "is a formula without a stored value"
         remedy = "open the workbook in a spreadsheet program and save it, or paste the values"
