@@ -27,7 +27,7 @@ _Rows = list[tuple[int, list[Any]]]
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 # Beyond letters, what the Windows-1252 text of a table may have that is not ASCII.
 _EXTRA = "µ°±²³·×–€"
-_GROUPED = {mark: re.compile(rf"[+-]?[1-9]\d{{0,2}}(?:\{mark}\d{{3}})+") for mark in ".,"}
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:[\u00a0\u202f '’.,]\d{3})+(?:[.,]\d+)?")
 
 _NO_THOUSANDS = "has separators of thousands", "write it without them"
@@ -211,12 +211,12 @@ def _separator(text: str) -> str:
     if len(_header(text, ";")) > 1:
         return ";"
     # Commas may be followed by a tab for alignment, and names between tabs may hold commas.
-    is_split_by_tabs = any("\t" in name for name in _header(text, ","))
+    is_split_by_tabs = any("\t" in (name or "") for name in _header(text, ","))
     return "\t" if is_split_by_tabs else ","
 
 
-def _header(text: str, separator: str) -> list[str]:
-    """Return the names of columns for a separator."""
+def _header(text: str, separator: str) -> list[str | None]:
+    """Return the names of columns for a separator; None for an empty one."""
     return next(_rows(text, separator, strict=False), (0, []))[1]
 
 
@@ -377,10 +377,10 @@ def finite_numbers(table: Table, wanted: Sequence[int]) -> list[list[float]]:
 
 def _require_decimals(table: Table, wanted: Sequence[int]) -> bool:
     """Return whether commas mark decimals; refuse marks that may be of thousands."""
-    cells = [(row, k, cell) for k in wanted for row, cell in enumerate(table.columns[k])]
-    written = [(row, k, cell) for row, k, cell in cells if isinstance(cell, str)]
-    of_mark = {mark: [place for place in written if mark in place[2]] for mark in ".,"}
-    commas, points = of_mark[","], of_mark["."]
+    commas = _with_mark(table, wanted, ",")
+    # Between commas a point is a decimal mark; a file without them may write either.
+    in_doubt = bool(commas) or table.separator not in ("", ",")
+    points = _with_mark(table, wanted, ".") if in_doubt else []
     for row, k, cell in [*commas, *points]:
         if cell.count(",") + cell.count(".") > 1 and _THOUSANDS.fullmatch(cell):
             raise _cell_error(table, row, k, *_NO_THOUSANDS)
@@ -388,15 +388,23 @@ def _require_decimals(table: Table, wanted: Sequence[int]) -> bool:
         row, k, _ = commas[0]
         rule = "has a comma, and other numbers a point"
         raise _cell_error(table, row, k, rule, "write all numbers with a decimal point")
-    # Between commas a point is a decimal mark; a file without them may write either.
-    marks = {",": commas} if table.separator in ("", ",") else of_mark
-    for mark, places in marks.items():
-        if places and all(_GROUPED[mark].fullmatch(cell) for _, _, cell in places):
-            row, k, cell = places[0]
-            rule = "may be of thousands or have decimals, as all numbers with such a mark"
-            remedy = f"write it as {cell}0 if these are decimals, else leave the mark out of all"
-            raise _cell_error(table, row, k, rule, remedy)
+    places = commas or points
+    if places and all(_GROUPED.fullmatch(cell) for _, _, cell in places):
+        row, k, cell = places[0]
+        rule = "may be of thousands or have decimals, as all numbers with such a mark"
+        remedy = f"write it as {cell}0 if these are decimals, else leave the mark out of all"
+        raise _cell_error(table, row, k, rule, remedy)
     return bool(commas)
+
+
+def _with_mark(table: Table, wanted: Sequence[int], mark: str) -> list[tuple[int, int, str]]:
+    """Return the row, column and text of cells with a mark."""
+    return [
+        (row, k, cell)
+        for k in wanted
+        for row, cell in enumerate(table.columns[k])
+        if isinstance(cell, str) and mark in cell
+    ]
 
 
 def _numbers(table: Table, k: int, has_commas: bool) -> list[float]:
