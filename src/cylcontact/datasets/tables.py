@@ -7,6 +7,7 @@ import hashlib
 import io
 import math
 import re
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -241,7 +242,8 @@ def _read_workbook(source: str, content: bytes, steps: list[str]) -> _Rows:
         if any(_is_formula(cell) for _, cells in rows for cell in cells):
             rows = _with_values(rows, _first_sheet(content, data_only=True, title=title)[2])
     except Exception as error:  # openpyxl raises whatever a damaged file makes it stumble over
-        rule = f"is not an Excel workbook ({error or type(error).__name__})"
+        reason = (str(error) or type(error).__name__)[:80]  # they may quote the file
+        rule = f"is not an Excel workbook ({reason})"
         raise InputError(source, "", None, rule, "save it as .xlsx or .csv") from error
     if sheets > 1:
         steps.append(f"sheet {title!r} is read, the first of {sheets} with cells")
@@ -261,7 +263,9 @@ def _first_sheet(content: bytes, data_only: bool, title: str = "") -> tuple[str,
     """
     import openpyxl
 
-    book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=data_only)
+    with warnings.catch_warnings():  # of styles and extensions, which do not matter here
+        warnings.simplefilter("ignore")
+        book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=data_only)
     try:
         sheets = [sheet for sheet in book.worksheets if title in ("", sheet.title)]
         for sheet in sheets:
