@@ -68,6 +68,7 @@ def workbook(path, sheets):
         (PLAIN.replace(",", "\t").replace(".", ","), ["tabs", "decimals"]),
         (PLAIN.replace(",", '","').replace("\n", '"\n"').replace(".", ",")[:-1], ["decimals"]),
         (PLAIN.replace(",", ";").replace("\n", "\r\n"), ["semicolons"]),
+        ("sep=;\n" + PLAIN.replace(",", ";"), ["semicolons"]),
         ("# a; b, c\n\n" + PLAIN.replace(",", "\t"), ["tabs"]),
     ],
 )
@@ -405,6 +406,7 @@ def test_a_branch_that_is_not_there_is_refused():
         ([1, 5, 9, 8.9, 9.1, 12, 7, 1], "00000011"),  # noise near 9
         ([1, 9, 5, 3], "0011"),
         ([7], "0"),
+        ([1, np.inf, np.inf, 3], "0000"),  # divided by a length of zero, which is refused later
     ],
 )
 def test_turning_points_part_loading_and_unloading(load, expected):
@@ -420,6 +422,14 @@ def test_branches_of_a_noisy_record_are_those_that_made_it():
     noisy = np.concatenate(parts) + rng.normal(0, 1, 470)
     actual = is_unloading(noisy, np.zeros(470, dtype=int))
     assert np.count_nonzero(actual != truth) <= 12  # rows near the turning points
+
+
+def test_a_series_that_only_falls_is_unloading_beside_one_that_rises():
+    load = np.array([1.0, 2, 3, 4, 4, 3, 2, 1])
+    runs = np.repeat([0, 1], 4)
+    assert is_unloading(load, runs).tolist() == [False] * 4 + [True] * 4
+    assert not is_unloading(load[::-1], np.arange(8)).any()
+    assert not is_unloading(np.tile(load[4:], 2), runs).any()
 
 
 def test_each_group_and_pair_has_its_own_course():

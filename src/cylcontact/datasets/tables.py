@@ -161,7 +161,7 @@ def _require_rectangular(source: str, row_word: str, rows: _Rows, separator: str
     for line, row in rows[1:]:
         if len(row) != width:
             rule = f"has {len(row)} cells for {width} columns"
-            by = _SEPARATORS[separator]
+            by = _SEPARATORS[separator] + (" and points in numbers" if separator == "," else "")
             remedy = f"give every row a cell for each column, separated by {by}"
             raise InputError(f"{source}, {row_word} {line}", "", None, rule, remedy)
 
@@ -223,8 +223,8 @@ def _header(text: str, separator: str) -> list[str | None]:
 
 def _rows(text: str, separator: str, strict: bool) -> Iterator[tuple[int, list[Any]]]:
     """Yield the rows that are not empty, each with the number of its line."""
-    # A comment becomes an empty line, so that the lines below it keep their numbers.
-    lines = ("\n" if x.startswith("#") else x for x in io.StringIO(text, newline=""))
+    # A comment, or Excel's line "sep=;", becomes an empty line: those below keep their numbers.
+    lines = ("\n" if x.startswith(("#", "sep=")) else x for x in io.StringIO(text, newline=""))
     reader = csv.reader(lines, delimiter=separator, strict=strict)
     for row in reader:
         cells = [cell.strip() or None for cell in row]
