@@ -151,6 +151,8 @@ BAD_FILES = [
         "'x' with --columns penetration_um=",
     ),
     ("F [N];delta_um\n1;2\n", None, "load", None, "is a total force", "add --length in mm"),
+    ("F [N];F [N]\n1;2\n", None, "columns", "F [N]", "same quantity as F [N]", "a name of its own"),
+    ("Lauf 3\nload_N,nu\n1,2\n", 2, "", None, "has 2 cells for 1 columns", "others with #"),
     (SEMI + "0;0,1\n0;0\n", None, "load", 0.0, "is zero in all rows", "above zero"),
 ]
 
@@ -267,6 +269,7 @@ def test_a_frame_says_the_same_as_its_file(tmp_path):
     ("names", "quantity", "unit"),
     [
         ("load_N,F_N,force_N,F [N],F (N),Force / N,F/N,'Force, N',Normal force [N]", "load", "N"),
+        ("Force in N,Load (N)", "load", "N"),
         ("load N/mm,F [N/mm],Line load [N mm^-1],load [N·mm⁻¹],P [N / mm]", "load", "N_per_mm"),
         ("displacement [µm],δ [μm],delta_um,Approach (micron),deflection_µm", "penetration", "um"),
         ("Penetration depth / mm,indentation_mm", "penetration", "mm"),
@@ -338,6 +341,19 @@ def test_columns_that_are_named_wrongly_are_told(tmp_path, columns, key, value, 
     with pytest.raises(InputError) as caught:
         read(path, columns=columns)
     assert_told(caught, path, key, value, rule, remedy)
+
+
+def test_the_unit_of_an_option_corrects_that_of_the_table(tmp_path):
+    for text in ("Kraft;Weg\nkN/m;mm\n5;2\n", "Kraft [kN/m];Weg in mm\n5;2\n"):
+        names = text.split("\n")[0].split(";")
+        columns = {"load_N_per_m": names[0], "penetration_mm": names[1]}
+        actual = read(tmp_path / "t.csv", text, columns=columns)
+        assert (actual.load, actual.penetration) == (pytest.approx(5e-3), pytest.approx(2))
+        assert f"column {names[0]!r} is taken in N/m, not in kN/m" in actual.data.steps
+        assert not any("not in mm" in step for step in actual.data.steps)
+    for keywords in ({"columns": {"load_N": "a"}}, {"group": "a"}):
+        with pytest.raises(InputError, match="= 'a': is the name of 2 columns; give each"):
+            read(tmp_path / "t.csv", "a;a;b\n1;2;3\n", **keywords)
 
 
 def test_a_column_that_is_named_takes_the_place_of_others(tmp_path):

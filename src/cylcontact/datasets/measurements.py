@@ -193,7 +193,9 @@ class Measurements:
             raise InputError("grouping", "over", over, "is unknown", remedy)
         if over == "group" and "group" not in self.data.labels:
             rule = "is not a column of the table"
-            remedy = "add a column group, or choose rows, material, dR or pair"
+            remedy = (
+                "add a column group or name one with --group, or choose rows, material, dR or pair"
+            )
             raise InputError(self.data.source, "group", None, rule, remedy)
         names = [self._group_name(over, k) for k in range(len(self))]
         index = {name: number for number, name in enumerate(dict.fromkeys(names))}
@@ -402,11 +404,9 @@ def _readings(found: Mapped, numbers: _Numbers) -> list[str]:
     for column in found.columns.values():
         if column.is_standard:
             continue
-        step = f"column {column.name!r} is read as "
-        step += f"total {column.quantity}" if column.is_total else column.quantity
-        step += (
-            f" in {column.unit.replace('_per_', '/').replace('um', 'µm')}" if column.unit else ""
-        )
+        total = "total " if column.is_total else ""
+        unit = f" in {column.symbol}" if column.unit else ""
+        step = f"column {column.name!r} is read as {total}{column.quantity}{unit}"
         if column.is_total:
             length = numbers["length"]
             of_all = length.size == 1

@@ -162,7 +162,9 @@ def _require_rectangular(source: str, row_word: str, rows: _Rows, separator: str
         if len(row) != width:
             rule = f"has {len(row)} cells for {width} columns"
             by = _SEPARATORS[separator] + (" and points in numbers" if separator == "," else "")
-            remedy = f"give every row a cell for each column, separated by {by}"
+            remedy = (
+                f"give every row a cell for each column, separated by {by}, and begin others with #"
+            )
             raise InputError(f"{source}, {row_word} {line}", "", None, rule, remedy)
 
 
