@@ -568,3 +568,31 @@ def test_keys_of_a_campaign_and_options_say_the_same(tmp_path, run):
     code, _, errors = run(*command, "--branch", "both")
     assert (code, len(errors.splitlines())) == (2, 1)
     assert "branch = 'both': must be 'loading' or 'unloading'" in errors
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+@pytest.mark.parametrize("decimal", [".", ","])
+@pytest.mark.parametrize("thousands", ["", ".", ",", " ", "'", "\u00a0"])
+def test_no_number_is_read_as_another(tmp_path, separator, decimal, thousands):
+    """Whatever the country, a table is read right or refused."""
+    if thousands == decimal or (separator, thousands) == (",", "."):
+        pytest.skip("nobody writes so; between commas a point marks decimals")
+    rng = np.random.default_rng(20150101)
+    read_right, rules = 0, []
+    for _ in range(60):
+        digits, size, rows = rng.integers(0, 5), rng.integers(-1, 6), rng.integers(1, 5)
+        values = np.round(10.0 ** rng.uniform(-1, size, (rows, 2)), digits) + 1
+        cells = [[f"{value:,.{digits}f}" for value in row] for row in values]
+        signs = str.maketrans({",": thousands or None, ".": decimal})
+        lines = [separator.join(f'"{c.translate(signs)}"' for c in row) for row in cells]
+        text = "\n".join([f"load_N_per_mm{separator}penetration_mm", *lines])
+        try:
+            actual = read(tmp_path / "t.csv", text)
+        except InputError as error:
+            rules.append(error.rule)
+            continue
+        read_right += 1
+        assert actual.load == pytest.approx(values[:, 0], rel=1e-12)
+        assert actual.penetration == pytest.approx(values[:, 1], rel=1e-12)
+    assert read_right >= 10
+    assert all("thousands" in rule or "and other numbers a point" in rule for rule in rules)
