@@ -84,6 +84,11 @@ class Column:
         return QUANTITIES.get(self.quantity, _PURE)[self.unit]
 
     @property
+    def symbol(self) -> str:
+        """The unit as a sentence has it: N/mm, µm."""
+        return self.unit.replace("_per_", "/").replace("um", "µm")
+
+    @property
     def is_total(self) -> bool:
         """Whether it is a total force, to be divided by the axial length."""
         return self.unit in _FORCES
@@ -196,7 +201,7 @@ def _splits(plain: str) -> Iterator[tuple[str, str]]:
     if bracketed := _BRACKETED.fullmatch(plain):
         yield bracketed[1], bracketed[2]
         return
-    for separator in re.finditer(r" ?/ ?|, ?|_| ", plain):
+    for separator in re.finditer(r" in | ?/ ?|, ?|_| ", plain):
         yield plain[: separator.start()], plain[separator.end() :]
 
 
