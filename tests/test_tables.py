@@ -508,7 +508,7 @@ def test_readings_below_zero_need_a_free_offset_and_constant_noise(tmp_path):
         (None, None),
         ("rms-penetration", None),
         ("rms-penetration", fixed),
-        (None, free),
+        ("rms-log-penetration", free),
         ("rms-log-load", free),
     ):
         with pytest.raises(InputError) as caught:
