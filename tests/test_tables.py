@@ -505,8 +505,6 @@ def test_readings_below_zero_need_a_free_offset_and_constant_noise(tmp_path):
     free = {"offset": {"low": -0.01, "high": 0.01}}
     fixed = {"offset": {"value": -0.001, "fixed": True}}
     for objective, parameters in (
-        (None, None),
-        ("rms-penetration", None),
         ("rms-penetration", fixed),
         ("rms-log-penetration", free),
         ("rms-log-load", free),
