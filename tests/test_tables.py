@@ -522,8 +522,9 @@ def test_readings_below_zero_need_a_free_offset_and_constant_noise(tmp_path):
     assert plan.data.measurements.penetration[2] == -0.0005
     file = tmp_path / "campaign.toml"
     file.write_text(
-        'data = "t.csv"\ncontact = "internal"\nlaw = "johnson"\n[constants]\n'
-        "E_GPa = 207\nnu = 0.3\nR_i_mm = 10\nlength_mm = 12\n"
+        'data = "t.csv"\ncontact = "internal"\nlaw = "johnson"\nnoise = "proportional"\n'
+        "[constants]\nE_GPa = 207\nnu = 0.3\nR_i_mm = 10\nlength_mm = 12\n"
+        "[parameters.offset]\nvalue = 0.0\nfixed = true\n"
     )
     with pytest.raises(InputError) as caught:
         read_campaign(file)

@@ -53,6 +53,8 @@ _SYNONYMS = {
     "penetration_depth": "penetration",
     "t": "time",
 }
+# Letters for a travel, which say so only with a unit of length.
+_TRAVELS = ("s", "x", "z", "u", "w")
 _GREEK = str.maketrans({"\u00b5": "u", "\u03bc": "u", "δ": "delta", "Δ": "d", "ν": "nu"})
 _BRACKETED = re.compile(r"(.*?)[\s_]*[\[(]\s*([^\[\]()]*?)\s*[\])]")
 _CLOSING = ("]", ")")
@@ -145,6 +147,8 @@ def quantity_and_unit(name: str) -> tuple[str, str] | None:
     if quantity is not None:
         return quantity, ""
     for head, unit in _splits(plain):
+        if head in _TRAVELS and _has_unit("penetration", unit):
+            return "penetration", unit
         quantity = _quantity(head)
         if quantity in QUANTITIES and (plain.endswith(_CLOSING) or _has_unit(quantity, unit)):
             return quantity, unit
