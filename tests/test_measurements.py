@@ -361,11 +361,11 @@ def test_the_objective_follows_the_standard_deviations(tmp_path):
     plain = measured(write_table(tmp_path / "a.csv", GOOD))
     of_load = measured(write_table(tmp_path / "b.csv", {**GOOD, "load_std_N_per_mm": [1, 1, 1]}))
     of_depth = measured(write_table(tmp_path / "c.csv", {**GOOD, "penetration_std_um": [1] * 3}))
-    assert objective_name(None, plain, False, "c") == "rms-log-penetration"
-    assert objective_name(None, plain, True, "c") == "rms-log-load"
-    assert objective_name(None, of_load, False, "c") == "rms-load"
-    assert objective_name(None, of_depth, True, "c") == "rms-penetration"
-    assert objective_name("rms-load", plain, False, "c") == "rms-load"
+    assert objective_name(None, None, plain, False, "c") == "rms-log-penetration"
+    assert objective_name(None, None, plain, True, "c") == "rms-log-load"
+    assert objective_name(None, None, of_load, False, "c") == "rms-load"
+    assert objective_name(None, None, of_depth, True, "c") == "rms-penetration"
+    assert objective_name("rms-load", None, plain, False, "c") == "rms-load"
 
 
 @pytest.mark.parametrize(
@@ -385,6 +385,6 @@ def test_the_objective_follows_the_standard_deviations(tmp_path):
 def test_an_objective_that_contradicts_the_data_is_refused(tmp_path, added, given, key, rule):
     actual = measured(write_table(tmp_path / "t.csv", {**GOOD, **added}))
     with pytest.raises(InputError) as caught:
-        objective_name(given, actual, False, "c.toml")
+        objective_name(given, None, actual, False, "c.toml")
     assert (caught.value.source, caught.value.key) == ("c.toml", key)
     assert rule in caught.value.rule
