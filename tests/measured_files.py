@@ -70,7 +70,7 @@ for (_law, _contact), _model in MODELS.items():
         TRUTHS[_law, _contact] = {p.name: truth_of(p) for p in _model.parameters}
 
 
-# The parameters of the rig that a fit frees by default, as they are in data without errors of a rig.
+# What a fit may free of the rig by default, as it is in data without the errors of one.
 RIG = {"stiffness_factor": 1.0, "offset": 0.0}
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from cylcontact import CylinderPair, InputError, laws
@@ -14,6 +15,7 @@ from cylcontact.fitting.calibration import calibrate
 from cylcontact.fitting.campaign import campaign_of_table, read_campaign
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.loss import LOSSES, Loss
+from cylcontact.fitting.own_data import fit
 from cylcontact.fitting.verify import verify
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.logarithmic import adjusted_logarithmic
@@ -159,6 +161,112 @@ def test_weights_count_like_repeated_rows(tmp_path):
     assert actual[1].coefficients == pytest.approx(actual[0].coefficients, rel=1e-6)
     assert len(actual[0].uncertainty.duplicates) == 5
     assert any("identical rows" in sentence for sentence in verdicts(actual[0]))
+
+
+# --- what is free if nothing is said ----------------------------------------------------------
+
+# The parameter of stiffness of each family; the other laws get a factor of the load.
+STIFFNESS = {
+    "persson": "modulus_factor",
+    "liu": "modulus_factor",
+    "winkler": "depth",
+    "lankarani-nikravesh": "factor",
+    "enhanced": "stiffness_factor",
+    "explicit": "stiffness_factor",
+    "explicit-pair": "stiffness_factor",
+    "parametric": "stiffness_factor",
+}
+
+
+def default_campaign(folder, law, contact, **settings):
+    table = write_measured(folder / "measured.csv", law, contact)
+    return campaign_of_table(table, law, contact, CONSTANTS, **settings)
+
+
+@pytest.mark.parametrize(("law", "contact"), TRUTHS, ids=lambda word: word)
+def test_stiffness_and_offset_are_free_and_the_shape_is_held(tmp_path, law, contact):
+    campaign = default_campaign(tmp_path, law, contact)
+    free = {p.name for p in campaign.parameters if p.is_free}
+    own = MODELS[law, contact].parameters
+    if law.startswith("power"):
+        assert free == {p.name for p in own}
+        return
+    assert free == {STIFFNESS.get(law, "kappa"), "offset"}
+    held = {p.name: p.value for p in campaign.parameters if not p.is_free}
+    assert held == {p.name: p.nominal for p in own if p.name not in free}
+
+
+@pytest.mark.parametrize("law", ["johnson", "explicit", "persson", "lankarani-nikravesh"])
+def test_stiffness_and_offset_come_back_from_exact_readings(tmp_path, law):
+    # Readings of the law as it stands at a share of the load, from 2 µm before first touch.
+    share, offset = 1.25, -2e-3
+    lines = ["dR_um,load_N_per_mm,penetration_um"]
+    for dR in (0.05, 0.3):
+        pair = CylinderPair.from_dR("internal", dR, STEEL, length=12.0, R_i=10.0)
+        depth = 1e3 * (laws.LAWS[law]().penetration(LOADS / share, pair) + offset)
+        points = zip(LOADS.tolist(), depth.tolist(), strict=True)
+        lines += [f"{1e3 * dR!r},{f!r},{d!r}" for f, d in points]
+    table = tmp_path / "t.csv"
+    table.write_text("\n".join(lines))
+    fixed = {} if law in ("explicit", "lankarani-nikravesh") else {STIFFNESS.get(law, "kappa"): 1.0}
+    free = ["stiffness_factor"] if fixed else []
+    result = fit(
+        table,
+        law,
+        contact="internal",
+        constants=CONSTANTS,
+        fixed=fixed,
+        free=free,
+        noise="constant",
+        starts=4,
+    )
+    factor = "factor" if law == "lankarani-nikravesh" else "stiffness_factor"
+    assert result.coefficients[factor] == pytest.approx(share, rel=1e-6)
+    assert result.coefficients["offset"] == pytest.approx(offset, rel=1e-6)
+    assert result.uncertainty.estimates.keys() == {factor, "offset"}
+    # The law of the contact is without the offset of its readings.
+    assert result.to_law().penetration(LOADS, pair) == pytest.approx(
+        laws.LAWS[law]().penetration(LOADS / share, pair), rel=1e-6
+    )
+
+
+def test_an_offset_is_searched_over_twice_the_largest_reading(tmp_path):
+    columns = {"load_N_per_mm": [1, 2, 3], "penetration_um": [-3.0, 1.0, 2.0]}
+    table = write_table(tmp_path / "t.csv", columns)
+    constants = {**CONSTANTS, "dR_um": 50}
+    campaign = campaign_of_table(table, "johnson", "internal", constants, noise="constant")
+    (offset,) = (p for p in campaign.parameters if p.name == "offset")
+    assert (offset.low, offset.high) == (-6e-3, 6e-3)
+
+
+def test_a_held_constant_is_freed_with_its_default_bounds(tmp_path):
+    campaign = default_campaign(tmp_path, "johnson", "internal", free=["c", "compliance"])
+    free = {p.name: (p.low, p.high) for p in campaign.parameters if p.is_free}
+    assert free.keys() == {"kappa", "c", "offset", "compliance"}
+    (default,) = (p for p in MODELS["johnson", "internal"].parameters if p.name == "c")
+    assert free["c"] == (default.low, default.high)
+
+
+@pytest.mark.parametrize(
+    ("settings", "rule", "remedy"),
+    [
+        (
+            {"free": ["d"]},
+            "is not a parameter of johnson for internal contact",
+            "its parameters: kappa, c, Lambda_factor, stiffness_factor, offset, compliance",
+        ),
+        (
+            {"free": ["c"], "parameters": {"c": {"low": -2.0, "high": 0.0}}},
+            "is bounded, fixed or tied as well",
+            "keep one of them",
+        ),
+    ],
+)
+def test_what_cannot_be_freed_is_told(tmp_path, settings, rule, remedy):
+    with pytest.raises(InputError) as caught:
+        default_campaign(tmp_path, "johnson", "internal", **settings)
+    (name,) = settings["free"]
+    assert_told(caught, tmp_path / "measured.csv", "free", name, rule, remedy)
 
 
 # --- laws -------------------------------------------------------------------------------------
@@ -435,6 +543,35 @@ def test_a_table_is_fitted_from_the_command_line(tmp_path, run):
 
 
 JOHNSON = ("--law", "johnson", "--contact", "internal")
+
+
+@pytest.mark.parametrize("given", [(), ("-o", "elsewhere/fit")])
+def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, given):
+    monkeypatch.chdir(tmp_path)
+    table = write_measured(tmp_path / "mine.csv", "johnson", "internal", noise=0.01)
+    options = ("--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--free", "c", "--fix", "offset=0")
+    code, said, errors = run("fit", table, *JOHNSON, *options, "--runs", 2, "-j", 1, *given)
+    assert (code, errors) == (0, "")
+    folder = tmp_path / (given[1] if given else "results/mine")
+    assert "result.json, residuals.csv, fit.png, fit.pdf" in said
+    assert {path.name for path in folder.iterdir()} == {
+        *("result.json", "residuals.csv", "fit.png", "fit.pdf")
+    }
+    result = FitResult.read(folder / "result.json")
+    assert result.uncertainty.estimates.keys() == {"kappa", "c"}
+    rows = pd.read_csv(folder / "residuals.csv")
+    # The measured less the fitted values, from the table and the law anew.
+    read = pd.read_csv(table)
+    depth = np.concatenate(
+        [
+            result.to_law().penetration(part["load_N_per_mm"].to_numpy(), pair)
+            for dR, part in read.groupby("dR_um")
+            for pair in [CylinderPair.from_dR("internal", dR / 1e3, STEEL, length=12.0, R_i=10.0)]
+        ]
+    )
+    assert rows["line"].tolist() == list(range(2, 38))
+    expected = read["penetration_um"].to_numpy() / 1e3 - depth
+    assert rows["residual_mm"].to_numpy() == pytest.approx(expected, rel=1e-5, abs=1e-9)
 
 
 def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):

@@ -31,7 +31,14 @@ from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
 from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
 from cylcontact.laws.definition import LawModel, Parameter
-from tests.measured_files import CONSTANTS, STEEL, TRUTHS, measured_campaign, user_campaign, write_measured
+from tests.measured_files import (
+    CONSTANTS,
+    STEEL,
+    TRUTHS,
+    measured_campaign,
+    user_campaign,
+    write_measured,
+)
 from tests.spec_files import golden
 
 LEVEL = 0.95
@@ -235,7 +242,9 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
         again = on_data(problem, seen)
         point, noise = descended(again, start)
         best = again.coefficients(point)
-        errors = noise.half_width(LEVEL, noise.degrees_of_each()) * np.sqrt(np.diag(noise.covariance))
+        errors = noise.half_width(LEVEL, noise.degrees_of_each()) * np.sqrt(
+            np.diag(noise.covariance)
+        )
         hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
         for place, name in enumerate(names):
             ratio, _ = fixed_ratio(again, noise, {name: truth[name]}, best)
@@ -308,7 +317,9 @@ def test_an_interval_ends_where_the_law_is_undefined_with_the_refit_before(tmp_p
         return (np.log((depth + offset) / data.penetration) ** 2).sum()
 
     edge = (1e-12 - depth.min(), 0.0)
-    refitted = optimize.minimize_scalar(cost, bounds=edge, method="bounded", options={"xatol": 1e-12})
+    refitted = optimize.minimize_scalar(
+        cost, bounds=edge, method="bounded", options={"xatol": 1e-12}
+    )
     least = 36 * result.objective.value**2
     threshold = stats.f.ppf(LEVEL, 1, 34) * least / 34
     assert refitted.fun - least == pytest.approx(threshold, rel=1e-3)

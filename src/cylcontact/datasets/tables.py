@@ -209,7 +209,7 @@ def _separator(text: str) -> str:
     if len(_header(text, ";")) > 1:
         return ";"
     # Commas may be followed by a tab for alignment, and names between tabs may hold commas.
-    is_split_by_tabs = any("\t" in name for name in _header(text, ","))
+    is_split_by_tabs = any("\t" in name for name in _header(text, ",") if name)
     return "\t" if is_split_by_tabs else ","
 
 
