@@ -230,7 +230,10 @@ class _Refits:
         def excess(share: float) -> float:
             nonlocal last, lowest
             origin = last if criterion.follows else start
-            cost, last = self.refit({name: best + share * reach}, origin)
+            fixed = {name: best + share * reach}
+            cost, last = self.refit(fixed, origin)
+            if not np.isfinite(cost) and origin is not start:  # undefined with the others of last
+                cost, last = self.refit(fixed, start)
             lowest = min(lowest, cost)
             return criterion.excess(cost)
 
