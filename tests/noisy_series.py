@@ -23,6 +23,7 @@ def readings(
     drift=0.0,
     load_error=0.0,
     compliance=0.0,
+    zero=OFFSET,
     shuffled=False,
 ):
     """A table of loads and penetrations with these deviations in mm, or relative."""
@@ -37,7 +38,7 @@ def readings(
         own = offset * rng.normal() + gain * rng.normal() * depth
         own = own + drift * rng.normal() * np.linspace(0.0, 1.0, rows)
         scatter = constant * rng.normal(size=rows) + proportional * depth * rng.normal(size=rows)
-        reading = 1e3 * (depth + OFFSET + own + scatter)
+        reading = 1e3 * (depth + zero + own + scatter)
         columns = {"load_N_per_mm": load, "penetration_um": reading, "group": f"s{number}"}
         parts.append(pd.DataFrame(columns))
     return pd.concat(parts, ignore_index=True)

@@ -1,16 +1,29 @@
 """Noise models against statsmodels, ODRPACK, lmfit and iminuit, and against dense matrices."""
 
+from dataclasses import replace
+
 import numpy as np
+import pandas as pd
 import pytest
 from scipy import stats
 from scipy.optimize import minimize
 
 import cylcontact as cc
-from cylcontact import laws
-from cylcontact.fitting.noise_fit import likelihood_at
+from cylcontact import CylinderPair, InputError, laws
+from cylcontact.fitting.calibration import calibrate
+from cylcontact.fitting.least_squares import descend
+from cylcontact.fitting.measured_fit import noise_model_of, plain_problem
+from cylcontact.fitting.noise_fit import fit_noise, likelihood_at
 from cylcontact.fitting.noise_model import Covariance, FittedNoise, NoiseModel
+from cylcontact.fitting.own_data import campaign_of
 from cylcontact.fitting.restricted_likelihood import Degrees, Likelihood, estimate
-from tests.noisy_series import LAW, PAIR, readings
+from cylcontact.fitting.uncertainty.estimates import uncertainty_of
+from cylcontact.fitting.uncertainty.findings import findings_of
+from cylcontact.fitting.uncertainty.resampling import leave_one_out
+from cylcontact.fitting.uncertainty.residual_model import measured
+from cylcontact.fitting.uncertainty.study import Resampling, study_noise
+from tests.measured_files import CONSTANTS, STEEL
+from tests.noisy_series import LAW, OFFSET, PAIR, readings
 
 # With the stiffness held, a reading is linear in what is left.
 LINEAR = {"fixed": {"stiffness_factor": 1.0}, "free": ["compliance"]}
@@ -471,3 +484,318 @@ def test_iminuit_agrees_with_a_fit_of_constant_noise(constant):
         assert estimated.standard_error == pytest.approx(minuit.errors[name], rel=0.02, abs=0)
     correlation = minuit.covariance.correlation()["stiffness_factor", "offset"]
     assert own.correlation.loc["stiffness_factor", "offset"] == pytest.approx(correlation, abs=0.02)
+
+
+# --- findings ---------------------------------------------------------------------------------
+
+
+def found(frame, law="explicit", pair=PAIR, **settings):
+    """The findings of a fit by the name of their test."""
+    settings = {"starts": 2, "noise": "constant"} | settings
+    result = cc.fit(frame, law, pair, **settings)
+    return {finding.test: finding for finding in result.uncertainty.findings}
+
+
+def ungrouped(frame):
+    return frame.drop(columns="group")
+
+
+def test_series_that_differ_are_found_and_random_effects_allow_for_them():
+    frame = readings(1, offset=1e-4, gain=0.02)
+    findings = found(frame)
+    assert set(findings) == {"series"}  # the sequence is an echo of it
+    assert findings["series"].p < 1e-10
+    assert "the 8 series of the column group differ" in findings["series"].says
+    assert findings["series"].remedy == "allow for it with --group group"
+    assert found(frame, group="group") == {}
+
+
+def test_series_without_a_name_are_found_by_their_sequence():
+    frame = ungrouped(readings(1, offset=1e-4, gain=0.02))
+    finding = found(frame)["sequence"]
+    residuals = cc.fit(frame, "explicit", PAIR, noise="constant", starts=2).residuals["residual_mm"]
+    correlation = np.corrcoef(residuals[1:], residuals[:-1])[0, 1]
+    assert f"correlation {correlation:.1f}" in finding.says
+    assert "--group COLUMN" in finding.remedy
+    named = frame.assign(run=np.repeat(np.arange(8), 12).astype(str))
+    assert found(named, group="run") == {}
+
+
+def test_a_single_sweep_of_a_wrong_law_is_a_sequence_that_asks_for_another_order():
+    frame = ungrouped(readings(1, 1, 40, compliance=2e-6))
+    finding = found(frame, "winkler")["sequence"]
+    assert finding.remedy.startswith("repeat some loads, in another order")
+    assert "sequence" not in found(frame, free=["compliance"])
+
+
+def test_series_of_pairs_are_found_and_named_by_a_column():
+    parts = []
+    for number, (dR, factor) in enumerate(((0.03, 1.0), (0.1, 1.15), (0.3, 0.9))):
+        pair = CylinderPair.from_dR("internal", dR, STEEL, R_i=10.0, length=20.0)
+        load = np.geomspace(10.0, 1500.0, 12)
+        depth = LAW.penetration(load * factor, pair)
+        depth *= 1 + 0.01 * np.random.default_rng(number).normal(size=12)
+        columns = {"load_N_per_mm": load, "penetration_um": 1e3 * depth, "dR_um": 1e3 * dR}
+        parts.append(pd.DataFrame({**columns, "pin": f"p{number}"}))
+    frame = pd.concat(parts, ignore_index=True)
+    of_data = {"contact": "internal", "constants": CONSTANTS, "noise": None}
+    finding = found(frame, pair=None, ignore=["pin"], **of_data)["series"]
+    assert "differ between the 3 pairs" in finding.says
+    assert "--group COLUMN" in finding.remedy
+    assert found(frame, pair=None, group="pin", **of_data) == {}
+
+
+@pytest.mark.parametrize(("series", "rows"), [(1, 40), (8, 12)])
+def test_a_drift_is_found_where_loads_are_in_random_order(series, rows):
+    frame = readings(7, series, rows, drift=4e-4, shuffled=True)
+    group = {"group": "group"} if series > 1 else {"ignore": ["group"]}
+    finding = found(frame, **group)["drift"]
+    assert finding.p < 1e-4
+    assert finding.remedy == "allow for it with --drift"
+    assert found(frame, drift=True, **group) == {}
+
+
+def test_a_drift_along_one_sweep_cannot_be_told_from_the_law():
+    assert "drift" not in found(ungrouped(readings(7, 1, 40, drift=4e-4)))
+
+
+def test_scatter_that_grows_is_found_and_both_kinds_allow_for_it():
+    frame = ungrouped(readings(3, 4, proportional=0.03, constant=1e-5))
+    finding = found(frame)["spread"]
+    assert finding.says == "the scatter of the readings grows with them"
+    assert "--noise both" in finding.remedy
+    assert found(frame, noise="both") == {}
+
+
+def test_relative_scatter_that_falls_is_found_and_both_kinds_allow_for_it():
+    frame = ungrouped(readings(3, 4, constant=5e-5))
+    finding = found(frame, noise="proportional")["spread"]
+    assert finding.says == "the scatter of the readings relative to it falls with them"
+    assert "--noise both" in finding.remedy
+    assert found(frame, noise="both") == {}
+
+
+def test_scatter_that_neither_kind_describes_has_no_option():
+    frame = ungrouped(readings(3, 4))
+    rng, size = np.random.default_rng(1), len(frame)
+    falling = 0.4 / (1 + frame["load_N_per_mm"] / 50.0)
+    frame["penetration_um"] += falling * rng.normal(size=size)
+    assert "look for what else" in found(frame, noise="both")["spread"].remedy
+
+
+def test_branches_that_differ_are_found_and_one_of_them_agrees():
+    loading, unloading = readings(5, 1, 20), readings(6, 1, 20)[::-1]
+    unloading["penetration_um"] += 0.15
+    frame = ungrouped(pd.concat([loading, unloading], ignore_index=True))
+    findings = found(frame)
+    assert set(findings) == {"branches"}  # the drift and the sequence are echoes of it
+    assert findings["branches"].remedy == "fit one of them with --branch loading, and compare"
+    assert found(frame, branch="loading") == {}
+
+
+def test_a_law_that_misses_the_means_of_repeated_loads_is_found():
+    frame = ungrouped(readings(4, 6, compliance=1e-6))
+    finding = found(frame, "winkler")["repeats"]
+    assert "misses the means of repeated loads" in finding.says
+    assert "cylcontact choose" in finding.remedy
+    assert found(frame, free=["compliance"]) == {}
+
+
+def refitted(campaign, frame):
+    """The problem and the optimum of a campaign for the readings of another table."""
+    problem = plain_problem(campaign)
+    data = measured(problem).data
+    data = data.with_values(
+        load=frame["load_N_per_mm"].to_numpy(),
+        penetration=1e-3 * frame["penetration_um"].to_numpy(),
+    )
+    problem = replace(problem, objective=replace(measured(problem), data=data))
+    point = descend(problem, np.array([1.0, OFFSET]))[0]
+    model = noise_model_of(campaign)
+    if model is None:
+        return problem, point
+    problem = fit_noise(problem, model, point)
+    return problem, descend(problem, point)[0]
+
+
+CLEAN = {
+    "one series": (40, {"series": 1, "rows": 40}, {"ignore": ["group"]}),
+    "alike": (40, {}, {}),
+    "in random order": (40, {"shuffled": True}, {}),
+    "relative scatter": (40, {"constant": 0.0, "proportional": 0.01, "zero": 0.0}, {"noise": None}),
+    "random effects": (8, {"offset": 1e-4, "gain": 0.03}, {"group": "group"}),
+    "fixed effects": (20, {"series": 3, "offset": 1e-4, "gain": 0.03}, {"group": "group"}),
+}
+
+
+@pytest.mark.parametrize("name", CLEAN)
+def test_noise_as_assumed_is_found_no_more_often_than_by_chance(name):
+    number, simulated, settings = CLEAN[name]
+    settings = {"noise": "constant"} | settings
+    campaign = campaign_of(readings(0, **simulated), "explicit", PAIR, **settings)
+    sets = [
+        findings_of(*refitted(campaign, readings(100 + seed, **simulated)))
+        for seed in range(number)
+    ]
+    assert sum(map(bool, sets)) <= 0.05 * number
+
+
+# --- conflicts --------------------------------------------------------------------------------
+
+
+def with_column(name, value):
+    """A small table with one more column."""
+    return readings(0, 2, 6).assign(**{name: value})
+
+
+@pytest.mark.parametrize(
+    ("frame", "settings", "message"),
+    [
+        (
+            readings(0, 2, 6),
+            {"group": "group", "objective": "rms-penetration"},
+            "objective = 'rms-penetration': conflicts with group, which has a likelihood of its own"
+            "; keep one",
+        ),
+        (
+            readings(0, 2, 6),
+            {"drift": True, "objective": "rms-load"},
+            "objective = 'rms-load': conflicts with drift, which has a likelihood of its own",
+        ),
+        (
+            readings(0, 2, 6),
+            {"group": "group", "loss": "huber"},
+            "loss = 'huber': conflicts with group, whose noise is Gaussian; keep one of them",
+        ),
+        (
+            readings(0, 2, 6),
+            {"load_error": 0.01, "loss": "cauchy"},
+            "loss = 'cauchy': conflicts with load_error, whose noise is Gaussian",
+        ),
+        (
+            readings(0, 2, 6),
+            {"noise": "both", "loss": "cauchy"},
+            "loss = 'cauchy': conflicts with noise, whose noise is Gaussian",
+        ),
+        (
+            readings(0, 2, 6),
+            {"noise": "both", "objective": "rms-load"},
+            "objective = 'rms-load': conflicts with noise, which has a likelihood of its own",
+        ),
+        (
+            with_column("penetration_std_um", 0.05),
+            {"noise": "constant"},
+            "noise = 'constant': conflicts with penetration_std, which says the same",
+        ),
+        (
+            with_column("penetration_std_um", 0.05),
+            {"noise": "both"},
+            "noise = 'both': conflicts with the column penetration_std, which gives the noise",
+        ),
+        (
+            with_column("penetration_std_um", 0.05).assign(load_std_N_per_mm=1.0),
+            {"objective": "rms-penetration"},
+            "objective = 'rms-penetration': conflicts with load_std, which has a likelihood",
+        ),
+        (
+            readings(0, 2, 6),
+            {"noise": "constant", "objective": "rms-load"},
+            "noise = 'constant': conflicts with objective, which says the same; keep one of them",
+        ),
+        (readings(0, 2, 6), {"noise": "white"}, "noise = 'white': is not a known noise"),
+        (readings(0, 2, 6), {"load_error": 1.5}, "load_error = 1.5"),
+        (
+            readings(0, 2, 6),
+            {"free": ["c"], "fixed": {"c": 1.4}},
+            "free = 'c': is bounded, fixed or tied as well; keep one of them",
+        ),
+        (
+            readings(0, 2, 6),
+            {"free": ["kappa"]},
+            "free = 'kappa': is not a parameter of explicit for internal contact",
+        ),
+        (
+            readings(0, 4, 2),
+            {"group": "group", "noise": "constant"},
+            "group = '8 rows': are not more than 2 parameters and 6 effects of the series; measure",
+        ),
+        (readings(0, 2, 6), {"group": "date"}, "group = 'date'"),
+    ],
+)
+def test_what_contradicts_itself_is_told_in_a_line(frame, settings, message):
+    kept = {} if "group" in settings else {"ignore": ["group"]}
+    with pytest.raises(InputError) as caught:
+        cc.fit(frame, "explicit", PAIR, **settings, **kept)
+    assert message in str(caught.value)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+@pytest.fixture(scope="module")
+def series():
+    """Readings of six series, and their fit."""
+    frame = readings(31, 6, 8, offset=1e-4, gain=0.03)
+    return frame, cc.fit(frame, "explicit", PAIR, group="group", noise="constant", starts=3)
+
+
+def test_series_are_resampled_and_left_out_whole(series):
+    _, result = series
+    with pytest.raises(InputError, match="'rows': would tear apart the series of the noise model"):
+        study_noise(result, resampling=Resampling(20, over="rows"))
+    study = study_noise(result, resampling=Resampling(60, over="group"), leave_out="group")
+    errors = {name: e.standard_error for name, e in result.uncertainty.estimates.items()}
+    assert study.bootstrap.standard_errors == pytest.approx(errors, rel=0.5)
+    assert [left.rows for left in study.left_out] == [8] * 6
+
+
+def test_a_series_left_out_is_judged_with_the_effects_of_a_random_one():
+    # Of five series four remain, which would be too few to estimate a deviation.
+    frame = readings(32, 5, 8, offset=2e-4, gain=0.03)
+    result = cc.fit(frame, "explicit", PAIR, group="group", noise="constant", starts=2)
+    problem = result.problem
+    deviations = {"proportional": 0.0, "drift": 0.0, **result.uncertainty.noise.deviations}
+    for left, rows in zip(
+        leave_one_out(problem, result.coefficients, "group"),
+        np.arange(40).reshape(5, 8),
+        strict=True,
+    ):
+        V, _, _ = dense(measured(problem).noise.covariance.take(rows, np.zeros(8, int)), deviations)
+        law = problem.model.build(left.coefficients)
+        r = law.penetration(frame["load_N_per_mm"][rows].to_numpy(), PAIR)
+        r = r - 1e-3 * frame["penetration_um"][rows].to_numpy()
+        assert left.own_rms == pytest.approx(np.sqrt(r @ np.linalg.solve(V, r) / 8), rel=1e-6)
+
+
+# --- what a result does not depend on ---------------------------------------------------------
+
+
+def test_workers_change_nothing(series):
+    frame, result = series
+    campaign = campaign_of(frame, "explicit", PAIR, group="group", noise="constant", starts=3)
+    with_workers = uncertainty_of(result.problem, result.coefficients, jobs=2)
+    assert with_workers == result.uncertainty
+    assert calibrate(campaign, jobs=2).repeatable() == result.repeatable()
+
+
+def test_the_order_of_the_series_changes_nothing(series):
+    frame, result = series
+    parts = [part for _, part in frame.groupby("group")]
+    moved = pd.concat([parts[k] for k in (4, 1, 5, 0, 3, 2)], ignore_index=True)
+    other = cc.fit(moved, "explicit", PAIR, group="group", noise="constant", starts=3)
+    same = {"rel": 1e-9, "abs": 0}
+    assert other.coefficients == pytest.approx(result.coefficients, **same)
+    errors = [[e.standard_error for e in r.uncertainty.estimates.values()] for r in (result, other)]
+    assert errors[1] == pytest.approx(errors[0], rel=1e-6, abs=0)
+    effects = [{e.name: e.effects for e in r.uncertainty.noise.series} for r in (result, other)]
+    for name, own in effects[0].items():
+        assert effects[1][name] == pytest.approx(own, rel=1e-5, abs=0)
+
+
+def test_a_coefficient_at_its_bound_has_an_error(series):
+    frame, _ = series
+    # Without any compliance the rig's ends at its least, 0, beyond which no rig is.
+    frame = frame.assign(penetration_um=frame["penetration_um"] - 2e-4 * frame["load_N_per_mm"])
+    result = cc.fit(frame, "explicit", PAIR, group="group", noise="constant", **LINEAR)
+    estimates = result.uncertainty.estimates
+    assert result.uncertainty.only_together == []
+    assert estimates["compliance"].verdict == "at a bound"
+    assert estimates["compliance"].standard_error > 0
