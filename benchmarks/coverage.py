@@ -1,4 +1,4 @@
-"""Do the intervals hold? Coverage over synthetic sets of measurements, each fitted by `cylcontact.fit`.
+"""Do the intervals hold? Coverage over synthetic sets of measurements, fitted by `cylcontact.fit`.
 
     python -m benchmarks.coverage            # 400 sets of each kind, to datasets/coverage.csv
     python -m benchmarks.coverage --sets 40  # a look, nothing written
@@ -11,7 +11,6 @@ the second must say by itself that its intervals cannot be trusted, and name the
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
