@@ -167,10 +167,12 @@ def _sequence(residuals: _Residuals) -> Finding | None:
     turns = np.diff(np.sign(np.diff(load)))
     remedy = "repeat some loads, in another order: this may be a drift, or the law's shape"
     if np.any(turns != 0):
-        remedy = (
-            "name the series by a column with --group COLUMN, allow for a drift with --drift, or "
-            "try another law"
-        )
+        untried = {
+            "offset": "name the series by a column with --group COLUMN",
+            "drift": "allow for a drift with --drift",
+        }
+        options = [text for effect, text in untried.items() if effect not in residuals.is_allowed]
+        remedy = ", or ".join([*options, "try other laws with `cylcontact choose`"])
     return Finding(
         test="sequence",
         p=p,
@@ -235,7 +237,8 @@ def _repeats(residuals: _Residuals) -> Finding | None:
         test="repeats",
         p=float(special.fdtrc(between, degrees, ratio)),
         says="the law misses the means of repeated loads by more than their scatter",
-        remedy="try other laws with `cylcontact choose`, or name the series with --group",
+        remedy="try other laws with `cylcontact choose`"
+        + ("" if "offset" in residuals.is_allowed else ", or name the series with --group COLUMN"),
     )
 
 
