@@ -178,14 +178,14 @@ def _fitted(kind: Kind, options: dict[str, Any], seed: np.random.SeedSequence) -
 
 def page(table: pd.DataFrame) -> str:
     """Return the page of the documentation, in Markdown, from the table of the study."""
+    sets = int(table["sets"].max())
     lines = [
         "# Do the intervals hold?",
         "",
         "A 95 % interval should hold the truth in 95 of 100 experiments. Here the experiments are "
-        f"synthetic: `python -m benchmarks.coverage` makes {table['sets'].max()} sets of each kind, "
-        "with the truth known and faults of a known size, and fits the explicit law to each. The "
+        f"synthetic: `python -m benchmarks.coverage` makes {sets} sets of each kind, with the truth known and faults of a known size, and fits the explicit law to each. The "
         "numbers below are the shares of sets, in percent, whose interval held the true stiffness "
-        f"factor and the true offset. With {table['sets'].max()} sets a share of 95 % is known to "
+        f"factor and the true offset. With {sets} sets a share of 95 % is known to "
         "± 2 %.",
         "",
         "| data | options | stiffness factor | offset | warned |",

@@ -286,7 +286,20 @@ class FitResult(Spec):
         )
 
     def _repr_html_(self) -> str:
-        return report.as_html(self)
+        return report.as_html(self) + self._picture()
+
+    def _picture(self) -> str:
+        """Return the picture of a fit to measurements as HTML; none if it cannot be drawn."""
+        if self.uncertainty is None:
+            return ""
+        from cylcontact.fitting import drawings
+        from cylcontact.plots.style import figure_style
+
+        try:
+            with figure_style():
+                return drawings.fit_drawing(self)._repr_html_()
+        except InputError:  # the result was read from a file, and the law is a user's own
+            return ""
 
 
 def require_same_inputs(path: Path, campaign: Campaign) -> None:
