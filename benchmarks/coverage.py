@@ -183,8 +183,9 @@ def page(table: pd.DataFrame) -> str:
         "# Do the intervals hold?",
         "",
         "A 95 % interval should hold the truth in 95 of 100 experiments. Here the experiments are "
-        f"synthetic: `python -m benchmarks.coverage` makes {sets} sets of each kind, with the truth known and faults of a known size, and fits the explicit law to each. The "
-        "numbers below are the shares of sets, in percent, whose interval held the true stiffness "
+        f"synthetic: `python -m benchmarks.coverage` makes {sets} sets of each kind, with the "
+        "truth known and faults of a known size, and fits the explicit law to each. The numbers "
+        "below are the shares of sets, in percent, whose interval held the true stiffness "
         f"factor and the true offset. With {sets} sets a share of 95 % is known to "
         "± 2 %.",
         "",

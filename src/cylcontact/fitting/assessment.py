@@ -210,9 +210,11 @@ def warnings(result: FitResult) -> list[str]:
     uncertainty = result.uncertainty
     if uncertainty is None:
         return _on_disagreement(result)
+    # Series that differ and a drift make residuals of the right law look like those of a wrong one.
+    is_explained = any(finding.test in ("series", "drift") for finding in uncertainty.findings)
     sentences = [
         *(finding.sentence for finding in uncertainty.findings),
-        _on_shape(uncertainty),
+        "" if is_explained else _on_shape(uncertainty),
         *_on_lack_of_determination(uncertainty),
         _on_outliers(uncertainty, result.coefficients),
     ]
