@@ -31,7 +31,7 @@ _FEWEST, _FEWEST_IN_SERIES = 12, 4
 class Finding(Spec):
     """A test of the noise that fails."""
 
-    test: str = Field(description="series, drift, sequence, spread, branches or repeats")
+    test: str = Field(description="series, pairs, drift, sequence, spread, branches or repeats")
     p: float = Field(description="the probability of such residuals if the noise were as assumed")
     says: str = Field(description="what the residuals show")
     remedy: str = Field(description="what to do about it")
@@ -92,7 +92,7 @@ def _without_echoes(findings: list[Finding]) -> list[Finding]:
     drift like branches; the less likely one is left.
     """
     p = {finding.test: finding.p for finding in findings}
-    echoes = {"sequence"} if p.keys() & {"series", "drift"} else set()
+    echoes = {"sequence"} if p.keys() & {"series", "pairs", "drift"} else set()
     if p.keys() >= {"drift", "branches"}:
         echoes.add(max("drift", "branches", key=lambda test: p[test]))
     return [f for f in findings if f.test not in echoes]
@@ -122,7 +122,7 @@ def _series(residuals: _Residuals) -> Finding | None:
             remedy="allow for it with --group group",
         )
     return Finding(
-        test="series",
+        test="pairs",
         p=p,
         says=f"the residuals differ between the {len(names)} pairs of the table: each pair has "
         "errors of its own, or the law is wrong in the clearance or the moduli",
