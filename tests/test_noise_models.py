@@ -1,7 +1,5 @@
 """Noise models against statsmodels, ODRPACK, lmfit and iminuit, and against dense matrices."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -11,9 +9,7 @@ from scipy.optimize import minimize
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting.calibration import calibrate
-from cylcontact.fitting.least_squares import descend
-from cylcontact.fitting.measured_fit import noise_model_of, plain_problem
-from cylcontact.fitting.noise_fit import fit_noise, likelihood_at
+from cylcontact.fitting.noise_fit import likelihood_at
 from cylcontact.fitting.noise_model import Covariance, FittedNoise, NoiseModel
 from cylcontact.fitting.own_data import campaign_of
 from cylcontact.fitting.restricted_likelihood import Degrees, Likelihood, estimate
@@ -23,7 +19,7 @@ from cylcontact.fitting.uncertainty.resampling import leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import measured
 from cylcontact.fitting.uncertainty.study import Resampling, study_noise
 from tests.measured_files import CONSTANTS, STEEL
-from tests.noisy_series import LAW, OFFSET, PAIR, readings
+from tests.noisy_series import LAW, PAIR, readings, refitted
 
 # With the stiffness held, a reading is linear in what is left.
 LINEAR = {"fixed": {"stiffness_factor": 1.0}, "free": ["compliance"]}
@@ -599,23 +595,6 @@ def test_a_law_that_misses_the_means_of_repeated_loads_is_found():
     assert "misses the means of repeated loads" in finding.says
     assert "cylcontact choose" in finding.remedy
     assert found(frame, free=["compliance"]) == {}
-
-
-def refitted(campaign, frame):
-    """The problem and the optimum of a campaign for the readings of another table."""
-    problem = plain_problem(campaign)
-    data = measured(problem).data
-    data = data.with_values(
-        load=frame["load_N_per_mm"].to_numpy(),
-        penetration=1e-3 * frame["penetration_um"].to_numpy(),
-    )
-    problem = replace(problem, objective=replace(measured(problem), data=data))
-    point = descend(problem, np.array([1.0, OFFSET]))[0]
-    model = noise_model_of(campaign)
-    if model is None:
-        return problem, point
-    problem = fit_noise(problem, model, point)
-    return problem, descend(problem, point)[0]
 
 
 CLEAN = {
