@@ -1,5 +1,7 @@
 """What a fit to measurements gives: tables, predictions, laws, pictures and files."""
 
+import pickle
+
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
@@ -454,6 +456,13 @@ def test_a_file_gives_the_same_tables(name, request, tmp_path):
     pd.testing.assert_frame_equal(read.predict(load, **of_pair), expected, **exactly)
     pd.testing.assert_frame_equal(read.to_frame(), result.to_frame(), check_exact=True)
     assert (read.aic, read.bic, read.summary()) == (result.aic, result.bic, result.summary())
+
+
+def test_a_result_goes_to_another_process_and_back(series):
+    _, result = series
+    back = pickle.loads(pickle.dumps(result))
+    assert back == result
+    assert back.predict(100.0).equals(result.predict(100.0))
 
 
 def test_a_function_of_ones_own_is_drawn_in_memory_and_not_run_from_a_file(tmp_path, monkeypatch):

@@ -134,6 +134,12 @@ class FitResult(Spec):
         self.__dict__["problem"] = problem  # in the place of the one made again from the settings
         return self
 
+    def __getstate__(self) -> dict[Any, Any]:
+        # A problem may hold functions, which cannot be pickled; it is made again.
+        state = super().__getstate__()
+        values = {name: value for name, value in state["__dict__"].items() if name != "problem"}
+        return {**state, "__dict__": values}
+
     def to_law(self) -> ContactLaw:
         """Return the fitted law of the contact, without the offset and compliance of the rig.
 
