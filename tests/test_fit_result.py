@@ -486,3 +486,19 @@ def test_a_function_of_ones_own_is_drawn_in_memory_and_not_run_from_a_file(tmp_p
     with pytest.raises(InputError, match="is a Python function of your own"):
         result.to_law()
     assert read.summary() == result.summary()
+
+
+def test_a_coefficient_without_effect_is_named(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "idle.py").write_text("def load(d, pair, K, idle):\n    return K * d\n")
+    frame = readings(3, 1, 15, zero=0.0, constant=1e-6).drop(columns="group")
+    bounds = {"K": (1e4, 1e7), "idle": (1.0, 2.0)}
+    result = cc.fit(frame, "idle:load", PAIR, bounds=bounds, starts=2)
+    assert result.uncertainty.only_together == ["idle"]
+    assert "! idle has no effect on the fit: fix it with --fix idle=VALUE" in result.summary()
+    with pytest.raises(InputError, match="are not identifiable one by one"):
+        result.predict(100.0)
+    # Without a covariance the curve is drawn alone.
+    axes = result.plot()
+    assert axes.has_data()
+    assert len(axes.collections) == 0

@@ -16,6 +16,7 @@ from scipy import special
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
 from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.noise_model import positions
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.residual_model import measured
 from cylcontact.spec import Spec
@@ -136,11 +137,10 @@ def _drift(residuals: _Residuals) -> Finding | None:
         return None
     groups = residuals.labels("group")
     index = groups[1] if groups else np.zeros(residuals.r.size, dtype=np.intp)
-    position = np.zeros(residuals.r.size)
-    for number in np.unique(index):
-        rows = np.flatnonzero(index == number)
-        position[rows] = np.linspace(-0.5, 0.5, rows.size) if rows.size > 1 else 0.0
-    load = np.log(residuals.objective.data.load)
+    data = residuals.objective.data
+    position = positions(index, data.columns.get("time"))
+    position = position - (np.bincount(index, position) / np.bincount(index))[index]
+    load = np.log(data.load)
     if abs(np.corrcoef(position, load)[0, 1]) > 0.9:
         return None  # along a single sweep of the load a drift looks like another law
     p = _f_test(residuals, position[:, None] * (index[:, None] == np.unique(index)))
