@@ -374,7 +374,7 @@ def test_a_profile_is_the_distance_in_errors_where_the_law_is_linear(plain, two_
     assert levels == [pytest.approx(stats.t.ppf(0.975, 23), rel=1e-9)]
     ends = [line.get_xdata()[0] for line in two_axes.lines if line.get_linestyle() == "--"]
     assert ends == [estimate.profile.low, estimate.profile.high, estimate.value]
-    assert two_axes.get_xlabel() == "compliance"
+    assert two_axes.get_xlabel() == "compliance (mm/(N/mm))"
 
 
 def test_without_axes_each_picture_has_a_figure_of_its_own(plain):
