@@ -374,6 +374,11 @@ def _on_shape(uncertainty: Uncertainty) -> str:
 def _on_lack_of_determination(uncertainty: Uncertainty) -> list[str]:
     """Name the parameters that are not well or fairly determined."""
     together = uncertainty.only_together
+    if len(together) == 1:
+        return [
+            f"{together[0]} has no effect on the fit: fix it with --fix {together[0]}=VALUE, or "
+            "fixed = true in the campaign"
+        ]
     if together:
         return [
             f"{' and '.join(together)} are not identifiable, only a combination of them: fix one "

@@ -16,6 +16,7 @@ from scipy import special
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
 from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.noise_model import positions
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.residual_model import measured
 from cylcontact.spec import Spec
@@ -134,13 +135,11 @@ def _drift(residuals: _Residuals) -> Finding | None:
     """Test whether residuals have trends along the rows of the series, each its own."""
     if "drift" in residuals.is_allowed:
         return None
-    groups = residuals.labels("group")
+    groups = residuals.labels("group") or residuals.labels("pair")
     index = groups[1] if groups else np.zeros(residuals.r.size, dtype=np.intp)
-    position = np.zeros(residuals.r.size)
-    for number in np.unique(index):
-        rows = np.flatnonzero(index == number)
-        position[rows] = np.linspace(-0.5, 0.5, rows.size) if rows.size > 1 else 0.0
-    load = np.log(residuals.objective.data.load)
+    data = residuals.objective.data
+    position = _less_mean(positions(index, data.columns.get("time")), index)
+    load = _less_mean(np.log(data.load), index)
     if abs(np.corrcoef(position, load)[0, 1]) > 0.9:
         return None  # along a single sweep of the load a drift looks like another law
     p = _f_test(residuals, position[:, None] * (index[:, None] == np.unique(index)))
@@ -152,6 +151,11 @@ def _drift(residuals: _Residuals) -> Finding | None:
         says="the residuals drift along the rows of a series",
         remedy="allow for it with --drift",
     )
+
+
+def _less_mean(values: FloatArray, index: Indices) -> FloatArray:
+    """Return values less the mean of their series."""
+    return as_floats(values - (np.bincount(index, values) / np.bincount(index))[index])
 
 
 def _sequence(residuals: _Residuals) -> Finding | None:
