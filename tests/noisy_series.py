@@ -6,9 +6,11 @@ import numpy as np
 import pandas as pd
 
 from cylcontact import CylinderPair, laws
+from cylcontact.fitting.campaign import campaign_of_table
 from cylcontact.fitting.least_squares import descend
 from cylcontact.fitting.measured_fit import noise_model_of, plain_problem
 from cylcontact.fitting.noise_fit import fit_noise
+from cylcontact.fitting.own_data import constants_of
 from cylcontact.fitting.uncertainty.residual_model import measured
 from tests.measured_files import STEEL
 
@@ -65,3 +67,13 @@ def refitted(campaign, frame):
         return problem, point
     problem = fit_noise(problem, model, point)
     return problem, descend(problem, point)[0]
+
+
+def campaign_of(data, law, pair, *, fixed=None, bounds=None, **settings):
+    """The campaign that `cylcontact.fit` runs."""
+    parameters = {name: {"value": value, "fixed": True} for name, value in (fixed or {}).items()}
+    for name, (low, high) in (bounds or {}).items():
+        parameters[name] = {"low": low, "high": high}
+    return campaign_of_table(
+        *(data, law, pair.contact, constants_of(pair)), parameters=parameters or None, **settings
+    )

@@ -15,10 +15,9 @@ import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.assessment import warnings
-from cylcontact.fitting.own_data import campaign_of
 from cylcontact.fitting.predictions import prediction_table
 from tests.measured_files import CONSTANTS, STEEL, USER_LAW
-from tests.noisy_series import LAW, PAIR, readings, refitted
+from tests.noisy_series import LAW, PAIR, campaign_of, readings, refitted
 
 EFFECTS = ("offset", "gain")
 RIG = {"free": ["compliance"], "fixed": {"stiffness_factor": 1.1}}

@@ -11,7 +11,6 @@ from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting.calibration import calibrate
 from cylcontact.fitting.noise_fit import likelihood_at
 from cylcontact.fitting.noise_model import Covariance, FittedNoise, NoiseModel
-from cylcontact.fitting.own_data import campaign_of
 from cylcontact.fitting.restricted_likelihood import Degrees, Likelihood, estimate
 from cylcontact.fitting.uncertainty.estimates import uncertainty_of
 from cylcontact.fitting.uncertainty.findings import findings_of
@@ -19,7 +18,7 @@ from cylcontact.fitting.uncertainty.resampling import leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import measured
 from cylcontact.fitting.uncertainty.study import Resampling, study_noise
 from tests.measured_files import CONSTANTS, STEEL
-from tests.noisy_series import LAW, PAIR, readings, refitted
+from tests.noisy_series import LAW, PAIR, campaign_of, readings, refitted
 
 # With the stiffness held, a reading is linear in what is left.
 LINEAR = {"fixed": {"stiffness_factor": 1.0}, "free": ["compliance"]}
@@ -538,7 +537,7 @@ def test_series_of_pairs_are_found_and_named_by_a_column():
         parts.append(pd.DataFrame({**columns, "pin": f"p{number}"}))
     frame = pd.concat(parts, ignore_index=True)
     of_data = {"contact": "internal", "constants": CONSTANTS, "noise": None}
-    finding = found(frame, pair=None, ignore=["pin"], **of_data)["series"]
+    finding = found(frame, pair=None, ignore=["pin"], **of_data)["pairs"]
     assert "differ between the 3 pairs" in finding.says
     assert "--group COLUMN" in finding.remedy
     assert found(frame, pair=None, group="pin", **of_data) == {}
@@ -576,8 +575,10 @@ def test_scatter_that_grows_is_found_and_both_kinds_allow_for_it():
 
 def test_relative_scatter_that_falls_is_found_and_both_kinds_allow_for_it():
     frame = ungrouped(readings(3, 4, constant=5e-5))
-    finding = found(frame, noise="proportional")["spread"]
+    finding = found(frame)["spread"]
     assert finding.says == "the scatter of the readings relative to it falls with them"
+    of_model = found(frame, noise="proportional")["spread"]
+    assert of_model.says == "the scatter of the readings relative to that assumed falls with them"
     assert "--noise both" in finding.remedy
     assert found(frame, noise="both") == {}
 

@@ -198,6 +198,8 @@ def _spread(residuals: _Residuals) -> Finding | None:
     p = 2 * float(special.stdtr(degrees, -abs(t)))
     grows = "grows" if correlation > 0 else "falls"
     relative = " relative to it" if residuals.objective.is_log else ""
+    if noise is not None:
+        relative = " relative to that assumed"
     remedy = "allow for both kinds of scatter with --noise both"
     if noise is not None and len(noise.covariance.model.scatter) == 2:
         remedy = "look for what else makes readings scatter"
