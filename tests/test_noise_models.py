@@ -575,7 +575,7 @@ def test_scatter_that_grows_is_found_and_both_kinds_allow_for_it():
 
 def test_relative_scatter_that_falls_is_found_and_both_kinds_allow_for_it():
     frame = ungrouped(readings(3, 4, constant=5e-5))
-    finding = found(frame)["spread"]
+    finding = found(frame, noise=None)["spread"]
     assert finding.says == "the scatter of the readings relative to it falls with them"
     of_model = found(frame, noise="proportional")["spread"]
     assert of_model.says == "the scatter of the readings relative to that assumed falls with them"
