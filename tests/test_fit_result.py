@@ -202,7 +202,7 @@ def test_a_load_without_a_penetration_is_refused(plain):
 
 
 SIMULATED = {
-    "one series": (150, {"series": 1, "rows": 15}, {"noise": "constant", "ignore": ["group"]}),
+    "one series": (100, {"series": 1, "rows": 15}, {"noise": "constant", "ignore": ["group"]}),
     "series": (25, {"offset": 1e-4, "gain": 0.03}, {"noise": "constant", "group": "group"}),
 }
 
