@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,9 +14,10 @@ from cylcontact.fitting.measured_objective import laws_of
 from cylcontact.fitting.predictions import band_table
 from cylcontact.fitting.uncertainty.profiles import likelihood_profile
 from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
+from cylcontact.plots.arguments import axes_for
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.measured import Curve, draw_curves, draw_readings, draw_residuals
-from cylcontact.plots.style import ACCENT, QUIET, figure_style
+from cylcontact.plots.style import ACCENT, QUIET
 
 if TYPE_CHECKING:
     from cylcontact.fitting.choice import Choice
@@ -39,20 +38,10 @@ _POINTS, _PAIRS, _LAWS = 121, 5, 4
 _APART = 0.005
 
 
-@contextmanager
-def _axes(ax: Axes | None, height_mm: float) -> Iterator[Axes]:
-    """Give the axes to draw in, a new figure's in the journal's style if there are none."""
-    if ax is not None:
-        yield ax
-        return
-    with figure_style():
-        yield new_figure("column", height_mm).subplots()
-
-
 def plot(result: FitResult, ax: Axes | None = None) -> Axes:
     """Draw the data, the fitted law and the band of a new reading."""
     data = measured(result.problem).data
-    with _axes(ax, 68.0) as axes:
+    with axes_for(ax, "plot", "column", 68.0) as axes:
         draw_curves(axes, _curves(result))
         draw_readings(axes, data.load, data.penetration, _series(result))
         axes.legend()
@@ -65,14 +54,14 @@ def plot_residuals(result: FitResult, ax: Axes | None = None) -> Axes:
     load, standardised = table["load_N_per_mm"].to_numpy(), table["standardised"].to_numpy()
     lines = {o.line for o in uncertainty.outliers} if uncertainty else set()
     words = {k: f"line {line}" for k, line in enumerate(table["line"]) if line in lines}
-    with _axes(ax, 45.0) as axes:
+    with axes_for(ax, "plot_residuals", "column", 45.0) as axes:
         draw_residuals(axes, load, standardised, "residual (std. dev.)", _series(result), words)
     return axes
 
 
 def plot_profile(result: FitResult, name: str, ax: Axes | None = None) -> Axes:
     """Draw how much worse the fit gets when a coefficient moves and all others follow."""
-    with _axes(ax, 60.0) as axes:
+    with axes_for(ax, "plot_profile", "column", 60.0) as axes:
         if result.uncertainty is None:
             _draw_profile_of_law(result, name, axes)
         else:
@@ -113,7 +102,7 @@ def fit_drawing(result: FitResult) -> Drawing:
 def plot_choice(choice: Choice, ax: Axes | None = None) -> Axes:
     """Draw the data with the best laws."""
     data = choice.data.measurements
-    with _axes(ax, 68.0) as axes:
+    with axes_for(ax, "plot", "column", 68.0) as axes:
         draw_curves(axes, list(_of_laws(choice).values()))
         draw_readings(axes, data.load, data.penetration)
         axes.legend()
