@@ -11,7 +11,7 @@ import cylcontact as cc
 from cylcontact import InputError
 from cylcontact.fitting.calibration import calibrate
 from cylcontact.fitting.campaign import read_campaign
-from cylcontact.reports.explore_fit import FitView, explore_fit
+from cylcontact.reports.fit_explorer import FitView, explore_fit
 
 ROOT = Path(__file__).resolve().parents[1]
 STEEL = cc.Material("steel", E=207e3, nu=0.3)
