@@ -31,8 +31,9 @@ CAPTION = (
 def draw(bench: Bench) -> Drawing:
     rows = {name: bench.material(name) for name in MATERIALS}
     figure, panels, table = clearance_panels(
-        rows, hertz_yield_load, "load_N_per_mm", "load at yield (N/mm)"
+        rows, hertz_yield_load, "load_N_per_mm", criterion="Hertz", johnson=False
     )
+    panels[0].set_ylabel("load at yield (N/mm)")
     for axes in panels:
         axes.axhspan(*LOADS, color="0.88", zorder=0, linewidth=0)
         axes.set_ylim(1, 1e9)

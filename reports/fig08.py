@@ -48,7 +48,7 @@ def draw(bench: Bench) -> Drawing:
         table[f"johnson_low_by_{percent:g}_percent_load_N_per_mm"] = loads
     figure = new_figure("middle", 100.0)
     axes = figure.subplots()
-    draw_materials(axes, table, "load_N_per_mm")
+    draw_materials(axes, rows, criterion=None)
     _draw_departures(axes, rows[DEPARTING].material, numbers)
     axes.axhline(LOADS[1], color="0.6", linewidth=0.8, linestyle="-", marker="", zorder=0)
     axes.text(1.8, LOADS[1] * 0.92, f"{LOADS[1]:g} N/mm", ha="right", va="top")
@@ -59,7 +59,7 @@ def draw(bench: Bench) -> Drawing:
         headline[f"{name}, dR = {dR:g} mm"] = limit
     for percent, number in numbers.items():
         headline[f"phi at which Johnson's penetration is {percent:g} % low"] = number
-    axes.set(ylabel="load (N/mm)", ylim=(1.5, 3e6))
+    axes.set_ylim(1.5, 3e6)
     axes.legend(loc="upper left", title="limit of Johnson's law (Eq 8)", alignment="left")
     caption = CAPTION.format(
         origins=origins(rows, rows, ELASTIC),

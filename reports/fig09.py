@@ -27,7 +27,7 @@ CAPTION = (
 def draw(bench: Bench) -> Drawing:
     rows = {name: bench.material(name) for name in MATERIALS}
     figure, panels, table = clearance_panels(
-        rows, stress_at_johnson_limit, "stress_MPa", "peak pressure (MPa)"
+        rows, stress_at_johnson_limit, "stress_MPa", criterion=None, pressure=True
     )
     headline = {}
     for axes, R_i in zip(panels, RADII, strict=True):

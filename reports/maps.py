@@ -15,38 +15,38 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib import rcParams
 from matplotlib.axes import Axes
-from matplotlib.patheffects import TickedStroke, withStroke
 
-from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import grid_from
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import law_of
 from cylcontact.laws import LAWS, ContactLaw, Enhanced, difference_percent, reference_law
 from cylcontact.limits import yield_load
 from cylcontact.materials import MaterialRow
-from cylcontact.plots import Drawing
+from cylcontact.plots import Drawing, new_figure, plot_map
+from cylcontact.plots.difference_map import map_grid
 from cylcontact.plots.figure import plain_number
-from cylcontact.plots.maps import RIM, Frame, draw_contours, label_contours, new_map
+from cylcontact.plots.maps import RIM, add_scale
 from cylcontact.reports.bench import Bench
 from cylcontact.yield_search import Criterion
 
 from .paper import (
+    COMPARED_CLEARANCES,
     ELASTIC,
-    JOHNSON_ONLY,
+    HOLE_RADIUS,
+    LOADS,
     MATERIALS,
-    PRACTICAL,
     TRAINING_DR,
     YIELD,
     clearance_pair,
     origins,
 )
 
-POINTS = (161, 81)  # along ΔR and along the load
 # For each reference: the label of the colour scale, its name and its end in the caption.
 REFERENCE_WORDS = {
     "johnson": (
@@ -60,18 +60,10 @@ REFERENCE_WORDS = {
         "No part is grey: Persson's solution, unlike Johnson's law, has no largest load.",
     ),
 }
-FRAME = Frame(
-    x=PRACTICAL.clearances,
-    y=PRACTICAL.loads,
-    x_ticks=(0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2),
-    y_ticks=(10, 20, 50, 100, 200, 500, 1000),
-    x_label=r"radial clearance $\Delta R$ (mm)",
-    y_label="load (N/mm)",
-)
+CLEARANCES = COMPARED_CLEARANCES
+WINDOW: dict[str, Any] = {"dR": CLEARANCES, "load": LOADS, "R_i": HOLE_RADIUS}
 NOTE_HEIGHT = 1.025  # of the notes above the map, in heights of the map
-LABEL_LENGTH = 5.0  # pixels at 100 dpi of a labelled yield line, in sizes of the font
 NOTE_LINE = 1.45  # from one line of notes to the next, in sizes of the font
-BEYOND_GREY = "0.72"
 
 # For each criterion of the yield line: its name in the note, what the headline calls the loads up
 # to it, and what on it reaches the yield stress.
@@ -187,54 +179,49 @@ def _mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") ->
 def _map_table(
     row: MaterialRow, law: ContactLaw, reference: ContactLaw, criterion: Criterion
 ) -> pd.DataFrame:
-    """Evaluate a law, its reference and the yield load over the window of the maps.
-
-    Where Johnson's law is the reference and ends inside the window, the loads end there too, so
-    that the map is filled exactly to that line and the table holds no empty cells.
-    """
-    along_dR, along_load = (np.linspace(0.0, 1.0, count) for count in POINTS)
-    dR, load = JOHNSON_ONLY.point(along_dR[:, np.newaxis], along_load, row.material)
-    pair = clearance_pair(dR, row.material, PRACTICAL.R_i)
-    if np.isinf(reference.max_load(pair)).all():
-        load = as_floats(np.geomspace(*FRAME.y, POINTS[1]))
-    yields = yield_load(pair, criterion)
-    dR, load, yields = np.broadcast_arrays(dR, load, yields)
-    pair = clearance_pair(dR, row.material, PRACTICAL.R_i)
+    """Evaluate a law, its reference and the yield load at the points of the map."""
+    pair, load = map_grid(reference, row.material, **WINDOW)
     columns = {
-        "dR_mm": dR,
+        "dR_mm": pair.dR,
         "load_N_per_mm": load,
         "penetration_mm": law.penetration(load, pair),
         f"{reference.name}_penetration_mm": reference.penetration(load, pair),
         "difference_percent": difference_percent(law, reference, load, pair),
-        "yield_load_N_per_mm": yields,
+        "yield_load_N_per_mm": yield_load(pair, criterion),
     }
-    return pd.DataFrame({name: values.ravel() for name, values in columns.items()})
+    return pd.DataFrame(
+        {name: np.broadcast_to(values, load.shape).ravel() for name, values in columns.items()}
+    )
 
 
 def _draw_map(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> Drawing:
     """Draw the map."""
     table = _map_table(row, mapped.law, mapped.reference, criterion)
-    dR, load, difference, yield_loads = (
-        table[name].to_numpy().reshape(POINTS)
-        for name in ("dR_mm", "load_N_per_mm", "difference_percent", "yield_load_N_per_mm")
-    )
-    clearances, yields = dR[:, 0], yield_loads[:, 0]
-    pair = clearance_pair(clearances, row.material, PRACTICAL.R_i)
-    fitted_from = mapped.fitted_from or FRAME.x[0]
-    scale_label = REFERENCE_WORDS[mapped.reference.name][0]
-    figure, axes = new_map(FRAME, f"{_title(row)}: {mapped.label}", scale_label)
-    lines = draw_contours(axes, dR, load, difference)
-    ends = mapped.reference.max_load(pair)
+    fitted_from = mapped.fitted_from or CLEARANCES[0]
     line, domain, _ = CRITERION_WORDS[criterion]
-    words = line if (yields < FRAME.y[1]).any() else "no yield in this window"
+    yields = (table["yield_load_N_per_mm"] < LOADS[1]).any()
+    figure = new_figure("middle", 95.0)
+    axes = figure.subplots()
+    # With room for a line of notes between the title and the map.
+    axes.set_title(f"{_title(row)}: {mapped.label}", pad=2 * rcParams["font.size"])
+    add_scale(figure, axes, REFERENCE_WORDS[mapped.reference.name][0])
+    end = mapped.reference.max_load(clearance_pair(CLEARANCES[0], row.material))
+    words = line if yields else "no yield in this window"
     # Only the shortest words leave room for the other note beside them.
-    stacked = _stack_notes(axes, ends, figure.style.narrow or words != "yield line")
-    _shade_beyond_johnson(axes, clearances, ends)
+    stacked = bool(end < LOADS[1]) and (figure.style.narrow or words != "yield line")
+    _note_yield(axes, words, stacked)
+    if end < LOADS[1]:
+        _point_beyond_johnson(axes)
     _mark_fitted_range(axes, fitted_from)
-    _draw_yield_line(axes, clearances, yields)
-    figure.draw_without_rendering()
-    label_contours(axes, lines, _keep_clear(fitted_from))
-    _label_yield_line(axes, clearances, yields, words, stacked)
+    plot_map(
+        mapped.law,
+        mapped.reference,
+        row.material,
+        criterion=criterion,
+        colorbar=False,
+        ax=axes,
+        **WINDOW,
+    )
     headline = _headline(table, fitted_from, domain)
     return Drawing(figure, table, headline, _caption(row, mapped, criterion))
 
@@ -278,7 +265,7 @@ def _caption(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> str:
         f"internal contact, both bodies of {material.name}{_calibration(mapped)}. "
         "Contours are solid above zero and dashed below; levels and colours are those of all "
         f"these maps. {end} Ticked line: {stress}, "
-        f"with a hole of {PRACTICAL.R_i:g} mm radius, reaches the yield stress of "
+        f"with a hole of {HOLE_RADIUS:g} mm radius, reaches the yield stress of "
         f"{material.yield_stress:g} MPa, ticks where it exceeds it; the radius is our choice. "
         f"Material values that are not the paper's: {origin}.{mapped.coefficients}"
     )
@@ -288,7 +275,7 @@ def _calibration(mapped: MappedLaw) -> str:
     """Return the caption's part on the clearances of the calibration."""
     if mapped.fitted_from is None:
         return ""
-    extrapolated = mapped.fitted_from > FRAME.x[0]
+    extrapolated = mapped.fitted_from > CLEARANCES[0]
     return (
         f", {mapped.label}. They were fitted at clearances from "
         f"{plain_number(mapped.fitted_from)} mm on"
@@ -296,33 +283,27 @@ def _calibration(mapped: MappedLaw) -> str:
     )
 
 
-def _stack_notes(axes: Axes, ends: FloatArray, narrow: bool) -> bool:
-    """Return whether the notes need two lines, after making room for the second."""
-    stacked = bool(ends[0] < FRAME.y[1] and narrow)
+def _note_yield(axes: Axes, words: str, stacked: bool) -> None:
+    """Write above the map what the yield line is, in a second line of notes if `stacked`."""
     if stacked:
         room = (2 + NOTE_LINE) * rcParams["font.size"]
         axes.set_title(axes.get_title(loc="left"), pad=room)
-    return stacked
-
-
-def _shade_beyond_johnson(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
-    """Shade and label the region in which Johnson's law gives no penetration (Eq 8)."""
-    ceiling = FRAME.y[1]
-    if limit[0] >= ceiling:
-        return
-    axes.fill_between(
-        dR,
-        np.minimum(limit, ceiling),
-        ceiling,
-        facecolor=BEYOND_GREY,
-        edgecolor="0.4",
-        hatch="xxxxx",
-        linewidth=0,
+    axes.annotate(
+        rf"{words} for $R_i$ = {HOLE_RADIUS:g} mm, $\sigma_Y$ assumed",
+        xy=(1.0, NOTE_HEIGHT),
+        xycoords="axes fraction",
+        xytext=(0, NOTE_LINE * rcParams["font.size"] * stacked),
+        textcoords="offset points",
+        ha="right",
+        annotation_clip=False,
     )
-    axes.plot(dR, limit, "-", color="black", linewidth=0.8, marker="")
+
+
+def _point_beyond_johnson(axes: Axes) -> None:
+    """Point at the region in which Johnson's law gives no penetration (Eq 8)."""
     axes.annotate(
         "beyond Johnson's law",
-        xy=(FRAME.x[0] * 1.04, ceiling * 0.96),
+        xy=(CLEARANCES[0] * 1.04, LOADS[1] * 0.96),
         xytext=(0.05, NOTE_HEIGHT),
         textcoords="axes fraction",
         arrowprops={
@@ -338,61 +319,14 @@ def _shade_beyond_johnson(axes: Axes, dR: FloatArray, limit: FloatArray) -> None
 
 def _mark_fitted_range(axes: Axes, fitted_from: float) -> None:
     """Mark the smallest clearance of the fit, if it is inside the map."""
-    if fitted_from <= FRAME.x[0]:
+    if fitted_from <= CLEARANCES[0]:
         return
     axes.axvline(fitted_from, color="0.25", linewidth=0.8, linestyle=":", marker="")
     axes.text(
         fitted_from * 1.03,
-        FRAME.y[0] * 1.06,
+        LOADS[0] * 1.06,
         f"fitted from {plain_number(fitted_from)} mm on",
         rotation=90,
-        path_effects=[RIM],
-    )
-
-
-def _keep_clear(fitted_from: float) -> FloatArray:
-    """Return points along the note on the fitted range, which contour labels avoid."""
-    loads = np.geomspace(FRAME.y[0], 3.5 * FRAME.y[0], 6)
-    return np.column_stack([np.full_like(loads, 1.06 * fitted_from), loads])
-
-
-def _draw_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray) -> None:
-    """Draw the load at which the contact yields, with ticks on the side that yields."""
-    comb = TickedStroke(spacing=6, angle=90, length=0.6, linewidth=0.8, foreground="black")
-    rim = withStroke(linewidth=3.2, foreground="white")
-    axes.plot(dR, limit, "-", color="black", linewidth=1.6, marker="", path_effects=[rim, comb])
-
-
-def _label_yield_line(
-    axes: Axes, dR: FloatArray, limit: FloatArray, words: str, second_line: bool
-) -> None:
-    """Label the yield line on the side that yields if it is long enough, and note its words."""
-    note = rf"{words} for $R_i$ = {PRACTICAL.R_i:g} mm, $\sigma_Y$ assumed"
-    axes.annotate(
-        note,
-        xy=(1.0, NOTE_HEIGHT),
-        xycoords="axes fraction",
-        xytext=(0, NOTE_LINE * rcParams["font.size"] * second_line),
-        textcoords="offset points",
-        ha="right",
-        annotation_clip=False,
-    )
-    inside = np.flatnonzero(limit < FRAME.y[1])
-    if inside.size == 0:
-        return
-    ends, middle = inside[[0, -1]], inside[inside.size // 2]
-    (x0, y0), (x1, y1) = axes.transData.transform(np.column_stack([dR[ends], limit[ends]]))
-    if np.hypot(x1 - x0, y1 - y0) < LABEL_LENGTH * rcParams["font.size"]:
-        return
-    axes.annotate(
-        "yields",
-        xy=(dR[middle], limit[middle]),
-        xytext=(4, 4),
-        textcoords="offset points",
-        rotation=np.degrees(np.arctan2(y1 - y0, x1 - x0)),
-        rotation_mode="anchor",
-        ha="center",
-        va="bottom",
         path_effects=[RIM],
     )
 

@@ -131,7 +131,8 @@ def _between(ends: Interval, u: FloatArray) -> FloatArray:
     return as_floats(np.clip(ends[0] * (ends[1] / ends[0]) ** u, *ends))
 
 
-PRACTICAL = Domain("practical domain", R_i=10.0)
+HOLE_RADIUS = 10.0  # mm, our choice
+PRACTICAL = Domain("practical domain", R_i=HOLE_RADIUS)
 MODERATE = replace(PRACTICAL, label="moderate loads", loads=MODERATE_LOADS)
 JOHNSON_ONLY = Domain("up to Johnson's limit, yield ignored", R_i=None)
 

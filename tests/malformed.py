@@ -36,6 +36,17 @@ dR_um,E_GPa,nu,load_N_per_mm,penetration_um
 100,207,0.3,10,0.23
 100,207,0.3,100,1.9
 """
+# As a spreadsheet program of another country writes it, in Windows-1252.
+SEMICOLONS = """\
+Kraft;displacement;Probe;Prüfer
+N/mm;µm;;
+0;0,02;A;X
+10,5;0,21;A;X
+100;1,7;A;X
+1000;13,2;B;X
+100;1,9;B;X
+10,5;0,23;B;X
+"""
 OWN_MATERIALS = f"{','.join(COLUMNS)}\ngunmetal,110,paper,0.34,paper,220,assumed,a note\n"
 STEEL = "dR_um,load_N_per_mm,penetration_um\n50,10,0.21\n50,100,1.7\n50,1000,13.2\n"
 STYLE = {
@@ -65,6 +76,10 @@ READERS = {
     "datasets/small.toml": ("sample", "datasets/small.toml", "-o", "out.csv"),
     "good.json": ("compare", "good.json"),
     "table.csv": ("fit", "table.csv", *POWER),
+    "semicolons.csv": (
+        *("fit", "semicolons.csv", *POWER, "--columns", "load=Kraft", "--group", "Probe"),
+        *("--E", "207000", "--nu", "0.3", "--dR", "0.05"),
+    ),
     "materials.csv": (
         *("fit", "steel.csv", *POWER, "--material", "gunmetal", "--materials", "materials.csv"),
     ),
@@ -92,6 +107,7 @@ def good_files(result):
         "datasets/small.toml": document(GRID),
         "good.json": result,
         "table.csv": TABLE.encode(),
+        "semicolons.csv": SEMICOLONS.encode("cp1252"),
         "steel.csv": STEEL.encode(),
         "materials.csv": OWN_MATERIALS.encode(),
         "reports/style.toml": document(STYLE),
@@ -270,6 +286,11 @@ REPLACED = {
         *(("0.21", new) for new in ("small", "", "nan", "inf", "0", "0.21,1", '"0.21')),
         *((",0.21", ""), (TABLE, ""), (TABLE, TABLE.splitlines()[1]), (TABLE, "\0\0\0\0")),
     ],
+    "semicolons.csv": [
+        *(("10,5", new) for new in ("1.010,5", "10.5", "-10,5", "10,5 N", "", "1e999")),
+        *(("N/mm;", "N;"), ("N/mm;", "N/m²;"), ("displacement", "E"), ("Probe", "displacement")),
+        *(("Kraft", "Last"), ("Probe", "Charge"), (";A;", ";;"), ("0,02;A;X", "0,02;A")),
+    ],
     "materials.csv": [
         *(("E_GPa,", ""), ("E_GPa", "E_MPa"), (",110,", ",hard,"), (",110,", ",-110,")),
         *((",0.34,paper", ",0.90,paper"), ("paper", "rumour"), ("gunmetal", "")),
@@ -347,7 +368,8 @@ def by_rule(files):
     line = rf'cylcontact: {path}: contact: is required; add "internal" or "external" \(2 more mist'
     yield Case("an empty file", READERS[path], path, b"", line)
     for path, (old, new) in ((name, pair) for name in REPLACED for pair in REPLACED[name]):
-        contents = files[path].replace(old.encode(), new.encode())
+        coding = "cp1252" if path == "semicolons.csv" else "utf-8"
+        contents = files[path].replace(old.encode(coding), new.encode(coding))
         yield Case(f"{path}: {new!r} for {old!r}", READERS[path], path, contents)
     yield Case("table.csv: not text", READERS["table.csv"], "table.csv", NOT_TEXT[1])
     yield from (Case(f"cylcontact {line}", tuple(line.split())) for line in COMMANDS.split(";"))
@@ -385,7 +407,7 @@ def _break(contents, chance):
         return contents[:where] + chance.choice(JUNK).encode() + contents[where:]
     if way == "byte":
         return contents[:where] + bytes([chance.randrange(128, 256)]) + contents[where + 1 :]
-    text = contents.decode()
+    text = contents.decode(errors="replace")
     if way == "line":
         lines = text.splitlines(keepends=True)
         lines.insert(chance.randrange(len(lines)), chance.choice(lines))

@@ -1,6 +1,6 @@
 """Tables of measurements made from known laws, and the campaigns on them, for tests."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +70,32 @@ for (_law, _contact), _model in MODELS.items():
         TRUTHS[_law, _contact] = {p.name: truth_of(p) for p in _model.parameters}
 
 
+# What a fit may free of the rig by default, as it is in data without the errors of one.
+RIG = {"stiffness_factor": 1.0, "offset": 0.0}
+
+
+def all_free(
+    law: str, contact: str, parameters: Mapping[str, dict[str, Any]] | None = None
+) -> dict[str, Any]:
+    """Return the settings that search all constants of a law, and nothing of the rig.
+
+    `parameters` are tables of a campaign, which take precedence.
+    """
+    own = MODELS[law, contact].parameters
+    if any(p.nominal is None for p in own):  # free by default, and without a rig
+        return {"parameters": dict(parameters or {})}
+    usual = RIG if not any(p.stiffness for p in own) else {"offset": 0.0}
+    held = {name: {"value": value, "fixed": True} for name, value in usual.items()}
+    tables = {**held, **(parameters or {})}
+    free = [p.name for p in own if p.value is None and p.name not in tables]
+    return {"free": free, "parameters": tables}
+
+
+def whole_truth(law: str, contact: str, names: Iterable[str]) -> dict[str, float]:
+    """Return the coefficients that data are made of, with those of the rig among the names."""
+    return {**{n: v for n, v in RIG.items() if n in names}, **TRUTHS[law, contact]}
+
+
 def clearances(law: str, contact: str) -> tuple[float, ...]:
     """Return ΔR in mm that a law is tried at."""
     if contact == "external":
@@ -101,11 +127,13 @@ def measured_campaign(
     contact: str = "internal",
     noise: float = 0.0,
     seed: int = 1,
+    parameters: Mapping[str, dict[str, Any]] | None = None,
     **settings: Any,
 ) -> Campaign:
-    """Return a campaign on points of a law."""
+    """Return a campaign on points of a law that searches all its constants."""
     table = write_measured(folder / "measured.csv", law, contact, noise, seed)
-    return campaign_of_table(table, law, contact, CONSTANTS, **settings)
+    searched = all_free(law, contact, parameters)
+    return campaign_of_table(table, law, contact, CONSTANTS, **searched, **settings)
 
 
 def user_campaign(

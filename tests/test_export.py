@@ -15,6 +15,7 @@ from cylcontact.export import EXPORTABLE, TARGETS, export, export_named
 from cylcontact.export.formulas import formula_of
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.law_models import MODELS
+from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.lambert import branch_distance
 from cylcontact.materials import material_in_MPa
 from tests import programs
@@ -54,6 +55,8 @@ LAWS = {
     "linear": (laws.PowerLaw(n=1.0, K_star=0.3), "internal"),
     "softening": (laws.PowerLaw(n=0.9, K_star=0.3), "internal"),
     "explicit-own": (laws.Explicit({"c": 1.4, "A": 0.4, "B": 3.0}), "internal"),
+    "explicit-stiffer": (ScaledLaw(laws.Explicit(), load_factor=1.3), "internal"),
+    "liu-softer": (ScaledLaw(laws.Liu(), load_factor=0.7), "internal"),
 }
 
 # Parts of the largest penetration, or of ΔR: tiny, dense, up to the limit, at it and beyond.

@@ -5,14 +5,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting import FitResult, compare, verdicts
+from cylcontact.fitting.assessment import warnings
 from cylcontact.fitting.calibration import calibrate
 from cylcontact.fitting.campaign import campaign_of_table, read_campaign
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.loss import LOSSES, Loss
+from cylcontact.fitting.own_data import fit
 from cylcontact.fitting.verify import verify
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.logarithmic import adjusted_logarithmic
@@ -22,8 +25,10 @@ from tests.measured_files import (
     STEEL,
     TRUTHS,
     USER_LAW,
+    all_free,
     measured_campaign,
     user_campaign,
+    whole_truth,
     write_measured,
     write_table,
 )
@@ -40,7 +45,10 @@ SPEC = {"data": "measured.csv", "contact": "internal", "law": "johnson", "consta
 @pytest.mark.parametrize(("law", "contact"), TRUTHS, ids=lambda word: word)
 def test_exact_points_of_a_law_give_its_coefficients_back(tmp_path, law, contact):
     result = calibrate(measured_campaign(tmp_path, law, contact, starts=4))
-    assert result.coefficients == pytest.approx(TRUTHS[law, contact], rel=1e-6)
+    truth = whole_truth(law, contact, result.coefficients)
+    assert result.coefficients == pytest.approx(truth, rel=1e-6)
+    free = {p.name for p in MODELS[law, contact].parameters if p.value is None}
+    assert result.uncertainty.estimates.keys() == free
     assert result.objective.value < 1e-9
     assert "no noise to estimate" in verdicts(result)[0]
 
@@ -59,7 +67,8 @@ def test_the_enhanced_internal_law_comes_back_from_many_clearances(tmp_path):
     table = tmp_path / "measured.csv"
     table.write_text("\n".join(lines))
     constants = {"E_GPa": 207.0, "nu": 0.3}
-    campaign = campaign_of_table(table, "enhanced", "internal", constants, starts=40)
+    searched = all_free("enhanced", "internal")
+    campaign = campaign_of_table(table, "enhanced", "internal", constants, **searched, starts=40)
     campaign = replace(
         campaign,
         model=replace(
@@ -78,7 +87,8 @@ def test_every_objective_finds_the_same_exact_law(tmp_path, objective):
     campaign = measured_campaign(tmp_path, objective=objective, starts=3)
     result = calibrate(campaign)
     assert result.objective.name == objective
-    assert result.coefficients == pytest.approx(TRUTHS["johnson", "internal"], rel=1e-6)
+    truth = whole_truth("johnson", "internal", ["offset"])
+    assert result.coefficients == pytest.approx(truth, rel=1e-6)
 
 
 def test_a_parameter_is_held_or_bounded_as_the_campaign_says(tmp_path):
@@ -109,12 +119,12 @@ def test_a_robust_loss_lessens_the_pull_of_outliers(tmp_path):
     truth = TRUTHS["johnson", "internal"]["kappa"]
     errors = {}
     for loss in LOSSES:
-        campaign = campaign_of_table(table, "johnson", "internal", CONSTANTS, loss=loss, starts=3)
-        result = calibrate(campaign)
+        settings = {**all_free("johnson", "internal"), "loss": loss, "starts": 3}
+        result = calibrate(campaign_of_table(table, "johnson", "internal", CONSTANTS, **settings))
         errors[loss] = abs(result.coefficients["kappa"] - truth)
         outliers = result.uncertainty.outliers
         assert {row.line for row in outliers if row.deviations > 3.5} >= {2, 3, 4}
-        assert any("lines 2 (+" in sentence for sentence in verdicts(result))
+        assert any("lines 2 (+" in sentence for sentence in warnings(result))
     assert all(errors[loss] < 0.5 * errors["linear"] for loss in LOSSES if loss != "linear")
 
 
@@ -151,6 +161,112 @@ def test_weights_count_like_repeated_rows(tmp_path):
     assert actual[1].coefficients == pytest.approx(actual[0].coefficients, rel=1e-6)
     assert len(actual[0].uncertainty.duplicates) == 5
     assert any("identical rows" in sentence for sentence in verdicts(actual[0]))
+
+
+# --- what is free if nothing is said ----------------------------------------------------------
+
+# The parameter of stiffness of each family; the other laws get a factor of the load.
+STIFFNESS = {
+    "persson": "modulus_factor",
+    "liu": "modulus_factor",
+    "winkler": "depth",
+    "lankarani-nikravesh": "factor",
+    "enhanced": "stiffness_factor",
+    "explicit": "stiffness_factor",
+    "explicit-pair": "stiffness_factor",
+    "parametric": "stiffness_factor",
+}
+
+
+def default_campaign(folder, law, contact, **settings):
+    table = write_measured(folder / "measured.csv", law, contact)
+    return campaign_of_table(table, law, contact, CONSTANTS, **settings)
+
+
+@pytest.mark.parametrize(("law", "contact"), TRUTHS, ids=lambda word: word)
+def test_stiffness_and_offset_are_free_and_the_shape_is_held(tmp_path, law, contact):
+    campaign = default_campaign(tmp_path, law, contact)
+    free = {p.name for p in campaign.parameters if p.is_free}
+    own = MODELS[law, contact].parameters
+    if law.startswith("power"):
+        assert free == {p.name for p in own}
+        return
+    assert free == {STIFFNESS.get(law, "kappa"), "offset"}
+    held = {p.name: p.value for p in campaign.parameters if not p.is_free}
+    assert held == {p.name: p.nominal for p in own if p.name not in free}
+
+
+@pytest.mark.parametrize("law", ["johnson", "explicit", "persson", "lankarani-nikravesh"])
+def test_stiffness_and_offset_come_back_from_exact_readings(tmp_path, law):
+    # Readings of the law as it stands at a share of the load, from 2 µm before first touch.
+    share, offset = 1.25, -2e-3
+    lines = ["dR_um,load_N_per_mm,penetration_um"]
+    for dR in (0.05, 0.3):
+        pair = CylinderPair.from_dR("internal", dR, STEEL, length=12.0, R_i=10.0)
+        depth = 1e3 * (laws.LAWS[law]().penetration(LOADS / share, pair) + offset)
+        points = zip(LOADS.tolist(), depth.tolist(), strict=True)
+        lines += [f"{1e3 * dR!r},{f!r},{d!r}" for f, d in points]
+    table = tmp_path / "t.csv"
+    table.write_text("\n".join(lines))
+    fixed = {} if law in ("explicit", "lankarani-nikravesh") else {STIFFNESS.get(law, "kappa"): 1.0}
+    free = ["stiffness_factor"] if fixed else []
+    result = fit(
+        table,
+        law,
+        contact="internal",
+        constants=CONSTANTS,
+        fixed=fixed,
+        free=free,
+        noise="constant",
+        starts=4,
+    )
+    factor = "factor" if law == "lankarani-nikravesh" else "stiffness_factor"
+    assert result.coefficients[factor] == pytest.approx(share, rel=1e-6)
+    assert result.coefficients["offset"] == pytest.approx(offset, rel=1e-6)
+    assert result.uncertainty.estimates.keys() == {factor, "offset"}
+    # The law of the contact is without the offset of its readings.
+    assert result.to_law().penetration(LOADS, pair) == pytest.approx(
+        laws.LAWS[law]().penetration(LOADS / share, pair), rel=1e-6
+    )
+
+
+def test_an_offset_is_searched_over_twice_the_largest_reading(tmp_path):
+    columns = {"load_N_per_mm": [1, 2, 3], "penetration_um": [-3.0, 1.0, 2.0]}
+    table = write_table(tmp_path / "t.csv", columns)
+    constants = {**CONSTANTS, "dR_um": 50}
+    campaign = campaign_of_table(table, "johnson", "internal", constants, noise="constant")
+    (offset,) = (p for p in campaign.parameters if p.name == "offset")
+    assert (offset.low, offset.high) == (-6e-3, 6e-3)
+
+
+def test_a_held_constant_is_freed_with_its_default_bounds(tmp_path):
+    campaign = default_campaign(tmp_path, "johnson", "internal", free=["c", "compliance"])
+    free = {p.name: (p.low, p.high) for p in campaign.parameters if p.is_free}
+    assert free.keys() == {"kappa", "c", "offset", "compliance"}
+    (default,) = (p for p in MODELS["johnson", "internal"].parameters if p.name == "c")
+    assert free["c"] == (default.low, default.high)
+
+
+@pytest.mark.parametrize(
+    ("settings", "rule", "remedy"),
+    [
+        (
+            {"free": ["d"]},
+            "is not a parameter of johnson for internal contact",
+            "its parameters: kappa, c, Lambda_factor, stiffness_factor, offset, compliance",
+        ),
+        (
+            {"free": ["c"], "parameters": {"c": {"low": -2.0, "high": 0.0}}},
+            "is bounded, fixed or tied as well",
+            "keep one of them",
+        ),
+    ],
+)
+def test_what_cannot_be_freed_is_told(tmp_path, settings, rule, remedy):
+    with pytest.raises(InputError) as caught:
+        default_campaign(tmp_path, "johnson", "internal", **settings)
+    (name,) = settings["free"]
+    assert_told(caught, tmp_path / "measured.csv", "free", name, rule, remedy)
 
 
 # --- laws -------------------------------------------------------------------------------------
@@ -367,7 +483,7 @@ BAD_CAMPAIGNS = [
     ({"materials": "absent.csv"}, "materials", "no such file"),
     ({"parameters": {"K": {"low": 0.0, "high": 1.0}}}, "parameters.K", "is not a parameter of"),
     (
-        {"parameters": {n: {"value": 1.0, "fixed": True} for n in ("kappa", "c")}},
+        {"parameters": {n: {"value": 1.0, "fixed": True} for n in ("kappa", "offset")}},
         "parameters",
         "all are fixed",
     ),
@@ -396,6 +512,7 @@ def test_rows_that_no_coefficients_reach_are_named(tmp_path):
     columns = {"load_N_per_mm": [1, 2, 1e9], "penetration_um": [0.01, 0.02, 0.5]}
     table = write_table(tmp_path / "t.csv", columns)
     bounds = {"kappa": {"low": 0.9, "high": 1.1}, "c": {"low": -1.5, "high": -0.5}}
+    bounds["offset"] = {"value": 0.0, "fixed": True}
     campaign = campaign_of_table(
         table, "johnson", "internal", {**CONSTANTS, "dR_um": 50}, parameters=bounds
     )
@@ -426,6 +543,35 @@ def test_a_table_is_fitted_from_the_command_line(tmp_path, run):
 
 
 JOHNSON = ("--law", "johnson", "--contact", "internal")
+
+
+@pytest.mark.parametrize("given", [(), ("-o", "elsewhere/fit")])
+def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, given):
+    monkeypatch.chdir(tmp_path)
+    table = write_measured(tmp_path / "mine.csv", "johnson", "internal", noise=0.01)
+    options = ("--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--free", "c", "--fix", "offset=0")
+    code, said, errors = run("fit", table, *JOHNSON, *options, "--runs", 2, "-j", 1, *given)
+    assert (code, errors) == (0, "")
+    folder = tmp_path / (given[1] if given else "results/mine")
+    assert "result.json, residuals.csv, fit.png, fit.pdf" in said
+    assert {path.name for path in folder.iterdir()} == {
+        *("result.json", "residuals.csv", "fit.png", "fit.pdf")
+    }
+    result = FitResult.read(folder / "result.json")
+    assert result.uncertainty.estimates.keys() == {"kappa", "c"}
+    rows = pd.read_csv(folder / "residuals.csv")
+    # The measured less the fitted values, from the table and the law anew.
+    read = pd.read_csv(table)
+    depth = np.concatenate(
+        [
+            result.to_law().penetration(part["load_N_per_mm"].to_numpy(), pair)
+            for dR, part in read.groupby("dR_um")
+            for pair in [CylinderPair.from_dR("internal", dR / 1e3, STEEL, length=12.0, R_i=10.0)]
+        ]
+    )
+    assert rows["line"].tolist() == list(range(2, 38))
+    expected = read["penetration_um"].to_numpy() / 1e3 - depth
+    assert rows["residual_mm"].to_numpy() == pytest.approx(expected, rel=1e-5, abs=1e-9)
 
 
 def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):
@@ -503,8 +649,7 @@ def test_what_cannot_be_exported_says_so(tmp_path, run):
     own = user_campaign(tmp_path)
     for campaign, rule in (
         (own, "is a Python function of your own"),
-        (measured_campaign(tmp_path, "liu", starts=1), "has factors of its own"),
-        (measured_campaign(tmp_path, "persson", starts=1), "has factors of its own"),
+        (measured_campaign(tmp_path, "persson", starts=1), "has no closed form to write"),
     ):
         calibrate(campaign).save(tmp_path / "r.json")
         assert rule in run("export", tmp_path / "r.json", "--to", "c")[2]
@@ -547,7 +692,7 @@ def test_a_compliance_is_not_to_be_told_from_the_constant_of_a_logarithm(tmp_pat
     table = write_readings(tmp_path, "johnson", 0.0, 1.5e-6, noise=1e-3)
     campaign = campaign_of_table(
         *(table, "johnson", "internal", CONSTANTS),
-        parameters={"compliance": RIG["compliance"]},
+        **all_free("johnson", "internal", {"compliance": RIG["compliance"]}),
         objective="rms-penetration",
         starts=3,
     )

@@ -11,7 +11,8 @@ from cylcontact.datasets.measurements import (
     measurements_of,
     read_measured,
 )
-from cylcontact.fitting.measured_objective import objective_name
+from cylcontact.fitting.campaign import campaign_of_table
+from cylcontact.fitting.measured_objective import STANDARDISED, objective_name
 from cylcontact.materials import COLUMNS
 from cylcontact.units import QUANTITIES, column_named, spellings
 from tests.measured_files import write_table
@@ -361,30 +362,56 @@ def test_the_objective_follows_the_standard_deviations(tmp_path):
     plain = measured(write_table(tmp_path / "a.csv", GOOD))
     of_load = measured(write_table(tmp_path / "b.csv", {**GOOD, "load_std_N_per_mm": [1, 1, 1]}))
     of_depth = measured(write_table(tmp_path / "c.csv", {**GOOD, "penetration_std_um": [1] * 3}))
-    assert objective_name(None, plain, False, "c") == "rms-log-penetration"
-    assert objective_name(None, plain, True, "c") == "rms-log-load"
-    assert objective_name(None, of_load, False, "c") == "rms-load"
-    assert objective_name(None, of_depth, True, "c") == "rms-penetration"
-    assert objective_name("rms-load", plain, False, "c") == "rms-load"
+    assert objective_name(None, None, plain, False, "c") == "rms-log-penetration"
+    assert objective_name(None, None, plain, True, "c") == "rms-log-load"
+    assert objective_name(None, None, of_load, False, "c") == "rms-load"
+    assert objective_name(None, None, of_depth, True, "c") == "rms-penetration"
+    assert objective_name("rms-load", None, plain, False, "c") == "rms-load"
+
+
+def test_noise_is_another_word_for_an_objective(tmp_path):
+    actual = measured(write_table(tmp_path / "t.csv", GOOD))
+    for prefers_load in (False, True):
+        assert objective_name(None, "constant", actual, prefers_load, "c") == "rms-penetration"
+        assert (
+            objective_name(None, "proportional", actual, prefers_load, "c") == "rms-log-penetration"
+        )
+
+
+def test_deviations_of_both_quantities_are_a_noise_model(tmp_path):
+    both = {**GOOD, "load_std_N_per_mm": [1] * 3, "penetration_std_um": [0.01] * 3}
+    campaign = campaign_of_table(write_table(tmp_path / "t.csv", both), "power", "internal", {})
+    assert campaign.objective == STANDARDISED
+    assert campaign.data.noise.noise is None
 
 
 @pytest.mark.parametrize(
-    ("added", "given", "key", "rule"),
+    ("added", "given", "noise", "key", "rule"),
     [
-        ({}, "rms-difference-percent", "objective", "is not an objective for measurements"),
-        ({"load_std_N_per_mm": [1] * 3}, "rms-log-load", "objective", "leaves the column load_std"),
+        ({}, "rms-difference-percent", None, "objective", "is not an objective for measurements"),
         (
-            {"load_std_N_per_mm": [1] * 3, "penetration_std_um": [1] * 3},
+            {"load_std_N_per_mm": [1] * 3},
+            "rms-log-load",
             None,
-            "load_std, penetration_std",
-            "are both given",
+            "objective",
+            "leaves the column load_std",
         ),
-        ({"load_std_N_per_mm": [1] * 3, "weight": [1] * 3}, None, "weight", "conflicts with"),
+        ({"load_std_N_per_mm": [1] * 3, "weight": [1] * 3}, None, None, "weight", "conflicts with"),
+        ({}, "rms-load", "constant", "noise", "conflicts with objective, which says the same"),
+        (
+            {"penetration_std_um": [1] * 3},
+            None,
+            "constant",
+            "noise",
+            "conflicts with penetration_std, which says the same",
+        ),
     ],
 )
-def test_an_objective_that_contradicts_the_data_is_refused(tmp_path, added, given, key, rule):
+def test_an_objective_that_contradicts_the_data_is_refused(
+    tmp_path, added, given, noise, key, rule
+):
     actual = measured(write_table(tmp_path / "t.csv", {**GOOD, **added}))
     with pytest.raises(InputError) as caught:
-        objective_name(given, actual, False, "c.toml")
+        objective_name(given, noise, actual, False, "c.toml")
     assert (caught.value.source, caught.value.key) == ("c.toml", key)
     assert rule in caught.value.rule

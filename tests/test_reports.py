@@ -13,7 +13,7 @@ from PIL import Image
 
 from cylcontact import InputError
 from cylcontact.plots.figure import Drawing, new_figure, plain_number
-from cylcontact.plots.maps import Frame, draw_contours, label_contours, new_map
+from cylcontact.plots.maps import draw_contours, label_contours
 from cylcontact.plots.style import WIDTHS_MM, figure_style
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, draw, find_recipes, write
@@ -211,9 +211,10 @@ class TestContours:
         return np.meshgrid(np.geomspace(1, 10, 30), np.geomspace(1, 10, 30), indexing="ij")
 
     def labels(self, percent: np.ndarray, plane: tuple, keep_clear: np.ndarray) -> list[Text]:
-        frame = Frame((1.0, 10.0), (1.0, 10.0), (1, 10), (1, 10), "x", "y")
         with figure_style():
-            figure, axes = new_map(frame, "", "")
+            figure = new_figure("middle", 95.0)
+            axes = figure.subplots()
+            axes.set(xscale="log", yscale="log")
             lines = draw_contours(axes, *plane, percent)
             figure.draw_without_rendering()
             label_contours(axes, lines, keep_clear)

@@ -106,6 +106,16 @@ def test_agreeing_runs_leave_no_sentence_about_other_basins():
     assert message[-1] == "2 of 2 runs reached the best objective within 0.1 %"
 
 
+def test_half_of_the_runs_at_the_best_are_no_warning_and_fewer_name_what_to_hold():
+    half = made_by_hand(runs=[run(0, 0.05), run(1, 0.07)])
+    assert "warning" not in str(half)
+    fewer = {"runs": [run(0, 0.05), run(1, 0.07), run(2, 0.08)]}
+    flat = {"a": profile(0.2, 0.6), "b": profile(2.9, 3.1)}
+    result = made_by_hand(**fewer, profiles=flat)
+    assert "make more runs (--runs 12), or hold a at a value" in verdicts(result)[0]
+    assert f"- {verdicts(result)[0][:40]}" in compare([result])
+
+
 def test_well_identified_coefficients_are_said_to_be():
     message = verdicts(made_by_hand(profiles={"a": profile(0.399, 0.41), "b": profile(2.9, 3.1)}))
     assert "every coefficient inside its bounds is at least fairly identified" in message

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import optimize, stats
 
 from cylcontact import CylinderPair, InputError
-from cylcontact.fitting.assessment import noise_verdicts
+from cylcontact.fitting.assessment import noise_verdicts, warnings
 from cylcontact.fitting.calibration import calibrate, problem_of
 from cylcontact.fitting.campaign import campaign_of_table
 from cylcontact.fitting.law_models import MODELS
@@ -31,7 +31,14 @@ from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
 from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
 from cylcontact.laws.definition import LawModel, Parameter
-from tests.measured_files import CONSTANTS, STEEL, TRUTHS, measured_campaign, user_campaign
+from tests.measured_files import (
+    CONSTANTS,
+    STEEL,
+    TRUTHS,
+    measured_campaign,
+    user_campaign,
+    write_measured,
+)
 from tests.spec_files import golden
 
 LEVEL = 0.95
@@ -117,6 +124,12 @@ def best_of(campaign):
     truth = problem.point(TRUTHS[campaign.model.law, campaign.model.contact])
     point, noise = descended(problem, truth)
     return problem, problem.coefficients(point), noise
+
+
+def johnson_of(coefficients):
+    """Johnson's law with its own constants, and no rig."""
+    model = MODELS["johnson", "internal"]
+    return model.build({name: coefficients[name] for name in model.names})
 
 
 @pytest.fixture
@@ -216,7 +229,7 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
     truth = TRUTHS[campaign.model.law, campaign.model.contact]
     problem = plain_problem(campaign)
     data = measured(problem).data
-    law = campaign.model.build(truth)
+    law = MODELS[campaign.model.law, campaign.model.contact].build(truth)
     exact = law.penetration(data.load, data.pair)
     names = [p.name for p in problem.free]
     size = LITTLE_NOISE.get(campaign.model.law, NOISE)
@@ -229,11 +242,13 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
         again = on_data(problem, seen)
         point, noise = descended(again, start)
         best = again.coefficients(point)
-        errors = noise.half_width(LEVEL) * np.sqrt(np.diag(noise.covariance))
+        errors = noise.half_width(LEVEL, noise.degrees_of_each()) * np.sqrt(
+            np.diag(noise.covariance)
+        )
         hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
-        for name in names:
+        for place, name in enumerate(names):
             ratio, _ = fixed_ratio(again, noise, {name: truth[name]}, best)
-            hits["profile"].append(ratio <= noise.threshold(LEVEL))
+            hits["profile"].append(ratio <= noise.threshold(LEVEL, [place]))
         band = predict(again, noise, best, ahead, LEVEL, load=[20.0])
         depth = float(law.penetration(20.0, ahead)[0])
         hits["curve"].append(band.low[0] <= depth <= band.high[0])
@@ -283,6 +298,31 @@ def test_an_interval_that_the_data_leave_open_ends_at_the_bound(tmp_path):
     assert actual.estimates["clearance_factor"].verdict in ("not", "at a bound")
     assert abs(actual.correlation["modulus_factor"]["clearance_factor"]) > 0.99
     assert any("correlation" in sentence for sentence in noise_verdicts(actual))
+
+
+def test_an_interval_ends_where_the_law_is_undefined_with_the_refit_before(tmp_path):
+    # With PEEK for steel kappa ends at its bound, and the offset takes up all of the smallest
+    # reading: at the kappa of one refit the law has no logarithm at the offset of the one before.
+    table = write_measured(tmp_path / "measured.csv", "johnson", "internal")
+    peek = {"R_i_mm": 10.0, "material_j": "PEEK", "material_i": "low-carbon steel"}
+    result = calibrate(campaign_of_table(table, "johnson", "internal", peek, starts=1))
+    ends = result.uncertainty.estimates["kappa"].profile
+    assert (ends.low, ends.low_is_bound, ends.high_is_bound) == (0.2, True, False)
+    # The same rise by a search over the offset alone.
+    data = measured(result.problem).data
+    law = johnson_of(result.coefficients | {"kappa": ends.high})
+    depth = law.penetration(data.load, data.pair)
+
+    def cost(offset):
+        return (np.log((depth + offset) / data.penetration) ** 2).sum()
+
+    edge = (1e-12 - depth.min(), 0.0)
+    refitted = optimize.minimize_scalar(
+        cost, bounds=edge, method="bounded", options={"xatol": 1e-12}
+    )
+    least = 36 * result.objective.value**2
+    threshold = stats.f.ppf(LEVEL, 1, 34) * least / 34
+    assert refitted.fun - least == pytest.approx(threshold, rel=1e-3)
 
 
 def test_parameters_that_act_only_together_are_named(tmp_path):
@@ -366,7 +406,7 @@ def test_bands_of_load_and_penetration_are_each_others_inverse(noisy):
     depth = predict(problem, noise, best, pair, LEVEL, load=[50.0])
     force = predict(problem, noise, best, pair, LEVEL, penetration=[depth.value[0]])
     assert force.value[0] == pytest.approx(50.0)
-    law = MODELS["johnson", "internal"].build(best)
+    law = johnson_of(best)
     n = law.stiffness(depth.value[0], pair) * depth.value[0] / 50.0
     for ends, others in (("high", "low"), ("new_high", "new_low")):
         of_depth = np.log(getattr(depth, ends)[0] / getattr(depth, others)[0])
@@ -460,16 +500,15 @@ def test_an_effect_is_the_relative_change_of_the_prediction(tmp_path, objective)
     step = 1e-6
 
     def predicted(c):
-        law = MODELS["johnson", "internal"].build(best | {"c": c})
+        law = johnson_of(best | {"c": c})
         if objective == "rms-penetration":
             return law.penetration(data.load, data.pair)
         return law.load(data.penetration, data.pair)
 
     before, after = predicted(best["c"] - step), predicted(best["c"] + step)
-    if "log" in objective:
-        before, after = np.log(before), np.log(after)
-    size = 1.0 if "log" in objective else np.sqrt(np.mean(predicted(best["c"]) ** 2))
-    expected = np.sqrt(np.mean((after - before) ** 2)) / (2 * step) / size
+    observed = data.penetration if objective == "rms-penetration" else data.load
+    size = observed if "log" in objective else np.sqrt(np.mean(observed**2))
+    expected = np.sqrt(np.mean(((after - before) / size) ** 2)) / (2 * step)
     assert noise.per_unit[1] == pytest.approx(expected, rel=1e-5)
 
 
@@ -487,10 +526,11 @@ def test_a_law_of_the_wrong_shape_is_told_by_its_residuals(tmp_path):
     right = measured_campaign(tmp_path, "explicit", noise=0.002)
     table = tmp_path / "measured.csv"
     wrong = campaign_of_table(table, "power", "internal", CONSTANTS, starts=2)
-    of_wrong, of_right = (calibrate(campaign).uncertainty for campaign in (wrong, right))
-    assert of_wrong.runs_test_p < 1e-3
-    assert "wrong shape" in noise_verdicts(of_wrong)[1]
-    assert of_right.runs_test_p > 0.01
+    of_wrong, of_right = (calibrate(campaign) for campaign in (wrong, right))
+    assert of_wrong.uncertainty.runs_test_p < 1e-3
+    assert any("wrong shape" in sentence for sentence in warnings(of_wrong))
+    assert of_right.uncertainty.runs_test_p > 0.01
+    assert not any("wrong shape" in sentence for sentence in warnings(of_right))
 
 
 def test_the_sandwich_of_a_robust_loss_is_near_least_squares_for_gaussian_noise(noisy):
@@ -553,7 +593,7 @@ def test_the_signed_curvature_is_that_of_the_loss(noisy):
     # With H = Σψ'JJᵀ signed, H is half the Hessian of ΣC²ρ for a model linear in its parameters.
     problem, best, _ = noisy
     rng = np.random.default_rng(2)
-    exact = MODELS["johnson", "internal"].build(best)
+    exact = johnson_of(best)
     data = measured(problem).data
     data = data.take(np.tile(np.arange(len(data)), 28))
     depth = exact.penetration(data.load, data.pair) * np.exp(contaminated(rng, len(data)))

@@ -53,6 +53,8 @@ _SYNONYMS = {
     "penetration_depth": "penetration",
     "t": "time",
 }
+# Letters for a travel, which say so only with a unit of length.
+_TRAVELS = ("s", "x", "z", "u", "w")
 _GREEK = str.maketrans({"\u00b5": "u", "\u03bc": "u", "δ": "delta", "Δ": "d", "ν": "nu"})
 _BRACKETED = re.compile(r"(.*?)[\s_]*[\[(]\s*([^\[\]()]*?)\s*[\])]")
 _CLOSING = ("]", ")")
@@ -82,6 +84,11 @@ class Column:
     def factor(self) -> float:
         """Factor from the unit of the column to mm, N, MPa and s."""
         return QUANTITIES.get(self.quantity, _PURE)[self.unit]
+
+    @property
+    def symbol(self) -> str:
+        """The unit as a sentence has it: N/mm, µm."""
+        return self.unit.replace("_per_", "/").replace("um", "µm")
 
     @property
     def is_total(self) -> bool:
@@ -140,6 +147,8 @@ def quantity_and_unit(name: str) -> tuple[str, str] | None:
     if quantity is not None:
         return quantity, ""
     for head, unit in _splits(plain):
+        if head in _TRAVELS and _has_unit("penetration", unit):
+            return "penetration", unit
         quantity = _quantity(head)
         if quantity in QUANTITIES and (plain.endswith(_CLOSING) or _has_unit(quantity, unit)):
             return quantity, unit
@@ -196,7 +205,7 @@ def _splits(plain: str) -> Iterator[tuple[str, str]]:
     if bracketed := _BRACKETED.fullmatch(plain):
         yield bracketed[1], bracketed[2]
         return
-    for separator in re.finditer(r" ?/ ?|, ?|_| ", plain):
+    for separator in re.finditer(r" in | ?/ ?|, ?|_| ", plain):
         yield plain[: separator.start()], plain[separator.end() :]
 
 

@@ -87,7 +87,7 @@ def mapped(
     for name in ignored:
         _require_there(table, "ignore", name)
     if group is not None:
-        _require_there(table, "group", group)
+        _require_one(table, "group", group)
     units, table = _units_below(table)
     columns = _given_columns(table, given, units)
     explicit = {column.quantity for column in columns.values()}
@@ -149,14 +149,15 @@ def _given_columns(
     columns: dict[int, Column] = {}
     for key, name in given.items():
         where = f"columns.{key}"
-        _require_there(table, where, name)
+        _require_one(table, where, name)
         k = table.names.index(name)
         parsed = quantity_and_unit(key)
         if parsed is None:
             remedy = "give e.g. load_N, penetration_um, dR_um, time_s"
             raise InputError(table.source, where, name, "is not a known quantity", remedy)
         quantity, unit = parsed
-        column = named_quantity(name, quantity, unit or unit_in(name, quantity) or units[k])
+        in_table = unit_in(name, quantity) or units[k]
+        column = named_quantity(name, quantity, unit or in_table)
         if column is None:
             remedy = f"name it by one of {spellings(quantity)}"
             raise InputError(table.source, where, name, "has no unit that is known", remedy)
@@ -164,6 +165,9 @@ def _given_columns(
             rule = f"is {columns[k].quantity} already"
             raise InputError(table.source, where, name, rule, "keep one of them")
         _require_once(table, column, columns)
+        stated = named_quantity(name, quantity, in_table)
+        if stated is not None and stated.unit not in ("", column.unit):
+            table.steps.append(f"column {name!r} is taken in {column.symbol}, not in {in_table}")
         columns[k] = column
     return columns
 
@@ -203,12 +207,22 @@ def _require_there(table: Table, key: str, name: str) -> None:
         raise InputError(table.source, key, name, rule, remedy)
 
 
+def _require_one(table: Table, key: str, name: str) -> None:
+    """Raise `InputError` for a name that no column has, or several."""
+    _require_there(table, key, name)
+    if table.names.count(name) > 1:
+        rule = f"is the name of {table.names.count(name)} columns"
+        raise InputError(table.source, key, name, rule, "give each column a name of its own")
+
+
 def _require_once(table: Table, column: Column, columns: Mapping[int, Column]) -> None:
     """Raise `InputError` for a quantity that has a column already."""
     for other in columns.values():
         if other.quantity == column.quantity:
             rule = f"gives the same quantity as {other.name}"
             remedy = f"keep one of them: leave the other out with --ignore {column.name!r}"
+            if other.name == column.name:
+                remedy = "give each column a name of its own"
             raise InputError(table.source, "columns", column.name, rule, remedy)
 
 

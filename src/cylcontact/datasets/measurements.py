@@ -19,12 +19,11 @@ from pydantic import Field
 
 from cylcontact import limits
 from cylcontact.arrays import BoolArray, FloatArray
-from cylcontact.choices import BRANCHES, Branch
-from cylcontact.datasets.branches import is_unloading
+from cylcontact.choices import Branch
+from cylcontact.datasets.branches import PAIR_COLUMNS, equal_rows, kept_rows
 from cylcontact.datasets.columns import Mapped, mapped, require_found
 from cylcontact.datasets.tables import (
     MAX_ROWS,
-    Table,
     finite_numbers,
     read_table,
     table_of_frame,
@@ -63,8 +62,6 @@ _Numbers = dict[str, FloatArray]
 _Labels = dict[str, list[str]]
 _Materials = dict[str, MaterialRow]
 _SHIPPED = "the table that ships"
-# Positions of rows that a step lists.
-_LISTED = 8
 # What tells pairs apart.
 _OF_PAIR = ("dR", "R_i", "R_j", "E_i", "E_j", "nu_i", "nu_j", "length")
 _GROUPINGS = ("rows", "material", "dR", "pair", "group", "branch")
@@ -198,7 +195,9 @@ class Measurements:
             raise InputError("grouping", "over", over, "is unknown", remedy)
         if over == "group" and "group" not in self.data.labels:
             rule = "is not a column of the table"
-            remedy = "add a column group, or choose rows, material, dR or pair"
+            remedy = (
+                "add a column group or name one with --group, or choose rows, material, dR or pair"
+            )
             raise InputError(self.data.source, "group", None, rule, remedy)
         names = [self._group_name(over, k) for k in range(len(self))]
         index = {name: number for number, name in enumerate(dict.fromkeys(names))}
@@ -223,8 +222,8 @@ class Measurements:
         >>> measurements_of(data, "example").replicates()
         [array([0, 2])]
         """
-        keys = [self.columns[name] for name in ("load", *_OF_PAIR) if name in self.columns]
-        alike = _alike(keys, len(self))
+        keys = [self.columns[name] for name in ("load", *PAIR_COLUMNS) if name in self.columns]
+        alike = equal_rows(keys, len(self))
         order = np.argsort(alike, kind="stable")
         parts = np.split(order, np.flatnonzero(np.diff(alike[order])) + 1)
         return [rows for rows in parts if rows.size > 1]
@@ -385,7 +384,7 @@ def _measured_data(
     notes = _add_moduli(source, numbers, labels, materials)
     _divide_by_length(source, numbers, sorted(c.quantity for c in columns if c.is_total))
     table.steps.extend(_readings(found, numbers))
-    kept = _kept_rows(table, numbers, labels, branch)
+    kept = kept_rows(table, numbers, labels, branch)
     return MeasuredData(
         source=name,
         sha256=table.sha256,
@@ -407,11 +406,9 @@ def _readings(found: Mapped, numbers: _Numbers) -> list[str]:
     for column in found.columns.values():
         if column.is_standard:
             continue
-        step = f"column {column.name!r} is read as "
-        step += f"total {column.quantity}" if column.is_total else column.quantity
-        step += (
-            f" in {column.unit.replace('_per_', '/').replace('um', 'µm')}" if column.unit else ""
-        )
+        total = "total " if column.is_total else ""
+        unit = f" in {column.symbol}" if column.unit else ""
+        step = f"column {column.name!r} is read as {total}{column.quantity}{unit}"
         if column.is_total:
             length = numbers["length"]
             of_all = length.size == 1
@@ -425,78 +422,6 @@ def _readings(found: Mapped, numbers: _Numbers) -> list[str]:
 def _taken(column: NDArray[Any], kept: Indices) -> NDArray[Any]:
     """Return some rows of a column, which may be one of a single value for all rows."""
     return column if column.size == 1 else column[kept]
-
-
-# --- rows that are kept -------------------------------------------------------------------------
-
-
-def _kept_rows(table: Table, numbers: _Numbers, labels: _Labels, branch: Branch | None) -> Indices:
-    """Return the rows to keep, and add to the labels the branch of each row if loads fall.
-
-    Rows of zero load are left out; they help to find the branches before.
-    """
-    load = numbers["load"]
-    falls = is_unloading(load, _series(numbers, labels, load.size))
-    zero = load == 0
-    if zero.any():
-        table.steps.append(f"{_rows(zero)} of zero load left out ({_at(table, zero)})")
-    if zero.all():
-        raise InputError(table.source, "load", 0.0, "is zero in all rows", "give loads above zero")
-    keeps = ~zero
-    if falls is None and branch is not None:
-        rule = "cannot be told: the loads rise and fall in no order"
-        remedy = "keep the order of measurement, name the series with --group, or leave it out"
-        raise InputError(table.source, "branch", branch, rule, remedy)
-    if falls is not None and falls.any():
-        labels["branch"] = [BRANCHES[fall] for fall in falls.astype(int)]
-    keeps &= _of_branch(table, np.zeros_like(zero) if falls is None else falls, zero, branch)
-    return np.flatnonzero(keeps)
-
-
-def _of_branch(table: Table, falls: BoolArray, zero: BoolArray, branch: Branch | None) -> BoolArray:
-    """Return which rows are of a branch, all without one; say how many there are of each."""
-    fall, rise = falls & ~zero, ~(falls | zero)
-    kept, other = (fall, rise) if branch == "unloading" else (rise, fall)
-    if branch is None:
-        if fall.any():
-            counts = f"{_rows(rise)} of loading and {_rows(fall)} of unloading"
-            table.steps.append(f"{counts}, all kept (--branch loading keeps the first)")
-        return np.ones_like(falls)
-    if not kept.any():
-        rule, remedy = f"has no rows of {branch}", "leave it out"
-        raise InputError(table.source, "branch", branch, rule, remedy)
-    name = "loading" if branch == "unloading" else "unloading"
-    table.steps.append(f"{_rows(other)} of {name} left out (--branch {branch})")
-    return kept
-
-
-def _series(numbers: _Numbers, labels: _Labels, size: int) -> Indices:
-    """Return the series of each row: its group and pair."""
-    pair = [numbers[name] for name in _OF_PAIR if name in numbers]
-    group = labels.get("group", [""])
-    codes = {word: code for code, word in enumerate(dict.fromkeys(group))}
-    keys = [*pair, np.array([codes[word] for word in group], dtype=np.float64)]
-    return _alike([key for key in keys if key.size > 1], size)
-
-
-def _alike(columns: Sequence[FloatArray], size: int) -> Indices:
-    """Return a number for each of N rows, the same for rows that are equal in all columns."""
-    if not columns:
-        return np.zeros(size, dtype=np.intp)
-    return np.unique(np.column_stack(columns), axis=0, return_inverse=True)[1].reshape(-1)
-
-
-def _rows(chosen: BoolArray) -> str:
-    """Return how many rows are chosen, in words."""
-    count = int(np.count_nonzero(chosen))
-    return "1 row" if count == 1 else f"{count} rows"
-
-
-def _at(table: Table, chosen: BoolArray) -> str:
-    """Return the positions of chosen rows in the file, the first few of many."""
-    lines = [str(table.lines[k]) for k in np.flatnonzero(chosen)]
-    word = table.row_word if len(lines) == 1 else f"{table.row_word}s"
-    return f"{word} {', '.join(lines[:_LISTED])}{', …' if len(lines) > _LISTED else ''}"
 
 
 # --- constants, materials and lengths -----------------------------------------------------------

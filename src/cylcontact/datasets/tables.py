@@ -7,6 +7,7 @@ import hashlib
 import io
 import math
 import re
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,8 +28,10 @@ _Rows = list[tuple[int, list[Any]]]
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 # Beyond letters, what the Windows-1252 text of a table may have that is not ASCII.
 _EXTRA = "µ°±²³·×–€"
-_GROUPED = {mark: re.compile(rf"[+-]?[1-9]\d{{0,2}}(?:\{mark}\d{{3}})+") for mark in ".,"}
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:[\u00a0\u202f '’.,]\d{3})+(?:[.,]\d+)?")
+
+_NO_THOUSANDS = "has separators of thousands", "write it without them"
 
 
 @dataclass(frozen=True)
@@ -158,8 +161,10 @@ def _require_rectangular(source: str, row_word: str, rows: _Rows, separator: str
     for line, row in rows[1:]:
         if len(row) != width:
             rule = f"has {len(row)} cells for {width} columns"
-            by = _SEPARATORS[separator]
-            remedy = f"give every row a cell for each column, separated by {by}"
+            by = _SEPARATORS[separator] + (" and points in numbers" if separator == "," else "")
+            remedy = (
+                f"give every row a cell for each column, separated by {by}, and begin others with #"
+            )
             raise InputError(f"{source}, {row_word} {line}", "", None, rule, remedy)
 
 
@@ -209,19 +214,19 @@ def _separator(text: str) -> str:
     if len(_header(text, ";")) > 1:
         return ";"
     # Commas may be followed by a tab for alignment, and names between tabs may hold commas.
-    is_split_by_tabs = any("\t" in name for name in _header(text, ","))
+    is_split_by_tabs = any("\t" in (name or "") for name in _header(text, ","))
     return "\t" if is_split_by_tabs else ","
 
 
-def _header(text: str, separator: str) -> list[str]:
-    """Return the names of columns for a separator."""
+def _header(text: str, separator: str) -> list[str | None]:
+    """Return the names of columns for a separator; None for an empty one."""
     return next(_rows(text, separator, strict=False), (0, []))[1]
 
 
 def _rows(text: str, separator: str, strict: bool) -> Iterator[tuple[int, list[Any]]]:
     """Yield the rows that are not empty, each with the number of its line."""
-    # A comment becomes an empty line, so that the lines below it keep their numbers.
-    lines = ("\n" if x.startswith("#") else x for x in io.StringIO(text, newline=""))
+    # A comment, or Excel's line "sep=;", becomes an empty line: those below keep their numbers.
+    lines = ("\n" if x.startswith(("#", "sep=")) else x for x in io.StringIO(text, newline=""))
     reader = csv.reader(lines, delimiter=separator, strict=strict)
     for row in reader:
         cells = [cell.strip() or None for cell in row]
@@ -239,7 +244,8 @@ def _read_workbook(source: str, content: bytes, steps: list[str]) -> _Rows:
         if any(_is_formula(cell) for _, cells in rows for cell in cells):
             rows = _with_values(rows, _first_sheet(content, data_only=True, title=title)[2])
     except Exception as error:  # openpyxl raises whatever a damaged file makes it stumble over
-        rule = f"is not an Excel workbook ({error or type(error).__name__})"
+        reason = (str(error) or type(error).__name__)[:80]  # they may quote the file
+        rule = f"is not an Excel workbook ({reason})"
         raise InputError(source, "", None, rule, "save it as .xlsx or .csv") from error
     if sheets > 1:
         steps.append(f"sheet {title!r} is read, the first of {sheets} with cells")
@@ -259,7 +265,9 @@ def _first_sheet(content: bytes, data_only: bool, title: str = "") -> tuple[str,
     """
     import openpyxl
 
-    book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=data_only)
+    with warnings.catch_warnings():  # of styles and extensions, which do not matter here
+        warnings.simplefilter("ignore")
+        book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=data_only)
     try:
         sheets = [sheet for sheet in book.worksheets if title in ("", sheet.title)]
         for sheet in sheets:
@@ -328,9 +336,14 @@ def texts(table: Table, k: int) -> list[str]:
     InputError
         If a cell is empty.
     """
-    cells = table.columns[k]
     _require_filled(table, k)
-    return [str(int(c)) if isinstance(c, float) and c.is_integer() else str(c) for c in cells]
+    return [_text(cell) for cell in table.columns[k]]
+
+
+def _text(cell: Any) -> str:
+    """Return a cell as text: a number without a fraction as an integer, a day without a time."""
+    whole = int(cell) if isinstance(cell, float) and cell.is_integer() else cell
+    return str(whole).removesuffix(" 00:00:00")
 
 
 def finite_numbers(table: Table, wanted: Sequence[int]) -> list[list[float]]:
@@ -370,23 +383,34 @@ def finite_numbers(table: Table, wanted: Sequence[int]) -> list[list[float]]:
 
 def _require_decimals(table: Table, wanted: Sequence[int]) -> bool:
     """Return whether commas mark decimals; refuse marks that may be of thousands."""
-    cells = [(row, k, cell) for k in wanted for row, cell in enumerate(table.columns[k])]
-    written = [(row, k, cell) for row, k, cell in cells if isinstance(cell, str)]
-    of_mark = {mark: [place for place in written if mark in place[2]] for mark in ".,"}
-    commas, points = of_mark[","], of_mark["."]
-    plain = "write all numbers with a decimal point, without separators of thousands"
+    commas = _with_mark(table, wanted, ",")
+    # Between commas a point is a decimal mark; a file without them may write either.
+    in_doubt = bool(commas) or table.separator not in ("", ",")
+    points = _with_mark(table, wanted, ".") if in_doubt else []
+    for row, k, cell in [*commas, *points]:
+        if cell.count(",") + cell.count(".") > 1 and _THOUSANDS.fullmatch(cell):
+            raise _cell_error(table, row, k, *_NO_THOUSANDS)
     if commas and points:
         row, k, _ = commas[0]
-        raise _cell_error(table, row, k, "has a comma, and other numbers a point", plain)
-    # Between commas a point is a decimal mark; a file without them may write either.
-    marks = {",": commas} if table.separator in ("", ",") else of_mark
-    for mark, places in marks.items():
-        if places and all(_GROUPED[mark].fullmatch(cell) for _, _, cell in places):
-            row, k, cell = places[0]
-            rule = "may be of thousands or have decimals, as all numbers with such a mark"
-            remedy = f"write it as {cell}0 if these are decimals, else leave the mark out of all"
-            raise _cell_error(table, row, k, rule, remedy)
+        rule = "has a comma, and other numbers a point"
+        raise _cell_error(table, row, k, rule, "write all numbers with a decimal point")
+    places = commas or points
+    if places and all(_GROUPED.fullmatch(cell) for _, _, cell in places):
+        row, k, cell = places[0]
+        rule = "may be of thousands or have decimals, as all numbers with such a mark"
+        remedy = f"write it as {cell}0 if these are decimals, else leave the mark out of all"
+        raise _cell_error(table, row, k, rule, remedy)
     return bool(commas)
+
+
+def _with_mark(table: Table, wanted: Sequence[int], mark: str) -> list[tuple[int, int, str]]:
+    """Return the row, column and text of cells with a mark."""
+    return [
+        (row, k, cell)
+        for k in wanted
+        for row, cell in enumerate(table.columns[k])
+        if isinstance(cell, str) and mark in cell
+    ]
 
 
 def _numbers(table: Table, k: int, has_commas: bool) -> list[float]:
@@ -405,7 +429,7 @@ def _numbers(table: Table, k: int, has_commas: bool) -> list[float]:
     cell = table.columns[k][row]
     rule, remedy = "must be a finite number", "write it with a decimal point, without its unit"
     if isinstance(cell, str) and _THOUSANDS.fullmatch(cell):
-        rule, remedy = "has separators of thousands", "write it without them"
+        rule, remedy = _NO_THOUSANDS
     elif _is_formula(cell):
         rule = "is a formula without a stored value"
         remedy = "open the workbook in a spreadsheet program and save it, or paste the values"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 from cylcontact.errors import InputError
@@ -13,6 +14,9 @@ from cylcontact.laws.logarithmic import LogarithmicLaw, logarithmic_formula
 from cylcontact.pair import Contact
 
 __all__ = ["formula_of"]
+
+# The name of a factor of the load in exported functions.
+_FACTOR = "stiffness_factor"
 
 _DEFINITIONS = {definition.law: definition for definition in DEFINITIONS}
 
@@ -65,15 +69,37 @@ def formula_of(law: ContactLaw, contact: Contact | None) -> Formula:
 
 
 def _scaled(law: ScaledLaw, contact: Contact | None) -> Formula:
-    """Return a scaled logarithmic law, or the base law if both factors are 1."""
+    """Return a scaled logarithmic law, or another with a factor of its load."""
     if isinstance(law.base, LogarithmicLaw):
         return logarithmic_formula(law.base, contact, law)
-    if law.load_factor == law.penetration_factor == 1:
-        return replace(formula_of(law.base, contact), law=law)
-    raise InputError(
-        "export",
-        "law",
-        law.name,
-        "has factors of its own, which only logarithmic laws are written with",
-        "hold its factors at 1, or fit power, explicit or a logarithmic law",
+    base = formula_of(law.base, contact)
+    if law.penetration_factor != 1:
+        raise InputError(
+            "export",
+            "law",
+            law.name,
+            "has a scaled penetration, which only logarithmic laws are written with",
+            "hold clearance_factor at 1, or fit power, explicit or a logarithmic law",
+        )
+    if law.load_factor == 1:
+        return replace(base, law=law)
+    own = {_FACTOR: float(law.load_factor)}
+    return replace(
+        base,
+        law=law,
+        equation=f"{_FACTOR} times: {base.equation}",
+        text=f"{_with_other_results(base.text)}\nf = {_FACTOR} * f1\nk = {_FACTOR} * k1",
+        coefficients={**base.coefficients, **own},
+        constants={**base.constants, **own},
     )
+
+
+def _with_other_results(text: str) -> str:
+    r"""Return steps that assign f1 and k1 instead of f and k.
+
+    Examples
+    --------
+    >>> _with_other_results("f = 2 * dR\nk = f / dR")
+    'f1 = 2 * dR\nk1 = f1 / dR'
+    """
+    return re.sub(r"\b([fk])\b", r"\g<1>1", text)

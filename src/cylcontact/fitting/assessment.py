@@ -44,10 +44,11 @@ _LISTED = 8
 def verdicts(result: FitResult) -> list[str]:
     """Return the verdicts on a result, most important first.
 
-    For a fit to a reference law they state whether the published coefficients are the optimum,
-    how far the fit is from the lower bound, which coefficients are well identified, which are at
-    a bound, and how many runs agree. For a fit to measurements they are those of
-    `noise_verdicts`, the objective of the published coefficients, and how many runs agree.
+    For a fit to a reference law they are its `warnings`; then they state whether the published
+    coefficients are the optimum, how far the fit is from the lower bound, which coefficients are
+    well identified, which are at a bound, and how many runs agree. For a fit to measurements they
+    are those of `noise_verdicts`, the objective of the published coefficients, and how many runs
+    agree.
     """
     if result.uncertainty is not None:
         steps = result.settings["measurements"].get("steps", [])
@@ -58,6 +59,7 @@ def verdicts(result: FitResult) -> list[str]:
         ]
     else:
         sentences = [
+            *warnings(result),
             _on_published(result),
             _on_lower_bound(result),
             _on_identification(result),
@@ -158,7 +160,7 @@ def _on_identification(result: FitResult) -> str:
     """Name the coefficients that are poorly identified, if there are profiles."""
     if not result.profiles:
         return ""
-    poor = [name for name in result.profiles if identification(result, name) == "poorly"]
+    poor = _poorly_identified(result)
     if not poor:
         return "every coefficient inside its bounds is at least fairly identified"
     return (
@@ -166,6 +168,11 @@ def _on_identification(result: FitResult) -> str:
         f"{100 * TOLERANCE:g} % while the coefficient moves by more than {100 * FAIRLY:g} % of its "
         f"value, or to a bound; well identified is {100 * WELL:g} %)"
     )
+
+
+def _poorly_identified(result: FitResult) -> list[str]:
+    """Return the coefficients that the profiles show to be poorly identified."""
+    return [name for name in result.profiles if identification(result, name) == "poorly"]
 
 
 def _on_search_bounds(result: FitResult) -> list[str]:
@@ -195,27 +202,39 @@ def _on_runs(result: FitResult) -> list[str]:
 
 
 def warnings(result: FitResult) -> list[str]:
-    """Return what keeps the intervals of a fit to measurements from being what they say.
+    """Return what makes a result doubtful, with the remedy.
 
-    Tests of the noise that fail, with the option that allows for it; parameters that are at a
-    bound or not determined; and runs that disagree.
+    Fewer than half of the runs at the best; for measurements also tests of the noise that fail,
+    with the option that allows for it, and parameters that are at a bound or not determined.
     """
     uncertainty = result.uncertainty
     if uncertainty is None:
-        return []
+        return _on_disagreement(result)
+    # Series that differ and a drift make residuals of the right law look like those of a wrong one.
+    is_explained = any(finding.test in ("series", "drift") for finding in uncertainty.findings)
     sentences = [
         *(finding.sentence for finding in uncertainty.findings),
-        _on_shape(uncertainty),
+        "" if is_explained else _on_shape(uncertainty),
         *_on_lack_of_determination(uncertainty),
         _on_outliers(uncertainty, result.coefficients),
     ]
+    return [sentence for sentence in [*sentences, *_on_disagreement(result)] if sentence]
+
+
+def _on_disagreement(result: FitResult) -> list[str]:
+    """Warn if fewer than half of the runs reached the best objective."""
     (_, agreeing), *_ = basins(result)
-    if 2 * agreeing < len(result.runs):
-        sentences.append(
-            f"only {agreeing} of {len(result.runs)} starts reached the best fit: narrow the bounds "
-            "with --bound, or take more with --runs"
-        )
-    return [sentence for sentence in sentences if sentence]
+    runs = len(result.runs)
+    if 2 * agreeing >= runs:
+        return []
+    poor = [] if result.uncertainty is not None else _poorly_identified(result)
+    held = " or ".join(poor) or "a coefficient"
+    how = "fixed = true in the campaign" if result.uncertainty is None else "--fix NAME=VALUE"
+    return [
+        f"only {agreeing} of {runs} runs reached the best objective within 0.1 %, so a lower one "
+        f"may have been missed: make more runs (--runs {4 * runs}), or hold {held} at a value "
+        f"({how})"
+    ]
 
 
 def noise_verdicts(uncertainty: Uncertainty) -> list[str]:

@@ -22,9 +22,14 @@ from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import Campaign, TableData, grid_of
 from cylcontact.fitting.measured_fit import descents, largest_percent, measured_problem
-from cylcontact.fitting.objectives import ON_ROWS, make_objective, max_abs_difference_percent
+from cylcontact.fitting.objectives import (
+    ON_ROWS,
+    RmsLogPenetration,
+    make_objective,
+    max_abs_difference_percent,
+)
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed, search
-from cylcontact.fitting.polish import polish_across_kinks
+from cylcontact.fitting.polish import polish_across_basins, polish_across_kinks
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.records import (
     MaxDifference,
@@ -457,7 +462,11 @@ def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRec
         best = search(
             problem, plan.optimizer, plan.population, plan.generations, plan.crossover, plan.seed
         )
-        point, value = polish_across_kinks(problem, best.point)
+        # From moments a descent takes milliseconds; from samples only a few hops are affordable.
+        if isinstance(problem.objective, RmsLogPenetration):
+            point, value = polish_across_basins(problem, best.point, plan.seed)
+        else:
+            point, value = polish_across_kinks(problem, best.point)
     if not np.isfinite(value):
         raise InputError(
             source,

@@ -92,6 +92,8 @@ def jacobian(
 ) -> FloatArray:
     """Return derivatives by the free parameters, from central differences, shape (N, k).
 
+    At a bound, beyond which a law may be undefined, the differences are one-sided.
+
     Parameters
     ----------
     problem : Problem
@@ -104,10 +106,13 @@ def jacobian(
     reach = np.maximum(
         np.abs(point), _INTERVAL_STEP / _RELATIVE_STEP * (problem.high - problem.low)
     )
-    steps = np.diag(_RELATIVE_STEP * reach)
-    ahead, behind = np.split(evaluate(np.vstack([point + steps, point - steps])), 2)
+    steps = _RELATIVE_STEP * reach
+    high = np.minimum(point + steps, np.maximum(problem.high, point))
+    low = np.maximum(point - steps, np.minimum(problem.low, point))
+    moved = np.vstack([point + np.diag(high - point), point + np.diag(low - point)])
+    ahead, behind = np.split(evaluate(moved), 2)
     with np.errstate(invalid="ignore"):
-        slopes = (ahead - behind) / (2 * steps.diagonal())[:, None]
+        slopes = (ahead - behind) / (high - low)[:, None]
     return as_floats(np.nan_to_num(slopes, nan=0.0, posinf=0.0, neginf=0.0).T)
 
 

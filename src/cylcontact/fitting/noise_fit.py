@@ -43,8 +43,9 @@ def noise_of(
     given = [name for name in ("load", "penetration") if f"{name}_std" in data.columns]
     keys = {"group": spec.group, "drift": spec.drift or None, "load_error": spec.load_error}
     chosen = [key for key, value in keys.items() if value is not None]
-    unzeroed = bool((data.penetration <= 0).any())
-    if spec.noise == "both" or (spec.noise == "proportional" and unzeroed):
+    has_offset = any(p.name == "offset" and p.is_free for p in parameters)
+    # Scatter in proportion to the penetration is not in proportion to a reading with an offset.
+    if spec.noise == "both" or (spec.noise == "proportional" and has_offset):
         chosen.append("noise")
     if not chosen and len(given) < 2:
         return None
@@ -58,13 +59,12 @@ def noise_of(
     if spec.noise is not None and "penetration" in given:
         rule = "conflicts with the column penetration_std, which gives the noise"
         raise InputError(source, "noise", spec.noise, rule, "keep one of them")
-    is_free = {p.name for p in parameters if p.is_free}
     return NoiseModel(
         noise=None if "penetration" in given else spec.noise or "both",
         over="group" if spec.group is not None else None,
         drift=bool(spec.drift),
         load_error=spec.load_error or 0.0,
-        has_offset="offset" in is_free,
+        has_offset=has_offset,
     )
 
 

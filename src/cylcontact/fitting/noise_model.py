@@ -146,6 +146,9 @@ class Covariance:
         The series of each row, from 0.
     position : array of float, shape (N,)
         The position of each row in its series.
+    random : bool, optional
+        Whether the effects of the series are random, as they stay in a part of the data; by
+        default with five series or more.
     """
 
     model: NoiseModel
@@ -155,6 +158,7 @@ class Covariance:
     weight: FloatArray
     series: Indices
     position: FloatArray
+    random: bool | None = None
 
     @cached_property
     def number(self) -> int:
@@ -164,6 +168,8 @@ class Covariance:
     @property
     def is_random(self) -> bool:
         """Whether the effects of the series are random."""
+        if self.random is not None:
+            return self.random
         return bool(self.model.effects) and self.number >= FEWEST_RANDOM
 
     @property
@@ -216,6 +222,7 @@ class Covariance:
             weight=self.weight[rows],
             series=self.series[rows] if series is None else series,
             position=self.position[rows],
+            random=self.is_random,
         )
 
     def whitening(self, deviations: Mapping[str, float]) -> Whitening:

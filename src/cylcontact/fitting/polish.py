@@ -1,4 +1,4 @@
-"""Local polish: descend to the minimum of the basin that a search ended in.
+"""Polish: descend to the minimum of the basin that a search ended in, and try other basins.
 
 A sum of squares is minimised by least squares, a largest residual by linear programmes.
 """
@@ -6,6 +6,7 @@ A sum of squares is minimised by least squares, a largest residual by linear pro
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import cycle
 
 import numpy as np
 from scipy.optimize import least_squares, linprog
@@ -14,14 +15,26 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.fitting.objectives import Largest
 from cylcontact.fitting.problem import Problem
 
-__all__ = ["central_differences", "minimise_largest", "polish", "polish_across_kinks"]
+__all__ = [
+    "central_differences",
+    "minimise_largest",
+    "polish",
+    "polish_across_basins",
+    "polish_across_kinks",
+]
 
 # A restart that gains less than this, relatively, ends the polish.
 _MIN_GAIN = 1e-10
 _MAX_RESTARTS = 20
-# Number of restarts from beside the minimum, and their distance relative to the bounds: far
-# enough to cross a kink, near enough to stay in the basin.
-_HOPS, _HOP = 12, 0.005
+# Short hops to points beside a minimum.
+_SHORT_HOPS = 12
+# The hops to other basins end when so many in a row gained nothing, or less than this, relatively.
+_PATIENCE, _MIN_HOP_GAIN = 72, 1e-4
+# Standard deviations relative to the bounds: of a hop across a kink, and, as powers of ten, of
+# each coefficient in a hop to another basin.
+_SHORT_HOP, _LONG_HOP_DECADES = 0.005, (-3.0, -0.3)
+# A hop is followed by a rough descent, and by a finer one if that ends this near the best.
+_ROUGH, _FINER, _NEAR = 1e-4, 1e-7, 1.1
 # Step of the central differences, relative to the interval between the bounds.
 _DIFFERENCE = 1e-6
 # First and last radius of the trust region, relative to the same interval.
@@ -59,13 +72,11 @@ def polish(
     Y is the larger of two branches, so the objective has kinks at which a least-squares
     iteration can stop early. It is restarted until that gains nothing.
     """
-    descend = _descend_largest if isinstance(problem.objective, Largest) else _descend_squares
     point, value = start, problem.value(start)
     if point.size == 0 or not np.isfinite(value):
         return point, value
     for _ in range(_MAX_RESTARTS):
-        candidate = descend(problem, point, precision)
-        reached = problem.value(candidate)
+        candidate, reached = _descended(problem, point, precision)
         if not reached < value * (1 - _MIN_GAIN):
             break
         point, value = candidate, reached
@@ -98,12 +109,100 @@ def polish_across_kinks(problem: Problem, start: FloatArray) -> tuple[FloatArray
         return point, value
     span = problem.high - problem.low
     # The same hops for every run: only the search is random.
-    for hop in np.random.default_rng(0).normal(scale=_HOP, size=(_HOPS, point.size)):
+    hops = np.random.default_rng(0).normal(scale=_SHORT_HOP, size=(_SHORT_HOPS, point.size))
+    for hop in hops:
         beside = np.clip(point + hop * span, problem.low, problem.high)
         candidate, reached = polish(problem, beside)
         if reached < value * (1 - _MIN_GAIN):
             point, value = candidate, reached
     return point, value
+
+
+def polish_across_basins(
+    problem: Problem, start: FloatArray, seed: int
+) -> tuple[FloatArray, float]:
+    """Descend to a local minimum, hop on from it and descend again, and return the lowest.
+
+    Parameters
+    ----------
+    problem : Problem
+        What to minimise.
+    start : array of float, shape (k,)
+        Free parameters within their bounds.
+    seed : int
+        Of the hops.
+
+    Returns
+    -------
+    point : array of float, shape (k,)
+        The lowest minimum found.
+    value : float
+        Its objective.
+
+    Notes
+    -----
+    Y is the larger of two branches. Each way of dividing the clearances of the grid between them
+    has a minimum of its own, and one branch may serve a single clearance or none. Hops in turn
+    start anywhere, move each coefficient by a step of its own size, and move all a little, to
+    where the branches meet between other clearances. This is basin hopping (Wales and Doye 1997)
+    that only ever goes down.
+    """
+    value = problem.value(start)
+    if start.size == 0 or not np.isfinite(value):
+        return start, value
+    point, value = _descended(problem, start, _FINER)
+    rng = np.random.default_rng(seed)
+    hops = 0  # in a row that gained nothing
+    for hop in cycle((_anywhere, _far, _beside)):
+        if hops == _PATIENCE:
+            break
+        hops += 1
+        candidate, reached = _descended(problem, hop(problem, point, rng), _ROUGH)
+        if reached < _NEAR * value:
+            candidate, reached = _descended(problem, candidate, _FINER)
+        if reached < value:
+            hops = 0 if reached < value * (1 - _MIN_HOP_GAIN) else hops
+            point, value = candidate, reached
+    return polish(problem, point)
+
+
+def _anywhere(problem: Problem, _: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Return a point anywhere between the bounds."""
+    return rng.uniform(problem.low, problem.high)
+
+
+def _far(problem: Problem, point: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Return a point that differs in each coefficient on a scale of its own."""
+    return _moved(problem, point, rng, 10 ** rng.uniform(*_LONG_HOP_DECADES, point.size))
+
+
+def _beside(problem: Problem, point: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Return a point far enough away to cross a kink, near enough to stay in the basin."""
+    return _moved(problem, point, rng, np.full(point.size, _SHORT_HOP))
+
+
+def _moved(
+    problem: Problem, point: FloatArray, rng: np.random.Generator, scale: FloatArray
+) -> FloatArray:
+    """Return a point moved by normal steps of these scales, within the bounds."""
+    step = rng.normal(size=point.size) * scale * (problem.high - problem.low)
+    return as_floats(np.clip(point + step, problem.low, problem.high))
+
+
+def _descended(problem: Problem, start: FloatArray, precision: float) -> tuple[FloatArray, float]:
+    """Descend once; return the lower of both ends, and its objective."""
+    value = problem.value(start)
+    if not np.isfinite(value):
+        return start, value
+    candidate = _descend(problem, start, precision)
+    reached = problem.value(candidate)
+    return (candidate, reached) if reached < value else (start, value)
+
+
+def _descend(problem: Problem, start: FloatArray, precision: float) -> FloatArray:
+    """Minimise the objective by the method for its kind."""
+    descend = _descend_largest if isinstance(problem.objective, Largest) else _descend_squares
+    return descend(problem, start, precision)
 
 
 def _descend_squares(problem: Problem, start: FloatArray, precision: float) -> FloatArray:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from pydantic import Field, PrivateAttr
+from pydantic import Field
 
 from cylcontact.errors import InputError, short
 from cylcontact.files import replacing
@@ -71,9 +72,6 @@ class FitResult(Spec):
         None, description="the uncertainty of the coefficients, for measured data"
     )
 
-    # The problem it solves, which may hold a function of the user's own; made again if absent.
-    _problem: Problem | None = PrivateAttr(None)
-
     @classmethod
     def read(cls, path: Path | str) -> FitResult:
         """Read a result file.
@@ -120,7 +118,7 @@ class FitResult(Spec):
         exclude = {"kind", "uncertainty"} if self.kind == "discrepancy" else None
         return self.model_dump(exclude=exclude)
 
-    @property
+    @cached_property
     def problem(self) -> Problem:
         """The problem of a fit to measurements.
 
@@ -129,13 +127,11 @@ class FitResult(Spec):
         InputError
             If it is a fit to a law, or was read from a file and has a law of your own.
         """
-        if self._problem is None:
-            object.__setattr__(self, "_problem", problem_of_result(self))
-        return self._problem  # type: ignore[return-value]
+        return problem_of_result(self)
 
     def with_problem(self, problem: Problem) -> FitResult:
-        """Return the result, which remembers the problem it solves."""
-        self._problem = problem
+        """Return the result, which remembers the problem it solves, with a law of your own too."""
+        self.__dict__["problem"] = problem
         return self
 
     def to_law(self) -> ContactLaw:
@@ -290,7 +286,20 @@ class FitResult(Spec):
         )
 
     def _repr_html_(self) -> str:
-        return report.as_html(self)
+        return report.as_html(self) + self._picture()
+
+    def _picture(self) -> str:
+        """Return the picture of a fit to measurements as HTML; none if it cannot be drawn."""
+        if self.uncertainty is None:
+            return ""
+        from cylcontact.fitting import drawings
+        from cylcontact.plots.style import figure_style
+
+        try:
+            with figure_style():
+                return drawings.fit_drawing(self)._repr_html_()
+        except InputError:  # the result was read from a file, and the law is a user's own
+            return ""
 
 
 def require_same_inputs(path: Path, campaign: Campaign) -> None:

@@ -1,9 +1,21 @@
-"""Figures for papers: styles, figures that fit their style, contour maps, sketches."""
+"""Figures for papers: laws, maps and limits drawn into axes; styles, and figures that fit them."""
 
+from cylcontact.plots.difference_map import plot_map
 from cylcontact.plots.figure import Drawing, StyledFigure, new_figure
+from cylcontact.plots.law_curves import plot_laws
+from cylcontact.plots.limit_curves import plot_limits
 from cylcontact.plots.style import FigureStyle, figure_style
 
-__all__ = ["Drawing", "FigureStyle", "StyledFigure", "figure_style", "new_figure"]
+__all__ = [
+    "Drawing",
+    "FigureStyle",
+    "StyledFigure",
+    "figure_style",
+    "new_figure",
+    "plot_laws",
+    "plot_limits",
+    "plot_map",
+]
 
 
 def __dir__() -> list[str]:

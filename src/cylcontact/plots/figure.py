@@ -30,7 +30,15 @@ from cylcontact.plots.style import (
     figure_style,
 )
 
-__all__ = ["Drawing", "StyledFigure", "new_figure", "panel_title", "plain_log", "plain_number"]
+__all__ = [
+    "Drawing",
+    "StyledFigure",
+    "new_figure",
+    "panel_title",
+    "plain_log",
+    "plain_number",
+    "round_ticks",
+]
 
 SCREEN_DPI = 120
 # Largest height of a stacked panel, relative to its width.
@@ -39,6 +47,8 @@ PANEL_HEIGHT = 0.68
 SMALLEST, SHRINKING = 5.0, 0.93
 # A legend with this many lines leaves no room in a narrow panel.
 LONG = 5
+# More labels than this crowd a logarithmic axis.
+MOST_TICKS = 9
 
 
 @dataclass(frozen=True)
@@ -286,6 +296,20 @@ def plain_log(axes: Axes, which: Literal["x", "y"], ticks: Sequence[float]) -> N
     axis.set_major_formatter(FixedFormatter([plain_number(tick) for tick in ticks]))
     axis.set_minor_locator(LogLocator(subs=range(2, 10), numticks=20))
     axis.set_minor_formatter(NullFormatter())
+
+
+def round_ticks(low: float, high: float) -> tuple[float, ...]:
+    """Return 1, 2, 5, 10, ... between two bounds; powers of ten alone if those are too many.
+
+    Examples
+    --------
+    >>> round_ticks(0.0075, 0.2), round_ticks(3.0, 2e4)
+    ((0.01, 0.02, 0.05, 0.1, 0.2), (10.0, 100.0, 1000.0, 10000.0))
+    """
+    decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+    ticks = [float(f"{digit}e{decade}") for decade in decades for digit in (1, 2, 5)]
+    inside = tuple(tick for tick in ticks if low <= tick <= high)
+    return inside if len(inside) <= MOST_TICKS else tuple(t for t in inside if f"{t:e}"[0] == "1")
 
 
 def plain_number(value: float) -> str:

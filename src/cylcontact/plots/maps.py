@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib import rcParams
@@ -11,14 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.contour import QuadContourSet
-from matplotlib.figure import Figure
+from matplotlib.figure import FigureBase
 from matplotlib.patheffects import withStroke
 
 from cylcontact.arrays import FloatArray
-from cylcontact.plots.figure import StyledFigure, new_figure, plain_log
-from cylcontact.plots.style import small_text
 
-__all__ = ["RIM", "Frame", "add_scale", "draw_contours", "label_contours", "new_map", "signed"]
+__all__ = ["RIM", "add_scale", "draw_contours", "label_contours", "signed"]
 
 # One set of levels (percent) and colours for every map. Blue is below zero, orange above; each
 # side darkens outwards, so in grey dashes and the contours' labels show the sign.
@@ -35,56 +32,7 @@ RIM = withStroke(linewidth=1.8, foreground="white")
 LABEL_ROOM = 15.0  # pixels at 100 dpi that a contour's label needs on every side
 
 
-@dataclass(frozen=True)
-class Frame:
-    """The logarithmic axes of a map.
-
-    Attributes
-    ----------
-    x, y : tuple of float
-        Their limits.
-    x_ticks, y_ticks : tuple of float
-        Their labelled values.
-    x_label, y_label : str
-        Their labels, with the unit.
-    """
-
-    x: tuple[float, float]
-    y: tuple[float, float]
-    x_ticks: tuple[float, ...]
-    y_ticks: tuple[float, ...]
-    x_label: str
-    y_label: str
-
-
-def new_map(frame: Frame, title: str, scale_label: str) -> tuple[StyledFigure, Axes]:
-    """Return an empty map with its title, axes and colour scale.
-
-    Parameters
-    ----------
-    frame : Frame
-        The axes.
-    title : str
-        Title above the map, with room for a line of notes between them.
-    scale_label : str
-        Label of the colour scale.
-
-    Returns
-    -------
-    figure : StyledFigure
-    axes : matplotlib.axes.Axes
-    """
-    figure = new_figure("middle", 95.0)
-    axes = figure.subplots()
-    plain_log(axes, "x", frame.x_ticks)
-    plain_log(axes, "y", frame.y_ticks)
-    axes.set(xlim=frame.x, ylim=frame.y, xlabel=frame.x_label, ylabel=frame.y_label)
-    axes.set_title(title, pad=2 * rcParams["font.size"])
-    add_scale(figure, axes, scale_label)
-    return figure, axes
-
-
-def add_scale(figure: Figure, axes: Axes | Sequence[Axes], label: str) -> None:
+def add_scale(figure: FigureBase, axes: Axes | Sequence[Axes], label: str) -> None:
     """Add the colour scale of one or several maps beside them."""
     bar = figure.colorbar(
         ScalarMappable(NORM, COLOUR_MAP),
@@ -103,7 +51,7 @@ def draw_contours(axes: Axes, x: FloatArray, y: FloatArray, percent: FloatArray)
     Parameters
     ----------
     axes : matplotlib.axes.Axes
-        From `new_map`.
+        Where to draw.
     x, y, percent : array of float
         Of one two-dimensional shape; the grid need not be rectangular.
 
@@ -140,29 +88,28 @@ def label_contours(axes: Axes, lines: QuadContourSet, keep_clear: FloatArray) ->
 
     Examples
     --------
-    >>> frame = Frame((1.0, 10.0), (1.0, 10.0), (1, 10), (1, 10), "x (mm)", "y (mm)")
-    >>> figure, axes = new_map(frame, "a plane", "difference (%)")
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().subplots()
     >>> x, y = np.meshgrid(np.geomspace(1, 10, 20), np.geomspace(1, 10, 20))
     >>> lines = draw_contours(axes, x, y, x - y)
-    >>> figure.draw_without_rendering()
     >>> label_contours(axes, lines, np.empty((0, 2)))
     >>> [text.get_text() for text in lines.labelTexts]
-    ['−4', '0', '+4']
+    ['−8', '−4', '0', '+4', '+8']
     """
     taken = list(axes.transData.transform(keep_clear))
     free = len(taken)
+    least = LABEL_ROOM * axes.figure.dpi / 100
     for path in lines.get_paths():
         for polygon in axes.transData.transform_path(path).to_polygons(closed_only=False):
             line: FloatArray = np.asarray(polygon)
             room = _room(axes, line, taken)
-            if room.max() > LABEL_ROOM:
+            if room.max() > least:
                 taken.append(line[np.argmax(room)])
     if len(taken) == free:
         return
     places = axes.transData.inverted().transform(taken[free:])
-    for text in axes.clabel(
-        lines, fmt=signed, fontsize=small_text(), inline_spacing=2, manual=places
-    ):
+    size = rcParams["legend.fontsize"]
+    for text in axes.clabel(lines, fmt=signed, fontsize=size, inline_spacing=2, manual=places):
         text.set_path_effects([RIM])
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, cast
 
-from cycler import cycler
+from cycler import Cycler, cycler
 from matplotlib import style as mpl_style
 from pydantic import Field
 
@@ -38,6 +38,7 @@ __all__ = [
     "current_style",
     "figure_style",
     "small_text",
+    "staggered",
 ]
 
 SMALLEST_FONT, LARGEST_FONT = 4.0, 40.0  # points
@@ -214,6 +215,19 @@ MM_PER_INCH = 25.4
 COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7")
 LINE_STYLES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (6, 1.5, 1, 1.5, 1, 1.5)))
 MARKERS = ("o", "s", "^", "D", "v")
+
+
+def _unique_lines() -> Cycler[str, Any]:
+    """Return 25 combinations of colour, line style and marker, the first five of unlike colours."""
+    colours = [number % len(COLOURS) for number in range(len(COLOURS) ** 2)]
+    others = [(colour + n // len(COLOURS)) % len(COLOURS) for n, colour in enumerate(colours)]
+    return cycler(
+        color=[COLOURS[colour] for colour in colours],
+        linestyle=[LINE_STYLES[other] for other in others],
+        marker=[MARKERS[other] for other in others],
+    )
+
+
 ACCENT = COLOURS[2]
 QUIET = "0.45"
 
@@ -250,7 +264,7 @@ RC: dict[str, Any] = {
     "xtick.top": True,
     "ytick.right": True,
     "lines.markerfacecolor": "white",
-    "axes.prop_cycle": cycler(color=COLOURS, linestyle=LINE_STYLES, marker=MARKERS),
+    "axes.prop_cycle": _unique_lines(),
     "pdf.fonttype": 42,
     "pdf.compression": 6,
     "svg.hashsalt": "cylcontact",
@@ -309,3 +323,15 @@ def _rc(style: FigureStyle) -> dict[str, Any]:
 def small_text() -> float:
     """Return the size of tick labels and legends in points."""
     return TEXT["legend.fontsize"] * _CURRENT.get().font_size / TEXT["font.size"]
+
+
+def staggered(number: int, points: int) -> tuple[int, int]:
+    """Return `markevery` of the line with this number, so that no marker hides another line's.
+
+    Examples
+    --------
+    >>> staggered(0, 100), staggered(1, 100)
+    ((2, 25), (6, 25))
+    """
+    every = points // 4
+    return 2 + 4 * number % every, every

@@ -21,7 +21,7 @@ from cylcontact.html_repr import table_html
 from cylcontact.laws import ContactLaw, Johnson, difference_percent
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.plots.figure import Drawing, new_figure
+from cylcontact.plots import Drawing, new_figure, plot_laws
 from cylcontact.plots.style import ACCENT, COLOURS, QUIET
 from cylcontact.reports.laws_bounds import truth_of
 
@@ -219,19 +219,19 @@ def view(choice: Choice) -> Drawing:
     force.plot(*point, "o", color=ACCENT, label="chosen load", zorder=3)
     force.set(xlabel="penetration (µm)", ylabel="load (N/mm)", xlim=0, ylim=(0, load.iloc[-1]))
     difference.axhspan(-TOLERANCE, TOLERANCE, color="0.93", linewidth=0)
-    for name, style in (("Johnson", "-"), ("conformal", "-.")):
-        values = table[f"{name.lower()}_difference_percent"]
-        if values.notna().any():
-            label = f"from {name}"
-            difference.plot(load, values, **plain | {"linestyle": style}, label=label)
+    span = (load.iloc[0], load.iloc[-1])
+    for name, reference in (("Johnson", Johnson()), ("conformal", truth_of(choice.pair))):
+        if table[f"{name.lower()}_difference_percent"].notna().any():
+            plot_laws(
+                {f"from {name}": choice.law},
+                choice.pair,
+                load=span,
+                relative_to=reference,
+                ax=difference,
+                marker="",
+            )
     difference.plot(choice.load, results["difference from Johnson, %"], "o", color=ACCENT, zorder=3)
-    difference.set(
-        xscale="log",
-        xlabel="load (N/mm)",
-        ylabel="difference of penetration (%)",
-        xlim=(load.iloc[0], load.iloc[-1]),
-    )
-    _mark_limits(difference, results, (load.iloc[0], load.iloc[-1]))
+    _mark_limits(difference, results, span)
     for axes in (force, difference):
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="best")

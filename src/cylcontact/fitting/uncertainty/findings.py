@@ -86,10 +86,16 @@ def findings_of(problem: Problem, point: FloatArray) -> list[Finding]:
 
 
 def _without_echoes(findings: list[Finding]) -> list[Finding]:
-    """Leave out a sequence of like residuals that a series or a drift explains."""
-    tests = {finding.test for finding in findings}
-    explained = bool(tests & {"series", "drift"})
-    return [f for f in findings if not (explained and f.test == "sequence")]
+    """Leave out what another finding explains.
+
+    A series or a drift explains a sequence of like residuals. Branches look like a drift, and a
+    drift like branches; the less likely one is left.
+    """
+    p = {finding.test: finding.p for finding in findings}
+    echoes = {"sequence"} if p.keys() & {"series", "drift"} else set()
+    if p.keys() >= {"drift", "branches"}:
+        echoes.add(max("drift", "branches", key=lambda test: p[test]))
+    return [f for f in findings if f.test not in echoes]
 
 
 def _series(residuals: _Residuals) -> Finding | None:
@@ -125,7 +131,7 @@ def _series(residuals: _Residuals) -> Finding | None:
 
 
 def _drift(residuals: _Residuals) -> Finding | None:
-    """Test whether residuals have a trend along the rows of a series."""
+    """Test whether residuals have trends along the rows of the series, each its own."""
     if "drift" in residuals.is_allowed:
         return None
     groups = residuals.labels("group")
@@ -137,7 +143,7 @@ def _drift(residuals: _Residuals) -> Finding | None:
     load = np.log(residuals.objective.data.load)
     if abs(np.corrcoef(position, load)[0, 1]) > 0.9:
         return None  # along a single sweep of the load a drift looks like another law
-    p = _f_test(residuals, position[:, None])
+    p = _f_test(residuals, position[:, None] * (index[:, None] == np.unique(index)))
     if p is None:
         return None
     return Finding(
@@ -161,10 +167,12 @@ def _sequence(residuals: _Residuals) -> Finding | None:
     turns = np.diff(np.sign(np.diff(load)))
     remedy = "repeat some loads, in another order: this may be a drift, or the law's shape"
     if np.any(turns != 0):
-        remedy = (
-            "name the series by a column with --group COLUMN, allow for a drift with --drift, or "
-            "try another law"
-        )
+        untried = {
+            "offset": "name the series by a column with --group COLUMN",
+            "drift": "allow for a drift with --drift",
+        }
+        options = [text for effect, text in untried.items() if effect not in residuals.is_allowed]
+        remedy = ", or ".join([*options, "try other laws with `cylcontact choose`"])
     return Finding(
         test="sequence",
         p=p,
@@ -229,7 +237,8 @@ def _repeats(residuals: _Residuals) -> Finding | None:
         test="repeats",
         p=float(special.fdtrc(between, degrees, ratio)),
         says="the law misses the means of repeated loads by more than their scatter",
-        remedy="try other laws with `cylcontact choose`, or name the series with --group",
+        remedy="try other laws with `cylcontact choose`"
+        + ("" if "offset" in residuals.is_allowed else ", or name the series with --group COLUMN"),
     )
 
 

@@ -233,8 +233,10 @@ class _Refits:
             nonlocal last, lowest
             # A descent that starts at a bound may stay there.
             follows = criterion.follows and not self._is_at_bound(last)
-            origin = last if follows else start
-            cost, last = self.refit({name: best + share * reach}, origin)
+            origin, fixed = last if follows else start, {name: best + share * reach}
+            cost, last = self.refit(fixed, origin)
+            if not np.isfinite(cost) and origin is not start:  # undefined with the others of last
+                cost, last = self.refit(fixed, start)
             lowest = min(lowest, cost)
             return criterion.excess(cost)
 

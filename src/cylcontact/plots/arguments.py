@@ -1,0 +1,164 @@
+"""What the functions that draw laws share: their laws, ranges and axes, and the legend."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from cylcontact.arrays import FloatArray, require
+from cylcontact.errors import InputError
+from cylcontact.laws import LAWS, ContactLaw
+from cylcontact.materials import Material
+from cylcontact.pair import CylinderPair
+from cylcontact.plots.figure import new_figure
+from cylcontact.plots.style import Width, figure_style
+
+__all__ = [
+    "AnyLaw",
+    "Range",
+    "add_legend",
+    "as_law",
+    "axes_for",
+    "pins_in_hole",
+    "require_one_pair",
+    "require_range",
+]
+
+AnyLaw = ContactLaw | str
+Range = tuple[float, float]
+
+
+@contextmanager
+def axes_for(ax: Axes | None, source: str, width: Width, height_mm: float) -> Iterator[Axes]:
+    """Yield the caller's axes, or new ones in a figure and a style of our own.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes or None
+        The caller's.
+    source : str
+        The function, for errors.
+    width, height_mm : str, float
+        Of the new figure, as in `new_figure`.
+
+    Raises
+    ------
+    InputError
+        If `ax` is not a matplotlib Axes.
+
+    Examples
+    --------
+    >>> with axes_for(None, "example", "column", 60.0) as axes:
+    ...     _ = axes.plot([1, 2], [1, 2])
+    """
+    if ax is None:
+        with figure_style():
+            yield new_figure(width, height_mm).subplots()
+        return
+    require(
+        isinstance(ax, Axes),
+        source,
+        "ax",
+        ax,
+        "must be one matplotlib Axes",
+        "give one panel, e.g. axes[0] of fig, axes = plt.subplots(1, 2)",
+    )
+    yield ax
+
+
+def add_legend(axes: Axes) -> None:
+    """Name what is drawn below the axes, where it hides nothing."""
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        axes.figure.legend(handles, labels, loc="outside lower center", ncols=3)
+
+
+def as_law(law: AnyLaw, source: str, key: str) -> ContactLaw:
+    """Return a law from itself or its name.
+
+    Raises
+    ------
+    InputError
+        If there is no law of that name, or the object is not a law.
+
+    Examples
+    --------
+    >>> as_law("johnson", "example", "law")
+    Johnson()
+    """
+    if isinstance(law, str):
+        if law not in LAWS:
+            rule = "is not a law with coefficients of its own"
+            raise InputError(source, key, law, rule, f"choose {', '.join(LAWS)}, or give a law")
+        return LAWS[law]()
+    require(
+        hasattr(law, "penetration") and not isinstance(law, type),
+        source,
+        key,
+        law,
+        "must be a law or its name",
+        "give e.g. laws.Johnson(), with the brackets",
+    )
+    return law
+
+
+def require_range(given: Range, source: str, key: str, unit: str) -> None:
+    """Raise `InputError` unless `given` is a positive, increasing and finite range.
+
+    Examples
+    --------
+    >>> require_range((1000.0, 10.0), "example", "load", "N/mm")
+    Traceback (most recent call last):
+    cylcontact.errors.InputError: example: load = (1000.0, 10.0): must be two positive numbers,
+    the lower first; give them in N/mm
+    """
+    try:
+        low, high = (float(end) for end in given)
+    except (TypeError, ValueError):
+        low, high = np.nan, np.nan
+    require(
+        0 < low < high < np.inf,
+        source,
+        key,
+        given,
+        "must be two positive numbers, the lower first",
+        f"give them in {unit}",
+    )
+
+
+def pins_in_hole(
+    clearances: FloatArray,
+    source: str,
+    material: Material,
+    R_i: float,
+    material_j: Material | None = None,
+    length: float | None = None,
+) -> CylinderPair:
+    """Return pins of many clearances in one hole, in mm.
+
+    Raises
+    ------
+    InputError
+        If a material or the hole is wrong, or there are several of them.
+    """
+    one = CylinderPair.from_dR("internal", clearances.flat[0], material, length, R_i, material_j)
+    require_one_pair(one, source, "material, R_i")
+    return CylinderPair.from_dR("internal", clearances, material, length, R_i, material_j)
+
+
+def require_one_pair(pair: CylinderPair, source: str, key: str) -> None:
+    """Raise `InputError` for a pair that holds arrays, or is none."""
+    remedy = "build one with CylinderPair.internal or .external"
+    require(isinstance(pair, CylinderPair), source, key, pair, "must be a CylinderPair", remedy)
+    numbers = (pair.dR, pair.R_i, *pair.moduli)
+    require(
+        all(number is None or np.ndim(number) == 0 for number in numbers),
+        source,
+        key,
+        None,
+        "must hold single numbers, no arrays",
+        "call once for each, with the same ax",
+    )

@@ -1,0 +1,55 @@
+"""The intervals of fits to measurements hold the truth as often as they say."""
+
+import pandas as pd
+import pytest
+from scipy.stats import binom
+
+from benchmarks.coverage import KINDS, PAGE, RESULT, coverage_of, page
+
+NAMED = 0  # the first row of each kind and parameter
+FEW = 8
+
+
+@pytest.fixture(scope="module")
+def study():
+    return pd.read_csv(RESULT, keep_default_na=False)
+
+
+def test_the_committed_study_is_of_every_kind(study):
+    assert list(study["kind"].unique()) == list(KINDS)
+    first = study.groupby("kind").head(2)
+    assert (first["sets"] >= 400).all()
+    assert (study["sets"] >= 100).all()
+
+
+def test_named_faults_are_covered(study):
+    for kind, rows in study.groupby("kind", sort=False):
+        named = rows[rows["options"] == rows["options"].iloc[NAMED]]
+        assert named["coverage_percent"].between(92, 98).all(), kind
+
+
+def test_what_is_left_out_is_warned_of(study):
+    for kind, rows in study.groupby("kind", sort=False):
+        named = rows["options"] == rows["options"].iloc[NAMED]
+        assert (rows.loc[named, "warned_percent"] <= 12).all(), kind
+        unnamed = rows.loc[~named]
+        harmful = (unnamed["coverage_percent"] < 85).any()
+        if harmful and "load" not in kind:  # errors of the load leave no trace
+            assert (unnamed["warned_percent"] >= 75).all(), kind
+
+
+def test_the_page_says_what_was_measured(study):
+    assert PAGE.read_text(encoding="utf-8") == page(study)
+
+
+@pytest.mark.parametrize("kind", ["8 series", "errors of the load, a share"])
+def test_a_short_study_agrees(kind):
+    """So many of few sets are covered as a true coverage of 95 % makes credible."""
+    rows = coverage_of(kind, FEW, seed=1)
+    named = rows[rows["options"] == rows["options"].iloc[NAMED]]
+    assert (named["coverage_percent"] * FEW / 100 >= binom.ppf(1e-4, FEW, 0.95)).all()
+
+
+def test_the_same_seed_gives_the_same_study():
+    one, other = (coverage_of("constant scatter", 3, seed=2, jobs=jobs) for jobs in (1, 2))
+    pd.testing.assert_frame_equal(one, other)
