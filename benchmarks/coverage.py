@@ -208,10 +208,10 @@ def page(table: pd.DataFrame) -> str:
             *lines,
             "",
             "The first row of each kind names its faults. The second, for a quarter of the sets, "
-            "leaves one out, as somebody does who does not know of it: then the intervals may be far off, and the last column "
-            "has the share of sets in which the report says so by itself and names the option. "
-            "Errors of the load are the exception. No residual shows them, since they look like "
-            "scatter of the reading.",
+            "leaves one out, as somebody does who does not know of it: then the intervals may be "
+            "far off, and the last column has the share of sets in which the report says so by "
+            "itself and names the option. Errors of the load are the exception. No residual shows "
+            "them, since they look like scatter of the reading.",
             "",
             "With fewer than five series their effects are fixed, and the intervals are about "
             "these series. With eight or more they are about the population that the series come "

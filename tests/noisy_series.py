@@ -1,9 +1,17 @@
 """Readings of a rig made from a known law: series with errors of their own, and scatter."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 
 from cylcontact import CylinderPair, laws
+from cylcontact.fitting.campaign import campaign_of_table
+from cylcontact.fitting.least_squares import descend
+from cylcontact.fitting.measured_fit import noise_model_of, plain_problem
+from cylcontact.fitting.noise_fit import fit_noise
+from cylcontact.fitting.own_data import constants_of
+from cylcontact.fitting.uncertainty.residual_model import measured
 from tests.measured_files import STEEL
 
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
@@ -42,3 +50,30 @@ def readings(
         columns = {"load_N_per_mm": load, "penetration_um": reading, "group": f"s{number}"}
         parts.append(pd.DataFrame(columns))
     return pd.concat(parts, ignore_index=True)
+
+
+def refitted(campaign, frame):
+    """The problem and the optimum of a campaign for the readings of another table."""
+    problem = plain_problem(campaign)
+    data = measured(problem).data
+    data = data.with_values(
+        load=frame["load_N_per_mm"].to_numpy(),
+        penetration=1e-3 * frame["penetration_um"].to_numpy(),
+    )
+    problem = replace(problem, objective=replace(measured(problem), data=data))
+    point = descend(problem, np.array([1.0, OFFSET]))[0]
+    model = noise_model_of(campaign)
+    if model is None:
+        return problem, point
+    problem = fit_noise(problem, model, point)
+    return problem, descend(problem, point)[0]
+
+
+def campaign_of(data, law, pair, *, fixed=None, bounds=None, **settings):
+    """The campaign that `cylcontact.fit` runs."""
+    parameters = {name: {"value": value, "fixed": True} for name, value in (fixed or {}).items()}
+    for name, (low, high) in (bounds or {}).items():
+        parameters[name] = {"low": low, "high": high}
+    return campaign_of_table(
+        *(data, law, pair.contact, constants_of(pair)), parameters=parameters or None, **settings
+    )

@@ -1,7 +1,5 @@
 """Noise models against statsmodels, ODRPACK, lmfit and iminuit, and against dense matrices."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -11,11 +9,8 @@ from scipy.optimize import minimize
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting.calibration import calibrate
-from cylcontact.fitting.least_squares import descend
-from cylcontact.fitting.measured_fit import noise_model_of, plain_problem
-from cylcontact.fitting.noise_fit import fit_noise, likelihood_at
+from cylcontact.fitting.noise_fit import likelihood_at
 from cylcontact.fitting.noise_model import Covariance, FittedNoise, NoiseModel
-from cylcontact.fitting.own_data import campaign_of
 from cylcontact.fitting.restricted_likelihood import Degrees, Likelihood, estimate
 from cylcontact.fitting.uncertainty.estimates import uncertainty_of
 from cylcontact.fitting.uncertainty.findings import findings_of
@@ -23,10 +18,10 @@ from cylcontact.fitting.uncertainty.resampling import leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import measured
 from cylcontact.fitting.uncertainty.study import Resampling, study_noise
 from tests.measured_files import CONSTANTS, STEEL
-from tests.noisy_series import LAW, OFFSET, PAIR, readings
+from tests.noisy_series import LAW, PAIR, campaign_of, readings, refitted
 
 # With the stiffness held, a reading is linear in what is left.
-LINEAR = {"fixed": {"stiffness_factor": 1.0}, "free": ["compliance"]}
+LINEAR = {"fixed": {"stiffness_factor": 1.0}, "free": ["compliance"], "starts": 3}
 
 
 def likelihood_of(result):
@@ -205,18 +200,21 @@ def least_squares(X, y, V):
     return beta, normal, rest, float(rest @ inverse @ rest)
 
 
-def test_whitened_residuals_have_the_norm_of_the_full_covariance():
-    covariance = covariance_of(7)
+@pytest.mark.parametrize("rows", [42, 32])
+def test_whitened_residuals_have_the_norm_of_the_full_covariance(rows):
+    # Without the last rows the series differ in length, and one of them has fewer than effects.
+    covariance = covariance_of(7).take(np.argsort(covariance_of(7).series)[:rows])
+    assert np.unique(np.bincount(covariance.series)).size == (1 if rows == 42 else 2)
     V, _, _ = dense(covariance, DEVIATIONS)
-    vectors = np.random.default_rng(1).normal(size=(3, 42))
+    vectors = np.random.default_rng(1).normal(size=(3, rows))
     before = vectors.copy()
     whitened = covariance.whitening(DEVIATIONS)(vectors)
     assert vectors == pytest.approx(before)
     expected = vectors @ np.linalg.inv(V) @ vectors.T
     assert whitened @ whitened.T == pytest.approx(expected, rel=1e-11)
     # It is a root of the inverse: independent noise of variance 1 comes out.
-    W = covariance.whitening(DEVIATIONS)(np.eye(42)).T
-    assert W @ V @ W.T == pytest.approx(np.eye(42), abs=1e-11)
+    W = covariance.whitening(DEVIATIONS)(np.eye(rows)).T
+    assert W @ V @ W.T == pytest.approx(np.eye(rows), abs=1e-11)
 
 
 def test_few_series_are_fixed_effects_of_least_squares_with_their_columns():
@@ -354,9 +352,10 @@ def test_estimated_deviations_minimise_the_restricted_likelihood():
 
 def test_constant_scatter_alone_is_plain_least_squares():
     frame = readings(11, 1, 20)
-    plain = cc.fit(frame, "explicit", PAIR, objective="rms-penetration", ignore=["group"])
+    only = {"ignore": ["group"], "starts": 3}
+    plain = cc.fit(frame, "explicit", PAIR, objective="rms-penetration", **only)
     # Errors of the load that are too small to matter make it a noise model.
-    model = cc.fit(frame, "explicit", PAIR, noise="constant", load_error=1e-9, ignore=["group"])
+    model = cc.fit(frame, "explicit", PAIR, noise="constant", load_error=1e-9, **only)
     r = 1e-3 * frame["penetration_um"] - plain.residuals["fitted_mm"]
     sigma = float(np.sqrt((r**2).sum() / 18))
     assert plain.uncertainty.residual_sigma == pytest.approx(sigma, rel=1e-9)
@@ -539,7 +538,7 @@ def test_series_of_pairs_are_found_and_named_by_a_column():
         parts.append(pd.DataFrame({**columns, "pin": f"p{number}"}))
     frame = pd.concat(parts, ignore_index=True)
     of_data = {"contact": "internal", "constants": CONSTANTS, "noise": None}
-    finding = found(frame, pair=None, ignore=["pin"], **of_data)["series"]
+    finding = found(frame, pair=None, ignore=["pin"], **of_data)["pairs"]
     assert "differ between the 3 pairs" in finding.says
     assert "--group COLUMN" in finding.remedy
     assert found(frame, pair=None, group="pin", **of_data) == {}
@@ -553,6 +552,14 @@ def test_a_drift_is_found_where_loads_are_in_random_order(series, rows):
     assert finding.p < 1e-4
     assert finding.remedy == "allow for it with --drift"
     assert found(frame, drift=True, **group) == {}
+
+
+def test_a_drift_follows_the_time_of_the_readings():
+    frame = ungrouped(readings(7, 1, 40, drift=4e-4, shuffled=True)).assign(time_s=np.arange(40.0))
+    by_load = frame.sort_values("load_N_per_mm")
+    assert "drift" in found(by_load)
+    assert "drift" not in found(by_load.drop(columns="time_s"))
+    assert found(by_load, drift=True) == {}
 
 
 def test_a_drift_along_one_sweep_cannot_be_told_from_the_law():
@@ -569,8 +576,10 @@ def test_scatter_that_grows_is_found_and_both_kinds_allow_for_it():
 
 def test_relative_scatter_that_falls_is_found_and_both_kinds_allow_for_it():
     frame = ungrouped(readings(3, 4, constant=5e-5))
-    finding = found(frame, noise="proportional")["spread"]
+    finding = found(frame, noise=None)["spread"]
     assert finding.says == "the scatter of the readings relative to it falls with them"
+    of_model = found(frame, noise="proportional")["spread"]
+    assert of_model.says == "the scatter of the readings relative to that assumed falls with them"
     assert "--noise both" in finding.remedy
     assert found(frame, noise="both") == {}
 
@@ -599,23 +608,6 @@ def test_a_law_that_misses_the_means_of_repeated_loads_is_found():
     assert "misses the means of repeated loads" in finding.says
     assert "cylcontact choose" in finding.remedy
     assert found(frame, free=["compliance"]) == {}
-
-
-def refitted(campaign, frame):
-    """The problem and the optimum of a campaign for the readings of another table."""
-    problem = plain_problem(campaign)
-    data = measured(problem).data
-    data = data.with_values(
-        load=frame["load_N_per_mm"].to_numpy(),
-        penetration=1e-3 * frame["penetration_um"].to_numpy(),
-    )
-    problem = replace(problem, objective=replace(measured(problem), data=data))
-    point = descend(problem, np.array([1.0, OFFSET]))[0]
-    model = noise_model_of(campaign)
-    if model is None:
-        return problem, point
-    problem = fit_noise(problem, model, point)
-    return problem, descend(problem, point)[0]
 
 
 CLEAN = {

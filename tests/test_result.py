@@ -2,6 +2,7 @@
 
 import json
 import math
+import pickle
 import shutil
 import subprocess
 from pathlib import Path
@@ -9,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from cylcontact import InputError
-from cylcontact.fitting import FitResult, compare, read_campaign, verdicts
+from cylcontact.fitting import FitResult, calibrate, compare, read_campaign, verdicts
+from tests.measured_files import measured_campaign
 from tests.spec_files import DROP, assert_told, changed, labels, tree, write_bench
 
 COMMITTED = sorted((Path(__file__).resolve().parents[1] / "fitting/results").glob("*.json"))
@@ -24,6 +26,11 @@ def test_a_result_comes_back_as_it_was_saved(small_result, tmp_path):
     small_result.save(path)
     assert FitResult.read(path) == small_result
     assert [file for file in tree(tmp_path) if file != "results"] == ["results/small.json"]
+
+
+def test_a_result_of_measurements_survives_pickling(tmp_path):
+    result = calibrate(measured_campaign(tmp_path, "johnson", starts=1))
+    assert len(result.residuals) == len(pickle.loads(pickle.dumps(result)).residuals)
 
 
 def test_saving_what_was_loaded_gives_the_same_bytes(small_result, tmp_path):

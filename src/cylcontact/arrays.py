@@ -61,7 +61,8 @@ def require(
     holds: bool | BoolArray | np.bool_, source: str, key: str, value: object, rule: str, remedy: str
 ) -> None:
     """Raise `InputError` unless `holds` is true for every element."""
-    if not np.all(holds):
+    # Laws are made thousands of times in a fit: `np.all` takes longer than the rest.
+    if not (holds if isinstance(holds, bool | np.bool_) else np.all(holds)):
         raise InputError(source, key, value, rule, remedy)
 
 

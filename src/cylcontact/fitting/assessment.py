@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from cylcontact.fitting.uncertainty.estimates import OUTLYING, STRONG_CORRELATION
@@ -20,6 +19,7 @@ __all__ = [
     "fixed",
     "identification",
     "noise_verdicts",
+    "noise_warnings",
     "round_off",
     "same_basin",
     "ties",
@@ -37,6 +37,8 @@ _EXACT_FROM_MOMENTS = 1e-6
 _AT_BOUND = 1e-6
 # Below this probability the residuals are not those of the noise assumed.
 _SURPRISING = 0.01
+# A law that describes less than this share of the variance of readings is not theirs.
+_DESCRIBED = 0.8
 # At most so many rows of the data are listed.
 _LISTED = 8
 
@@ -207,18 +209,33 @@ def warnings(result: FitResult) -> list[str]:
     Fewer than half of the runs at the best; for measurements also tests of the noise that fail,
     with the option that allows for it, and parameters that are at a bound or not determined.
     """
-    uncertainty = result.uncertainty
-    if uncertainty is None:
-        return _on_disagreement(result)
+    noise = [] if result.uncertainty is None else noise_warnings(result.uncertainty)
+    return [*noise, *_on_disagreement(result)]
+
+
+def noise_warnings(uncertainty: Uncertainty) -> list[str]:
+    """Return what makes the intervals of a fit to measurements doubtful, with the remedy."""
     # Series that differ and a drift make residuals of the right law look like those of a wrong one.
     is_explained = any(finding.test in ("series", "drift") for finding in uncertainty.findings)
     sentences = [
+        _on_misfit(uncertainty),
         *(finding.sentence for finding in uncertainty.findings),
         "" if is_explained else _on_shape(uncertainty),
         *_on_lack_of_determination(uncertainty),
-        _on_outliers(uncertainty, result.coefficients),
+        _on_outliers(uncertainty),
     ]
-    return [sentence for sentence in [*sentences, *_on_disagreement(result)] if sentence]
+    return [sentence for sentence in sentences if sentence]
+
+
+def _on_misfit(uncertainty: Uncertainty) -> str:
+    """Warn of a law that is not near the readings at all."""
+    share = uncertainty.r_squared
+    if share is None or share >= _DESCRIBED:
+        return ""
+    return (
+        f"the law does not describe these readings (R² = {share:.3g}): look at the units of the "
+        "columns, the materials and the radii"
+    )
 
 
 def _on_disagreement(result: FitResult) -> list[str]:
@@ -257,7 +274,7 @@ def noise_verdicts(uncertainty: Uncertainty) -> list[str]:
     return [sentence for sentence in sentences if sentence]
 
 
-def _on_outliers(uncertainty: Uncertainty, coefficients: Mapping[str, float]) -> str:
+def _on_outliers(uncertainty: Uncertainty) -> str:
     """Name the outliers, and what a fit without them gives."""
     if not uncertainty.outliers:
         return ""
@@ -270,8 +287,8 @@ def _on_outliers(uncertainty: Uncertainty, coefficients: Mapping[str, float]) ->
         f"{lines}{more}"
     )
     changes = [
-        f"{name} {coefficients[name]:.4g} → {uncertainty.without_outliers[name]:.4g}"
-        for name in uncertainty.estimates
+        f"{name} {estimate.value:.4g} → {uncertainty.without_outliers[name]:.4g}"
+        for name, estimate in uncertainty.estimates.items()
         if name in uncertainty.without_outliers
     ]
     if changes:
@@ -357,6 +374,11 @@ def _on_shape(uncertainty: Uncertainty) -> str:
 def _on_lack_of_determination(uncertainty: Uncertainty) -> list[str]:
     """Name the parameters that are not well or fairly determined."""
     together = uncertainty.only_together
+    if len(together) == 1:
+        return [
+            f"{together[0]} has no effect on the fit: fix it with --fix {together[0]}=VALUE, or "
+            "fixed = true in the campaign"
+        ]
     if together:
         return [
             f"{' and '.join(together)} are not identifiable, only a combination of them: fix one "

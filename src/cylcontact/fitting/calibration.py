@@ -22,6 +22,7 @@ from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import Campaign, TableData, grid_of
 from cylcontact.fitting.measured_fit import descents, largest_percent, measured_problem
+from cylcontact.fitting.noise_fit import at_best
 from cylcontact.fitting.objectives import (
     ON_ROWS,
     RmsLogPenetration,
@@ -126,6 +127,8 @@ def calibrate(
     best = min(records, key=lambda record: (record.objective, record.index))
     published = _published(problem)
     compared = [best.coefficients] + ([published.coefficients] if published else [])
+    if campaign.data.kind == "noise":
+        problem = at_best(problem, best.coefficients)
     way = _WAYS[campaign.data.kind]
     largest = way.largest_percent(campaign, compared, jobs, progress)
     quality = way.quality(campaign, problem, compared, jobs, progress)

@@ -201,10 +201,7 @@ class MeasuredTable:
         InputError
             If the law is unknown, or the settings are not for it.
         """
-        if is_user_law(law):
-            model = user_model(law, self.folder.resolve(), self.spec.contact, self.source)
-        else:
-            model = model_of(law, self.spec.contact, self.source)
+        model = _law_model(law, self.spec.contact, self.folder, self.source)
         wanted = tuple(dict.fromkeys((*(self.spec.free or ()), *free))) or None
         spec = self.spec.model_copy(update={"law": law, "free": wanted})
         model = _freed(model, spec, self.measurements, self.source)
@@ -433,8 +430,16 @@ def _read_on_table(path: Path, contents: dict[str, Any], source: str) -> Campaig
 def _of_table(
     name: str, spec: MeasuredSpec, table: Path | pd.DataFrame, folder: Path, source: str
 ) -> Campaign:
-    """Read the data and the law of a campaign."""
+    """Read the law and the data of a campaign."""
+    _law_model(spec.law, spec.contact, folder, source)  # refuses an unknown one before any data
     return _read_table(name, spec, table, folder, source).campaign(spec.law)
+
+
+def _law_model(law: str, contact: Contact, folder: Path, source: str) -> LawModel:
+    """Return the model of a law of the package, or of a function of the user's own."""
+    if is_user_law(law):
+        return user_model(law, folder.resolve(), contact, source)
+    return model_of(law, contact, source)
 
 
 def _read_table(

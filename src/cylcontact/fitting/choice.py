@@ -9,9 +9,10 @@ the constants of its shape held. Two criteria rank them:
   which predicts what a series adds from its other readings, and without series they are ten parts
   of the rows at random.
 
-A law is told apart from the best only where both do so: its AICc is larger by more than 4, and its
-cross-validated error by more than one standard error of the difference between the two, part by
-part (Breiman and others 1984). The information criterion alone trusts the noise to be as assumed.
+A law is told apart from the best only where both do so: its AICc is larger by more than 7 (Burnham
+and Anderson 2002), and its cross-validated error by more than one standard error of the difference
+between the two, part by part (Breiman and others 1984). The information criterion alone trusts the
+noise to be as assumed.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ __all__ = ["Choice", "RankedLaw", "choose_law", "laws_for"]
 _STARTS = 3
 _PARTS, _FEWEST_SERIES = 10, 3
 # A law is told apart by more than these.
-_AICC, _STANDARD_ERRORS = 4.0, 1.0
+_AICC, _STANDARD_ERRORS = 7.0, 1.0
 # Names that a sentence lists.
 _LISTED = 5
 _ONE_PAIR = ("power-one-pair", "power-dimensionless")

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 
 from cylcontact.datasets.measurements import Indices
 from cylcontact.errors import InputError
+from cylcontact.fitting.law_models import units_of
 from cylcontact.fitting.measured_objective import laws_of
 from cylcontact.fitting.predictions import band_table
 from cylcontact.fitting.uncertainty.profiles import likelihood_profile
@@ -76,7 +77,8 @@ def plot_profile(result: FitResult, name: str, ax: Axes | None = None) -> Axes:
             _draw_profile_of_law(result, name, axes)
         else:
             _draw_profile_of_data(result, name, axes)
-        axes.set_xlabel(name)
+        unit = units_of(result.law, result.contact).get(name)
+        axes.set_xlabel(f"{name} ({unit})" if unit else name)
     return axes
 
 

@@ -23,7 +23,7 @@ from cylcontact.fitting.restricted_likelihood import Likelihood, estimate
 from cylcontact.fitting.specs import MeasuredSpec
 from cylcontact.laws.definition import Parameter
 
-__all__ = ["fit_noise", "likelihood_at", "noise_of", "with_noise"]
+__all__ = ["at_best", "fit_noise", "likelihood_at", "noise_of", "with_noise"]
 
 _ROUNDS = 60
 # The turns end when the parameters move by less than this share of the residuals.
@@ -79,6 +79,14 @@ def with_noise(
     covariance = model.covariance(objective.data, law, best.get("offset", 0.0))
     noise = FittedNoise(covariance, dict(deviations))
     return replace(problem, objective=replace(objective, noise=noise))
+
+
+def at_best(problem: Problem, best: Mapping[str, float]) -> Problem:
+    """Return a problem on measurements with its noise model, if it has one, for the best law."""
+    noise = _plain(problem).noise
+    if noise is None:
+        return problem
+    return with_noise(problem, noise.covariance.model, best, noise.deviations)
 
 
 def likelihood_at(problem: Problem, point: FloatArray) -> Likelihood:

@@ -35,6 +35,7 @@ __all__ = [
     "NoiseModel",
     "Whitening",
     "basis_of",
+    "positions",
 ]
 
 NOISES = ("constant", "proportional", "both")
@@ -110,11 +111,11 @@ class NoiseModel:
             depth=as_floats(reading - offset),
             weight=data.weight,
             series=series,
-            position=_positions(series, columns.get("time")),
+            position=positions(series, columns.get("time")),
         )
 
 
-def _positions(series: Indices, time: FloatArray | None) -> FloatArray:
+def positions(series: Indices, time: FloatArray | None) -> FloatArray:
     """Return the position of each row in its series, from 0 for the first to 1 at most."""
     order = np.arange(series.size, dtype=np.float64) if time is None else time
     along, longest = np.empty(series.size), 0.0
@@ -230,31 +231,40 @@ class Covariance:
         scale = np.sqrt(self.variance(deviations))
         blocks: list[_Block] = []
         if self.is_random:
-            spread = self.spread(deviations)
-            for number in np.unique(self.series):
-                rows = np.flatnonzero(self.series == number)
-                blocks.append(_random_block(rows, self.columns[rows] / scale[rows, None] * spread))
+            columns = self.columns / scale[:, None] * self.spread(deviations)
+            blocks = [_random_block(rows, columns[rows]) for rows in _rows_by_size(self.series)]
         elif self.fixed.shape[1]:
             basis = basis_of(self.fixed / scale[:, None])
-            blocks.append(_Block(slice(None), basis, np.eye(basis.shape[1])))
+            rows = np.arange(scale.size)[None, :]
+            blocks.append(_Block(rows, basis[None, :], np.eye(basis.shape[1])[None, :]))
         return Whitening(scale, tuple(blocks))
 
 
 @dataclass(frozen=True, eq=False)
 class _Block:
-    """u → u − Q·S·Qᵀ·u for some rows, with orthonormal columns Q."""
+    """u → u − Q·S·Qᵀ·u for G series of n rows each, with orthonormal columns Q.
 
-    rows: Indices | slice
+    `rows` has the shape (G, n), Q (G, n, m) and S (G, m, m).
+    """
+
+    rows: Indices
     Q: FloatArray
     S: FloatArray
 
 
+def _rows_by_size(series: Indices) -> list[Indices]:
+    """Return the rows of series of n rows for each n, shape (G, n), to treat them at once."""
+    order = np.argsort(series, kind="stable")
+    _, first, sizes = np.unique(series[order], return_index=True, return_counts=True)
+    return [order[first[sizes == n, None] + np.arange(n)] for n in np.unique(sizes)]
+
+
 def _random_block(rows: Indices, columns: FloatArray) -> _Block:
-    """Return the block of (I + UUᵀ)^(−1/2), with U of shape (n, q)."""
+    """Return the blocks of (I + UUᵀ)^(−1/2), with U of shape (G, n, q)."""
     Q, R = np.linalg.qr(columns)
-    values, vectors = np.linalg.eigh(R @ R.T)
+    values, vectors = np.linalg.eigh(R @ R.mT)
     shrunk = 1 - 1 / np.sqrt(1 + np.maximum(values, 0.0))
-    return _Block(rows, as_floats(Q), as_floats((vectors * shrunk) @ vectors.T))
+    return _Block(rows, as_floats(Q), as_floats((vectors * shrunk[:, None, :]) @ vectors.mT))
 
 
 def basis_of(columns: FloatArray) -> FloatArray:
@@ -285,7 +295,8 @@ class Whitening:
         u = residuals / self.scale
         for block in self.blocks:
             part = u[..., block.rows]
-            u[..., block.rows] = part - (part @ block.Q) @ block.S @ block.Q.T
+            shared = (part[..., None, :] @ block.Q) @ block.S @ block.Q.mT
+            u[..., block.rows] = part - shared[..., 0, :]
         return as_floats(u)
 
 

@@ -16,6 +16,7 @@ from cylcontact.fitting.assessment import (
     fixed,
     identification,
     noise_verdicts,
+    noise_warnings,
     ties,
     verdicts,
     warnings,
@@ -403,11 +404,13 @@ def noise_text(study: NoiseStudy) -> str:
         resampled = "-" if bootstrap is None else _resampled(bootstrap, name)
         rows.append((name, f"{estimate.value:.5g}", error, covariance, profile, resampled))
     intervals = [f"{level}, {method}" for method in ("covariance", "profile", "bootstrap")]
-    sentences = noise_verdicts(uncertainty)
+    warned = noise_warnings(uncertainty)
+    sentences = [each for each in noise_verdicts(uncertainty) if each not in warned]
     if bootstrap is not None:
         sentences.append(_on_bootstrap(bootstrap, level))
+    title = f"{study.name}: uncertainty from the noise of the measurements"
     parts = [
-        f"{study.name}: uncertainty from the noise of the measurements",
+        "\n".join([title, *(_item(sentence, "! ") for sentence in warned)]),
         text_table(("", "fitted", "std. error", *intervals), rows),
         "\n".join(map(_item, sentences)),
         *_left_out(study.left_out, list(uncertainty.estimates)),

@@ -134,6 +134,12 @@ class FitResult(Spec):
         self.__dict__["problem"] = problem
         return self
 
+    def __getstate__(self) -> dict[Any, Any]:
+        # The problem holds functions, and is made again where it is needed.
+        state = super().__getstate__()
+        fields = {k: v for k, v in state["__dict__"].items() if k != "problem"}
+        return {**state, "__dict__": fields}
+
     def to_law(self) -> ContactLaw:
         """Return the fitted law of the contact, without the offset and compliance of the rig.
 

@@ -16,6 +16,7 @@ from scipy import special
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
 from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.noise_model import positions
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.residual_model import measured
 from cylcontact.spec import Spec
@@ -31,7 +32,7 @@ _FEWEST, _FEWEST_IN_SERIES = 12, 4
 class Finding(Spec):
     """A test of the noise that fails."""
 
-    test: str = Field(description="series, drift, sequence, spread, branches or repeats")
+    test: str = Field(description="series, pairs, drift, sequence, spread, branches or repeats")
     p: float = Field(description="the probability of such residuals if the noise were as assumed")
     says: str = Field(description="what the residuals show")
     remedy: str = Field(description="what to do about it")
@@ -92,7 +93,7 @@ def _without_echoes(findings: list[Finding]) -> list[Finding]:
     drift like branches; the less likely one is left.
     """
     p = {finding.test: finding.p for finding in findings}
-    echoes = {"sequence"} if p.keys() & {"series", "drift"} else set()
+    echoes = {"sequence"} if p.keys() & {"series", "pairs", "drift"} else set()
     if p.keys() >= {"drift", "branches"}:
         echoes.add(max("drift", "branches", key=lambda test: p[test]))
     return [f for f in findings if f.test not in echoes]
@@ -122,7 +123,7 @@ def _series(residuals: _Residuals) -> Finding | None:
             remedy="allow for it with --group group",
         )
     return Finding(
-        test="series",
+        test="pairs",
         p=p,
         says=f"the residuals differ between the {len(names)} pairs of the table: each pair has "
         "errors of its own, or the law is wrong in the clearance or the moduli",
@@ -134,13 +135,11 @@ def _drift(residuals: _Residuals) -> Finding | None:
     """Test whether residuals have trends along the rows of the series, each its own."""
     if "drift" in residuals.is_allowed:
         return None
-    groups = residuals.labels("group")
+    groups = residuals.labels("group") or residuals.labels("pair")
     index = groups[1] if groups else np.zeros(residuals.r.size, dtype=np.intp)
-    position = np.zeros(residuals.r.size)
-    for number in np.unique(index):
-        rows = np.flatnonzero(index == number)
-        position[rows] = np.linspace(-0.5, 0.5, rows.size) if rows.size > 1 else 0.0
-    load = np.log(residuals.objective.data.load)
+    data = residuals.objective.data
+    position = _less_mean(positions(index, data.columns.get("time")), index)
+    load = _less_mean(np.log(data.load), index)
     if abs(np.corrcoef(position, load)[0, 1]) > 0.9:
         return None  # along a single sweep of the load a drift looks like another law
     p = _f_test(residuals, position[:, None] * (index[:, None] == np.unique(index)))
@@ -152,6 +151,11 @@ def _drift(residuals: _Residuals) -> Finding | None:
         says="the residuals drift along the rows of a series",
         remedy="allow for it with --drift",
     )
+
+
+def _less_mean(values: FloatArray, index: Indices) -> FloatArray:
+    """Return values less the mean of their series."""
+    return as_floats(values - (np.bincount(index, values) / np.bincount(index))[index])
 
 
 def _sequence(residuals: _Residuals) -> Finding | None:
@@ -194,6 +198,8 @@ def _spread(residuals: _Residuals) -> Finding | None:
     p = 2 * float(special.stdtr(degrees, -abs(t)))
     grows = "grows" if correlation > 0 else "falls"
     relative = " relative to it" if residuals.objective.is_log else ""
+    if noise is not None:
+        relative = " relative to that assumed"
     remedy = "allow for both kinds of scatter with --noise both"
     if noise is not None and len(noise.covariance.model.scatter) == 2:
         remedy = "look for what else makes readings scatter"
