@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, laws, limits
+from cylcontact.plots import new_figure
 from cylcontact.reports import explore, notebook
 from cylcontact.reports.fit_figures import runs_drawing, runs_table
 from tests.paper_equations import e_star, johnson, johnson_end
@@ -253,3 +254,11 @@ def test_a_drawing_shows_its_picture_and_its_caption_escaped(small_result):
     assert "<script>" not in visible
     assert visible.count("&quot;&gt;&lt;script&gt;") == 2
     assert 'src="data:image/png;base64,iVBOR' in visible
+
+
+def test_a_figure_without_pyplot_is_shown():
+    display = import_module("IPython.core.formatters").DisplayFormatter()
+    figure = new_figure("column", 60.0)
+    figure.subplots().plot([0.0, 1.0])
+    shown, _ = display.format(figure)
+    assert shown["image/png"].startswith(b"\x89PNG")

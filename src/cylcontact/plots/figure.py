@@ -109,6 +109,13 @@ class StyledFigure(Figure):
         super().__init__(**settings)
         self.style = style
 
+    def _repr_png_(self) -> bytes:
+        """Show the figure in a notebook, which knows only figures of pyplot by itself."""
+        stream = io.BytesIO()
+        with figure_style():
+            self.savefig(stream, format="png", dpi=SCREEN_DPI)
+        return stream.getvalue()
+
     def subplots(self, nrows: int = 1, ncols: int = 1, **settings: Any) -> Any:
         """Add panels as `Figure.subplots` does, in one column where the style is narrow.
 

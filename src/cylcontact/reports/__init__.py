@@ -11,6 +11,7 @@ __all__ = [
     "build",
     "claims",
     "explore",
+    "fit_explorer",
     "fit_figures",
     "laws_bounds",
     "laws_table",

@@ -57,6 +57,8 @@ __all__ = [
 WELL, FAIRLY = 0.02, 0.10
 # Precision of an interval's ends, relative to the distance from the optimum.
 _EDGE_PRECISION = 1e-4
+# Closer to a bound than this, relative to its interval, a parameter is at it.
+_AT_BOUND = 1e-9
 # The first step towards an end, relative to the distance to the bound.
 _FIRST_STEP_OF_NOISE, _FIRST_STEP_OF_LAWS = 1e-6, 1e-4
 # Half-widths of the intervals on either side of the optimum in a map of a pair. The contour of 10 %
@@ -229,8 +231,9 @@ class _Refits:
 
         def excess(share: float) -> float:
             nonlocal last, lowest
-            origin = last if criterion.follows else start
-            fixed = {name: best + share * reach}
+            # A descent that starts at a bound may stay there.
+            follows = criterion.follows and not self._is_at_bound(last)
+            origin, fixed = last if follows else start, {name: best + share * reach}
             cost, last = self.refit(fixed, origin)
             if not np.isfinite(cost) and origin is not start:  # undefined with the others of last
                 cost, last = self.refit(fixed, start)
@@ -253,6 +256,14 @@ class _Refits:
     def parameter(self, name: str) -> Parameter:
         """Return a free parameter."""
         return next(p for p in self.problem.free if p.name == name)
+
+    def _is_at_bound(self, coefficients: Coefficients) -> bool:
+        """Return whether a free parameter is at a bound, to the precision of a descent."""
+        return any(
+            min(coefficients[p.name] - p.low, p.high - coefficients[p.name])
+            < _AT_BOUND * (p.high - p.low)
+            for p in self.problem.free
+        )
 
 
 def refit_to_data(problem: Problem, start: FloatArray) -> tuple[FloatArray, float]:

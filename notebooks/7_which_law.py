@@ -1,0 +1,110 @@
+# ---
+# jupyter:
+#   jupytext:
+#     formats: ipynb,py:percent
+#     text_representation:
+#       extension: .py
+#       format_name: percent
+#   kernelspec:
+#     display_name: cylcontact
+#     language: python
+#     name: cylcontact
+# ---
+
+# %% [markdown]
+# # Which law?
+#
+# `cc.choose` fits every law that applies to your data, ranks them, and says whether the data can
+# tell them apart. Replace the path and the pair with yours.
+
+# %%
+import pandas as pd
+
+import cylcontact as cc
+
+table = "../datasets/examples/specimens.csv"
+
+# %% [markdown]
+# ## The data
+#
+# Nine specimens, ten loads each: steel pins in steel holes, 30 µm smaller in radius. The numbers
+# are **synthetic**: the explicit law, an offset and a gain of each specimen, and scatter.
+
+# %%
+steel = cc.Material.named("high-strength steel")
+pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+rows = pd.read_csv(table, comment="#")
+rows.pivot(index="load_kN", columns="specimen", values="penetration_um")
+
+# %% [markdown]
+# ## Errors first, law second
+#
+# How readings err decides what they can tell. A fit that takes ninety readings for independent
+# warns that they are not.
+
+# %%
+cc.fit(table, "explicit", pair)
+
+# %% [markdown]
+# With the specimens named, no warning is left. The report has how they differ: by how much in the
+# offset, and by how much in the gain.
+
+# %%
+fitted = cc.fit(table, "explicit", pair, group="specimen")
+fitted
+
+# %% [markdown]
+# ## All laws, ranked
+#
+# Each with the offset and one stiffness free, and the constants of its shape held. AICc weighs the
+# fit against the number of its coefficients; the cross-validated error is that of readings which
+# the fit has not seen. A law is called worse only where both say so.
+
+# %%
+choice = cc.choose(table, pair, group="specimen")
+print(choice)
+
+# %% [markdown]
+# Five laws share the first place, all of them conformal contact or close to it; the table says that
+# these data cannot tell them apart, and that all others are worse. In a picture even laws that are
+# clearly worse pass through the readings, so do not choose by eye.
+
+# %%
+choice.plot().figure
+
+# %% [markdown]
+# ## Does it matter?
+#
+# How far those that are left lie apart, over the loads of the data and ten times higher:
+
+# %%
+undecided = [name for name in choice.undecided if name in cc.laws.LAWS]
+cc.plots.plot_laws(undecided, pair, load=(10.0, 20000.0), relative_to=undecided[0]).figure
+
+# %% [markdown]
+# Less than 1 %, and the specimens differ by more: take the simplest.
+#
+# ## When the data cannot tell
+#
+# Some of these laws with others, on the table up to 4 kN, a tenth of the load. Now Johnson's law
+# passes as well, which was far behind. Take the law that is known to be right for the contact, or
+# load more.
+
+# %%
+low = rows[rows["load_kN"] <= 4]
+names = ["explicit", "persson", "enhanced", "johnson", "power", "liu", "goldsmith"]
+print(cc.choose(low, pair, group="specimen", laws=names))
+
+# %% [markdown]
+# ## Predict
+#
+# From the chosen law, with two bands at 95 %: of the curve, which more specimens would narrow, and
+# of a reading of another specimen, which they would not.
+
+# %%
+best = choice.fit()
+prediction = best.predict([50.0, 200.0, 800.0, 2000.0])
+(1e3 * prediction.set_index("load_N_per_mm")).rename(columns=lambda name: name[:-2] + "um").round(3)
+
+# %%
+best.plot().figure
