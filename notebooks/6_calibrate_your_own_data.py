@@ -45,13 +45,12 @@ pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.98, material=bronze, length=20.0
 # %% [markdown]
 # ## First fit
 #
-# `F [N]` and `t [s]` are recognised; that `s [µm]` is the penetration has to be said. The law is
-# the explicit one. Two numbers are fitted unless you say otherwise: the offset of the readings,
-# and a factor of the load, which is 1 if the law and the moduli are right.
+# The columns are recognised by their names and units (`columns=` names others). The law is the
+# explicit one. Two numbers are fitted unless you say otherwise: the offset of the readings, and a
+# factor of the load, which is 1 if the law and the moduli are right.
 
 # %%
-columns = {"penetration": "s [µm]"}
-first = cc.fit(table, "explicit", pair, columns=columns)
+first = cc.fit(table, "explicit", pair)
 first
 
 # %% [markdown]
@@ -62,7 +61,7 @@ first
 # Allow for the drift; and since every rig gives way under its load, free its compliance.
 
 # %%
-second = cc.fit(table, "explicit", pair, columns=columns, drift=True, free=["compliance"])
+second = cc.fit(table, "explicit", pair, drift=True, free=["compliance"])
 second
 
 # %% [markdown]
@@ -76,7 +75,7 @@ off = 24 - 4  # lines 1 and 2 are comments, and line 3 has the names
 rows[off - 2 : off + 3]
 
 # %%
-settings = {"columns": columns, "drift": True, "free": ["compliance"], "name": "rig"}
+settings = {"drift": True, "free": ["compliance"], "name": "rig"}
 third = cc.fit(rows.drop(index=off), "explicit", pair, **settings)
 third
 

@@ -348,16 +348,25 @@ def _on_deviations(noise: FittedDeviations, level: float) -> str:
         text = in_mm.get(name) or relative[name]
         amount = text.format(f"{(1e3 if name in in_mm else 100) * value:.3g}")
         (series if name in ("offset", "gain", "drift") else single).append(amount)
-    parts = [f"single readings scatter by {' and '.join(single)}"] if single else []
+    parts = (
+        [f"single readings scatter by {' and '.join(single)} (standard deviation)"]
+        if single
+        else []
+    )
     if series:
-        parts.append(f"the {len(noise.series)} series differ by {', '.join(series)}")
+        parts.append(
+            f"the {len(noise.series)} series differ by {', '.join(series)} (standard deviations)"
+        )
+    elif len(noise.series) == 1:
+        drift = noise.series[0].effects["drift"]
+        parts.append(f"the readings drift by {1e3 * drift:.3g} µm from the first to the last")
     elif noise.series:
         parts.append(
             f"the {len(noise.series)} series have fixed effects, so that the intervals are about "
             "these series, not about others like them"
         )
     sizes = "; ".join(parts) or "the standard deviations are those given"
-    return f"measured data: {sizes} (standard deviations); intervals are at {100 * level:g} %"
+    return f"measured data: {sizes}; intervals are at {100 * level:g} %"
 
 
 def _on_shape(uncertainty: Uncertainty) -> str:

@@ -220,7 +220,8 @@ def _measured_rows(result: FitResult, uncertainty: Uncertainty) -> _Rows:
     rows.append((result.objective.name, f"{result.objective.value:.5g}", unit, "", "", paper, ""))
     worst = result.max_abs_diff_percent
     largest = ("largest |Eq 9|", f"{worst.fitted:.4g}", "%", "", "", _or_dash(worst.published), "")
-    rows.append(largest)
+    if min(result.settings["measurements"]["numbers"]["penetration"]) > 0:
+        rows.append(largest)  # of readings about zero a relative difference says nothing
     return rows if published else [(*row[:5], row[6]) for row in rows]
 
 

@@ -394,7 +394,8 @@ def likelihood_profile(
     """
     noise = residual_model_at(problem, problem.point(best))
     refits = _Refits(problem, best, partial(fixed_ratio, problem, noise))
-    values = np.array(refits.around(name, ends, _REACH_OF_NOISE))
+    x = refits.around(name, ends, _REACH_OF_NOISE)
+    values = np.union1d(x, [best[name]])
     place = [p.name for p in problem.free].index(name)
     rise = np.sqrt(np.maximum(refits.along(name, values), 0.0))
     return values, rise, float(np.sqrt(noise.threshold(level, [place])))
