@@ -80,10 +80,9 @@ third = cc.fit(rows.drop(index=off), "explicit", pair, **settings)
 third
 
 # %% [markdown]
-# No warning is left, and the factor is 1 within its error. (The curve is that of the first reading,
-# from which the others drift upwards; the residuals are without it.) The report adds that the
-# factor rises together with the compliance, since a stiffer contact on a softer rig reads nearly
-# the same.
+# No warning is left, and the factor is 1 within its error. The report adds that the factor rises
+# together with the compliance, since a stiffer contact on a softer rig reads nearly the same. (The
+# picture has the readings less the drift.)
 #
 # ## What the data determine
 #

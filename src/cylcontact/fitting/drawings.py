@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 
+from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import units_of
@@ -43,9 +44,19 @@ def plot(result: FitResult, ax: Axes | None = None) -> Axes:
     data = measured(result.problem).data
     with axes_for(ax, "plot", "column", 68.0) as axes:
         draw_curves(axes, _curves(result))
-        draw_readings(axes, data.load, data.penetration, _series(result))
+        draw_readings(axes, data.load, data.penetration - _fixed(result), _series(result))
+        if _fixed(result).any():
+            axes.set_ylabel("penetration less series effects (µm)")
         axes.legend()
     return axes
+
+
+def _fixed(result: FitResult) -> FloatArray:
+    """Return the fixed effects of series in mm, shape (N,), which the curve and its band lack."""
+    noise = result.uncertainty.noise if result.uncertainty else None
+    if noise is None or noise.random or not noise.series:
+        return np.zeros(result.counts.samples)
+    return as_floats(result.residuals["series_mm"])
 
 
 def plot_residuals(result: FitResult, ax: Axes | None = None) -> Axes:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import LogFormatter
 
 from cylcontact.arrays import FloatArray
 from cylcontact.plots.style import COLOURS, MARKERS, QUIET
@@ -60,6 +61,8 @@ def draw_readings(
         axes.plot(load[rows], _MICROMETRES * reading[rows], linestyle="", label=label, **style)
     if reading.min() > 0 and load.max() > _WIDE * load.min():
         axes.set(xscale="log", yscale="log")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter(LogFormatter())  # 10 and 100, not powers of ten
     axes.set(xlabel="load (N/mm)", ylabel="penetration (µm)")
 
 
@@ -123,6 +126,7 @@ def draw_residuals(
     axes.axhline(0.0, color=QUIET, linewidth=0.6, linestyle="-", marker="")
     for name, rows, style in _styles(load.size, series, "measured"):
         axes.plot(load[rows], residual[rows], linestyle="", label=name, **style)
+    axes.margins(y=0.12 if outliers else None)  # room for their words
     for row, words in (outliers or {}).items():
         axes.annotate(
             words,
@@ -133,6 +137,7 @@ def draw_residuals(
         )
     if load.max() > _WIDE * load.min():
         axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(LogFormatter())
     axes.set(xlabel="load (N/mm)", ylabel=label)
 
 
