@@ -43,8 +43,12 @@ N/mm;µm;;
 0;0,02;A;X
 10,5;0,21;A;X
 100;1,7;A;X
+300;4,6;A;X
+1000;13,1;A;X
 1000;13,2;B;X
+500;7,1;B;X
 100;1,9;B;X
+30;0,58;B;X
 10,5;0,23;B;X
 """
 OWN_MATERIALS = f"{','.join(COLUMNS)}\ngunmetal,110,paper,0.34,paper,220,assumed,a note\n"
