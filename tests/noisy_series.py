@@ -9,9 +9,9 @@ from cylcontact import CylinderPair, laws
 from cylcontact.fitting.campaign import campaign_of_table
 from cylcontact.fitting.least_squares import descend
 from cylcontact.fitting.measured_fit import noise_model_of, plain_problem
+from cylcontact.fitting.measured_objective import measured
 from cylcontact.fitting.noise_fit import fit_noise
 from cylcontact.fitting.own_data import constants_of
-from cylcontact.fitting.uncertainty.residual_model import measured
 from tests.measured_files import STEEL
 
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)

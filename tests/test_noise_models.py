@@ -9,13 +9,13 @@ from scipy.optimize import minimize
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting.calibration import calibrate
+from cylcontact.fitting.measured_objective import measured
 from cylcontact.fitting.noise_fit import likelihood_at
 from cylcontact.fitting.noise_model import Covariance, FittedNoise, NoiseModel
 from cylcontact.fitting.restricted_likelihood import Degrees, Likelihood, estimate
 from cylcontact.fitting.uncertainty.estimates import uncertainty_of
 from cylcontact.fitting.uncertainty.findings import findings_of
 from cylcontact.fitting.uncertainty.resampling import leave_one_out
-from cylcontact.fitting.uncertainty.residual_model import measured
 from cylcontact.fitting.uncertainty.study import Resampling, study_noise
 from tests.measured_files import CONSTANTS, STEEL
 from tests.noisy_series import LAW, PAIR, campaign_of, readings, refitted

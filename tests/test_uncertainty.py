@@ -15,7 +15,7 @@ from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.least_squares import descend, jacobian
 from cylcontact.fitting.loss import Loss
 from cylcontact.fitting.measured_fit import plain_problem
-from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.measured_objective import MeasuredObjective, measured
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.report import noise_text
 from cylcontact.fitting.samples import PowerForm
@@ -28,7 +28,7 @@ from cylcontact.fitting.uncertainty.profiles import (
     pairs_of,
 )
 from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
-from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
+from cylcontact.fitting.uncertainty.residual_model import residual_model_at
 from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
 from cylcontact.laws.definition import LawModel, Parameter
 from tests.measured_files import (

@@ -225,7 +225,7 @@ def choose(
     from cylcontact.reports.fit_folder import write_choice
 
     if data.suffix.lower() not in TABLE_SUFFIXES:
-        rule, remedy = f"is neither {listed(TABLE_SUFFIXES)}", "name a table of measurements"
+        rule, remedy = f"is not {listed(TABLE_SUFFIXES)}", "name a table of measurements"
         raise InputError(str(data), "", None, rule, remedy)
     folder = out or data.parent / "results" / data.stem
     with owning(folder / CHOICE_FILES[0]):

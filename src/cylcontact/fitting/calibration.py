@@ -22,6 +22,7 @@ from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import Campaign, TableData, grid_of
 from cylcontact.fitting.measured_fit import descents, largest_percent, measured_problem
+from cylcontact.fitting.measured_objective import measured
 from cylcontact.fitting.noise_fit import at_best
 from cylcontact.fitting.objectives import (
     ON_ROWS,
@@ -44,7 +45,6 @@ from cylcontact.fitting.samples import Samples, collect_samples
 from cylcontact.fitting.specs import CampaignSpec
 from cylcontact.fitting.uncertainty.estimates import Uncertainty, uncertainty_of
 from cylcontact.fitting.uncertainty.profiles import Profile, profile
-from cylcontact.fitting.uncertainty.residual_model import measured
 from cylcontact.journal import Journal
 from cylcontact.parallel import Call, Workers, call, call_for, collect, run_recorded
 from cylcontact.progress import Progress, silent

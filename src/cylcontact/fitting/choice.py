@@ -31,13 +31,13 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.calibration import calibrate, problem_of
 from cylcontact.fitting.campaign import Campaign, MeasuredTable
 from cylcontact.fitting.least_squares import descend, starting_points
-from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.measured_objective import MeasuredObjective, measured
 from cylcontact.fitting.noise_model import FittedNoise
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.report import text_table
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.information import log_likelihood, number_estimated
-from cylcontact.fitting.uncertainty.residual_model import measured, with_rows
+from cylcontact.fitting.uncertainty.residual_model import with_rows
 from cylcontact.laws import DEFINITIONS
 from cylcontact.pair import Contact
 from cylcontact.progress import Progress, silent

@@ -11,10 +11,10 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import units_of
-from cylcontact.fitting.measured_objective import laws_of
+from cylcontact.fitting.measured_objective import laws_of, measured
 from cylcontact.fitting.predictions import band_table
 from cylcontact.fitting.uncertainty.profiles import likelihood_profile
-from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
+from cylcontact.fitting.uncertainty.residual_model import residual_model_at
 from cylcontact.plots.arguments import axes_for
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.measured import Curve, draw_curves, draw_readings, draw_residuals
@@ -41,11 +41,11 @@ _APART = 0.005
 
 def plot(result: FitResult, ax: Axes | None = None) -> Axes:
     """Draw the data, the fitted law and the band of a new reading."""
-    data = measured(result.problem).data
+    data, fixed = measured(result.problem).data, _fixed(result)
     with axes_for(ax, "plot", "column", 68.0) as axes:
         draw_curves(axes, _curves(result))
-        draw_readings(axes, data.load, data.penetration - _fixed(result), _series(result))
-        if _fixed(result).any():
+        draw_readings(axes, data.load, data.penetration - fixed, _series(result))
+        if fixed.any():
             axes.set_ylabel("penetration less series effects (µm)")
         axes.legend()
     return axes

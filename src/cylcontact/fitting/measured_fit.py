@@ -12,12 +12,12 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import Campaign, TableData, measured_of
 from cylcontact.fitting.least_squares import descend, starting_points
 from cylcontact.fitting.loss import TUNING, Loss
-from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.measured_objective import MeasuredObjective, measured
 from cylcontact.fitting.noise_fit import fit_noise
 from cylcontact.fitting.noise_model import NoiseModel
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.records import RunRecord
-from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA, measured
+from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.parallel import Call, call
 

@@ -23,11 +23,12 @@ from cylcontact.datasets.measurements import Measurements
 from cylcontact.errors import InputError
 from cylcontact.fitting.loss import Loss
 from cylcontact.fitting.noise_model import FittedNoise
+from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.samples import Form, LawForm, law_form_of
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.definition import LawModel
 
-__all__ = ["STANDARDISED", "MeasuredObjective", "laws_of", "objective_name"]
+__all__ = ["STANDARDISED", "MeasuredObjective", "laws_of", "measured", "objective_name"]
 
 _LEAST_SQUARES = Loss()
 _OBJECTIVES = ("rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load")
@@ -143,6 +144,13 @@ class MeasuredObjective:
     @property
     def _sigma_name(self) -> str:
         return "load_std" if self.of_load else "penetration_std"
+
+
+def measured(problem: Problem) -> MeasuredObjective:
+    """Return the objective of a problem on measurements."""
+    if not isinstance(problem.objective, MeasuredObjective):
+        raise TypeError("noise is that of measurements")
+    return problem.objective
 
 
 def laws_of(form: Form) -> tuple[ContactLaw | None, ...]:

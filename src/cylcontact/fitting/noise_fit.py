@@ -16,7 +16,7 @@ from cylcontact.arrays import FloatArray
 from cylcontact.datasets.measurements import Measurements
 from cylcontact.errors import InputError
 from cylcontact.fitting.least_squares import descend, jacobian
-from cylcontact.fitting.measured_objective import STANDARDISED, MeasuredObjective, laws_of
+from cylcontact.fitting.measured_objective import STANDARDISED, laws_of, measured
 from cylcontact.fitting.noise_model import FittedNoise, NoiseModel
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.restricted_likelihood import Likelihood, estimate
@@ -72,7 +72,7 @@ def with_noise(
     problem: Problem, model: NoiseModel, best: Mapping[str, float], deviations: Mapping[str, float]
 ) -> Problem:
     """Return a problem with a noise model of these deviations, for a law close to the best."""
-    objective = _plain(problem)
+    objective = measured(problem)
     law = laws_of(problem.form(problem.point(best)[None, :]))[0]
     if law is None:
         raise TypeError("the law is undefined at the best parameters")
@@ -83,7 +83,7 @@ def with_noise(
 
 def at_best(problem: Problem, best: Mapping[str, float]) -> Problem:
     """Return a problem on measurements with its noise model, if it has one, for the best law."""
-    noise = _plain(problem).noise
+    noise = measured(problem).noise
     if noise is None:
         return problem
     return with_noise(problem, noise.covariance.model, best, noise.deviations)
@@ -91,7 +91,7 @@ def at_best(problem: Problem, best: Mapping[str, float]) -> Problem:
 
 def likelihood_at(problem: Problem, point: FloatArray) -> Likelihood:
     """Return the likelihood of deviations at a point of a problem with a noise model."""
-    objective = _plain(problem)
+    objective = measured(problem)
     if objective.noise is None:
         raise TypeError("the problem has no noise model")
 
@@ -133,20 +133,13 @@ def fit_noise(problem: Problem, model: NoiseModel, start: FloatArray) -> Problem
     return weighed
 
 
-def _plain(problem: Problem) -> MeasuredObjective:
-    """Return the objective of a problem on measurements."""
-    if not isinstance(problem.objective, MeasuredObjective):
-        raise TypeError("noise is that of measurements")
-    return problem.objective
-
-
 def _require_rows(likelihood: Likelihood, problem: Problem) -> None:
     """Refuse data with no more rows than parameters and fixed effects."""
     rows, free = likelihood.slopes.shape
     effects = likelihood.covariance.fixed.shape[1]
     if rows <= free + effects:
         raise InputError(
-            _plain(problem).data.data.source,
+            measured(problem).data.data.source,
             "group",
             f"{rows} rows",
             f"are not more than {free} parameters and {effects} effects of the series",

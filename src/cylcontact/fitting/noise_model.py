@@ -27,7 +27,6 @@ from cylcontact.datasets.measurements import Indices, Measurements
 from cylcontact.laws.contact_law import ContactLaw
 
 __all__ = [
-    "EFFECTS",
     "FEWEST_RANDOM",
     "NOISES",
     "Covariance",
@@ -39,8 +38,6 @@ __all__ = [
 ]
 
 NOISES = ("constant", "proportional", "both")
-# The effects of a series, in the order of the columns of Z.
-EFFECTS = ("offset", "gain", "drift")
 # With fewer series than this, their effects are fixed.
 FEWEST_RANDOM = 5
 
@@ -340,24 +337,28 @@ class FittedNoise:
         residuals : array of float, shape (N,)
             Fitted less measured, in mm.
         """
-        covariance, names = self.covariance, self.covariance.model.effects
-        effects = np.zeros((covariance.number, len(names)))
-        variance = covariance.variance(self.deviations)
-        if not covariance.is_random:
-            return self._fixed_effects(residuals / np.sqrt(variance), np.sqrt(variance))
-        spread = covariance.spread(self.deviations)
-        for place, number in enumerate(np.unique(covariance.series)):
+        variance = self.covariance.variance(self.deviations)
+        if self.covariance.is_random:
+            return self._random_effects(residuals, variance)
+        return self._fixed_effects(residuals, np.sqrt(variance))
+
+    def _random_effects(self, residuals: FloatArray, variance: FloatArray) -> FloatArray:
+        """Return the best linear unbiased predictions of the effects of each series."""
+        covariance, spread = self.covariance, self.covariance.spread(self.deviations)
+        effects = []
+        for number in np.unique(covariance.series):
             rows = covariance.series == number
             columns = covariance.columns[rows] * spread
             weighted = columns.T / variance[rows]
-            core = np.eye(len(names)) + weighted @ columns
-            effects[place] = spread * np.linalg.solve(core, weighted @ -residuals[rows])
-        return effects
+            core = np.eye(spread.size) + weighted @ columns
+            effects.append(spread * np.linalg.solve(core, weighted @ -residuals[rows]))
+        return np.array(effects)
 
-    def _fixed_effects(self, standardised: FloatArray, scale: FloatArray) -> FloatArray:
-        """Return fixed effects from residuals in standard deviations."""
+    def _fixed_effects(self, residuals: FloatArray, scale: FloatArray) -> FloatArray:
+        """Return the least squares of the effects of each series."""
         covariance, names = self.covariance, self.covariance.model.effects
-        values = np.linalg.lstsq(covariance.fixed / scale[:, None], -standardised, rcond=None)[0]
+        weighted = covariance.fixed / scale[:, None]
+        values = np.linalg.lstsq(weighted, -residuals / scale, rcond=None)[0]
         shared = covariance.fixed @ values
         member = covariance.series[:, None] == np.unique(covariance.series)
         design = (member[:, :, None] * covariance.columns[:, None, :]).reshape(len(shared), -1)

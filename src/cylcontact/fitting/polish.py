@@ -107,12 +107,9 @@ def polish_across_kinks(problem: Problem, start: FloatArray) -> tuple[FloatArray
     point, value = polish(problem, start)
     if point.size == 0 or not np.isfinite(value):
         return point, value
-    span = problem.high - problem.low
-    # The same hops for every run: only the search is random.
-    hops = np.random.default_rng(0).normal(scale=_SHORT_HOP, size=(_SHORT_HOPS, point.size))
-    for hop in hops:
-        beside = np.clip(point + hop * span, problem.low, problem.high)
-        candidate, reached = polish(problem, beside)
+    rng = np.random.default_rng(0)  # the same hops for every run: only the search is random
+    for _ in range(_SHORT_HOPS):
+        candidate, reached = polish(problem, _beside(problem, point, rng))
         if reached < value * (1 - _MIN_GAIN):
             point, value = candidate, reached
     return point, value

@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Measurements
 from cylcontact.errors import InputError
+from cylcontact.fitting.measured_objective import measured
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.bands import Band, predict
 from cylcontact.fitting.uncertainty.estimates import series_effects
-from cylcontact.fitting.uncertainty.residual_model import measured, residual_model_at
+from cylcontact.fitting.uncertainty.residual_model import residual_model_at
 from cylcontact.pair import CylinderPair
 
 __all__ = ["band_table", "pair_of", "prediction_table", "residual_table"]
@@ -38,7 +39,7 @@ def residual_table(problem: Problem, best: Mapping[str, float]) -> pd.DataFrame:
         (in standard deviations), and series_mm (what the series adds to the law, with series).
     """
     objective, point = measured(problem), problem.point(best)
-    data, form = objective.data, problem.form(problem.point(best)[None, :])
+    data, form = objective.data, problem.form(point[None, :])
     noise = residual_model_at(problem, point)
     difference = objective.differences(form)[0]
     unit = "N_per_mm" if objective.of_load else "mm"

@@ -19,13 +19,9 @@ from matplotlib.image import imsave
 from matplotlib.lines import Line2D
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.fitting.measured_objective import laws_of
+from cylcontact.fitting.measured_objective import laws_of, measured
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.uncertainty.residual_model import (
-    ResidualModel,
-    measured,
-    residual_model_at,
-)
+from cylcontact.fitting.uncertainty.residual_model import ResidualModel, residual_model_at
 from cylcontact.html_repr import table_html
 from cylcontact.plots.figure import SCREEN_DPI, StyledFigure, new_figure
 from cylcontact.plots.measured import draw_readings

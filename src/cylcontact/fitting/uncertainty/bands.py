@@ -19,9 +19,9 @@ from pydantic import Field
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.fitting.least_squares import jacobian
-from cylcontact.fitting.measured_objective import MeasuredObjective, laws_of
+from cylcontact.fitting.measured_objective import MeasuredObjective, laws_of, measured
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.uncertainty.residual_model import ResidualModel, measured
+from cylcontact.fitting.uncertainty.residual_model import ResidualModel
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import CylinderPair
 from cylcontact.spec import Spec

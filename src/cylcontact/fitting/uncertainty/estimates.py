@@ -9,6 +9,7 @@ from pydantic import Field
 from scipy import special
 
 from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.fitting.measured_objective import measured
 from cylcontact.fitting.noise_model import FittedNoise
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.findings import Finding, findings_of
@@ -25,7 +26,6 @@ from cylcontact.fitting.uncertainty.profiles import (
 from cylcontact.fitting.uncertainty.residual_model import (
     MEDIAN_TO_SIGMA,
     ResidualModel,
-    measured,
     residual_model_at,
     with_rows,
 )

@@ -15,10 +15,9 @@ from scipy import special
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
-from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.measured_objective import MeasuredObjective, measured
 from cylcontact.fitting.noise_model import positions
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.uncertainty.residual_model import measured
 from cylcontact.spec import Spec
 
 __all__ = ["SURPRISING", "Finding", "findings_of"]

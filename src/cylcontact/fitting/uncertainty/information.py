@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from cylcontact.arrays import FloatArray
-from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.measured_objective import MeasuredObjective, measured
 from cylcontact.fitting.noise_fit import likelihood_at
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.uncertainty.residual_model import measured
 
 __all__ = ["log_likelihood", "number_estimated"]
 

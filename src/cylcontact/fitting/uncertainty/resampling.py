@@ -15,9 +15,10 @@ from pydantic import Field
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
+from cylcontact.fitting.measured_objective import measured
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.profiles import Descent, Interval, refit_to_data
-from cylcontact.fitting.uncertainty.residual_model import measured, with_rows
+from cylcontact.fitting.uncertainty.residual_model import with_rows
 from cylcontact.parallel import Workers, call, collect, run_calls
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec

@@ -22,7 +22,7 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
 from cylcontact.fitting.least_squares import jacobian
 from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.measured_objective import MeasuredObjective
+from cylcontact.fitting.measured_objective import measured
 from cylcontact.fitting.noise_fit import likelihood_at
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.restricted_likelihood import Degrees
@@ -31,7 +31,6 @@ __all__ = [
     "MEDIAN_TO_SIGMA",
     "ROUNDING",
     "ResidualModel",
-    "measured",
     "residual_model_at",
     "with_rows",
 ]
@@ -152,13 +151,6 @@ class ResidualModel:
         if not self.known or self.robust:
             return None
         return float(special.chdtrc(self.degrees, self.sum_of_squares))
-
-
-def measured(problem: Problem) -> MeasuredObjective:
-    """Return the objective of a problem on measurements."""
-    if not isinstance(problem.objective, MeasuredObjective):
-        raise TypeError("noise is that of measurements")
-    return problem.objective
 
 
 def residual_model_at(problem: Problem, point: FloatArray) -> ResidualModel:
