@@ -24,6 +24,8 @@ from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.paper import Paper
 
+from .withdrawn import WITHDRAWN
+
 Interval = tuple[float, float]
 
 # Sects 3.4 and 5: where the two laws are compared (Figs 10–14).
@@ -136,6 +138,9 @@ PRACTICAL = Domain("practical domain", R_i=HOLE_RADIUS)
 MODERATE = replace(PRACTICAL, label="moderate loads", loads=MODERATE_LOADS)
 JOHNSON_ONLY = Domain("up to Johnson's limit, yield ignored", R_i=None)
 
+# Inputs that the paper's text lacks.
+TABLE_1, TABLE_2, WINDOW, DATUM = "Table 1", "Table 2", "the window", "the datum"
+
 DEFINITIONS: Mapping[str, str] = {
     "practical domain": (
         "internal contact, "
@@ -156,15 +161,52 @@ DEFINITIONS: Mapping[str, str] = {
     ),
     "share": "a part of the domain is measured by area on logarithmic axes of ΔR and load.",
     "agreement": (
-        "a printed number is reproduced if ours rounds to it at its last printed digit; an "
-        "inequality, if it holds everywhere in the domain."
+        "a printed number is met if ours rounds to it at its last printed digit; an inequality, if "
+        "it holds everywhere in the domain."
     ),
     "derived, assumed": (
         "numbers that the text does not state: worked out from other numbers in it, or ours."
     ),
+    "reading": (
+        "a reasonable way to understand a statement and to fill in what the paper does not say. "
+        "Every claim is computed once for each reading, and its verdict follows from them."
+    ),
+    "reproduced": "the rule is met, and the paper states all that it takes.",
     "reproduced with a stated choice": (
-        "the rule is met, and something that the paper does not state was chosen by us to "
-        "compute the number; the choice stands beside it."
+        "the rule is met by every reading, or by one that something in the paper singles out; the "
+        "paper leaves a choice to us, which stands beside it."
+    ),
+    "undecided": "readings, or the interval of the number, stand on both sides of the rule.",
+    "depends on a missing input": (
+        "an input that the paper's text lacks decides: "
+        f"{TABLE_1} (materials), {TABLE_2} (slider-crank), {WINDOW} (loads, penetrations or "
+        f"revolutions that a number was taken over), {DATUM} (where a penetration counts from)."
+    ),
+    "not reproduced": "no reading meets the rule; each says by how much it misses.",
+    "not testable": "there is nothing to compute.",
+}
+
+
+# Works that claims cite where a result is not new.
+REFERENCES: Mapping[str, str] = {
+    "Corless et al. 1996": (
+        "R. M. Corless, G. H. Gonnet, D. E. G. Hare, D. J. Jeffrey and D. E. Knuth, On the Lambert "
+        "W function, Advances in Computational Mathematics 5 (1996) 329–359, "
+        "doi:10.1007/BF02124750"
+    ),
+    "Carvalho and Martins 2019": (
+        "A. S. Carvalho and J. M. Martins, Exact restitution and generalizations for the "
+        "Hunt–Crossley contact model, Mechanism and Machine Theory 139 (2019) 174–194, "
+        "doi:10.1016/j.mechmachtheory.2019.03.028"
+    ),
+    "Persson 1964": (
+        "A. Persson, On the stress distribution of cylindrical elastic bodies in contact, "
+        "dissertation, Chalmers Tekniska Högskola, Göteborg (1964)"
+    ),
+    "Ciavarella and Decuzzi 2001": (
+        "M. Ciavarella and P. Decuzzi, The state of stress induced by the plane frictionless "
+        "cylindrical contact, International Journal of Solids and Structures 38 (2001) 4507–4533, "
+        "doi:10.1016/S0020-7683(00)00289-4"
     ),
 }
 
@@ -231,6 +273,8 @@ PAPER = Paper(
         "square of ln(δ/δ_Johnson); no law of this form can go below the lower bound."
     ),
     definitions=DEFINITIONS,
+    withdrawn=WITHDRAWN,
+    references=REFERENCES,
 )
 
 

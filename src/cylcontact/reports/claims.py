@@ -1,7 +1,8 @@
-"""Claims: what a paper states in numbers, compared with our own.
+"""Claims: what a paper states, held against computed numbers.
 
 A claim is a decorated function in a file of the bench's `reports/claims`. The decorator has the
-sentence, the paper's value and the rule; the function computes our value and returns a `Finding`:
+sentence, the paper's value and the rule; the function computes our value, once for each reasonable
+way to read the sentence, and returns a `Finding`:
 
     @claim(
         "3.2-below-10-percent",
@@ -14,18 +15,21 @@ sentence, the paper's value and the rule; the function computes our value and re
         largest = ...
         return Finding(f"{largest:.1f} %", holds=largest < 10)
 
-The files are read in alphabetical order, and the claims of one section stay in the order in
-which they are written.
+The verdict follows from the readings, see `Claim.verdict`. The files are read in alphabetical
+order, and the claims of one section stay in the order in which they are written. A file may have a
+function `prepare(bench, progress)` for long computations; it is called before any claim.
 """
 
 from __future__ import annotations
 
+import inspect
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from inspect import signature
-from itertools import groupby
+from dataclasses import asdict, dataclass, field, replace
+from itertools import chain
+from pathlib import Path
 from textwrap import wrap
+from types import ModuleType
 from typing import Any, Literal
 
 import pandas as pd
@@ -36,12 +40,16 @@ from cylcontact.reports.bench import Bench, MissingInputError
 
 __all__ = [
     "VERDICTS",
+    "Alternative",
     "Claim",
     "Finding",
     "Verdict",
     "agrees_as_printed",
+    "by_verdict",
     "claim",
     "counts",
+    "described",
+    "headline",
     "joined",
     "ledger",
     "listed",
@@ -49,19 +57,54 @@ __all__ = [
     "to_records",
     "to_table",
     "to_text",
-    "verdict_if",
+    "untestable",
     "with_unit",
 ]
 
-Verdict = Literal["reproduced", "reproduced with a stated choice", "not reproduced", "not testable"]
+Verdict = Literal[
+    "reproduced",
+    "reproduced with a stated choice",
+    "undecided",
+    "depends on a missing input",
+    "not reproduced",
+    "not testable",
+]
 VERDICTS: tuple[Verdict, ...] = (
     "reproduced",
     "reproduced with a stated choice",
+    "undecided",
+    "depends on a missing input",
     "not reproduced",
     "not testable",
 )
-LABEL_WIDTH = 10
+LABEL_WIDTH = 18
 Case = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """Another reasonable way to compute a claim, and what it gives.
+
+    Attributes
+    ----------
+    choice : str
+        What is chosen, such as "R_i = 5 mm".
+    ours : str
+        Our value, with its unit.
+    holds : bool or None
+        Whether the rule is met; None where the value is too uncertain to tell.
+    missing : str
+        The input of the paper that is missing and that this choice stands in for, such as
+        "Table 2"; empty where the choice is one of reading.
+    miss : str
+        By how much the rule is missed, where it is not met.
+    """
+
+    choice: str
+    ours: str
+    holds: bool | None
+    missing: str = ""
+    miss: str = ""
 
 
 @dataclass(frozen=True)
@@ -73,11 +116,20 @@ class Finding:
     ours : str
         Our value, with its unit.
     holds : bool or None
-        Whether the rule is met; None where nothing can be computed.
+        Whether the rule is met; None where the value is too uncertain to tell.
     choice : str
-        The choice of ours that the number rests on, or the reason for the verdict.
-    alternatives : str
-        The number and the verdict under other reasonable choices.
+        The choice of ours that the number rests on; empty where the paper states everything.
+    missing : str
+        The missing input that the choice stands in for, if any.
+    miss : str
+        By how much the rule is missed, where it is not met.
+    alternatives : sequence of Alternative
+        The other reasonable ways to compute it.
+    settled : str
+        What in the paper singles out `choice` among the alternatives, such as "it alone gives
+        every printed digit". The alternatives then show how much hangs on it, and no more.
+    reason : str
+        Why nothing can be computed; see `untestable`.
     values : mapping
         Our numbers in full precision, by a name that ends in the unit.
     paper_values : mapping
@@ -89,17 +141,38 @@ class Finding:
     ours: str
     holds: bool | None
     choice: str = ""
-    alternatives: str = ""
+    missing: str = ""
+    miss: str = ""
+    alternatives: Sequence[Alternative] = ()
+    settled: str = ""
+    reason: str = ""
     values: Mapping[str, float] = field(default_factory=dict)
     paper_values: Mapping[str, float] = field(default_factory=dict)
     rule: str = ""
 
+    @property
+    def readings(self) -> tuple[Alternative, ...]:
+        """The reading of `choice` and the alternatives; none where nothing can be computed."""
+        if self.reason:
+            return ()
+        own = Alternative(self.choice, self.ours, self.holds, self.missing, self.miss)
+        return (own, *self.alternatives)
+
+
+def untestable(reason: str) -> Finding:
+    """Return the finding on a statement that no computation can judge.
+
+    Examples
+    --------
+    >>> untestable("the paper gives no measured data").readings
+    ()
+    """
+    return Finding("", None, reason=reason)
+
 
 @dataclass(frozen=True)
 class Claim:
-    """A quantitative statement of the paper, our number for it, and whether they agree.
-
-    The verdict follows from `holds` and from whether a choice of ours was needed.
+    """A statement of the paper, our number for it, and whether they agree.
 
     Attributes
     ----------
@@ -109,30 +182,26 @@ class Claim:
         What the paper says, in our words.
     paper : str
         The paper's value as printed, with its unit.
-    ours : str
-        Our value, with its unit.
     rule : str
-        What must be true for the statement to count as reproduced.
-    holds : bool or None
-        Whether the rule is met; None where nothing can be computed.
-    choice : str
-        The choice of ours that the number rests on, or the reason for the verdict.
-    alternatives : str
-        The number and the verdict under other reasonable choices.
-    paper_values, ours_values : mapping
-        The numbers in the texts, from a name that ends in its unit to the full-precision value.
+        What must be true for the statement to hold.
+    finding : Finding
+        What we computed.
+    figures : tuple of str
+        Recipes of the figures that show it.
+    against : str
+        The best argument for another verdict.
+    code : str
+        File and line of its function, below the bench.
     """
 
     id: str
     statement: str
     paper: str
-    ours: str
     rule: str
-    holds: bool | None
-    choice: str = ""
-    alternatives: str = ""
-    paper_values: Mapping[str, float] = field(default_factory=dict)
-    ours_values: Mapping[str, float] = field(default_factory=dict)
+    finding: Finding
+    figures: tuple[str, ...] = ()
+    against: str = ""
+    code: str = ""
 
     @property
     def section(self) -> str:
@@ -140,13 +209,58 @@ class Claim:
         return self.id.partition("-")[0]
 
     @property
+    def missing(self) -> tuple[str, ...]:
+        """The missing inputs that decide: one value in their place holds, another does not."""
+        sides: dict[str, set[bool | None]] = {}
+        for reading in self.finding.readings:
+            if reading.missing:
+                sides.setdefault(reading.missing, set()).add(reading.holds)
+        return tuple(name for name, holds in sides.items() if holds >= {True, False})
+
+    @property
     def verdict(self) -> Verdict:
-        """The verdict that follows from `holds` and `choice`."""
-        if self.holds is None:
+        """The verdict that follows from the readings.
+
+        - "reproduced": the rule is met, and the paper states all that it takes;
+        - "reproduced with a stated choice": it is met by every reading tried, or by one that
+          something in the paper singles out, but the paper leaves a choice to us;
+        - "not reproduced": it is not met by any reading;
+        - "depends on a missing input": it is met with one value in place of an input that the
+          paper's text lacks, and not with another;
+        - "undecided": readings or the uncertainty of the number stand on both sides;
+        - "not testable": there is nothing to compute.
+        """
+        found, readings = self.finding, self.finding.readings
+        holds = {reading.holds for reading in readings}
+        if not readings:
             return "not testable"
-        if not self.holds:
+        if holds == {True} or (found.settled and found.holds):
+            free = not (found.choice or found.missing)
+            return "reproduced" if free else "reproduced with a stated choice"
+        if holds == {False}:
             return "not reproduced"
-        return "reproduced with a stated choice" if self.choice else "reproduced"
+        return "depends on a missing input" if self.missing else "undecided"
+
+    @property
+    def balance(self) -> str:
+        """How many readings meet the rule, where there are several."""
+        holds = [reading.holds for reading in self.finding.readings]
+        if len(holds) < 2:
+            return ""
+        parts = [f"met by {holds.count(True)} of {len(holds)} readings"]
+        return joined(*parts, *([f"{holds.count(None)} cannot tell"] if None in holds else []))
+
+    @property
+    def basis(self) -> str:
+        """What the verdict rests on: the rule, the choice, and how the readings stand."""
+        found = self.finding
+        if found.reason:
+            return found.reason
+        decides = f"{' and '.join(self.missing)} would decide" if self.missing else ""
+        rule = f"rule: {self.rule}" if self.rule else ""
+        choice = f"choice: {found.choice}" if found.choice else ""
+        settled = f"singled out: {found.settled}" if found.settled else ""
+        return joined(rule, choice, settled, self.balance, decides)
 
 
 @dataclass(frozen=True)
@@ -154,7 +268,8 @@ class ClaimFunction:
     """A decorated function: called with a bench, it returns one claim per case."""
 
     function: Callable[..., Finding]
-    texts: tuple[str, str, str, str]
+    texts: tuple[str, str, str, str, str]
+    figures: tuple[str, ...]
     paper_values: Mapping[str, float]
     cases: Sequence[Case]
 
@@ -163,28 +278,29 @@ class ClaimFunction:
 
     def _one(self, bench: Bench, case: Case) -> Claim:
         available = {"bench": bench, **case}
-        parameters = signature(self.function).parameters
+        parameters = inspect.signature(self.function).parameters
         try:
             finding = self.function(**{k: v for k, v in available.items() if k in parameters})
         except MissingInputError as error:
-            finding = Finding("", None, choice=str(error))
-        *texts, rule = self.texts
+            finding = untestable(str(error))
+        *texts, against, rule = self.texts
         # Without a case, braces in the texts are left alone.
-        id, statement, paper, rule = (
-            text.format(**case) if case else text for text in (*texts, finding.rule or rule)
+        id, statement, paper, against, rule = (
+            text.format(**case) if case else text
+            for text in (*texts, against, finding.rule or rule)
         )
-        return Claim(
-            id,
-            statement,
-            paper,
-            finding.ours,
-            rule,
-            finding.holds,
-            finding.choice,
-            finding.alternatives,
-            {**self.paper_values, **finding.paper_values},
-            finding.values,
-        )
+        values = {**self.paper_values, **finding.paper_values}
+        finding = replace(finding, paper_values=values)
+        code = _place_of(self.function, bench)
+        return Claim(id, statement, paper, rule, finding, self.figures, against, code)
+
+
+def _place_of(function: Callable[..., Finding], bench: Bench) -> str:
+    """Return the file, below the bench's root, and the line of a claim's function."""
+    code = inspect.unwrap(function).__code__
+    file, root = Path(code.co_filename).resolve(), bench.root.resolve()
+    name = file.relative_to(root) if file.is_relative_to(root) else Path(file.name)
+    return f"{name.as_posix()}:{code.co_firstlineno}"
 
 
 def claim(
@@ -193,6 +309,8 @@ def claim(
     *,
     paper: str,
     rule: str = "",
+    figures: Sequence[str] = (),
+    against: str = "",
     paper_values: Mapping[str, float] | None = None,
     cases: Sequence[Case] = ({},),
 ) -> Callable[[Callable[..., Finding]], ClaimFunction]:
@@ -207,8 +325,11 @@ def claim(
     paper : str
         The paper's value as printed, with its unit.
     rule : str, optional
-        What must be true for the statement to count as reproduced; left out where the function
-        words it.
+        What must be true for the statement to hold; left out where the function words it.
+    figures : sequence of str, optional
+        Recipes of the figures that show it, such as "fig10".
+    against : str, optional
+        The best argument for another verdict than the one that the readings lead to.
     paper_values : mapping of str to float, optional
         The numbers in `paper`, by a name that ends in the unit.
     cases : sequence of mapping, optional
@@ -218,18 +339,19 @@ def claim(
 
     Examples
     --------
-    >>> from pathlib import Path
     >>> @claim("2-{name}-is-even", "{name} is even", paper="even", rule="2 divides it",
     ...        cases=[{"name": "four", "number": 4}, {"name": "seven", "number": 7}])
     ... def is_even(number):
     ...     return Finding(f"remainder {number % 2}", holds=number % 2 == 0)
     >>> for each in is_even(Bench(Path("bench"))):
-    ...     print(f"{each.id}, {each.statement}: {each.ours}, {each.verdict}")
+    ...     print(f"{each.id}, {each.statement}: {each.finding.ours}, {each.verdict}")
     2-four-is-even, four is even: remainder 0, reproduced
     2-seven-is-even, seven is even: remainder 1, not reproduced
     """
-    texts = (id, statement, paper, rule)
-    return lambda function: ClaimFunction(function, texts, paper_values or {}, cases)
+    texts = (id, statement, paper, against, rule)
+    return lambda function: ClaimFunction(
+        function, texts, tuple(figures), paper_values or {}, cases
+    )
 
 
 def ledger(bench: Bench, progress: Progress = silent) -> list[Claim]:
@@ -253,7 +375,16 @@ def ledger(bench: Bench, progress: Progress = silent) -> list[Claim]:
     InputError
         If two claims have the same id, or an input is wrong.
     """
-    functions = _claim_functions(bench)
+    modules = [
+        bench.module(f"claims.{file.stem}")
+        for file in sorted(
+            (bench.recipes_folder / "claims").glob("*.py"), key=lambda path: path.stem
+        )
+    ]
+    for module in modules:
+        if hasattr(module, "prepare"):
+            module.prepare(bench, progress)
+    functions = list(chain.from_iterable(map(_claim_functions, modules)))
     claims: list[Claim] = []
     progress("claims", 0, len(functions))
     for done, function in enumerate(functions, start=1):
@@ -263,17 +394,13 @@ def ledger(bench: Bench, progress: Progress = silent) -> list[Claim]:
     return sorted(claims, key=lambda each: each.section)
 
 
-def _claim_functions(bench: Bench) -> list[ClaimFunction]:
-    """Return the claims of a bench, file by file in the order in which they are written."""
-    functions: list[ClaimFunction] = []
-    for file in sorted((bench.recipes_folder / "claims").glob("*.py"), key=lambda path: path.stem):
-        module = bench.module(f"claims.{file.stem}")
-        functions += [
-            value
-            for value in vars(module).values()
-            if isinstance(value, ClaimFunction) and value.function.__module__ == module.__name__
-        ]
-    return functions
+def _claim_functions(module: ModuleType) -> list[ClaimFunction]:
+    """Return the claims of a file in the order in which they are written."""
+    return [
+        value
+        for value in vars(module).values()
+        if isinstance(value, ClaimFunction) and value.function.__module__ == module.__name__
+    ]
 
 
 def _require_different_ids(claims: Iterable[Claim], bench: Bench) -> None:
@@ -297,17 +424,44 @@ def counts(claims: Iterable[Claim]) -> dict[Verdict, int]:
     return {verdict: verdicts.count(verdict) for verdict in VERDICTS}
 
 
+def by_verdict(claims: Iterable[Claim]) -> dict[Verdict, list[Claim]]:
+    """Return the claims of each verdict that occurs, in the order given."""
+    groups: dict[Verdict, list[Claim]] = {verdict: [] for verdict in VERDICTS}
+    for each in claims:
+        groups[each.verdict].append(each)
+    return {verdict: members for verdict, members in groups.items() if members}
+
+
+def headline(claims: Sequence[Claim]) -> str:
+    """Return one sentence on how many of the statements stand.
+
+    Examples
+    --------
+    >>> found = [Finding("1", holds=True), Finding("2", holds=False, choice="ours")]
+    >>> headline([Claim(f"1-{f.ours}", "", "", "", f) for f in found])
+    'Of 2 testable statements, 1 stands; 1 fails under every reading tried.'
+    """
+    number = counts(claims)
+    plain, chosen, open_, hanging, failed, _ = (number[verdict] for verdict in VERDICTS)
+    total, stand = len(claims) - number["not testable"], plain + chosen
+    parts = [f"{stand} {'stands' if stand == 1 else 'stand'}"]
+    if chosen and plain:
+        parts[0] += f" ({plain} as printed, {chosen} with a choice that we state)"
+    if failed:
+        parts.append(f"{failed} {'fails' if failed == 1 else 'fail'} under every reading tried")
+    if open_:
+        parts.append(f"for {open_} the evidence does not decide")
+    if hanging:
+        parts.append(f"{hanging} {'hangs' if hanging == 1 else 'hang'} on an input that is missing")
+    return f"Of {total} testable statements, {'; '.join(parts)}."
+
+
 # Helpers for the texts of claims.
 
 
 def joined(*parts: str) -> str:
     """Return the parts that are not empty, separated by semicolons."""
     return "; ".join(filter(None, parts))
-
-
-def verdict_if(holds: bool) -> str:
-    """Return the verdict that an alternative choice would lead to, in parentheses."""
-    return "(reproduced)" if holds else "(not reproduced)"
 
 
 def agrees_as_printed(value: float, printed: str) -> bool:
@@ -347,8 +501,13 @@ def with_unit(values: Mapping[str, float], unit: str) -> dict[str, float]:
 # The ledger as text, table, CSV and JSON.
 
 
-def to_text(claims: Sequence[Claim], terms: Mapping[str, str], width: int = 100) -> str:
-    """Return the ledger for reading: definitions, claims by section, count of verdicts.
+def to_text(
+    claims: Sequence[Claim],
+    terms: Mapping[str, str],
+    withdrawn: Mapping[str, str] | None = None,
+    width: int = 100,
+) -> str:
+    """Return the ledger for reading: what stands, the claims by verdict, the definitions.
 
     Parameters
     ----------
@@ -356,6 +515,8 @@ def to_text(claims: Sequence[Claim], terms: Mapping[str, str], width: int = 100)
         In the order to print.
     terms : mapping of str to str
         The paper's definitions, term → meaning.
+    withdrawn : mapping of str to str, optional
+        Statements that are no longer in the ledger, id → reason.
     width : int
         Columns of the terminal.
 
@@ -363,52 +524,52 @@ def to_text(claims: Sequence[Claim], terms: Mapping[str, str], width: int = 100)
     -------
     str
     """
-    lines = ["Definitions", ""] if terms else []
-    for term, meaning in terms.items():
-        lines += [*_entry(f"{term}:", meaning, width, len(term) + 2), ""]
-    for section, members in groupby(claims, key=lambda each: each.section):
-        lines += [f"Section {section}", "─" * width, ""]
+    lines = [*wrap(headline(claims), width), ""]
+    for verdict, members in by_verdict(claims).items():
+        lines += [f"{verdict.capitalize()} ({len(members)})", "─" * width, ""]
         for each in members:
             lines += [*_claim_lines(each, width), ""]
-    return "\n".join([*lines, *_count_lines(claims)]) + "\n"
+    for title, entries in (("Withdrawn", withdrawn or {}), ("Definitions", terms)):
+        lines += [title, "─" * width, ""] if entries else []
+        for term, meaning in entries.items():
+            lines += [*_entry(f"{term}:", meaning, width, len(term) + 2), ""]
+    return "\n".join(lines)
 
 
 def _claim_lines(one: Claim, width: int) -> list[str]:
-    """Return the lines of one claim: the id with the verdict, then the texts."""
-    entries = (
-        ("claim", one.statement),
-        ("paper", one.paper),
-        ("ours", one.ours),
-        ("rule", one.rule),
-        (_choice_label(one), one.choice),
-        ("otherwise", one.alternatives),
-    )
-    lines = [f"{one.id}  [{one.verdict}]"]
+    """Return the lines of one claim: what the paper says, what we find, what it rests on."""
+    entries = [
+        ("the paper says", f"{one.statement}: {one.paper}"),
+        ("we find", one.finding.ours),
+        ("it rests on", one.basis),
+        *(("otherwise", described(each)) for each in one.finding.alternatives),
+    ]
+    lines = [one.id]
     for label, text in entries:
         if text:
-            lines += _entry(f"  {label}", text, width, LABEL_WIDTH + 2)
+            lines += _entry(f"  {label}", text, width, LABEL_WIDTH)
     return lines
 
 
-def _choice_label(one: Claim) -> str:
-    """Return the label of the text in `choice`, which depends on the verdict."""
-    return {"not testable": "reason", "not reproduced": "basis"}.get(one.verdict, "choice")
+def described(reading: Alternative) -> str:
+    """Return a reading in one line: what is chosen, what it gives, whether the rule is met.
+
+    Examples
+    --------
+    >>> described(Alternative("R_i = 5 mm", "12 %", holds=False, miss="2 points too much"))
+    'R_i = 5 mm: 12 % (not met, 2 points too much)'
+    """
+    met = {True: "met", False: "not met", None: "cannot tell"}[reading.holds]
+    missing = f"in place of {reading.missing}" if reading.missing else ""
+    told = ", ".join(filter(None, (met, reading.miss, missing)))
+    return f"{reading.choice}: {reading.ours} ({told})"
 
 
 def _entry(label: str, text: str, width: int, indent: int) -> list[str]:
     """Return the lines of a text that is wrapped to the right of its label."""
     start = f"{label:<{indent}}"
-    rest = " " * (LABEL_WIDTH + 2)
+    rest = " " * LABEL_WIDTH
     return wrap(text, width, initial_indent=start, subsequent_indent=rest, break_on_hyphens=False)
-
-
-def _count_lines(claims: Sequence[Claim]) -> list[str]:
-    """Return the closing count."""
-    return [
-        "Verdicts",
-        *(f"  {number:3d}  {verdict}" for verdict, number in counts(claims).items()),
-        f"  {len(claims):3d}  in all",
-    ]
 
 
 def to_records(claims: Iterable[Claim]) -> list[dict[str, Any]]:
@@ -419,32 +580,41 @@ def to_records(claims: Iterable[Claim]) -> list[dict[str, Any]]:
             "section": each.section,
             "statement": each.statement,
             "paper": each.paper,
-            "ours": each.ours,
-            "rule": each.rule,
+            "ours": each.finding.ours,
             "verdict": each.verdict,
-            "choice": each.choice,
-            "alternatives": each.alternatives,
-            "paper_values": {k: float(v) for k, v in each.paper_values.items()},
-            "ours_values": {k: float(v) for k, v in each.ours_values.items()},
+            "basis": each.basis,
+            "rule": each.rule,
+            "readings": [asdict(reading) for reading in each.finding.readings],
+            "missing": list(each.missing),
+            "against": each.against,
+            "figures": list(each.figures),
+            "code": each.code,
+            "paper_values": {k: float(v) for k, v in each.finding.paper_values.items()},
+            "ours_values": {k: float(v) for k, v in each.finding.values.items()},
         }
         for each in claims
     ]
 
 
 def to_table(claims: Iterable[Claim]) -> pd.DataFrame:
-    """Return the ledger as a table, one row per claim; the values are JSON text in their cells."""
+    """Return the ledger as a table, one row per claim; lists and values are JSON in their cells."""
     records = to_records(claims)
     for record in records:
-        for column in ("paper_values", "ours_values"):
-            record[column] = json.dumps(record[column], ensure_ascii=False)
+        for column, value in record.items():
+            if not isinstance(value, str):
+                record[column] = json.dumps(value, ensure_ascii=False)
     return pd.DataFrame.from_records(records)
 
 
-def to_json(claims: Sequence[Claim], terms: Mapping[str, str]) -> str:
-    """Return definitions, claims and counts as JSON text."""
+def to_json(
+    claims: Sequence[Claim], terms: Mapping[str, str], withdrawn: Mapping[str, str] | None = None
+) -> str:
+    """Return what stands, definitions, claims, counts and what was withdrawn, as JSON text."""
     document = {
+        "headline": headline(claims),
         "definitions": dict(terms),
         "claims": to_records(claims),
         "counts": counts(claims),
+        "withdrawn": dict(withdrawn or {}),
     }
     return json.dumps(document, ensure_ascii=False, indent=2) + "\n"

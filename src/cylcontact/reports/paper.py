@@ -32,6 +32,10 @@ class Paper:
         What these were fitted to, and how.
     definitions : mapping of str to str
         The terms that the claims are worded in, term → meaning.
+    withdrawn : mapping of str to str
+        Claims that are no longer in the ledger, id → reason.
+    references : mapping of str to str
+        The works that claims cite, short name → reference.
 
     Examples
     --------
@@ -48,6 +52,8 @@ class Paper:
     fits: tuple[str, ...] = ()
     fits_note: str = ""
     definitions: Mapping[str, str] = field(default_factory=dict)
+    withdrawn: Mapping[str, str] = field(default_factory=dict)
+    references: Mapping[str, str] = field(default_factory=dict)
 
 
 def paper_of(bench: Bench) -> Paper:
