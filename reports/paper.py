@@ -205,8 +205,8 @@ REFERENCES: Mapping[str, str] = {
     ),
     "Ciavarella and Decuzzi 2001": (
         "M. Ciavarella and P. Decuzzi, The state of stress induced by the plane frictionless "
-        "cylindrical contact, International Journal of Solids and Structures 38 (2001) 4507–4533, "
-        "doi:10.1016/S0020-7683(00)00289-4"
+        "cylindrical contact, parts I and II, International Journal of Solids and Structures 38 "
+        "(2001) 4507–4523 and 4525–4533, doi:10.1016/S0020-7683(00)00289-4"
     ),
 }
 
