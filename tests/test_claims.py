@@ -13,18 +13,24 @@ from cylcontact import InputError
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import (
     VERDICTS,
+    Alternative,
     Claim,
+    Finding,
+    by_verdict,
     counts,
+    described,
     ledger,
     to_json,
     to_records,
     to_table,
     to_text,
+    untestable,
+    what_stands,
 )
 
 ROOT = Path(__file__).parents[1]
-YES, CHOICE, NO, NONE = VERDICTS
-IMPORT = "from cylcontact.reports.claims import Finding, claim\n"
+YES, CHOICE, OPEN, HANGS, NO, NONE = VERDICTS
+IMPORT = "from cylcontact.reports.claims import Alternative, Finding, claim, untestable\n"
 TRIAL = '''
 @claim(
     "{id}",
@@ -114,7 +120,7 @@ def test_progress_counts_the_functions(bench):
 CASES = """
 @claim(
     "4-{name}", "{name} is {parity}", paper="{number:g} is {parity}", rule="{{}} of 2",
-    paper_values={"number, -": 1.0}, cases=[
+    figures=["fig01"], against="{name} is a number", paper_values={"number, -": 1.0}, cases=[
         {"name": "four", "number": 4, "parity": "even"},
         {"name": "seven", "number": 7, "parity": "even"},
     ],
@@ -133,8 +139,9 @@ def test_cases_fill_the_texts_and_the_parameters_that_the_function_has(bench):
     assert (four.id, four.statement, four.paper) == ("4-four", "four is even", "4 is even")
     assert (four.rule, seven.rule) == ("{} of 2", "divides seven")
     assert (four.verdict, seven.verdict) == (YES, NO)
-    assert four.ours == bench.root.name
-    assert seven.paper_values == {"number, -": 1.0, "half, -": 3.5}
+    assert four.finding.ours == bench.root.name
+    assert seven.finding.paper_values == {"number, -": 1.0, "half, -": 3.5}
+    assert (four.against, four.figures) == ("four is a number", ("fig01",))
 
 
 def test_without_cases_braces_are_left_alone(bench):
@@ -152,11 +159,11 @@ def test_a_missing_input_is_not_testable_for_its_reason(bench):
     )
     (claim,) = ledger(bench)
     assert claim.verdict == NONE
-    assert claim.ours == ""
-    assert not claim.ours_values
-    assert "internal.json" in claim.choice
-    assert "this fit result does not exist" in claim.choice
-    assert "  reason    " in to_text([claim], {})
+    assert claim.finding.ours == ""
+    assert not claim.finding.values
+    assert "internal.json" in claim.basis
+    assert "this fit result does not exist" in claim.basis
+    assert "we find" not in to_text([claim], {})
 
 
 def test_a_wrong_input_is_an_error(bench):
@@ -182,14 +189,14 @@ def test_a_claim_of_the_shipped_bench_takes_one_function_of_18_lines(tmp_path, r
     shutil.copy(ROOT / "reports" / "claims" / "section33.py", claims)
     monkeypatch.chdir(tmp_path)
     before = run("claims")
+    assert before[0] == 0, before
     with (claims / "section33.py").open("a", encoding="utf-8") as file:
         file.write(f"\n\n{text}\n")
     code, out, err = run("claims")
     assert (code, err) == (0, "")
-    assert "3.2-zz-trial  [not reproduced]\n  claim     the laws agree to 10 %\n" in out
+    assert "3.2-zz-trial\n  the paper says  the laws agree to 10 %: < 10 %\n" in out
+    assert out.index("Not reproduced (") < out.index("3.2-zz-trial")
     assert "3.2-zz-trial" not in before[1]
-    # It comes first, as its section does.
-    assert out.index("3.2-zz-trial") < out.index("3.3-yield-load-against-clearance")
 
 
 # --- verdicts and exports ---
@@ -201,46 +208,131 @@ def claims(bench):
     return ledger(bench)
 
 
-def test_a_verdict_follows_from_the_rule_and_the_choice():
-    claim = Claim("1-x", "s", "p", "o", "r", holds=True)
-    assert claim.verdict == YES
+def judged(holds, **others):
+    """Return a claim with a finding."""
+    return Claim("1-x", "s", "p", "r", Finding("1 mm", holds, **others))
+
+
+def reading(holds, missing="", miss=""):
+    return Alternative("another way", "2 mm", holds, missing, miss)
+
+
+@pytest.mark.parametrize(
+    ("holds", "alternatives", "choice", "missing", "verdict"),
+    [
+        (True, [], "", "", YES),
+        (True, [], "ours", "", CHOICE),
+        (True, [], "", "Table 1", CHOICE),
+        (True, [reading(True), reading(True)], "", "", YES),
+        (True, [reading(True)], "ours", "", CHOICE),
+        (False, [], "", "", NO),
+        (False, [reading(False)], "ours", "Table 1", NO),
+        (None, [], "ours", "", OPEN),
+        (True, [reading(False)], "ours", "", OPEN),
+        (False, [reading(True)], "ours", "", OPEN),
+        (True, [reading(None)], "ours", "Table 1", OPEN),
+        (False, [reading(None, "Table 1")], "ours", "Table 1", OPEN),
+        (True, [reading(False, "Table 1")], "ours", "Table 1", HANGS),
+        (False, [reading(False), reading(True, "Table 1")], "ours", "Table 1", HANGS),
+        # What fails in another way than by the missing input does not hang on it.
+        (True, [reading(True, "Table 1"), reading(False)], "ours", "Table 1", OPEN),
+        (True, [reading(False, "Table 1")], "ours", "", OPEN),
+    ],
+)
+def test_a_verdict_follows_from_the_readings(holds, alternatives, choice, missing, verdict):
+    claim = judged(holds, alternatives=alternatives, choice=choice, missing=missing)
+    assert claim.verdict == verdict
+    assert claim.missing == (("Table 1",) if verdict == HANGS else ())
     assert claim.section == "1"
-    assert dataclasses.replace(claim, choice="c").verdict == CHOICE
-    assert dataclasses.replace(claim, holds=False, choice="c").verdict == NO
-    assert dataclasses.replace(claim, holds=None, choice="c").verdict == NONE
 
 
-def test_counts_add_up(claims):
-    assert counts(claims) == {YES: 1, CHOICE: 1, NO: 2, NONE: 0}
+def test_a_reading_that_the_paper_singles_out_stands_against_others_if_it_holds():
+    others = {
+        "choice": "loads of Fig 2",
+        "settled": "every digit",
+        "alternatives": [reading(False)],
+    }
+    assert judged(True, **others).verdict == CHOICE
+    assert judged(None, **others).verdict == OPEN
+    assert judged(False, **others).verdict == NO
+    assert judged(False, **others | {"alternatives": [reading(True)]}).verdict == OPEN
+
+
+def test_what_cannot_be_computed_is_not_testable():
+    claim = Claim("1-x", "s", "p", "r", untestable("no data"))
+    assert (claim.verdict, claim.basis, claim.balance) == (NONE, "no data", "")
+
+
+def test_the_basis_tells_rule_choice_and_how_the_readings_stand():
+    claim = judged(
+        True,
+        choice="ours",
+        missing="Table 1",
+        settled="every digit",
+        alternatives=[reading(False, "Table 1", "1 mm off"), reading(None)],
+    )
+    assert claim.basis == (
+        "rule: r; choice: ours; singled out: every digit; met by 1 of 3 readings; 1 cannot tell; "
+        "Table 1 would decide"
+    )
+    assert [described(each) for each in claim.finding.alternatives] == [
+        "another way: 2 mm (not met, 1 mm off, in place of Table 1)",
+        "another way: 2 mm (cannot tell)",
+    ]
+
+
+def test_counts_add_up_and_groups_follow_the_verdicts(claims):
+    assert counts(claims) == dict.fromkeys(VERDICTS, 0) | {YES: 1, CHOICE: 1, NO: 2}
     assert tuple(counts(claims)) == VERDICTS
+    assert {verdict: len(each) for verdict, each in by_verdict(claims).items()} == {
+        YES: 1,
+        CHOICE: 1,
+        NO: 2,
+    }
     assert counts([]) == dict.fromkeys(VERDICTS, 0)
 
 
-def test_text_has_definitions_claims_and_counts(claims):
-    flat = " ".join(to_text(claims, {"share": "a part of the domain"}).split())
-    assert flat.startswith("Definitions share: a part of the domain Section 1 ")
-    for claim in claims:
-        assert f"{claim.id} [{claim.verdict}]" in flat
-        for text in (claim.statement, claim.paper, claim.ours, claim.choice):
-            assert text in flat
-    assert flat.endswith(
-        "Verdicts 1 reproduced 1 reproduced with a stated choice 2 not reproduced "
-        "0 not testable 4 in all"
+def test_one_sentence_says_what_stands(claims):
+    assert what_stands(claims) == (
+        "Of 4 testable statements, 2 stand (1 as printed, 1 with a choice that we state); "
+        "2 fail under every reading tried."
+    )
+    many = [*[judged(None)] * 3, judged(True), Claim("1-x", "", "", "", untestable("no"))]
+    assert what_stands(many) == (
+        "Of 4 testable statements, 1 stands; for 3 the evidence does not decide."
     )
 
 
+def test_text_has_what_stands_then_the_claims_by_verdict_and_the_terms(claims):
+    flat = " ".join(
+        to_text(claims, {"share": "a part of the domain"}, {"9-gone": "no statement"}).split()
+    )
+    assert flat.startswith(f"{what_stands(claims)} Reproduced (1) ")
+    assert flat.index("Reproduced (1)") < flat.index("with a stated choice (1)")
+    for claim in claims:
+        for text in (claim.id, claim.statement, claim.paper, claim.finding.ours, claim.basis):
+            assert text in flat
+    assert "Withdrawn" in flat
+    assert "9-gone: no statement" in flat
+    assert flat.endswith("share: a part of the domain")
+
+
 def test_text_keeps_to_the_width(claims):
-    long = [dataclasses.replace(claims[0], choice="a long choice " * 20)]
-    assert max(map(len, to_text(long, {"term": "words " * 40}, width=60).splitlines())) <= 60
+    long = dataclasses.replace(claims[0].finding, choice="a long choice " * 20)
+    texts = to_text(
+        [dataclasses.replace(claims[0], finding=long)], {"term": "words " * 40}, width=60
+    )
+    assert max(map(len, texts.splitlines())) <= 60
 
 
 def test_json_round_trip(claims):
-    terms = {"share": "ein Stück"}
-    document = json.loads(to_json(claims, terms))
-    assert document == {
+    terms, gone = {"share": "ein Stück"}, {"9-gone": "no statement"}
+    assert json.loads(to_json(claims, terms, gone)) == {
+        "what_stands": what_stands(claims),
         "definitions": terms,
         "claims": to_records(claims),
         "counts": counts(claims),
+        "withdrawn": gone,
     }
 
 
@@ -248,10 +340,26 @@ def test_csv_round_trip(claims):
     table = pd.read_csv(
         io.StringIO(to_table(claims).to_csv(index=False)), dtype=str, keep_default_na=False
     )
-    for column in ("paper_values", "ours_values"):
+    for column in ("readings", "missing", "figures", "paper_values", "ours_values"):
         table[column] = table[column].map(json.loads)
     assert table.to_dict("records") == to_records(claims)
 
 
-def test_table_has_a_row_per_claim(claims):
-    assert list(to_table(claims)["id"]) == [claim.id for claim in claims]
+def test_the_code_of_a_claim_is_its_file_and_line(claims, bench):
+    file, line = claims[0].code.split(":")
+    source = (bench.root / file).read_text(encoding="utf-8").splitlines()
+    assert source[int(line) - 1].startswith("@claim")
+    assert claims[0].id in source[int(line)]
+
+
+def test_long_computations_are_prepared_before_any_claim(bench):
+    order = "\nORDER = []\n"
+    write(
+        bench, "a", order, CASES.replace("return Finding", "ORDER.append('claim'); return Finding")
+    )
+    prepare = "from .a import ORDER\n\ndef prepare(bench, progress):\n    progress('runs', 1, 1)"
+    write(bench, "b", prepare, "    ORDER.append(bench)")
+    steps = []
+    ledger(bench, lambda *step: steps.append(step))
+    assert steps == [("runs", 1, 1), ("claims", 0, 1), ("claims", 1, 1)]
+    assert bench.module("claims.a").ORDER == [bench, "claim", "claim"]

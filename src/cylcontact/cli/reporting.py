@@ -153,7 +153,10 @@ def claims(
     results: Results = RESULTS,
     jobs: Jobs = None,
 ) -> None:
-    """Hold every quantitative statement of the paper against computed numbers."""
+    """Hold what the paper states against computed numbers; a verdict for each statement.
+
+    Long simulations are kept in the bench, by what they depend on, and done once.
+    """
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.claims import ledger, to_json, to_table, to_text
     from cylcontact.reports.paper import paper_of
@@ -163,15 +166,17 @@ def claims(
         require_suffix(out, ".csv", ".json")
     with progress_bars() as progress:
         computed = ledger(bench, progress)
-    terms = paper_of(bench).definitions
+    paper = paper_of(bench)
     if out is None:
-        typer.echo(to_text(computed, terms), nl=False)
+        typer.echo(to_text(computed, paper.definitions, paper.withdrawn), nl=False)
         return
     if out.suffix == ".csv":
         write_table(to_table(computed), out)
     else:
         with replacing(out) as temporary:
-            temporary.write_text(to_json(computed, terms), encoding="utf-8")
+            temporary.write_text(
+                to_json(computed, paper.definitions, paper.withdrawn), encoding="utf-8"
+            )
     count = len(computed)
     typer.echo(f"{count} {'claim' if count == 1 else 'claims'} written to {out}")
 

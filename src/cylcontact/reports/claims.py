@@ -49,7 +49,6 @@ __all__ = [
     "claim",
     "counts",
     "described",
-    "headline",
     "joined",
     "ledger",
     "listed",
@@ -58,6 +57,7 @@ __all__ = [
     "to_table",
     "to_text",
     "untestable",
+    "what_stands",
     "with_unit",
 ]
 
@@ -432,13 +432,13 @@ def by_verdict(claims: Iterable[Claim]) -> dict[Verdict, list[Claim]]:
     return {verdict: members for verdict, members in groups.items() if members}
 
 
-def headline(claims: Sequence[Claim]) -> str:
+def what_stands(claims: Sequence[Claim]) -> str:
     """Return one sentence on how many of the statements stand.
 
     Examples
     --------
     >>> found = [Finding("1", holds=True), Finding("2", holds=False, choice="ours")]
-    >>> headline([Claim(f"1-{f.ours}", "", "", "", f) for f in found])
+    >>> what_stands([Claim(f"1-{f.ours}", "", "", "", f) for f in found])
     'Of 2 testable statements, 1 stands; 1 fails under every reading tried.'
     """
     number = counts(claims)
@@ -524,7 +524,7 @@ def to_text(
     -------
     str
     """
-    lines = [*wrap(headline(claims), width), ""]
+    lines = [*wrap(what_stands(claims), width), ""]
     for verdict, members in by_verdict(claims).items():
         lines += [f"{verdict.capitalize()} ({len(members)})", "─" * width, ""]
         for each in members:
@@ -611,7 +611,7 @@ def to_json(
 ) -> str:
     """Return what stands, definitions, claims, counts and what was withdrawn, as JSON text."""
     document = {
-        "headline": headline(claims),
+        "what_stands": what_stands(claims),
         "definitions": dict(terms),
         "claims": to_records(claims),
         "counts": counts(claims),

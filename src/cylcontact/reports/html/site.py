@@ -16,7 +16,15 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, find_recipes
-from cylcontact.reports.claims import VERDICTS, Claim, counts, ledger
+from cylcontact.reports.claims import (
+    VERDICTS,
+    Claim,
+    by_verdict,
+    counts,
+    described,
+    ledger,
+    what_stands,
+)
 from cylcontact.reports.html.campaigns import (
     Campaigns,
     headline,
@@ -32,9 +40,9 @@ __all__ = ["Site", "build_site"]
 
 # A symbol of one letter with an index.
 SYMBOL = re.compile(r"(?<!\w)([^\W\d_])_([A-Za-z]+|\d)(?!\w)")
-PAGES = ("index", "explore")
+PAGES = ("index", "claims", "explore")
 # The classes that the pages give to the verdicts.
-MARKS = dict(zip(VERDICTS, ("yes", "choice", "no", "untestable"), strict=True))
+MARKS = dict(zip(VERDICTS, ("yes", "choice", "open", "hangs", "no", "untestable"), strict=True))
 
 
 @dataclass(frozen=True)
@@ -71,7 +79,7 @@ class _Ledger:
 
 
 def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
-    """Draw all figures and write `index.html`, `explore.html` and `figures/` in a folder.
+    """Draw all figures and write the pages, `figures/` and the claims' `code/` in a folder.
 
     The pages need no server and no network. Figures, fits and claims that fail are listed as
     missing, with the reason.
@@ -109,6 +117,7 @@ def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
     }
     pages = {
         "index": _index(figures, campaigns, claims, paper),
+        "claims": _claims_page(figures, claims, paper, _copied_code(claims, bench, folder)),
         "explore": _explore(bench, campaigns),
     }
     for page, content in pages.items():
@@ -147,6 +156,8 @@ def _render(page: str, content: Mapping[str, Any]) -> str:
     )
     # Our own styles and scripts are inserted verbatim; everything else is escaped.
     environment.filters["subscripts"] = lambda text: Markup(_subscripts(str(escape(text))))
+    environment.filters["capitalize_first"] = lambda text: text[:1].upper() + text[1:]
+    environment.globals["described"] = described
     environment.globals["asset"] = lambda name: Markup(_asset(name))
     return environment.get_template(f"{page}.html.j2").render(page=page, **content)
 
@@ -181,10 +192,44 @@ def _index(
         "claims": claims.claims,
         "claims_problem": claims.problem,
         "counts": counts(claims.claims),
-        "sections": sorted({claim.section for claim in claims.claims}),
-        "definitions": paper.definitions,
         "marks": MARKS,
     }
+
+
+def _claims_page(
+    figures: list[Figure], claims: _Ledger, paper: Paper, code: Mapping[str, str]
+) -> dict[str, Any]:
+    """Return the content of the page of claims."""
+    numbered, others = plates(figures, paper)
+    terms = {t: m for t, m in paper.definitions.items() if t not in VERDICTS}
+    return {
+        "claims": claims.claims,
+        "claims_problem": claims.problem,
+        "what_stands": what_stands(claims.claims),
+        "counts": counts(claims.claims),
+        "groups": by_verdict(claims.claims),
+        "sections": sorted({claim.section for claim in claims.claims}),
+        "definitions": paper.definitions,
+        "terms": terms,
+        "withdrawn": paper.withdrawn,
+        "references": paper.references,
+        "plate_of": {f.name: plate.id for plate in (*numbered, *others) for f in plate.figures},
+        "code": code,
+        "marks": MARKS,
+        "place": lambda section: f"Section {section}" if section[:1].isdigit() else section,
+    }
+
+
+def _copied_code(claims: _Ledger, bench: Bench, folder: Path) -> dict[str, str]:
+    """Copy the files that the claims are computed in, and return their addresses by place."""
+    addresses = {}
+    for place in {claim.code for claim in claims.claims}:
+        source = bench.root / place.rpartition(":")[0]
+        copy = folder / "code" / f"{source.name}.txt"
+        with replacing(copy) as temporary:
+            temporary.write_bytes(source.read_bytes())
+        addresses[place] = copy.relative_to(folder).as_posix()
+    return addresses
 
 
 def _explore(bench: Bench, campaigns: Campaigns) -> dict[str, Any]:

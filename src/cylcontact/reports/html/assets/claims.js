@@ -22,6 +22,9 @@
       claim.hidden = !fits;
       count += fits;
     }
+    for (const group of document.querySelectorAll(".claim-group")) {
+      group.hidden = !group.querySelector(".claim:not([hidden])");
+    }
     countText.textContent = `${count} of ${claims.length} claims shown`;
   }
   form.addEventListener("input", apply);
