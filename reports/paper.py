@@ -24,8 +24,6 @@ from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.paper import Paper
 
-from .withdrawn import WITHDRAWN
-
 Interval = tuple[float, float]
 
 # Sects 3.4 and 5: where the two laws are compared (Figs 10–14).
@@ -171,19 +169,11 @@ DEFINITIONS: Mapping[str, str] = {
         "a reasonable way to understand a statement and to fill in what the paper does not say. "
         "Every claim is computed once for each reading, and its verdict follows from them."
     ),
-    "reproduced": "the rule is met, and the paper states all that it takes.",
-    "reproduced with a stated choice": (
-        "the rule is met by every reading, or by one that something in the paper singles out; the "
-        "paper leaves a choice to us, which stands beside it."
+    "missing inputs": (
+        f"what the paper's text lacks: {TABLE_1} (materials), {TABLE_2} (slider-crank), {WINDOW} "
+        "(loads, penetrations or revolutions that a number was taken over), "
+        f"{DATUM} (where a penetration counts from)."
     ),
-    "undecided": "readings, or the interval of the number, stand on both sides of the rule.",
-    "depends on a missing input": (
-        "an input that the paper's text lacks decides: "
-        f"{TABLE_1} (materials), {TABLE_2} (slider-crank), {WINDOW} (loads, penetrations or "
-        f"revolutions that a number was taken over), {DATUM} (where a penetration counts from)."
-    ),
-    "not reproduced": "no reading meets the rule; each says by how much it misses.",
-    "not testable": "there is nothing to compute.",
 }
 
 
@@ -273,7 +263,6 @@ PAPER = Paper(
         "square of ln(δ/δ_Johnson); no law of this form can go below the lower bound."
     ),
     definitions=DEFINITIONS,
-    withdrawn=WITHDRAWN,
     references=REFERENCES,
 )
 

@@ -26,6 +26,7 @@ from cylcontact.reports.claims import (
     to_text,
     untestable,
     what_stands,
+    withdrawn,
 )
 
 ROOT = Path(__file__).parents[1]
@@ -283,13 +284,14 @@ def test_the_basis_tells_rule_choice_and_how_the_readings_stand():
 
 def test_counts_add_up_and_groups_follow_the_verdicts(claims):
     assert counts(claims) == dict.fromkeys(VERDICTS, 0) | {YES: 1, CHOICE: 1, NO: 2}
-    assert tuple(counts(claims)) == VERDICTS
+    assert list(counts(claims)) == list(VERDICTS)
     assert {verdict: len(each) for verdict, each in by_verdict(claims).items()} == {
         YES: 1,
         CHOICE: 1,
         NO: 2,
     }
     assert counts([]) == dict.fromkeys(VERDICTS, 0)
+    assert by_verdict([]) == {}
 
 
 def test_one_sentence_says_what_stands(claims):
@@ -307,14 +309,21 @@ def test_text_has_what_stands_then_the_claims_by_verdict_and_the_terms(claims):
     flat = " ".join(
         to_text(claims, {"share": "a part of the domain"}, {"9-gone": "no statement"}).split()
     )
-    assert flat.startswith(f"{what_stands(claims)} Reproduced (1) ")
-    assert flat.index("Reproduced (1)") < flat.index("with a stated choice (1)")
+    assert flat.startswith(f"{what_stands(claims)} Reproduced (1): the rule is met, ")
+    assert flat.index("Reproduced (1): ") < flat.index("with a stated choice (1): ")
     for claim in claims:
         for text in (claim.id, claim.statement, claim.paper, claim.finding.ours, claim.basis):
             assert text in flat
     assert "Withdrawn" in flat
     assert "9-gone: no statement" in flat
     assert flat.endswith("share: a part of the domain")
+
+
+def test_withdrawn_claims_keep_their_reason(bench, run, monkeypatch):
+    write(bench, "a", trial("1-a"), "WITHDRAWN = {'3.1-b': 'no statement', '2-c': 'merged'}")
+    assert list(withdrawn(bench).items()) == [("2-c", "merged"), ("3.1-b", "no statement")]
+    monkeypatch.chdir(bench.root)
+    assert "2-c: merged" in run("claims")[1]
 
 
 def test_text_keeps_to_the_width(claims):

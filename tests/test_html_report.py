@@ -36,7 +36,7 @@ class Links(HTMLParser):
 @pytest.fixture(scope="module")
 def texts(site):
     """The pages by name."""
-    names = ("index", "explore")
+    names = ("index", "claims", "explore")
     return {name: (site.index.parent / f"{name}.html").read_text("utf-8") for name in names}
 
 
@@ -74,7 +74,7 @@ def test_the_wheel_holds_templates_styles_and_scripts(tmp_path):
     assert {path.relative_to(ROOT / "src").as_posix() for path in needed} <= packed
 
 
-@pytest.mark.parametrize("page", ["index", "explore"])
+@pytest.mark.parametrize("page", ["index", "claims", "explore"])
 def test_ids_are_unique_and_every_address_leads_somewhere_on_disk(site, texts, page):
     pages = {f"{name}.html": Links(text) for name, text in texts.items()}
     ids = pages[f"{page}.html"].ids
@@ -148,7 +148,7 @@ def test_a_bench_with_a_broken_table_of_materials_still_has_a_report(tmp_path):
     assert "none of the main fits exists" in site.index.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("page", ["index", "explore"])
+@pytest.mark.parametrize("page", ["index", "claims", "explore"])
 @pytest.mark.parametrize("width", [360, 1440])
 def test_layout_holds(browser, site, page, width):
     with opened(browser, site.index.parent / f"{page}.html", width) as view:
@@ -162,7 +162,7 @@ def test_layout_holds(browser, site, page, width):
         assert view.evaluate(outside, width) == []
 
 
-@pytest.mark.parametrize("page", ["index", "explore"])
+@pytest.mark.parametrize("page", ["index", "claims", "explore"])
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_all_text_has_enough_contrast(browser, site, page, theme):
     with opened(browser, site.index.parent / f"{page}.html", theme=theme) as view:
@@ -187,7 +187,7 @@ def test_theme_follows_the_system_until_it_is_chosen(browser, site):
 
 
 def test_claims_are_filtered_by_verdict_section_and_words(browser, site):
-    with opened(browser, site.index) as view:
+    with opened(browser, site.index.parent / "claims.html") as view:
         message = view.locator("#claims-count")
         every = view.locator(".claim").count()
         assert message.text_content() == f"{every} of {every} claims shown"
@@ -197,6 +197,7 @@ def test_claims_are_filtered_by_verdict_section_and_words(browser, site):
         assert 0 < left.count() < every
         assert set(left.evaluate_all("nodes => nodes.map((n) => n.dataset.section)")) == {"3.4"}
         assert "choice" not in left.evaluate_all("nodes => nodes.map((n) => n.dataset.verdict)")
+        assert view.locator("#choice").is_hidden()
         view.get_by_label("Words").fill("no such word anywhere")
         assert message.text_content() == f"0 of {every} claims shown"
         view.get_by_role("button", name="Show all").click()
@@ -212,14 +213,14 @@ def test_downloads_are_the_files(browser, site):
         assert Path(waiting.value.path()).read_bytes() == own.read_bytes()
 
 
-@pytest.mark.parametrize("page", ["index", "explore"])
+@pytest.mark.parametrize("page", ["index", "claims", "explore"])
 def test_prints_with_everything_unfolded(browser, site, page):
     with opened(browser, site.index.parent / f"{page}.html", theme="dark") as view:
         view.evaluate("""() => { window.unfolded = false; addEventListener('beforeprint', () => {
           window.unfolded = !document.querySelector('details:not([open])'); }); }""")
         pdf = view.pdf(format="A4")
         assert pdf.startswith(b"%PDF")
-        assert pdf.count(b"/Type /Page\n") >= (4 if page == "index" else 1)
+        assert pdf.count(b"/Type /Page\n") >= (1 if page == "explore" else 4)
         assert view.evaluate("window.unfolded")
         view.emulate_media(media="print")
         assert not view.locator(".bar").is_visible()

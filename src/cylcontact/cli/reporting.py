@@ -158,7 +158,7 @@ def claims(
     Long simulations are kept in the bench, by what they depend on, and done once.
     """
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.claims import ledger, to_json, to_table, to_text
+    from cylcontact.reports.claims import ledger, to_json, to_table, to_text, withdrawn
     from cylcontact.reports.paper import paper_of
 
     bench = Bench(Path(), results, jobs or cores())
@@ -166,17 +166,15 @@ def claims(
         require_suffix(out, ".csv", ".json")
     with progress_bars() as progress:
         computed = ledger(bench, progress)
-    paper = paper_of(bench)
+    terms, gone = paper_of(bench).definitions, withdrawn(bench)
     if out is None:
-        typer.echo(to_text(computed, paper.definitions, paper.withdrawn), nl=False)
+        typer.echo(to_text(computed, terms, gone), nl=False)
         return
     if out.suffix == ".csv":
         write_table(to_table(computed), out)
     else:
         with replacing(out) as temporary:
-            temporary.write_text(
-                to_json(computed, paper.definitions, paper.withdrawn), encoding="utf-8"
-            )
+            temporary.write_text(to_json(computed, terms, gone), encoding="utf-8")
     count = len(computed)
     typer.echo(f"{count} {'claim' if count == 1 else 'claims'} written to {out}")
 

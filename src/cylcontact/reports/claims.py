@@ -59,6 +59,7 @@ __all__ = [
     "untestable",
     "what_stands",
     "with_unit",
+    "withdrawn",
 ]
 
 Verdict = Literal[
@@ -69,14 +70,21 @@ Verdict = Literal[
     "not reproduced",
     "not testable",
 ]
-VERDICTS: tuple[Verdict, ...] = (
-    "reproduced",
-    "reproduced with a stated choice",
-    "undecided",
-    "depends on a missing input",
-    "not reproduced",
-    "not testable",
-)
+# Each with its meaning.
+VERDICTS: Mapping[Verdict, str] = {
+    "reproduced": "the rule is met, and the paper states all that it takes",
+    "reproduced with a stated choice": (
+        "the rule is met by every reading tried, or by one that something in the paper singles "
+        "out; the paper leaves a choice to us, which stands beside it"
+    ),
+    "undecided": "readings, or the interval of the number, stand on both sides of the rule",
+    "depends on a missing input": (
+        "the rule is met with one value in place of an input that the paper's text lacks, and not "
+        "with another"
+    ),
+    "not reproduced": "no reading tried meets the rule; each says by how much it misses",
+    "not testable": "there is nothing to compute",
+}
 LABEL_WIDTH = 18
 Case = Mapping[str, Any]
 
@@ -219,17 +227,7 @@ class Claim:
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict that follows from the readings.
-
-        - "reproduced": the rule is met, and the paper states all that it takes;
-        - "reproduced with a stated choice": it is met by every reading tried, or by one that
-          something in the paper singles out, but the paper leaves a choice to us;
-        - "not reproduced": it is not met by any reading;
-        - "depends on a missing input": it is met with one value in place of an input that the
-          paper's text lacks, and not with another;
-        - "undecided": readings or the uncertainty of the number stand on both sides;
-        - "not testable": there is nothing to compute.
-        """
+        """The verdict that follows from the readings; `VERDICTS` has the meanings."""
         found, readings = self.finding, self.finding.readings
         holds = {reading.holds for reading in readings}
         if not readings:
@@ -394,6 +392,22 @@ def ledger(bench: Bench, progress: Progress = silent) -> list[Claim]:
     return sorted(claims, key=lambda each: each.section)
 
 
+def withdrawn(bench: Bench) -> dict[str, str]:
+    """Return the claims that a bench no longer makes, id → reason, in the order of sections.
+
+    They stand in a mapping `WITHDRAWN` of a file of claims.
+    """
+    modules = _claim_modules(bench)
+    reasons = {k: v for each in modules for k, v in getattr(each, "WITHDRAWN", {}).items()}
+    return dict(sorted(reasons.items(), key=lambda item: item[0].partition("-")[0]))
+
+
+def _claim_modules(bench: Bench) -> list[ModuleType]:
+    """Return the files of claims of a bench, in alphabetical order."""
+    names = sorted(file.stem for file in (bench.recipes_folder / "claims").glob("*.py"))
+    return [bench.module(f"claims.{name}") for name in names]
+
+
 def _claim_functions(module: ModuleType) -> list[ClaimFunction]:
     """Return the claims of a file in the order in which they are written."""
     return [
@@ -453,7 +467,8 @@ def what_stands(claims: Sequence[Claim]) -> str:
         parts.append(f"for {open_} the evidence does not decide")
     if hanging:
         parts.append(f"{hanging} {'hangs' if hanging == 1 else 'hang'} on an input that is missing")
-    return f"Of {total} testable statements, {'; '.join(parts)}."
+    statements = "statement" if total == 1 else "statements"
+    return f"Of {total} testable {statements}, {'; '.join(parts)}."
 
 
 # Helpers for the texts of claims.
@@ -504,7 +519,7 @@ def with_unit(values: Mapping[str, float], unit: str) -> dict[str, float]:
 def to_text(
     claims: Sequence[Claim],
     terms: Mapping[str, str],
-    withdrawn: Mapping[str, str] | None = None,
+    gone: Mapping[str, str] | None = None,
     width: int = 100,
 ) -> str:
     """Return the ledger for reading: what stands, the claims by verdict, the definitions.
@@ -515,8 +530,8 @@ def to_text(
         In the order to print.
     terms : mapping of str to str
         The paper's definitions, term → meaning.
-    withdrawn : mapping of str to str, optional
-        Statements that are no longer in the ledger, id → reason.
+    gone : mapping of str to str, optional
+        The claims withdrawn, id → reason.
     width : int
         Columns of the terminal.
 
@@ -526,10 +541,11 @@ def to_text(
     """
     lines = [*wrap(what_stands(claims), width), ""]
     for verdict, members in by_verdict(claims).items():
-        lines += [f"{verdict.capitalize()} ({len(members)})", "─" * width, ""]
+        title = f"{verdict.capitalize()} ({len(members)}): {VERDICTS[verdict]}"
+        lines += [*wrap(title, width), "─" * width, ""]
         for each in members:
             lines += [*_claim_lines(each, width), ""]
-    for title, entries in (("Withdrawn", withdrawn or {}), ("Definitions", terms)):
+    for title, entries in (("Withdrawn", gone or {}), ("Definitions", terms)):
         lines += [title, "─" * width, ""] if entries else []
         for term, meaning in entries.items():
             lines += [*_entry(f"{term}:", meaning, width, len(term) + 2), ""]
@@ -607,7 +623,7 @@ def to_table(claims: Iterable[Claim]) -> pd.DataFrame:
 
 
 def to_json(
-    claims: Sequence[Claim], terms: Mapping[str, str], withdrawn: Mapping[str, str] | None = None
+    claims: Sequence[Claim], terms: Mapping[str, str], gone: Mapping[str, str] | None = None
 ) -> str:
     """Return what stands, definitions, claims, counts and what was withdrawn, as JSON text."""
     document = {
@@ -615,6 +631,6 @@ def to_json(
         "definitions": dict(terms),
         "claims": to_records(claims),
         "counts": counts(claims),
-        "withdrawn": dict(withdrawn or {}),
+        "withdrawn": dict(gone or {}),
     }
     return json.dumps(document, ensure_ascii=False, indent=2) + "\n"

@@ -32,8 +32,6 @@ class Paper:
         What these were fitted to, and how.
     definitions : mapping of str to str
         The terms that the claims are worded in, term → meaning.
-    withdrawn : mapping of str to str
-        Claims that are no longer in the ledger, id → reason.
     references : mapping of str to str
         The works that claims cite, short name → reference.
 
@@ -52,7 +50,6 @@ class Paper:
     fits: tuple[str, ...] = ()
     fits_note: str = ""
     definitions: Mapping[str, str] = field(default_factory=dict)
-    withdrawn: Mapping[str, str] = field(default_factory=dict)
     references: Mapping[str, str] = field(default_factory=dict)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
@@ -24,6 +24,7 @@ from cylcontact.reports.claims import (
     described,
     ledger,
     what_stands,
+    withdrawn,
 )
 from cylcontact.reports.html.campaigns import (
     Campaigns,
@@ -75,6 +76,7 @@ class _Ledger:
     """The claims, or the reason why there are none."""
 
     claims: tuple[Claim, ...]
+    withdrawn: Mapping[str, str] = field(default_factory=dict)
     problem: str = ""
 
 
@@ -156,7 +158,6 @@ def _render(page: str, content: Mapping[str, Any]) -> str:
     )
     # Our own styles and scripts are inserted verbatim; everything else is escaped.
     environment.filters["subscripts"] = lambda text: Markup(_subscripts(str(escape(text))))
-    environment.filters["capitalize_first"] = lambda text: text[:1].upper() + text[1:]
     environment.globals["described"] = described
     environment.globals["asset"] = lambda name: Markup(_asset(name))
     return environment.get_template(f"{page}.html.j2").render(page=page, **content)
@@ -201,7 +202,6 @@ def _claims_page(
 ) -> dict[str, Any]:
     """Return the content of the page of claims."""
     numbered, others = plates(figures, paper)
-    terms = {t: m for t, m in paper.definitions.items() if t not in VERDICTS}
     return {
         "claims": claims.claims,
         "claims_problem": claims.problem,
@@ -209,9 +209,9 @@ def _claims_page(
         "counts": counts(claims.claims),
         "groups": by_verdict(claims.claims),
         "sections": sorted({claim.section for claim in claims.claims}),
+        "meanings": VERDICTS,
         "definitions": paper.definitions,
-        "terms": terms,
-        "withdrawn": paper.withdrawn,
+        "withdrawn": claims.withdrawn,
         "references": paper.references,
         "plate_of": {f.name: plate.id for plate in (*numbered, *others) for f in plate.figures},
         "code": code,
@@ -245,9 +245,8 @@ def _explore(bench: Bench, campaigns: Campaigns) -> dict[str, Any]:
 
 def _claims(bench: Bench, progress: Progress) -> _Ledger:
     """Return the ledger, or the reason why there is none."""
+    readable = _ReadableBench(bench.root, bench.results, bench.jobs)
     try:
-        return _Ledger(
-            tuple(ledger(_ReadableBench(bench.root, bench.results, bench.jobs), progress))
-        )
+        return _Ledger(tuple(ledger(readable, progress)), withdrawn(readable))
     except InputError as error:
-        return _Ledger((), str(error))
+        return _Ledger((), problem=str(error))
