@@ -164,8 +164,12 @@ def claims(
     bench = Bench(Path(), results, jobs or cores())
     if out is not None:
         require_suffix(out, ".csv", ".json")
-    with progress_bars() as progress:
-        computed = ledger(bench, progress)
+    try:
+        with progress_bars() as progress:
+            computed = ledger(bench, progress)
+    except KeyboardInterrupt:
+        text = "interrupted; the runs that were complete are kept, and the same command goes on"
+        raise KeyboardInterrupt(text) from None
     terms, gone = paper_of(bench).definitions, withdrawn(bench)
     if out is None:
         typer.echo(to_text(computed, terms, gone), nl=False)
