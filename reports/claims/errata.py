@@ -70,7 +70,7 @@ def radii(bench: Bench, id: str) -> Finding:
     percents = {name: float(value) for name, value in off.items()}
     (own, percent), *others = percents.items()
     return Finding(
-        f"with R_i·R_j it is {abs(percent):.2f} % off, in a hole of {R_i:g} mm at {dR:g} mm clearance",
+        f"{abs(percent):.2f} % off with R_i·R_j, for radii of {R_i:g} and {R_j:g} mm",
         holds=abs(percent) < CLOSE,
         choice=f"read as {own}",
         settled="with it alone the formula stays the same if the bodies are exchanged",
@@ -294,8 +294,7 @@ def fig6_load(bench: Bench) -> Finding:
     "the direction of friction, Eqs 13 and 14",
     paper="the tangent times a velocity vector over its magnitude",
     rule="friction takes up power at every sliding velocity, f_i·v_i + f_j·v_j ≤ 0",
-    against="the force on body i against the sliding is plainly meant, and no reader computes anything "
-    "else",
+    against="a force against the sliding is plainly meant, and no reader computes anything else",
 )
 def friction_direction() -> Finding:
     """Return the largest power of the pair of friction forces by reading, in N·mm/s per newton."""
