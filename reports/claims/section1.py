@@ -354,8 +354,8 @@ def enhanced_goes_further(bench: Bench) -> Finding:
     lost = [johnson - enhanced for johnson, enhanced in close]
     worst = max(beyond.values())
     return Finding(
-        f"it has a value in all of the plane, Johnson's law in {min(j for j, _ in value):.1f} % of "
-        "it for aluminium and in all of it for ceramics and steel",
+        f"it has a value in {min(e for _, e in value):.0f} % of the plane for every material, "
+        f"Johnson's law in {min(j for j, _ in value):.1f} to {max(j for j, _ in value):.0f} %",
         holds=all(e >= j for j, e in value) and any(e > j for j, e in value),
         choice=joined(
             "a law applies where it has a value", paper.material_origins(bench, ELASTIC), TRUTH

@@ -98,8 +98,8 @@ def force_falls_beyond_limit() -> Finding:
     "Johnson's load at a given penetration needs an iterative solution",
     paper="needs Newton–Raphson or the like",
     rule=f"the load takes repeated steps to a relative {EXACT:g}",
-    against="'requires' leaves no room for the inverse f = πE*δ/(−W₋₁(−eδ/(4ΔR))), and Lambert's "
-    "W was in every library by then; the speed that the law is denied was there to be had",
+    against="f = πE*δ/(−W₋₁(−eδ/(4ΔR))) inverts the law, and Lambert's W had had its name and its "
+    "literature for two decades, so nothing requires an iteration",
 )
 def johnson_needs_iteration() -> Finding:
     """Return Newton's steps to Johnson's load, and the error of its closed inverse."""
