@@ -170,9 +170,10 @@ DEFINITIONS: Mapping[str, str] = {
         "Every claim is computed once for each reading, and its verdict follows from them."
     ),
     "missing inputs": (
-        f"what the paper's text lacks: {TABLE_1} (materials), {TABLE_2} (slider-crank), {WINDOW} "
-        "(loads, penetrations or revolutions that a number was taken over), "
-        f"{DATUM} (where a penetration counts from)."
+        "what the paper's text lacks and some claims hang on, "
+        f"{TABLE_1} (materials), {TABLE_2} (slider-crank), {WINDOW} (loads, penetrations or "
+        f"revolutions that a number was taken over), {DATUM} (where a penetration counts from) "
+        "among them."
     ),
 }
 

@@ -389,7 +389,12 @@ def ledger(bench: Bench, progress: Progress = silent) -> list[Claim]:
         claims += function(bench)
         progress("claims", done, len(functions))
     _require_different_ids(claims, bench)
-    return sorted(claims, key=lambda each: each.section)
+    return sorted(claims, key=lambda each: _place_in_paper(each.section))
+
+
+def _place_in_paper(section: str) -> tuple[bool, str]:
+    """Return what sections sort by: those without a number, as an abstract, come first."""
+    return section[:1].isdigit(), section
 
 
 def withdrawn(bench: Bench) -> dict[str, str]:
@@ -399,7 +404,9 @@ def withdrawn(bench: Bench) -> dict[str, str]:
     """
     modules = _claim_modules(bench)
     reasons = {k: v for each in modules for k, v in getattr(each, "WITHDRAWN", {}).items()}
-    return dict(sorted(reasons.items(), key=lambda item: item[0].partition("-")[0]))
+    return dict(
+        sorted(reasons.items(), key=lambda item: _place_in_paper(item[0].partition("-")[0]))
+    )
 
 
 def _claim_modules(bench: Bench) -> list[ModuleType]:
