@@ -108,7 +108,7 @@ def excess(problem: Problem, contact: Contact) -> float:
         {
             "contact": "external",
             "against": "The paper wants K* identified together with n; with n searched too, the "
-            "published coefficients are about a tenth or more above the best on every sample tried.",
+            "published ones are about a tenth or more above the best on every sample tried.",
         },
     ],
 )
