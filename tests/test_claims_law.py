@@ -130,6 +130,9 @@ def test_fits_of_fig_2(claims, contact):
 def test_one_list_of_loads_gives_both_external_numbers():
     K, n = power_fit(FOUND, STEEL, 140.0)
     assert (round(K), round(n, 4)) == (44935, 1.0935)
+    other = np.concatenate([np.arange(5, 101, 5), np.arange(200, 9801, 100)])
+    K, n = power_fit(other, STEEL, 140.0)
+    assert (round(K), round(n, 4)) == (44935, 1.0935)
     fits = {name: power_fit(loads, STEEL, 140.0) for name, loads in searched_loads()}
     with_n = {name: K for name, (K, n) in fits.items() if round(n, 4) == 1.0935}
     tried, matches = external_matches()

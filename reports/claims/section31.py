@@ -40,13 +40,17 @@ OTHER_LOADS: dict[Contact, dict[str, FloatArray]] = {
         "94 evenly spaced loads from 1 to 10000 N/mm": np.linspace(1, 10000, 94),
     },
 }
+IN_LOGARITHMS: dict[Contact, str] = {
+    "internal": "the line in logarithms, not a fit of f, gives K and n to the last digit",
+    "external": "",
+}
 ALL_DIGITS = "these loads give every printed digit of K and n at once"
 AGAINST_DIGITS: dict[Contact, str] = {
     "internal": "The paper lists no loads: a list found by trying until the digits fit shows that "
     "they can be had, not that they were had so.",
     "external": "One plain list of loads gives both printed numbers to the last digit, as the "
-    "internal one does, so they are reproduced; but it was found among hundreds, and one of them "
-    "may fit by chance.",
+    "internal one does, so they are reproduced; but it was found by trying many, and one of "
+    "them may fit by chance.",
 }
 FIG2_CASES = [
     {
@@ -90,8 +94,8 @@ def fig2_finding(contact: Contact, name: str, printed: str, unit: str = "") -> F
     tried, matches = external_matches()
     digits = [agrees_as_printed(fit.K, paper.FIG2_FITS[contact][0]) for fit in matches.values()]
     searched = (
-        f"; of {tried} other lists {len(matches)} give the printed n and {digits.count(True)} "
-        "the printed K with it"
+        f"; of {tried} lists tried {len(matches)} give the printed n, and of these "
+        f"{digits.count(True)} the printed K"
     )
     return Finding(
         f"{name} = {text(own)}" + (searched if contact == "external" else ""),
@@ -175,9 +179,7 @@ def fig2_correlation(contact: Contact) -> Finding:
                 for name, other in fig2_readings(contact).items()
             ),
         ],
-        settled="the line in logarithms, not a fit of f, gives K and n to the last digit"
-        if contact == "internal"
-        else "",
+        settled=IN_LOGARITHMS[contact],
         values={"R squared of ln f, -": fit.r_squared, "R squared of f, -": in_force},
     )
 
@@ -197,24 +199,30 @@ def eq6_at_fig2(contact: Contact, K: str, n: str) -> Finding:
     """Return K, n and R² of the published law in the case of Fig 2."""
     dR, law = paper.FIG2_DR[contact], Enhanced()
     pair = reference_pair(contact, dR)
-    of_law = {
-        loads: r_squared_of_law(load, contact, dR)
-        for loads, load in {
-            LOADS[contact]: FIG2_LOADS[contact],
-            "the loads of the fit, 10 to 1000 N/mm, spaced logarithmically": paper.TRAINING_LOADS,
-        }.items()
-    }
-    (choice, own), (other_loads, other) = of_law.items()
-    factor, exponent_ = float(law.factor(pair)), float(law.exponent(pair))
+    choice = f"R² of ln f; {LOADS[contact]}"
+    own = r_squared_of_law(FIG2_LOADS[contact], contact, dR)
+    other = r_squared_of_law(paper.TRAINING_LOADS, contact, dR)
+    load, delta = johnson_points(FIG2_LOADS[contact], pair)
+    in_force = r_squared(load, law.load(delta, pair))
+    K_of_law, n_of_law = float(law.factor(pair)), float(law.exponent(pair))
     return Finding(
-        f"R² = {own:.5f}; n = {exponent_:.4f} where Fig 2 has {n}, and K is "
-        f"{100 * (factor / float(K) - 1):+.1f} % from Fig 2's",
+        f"R² = {own:.5f}; n = {n_of_law:.4f} where Fig 2 has {n}, and K is "
+        f"{100 * (K_of_law / float(K) - 1):+.1f} % from Fig 2's",
         holds=own > paper.GOOD_CORRELATION,
-        choice=f"R² of ln f; {choice}",
+        choice=choice,
         missing=WINDOW,
         miss=above(own),
-        alternatives=[judged(other_loads, f"R² = {other:.5f}", above(other), WINDOW)],
-        values={"K, N/mm per mm^n": factor, "n, -": exponent_, "R squared of ln f, -": own},
+        alternatives=[
+            judged(
+                "the loads of the fit, 10 to 1000 N/mm, spaced logarithmically",
+                f"R² = {other:.5f}",
+                above(other),
+                WINDOW,
+            ),
+            judged("R² of f", f"{in_force:.5f}", above(in_force)),
+        ],
+        settled=IN_LOGARITHMS[contact],
+        values={"K, N/mm per mm^n": K_of_law, "n, -": n_of_law, "R squared of ln f, -": own},
         paper_values={"K, N/mm per mm^n": float(K), "n, -": float(n)},
     )
 
