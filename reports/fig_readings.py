@@ -175,16 +175,25 @@ def _spacings(base: dict[str, Any]) -> Iterator[Reading]:
 
 def _changed(base: dict[str, Any], what: str, label: str, **axes: dict[str, Any]) -> Reading:
     """Return a reading with keys of some axes changed."""
-    settings = deepcopy(base)
+    return Reading(what, label, with_axes(base, **axes))
+
+
+def with_axes(settings: dict[str, Any], **axes: dict[str, Any]) -> dict[str, Any]:
+    """Return a campaign's settings with keys of some axes changed."""
+    changed = deepcopy(settings)
     for axis, keys in axes.items():
-        settings["dataset"]["axes"][axis] |= keys
-    return Reading(what, label, settings)
+        changed["dataset"]["axes"][axis] |= keys
+    return changed
+
+
+def problem_from(settings: dict[str, Any]) -> Problem:
+    """Return the problem of a campaign's settings."""
+    return problem_of(campaign_from_settings("reading", settings, "reading"), 1, silent)[0]
 
 
 def _rows(contact: Contact, reading: Reading) -> list[dict[str, Any]]:
     """Return what each search of a contact gives under one reading, a row for each coefficient."""
-    campaign = campaign_from_settings("reading", reading.settings, "reading")
-    fixed, _ = problem_of(campaign, 1, silent)
+    fixed = problem_from(reading.settings)
     free = tuple(N_FREE if p.name == N_FREE.name else p for p in fixed.parameters)
     published = asdict(PUBLISHED[contact])
     objective_published = fixed.value_of(published)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from functools import cache
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,8 +14,9 @@ from cylcontact.fitting.power_fit import PowerFit, fit_power, fit_power_to_law
 from cylcontact.laws import Johnson
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
+from cylcontact.reports.claims import agrees_as_printed
 
-from .paper import E_REFERENCE, FIG2_DR, NU_REFERENCE
+from .paper import E_REFERENCE, FIG2_DR, FIG2_FITS, NU_REFERENCE
 
 
 def stepped_loads(first: float, step: float, last: float) -> FloatArray:
@@ -27,8 +30,6 @@ FIG2_LOADS: dict[Contact, FloatArray] = {
     "internal": stepped_loads(1, 10, 1000),
     "external": stepped_loads(1, 100, 10000),
 }
-SEARCHED_STEPS = (10, 20, 25, 50, 100, 200, 250, 500)  # N/mm
-SEARCHED_COUNTS = range(20, 121)
 
 
 def reference_pair(contact: Contact, dR: float, E: float = E_REFERENCE) -> CylinderPair:
@@ -53,10 +54,10 @@ def fig2_fit(contact: Contact, load: FloatArray | None = None) -> PowerFit:
     return fit_power_to_law(Johnson(), chosen, reference_pair(contact, FIG2_DR[contact]))
 
 
-def r_squared_in_force(fit: PowerFit, load: FloatArray, penetration: FloatArray) -> float:
-    """Return R² of f, not of ln f, about the fitted power law."""
-    residual = load - fit.K * penetration**fit.n
-    return float(1 - residual @ residual / np.sum((load - load.mean()) ** 2))
+def r_squared(values: FloatArray, model: FloatArray) -> float:
+    """Return the part of the variance of `values` that a model of them explains."""
+    residual = values - model
+    return float(1 - residual @ residual / np.sum((values - values.mean()) ** 2))
 
 
 def r_squared_at(n: ArrayLike, load: FloatArray, penetration: FloatArray) -> FloatArray:
@@ -67,22 +68,40 @@ def r_squared_at(n: ArrayLike, load: FloatArray, penetration: FloatArray) -> Flo
     return as_floats((2 * slope * (x @ y) - slope**2 * (x @ x)) / (y @ y))
 
 
-@cache
-def closest_external_window(n_printed: float, K_printed: float) -> tuple[str, PowerFit]:
-    """Return the loads whose fit is closest to Fig 2's external K among those that give its n.
+def searched_loads() -> Iterator[tuple[str, FloatArray]]:
+    """Yield plausible lists of loads in N/mm for Fig 2's external case, with their names.
 
-    The lists searched are 1, s, 2s, …, m·s N/mm, as in the internal case.
+    First the internal case's form with other steps and ends, then lists with a finer step at first.
+    The list that gives both printed numbers came from a wider search, of 340 000 lists of the
+    second form with more steps and ends; one other gave them, 5 to 100 by 5, to 9800 by 100.
     """
-    fits = {
-        (step, step * count): fig2_fit("external", stepped_loads(1, step, step * count))
-        for step in SEARCHED_STEPS
-        for count in SEARCHED_COUNTS
-    }
-    step, last = min(
-        (loads for loads, fit in fits.items() if round(fit.n, 4) == n_printed),
-        key=lambda loads: abs(fits[loads].K - K_printed),
-    )
-    return f"1, {step}, {2 * step}, …, {last} N/mm", fits[step, last]
+    for step, count in product((10, 20, 25, 50, 100, 200, 250, 500), range(20, 121)):
+        last = step * count
+        yield f"1, {step}, {2 * step}, …, {last} N/mm", stepped_loads(1, step, last)
+    for start, fine, change, coarse, last in product(
+        ([], [1.0]),
+        (5, 10, 20, 25, 50),
+        (100, 200, 500, 1000),
+        (50, 100, 200, 250, 500, 1000),
+        (1000, 2000, 5000, 10000),
+    ):
+        if fine < coarse and change < last:
+            parts = np.arange(fine, change + 1, fine), np.arange(change + coarse, last + 1, coarse)
+            name = f"{fine} to {change} by {fine}, to {last} by {coarse} N/mm"
+            yield f"{'1, ' if start else ''}{name}", np.concatenate([start, *parts])
+
+
+@cache
+def external_matches() -> tuple[int, Mapping[str, PowerFit]]:
+    """Return how many lists were searched, and the fits whose n is that of Fig 2's external case.
+
+    The fits are by the name of their list, the one closest to the printed K first.
+    """
+    K, n = FIG2_FITS["external"]
+    fits = {name: fig2_fit("external", load) for name, load in searched_loads()}
+    matching = [name for name, fit in fits.items() if agrees_as_printed(fit.n, n)]
+    matching.sort(key=lambda name: abs(fits[name].K - float(K)))
+    return len(fits), {name: fits[name] for name in matching}
 
 
 def ends_spread(values: tuple[float, float]) -> float:

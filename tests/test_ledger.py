@@ -13,7 +13,6 @@ import pytest
 from _cylcontact_bench.claims import (
     section4,
     section4_runs,
-    section31_law,
     section34,
     section34_differences,
 )
@@ -282,108 +281,6 @@ def test_shares_are_those_of_random_points():
     below = np.abs(difference(dR[inside], load[inside], material)) < 8
     # Four standard errors of the share.
     assert share_below(8.0, material, PRACTICAL) == pytest.approx(100 * below.mean(), abs=0.2)
-
-
-def test_share_of_the_box_served_by_one_exponent_from_the_box_itself(claims):
-    loads, good = np.geomspace(10, 1000, 41), []
-    for dR in np.geomspace(0.05, 10.0, 41):
-        for E_star in e_star(np.geomspace(20.7e3, 1e7, 41), 0.3):
-            inside = loads[loads <= johnson_end(E_star, dR)]
-            x, y = np.log(johnson(inside, E_star, dR)), np.log(inside)
-            residual = (y - 1.125 * x) - np.mean(y - 1.125 * x)
-            good.append(1 - residual @ residual / np.sum((y - y.mean()) ** 2) > 0.998)
-    served = claims["3.1-internal-no-single-n"].ours_values["served, percent"]
-    # A cell of this grid in four is on the boundary's staircase.
-    assert served == pytest.approx(100 * np.mean(good), abs=1.5)
-
-
-# --- the calibration, judged by the committed results ---
-
-
-RESULTS = BENCH.results_by_name()
-CALIBRATION = {
-    "3.1-best-correlation-internal",
-    "3.1-best-correlation-external",
-    "3.1-external-a",
-    "3.1-external-b",
-    "3.1-external-n",
-    "3.1-several-runs",
-}
-
-
-def calibration(monkeypatch, results):
-    """Return the claims on the fit with other results."""
-    monkeypatch.setattr(Bench, "results_by_name", lambda _bench: results)
-    return {k: claim for k, claim in compute(section31_law).items() if k in CALIBRATION}
-
-
-def changed_result(name, **update):
-    return RESULTS | {name: RESULTS[name].model_copy(update=update)}
-
-
-@pytest.mark.parametrize("contact", ["internal", "external"])
-def test_published_objective_over_the_refits(claims, contact):
-    claim, result = claims[f"3.1-best-correlation-{contact}"], RESULTS[contact]
-    ratio = result.published.objective / result.objective.value
-    assert claim.ours_values[f"objective ratio on {contact}, -"] == pytest.approx(ratio, rel=1e-15)
-    assert f"objective {ratio:.2f} times" in claim.ours
-    # Only campaigns of the same contact with published coefficients on the same data.
-    assert claim.ours_values.keys() == {
-        f"objective ratio on {name}, -"
-        for name, other in RESULTS.items()
-        if other.contact == contact and other.published is not None
-    }
-
-
-@pytest.mark.parametrize(("name", "published"), [("a", 0.39), ("b", 0.85), ("n", 1.094)])
-def test_external_coefficients(claims, name, published):
-    claim, result = claims[f"3.1-external-{name}"], RESULTS["external-E1000"]
-    value = result.coefficients[name]
-    assert claim.paper_values == {f"{name}, -": published}
-    assert claim.ours_values[f"{name} on external-E1000, -"] == value
-    assert claim.holds == (abs(value / published - 1) <= 0.01)
-    assert f"{value:.4g} ({value / published - 1:+.1%})" in claim.ours
-    assert "explicit" not in claim.alternatives
-
-
-def test_several_runs_counts_the_runs_in_a_worse_basin(claims):
-    result = RESULTS["internal"]
-    best = result.objective.value
-    missed = sum(run.objective > 1.001 * best for run in result.runs)
-    assert claims["3.1-several-runs"].ours_values == {"runs in a worse basin, -": missed}
-    assert missed > 0
-
-
-def test_verdicts_follow_from_the_results(monkeypatch):
-    result = RESULTS["external"]
-    better = result.published.model_copy(update={"objective": 1.005 * result.objective.value})
-    changed = calibration(monkeypatch, changed_result("external", published=better))
-    assert changed["3.1-best-correlation-external"].verdict == CHOICE
-    other = RESULTS["external-E1000"].coefficients | {"a": 0.5, "b": 0.85}
-    changed = calibration(monkeypatch, changed_result("external-E1000", coefficients=other))
-    assert changed["3.1-external-a"].verdict == NO
-    assert changed["3.1-external-b"].verdict == CHOICE
-    best = min(RESULTS["internal"].runs, key=lambda run: run.objective)
-    changed = calibration(monkeypatch, changed_result("internal", runs=[best]))
-    assert changed["3.1-several-runs"].verdict == NO
-
-
-def test_without_results_the_calibration_is_not_testable(monkeypatch):
-    changed = calibration(monkeypatch, {})
-    assert changed.keys() == CALIBRATION
-    for claim in changed.values():
-        assert claim.verdict == NONE
-        assert claim.ours == ""
-        assert not claim.ours_values
-        assert claim.choice == "no fit result to compute it from; make fits produces them"
-    assert "reason    no fit result" in to_text(list(changed.values()), {})
-
-
-def test_results_of_other_campaigns_alone_do_not_judge(monkeypatch):
-    changed = calibration(monkeypatch, {"practical": RESULTS["practical"]})
-    claim = changed["3.1-best-correlation-internal"]
-    assert claim.verdict == NONE
-    assert "practical" in claim.alternatives
 
 
 # --- the mechanism: each number again from the runs, and verdicts that follow from them ---

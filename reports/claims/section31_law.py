@@ -1,26 +1,31 @@
-"""Section 3.1: the form of the enhanced law, the ranges it is fitted over, and the fit."""
+"""Section 3.1: the form of the enhanced law, the ranges it is fitted over, and where it holds."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
 
 import numpy as np
 from scipy.optimize import brentq, linprog
 
 from cylcontact.arrays import FloatArray
-from cylcontact.fitting.assessment import basins
-from cylcontact.laws import PUBLISHED, InternalCoefficients, Johnson, LankaraniNikravesh
+from cylcontact.laws import PUBLISHED, Enhanced, InternalCoefficients, Johnson, LankaraniNikravesh
 from cylcontact.laws.power import PowerLaw
+from cylcontact.limits import johnson_limit_load
+from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Finding, agrees_as_printed, claim
+from cylcontact.reports.claims import Alternative, Finding, agrees_as_printed, claim
 
 from .. import paper
-from ..power_fits import fit_at, reference_pair
+from ..paper import WINDOW
+from ..power_fits import fit_at, johnson_points, r_squared, reference_pair
+from .section31 import above, judged, r_squared_of_law
 
-# Not in the paper: the stiffest unfilled plastics, and diamond, the stiffest common solid.
-E_PLASTIC, E_DIAMOND = 4.0, 1150.0  # GPa
+# Not in the paper: the stiffest unfilled plastics, plastics with glass fibres along the load, and
+# diamond, the stiffest common solid.
+E_PLASTIC, E_GLASS_FIBRE, E_DIAMOND = 4.0, 45.0, 1150.0  # GPa
 STEP = 1.001  # of central differences
+INTERNAL_DR = paper.TRAINING_DR["internal"]
 
 
 def force_exponent(pair: CylinderPair, less: CylinderPair, more: CylinderPair) -> float:
@@ -30,66 +35,106 @@ def force_exponent(pair: CylinderPair, less: CylinderPair, more: CylinderPair) -
     return float(np.log(law.load(delta, more) / law.load(delta, less)) / (2 * np.log(STEP)))
 
 
+def bearing_factors(*bearings: tuple[float, float]) -> FloatArray:
+    """Return Eq 2's K for bearings of given ΔR in mm and E in MPa, with the paper's radius."""
+    return np.array(
+        [
+            float(
+                LankaraniNikravesh().factor(
+                    CylinderPair.from_dR(
+                        "internal",
+                        dR,
+                        Material("any", E, paper.NU_REFERENCE),
+                        paper.BEARING_LENGTH,
+                        R_i=paper.BEARING_RADIUS,
+                    )
+                )
+            )
+            for dR, E in bearings
+        ]
+    )
+
+
 @claim(
     "3.1-force-proportional-to-E",
-    "the models suggest a force proportional to E*",
-    paper="some proportionality",
-    rule="exponent within 0.1 of 1",
+    "Eqs 1 and 2 suggest that the force is proportional to E*",
+    paper="some level of proportionality",
+    rule="the force at a given penetration goes with a power of E* within 0.1 of 1",
 )
 def force_proportional_to_modulus() -> Finding:
-    """Return the exponent of E* in the force at fixed penetration."""
+    """Return the exponent of E* in the force at fixed penetration, of Eqs 1 and 2."""
+    E = paper.E_REFERENCE
     exponents = {
-        f"ΔR = {dR:g} mm": force_exponent(
-            reference_pair("internal", dR),
-            reference_pair("internal", dR, paper.E_REFERENCE / STEP),
-            reference_pair("internal", dR, paper.E_REFERENCE * STEP),
+        f"Eq 1, ΔR = {dR:g} mm": force_exponent(
+            *(reference_pair("internal", dR, E * step) for step in (1, 1 / STEP, STEP))
         )
-        for dR in paper.TRAINING_DR["internal"]
+        for dR in INTERNAL_DR
     }
+    low, high = bearing_factors((0.1, E), (0.1, 2 * E))
+    exponents["Eq 2"] = float(np.log2(high / low))
     return Finding(
-        "exponent of E* in Johnson's force at fixed penetration: "
-        + ", ".join(f"{value:.4f} at {name}" for name, value in exponents.items()),
+        f"the exponent is {exponents[f'Eq 1, ΔR = {INTERNAL_DR[0]:g} mm']:.4f} in Eq 1 at any ΔR, "
+        f"and {exponents['Eq 2']:.4f} in Eq 2",
         holds=all(abs(value - 1) < 0.1 for value in exponents.values()),
-        values={f"exponent at {name}, -": value for name, value in exponents.items()},
+        values={f"exponent, {name}, -": value for name, value in exponents.items()},
     )
 
 
 @claim(
     "3.1-force-proportional-to-inverse-dR",
-    "the models suggest a force proportional to 1/ΔR",
-    paper="some proportionality",
-    rule="exponent nearer to −1 than to 0",
+    "Eqs 1 and 2 suggest some proportionality of the force to 1/ΔR",
+    paper="some level of proportionality",
+    rule="the force at a given penetration falls as ΔR grows",
+    against="In Eq 1 the force goes with ΔR to the power of −0.1 to −0.2, which is nearly no "
+    "dependence; in Eq 5 the factor aΔR + b takes most of the 1/ΔR back.",
 )
 def force_proportional_to_inverse_clearance() -> Finding:
     """Return the exponent of ΔR in the force at fixed penetration."""
-    exponents = {
-        f"{at:g} mm": force_exponent(
-            *(reference_pair("internal", x) for x in (at, at / STEP, at * STEP))
-        )
-        for at in paper.TRAINING_DR["internal"]
-    }
-    dR = np.array([0.05, 0.1])
-    bearing = CylinderPair.from_dR(
-        "internal", dR, paper.STEEL, paper.BEARING_LENGTH, R_i=paper.BEARING_RADIUS
+    low, high = INTERNAL_DR
+    at_low, at_high = (
+        force_exponent(*(reference_pair("internal", dR * step) for step in (1, 1 / STEP, STEP)))
+        for dR in (low, high)
     )
-    small, large = LankaraniNikravesh().factor(bearing)
+    of_eq2 = float(np.log2(np.divide(*bearing_factors((0.1, 207e3), (0.05, 207e3)))))
+    K = [fit_at("internal", dR, paper.E_REFERENCE, paper.TRAINING_LOADS).K for dR in (low, high)]
+    of_K = float(np.log(K[1] / K[0]) / np.log(high / low))
+    nearest = max(at_low, at_high)
+    ours = f"ΔR to the power of {at_low:.2f} at {low:g} mm and {at_high:.2f} at {high:g} mm"
     return Finding(
-        "exponent of ΔR in Johnson's force at fixed penetration (that of 100 N/mm, 207 GPa): "
-        + ", ".join(f"{value:.2f} at ΔR = {name}" for name, value in exponents.items()),
-        holds=all(value < -0.5 for value in exponents.values()),
-        choice="the force falls with ΔR far more slowly than 1/ΔR; in Eq 5 the factor aΔR + b "
-        "makes up for most of the 1/ΔR",
-        alternatives=f"Lankarani–Nikravesh at R_i = 10 mm: {np.log2(large / small):.2f}, from the "
-        "square root in Eq 2",
-        values={f"exponent at {name}, -": value for name, value in exponents.items()},
+        f"in Eq 1 the force goes with {ours}; in Eq 2 with {of_eq2:.2f}",
+        holds=nearest < 0 and of_eq2 < 0,
+        choice="some level means that it falls; 207 GPa, penetration of 100 N/mm, and for Eq 2 "
+        "R_i = 10 mm",
+        miss="" if nearest < 0 and of_eq2 < 0 else f"exponent {max(nearest, of_eq2):+.2f}",
+        alternatives=[
+            judged(
+                "K of Eq 3, fitted at each clearance",
+                f"falls with ΔR to the power of {of_K:.2f}",
+                "" if of_K < 0 else f"exponent {of_K:+.2f}",
+            ),
+            judged(
+                "some level means nearer to proportional than to independent, in Eq 1",
+                ours,
+                "" if nearest < -0.5 else f"{0.5 + nearest:.2f} above −0.5",
+            ),
+        ],
+        values={
+            f"exponent at {low:g} mm, -": at_low,
+            f"exponent at {high:g} mm, -": at_high,
+            "exponent in Eq 2, -": of_eq2,
+            "exponent of K, -": of_K,
+        },
     )
 
 
 @claim(
     "3.1-K-star-linear-{contact}",
-    "{contact}: K* of K = K*·E*/ΔR is linear in ΔR",
-    paper="assumed linear",
-    rule="some straight line is within 8 % of K* over the training range",
+    "K* may be taken as linear in ΔR ({contact} contact)",
+    paper="assumed",
+    rule="a straight line explains 99 % of the variance of the fitted K* (99 % is ours)",
+    figures=("fig_forms",),
+    against="The variance is that of the largest K*: at small clearances the same line is off by "
+    "most of K*, and no line serves them all.",
     cases=[{"contact": contact} for contact in paper.TRAINING_DR],
 )
 def k_star_linear(contact: Contact) -> Finding:
@@ -98,28 +143,36 @@ def k_star_linear(contact: Contact) -> Finding:
     K = np.array([fit_at(contact, x, paper.E_REFERENCE, paper.TRAINING_LOADS).K for x in dR])
     k_star = K * dR / reference_pair(contact, 1.0).E_star
     a, b = np.polyfit(dR, k_star, 1)
-    residual = k_star - (a * dR + b)
-    r_squared = float(1 - residual @ residual / np.sum((k_star - k_star.mean()) ** 2))
-    worst = float(100 * np.max(np.abs(residual / k_star)))
     least = least_worst_percent(dR, k_star)
-    power, logarithm = np.polyfit(np.log(dR), np.log(k_star), 1)
-    power_off = 100 * np.max(np.abs(np.exp(logarithm) * dR**power / k_star - 1))
-    published = PUBLISHED[contact]
+    explained = r_squared(k_star, a * dR + b)
+    worst = float(100 * np.max(np.abs((a * dR + b) / k_star - 1)))
+    c = PUBLISHED[contact]
+    off = float(100 * np.max(np.abs((c.a * dR + c.b) / k_star - 1)))
     return Finding(
-        f"least squares: K* = {a:.3f}ΔR {b:+.3f} (Eq 6: {published.a:g}ΔR {published.b:+g}), "
-        f"R² = {r_squared:.4f}, but off by up to {worst:.0f} % of K*",
-        holds=least < 8,
-        choice="K* from a fit at each of 61 clearances, 207 GPa, ν = 0.3, loads 10–1000 N/mm "
-        "(both logarithmic); R² is set by the largest K* and hides the small clearances. "
-        "The 8 % are Sect. 3.4's bound on the difference; it takes nearly all of an error in K*",
-        alternatives=f"no straight line stays closer than {least:.1f} % of K*; a power of ΔR with "
-        f"exponent {power:.2f} stays within {power_off:.0f} %",
+        f"R² = {explained:.4f} about {a:.3f}ΔR {b:+.3f}, which is off by up to {worst:.0f} % of K*",
+        holds=explained > 0.99,
+        choice="a fit at each of 61 clearances, 207 GPa, 10 to 1000 N/mm, all logarithmic",
+        missing=WINDOW,
+        miss="" if explained > 0.99 else f"{0.99 - explained:.3f} below 0.99",
+        alternatives=[
+            judged(
+                "the straight line that stays closest, within 10 % of K* everywhere",
+                f"no line stays closer than {least:.1f} %",
+                "" if least < 10 else f"{least - 10:.1f} points above 10 %",
+            ),
+            judged(
+                "the published line, within 10 % of K* everywhere",
+                f"off by up to {off:.0f} %",
+                "" if off < 10 else f"{off - 10:.0f} points above 10 %",
+            ),
+        ],
         values={
             "a, 1/mm": a,
             "b, -": b,
-            "R squared, -": r_squared,
+            "R squared, -": explained,
             "worst, percent": worst,
             "least worst, percent": least,
+            "worst of the published line, percent": off,
         },
     )
 
@@ -151,7 +204,8 @@ def y_branches(dR: float) -> tuple[float, float]:
     "3.1-Y-switch",
     "Y passes from its logarithmic to its linear branch at this clearance (Eq 6d)",
     paper=f"{paper.Y_SWITCH} mm",
-    rule="agreement to the printed digit",
+    rule="equal to the printed digit",
+    figures=("fig03",),
     paper_values={"dR, mm": float(paper.Y_SWITCH)},
 )
 def y_switch() -> Finding:
@@ -166,9 +220,10 @@ def y_switch() -> Finding:
 
 @claim(
     "3.1-Y-continuous",
-    "Y is one function of two branches that meet (Eq 6d)",
-    paper="one value at the switch point, given to five digits",
-    rule="a jump of Y no larger than the rounding of the switch point (5e-6 mm) explains",
+    "the two branches of Y meet where it passes from one to the other (Eq 6d)",
+    paper=f"one value at {paper.Y_SWITCH} mm",
+    rule="a jump of Y no larger than the rounding of the printed clearance explains",
+    figures=("fig03",),
 )
 def y_continuous() -> Finding:
     """Return the jump of Y, and of the penetration, at the printed switch point."""
@@ -181,153 +236,262 @@ def y_continuous() -> Finding:
         float(PowerLaw(n=Y * dR**c.n_exponent, K=K).penetration(100.0, pair)) for Y in branches
     )
     slopes = np.subtract(y_branches(dR + 1e-6), y_branches(dR - 1e-6)) / 2e-6
+    off = 100 * abs(logarithmic / linear - 1)
     return Finding(
-        f"the branches differ by {jump:.1e} there, which moves the penetration by "
-        f"{100 * abs(logarithmic / linear - 1):.1e} % (100 N/mm, 207 GPa); the slope dY/dΔR "
-        f"jumps from {slopes[0]:.3f} to {slopes[1]:.4f} per mm, a kink in the law",
+        f"they differ by {jump:.0e}, or {off:.0e} % of the penetration under 100 N/mm; dY/dΔR "
+        f"jumps from {slopes[0]:.3f} to {slopes[1]:.3f} per mm, a kink in the law",
         holds=bool(jump < 5e-6 * abs(slopes[0] - slopes[1])),
         values={"jump of Y, -": jump, "slope before, 1/mm": slopes[0]},
     )
 
 
+# --- the ranges of the fit ----------------------------------------------------------------------
+
+
 @claim(
     "3.1-moduli-covered",
-    "the training range of E covers engineering materials from plastics to ceramics",
+    "the range of E in the fit spans most engineering materials, from plastics to ceramics",
     paper=f"{paper.TRAINING_E[0] / 1e3:g} to {paper.TRAINING_E[1] / 1e3:g} GPa",
-    rule="plastics, the five materials and ceramics all lie inside the range",
+    rule="plastics and the five materials of the paper lie inside the range",
+    against="Most is not all: the five materials that the paper goes on with are inside, and it "
+    "leaves plastics out of Sects. 3.3 and 3.4 itself.",
     paper_values={"low, GPa": paper.TRAINING_E[0] / 1e3, "high, GPa": paper.TRAINING_E[1] / 1e3},
 )
 def moduli_covered(bench: Bench) -> Finding:
     """Return the moduli of the five materials and of plastics in GPa."""
     low, high = (E / 1e3 for E in paper.TRAINING_E)
     moduli = [float(m.E) / 1e3 for m in paper.five_materials(bench).values()]
+
+    def outside(*moduli: float) -> str:
+        off = max(low / min(moduli), max(moduli) / high)
+        return "" if off <= 1 else f"{off:.1f} times outside"
+
+    readings = {
+        f"unfilled plastics, at most {E_PLASTIC:g} GPa (assumed)": (E_PLASTIC, *moduli),
+        f"glass fibre in plastic, {E_GLASS_FIBRE:g} GPa (assumed)": (E_GLASS_FIBRE, *moduli),
+        "most materials: the five of the paper": tuple(moduli),
+    }
+    (choice, own), *others = readings.items()
     return Finding(
-        f"the five materials ({min(moduli):g}–{max(moduli):g} GPa) lie inside; plastics (up to "
-        f"{E_PLASTIC:g} GPa) lie below; {high:g} GPa is {high / E_DIAMOND:.0f} times diamond",
-        holds=low <= E_PLASTIC and low <= min(moduli) and max(moduli) <= high,
-        choice=f"assumed: unfilled plastics at most {E_PLASTIC:g} GPa, diamond {E_DIAMOND:g} GPa. "
-        "The upper end is probably 1000 GPa misprinted; plastics are outside either way",
+        f"the five materials, {min(moduli):g} to {max(moduli):g} GPa, are inside; plastics of up "
+        f"to {E_PLASTIC:g} GPa are not; the upper end is {high / E_DIAMOND:.0f} times diamond",
+        holds=not outside(*own),
+        choice=choice,
+        miss=outside(*own),
+        alternatives=[
+            judged(name, f"{min(E):g} to {max(E):g} GPa", outside(*E)) for name, E in others
+        ],
         values={"plastics, GPa": E_PLASTIC, "least, GPa": min(moduli)},
     )
 
 
 @claim(
     "3.1-clearances-covered",
-    "the internal training range of ΔR covers the clearances of typical machines",
-    paper="0.05 to 10 mm",
-    rule="the range starts at or below the smallest clearance that the paper compares",
-    paper_values={"low, mm": paper.TRAINING_DR["internal"][0]},
+    "the range of internal clearances in the fit spans those of typical machines",
+    paper=f"{INTERNAL_DR[0]:g} to {INTERNAL_DR[1]:g} mm",
+    rule="it starts at or below the smallest typical clearance",
+    against="The sentence says that the ranges lead from typical clearances to other kinds of "
+    "contact, and 50 µm is a typical clearance.",
+    paper_values={"low, mm": INTERNAL_DR[0]},
 )
 def clearances_covered() -> Finding:
-    """Return the smallest clearance in mm that the paper compares."""
-    low, compared, typical = (
-        paper.TRAINING_DR["internal"][0],
-        paper.COMPARED_CLEARANCES[0],
-        paper.FIG7_CLEARANCES[0],
-    )
+    """Return the smallest clearances in mm that the paper names elsewhere."""
+    low = INTERNAL_DR[0]
+    typical, most = paper.FIG7_CLEARANCES
+    compared, joint = paper.COMPARED_CLEARANCES[0], min(paper.JOINT_CLEARANCES)
+
+    def miss(smallest: float) -> str:
+        return "" if low <= smallest else f"{low / smallest:.1f} times too high"
+
     return Finding(
-        f"Sect. 3.4 compares from {compared * 1e3:g} µm and Sect. 3.3 counts clearances "
-        f"from {typical * 1e3:g} µm as typical: {low / compared:.1f} and {low / typical:.0f} "
-        "times below the range's lower end",
-        holds=low <= compared,
-        choice="judged by the paper's own later ranges: below 50 µm the enhanced law is "
-        "extrapolated",
-        values={"smallest compared, mm": compared},
-    )
-
-
-# The fit itself, judged by the committed results.
-OPTIMUM = 1.01  # times the best known objective counts as the optimum
-SAME_COEFFICIENT = 0.01  # relative distance within which coefficients count as the same
-MISSING = Finding("", None, choice="no fit result to compute it from; make fits produces them")
-CHOICES = (
-    "objective, point counts, spacing, bounds and search settings are ours; the objective is the "
-    "root mean square of ln(δ_enhanced/δ_Johnson)"
-)
-
-
-@claim(
-    "3.1-best-correlation-{contact}",
-    "the published {contact} coefficients give the best correlation with Johnson",
-    paper="best of several genetic runs",
-    rule=f"at most {OPTIMUM:g} times the refit's objective",
-    cases=[{"contact": "internal"}, {"contact": "external"}],
-)
-def best_correlation(bench: Bench, contact: Contact) -> Finding:
-    """Return the published coefficients' objective over the refit's, by campaign."""
-    ratios = {
-        name: result.published.objective / result.objective.value
-        for name, result in bench.results_by_name().items()
-        if result.contact == contact and result.published is not None
-    }
-    others = ", ".join(f"{ratio:.2f} ({name})" for name, ratio in ratios.items() if name != contact)
-    finding = MISSING
-    if contact in ratios:
-        finding = Finding(
-            f"objective {ratios[contact]:.2f} times that of the refit",
-            holds=ratios[contact] <= OPTIMUM,
-            choice=f"ranges of Sect. 3.1 to the letter; {CHOICES}",
-        )
-    return replace(
-        finding,
-        alternatives=f"on other grids or by other objectives: {others}" if others else "",
-        values={f"objective ratio on {name}, -": ratio for name, ratio in ratios.items()},
+        f"it starts at {low * 1e3:g} µm; typical clearances start at {typical * 1e3:g} µm "
+        f"(Sect. 3.3), those compared at {compared * 1e3:g} µm (Sect. 3.4)",
+        holds=not miss(typical),
+        choice="typical clearances are those of Sect. 3.3",
+        miss=miss(typical),
+        alternatives=[
+            judged(
+                "typical clearances are those compared in Sect. 3.4",
+                f"from {compared * 1e3:g} µm",
+                miss(compared),
+            ),
+            judged("the joint of Sect. 4 is typical", f"{joint * 1e3:g} µm", miss(joint)),
+            Alternative(
+                "it is enough that the range starts among typical clearances",
+                f"{low * 1e3:g} µm is among {typical * 1e3:g} to {most * 1e3:g} µm",
+                typical <= low <= most,
+            ),
+        ],
+        values={"smallest typical, mm": typical, "smallest compared, mm": compared},
     )
 
 
 @claim(
-    "3.1-external-{name}",
-    "the optimum for external contact has this {name}",
-    paper="{published:g}",
-    rule=f"within {SAME_COEFFICIENT:.0%} of the published value",
-    cases=[
-        {"name": name, "published": getattr(PUBLISHED["external"], name)}
-        for name in ("a", "b", "n")
-    ],
+    "3.1-johnson-over-the-box",
+    "the penetrations to fit are calculated with Johnson's law over these ranges",
+    paper="10 to 1000 N/mm, 20.7 to 10000 GPa, ν = 0.1 to 0.5, 0.05 to 10 mm",
+    rule="Johnson's law reaches the highest load in every corner of the ranges (Eq 8)",
+    figures=("fig08",),
+    against="The paper speaks of a wide number of combinations in these ranges, not of every one, "
+    "and nearly every one has a penetration.",
 )
-def external_coefficient(bench: Bench, name: str, published: float) -> Finding:
-    """Return one refitted external coefficient, by campaign."""
-    refits = {
-        campaign: result
-        for campaign, result in bench.results_by_name().items()
-        if result.contact == "external" and result.law == "enhanced"
-    }
-    values = {campaign: result.coefficients[name] for campaign, result in refits.items()}
-    main = refits.pop("external-E1000", None)
-    others = ", ".join(f"{values[campaign]:.4g} ({campaign})" for campaign in refits)
-    finding = MISSING
-    if main is not None:
-        value, profile = main.coefficients[name], main.profiles[name]
-        deviation = value / published - 1
-        finding = Finding(
-            f"{value:.4g} ({deviation:+.1%}); from {profile.low:.3g} to {profile.high:.3g} the fit "
-            "is within 1 % of the best",
-            holds=abs(deviation) <= SAME_COEFFICIENT,
-            choice=f"E up to 1000 GPa; {CHOICES}",
-        )
-    return replace(
-        finding,
-        alternatives=f"refit on other grids: {others}" if others else "",
-        values={f"{name} on {campaign}, -": value for campaign, value in values.items()},
-        paper_values={f"{name}, -": published},
-    )
-
-
-@claim(
-    "3.1-several-runs",
-    "several runs with different populations and crossovers are needed",
-    paper="several runs",
-    rule="at least one run misses the best objective by more than 0.1 %",
-)
-def several_runs(bench: Bench) -> Finding:
-    """Return how many runs of the internal campaign miss the best basin."""
-    result = bench.results_by_name().get("internal")
-    if result is None:
-        return MISSING
-    missed = len(result.runs) - basins(result)[0][1]
+def johnson_over_the_box() -> Finding:
+    """Return Johnson's limit in N/mm in the softest corner of the internal training box."""
+    (dR, _), (E, _), load = INTERNAL_DR, paper.TRAINING_E, paper.LOADS[1]
+    pair = CylinderPair.from_dR("internal", dR, Material("softest", E, 0.1))
+    limit = float(johnson_limit_load(pair))
+    # Eq 1 has a penetration up to where its logarithm is 1.
+    end = 4 * np.pi * float(pair.E_star) * dR / math.e
+    beyond = beyond_eq8_percent()
     return Finding(
-        f"{missed} of {len(result.runs)} internal runs end in a worse basin, even polished",
-        holds=missed > 0,
-        choice=CHOICES,
-        values={"runs in a worse basin, -": float(missed)},
+        f"at {dR * 1e3:g} µm, {E / 1e3:g} GPa and ν = 0.1 it ends at {limit:.0f} N/mm",
+        holds=limit >= load,
+        choice="Eq 8 bounds the law, as in Sect. 3.3",
+        miss="" if limit >= load else f"{load - limit:.0f} N/mm short of {load:g} N/mm",
+        alternatives=[
+            judged(
+                "Eq 1 taken literally, on its falling branch too",
+                f"it gives a penetration up to {end:.0f} N/mm",
+                "" if end >= load else f"{load - end:.0f} N/mm short",
+            ),
+            judged(
+                "a wide number of combinations: all but 1 %",
+                f"one in {100 / beyond:,.0f} lies beyond Eq 8",
+                "" if beyond < 1 else f"{beyond - 1:.1f} points above 1 %",
+            ),
+        ],
+        values={"limit, N/mm": limit, "end of Eq 1, N/mm": end, "beyond Eq 8, percent": beyond},
+    )
+
+
+def beyond_eq8_percent() -> float:
+    """Return the part of the internal training ranges beyond Eq 8, on logarithmic axes, ν linear.
+
+    Eq 8 in logarithms: ln ΔR + ln E is below ln f + ln(e²·2(1 − ν²)/4π). At one load and ν this
+    cuts a triangle off the corner of the rectangle of ΔR and E.
+    """
+    nu, load = np.meshgrid(np.linspace(0.1, 0.5, 401), np.geomspace(*paper.LOADS, 4001))
+    product = load * math.e**2 * 2 * (1 - nu**2) / (4 * np.pi)
+    sides = np.log(INTERNAL_DR[1] / INTERNAL_DR[0]), np.log(np.divide(*paper.TRAINING_E[::-1]))
+    leg = np.clip(np.log(product / (INTERNAL_DR[0] * paper.TRAINING_E[0])), 0, None)
+    return float(100 * np.mean(leg**2 / 2) / np.prod(sides))
+
+
+# --- where the published law holds --------------------------------------------------------------
+
+
+def largest_difference(low: float, high: float) -> float:
+    """Return the largest |Eq 9| in percent from ΔR low to high in mm, 207 GPa, up to 1000 N/mm."""
+    found = []
+    for dR in np.geomspace(low, high, 61):
+        pair = reference_pair("internal", float(dR))
+        load, delta = johnson_points(paper.TRAINING_LOADS, pair)
+        found.append(np.max(np.abs(Enhanced().penetration(load, pair) / delta - 1)))
+    return float(100 * max(found))
+
+
+NEARLY_10_MM = 9.9999  # mm; Eq 6d excludes 10 mm itself
+Y_LOW = 0.005  # mm
+
+
+@claim(
+    "3.1-good-over-all-clearances",
+    "with Y of two branches the law correlates well with Johnson's over all clearances",
+    paper="good correlation for the complete range",
+    rule="R² above 0.99 (ours)",
+    figures=("fig_forms",),
+    against="Taken over all deformation–force pairs at once R² can reach 0.99, since the pairs "
+    "range over decades; at 10 mm alone the law is nearly twice too soft at 10 N/mm.",
+)
+def good_over_all_clearances() -> Finding:
+    """Return R² of ln f at the worst clearance, and of ln δ over all samples."""
+    dR = np.geomspace(INTERNAL_DR[0], NEARLY_10_MM, 61)
+    r2 = np.array([r_squared_of_law(paper.TRAINING_LOADS, "internal", float(x)) for x in dR])
+    worst, good = float(r2.min()), float(dR[r2 > 0.99].max())
+    largest = largest_difference(INTERNAL_DR[0], NEARLY_10_MM)
+
+    def miss(value: float) -> str:
+        return "" if value > 0.99 else f"{0.99 - value:.4f} below 0.99"
+
+    pooled = {
+        "all pairs at once, all axes logarithmic": pooled_r_squared("log"),
+        "the same, E up to 1000 GPa": pooled_r_squared("log", 1000e3),
+        "all pairs at once, all axes evenly spaced": pooled_r_squared("linear"),
+    }
+    best = max(pooled.values())
+    return Finding(
+        f"R² falls to {worst:.2f} at 10 mm, and is above 0.99 up to {good:.1f} mm; the penetration "
+        f"is off by up to {largest:.0f} %",
+        holds=not miss(worst),
+        choice="R² of ln f at each clearance, 207 GPa, loads spaced logarithmically",
+        miss=miss(worst),
+        alternatives=[
+            *(
+                judged(name, f"R² of ln δ is {value:.4f}", miss(value), WINDOW)
+                for name, value in pooled.items()
+            ),
+            judged(
+                f"the best of these, by the bar of Fig 2, R² > {paper.GOOD_CORRELATION}",
+                f"R² of ln δ is {best:.4f}",
+                above(best),
+            ),
+        ],
+        values={
+            "least R squared, -": worst,
+            "good up to, mm": good,
+            "largest difference, percent": largest,
+            **{f"R squared, {name}, -": value for name, value in pooled.items()},
+        },
+    )
+
+
+def pooled_r_squared(spacing: str, top: float = paper.TRAINING_E[1], points: int = 20) -> float:
+    """Return R² of ln δ of the published internal law over all pairs, E up to `top` in MPa."""
+    space = np.geomspace if spacing == "log" else np.linspace
+    johnson, enhanced = [], []
+    for E in space(paper.TRAINING_E[0], top, points):
+        for dR in space(INTERNAL_DR[0], NEARLY_10_MM, points):
+            pair = reference_pair("internal", float(dR), float(E))
+            load, delta = johnson_points(space(*paper.LOADS, points), pair)
+            johnson.append(np.log(delta))
+            enhanced.append(np.log(Enhanced().penetration(load, pair)))
+    return r_squared(np.concatenate(johnson), np.concatenate(enhanced))
+
+
+@claim(
+    "3.1-Y-below-the-fit",
+    "Y serves down to 5 µm, though the fit starts at 50 µm",
+    paper=f"[{Y_LOW:g}, {paper.Y_SWITCH}] mm",
+    rule="the largest difference is not greater below 50 µm than above it",
+    figures=("fig11",),
+    against="The differences above 50 µm are those near 10 mm; on the branch that is carried on "
+    "downwards the law is several times worse below 50 µm than above.",
+)
+def y_below_the_fit() -> Finding:
+    """Return the largest differences in percent below and above the start of the fit."""
+    start = INTERNAL_DR[0]
+    below = largest_difference(Y_LOW, start)
+    trained = largest_difference(start, NEARLY_10_MM)
+    branch = largest_difference(start, float(paper.Y_SWITCH))
+
+    def miss(bound: float) -> str:
+        return "" if below <= bound else f"{below - bound:.0f} points above {bound:.0f} %"
+
+    return Finding(
+        f"up to {below:.0f} % below 50 µm, up to {trained:.0f} % above",
+        holds=not miss(trained),
+        choice="207 GPa, from 10 N/mm to the lower of 1000 N/mm and Eq 8",
+        miss=miss(trained),
+        alternatives=[
+            judged(
+                f"against its own branch only, 50 µm to {paper.Y_SWITCH} mm",
+                f"{below:.0f} % against {branch:.0f} %",
+                miss(branch),
+            )
+        ],
+        values={
+            "below 50 um, percent": below,
+            "above 50 um, percent": trained,
+            "50 um to the switch, percent": branch,
+        },
     )

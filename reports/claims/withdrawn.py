@@ -9,4 +9,9 @@ WITHDRAWN: Mapping[str, str] = {
         "the paper says that Johnson's law ends at Eq 8's load, not that it is accurate up to "
         "there; how far it is off is in 1-johnson-needs-clearance"
     ),
+    "3.1-external-a": "replaced by 3.1-recovered-external-a, which holds n as the paper does.",
+    "3.1-external-b": "replaced by 3.1-recovered-external-b, which holds n as the paper does.",
+    "3.1-external-n": "the paper reads n from Fig 3 (3.1-external-single-n); whether a search ends "
+    "there too is 3.1-recovered-external-n.",
+    "3.1-several-runs": "the paper says that several runs were made, not that they were needed.",
 }

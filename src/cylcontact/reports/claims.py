@@ -254,7 +254,8 @@ class Claim:
         found = self.finding
         if found.reason:
             return found.reason
-        decides = f"{' and '.join(self.missing)} would decide" if self.missing else ""
+        hangs = self.verdict == "depends on a missing input"
+        decides = f"{' and '.join(self.missing)} would decide" if hangs else ""
         rule = f"rule: {self.rule}" if self.rule else ""
         choice = f"choice: {found.choice}" if found.choice else ""
         settled = f"singled out: {found.settled}" if found.settled else ""
