@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cylcontact import limits
 from cylcontact.arrays import FloatArray, as_floats
@@ -52,18 +53,19 @@ def from_clearance(domain: paper.Domain, dR: float) -> paper.Domain:
     return replace(domain, clearances=(dR, domain.clearances[1]))
 
 
-def in_corner(name: str, dR: FloatArray, load: FloatArray) -> np.ndarray:
+def in_corner(name: str, dR: FloatArray, load: FloatArray) -> NDArray[np.bool_]:
     """Whether the paper leaves conditions out: its corners (i) to (iv), and its exception.
 
     The exception are high loads at small clearances.
     """
     small, large = dR < LOW_CLEARANCE, dR > HIGH_CLEARANCE
     low, high = load < LOW_LOAD, load > HIGH_LOAD
-    corner = (small & (low | high)) | (large & high)
-    return corner | {"ceramics": low, "aluminium alloy": high}.get(name, np.False_)
+    corner: NDArray[np.bool_] = (small & (low | high)) | (large & high)
+    of_material = {"ceramics": low, "aluminium alloy": high}
+    return corner | of_material[name] if name in of_material else corner
 
 
-def past_half_of_limit(material: Material, dR: FloatArray, load: FloatArray) -> np.ndarray:
+def past_half_of_limit(material: Material, dR: FloatArray, load: FloatArray) -> NDArray[np.bool_]:
     """Whether a load in N/mm is above half of Johnson's limit."""
     half = limits.johnson_limit_load(paper.clearance_pair(dR, material)) / 2
     return np.greater(load, half)
