@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 WITHDRAWN: Mapping[str, str] = {
+    "2-johnson-good-to-its-limit": (
+        "the paper says that Johnson's law ends at Eq 8's load, not that it is accurate up to "
+        "there; how far it is off is in 1-johnson-needs-clearance"
+    ),
     "3.4-peak-near-25um": (
         "it is one sentence of the paper with 3.4-about-8-percent-at-25um, where depth and place "
         "of the maximum are now a reading"

@@ -1,0 +1,337 @@
+"""Misprints: each as printed and as we read it, where a computation tells the two apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from cylcontact.friction import friction_load
+from cylcontact.laws import Enhanced
+from cylcontact.pair import Contact, CylinderPair
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.claims import Finding, claim, untestable
+
+from .. import paper
+from ..finite_elements import STRESS_LOAD, penetrations, study, table
+from ..paper import FIG5_CLEARANCES, STEEL
+from ..power_fits import fig2_fit
+from .section1 import reading
+
+CLOSE = 1.0  # percent, ours
+# Share of the rectangle of peak pressure and width that a pressure of that shape fills.
+ELLIPSE, PARABOLA = np.pi / 4, 2 / 3
+FIG6 = "the picture of Fig 6"
+FIG6_LOADS = (20.0, 40.0)  # N/mm, both are given
+
+
+@claim(
+    "{id}",
+    "the radii in {where}",
+    paper="R_i·R_i",
+    rule=f"within {CLOSE:g} % of {{judge}}, our bound",
+    against="as the formula stands, R_i² is a length squared too, and the paper prints it twice",
+    figures=("fig01",),
+    cases=[
+        {
+            "id": "2-eq2-radii",
+            "where": "Eq 2",
+            "judge": "Hertz's sphere in a socket, 1/R = 1/R_j − 1/R_i",
+        },
+        {
+            "id": "3.3-eq7-radii",
+            "where": "the R of Eq 7",
+            "judge": "the peak pressure of finite elements",
+        },
+    ],
+)
+def radii(bench: Bench, id: str) -> Finding:
+    """Return Eq 2's force and Eq 7's pressure with each product of radii, against its judge."""
+    dR = FIG5_CLEARANCES[0]
+    R_i = study(bench, "recommended").setups["base"].hole_radius
+    R_j = R_i - dR
+    products = {
+        "R_i·R_j": R_i * R_j,
+        "R_i·R_i, i the hole": R_i * R_i,
+        "R_i·R_i, i the pin": R_j * R_j,
+    }
+    if id == "2-eq2-radii":
+        judge = 1 / (1 / R_j - 1 / R_i)
+        off = {name: 100 * (np.sqrt(p / dR / judge) - 1) for name, p in products.items()}
+    else:
+        rows = table(bench, "recommended")
+        (peak,) = rows["peak_pressure_MPa"][_case(rows, dR, STRESS_LOAD)]
+        E_star = STEEL.plane_strain_modulus / 2
+        off = {
+            name: 100 * (np.sqrt(STRESS_LOAD * E_star * dR / (np.pi * p)) / peak - 1)
+            for name, p in products.items()
+        }
+    percents = {name: float(value) for name, value in off.items()}
+    (own, percent), *others = percents.items()
+    return Finding(
+        f"{abs(percent):.2f} % off with R_i·R_j, for radii of {R_i:g} and {R_j:g} mm",
+        holds=abs(percent) < CLOSE,
+        choice=f"read as {own}",
+        settled="with it alone the formula stays the same if the bodies are exchanged",
+        alternatives=[
+            reading(
+                f"as printed, {name}",
+                f"{value:+.1f} %",
+                abs(value) < CLOSE,
+                f"{abs(value) - CLOSE:.1f} points above {CLOSE:g} %",
+            )
+            for name, value in others
+        ],
+        values={f"{name}, percent": value for name, value in percents.items()},
+    )
+
+
+def _case(rows: pd.DataFrame, dR: float, load: float) -> pd.Series[bool]:
+    """Return which rows are of that clearance and load."""
+    return (rows["dR_mm"] == dR) & (rows["load_N_per_mm"] == load)
+
+
+@claim(
+    "3.1-dR-external",
+    "the contact for which ΔR = R_i + R_j, given after Eq 6",
+    paper="internal, as for ΔR = R_i − R_j",
+    rule=f"R_i·R_j/ΔR is within {CLOSE:g} % of Hertz's radius, our bound",
+    against="none that we see: the same sentence gives internal contact another ΔR",
+    figures=("fig01",),
+)
+def sum_of_radii() -> Finding:
+    """Return R_i·R_j/(R_i + R_j) over Hertz's radius for rollers and for a pin in a hole."""
+    R_i = paper.BEARING_RADIUS
+    R_j = R_i - paper.JOINT_CLEARANCES[0]
+    radius = R_i * R_j / (R_i + R_j)
+    rollers, pin = radius * (1 / R_i + 1 / R_j), radius * (1 / R_j - 1 / R_i)
+    as_hole = CylinderPair.from_dR("internal", R_i + R_j, STEEL)
+    defined = np.isfinite(Enhanced().penetration(STRESS_LOAD, as_hole))
+    return Finding(
+        f"R_i·R_j/(R_i + R_j) is {rollers:.3f} of Hertz's radius for two rollers",
+        holds=bool(abs(rollers - 1) < CLOSE / 100),
+        choice="read as external the second time",
+        settled="the sentence has given ΔR = R_i − R_j for internal contact already",
+        alternatives=[
+            reading(
+                "as printed, internal",
+                f"{pin:.3f} of Hertz's radius for the joint of Sect. 4 at 0.5 mm"
+                + ("" if defined else f"; its ΔR = {R_i + R_j:g} mm is outside Eq 6d"),
+                abs(pin - 1) < CLOSE / 100,
+                f"{1 / pin:.0f} times too small",
+            )
+        ],
+        values={"rollers, -": rollers, "pin in a hole, -": pin},
+    )
+
+
+@claim(
+    "3.2-dR-sign",
+    "which cylinder is body i in the finite elements",
+    paper="the inner one, R_j = 2.245 mm the outer",
+    rule="the logarithm in Eq 1 has a positive argument",
+    against="ΔR may be meant as a magnitude, and then it does not matter which body is i",
+    figures=("fig01",),
+)
+def sign_of_clearance(bench: Bench) -> Finding:
+    """Return the argument of Eq 1's logarithm with i the hole and with i the pin."""
+    hole = study(bench, "recommended").setups["base"].hole_radius
+    pin = hole - FIG5_CLEARANCES[0]
+
+    def argument(R_i: float, R_j: float) -> float:
+        E_star = float(STEEL.plane_strain_modulus) / 2
+        return 4 * np.pi * E_star * (R_i - R_j) / STRESS_LOAD
+
+    right, printed = argument(hole, pin), argument(pin, hole)
+    return Finding(
+        f"at 1 mm and {STRESS_LOAD:g} N/mm the argument is {right:.0f} with i the hole",
+        holds=right > 0,
+        choice="R_i read as the hole's radius",
+        settled="ΔR = R_i − R_j after Eqs 1 and 6, and body i has the bearing in Sect. 4",
+        alternatives=[
+            reading(
+                "as printed, i the inner cylinder",
+                f"the argument is {printed:.0f}",
+                printed > 0,
+                f"{-printed:.0f} below zero",
+            ),
+            reading("ΔR as a magnitude", f"the argument is {abs(printed):.0f}", abs(printed) > 0),
+        ],
+        values={"argument, i the hole, -": right, "argument, i the pin, -": printed},
+    )
+
+
+@claim(
+    "3.1-fig2-clearance",
+    "ΔR of the external fit of Fig 2, in the text",
+    paper="50 µm",
+    rule=f"K and n within {CLOSE:g} % of the printed ones for external contact",
+    against="the sentence names one clearance and gives both fits after it",
+    figures=("fig02",),
+)
+def fig2_clearance() -> Finding:
+    """Return the departure of K and n from the printed external ones, at 140 mm and at 50 µm."""
+    printed = [float(text) for text in paper.FIG2_FITS["external"]]
+
+    def off(contact: Contact) -> tuple[float, float]:
+        # Eq 1 knows the contact by ΔR only, so the external fit at 50 µm is the internal one.
+        fit = fig2_fit(contact)
+        K, n = (100 * (value / p - 1) for value, p in zip((fit.K, fit.n), printed, strict=True))
+        return K, n
+
+    caption, text = off("external"), off("internal")
+    return Finding(
+        f"at the caption's 140 mm K is {caption[0]:+.2f} % and n {caption[1]:+.2f} % off",
+        holds=max(map(abs, caption)) < CLOSE,
+        choice="external contact at 140 mm; loads 1, 100, 200, …, 10000 N/mm",
+        settled="the caption gives 140 mm for the external case",
+        alternatives=[
+            reading(
+                "as printed in the text, 50 µm for both",
+                f"K {text[0]:+.0f} %, n {text[1]:+.0f} %",
+                max(map(abs, text)) < CLOSE,
+                f"{max(map(abs, text)) - CLOSE:.0f} points above {CLOSE:g} %",
+            )
+        ],
+        values={
+            "K at 140 mm, percent": caption[0],
+            "n at 140 mm, percent": caption[1],
+            "K at 50 um, percent": text[0],
+            "n at 50 um, percent": text[1],
+        },
+    )
+
+
+@claim(
+    "3.2-elliptic-stress",
+    "the shape of the contact stress in Hertz's theory",
+    paper="parabolic",
+    rule="the load fills the rectangle of peak pressure and contact width as that shape does, "
+    f"within {CLOSE:g} %",
+    against="the word may mean no more than a symmetric dome, which both shapes are",
+    figures=("fig05",),
+)
+def elliptic_stress(bench: Bench) -> Finding:
+    """Return the load over peak pressure times width, by finite elements."""
+    rows = table(bench, "convergence")
+    rows = rows[(rows["variant"] == "base") & (rows["load_N_per_mm"] == STRESS_LOAD)]
+    shares: Mapping[float, float] = {
+        dR: float(
+            STRESS_LOAD / (2 * row["half_width_mm"].iloc[0] * row["peak_pressure_MPa"].iloc[0])
+        )
+        for dR in FIG5_CLEARANCES
+        for row in [rows[rows["dR_mm"] == dR]]
+    }
+
+    def off(shape: float) -> float:
+        return max(100 * abs(share / shape - 1) for share in shares.values())
+
+    text = " and ".join(f"{share:.3f} at {dR:g} mm" for dR, share in shares.items())
+    return Finding(
+        f"it fills {text}; an ellipse fills {ELLIPSE:.3f}, a parabola {PARABOLA:.3f}",
+        holds=off(ELLIPSE) < CLOSE,
+        choice=f"read as elliptic; finite elements at {STRESS_LOAD:g} N/mm",
+        settled="the sentence calls on Hertz's theory, whose pressure is an ellipse",
+        alternatives=[
+            reading(
+                "as printed, a parabola",
+                f"{off(PARABOLA):.0f} % more than a parabola fills",
+                off(PARABOLA) < CLOSE,
+                f"{off(PARABOLA) - CLOSE:.0f} points above {CLOSE:g} %",
+            )
+        ],
+        values={f"share at {dR:g} mm, -": share for dR, share in shares.items()},
+    )
+
+
+@claim(
+    "3.2-fig6-load",
+    "the load of Fig 6",
+    paper="20 N/mm, then 40 N/mm",
+    rule="it is 20 N/mm: there the bound holds that the paper reads from the figure",
+    against="20 N/mm is named where the figure is introduced, so the 40 is the slip",
+    figures=("fig06",),
+)
+def fig6_load(bench: Bench) -> Finding:
+    """Return the largest differences of the two laws at both loads, against both bounds."""
+    rows = penetrations(table(bench, "recommended"))
+    off = 100 * (rows["enhanced_mm"] / rows["johnson_mm"] - 1).abs()
+    wide = rows["dR_mm"] >= paper.FIG6_WIDE
+    all_of_it, above = (
+        [float(off[inside & (rows["load_N_per_mm"] == load)].max()) for load in FIG6_LOADS]
+        for inside in (wide | True, wide)
+    )
+
+    def text(percents: list[float]) -> str:
+        ends = zip(percents, FIG6_LOADS, strict=True)
+        return " and ".join(f"{percent:.1f} % at {load:g} N/mm" for percent, load in ends)
+
+    return Finding(
+        f"from {paper.FIG6_WIDE:g} mm on Johnson's and the enhanced law are {text(above)} apart",
+        holds=above[0] < 3 < above[1],
+        choice="judged by the 3 % from 0.445 mm on",
+        missing=FIG6,
+        alternatives=[
+            reading(
+                "judged by the 10 % over all clearances",
+                f"{text(all_of_it)} apart",
+                all_of_it[0] < 10,
+                f"{all_of_it[0] - 10:.1f} points above 10 % at 20 N/mm",
+                FIG6,
+            )
+        ],
+        values={
+            f"{where}, {load:g} N/mm, percent": percent
+            for where, percents in (("all clearances", all_of_it), ("0.445 mm and above", above))
+            for load, percent in zip(FIG6_LOADS, percents, strict=True)
+        },
+    )
+
+
+@claim(
+    "4.1-friction-direction",
+    "the direction of friction, Eqs 13 and 14",
+    paper="the tangent times a velocity vector over its magnitude",
+    rule="friction takes up power at every sliding velocity, f_i·v_i + f_j·v_j ≤ 0",
+    against="a force against the sliding is plainly meant, and no reader computes anything else",
+)
+def friction_direction() -> Finding:
+    """Return the largest power of the pair of friction forces by reading, in N·mm/s per newton."""
+    v_i, v_j = (x.ravel() for x in np.meshgrid(*[np.linspace(-100, 100, 41)] * 2))
+    sliding = v_i - v_j
+    c_f, v0, v1 = paper.FRICTIONS[1], 1.0, 5.0
+    forces = {
+        "v_t = (v_i − v_j)·t, with its sign": friction_load(1.0, sliding, c_f, v0, v1),
+        "v_t = (v_j − v_i)·t, with its sign": friction_load(1.0, -sliding, c_f, v0, v1),
+        "vector over magnitude as the number 1": friction_load(1.0, np.abs(sliding), c_f, v0, v1),
+    }
+    powers = {name: float(np.max(f * v_i - f * v_j)) for name, f in forces.items()}
+    (own, power), *others = powers.items()
+    return Finding(
+        f"both forces together never drive: their power is at most {power:g} W",
+        holds=power <= 0,
+        choice=f"read as a scalar, {own}",
+        settled="friction dissipates; Eq 14 is Amontons and Coulomb's law",
+        alternatives=[
+            reading(
+                name,
+                f"up to {1e-3 * value:.3f} W",
+                value <= 0,
+                f"it drives with up to {1e-3 * value:.3f} W per newton of load",
+            )
+            for name, value in others
+        ],
+        values={f"{name}, N mm/s": value for name, value in powers.items()},
+    )
+
+
+@claim(
+    "4.3-esdu-number",
+    "the item of ESDU on cylinders in contact",
+    paper="ESDU-78055",
+    against="the formula that goes by the name is that of item 78035",
+)
+def esdu_number() -> Finding:
+    """Return no value: the number of a document is not computed."""
+    return untestable("a document's number cannot be computed; read as ESDU 78035")
