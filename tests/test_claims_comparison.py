@@ -127,9 +127,7 @@ def test_a_stiffer_material_gives_other_verdicts(material_rows):
     changed = claims_of(BENCH, section34)
     assert changed["3.4-limit-aluminium-7.5um"].verdict == FAILS
     assert changed["3.4-valid-at-1000"].verdict == FAILS
-    assert (
-        changed["3.4-valid-at-1000"].finding.miss == "1 material on the wrong side: aluminium alloy"
-    )
+    assert changed["3.4-valid-at-1000"].finding.miss == "1 on the wrong side: aluminium alloy"
     assert changed["3.4-limit-titanium-7.5um"].verdict == MISSING
 
 
@@ -375,7 +373,7 @@ def test_other_readings_on_a_plain_grid(claims, claim_id, choice, arguments):
     largest = largest_on_a_grid(*arguments)
     # Printed to a tenth; a grid misses the top by little.
     assert largest <= found + 0.05
-    assert largest == pytest.approx(found, abs=0.05 + 0.02 * found)
+    assert largest == pytest.approx(found, abs=0.05 + 0.04 * found)
 
 
 def test_corners_point_by_point():

@@ -159,7 +159,7 @@ def valid_at_1000(bench: Bench) -> Finding:
         )
         text = f"the three carry {least:.0f} N/mm or more, the others {most:.0f} N/mm or less"
         missing = paper.TABLE_1 if choice else ""
-        miss = f"{len(wrong)} material on the wrong side: {', '.join(wrong)}"
+        miss = f"{len(wrong)} on the wrong side: {', '.join(wrong)}"
         return Alternative(choice, text, not wrong, missing, unless(not wrong, miss))
 
     soft = dict(zip(paper.MATERIALS, [(300, 0.22), (190, 0.27), (190, 0.27)], strict=False))

@@ -271,8 +271,11 @@ def only_25um_above_4_percent(bench: Bench) -> Finding:
 
     def reading(choice: str, domain: paper.Domain, missing: str = "") -> Alternative:
         ridge = replace(domain, clearances=(switch, switch))
-        sizes = [abs(e.percent) for e in largest_by_material(materials, ridge).values()]
-        text = f"{min(sizes):.1f} to {max(sizes):.1f} % at {switch:g} mm for the five materials"
+        unyielded = {
+            name: m for name, m in materials.items() if ridge.top_load(switch, m) > ridge.loads[0]
+        }
+        sizes = [abs(e.percent) for e in largest_by_material(unyielded, ridge).values()]
+        text = f"{min(sizes):.1f} to {max(sizes):.1f} % at {switch:g} mm, by material"
         miss = f"at least {min(sizes) - 4:.1f} points above 4 %"
         holds = max(sizes) < 4
         return Alternative(choice, text, holds, missing, unless(holds, miss))
