@@ -381,7 +381,8 @@ def test_corners_point_by_point():
         for dR in (0.01, 0.03, 0.031, 0.4, 0.6):
             load = np.array([10.0, 31.0, 32.0, 316.0, 317.0, 1000.0])
             assert np.array_equal(
-                ~in_corner(name, np.float64(dR), load), not_in_a_corner(name, dR, load)
+                ~in_corner(name, ROWS[name].material, np.float64(dR), load),
+                not_in_a_corner(name, dR, load),
             )
 
 
