@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cylcontact.arrays import FloatArray
 from cylcontact.materials import Material
@@ -13,6 +14,8 @@ from cylcontact.materials import Material
 from .paper import Y_SWITCH, Domain, difference
 
 Score = Callable[[FloatArray, FloatArray], FloatArray]
+# Tells of clearances in mm and loads in N/mm whether they are left out.
+Region = Callable[[FloatArray, FloatArray], NDArray[np.bool_]]
 FIRST_GRID = 401
 ZOOM_GRID = 21
 ZOOMS = 12
@@ -28,12 +31,15 @@ class Extreme:
     load: float
 
     def __str__(self) -> str:
-        return f"{self.percent:+.1f} % at ΔR = {self.dR * 1e3:.3g} µm, {self.load:.4g} N/mm"
+        place = f"{self.dR * 1e3:.3g} µm" if self.dR < 0.1 else f"{self.dR:.3g} mm"
+        return f"{self.percent:+.1f} % at ΔR = {place}, {self.load:.4g} N/mm"
 
 
-def largest_difference(material: Material, domain: Domain) -> Extreme:
-    """Return the difference of largest magnitude (Eq 9) over `domain`."""
-    return _extreme(material, domain, np.abs)
+def largest_difference(
+    material: Material, domain: Domain, without: Region | None = None
+) -> Extreme:
+    """Return the difference of largest magnitude (Eq 9) over `domain`, `without` a part of it."""
+    return _extreme(material, domain, np.abs, without)
 
 
 def lowest_difference(material: Material, domain: Domain) -> Extreme:
@@ -82,12 +88,17 @@ def _worst_clearance(load: float, dR: FloatArray, material: Material) -> Extreme
 
 
 def _extreme(
-    material: Material, domain: Domain, score: Callable[[FloatArray], FloatArray]
+    material: Material,
+    domain: Domain,
+    score: Callable[[FloatArray], FloatArray],
+    without: Region | None = None,
 ) -> Extreme:
     """Return the difference whose score is highest."""
 
     def scored(u: FloatArray, v: FloatArray) -> FloatArray:
-        return score(difference(*domain.point(u, v, material), material))
+        dR, load = domain.point(u, v, material)
+        scores = score(difference(dR, load, material))
+        return scores if without is None else np.where(without(dR, load), np.nan, scores)
 
     u, v = maximise(scored)
     dR, load = domain.point(u, v, material)

@@ -217,15 +217,6 @@ class Claim:
         return self.id.partition("-")[0]
 
     @property
-    def missing(self) -> tuple[str, ...]:
-        """The missing inputs that decide: one value in their place holds, another does not."""
-        sides: dict[str, set[bool | None]] = {}
-        for reading in self.finding.readings:
-            if reading.missing:
-                sides.setdefault(reading.missing, set()).add(reading.holds)
-        return tuple(name for name, holds in sides.items() if holds >= {True, False})
-
-    @property
     def verdict(self) -> Verdict:
         """The verdict that follows from the readings; `VERDICTS` has the meanings."""
         found, readings = self.finding, self.finding.readings
@@ -237,7 +228,13 @@ class Claim:
             return "reproduced" if free else "reproduced with a stated choice"
         if holds == {False}:
             return "not reproduced"
-        return "depends on a missing input" if self.missing else "undecided"
+        return "depends on a missing input" if _deciding(readings) else "undecided"
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """The missing inputs that the verdict depends on."""
+        hangs = self.verdict == "depends on a missing input"
+        return _deciding(self.finding.readings) if hangs else ()
 
     @property
     def balance(self) -> str:
@@ -254,12 +251,20 @@ class Claim:
         found = self.finding
         if found.reason:
             return found.reason
-        hangs = self.verdict == "depends on a missing input"
-        decides = f"{' and '.join(self.missing)} would decide" if hangs else ""
+        decides = f"{' and '.join(self.missing)} would decide" if self.missing else ""
         rule = f"rule: {self.rule}" if self.rule else ""
         choice = f"choice: {found.choice}" if found.choice else ""
         settled = f"singled out: {found.settled}" if found.settled else ""
         return joined(rule, choice, settled, self.balance, decides)
+
+
+def _deciding(readings: Iterable[Alternative]) -> tuple[str, ...]:
+    """Return the missing inputs for which one value holds and another does not."""
+    sides: dict[str, set[bool | None]] = {}
+    for reading in readings:
+        if reading.missing:
+            sides.setdefault(reading.missing, set()).add(reading.holds)
+    return tuple(name for name, holds in sides.items() if holds >= {True, False})
 
 
 @dataclass(frozen=True)
