@@ -79,7 +79,7 @@ def yield_by_hertz_pressure(bench: Bench) -> Finding:
         pairs = [paper.clearance_pair(CLEARANCES[::20], *case) for case in cases]
         exact = np.array([limits.yield_load(pair, name) for pair in pairs])
         ratio, load = float((exact / curves).min()), float(exact[exact < curves].min())
-        choice = f"first yield by {name}"
+        choice = f"first yield by {name}, yield stresses ours"
         whole.append(at_least_1(choice, f"{ratio:.4f} of the curve's load at worst", ratio))
         choice += f", loads up to {top:g} N/mm (Sect. 3.4)"
         practical.append(
@@ -298,13 +298,11 @@ def logarithm_physical(bench: Bench) -> Finding:
     departs = float(np.log(4 * np.pi / departure_number(AGREEMENT[0])))
     growing = "physical as in Sect. 3.4: the penetration must not fall as the load grows"
     steps = f"falls over {falls} of {len(loads) - 1} steps"
+    conformal = "within {:g} % of elastic conformal contact at ln = 2"
     return found(
         [
             reading(growing, steps, falls == 0, steps),
-            *(
-                below(f"within {bound:g} % of elastic conformal contact", -shortfall, bound)
-                for bound in AGREEMENT
-            ),
+            *(below(conformal.format(bound), -shortfall, bound) for bound in AGREEMENT),
         ],
         f"the penetration grows with the load up to ln = 2, but is {shortfall:.0f} % short of "
         f"conformal contact there and {AGREEMENT[0]:g} % short at ln = {departs:.2f} already "
@@ -388,11 +386,12 @@ def plastic_before_limit(bench: Bench) -> Finding:
     likelier = all(weak[name] < own[name] for name in materials)
     reverse = all(weak[name] > own[name] for name in materials)
     ours = f"from {own[STEEL]:.1f} to {weak[STEEL]:.1f} µm when the yield stress is halved"
+    other_way = f"{abs(own[STEEL] - weak[STEEL]):.1f} µm the other way"
     lower = "'decreasing' goes with both: a lower yield stress makes it likelier"
     return found(
         [
-            reading(lower, ours, likelier, ours),
-            reading("a higher yield stress makes it likelier", ours, reverse, ours),
+            reading(lower, ours, likelier, other_way),
+            reading("a higher yield stress makes it likelier", ours, reverse, other_way),
         ],
         f"in a 10 mm hole of {STEEL} yield comes first above {own[STEEL]:.1f} µm, with half the "
         f"yield stress above {weak[STEEL]:.1f} µm",
