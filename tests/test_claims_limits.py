@@ -114,6 +114,11 @@ class TestVerdicts:
                 assert len(claim.finding.ours) < 220, claim.id
                 assert claim.finding.values, claim.id
 
+    def test_the_figures_have_recipes(self, claims):
+        names = {name for claim in claims.values() for name in claim.figures}
+        assert {"fig06", "fig07"} <= names
+        assert all((BENCH.root / "reports" / f"{name}.py").is_file() for name in names)
+
     def test_a_bench_without_finite_elements_cannot_test_them(self, tmp_path):
         untested = claims_of(Bench(tmp_path), section32)
         of_laws = {"3.2-below-10-percent", "3.2-below-3-percent", "3.2-bounds-at-other-loads"}
@@ -300,15 +305,21 @@ class TestFiniteElements:
                 100 * (actual / hertz - 1), rel=1e-9
             )
 
-    def test_the_departure_from_hertz_at_10_um_is_that_of_conformal_contact(self, claims, values):
-        pair = CylinderPair.from_dR("internal", 0.01, section32.STEEL, R_i=2.245)
-        for load in LOADS:
-            hertz = math.sqrt(load * E_STAR / (math.pi * effective_radius(2.245, 0.01)))
-            conformal = 100 * (float(pressure(0.0, load, pair)) / hertz - 1)
-            off = values("3.2-hertz-0.01-mm")[f"peak pressure less Hertz's, {load:g} N/mm, percent"]
-            # Persson takes the radii as equal; here they differ by 0.45 %.
-            assert off == pytest.approx(conformal, abs=0.45)
+    def test_at_10_um_the_load_that_hertz_is_judged_at_decides(self, claims):
+        assert holds(claims, "3.2-hertz-0.01-mm") == [True, True, True, True, False, True]
         assert claims["3.2-hertz-0.01-mm"].missing == ("the window",)
+
+    @pytest.mark.parametrize("load", [20.0, 100.0])
+    def test_the_departure_from_hertz_at_10_um_is_that_of_conformal_contact(self, values, load):
+        hertz = math.sqrt(load * E_STAR / (math.pi * effective_radius(2.245, 0.01)))
+        pair = CylinderPair.from_dR("internal", 0.01, section32.STEEL, R_i=2.245)
+        conformal = 100 * (float(pressure(0.0, load, pair)) / hertz - 1)
+        variant = {"variant": "outer radius 10 hole radii", "dR_mm": 0.01, "load_N_per_mm": load}
+        (peak,) = rows("sensitivity", **variant)["peak_pressure_MPa"]
+        # Persson's plate is infinite. The small one of the claim bends and departs further.
+        assert 100 * (peak / hertz - 1) == pytest.approx(conformal, rel=0.1)
+        name = f"peak pressure less Hertz's, {load:g} N/mm, percent"
+        assert values("3.2-hertz-0.01-mm")[name] > conformal
 
 
 class TestLimits:

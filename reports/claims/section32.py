@@ -241,7 +241,7 @@ def same_trend(bench: Bench) -> Finding:
         step = min(float(100 * curve.pct_change().min().min()) for curve in curves)
         readings += [
             reading(setup, f"at least {order:.3f}", order > 0.9, f"{0.9 - order:.3f} short"),
-            below(f"{setup}; no step down of 3 % counts as a trend", min(step, 0.0), 3.0),
+            below(f"{setup.partition(':')[0]}, no step down of 3 %", min(step, 0.0), 3.0),
         ]
         values |= {f"rank correlation, {name}, -": order, f"lowest step, {name}, percent": step}
     return found(
