@@ -24,8 +24,20 @@ FIG6_LOADS = {
 }
 FIG6_CLEARANCES = (0.005, 1.5)  # mm
 BOUNDS = [
-    {"percent": 10.0, "lowest": FIG6_CLEARANCES[0], "where": "from 5 µm to 1.5 mm"},
-    {"percent": 3.0, "lowest": FIG6_WIDE, "where": f"above {FIG6_WIDE:g} mm"},
+    {
+        "percent": 10.0,
+        "lowest": FIG6_CLEARANCES[0],
+        "where": "from 5 µm to 1.5 mm",
+        "best": "the 3 % above 0.445 mm single out 20 N/mm for Fig 6, and at that load the two "
+        "laws alone break the 10 % at its smallest clearances",
+    },
+    {
+        "percent": 3.0,
+        "lowest": FIG6_WIDE,
+        "where": f"above {FIG6_WIDE:g} mm",
+        "best": "the next sentence extends it to the other loads, where the two laws alone break "
+        "it; and no one load keeps both this bound and the 10 %",
+    },
 ]
 MODELS = {"fe": "finite elements", "johnson": "Johnson", "enhanced": "enhanced"}
 # Table of the bench → what a reading says of it.
@@ -85,10 +97,9 @@ def agreed_from(load: float, percent: float) -> float:
     "3.2-below-{percent:g}-percent",
     "Johnson's and the enhanced law differ by less than {percent:g} % {where}",
     paper="< {percent:g} %",
-    rule="|Eq 9| below {percent:g} %; no finite elements and so no datum enter",
+    rule="|Eq 9| below {percent:g} %",
     figures=("fig06",),
-    against="taken with the sentence on other levels of loading the bounds must hold at all three "
-    "loads, where the laws alone break both; and no one load keeps both bounds",
+    against="{best}",
     cases=BOUNDS,
 )
 def below_percent(percent: float, lowest: float) -> Finding:
@@ -108,7 +119,7 @@ def below_percent(percent: float, lowest: float) -> Finding:
         )
     return found(
         readings,
-        "the enhanced law is furthest from Johnson's by "
+        "wherever penetration counts from, the enhanced law is off Johnson's by up to "
         + ", ".join(f"{value:+.1f} % at {load:g} N/mm" for load, value in off.items()),
         settled=settled,
         values={f"enhanced to Johnson, {load:g} N/mm, percent": v for load, v in off.items()}
@@ -151,8 +162,8 @@ def suited_difference(rows: pd.DataFrame, *laws: str) -> float:
     paper="< {percent:g} %",
     rule="each law within {percent:g} % of finite elements",
     figures=("fig06", "fig_fe_sensitivity"),
-    against="finite elements and Johnson's law are the same elastic problem: any datum that lets "
-    "them meet once keeps them together, so their agreement can be granted",
+    against="all of the set-up but the outer radius is stated, and as stated, with the load on the "
+    "centre node, finite elements are far softer than either law",
     cases=BOUNDS,
 )
 def elements_below_percent(bench: Bench, percent: float, lowest: float) -> Finding:
@@ -177,7 +188,7 @@ def elements_below_percent(bench: Bench, percent: float, lowest: float) -> Findi
         for law in laws
         for load in LOADS
     }
-    first, free, as_printed, *_ = (reading.ours.lstrip("+-") for reading in readings)
+    first, free, as_printed, *_ = (each.ours.lstrip("+-") for each in readings)
     return found(
         readings,
         f"at 20 N/mm a law is up to {first} off finite elements in our set-up, {as_printed} in the "
@@ -265,19 +276,17 @@ def same_trend(bench: Bench) -> Finding:
 def mesh_refinement(bench: Bench) -> Finding:
     """Return the change of peak pressure and penetration on a finer mesh, in percent."""
     rows = table(bench, "sensitivity")
-
-    def change(column: str, coarse: str, fine: str) -> float:
-        return change_percent(rows, column, fine, coarse)
-
-    node = ("load at the centre node", "the same on 32 cells")
-    spread = ("base", "32 cells instead of 16")
+    variants = {
+        "load on the centre node": ("the same on 32 cells", "load at the centre node"),
+        "load spread over the pin": ("32 cells instead of 16", "base"),
+    }
     changes = {
-        "contact pressure (the forces checked), load on the centre node": change(
-            "peak_pressure_MPa", *node
-        ),
-        "penetration, load on the centre node": change("penetration_mm", *node),
-        "contact pressure, load spread over the pin": change("peak_pressure_MPa", *spread),
-        "penetration, load spread over the pin": change("penetration_mm", *spread),
+        f"{what}, {load}": change_percent(rows, column, *variants[load])
+        for load in variants
+        for what, column in (
+            ("contact pressure (the forces checked)", "peak_pressure_MPa"),
+            ("penetration", "penetration_mm"),
+        )
     }
     pressure, penetration, *_ = changes.values()
     return found(
