@@ -1,0 +1,28 @@
+"""Readings of a claim, and the finding that they make."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from cylcontact.reports.claims import Alternative, Finding
+
+
+def reading(choice: str, ours: str, holds: bool, miss: str = "", missing: str = "") -> Alternative:
+    """Return a reading; `miss` is told only where it does not hold."""
+    return Alternative(choice, ours, holds, missing, "" if holds else miss)
+
+
+def below(choice: str, percent: float, bound: float, missing: str = "") -> Alternative:
+    """Return the reading by which a difference in percent must be smaller than a bound."""
+    excess = abs(percent) - bound
+    text = f"{percent:+.3g} %"
+    return reading(choice, text, excess < 0, f"{excess:.2g} points too much", missing)
+
+
+def found(readings: Sequence[Alternative], ours: str = "", **more: Any) -> Finding:
+    """Return the finding whose own reading is the first, told as `ours` if that is given."""
+    own, *others = readings
+    fields = asdict(own) | {"ours": ours or own.ours}
+    return Finding(**fields, alternatives=others, **more)
