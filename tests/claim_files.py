@@ -1,6 +1,7 @@
 """Claims of some files of the bench, computed without the others, which may take long."""
 
 from _cylcontact_bench.claims import (
+    errata,
     section1,
     section2,
     section31,
@@ -11,8 +12,8 @@ from _cylcontact_bench.claims import (
 
 from cylcontact.reports.claims import ClaimFunction
 
-# Those that need neither a fit nor a mechanism nor finite elements.
-STATICS = (section1, section2, section31, section33, section34, section34_differences)
+# Some that need neither a fit nor a mechanism.
+STATICS = (section1, section2, errata, section31, section33, section34, section34_differences)
 
 
 def claims_of(bench, *modules):
