@@ -7,7 +7,6 @@ two. For external contact it is searched twice, with n fixed and with n free.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from copy import deepcopy
 from dataclasses import asdict, dataclass, replace
 from itertools import product
 from typing import Any
@@ -17,19 +16,14 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
-from cylcontact.arrays import FloatArray
-from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.objectives import ON_ROWS
-from cylcontact.fitting.polish import polish, polish_across_kinks
-from cylcontact.fitting.problem import Problem
 from cylcontact.laws import PUBLISHED
-from cylcontact.laws.definition import Parameter
 from cylcontact.pair import CONTACTS, Contact
 from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title
 from cylcontact.plots.style import COLOURS, MARKERS, QUIET
-from cylcontact.progress import silent
 from cylcontact.reports.bench import Bench
+
+from .recovery import N_FREE, best, problem_from, with_axes
 
 CAPTION = (
     "Recovered coefficients against the published ones under {count} readings of how they were "
@@ -55,9 +49,6 @@ RATIOS: Mapping[str, list[float]] = {
     "nu = 0.5": [0.5],
     "nu from 0.1 to 0.5": [0.1, 0.2, 0.3, 0.4, 0.5],
 }
-N_FREE = Parameter("n", low=1.0, high=1.5)
-# Points of the lattice from whose best one the search descends, along each free coefficient.
-LATTICE = {2: 41, 3: 17}
 # The searches: what the table and the panels call them, and the coefficients with their symbols.
 SEARCHES: Mapping[str, tuple[Contact, str, Mapping[str, str]]] = {
     "internal": ("internal", "internal", {"a": "$x_1$", "Y_log_scale": "$x_2$"}),
@@ -178,19 +169,6 @@ def _changed(base: dict[str, Any], what: str, label: str, **axes: dict[str, Any]
     return Reading(what, label, with_axes(base, **axes))
 
 
-def with_axes(settings: dict[str, Any], **axes: dict[str, Any]) -> dict[str, Any]:
-    """Return a campaign's settings with keys of some axes changed."""
-    changed = deepcopy(settings)
-    for axis, keys in axes.items():
-        changed["dataset"]["axes"][axis] |= keys
-    return changed
-
-
-def problem_from(settings: dict[str, Any]) -> Problem:
-    """Return the problem of a campaign's settings."""
-    return problem_of(campaign_from_settings("reading", settings, "reading"), 1, silent)[0]
-
-
 def _rows(contact: Contact, reading: Reading) -> list[dict[str, Any]]:
     """Return what each search of a contact gives under one reading, a row for each coefficient."""
     fixed = problem_from(reading.settings)
@@ -219,22 +197,6 @@ def _rows(contact: Contact, reading: Reading) -> list[dict[str, Any]]:
                 if name in names
             ]
     return rows
-
-
-def best(problem: Problem) -> tuple[FloatArray, float]:
-    """Return the best point of a problem of few parameters, and its objective.
-
-    Descends from the best point of a lattice over the bounds: for two or three coefficients a
-    second way to the optimum beside the campaigns' genetic search.
-    """
-    points = len(problem.free)
-    unit = np.linspace(0, 1, LATTICE[points])
-    lattice = np.stack(np.meshgrid(*[unit] * points), axis=-1).reshape(-1, points)
-    lattice = problem.low + lattice * (problem.high - problem.low)
-    start = lattice[np.argmin(problem.values(lattice))]
-    # Only the internal law has kinks, where the branches of Y meet.
-    descend = polish_across_kinks if problem.model.contact == "internal" else polish
-    return descend(problem, start)
 
 
 def _draw_panels(table: pd.DataFrame) -> StyledFigure:

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from _cylcontact_bench.claims import errata, section1, section2
-from _cylcontact_bench.paper import MATERIALS
 from _cylcontact_bench.claims.withdrawn import WITHDRAWN
+from _cylcontact_bench.paper import MATERIALS
 from scipy.optimize import brentq
 
 from cylcontact.materials import shipped_materials

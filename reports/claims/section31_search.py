@@ -18,8 +18,8 @@ from cylcontact.pair import CONTACTS, Contact
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Alternative, Finding, claim
 
-from ..fig_readings import N_FREE, best, problem_from, with_axes
 from ..paper import WINDOW
+from ..recovery import N_FREE, best, problem_from, with_axes
 from .section31 import judged
 
 SEARCHED: dict[Contact, str] = {
