@@ -96,7 +96,7 @@ def reading(claim, text):
 
 def first_number(text):
     """Return the first number of a text."""
-    return float(re.search(r"[-+]?\d+(\.\d+)?", text).group())
+    return float(re.search(r"[-+]?\d+(\.\d+)?", text.replace("−", "-")).group())
 
 
 # --- verdicts ---

@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from itertools import chain
@@ -86,6 +87,8 @@ VERDICTS: Mapping[Verdict, str] = {
     "not testable": "there is nothing to compute",
 }
 LABEL_WIDTH = 18
+# A hyphen that is the sign of a number, as in "-1.5 %" and not in "1e-6" or "Ti-6Al".
+MINUS = re.compile(r"(?<![\w.)])-(?=\d)")
 Case = Mapping[str, Any]
 
 
@@ -293,10 +296,22 @@ class ClaimFunction:
             text.format(**case) if case else text
             for text in (*texts, against, finding.rule or rule)
         )
-        values = {**self.paper_values, **finding.paper_values}
-        finding = replace(finding, paper_values=values)
+        finding = replace(
+            finding,
+            **_typeset(finding, "ours", "choice", "miss"),
+            alternatives=[
+                replace(each, **_typeset(each, "choice", "ours", "miss"))
+                for each in finding.alternatives
+            ],
+            paper_values={**self.paper_values, **finding.paper_values},
+        )
         code = _place_of(self.function, bench)
         return Claim(id, statement, paper, rule, finding, self.figures, against, code)
+
+
+def _typeset(texts: Finding | Alternative, *names: str) -> dict[str, Any]:
+    """Return texts with a proper minus before their numbers."""
+    return {name: MINUS.sub("\N{MINUS SIGN}", getattr(texts, name)) for name in names}
 
 
 def _place_of(function: Callable[..., Finding], bench: Bench) -> str:

@@ -39,8 +39,8 @@ from cylcontact.reports.paper import Paper, paper_of
 
 __all__ = ["Site", "build_site"]
 
-# A symbol of one letter with an index.
-SYMBOL = re.compile(r"(?<!\w)([^\W\d_])_([A-Za-z]+|\d)(?!\w)")
+# A symbol of one letter with an index; Greek letters and powers may stand beside it.
+SYMBOL = re.compile(r"(?<![A-Za-z0-9_])([^\W\d_])_([A-Za-z]+|\d)(?![A-Za-z0-9_])")
 PAGES = ("index", "claims", "explore")
 # The classes that the pages give to the verdicts.
 MARKS = dict(zip(VERDICTS, ("yes", "choice", "open", "hangs", "no", "untestable"), strict=True))
@@ -168,8 +168,8 @@ def _subscripts(escaped: str) -> str:
 
     Examples
     --------
-    >>> _subscripts("c_e = 0.9, R_i; dR_mm")
-    'c<sub>e</sub> = 0.9, R<sub>i</sub>; dR_mm'
+    >>> _subscripts("c_e = 0.9, πσ_Y²; dR_mm")
+    'c<sub>e</sub> = 0.9, πσ<sub>Y</sub>²; dR_mm'
     """
     return SYMBOL.sub(r"\1<sub>\2</sub>", escaped)
 
