@@ -165,15 +165,19 @@ DEFINITIONS: Mapping[str, str] = {
     "derived, assumed": (
         "numbers that the text does not state: worked out from other numbers in it, or ours."
     ),
+    "conformal contact": (
+        "Persson's solution for a pin and a hole of one material; its penetration has a free "
+        "additive constant, the datum, here such that it meets Johnson's law at small loads."
+    ),
     "reading": (
         "a reasonable way to understand a statement and to fill in what the paper does not say. "
         "Every claim is computed once for each reading, and its verdict follows from them."
     ),
     "missing inputs": (
         "what the paper's text lacks and some claims hang on, "
-        f"{TABLE_1} (materials), {TABLE_2} (slider-crank), {WINDOW} (loads, penetrations or "
-        f"revolutions that a number was taken over), {DATUM} (where a penetration counts from) "
-        "among them."
+        f"{TABLE_1} (materials), {TABLE_2} (slider-crank), {WINDOW} (loads, clearances, moduli, "
+        "penetrations or revolutions that a number was taken over), "
+        f"{DATUM} (where a penetration counts from) among them."
     ),
 }
 

@@ -16,9 +16,9 @@ from cylcontact.reports.claims import (
     Alternative,
     Claim,
     Finding,
-    by_verdict,
     counts,
     described,
+    grouped,
     ledger,
     to_json,
     to_records,
@@ -235,9 +235,11 @@ def reading(holds, missing="", miss=""):
         (False, [reading(None, "Table 1")], "ours", "Table 1", OPEN),
         (True, [reading(False, "Table 1")], "ours", "Table 1", HANGS),
         (False, [reading(False), reading(True, "Table 1")], "ours", "Table 1", HANGS),
-        # What fails in another way than by the missing input does not hang on it.
+        # What stands on both sides without the missing input does not hang on it.
         (True, [reading(True, "Table 1"), reading(False)], "ours", "Table 1", OPEN),
         (True, [reading(False, "Table 1")], "ours", "", OPEN),
+        (True, [reading(False, "Table 1"), reading(False)], "ours", "Table 1", HANGS),
+        (True, [reading(False, "Table 1"), reading(False), reading(True)], "", "Table 1", OPEN),
     ],
 )
 def test_a_verdict_follows_from_the_readings(holds, alternatives, choice, missing, verdict):
@@ -286,13 +288,30 @@ def test_the_basis_tells_rule_choice_and_how_the_readings_stand():
 def test_counts_add_up_and_groups_follow_the_verdicts(claims):
     assert counts(claims) == dict.fromkeys(VERDICTS, 0) | {YES: 1, CHOICE: 1, NO: 2}
     assert list(counts(claims)) == list(VERDICTS)
-    assert {verdict: len(each) for verdict, each in by_verdict(claims).items()} == {
+    assert {verdict: len(each) for verdict, each in grouped(claims).items()} == {
         YES: 1,
         CHOICE: 1,
         NO: 2,
     }
     assert counts([]) == dict.fromkeys(VERDICTS, 0)
-    assert by_verdict([]) == {}
+    assert grouped([]) == {}
+
+
+def test_misprints_are_listed_apart_and_not_counted(bench):
+    write(
+        bench,
+        "a",
+        trial("1-a", "one"),
+        trial("1-b", "two").replace("paper=", "misprint=True, paper="),
+    )
+    claims = ledger(bench)
+    assert [claim.misprint for claim in claims] == [False, True]
+    assert {group: len(each) for group, each in grouped(claims).items()} == {NO: 1, "misprints": 1}
+    assert counts(claims)[NO] == 1
+    assert (
+        what_stands(claims)
+        == "Of 1 testable statement, 0 stand; 1 fails under every reading tried."
+    )
 
 
 def test_one_sentence_says_what_stands(claims):
@@ -306,7 +325,7 @@ def test_one_sentence_says_what_stands(claims):
     )
 
 
-def test_text_has_what_stands_then_the_claims_by_verdict_and_the_terms(claims):
+def test_text_has_what_stands_then_the_claims_by_group_and_the_terms(claims):
     flat = " ".join(
         to_text(claims, {"share": "a part of the domain"}, {"9-gone": "no statement"}).split()
     )
@@ -350,7 +369,7 @@ def test_csv_round_trip(claims):
     table = pd.read_csv(
         io.StringIO(to_table(claims).to_csv(index=False)), dtype=str, keep_default_na=False
     )
-    for column in ("readings", "missing", "figures", "paper_values", "ours_values"):
+    for column in ("misprint", "readings", "missing", "figures", "paper_values", "ours_values"):
         table[column] = table[column].map(json.loads)
     assert table.to_dict("records") == to_records(claims)
 

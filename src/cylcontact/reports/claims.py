@@ -40,16 +40,17 @@ from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench, MissingInputError
 
 __all__ = [
+    "MEANINGS",
     "VERDICTS",
     "Alternative",
     "Claim",
     "Finding",
     "Verdict",
     "agrees_as_printed",
-    "by_verdict",
     "claim",
     "counts",
     "described",
+    "grouped",
     "joined",
     "ledger",
     "listed",
@@ -85,6 +86,12 @@ VERDICTS: Mapping[Verdict, str] = {
     ),
     "not reproduced": "no reading tried meets the rule; each says by how much it misses",
     "not testable": "there is nothing to compute",
+}
+MISPRINTS = "misprints"
+# What the claims of each group have in common.
+MEANINGS: Mapping[str, str] = {
+    **{str(verdict): text for verdict, text in VERDICTS.items()},
+    MISPRINTS: "slips of the print, each with what is meant",
 }
 LABEL_WIDTH = 18
 # A hyphen that is the sign of a number, as in "-1.5 %" and not in "1e-6" or "Ti-6Al".
@@ -203,6 +210,8 @@ class Claim:
         The best argument for another verdict.
     code : str
         File and line of its function, below the bench.
+    misprint : bool
+        Whether it is a slip of the print and not a statement; these are listed apart.
     """
 
     id: str
@@ -213,6 +222,7 @@ class Claim:
     figures: tuple[str, ...] = ()
     against: str = ""
     code: str = ""
+    misprint: bool = False
 
     @property
     def section(self) -> str:
@@ -262,12 +272,17 @@ class Claim:
 
 
 def _deciding(readings: Iterable[Alternative]) -> tuple[str, ...]:
-    """Return the missing inputs for which one value holds and another does not."""
+    """Return the missing inputs that decide: one value in their place holds, another does not.
+
+    None does if readings that need no such input stand on both sides already.
+    """
     sides: dict[str, set[bool | None]] = {}
     for reading in readings:
-        if reading.missing:
-            sides.setdefault(reading.missing, set()).add(reading.holds)
-    return tuple(name for name, holds in sides.items() if holds >= {True, False})
+        sides.setdefault(reading.missing, set()).add(reading.holds)
+    both = {True, False}
+    if sides.pop("", set()) >= both:
+        return ()
+    return tuple(name for name, holds in sides.items() if holds >= both)
 
 
 @dataclass(frozen=True)
@@ -279,6 +294,7 @@ class ClaimFunction:
     figures: tuple[str, ...]
     paper_values: Mapping[str, float]
     cases: Sequence[Case]
+    misprint: bool
 
     def __call__(self, bench: Bench) -> list[Claim]:
         return [self._one(bench, case) for case in self.cases]
@@ -306,7 +322,9 @@ class ClaimFunction:
             paper_values={**self.paper_values, **finding.paper_values},
         )
         code = _place_of(self.function, bench)
-        return Claim(id, statement, paper, rule, finding, self.figures, against, code)
+        return Claim(
+            id, statement, paper, rule, finding, self.figures, against, code, self.misprint
+        )
 
 
 def _typeset(texts: Finding | Alternative, *names: str) -> dict[str, Any]:
@@ -332,6 +350,7 @@ def claim(
     against: str = "",
     paper_values: Mapping[str, float] | None = None,
     cases: Sequence[Case] = ({},),
+    misprint: bool = False,
 ) -> Callable[[Callable[..., Finding]], ClaimFunction]:
     """Return a decorator that makes a claim of a function.
 
@@ -355,6 +374,8 @@ def claim(
         One claim is made for each. Its values replace their names in braces in the texts, and the
         function gets those that it has parameters for. It gets the bench as `bench`, if it has
         that parameter.
+    misprint : bool, optional
+        Whether it is a slip of the print; these are listed apart and not counted.
 
     Examples
     --------
@@ -369,7 +390,7 @@ def claim(
     """
     texts = (id, statement, paper, against, rule)
     return lambda function: ClaimFunction(
-        function, texts, tuple(figures), paper_values or {}, cases
+        function, texts, tuple(figures), paper_values or {}, cases, misprint
     )
 
 
@@ -461,17 +482,17 @@ def _require_different_ids(claims: Iterable[Claim], bench: Bench) -> None:
 
 
 def counts(claims: Iterable[Claim]) -> dict[Verdict, int]:
-    """Return how many claims have each verdict, zeros included."""
-    verdicts = [each.verdict for each in claims]
+    """Return how many claims have each verdict, zeros included and misprints left out."""
+    verdicts = [each.verdict for each in claims if not each.misprint]
     return {verdict: verdicts.count(verdict) for verdict in VERDICTS}
 
 
-def by_verdict(claims: Iterable[Claim]) -> dict[Verdict, list[Claim]]:
-    """Return the claims of each verdict that occurs, in the order given."""
-    groups: dict[Verdict, list[Claim]] = {verdict: [] for verdict in VERDICTS}
+def grouped(claims: Iterable[Claim]) -> dict[str, list[Claim]]:
+    """Return the claims of each verdict that occurs, in the order given, and the misprints."""
+    groups: dict[str, list[Claim]] = {verdict: [] for verdict in (*VERDICTS, MISPRINTS)}
     for each in claims:
-        groups[each.verdict].append(each)
-    return {verdict: members for verdict, members in groups.items() if members}
+        groups[MISPRINTS if each.misprint else each.verdict].append(each)
+    return {name: members for name, members in groups.items() if members}
 
 
 def what_stands(claims: Sequence[Claim]) -> str:
@@ -485,7 +506,7 @@ def what_stands(claims: Sequence[Claim]) -> str:
     """
     number = counts(claims)
     plain, chosen, open_, hanging, failed, _ = (number[verdict] for verdict in VERDICTS)
-    total, stand = len(claims) - number["not testable"], plain + chosen
+    total, stand = sum(number.values()) - number["not testable"], plain + chosen
     parts = [f"{stand} {'stands' if stand == 1 else 'stand'}"]
     if chosen and plain:
         parts[0] += f" ({plain} as printed, {chosen} with a choice that we state)"
@@ -568,8 +589,8 @@ def to_text(
     str
     """
     lines = [*wrap(what_stands(claims), width), ""]
-    for verdict, members in by_verdict(claims).items():
-        title = f"{verdict.capitalize()} ({len(members)}): {VERDICTS[verdict]}"
+    for group, members in grouped(claims).items():
+        title = f"{group.capitalize()} ({len(members)}): {MEANINGS[group]}"
         lines += [*wrap(title, width), "─" * width, ""]
         for each in members:
             lines += [*_claim_lines(each, width), ""]
@@ -626,6 +647,7 @@ def to_records(claims: Iterable[Claim]) -> list[dict[str, Any]]:
             "paper": each.paper,
             "ours": each.finding.ours,
             "verdict": each.verdict,
+            "misprint": each.misprint,
             "basis": each.basis,
             "rule": each.rule,
             "readings": [asdict(reading) for reading in each.finding.readings],

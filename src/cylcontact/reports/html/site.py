@@ -17,11 +17,11 @@ from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, find_recipes
 from cylcontact.reports.claims import (
-    VERDICTS,
+    MEANINGS,
     Claim,
-    by_verdict,
     counts,
     described,
+    grouped,
     ledger,
     what_stands,
     withdrawn,
@@ -42,8 +42,14 @@ __all__ = ["Site", "build_site"]
 # A symbol of one letter with an index; Greek letters and powers may stand beside it.
 SYMBOL = re.compile(r"(?<![A-Za-z0-9_])([^\W\d_])_([A-Za-z]+|\d)(?![A-Za-z0-9_])")
 PAGES = ("index", "claims", "explore")
-# The classes that the pages give to the verdicts.
-MARKS = dict(zip(VERDICTS, ("yes", "choice", "open", "hangs", "no", "untestable"), strict=True))
+# The classes that the pages give to the groups of claims.
+MARKS = dict(
+    zip(
+        MEANINGS,
+        ("yes", "choice", "open", "hangs", "no", "untestable", "misprints"),
+        strict=True,
+    )
+)
 
 
 @dataclass(frozen=True)
@@ -207,9 +213,9 @@ def _claims_page(
         "claims_problem": claims.problem,
         "what_stands": what_stands(claims.claims),
         "counts": counts(claims.claims),
-        "groups": by_verdict(claims.claims),
+        "groups": grouped(claims.claims),
         "sections": sorted({claim.section for claim in claims.claims}),
-        "meanings": VERDICTS,
+        "meanings": MEANINGS,
         "definitions": paper.definitions,
         "withdrawn": claims.withdrawn,
         "references": paper.references,
