@@ -68,11 +68,15 @@ def r_squared_at(n: ArrayLike, load: FloatArray, penetration: FloatArray) -> Flo
     return as_floats((2 * slope * (x @ y) - slope**2 * (x @ x)) / (y @ y))
 
 
+# Lists of loads tried for Fig 2's external case, once and by hand.
+WIDER_SEARCH = 340_000
+
+
 def searched_loads() -> Iterator[tuple[str, FloatArray]]:
     """Yield plausible lists of loads in N/mm for Fig 2's external case, with their names.
 
     First the internal case's form with other steps and ends, then lists with a finer step at first.
-    The list that gives both printed numbers came from a wider search, of 340 000 lists of the
+    The list that gives both printed numbers came from a search of `WIDER_SEARCH` lists of the
     second form with more steps and ends; one other gave them, 5 to 100 by 5, to 9800 by 100.
     """
     for step, count in product((10, 20, 25, 50, 100, 200, 250, 500), range(20, 121)):
@@ -102,6 +106,17 @@ def external_matches() -> tuple[int, Mapping[str, PowerFit]]:
     matching = [name for name, fit in fits.items() if agrees_as_printed(fit.n, n)]
     matching.sort(key=lambda name: abs(fits[name].K - float(K)))
     return len(fits), {name: fits[name] for name in matching}
+
+
+def expected_matches() -> float:
+    """Return how many lists of the wider search would give both printed numbers by chance.
+
+    Those that give n are taken to be as frequent there as here, and their K as evenly spread; one
+    in as many as this spread has units rounds to the printed K.
+    """
+    tried, matches = external_matches()
+    factors = [fit.K for fit in matches.values()]
+    return WIDER_SEARCH * len(matches) / tried / (max(factors) - min(factors))
 
 
 def ends_spread(values: tuple[float, float]) -> float:

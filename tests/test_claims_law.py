@@ -36,31 +36,30 @@ VERDICTS = {
     "3.1-fig2-external-n": "depends on a missing input",
     "3.1-fig2-internal-r-squared": "reproduced with a stated choice",
     "3.1-fig2-external-r-squared": "reproduced with a stated choice",
-    "3.1-eq6-at-fig2-internal": "reproduced with a stated choice",
+    "3.1-eq6-at-fig2-internal": "undecided",
     "3.1-eq6-at-fig2-external": "reproduced with a stated choice",
-    "3.1-fig3-internal-sensitivity": "depends on a missing input",
+    "3.1-fig3-internal-sensitivity": "undecided",
     "3.1-fig3-external-sensitivity": "reproduced with a stated choice",
-    "3.1-internal-no-single-n": "reproduced with a stated choice",
+    "3.1-internal-no-single-n": "undecided",
     "3.1-external-single-n": "reproduced with a stated choice",
     "3.1-external-exceptions": "undecided",
     "3.1-force-proportional-to-E": "reproduced",
     "3.1-force-proportional-to-inverse-dR": "undecided",
     "3.1-K-star-linear-internal": "undecided",
-    "3.1-K-star-linear-external": "undecided",
+    "3.1-K-star-linear-external": "reproduced with a stated choice",
     "3.1-Y-switch": "reproduced",
     "3.1-Y-continuous": "reproduced",
     "3.1-moduli-covered": "undecided",
     "3.1-clearances-covered": "undecided",
-    "3.1-johnson-over-the-box": "undecided",
-    "3.1-good-over-all-clearances": "depends on a missing input",
-    "3.1-Y-below-the-fit": "undecided",
-    "3.1-best-correlation-internal": "depends on a missing input",
+    "3.1-johnson-over-the-box": "reproduced with a stated choice",
+    "3.1-good-over-all-clearances": "undecided",
+    "3.1-Y-below-the-fit": "not reproduced",
+    "3.1-best-correlation-internal": "not reproduced",
     "3.1-best-correlation-external": "depends on a missing input",
     "3.1-recovered-internal-a": "depends on a missing input",
     "3.1-recovered-internal-Y": "depends on a missing input",
-    "3.1-recovered-external-a": "undecided",
+    "3.1-recovered-external-a": "reproduced with a stated choice",
     "3.1-recovered-external-b": "depends on a missing input",
-    "3.1-recovered-external-n": "depends on a missing input",
     "3.1-no-single-Y": "not reproduced",
 }
 
@@ -95,7 +94,8 @@ def test_what_a_referee_asks_of_each(claims):
         assert found.values, claim.id
         assert np.isfinite(list(found.values.values())).all(), claim.id
         if claim.verdict != "reproduced":
-            assert claim.against, claim.id
+            assert claim.against[0].isupper(), claim.id
+            assert claim.against.endswith("."), claim.id
         for reading in found.readings:
             assert bool(reading.miss) == (reading.holds is False), (claim.id, reading)
             assert reading.holds or re.search(r"\d", reading.miss), (claim.id, reading)
@@ -114,8 +114,8 @@ def test_what_was_withdrawn_is_gone(claims):
 def test_fits_of_fig_2(claims, contact):
     dR, loads = FIG2[contact]
     K, n = power_fit(loads, STEEL, dR)
-    assert values(claims, f"3.1-fig2-{contact}-K") == pytest.approx({"K, N/mm per mm^n": K})
-    assert values(claims, f"3.1-fig2-{contact}-n") == pytest.approx({"n, -": n}, rel=1e-10)
+    assert values(claims, f"3.1-fig2-{contact}-K")["K, N/mm per mm^n"] == pytest.approx(K)
+    assert values(claims, f"3.1-fig2-{contact}-n")["n, -"] == pytest.approx(n, rel=1e-10)
     delta = johnson(loads, STEEL, dR)
     in_force = 1 - np.sum((loads - K * delta**n) ** 2) / np.sum((loads - loads.mean()) ** 2)
     assert values(claims, f"3.1-fig2-{contact}-r-squared") == pytest.approx(
@@ -127,7 +127,7 @@ def test_fits_of_fig_2(claims, contact):
     )
 
 
-def test_one_list_of_loads_gives_both_external_numbers():
+def test_one_list_of_loads_gives_both_external_numbers(claims):
     K, n = power_fit(FOUND, STEEL, 140.0)
     assert (round(K), round(n, 4)) == (44935, 1.0935)
     other = np.concatenate([np.arange(5, 101, 5), np.arange(200, 9801, 100)])
@@ -141,6 +141,10 @@ def test_one_list_of_loads_gives_both_external_numbers():
     assert [name for name, K in with_n.items() if round(K) == 44935] == [next(iter(matches))]
     assert next(iter(matches)) == "1, 25 to 100 by 25, to 10000 by 100 N/mm"
     assert {name: fit.K for name, fit in matches.items()} == pytest.approx(with_n)
+    spread = max(with_n.values()) - min(with_n.values())
+    for name in "Kn":
+        expected = values(claims, f"3.1-fig2-external-{name}")["lists expected by chance, -"]
+        assert expected == pytest.approx(340e3 / 1678 * len(with_n) / spread)
 
 
 @pytest.mark.parametrize("contact", ["internal", "external"])
@@ -152,12 +156,14 @@ def test_eq_6_in_the_case_of_fig_2(claims, contact):
             "K, N/mm per mm^n": float(K),
             "n, -": float(n),
             "R squared of ln f, -": r_squared_about(loads, STEEL, dR, contact),
+            "largest difference of the force, percent": 100
+            * np.abs(K * johnson(LOADS, STEEL, dR) ** n / LOADS - 1).max(),
         },
         rel=1e-10,
     )
     if contact == "internal":
-        assert "n = 1.2475" in claims["3.1-eq6-at-fig2-internal"].finding.ours
-        assert "K is +5.5 %" in claims["3.1-eq6-at-fig2-internal"].finding.ours
+        ours = claims["3.1-eq6-at-fig2-internal"].finding.ours
+        assert ours == "n = 1.2475, +0.85 %, and K +5.5 %"
 
 
 # --- Fig 3 ---
@@ -179,7 +185,7 @@ def test_spreads_of_the_exponent(claims, contact, low, high):
     found = values(claims, f"3.1-fig3-{contact}-sensitivity")
     over_dR = spread(exponent(207e3, low), exponent(207e3, high))
     over_E = spread(exponent(20.7e3, high), exponent(1e6, high))
-    name = f"ratio over E = 20.7–1000 GPa at ΔR = {high:g} mm, -"
+    name = f"ratio E over 20.7 to 1000 GPa, if 10000 is a misprint, at ΔR = {high:g} mm, -"
     assert found[name] == pytest.approx(over_dR / over_E, rel=1e-8)
     # n depends on E·ΔR only.
     assert exponent(414e3, high) == pytest.approx(exponent(207e3, 2 * high), rel=1e-12)
@@ -230,15 +236,13 @@ def test_corners_of_the_external_box(claims):
 
 
 def test_exponents_of_the_force(claims):
-    """At fixed δ Eq 1 has d ln f/d ln ΔR = −1/(L − 2) with L = ln(4πE*ΔR/f), and 1 for E*."""
+    """At fixed δ Eq 1 has −d ln f/d ln ΔR = 1/(L − 2) with L = ln(4πE*ΔR/f), and 1 for E*."""
     found = values(claims, "3.1-force-proportional-to-inverse-dR")
     for dR in (0.05, 10.0):
         L = np.log(4 * np.pi * STEEL * dR / 100)
-        assert found[f"exponent at {dR:g} mm, -"] == pytest.approx(-1 / (L - 2), rel=1e-5)
+        assert found[f"exponent, Eq 1 at {dR:g} mm, -"] == pytest.approx(1 / (L - 2), rel=1e-5)
     R = [10 * (10 - dR) / dR for dR in (0.05, 0.1)]
-    assert found["exponent in Eq 2, -"] == pytest.approx(np.log2(R[1] / R[0]) / 2, rel=1e-10)
-    K = [power_fit(LOADS, STEEL, dR)[0] for dR in (0.05, 10.0)]
-    assert found["exponent of K, -"] == pytest.approx(np.log(K[1] / K[0]) / np.log(200), rel=1e-8)
+    assert found["exponent, Eq 2, -"] == pytest.approx(np.log2(R[0] / R[1]) / 2, rel=1e-10)
     of_modulus = values(claims, "3.1-force-proportional-to-E")
     assert list(of_modulus.values()) == pytest.approx([1, 1, 1], rel=1e-9)
 
@@ -248,21 +252,34 @@ def test_exponents_of_the_force(claims):
 )
 def test_lines_through_k_star(claims, contact, low, high):
     found = values(claims, f"3.1-K-star-linear-{contact}")
-    dR = np.geomspace(low, high, 61)
-    k_star = np.array([power_fit(LOADS, STEEL, x)[0] for x in dR]) * dR / STEEL
+    dR = np.minimum(np.geomspace(low, high, 61), 9.9999 if contact == "internal" else high)
+    free = np.array([power_fit(LOADS, STEEL, x)[0] for x in dR]) * dR / STEEL
+    _, n = factor_and_exponent(STEEL, dR[:, None], contact)
+    level = np.log(LOADS) - n * np.log(johnson(LOADS, STEEL, dR[:, None]))
+    held = np.exp(level.mean(axis=1)) * dR / STEEL
+    k_star = free if contact == "internal" else held
     (a, b), residue, *_ = np.linalg.lstsq(np.column_stack([dR, np.ones(61)]), k_star)
     assert (found["a, 1/mm"], found["b, -"]) == pytest.approx((a, b), rel=1e-8)
     explained = 1 - residue[0] / np.sum((k_star - k_star.mean()) ** 2)
     assert found["R squared, -"] == pytest.approx(explained, rel=1e-10)
 
-    def worst(line):
+    assert found["R squared with n held, -"] == pytest.approx(
+        np.corrcoef(dR, held)[0, 1] ** 2, rel=1e-8
+    )
+
+    def worst(line, k_star=k_star):
         return 100 * np.max(np.abs((line[0] * dR + line[1]) / k_star - 1))
 
     published = {"internal": (0.965, 0.0965), "external": (0.39, 0.85)}[contact]
-    assert found["worst of the published line, percent"] == pytest.approx(worst(published))
+    of_published = found["worst of the published line with n held, percent"]
+    assert of_published == pytest.approx(worst(published, held))
     assert found["worst, percent"] == pytest.approx(worst((a, b)))
-    search = minimize(worst, published, method="Nelder-Mead", options={"maxiter": 4000})
-    assert found["least worst, percent"] == pytest.approx(search.fun, rel=1e-3)
+    for name, values_of in (("", k_star), (" with n fitted", free), (" with n held", held)):
+        search = minimize(
+            worst, (a, b), args=(values_of,), method="Nelder-Mead", options={"maxiter": 4000}
+        )
+        search = minimize(worst, search.x, args=(values_of,), method="Nelder-Mead")
+        assert found[f"least worst{name}, percent"] == pytest.approx(search.fun, rel=1e-3)
 
 
 def test_branches_of_y(claims):
@@ -297,13 +314,13 @@ def test_clearances_where_the_law_is_good(claims):
     dR = np.geomspace(0.05, 9.9999, 61)
     r_squared = [r_squared_about(LOADS, STEEL, x, "internal") for x in dR]
     assert found["least R squared, -"] == pytest.approx(min(r_squared), rel=1e-9)
-    assert found["good up to, mm"] == pytest.approx(max(dR[np.array(r_squared) > 0.99]))
+    assert found["good up to, mm"] == pytest.approx(max(dR[np.array(r_squared) > 0.95]))
     worst = difference(10.0, STEEL, 9.9999)
     assert found["largest difference, percent"] == pytest.approx(worst, rel=1e-9)
     assert round(worst) == 95
     for name, space, top in (
         ("all pairs at once, all axes logarithmic", np.geomspace, 1e7),
-        ("the same, E up to 1000 GPa", np.geomspace, 1e6),
+        ("the same, E over 20.7 to 1000 GPa, if 10000 is a misprint", np.geomspace, 1e6),
         ("all pairs at once, all axes evenly spaced", np.linspace, 1e7),
     ):
         axes = space(20.7e3, top, 20), space(0.05, 9.9999, 20), space(10, 1000, 20)
@@ -320,13 +337,20 @@ def test_differences_below_and_above_50_um(claims):
     found = values(claims, "3.1-Y-below-the-fit")
     for name, low, high in (
         ("below 50 um, percent", 0.005, 0.05),
-        ("above 50 um, percent", 0.05, 9.9999),
         ("50 um to the switch, percent", 0.05, 0.34954),
     ):
         dR, load = np.meshgrid(np.geomspace(low, high, 301), np.geomspace(10, 1000, 301))
         inside = load <= johnson_end(STEEL, dR)
         largest = np.abs(difference(load[inside], STEEL, dR[inside])).max()
         assert found[name] == pytest.approx(largest, rel=0.03)
+    largest = np.abs(difference(20.0, STEEL, 0.005))
+    assert found["below 50 um at 20 to 100 N/mm, percent"] == pytest.approx(largest, rel=1e-9)
+    # What the argument against says: from 6 µm on, and 100 N/mm the worst.
+    dR, load = np.meshgrid(np.geomspace(0.006, 0.05, 301), np.linspace(20, 100, 81))
+    assert 10 < np.abs(difference(load, STEEL, dR)).max() < 10.1
+    loads = LOADS[LOADS <= johnson_end(STEEL, 0.005)]
+    expected = r_squared_about(loads, STEEL, 0.005, "internal")
+    assert found["R squared at 5 um, -"] == pytest.approx(expected, rel=1e-9)
 
 
 # --- the search, on rows and from the equations ---
@@ -375,8 +399,34 @@ def test_searches_that_give_the_coefficients_back(claims):
     y = values(claims, "3.1-recovered-internal-Y")["Y_log_scale, -"]
     assert (a, y) == pytest.approx(internal.x, rel=1e-4)
     few = section31_search.SEARCHED["internal"], section31_search.SAMPLES["internal"]
-    ratio = values(claims, "3.1-best-correlation-internal")[f"objective ratio, {'; '.join(few)}, -"]
+    ratios = values(claims, "3.1-best-correlation-internal")
+    ratio = ratios[f"objective ratio, {'; '.join(few)}, -"]
     assert ratio == pytest.approx(rms(tied((0.965, 1.51))) / internal.fun, rel=1e-6)
+
+
+def test_other_deviations_are_as_far_from_the_least(claims):
+    """Each at the coefficients of the paper and, by least squares, of seven free ones."""
+    ratios = values(claims, "3.1-best-correlation-internal")
+    _, _, dR = rows("internal")
+
+    def residual(x):
+        a, b, *ys, power = x
+        return deviation("internal", a, b, lambda dR: two_branches(dR, *ys, power))
+
+    def of_force(x):
+        a, b, *ys, power = x
+        return np.expm1(-two_branches(dR, *ys, power) * residual(x))
+
+    published = 0.965, 0.0965, 1.51, -0.151, 0.0151, 1.151, -0.005
+    samples = f"all coefficients searched; {section31_search.SAMPLES['internal']}"
+    for name, of in (
+        ("rms of δ, relative", lambda x: np.expm1(residual(x))),
+        ("rms of f, relative", of_force),
+    ):
+        start = 0.63, 0.18, 1.67, -0.22, 0.006, 1.128, -0.016
+        fit = least_squares(of, start, x_scale=np.abs(start))
+        expected = rms(of(published)) / rms(fit.fun)
+        assert ratios[f"objective ratio, {samples}; {name}, -"] == pytest.approx(expected, rel=0.01)
 
 
 def test_external_searches_with_n_held_and_free(claims):
@@ -385,10 +435,11 @@ def test_external_searches_with_n_held_and_free(claims):
         return deviation("external", x[0], x[1], lambda _: n)
 
     held, free = (least_squares(residual, start).x for start in ((0.5, 1), (0.5, 1, 1.1)))
-    found = {name: values(claims, f"3.1-recovered-external-{name}") for name in "abn"}
+    found = {name: values(claims, f"3.1-recovered-external-{name}") for name in "ab"}
     assert (found["a"]["a, -"], found["b"]["b, -"]) == pytest.approx(held, rel=1e-4)
     assert (round(held[0], 2), round(held[1], 2)) == (0.39, 0.85)
-    assert found["n"]["n, -"] == pytest.approx(free[2], rel=1e-5)
+    exponents = values(claims, "3.1-external-single-n")
+    assert exponents["n searched, 20 points an axis, -"] == pytest.approx(free[2], rel=1e-5)
     searched = "all coefficients searched"
     both = found["a"][f"a, {searched}, -"], found["b"][f"b, {searched}, -"]
     assert both == pytest.approx(free[:2], rel=1e-4)
@@ -436,4 +487,4 @@ def test_verdicts_follow_from_the_results(monkeypatch):
     monkeypatch.setattr(Bench, "result", other)
     changed = claims_of(BENCH, section31_search)
     assert changed["3.1-recovered-external-b"].verdict == "not reproduced"
-    assert changed["3.1-recovered-external-a"].verdict == "undecided"
+    assert changed["3.1-recovered-external-a"].verdict == "reproduced with a stated choice"

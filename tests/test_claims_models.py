@@ -33,12 +33,12 @@ VERDICTS = {
     "abstract-well-correlated": "undecided",
     "1-logarithmic-laws-limited": CHOSEN,
     "1-johnson-needs-clearance": CHOSEN,
-    "1-persson-needs-conformity": HANGING,
-    "1-liu-limited": CHOSEN,
-    "1-enhanced-goes-further": "undecided",
+    "1-persson-needs-conformity": "undecided",
+    "1-liu-limited": HANGING,
+    "1-enhanced-goes-further": CHOSEN,
     "2-limit-depends-on-clearance-and-material": "reproduced",
     "2-force-falls-beyond-limit": "reproduced",
-    "2-johnson-needs-iteration": "undecided",
+    "2-johnson-needs-iteration": "not reproduced",
     "2-lankarani-nikravesh-softer": HANGING,
     "2-enhanced-covers-more": CHOSEN,
     "2-johnson-experiment": "not testable",
@@ -51,7 +51,7 @@ VERDICTS = {
     "3.2-dR-sign": CHOSEN,
     "3.1-fig2-clearance": CHOSEN,
     "3.2-elliptic-stress": CHOSEN,
-    "3.2-fig6-load": HANGING,
+    "3.2-fig6-load": "undecided",
     "4.1-friction-direction": CHOSEN,
     "4.3-esdu-number": "not testable",
 }
@@ -74,11 +74,10 @@ def test_verdicts(claims):
 def test_what_decides(claims):
     deciding = {claim_id: claim.missing for claim_id, claim in claims.items() if claim.missing}
     assert deciding == {
-        "1-persson-needs-conformity": ("the datum",),
+        "1-liu-limited": ("Liu's formula",),
         "2-lankarani-nikravesh-softer": ("the contact length in Sect. 2",),
         "2-radzimovsky-comparable": ("Radzimovsky's formula",),
-        "2-other-models-fall-short": ("the contact length in Sect. 2",),
-        "3.2-fig6-load": ("the picture of Fig 6",),
+        "2-other-models-fall-short": ("the datum",),
     }
 
 
@@ -86,13 +85,27 @@ def test_what_decides(claims):
 def test_each_argues_against_itself_and_says_by_how_much_it_misses(claims, claim_id):
     claim = claims[claim_id]
     if claim.verdict != "reproduced":
-        assert claim.against
+        assert claim.against[0].isupper()
+        assert claim.against.endswith(".")
     assert claim.rule or claim.verdict == "not testable"
     for reading in claim.finding.readings:
         if reading.holds is False:
             assert re.search(r"\d", reading.miss), reading.choice
         else:
             assert not reading.miss or reading.choice == claim.finding.choice
+
+
+def test_misprints_stand_apart(claims):
+    assert {claim_id for claim_id, claim in claims.items() if claim.misprint} == {
+        "2-eq2-radii",
+        "3.3-eq7-radii",
+        "3.1-dR-external",
+        "3.2-dR-sign",
+        "3.1-fig2-clearance",
+        "3.2-elliptic-stress",
+        "4.1-friction-direction",
+        "4.3-esdu-number",
+    }
 
 
 def test_what_is_withdrawn_is_gone(claims):
@@ -138,14 +151,14 @@ def top_load(E_star, dR, yield_stress):
     return np.minimum(1000.0, np.minimum(at_yield, johnson_end(E_star, dR)))
 
 
-def practical(name, shape=(161, 61)):
+def practical(name, shape=(161, 61), loads=(10, 1000)):
     """E*, ΔR and loads on a grid over the practical domain of a material."""
     material = ROWS[name].material
     E_star = e_star(material.E, material.nu)
     dR = np.geomspace(0.0075, 2.0, shape[0])
-    top = top_load(E_star, dR, material.yield_stress)
-    dR, top = dR[top >= 10, None], top[top >= 10, None]
-    return E_star, dR, 10 * (top / 10) ** np.linspace(0, 1 - 1e-12, shape[1])
+    low, top = loads[0], np.minimum(loads[1], top_load(E_star, dR, material.yield_stress))
+    dR, top = dR[top >= low, None], top[top >= low, None]
+    return E_star, dR, low * (top / low) ** np.linspace(0, 1 - 1e-12, shape[1])
 
 
 # --- abstract and Section 1 ---
@@ -162,6 +175,11 @@ def test_correlation_from_the_equations(values, name):
     assert 1 - numbers[f"R2 of ln f, {name}, -"] == pytest.approx(1 - r_squared, rel=0.03)
     largest = 100 * np.abs(np.expm1(log_ratio)).max()
     assert numbers[f"largest difference, {name}, percent"] == pytest.approx(largest, rel=0.02)
+    E_star, dR, load = practical(name, loads=(10**1.5, 10**2.5))
+    K, n = factor_and_exponent(E_star, dR)
+    largest = 100 * np.abs(K * johnson(load, E_star, dR) ** n / load - 1).max()
+    key = f"largest at moderate loads, {name}, percent"
+    assert numbers[key] == pytest.approx(largest, rel=0.02)
 
 
 @pytest.mark.parametrize(("contact", "ends"), [("internal", (0.05, 10)), ("external", (5, 500))])
@@ -258,6 +276,7 @@ def test_part_of_the_plane_of_each_law(values, name):
 def test_the_load_of_johnson_is_one_step_with_lambert_and_several_with_newton(values):
     numbers = values["2-johnson-needs-iteration"]
     assert numbers["round trip error, -"] < 1e-14
+    assert numbers["round trip error with Lambert's W, -"] < 1e-13
     # By hand at 99 % of the largest load, where Newton's method is slowest.
     q, p, steps = 0.0, 0.99 * (1 - np.log(0.99)), 0
     q = p / (1 - np.log(p))
@@ -290,9 +309,10 @@ def dubowsky_freudenstein(length, dR):
     return 1 + np.log(length**2 / (4 * dR * effective_radius(10.0, dR)))
 
 
-def rms(depth, E_star, dR, load):
-    """Distance from conformal contact in percent."""
-    return 100 * np.sqrt(np.mean(np.log(depth / persson(load, E_star, dR)) ** 2))
+def rms(depth, E_star, dR, load, shift=0.0):
+    """Distance from conformal contact in percent, its constant shifted in units of f/(πE*)."""
+    truth = persson(load, E_star, dR) + shift * load / (np.pi * E_star)
+    return 100 * np.sqrt(np.mean(np.log(depth / truth) ** 2))
 
 
 @pytest.mark.parametrize(
@@ -322,9 +342,25 @@ def test_dubowsky_and_freudenstein_is_johnsons_at_one_length(values):
     """At L = 2√(R_i·R_j)/e, near 0.74·R_i, both have the same constant."""
     length = 2 / np.e * np.sqrt(10.0 * 9.95)
     assert dubowsky_freudenstein(length, 0.05) == pytest.approx(-1, rel=1e-12)
+
+
+def test_the_constant_decides_which_logarithmic_law_is_nearest(values):
+    """δ = f/(πE*)·(ln(4πE*ΔR/f) + c): c is −1 for Johnson, 1 for ESDU, 2/3 − ln 4 for Radzimovsky."""
     numbers = values["2-other-models-fall-short"]
-    nearer = [size for size in numbers if "margin" in size and numbers[size] < 0]
-    assert nearer == ["least margin, L = 0.8·R_i = 8 mm, percent"]
+    nearer = [name for name in numbers if "margin" in name and numbers[name] < 0]
+    assert nearer == ["least margin, constant of ESDU, percent"]
+    margins = []
+    for name in MATERIALS:
+        E_star, dR, load = practical(name)
+        logarithm = np.log(4 * np.pi * E_star * dR / load)
+        of_johnson, of_esdu = (
+            rms(load / (np.pi * E_star) * (logarithm + c), E_star, dR, load, shift=2)
+            for c in (-1, 1)
+        )
+        margins.append(of_esdu - of_johnson)
+    assert numbers[nearer[0]] == pytest.approx(min(margins), rel=0.02)
+    shift = values["2-radzimovsky-comparable"]["shift from Johnson's law over f/(pi E*), -"]
+    assert shift == pytest.approx(5 / 3 - np.log(4), rel=1e-9)
 
 
 def test_restitution_by_the_root_of_its_equation(values):
@@ -400,4 +436,4 @@ def test_differences_at_the_loads_of_fig_6(values):
 
 def test_power_of_friction(values):
     """c_f·f_n·|v| is taken up, or given, at the largest sliding velocity of 200 mm/s."""
-    assert list(values["4.1-friction-direction"].values()) == pytest.approx([0, 20, 20])
+    assert list(values["4.1-friction-direction"].values()) == pytest.approx([0, 20, 20, 0])

@@ -22,21 +22,21 @@ from .section1 import reading
 CLOSE = 1.0  # percent, ours
 # Share of the rectangle of peak pressure and width that a pressure of that shape fills.
 ELLIPSE, PARABOLA = np.pi / 4, 2 / 3
-FIG6 = "the picture of Fig 6"
 FIG6_LOADS = (20.0, 40.0)  # N/mm, both are given
 
 
 @claim(
     "{id}",
-    "the radii in {where}",
+    "{where} has R_i·R_i; R_i·R_j is meant",
     paper="R_i·R_i",
     rule=f"within {CLOSE:g} % of {{judge}}, our bound",
-    against="as the formula stands, R_i² is a length squared too, and the paper prints it twice",
+    against="As printed: R_i² is a length squared too, and the paper prints it twice.",
+    misprint=True,
     figures=("fig01",),
     cases=[
         {
             "id": "2-eq2-radii",
-            "where": "Eq 2",
+            "where": "the root in Eq 2",
             "judge": "Hertz's sphere in a socket, 1/R = 1/R_j − 1/R_i",
         },
         {
@@ -94,10 +94,11 @@ def _case(rows: pd.DataFrame, dR: float, load: float) -> pd.Series[bool]:
 
 @claim(
     "3.1-dR-external",
-    "the contact for which ΔR = R_i + R_j, given after Eq 6",
-    paper="internal, as for ΔR = R_i − R_j",
+    "after Eq 6 ΔR = R_i + R_j is given for internal contact; external contact is meant",
+    paper="internal contact",
     rule=f"R_i·R_j/ΔR is within {CLOSE:g} % of Hertz's radius, our bound",
-    against="none that we see: the same sentence gives internal contact another ΔR",
+    against="None that we see: the same sentence gives internal contact another ΔR.",
+    misprint=True,
     figures=("fig01",),
 )
 def sum_of_radii() -> Finding:
@@ -128,10 +129,13 @@ def sum_of_radii() -> Finding:
 
 @claim(
     "3.2-dR-sign",
-    "which cylinder is body i in the finite elements",
-    paper="the inner one, R_j = 2.245 mm the outer",
+    "in the finite elements R_i is called the inner cylinder's radius; with ΔR = R_i − R_j it is "
+    "the outer one's",
+    paper="R_j = 2.245 mm, the outer cylinder",
     rule="the logarithm in Eq 1 has a positive argument",
-    against="ΔR may be meant as a magnitude, and then it does not matter which body is i",
+    against="As printed: ΔR may be meant as a magnitude, and then it does not matter which body is "
+    "i.",
+    misprint=True,
     figures=("fig01",),
 )
 def sign_of_clearance(bench: Bench) -> Finding:
@@ -164,10 +168,12 @@ def sign_of_clearance(bench: Bench) -> Finding:
 
 @claim(
     "3.1-fig2-clearance",
-    "ΔR of the external fit of Fig 2, in the text",
+    "the text gives one ΔR for both fits of Fig 2; the external one is at 140 mm, as the caption "
+    "says",
     paper="50 µm",
     rule=f"K and n within {CLOSE:g} % of the printed ones for external contact",
-    against="the sentence names one clearance and gives both fits after it",
+    against="As printed: the sentence names one clearance and gives both fits after it.",
+    misprint=True,
     figures=("fig02",),
 )
 def fig2_clearance() -> Finding:
@@ -205,11 +211,12 @@ def fig2_clearance() -> Finding:
 
 @claim(
     "3.2-elliptic-stress",
-    "the shape of the contact stress in Hertz's theory",
+    "the contact stress that confirms Hertz's theory is called parabolic; elliptic is meant",
     paper="parabolic",
     rule="the load fills the rectangle of peak pressure and contact width as that shape does, "
     f"within {CLOSE:g} %",
-    against="the word may mean no more than a symmetric dome, which both shapes are",
+    against="As printed: the word may mean no more than a symmetric dome, which both shapes are.",
+    misprint=True,
     figures=("fig05",),
 )
 def elliptic_stress(bench: Bench) -> Finding:
@@ -250,7 +257,7 @@ def elliptic_stress(bench: Bench) -> Finding:
     "the load of Fig 6",
     paper="20 N/mm, then 40 N/mm",
     rule="it is 20 N/mm: there the bound holds that the paper reads from the figure",
-    against="20 N/mm is named where the figure is introduced, so the 40 is the slip",
+    against="Reproduced: 20 N/mm is named where the figure is introduced, so the 40 is the slip.",
     figures=("fig06",),
 )
 def fig6_load(bench: Bench) -> Finding:
@@ -271,14 +278,13 @@ def fig6_load(bench: Bench) -> Finding:
         f"from {paper.FIG6_WIDE:g} mm on Johnson's and the enhanced law are {text(above)} apart",
         holds=above[0] < 3 < above[1],
         choice="judged by the 3 % from 0.445 mm on",
-        missing=FIG6,
+        miss=f"{text(above)}, against 3 %",
         alternatives=[
             reading(
                 "judged by the 10 % over all clearances",
                 f"{text(all_of_it)} apart",
                 all_of_it[0] < 10,
                 f"{all_of_it[0] - 10:.1f} points above 10 % at 20 N/mm",
-                FIG6,
             )
         ],
         values={
@@ -291,13 +297,19 @@ def fig6_load(bench: Bench) -> Finding:
 
 @claim(
     "4.1-friction-direction",
-    "the direction of friction, Eqs 13 and 14",
-    paper="the tangent times a velocity vector over its magnitude",
+    "Eqs 13 and 14 have the tangent times a vector over its magnitude; the sign of the sliding "
+    "velocity along the tangent is meant",
+    paper="f_t·t with v_t/|v_t| in f_t",
     rule="friction takes up power at every sliding velocity, f_i·v_i + f_j·v_j ≤ 0",
-    against="a force against the sliding is plainly meant, and no reader computes anything else",
+    against="As printed: a force against the sliding is plainly meant, and no reader computes "
+    "anything else.",
+    misprint=True,
 )
 def friction_direction() -> Finding:
-    """Return the largest power of the pair of friction forces by reading, in N·mm/s per newton."""
+    """Return the largest power of the pair of friction forces by reading, in N·mm/s per newton.
+
+    The bodies' surfaces move along one tangent, each at up to 100 mm/s.
+    """
     v_i, v_j = (x.ravel() for x in np.meshgrid(*[np.linspace(-100, 100, 41)] * 2))
     sliding = v_i - v_j
     c_f, v0, v1 = paper.FRICTIONS[1], 1.0, 5.0
@@ -307,9 +319,18 @@ def friction_direction() -> Finding:
         "vector over magnitude as the number 1": friction_load(1.0, np.abs(sliding), c_f, v0, v1),
     }
     powers = {name: float(np.max(f * v_i - f * v_j)) for name, f in forces.items()}
+    tangent = np.array([0.6, 0.8])
+    v_t = sliding[:, None] * tangent
+    speed = np.linalg.norm(v_t, axis=1)
+    along = v_t / np.where(speed > 0, speed, 1.0)[:, None]
+    vectors = friction_load(1.0, speed, c_f, v0, v1)[:, None] * along
+    powers["Eq 14 as a vector along v_t, without the tangent"] = float(
+        np.max(np.sum(vectors * v_t, axis=1))
+    )
     (own, power), *others = powers.items()
     return Finding(
-        f"both forces together never drive: their power is at most {power:g} W",
+        f"both forces together never drive: their power is at most {power:g} W for surface speeds "
+        "up to 100 mm/s",
         holds=power <= 0,
         choice=f"read as a scalar, {own}",
         settled="friction dissipates; Eq 14 is Amontons and Coulomb's law",
@@ -328,10 +349,11 @@ def friction_direction() -> Finding:
 
 @claim(
     "4.3-esdu-number",
-    "the item of ESDU on cylinders in contact",
+    "ESDU item 78055 is named for cylinders in contact; 78035 is meant",
     paper="ESDU-78055",
-    against="the formula that goes by the name is that of item 78035",
+    against="As printed: nothing in the text tells which item is meant.",
+    misprint=True,
 )
 def esdu_number() -> Finding:
     """Return no value: the number of a document is not computed."""
-    return untestable("a document's number cannot be computed; read as ESDU 78035")
+    return untestable("a document's number cannot be computed; the formula is item 78035's")

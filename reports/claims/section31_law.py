@@ -7,7 +7,8 @@ import math
 import numpy as np
 from scipy.optimize import brentq, linprog
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.fitting.power_fit import fit_power
 from cylcontact.laws import PUBLISHED, Enhanced, InternalCoefficients, Johnson, LankaraniNikravesh
 from cylcontact.laws.power import PowerLaw
 from cylcontact.limits import johnson_limit_load
@@ -18,14 +19,18 @@ from cylcontact.reports.claims import Alternative, Finding, agrees_as_printed, c
 
 from .. import paper
 from ..paper import WINDOW
-from ..power_fits import fit_at, johnson_points, r_squared, reference_pair
-from .section31 import above, judged, r_squared_of_law
+from ..power_fits import johnson_points, r_squared, reference_pair
+from ..recovery import IF_MISPRINT
+from .section1 import CORRELATED
+from .section31 import E_TO_1000, above, judged, r_squared_of_law
 
-# Not in the paper: the stiffest unfilled plastics, plastics with glass fibres along the load, and
+# Not in the paper: the stiffest unfilled plastics, the stiffest with short glass fibres, and
 # diamond, the stiffest common solid.
-E_PLASTIC, E_GLASS_FIBRE, E_DIAMOND = 4.0, 45.0, 1150.0  # GPa
+E_PLASTIC, E_GLASS_FIBRE, E_DIAMOND = 4.0, 20.0, 1150.0  # GPa
 STEP = 1.001  # of central differences
 INTERNAL_DR = paper.TRAINING_DR["internal"]
+NEARLY_10_MM = 9.9999  # mm; Eq 6d excludes 10 mm itself
+LARGEST_DR: dict[Contact, float] = {"internal": NEARLY_10_MM, "external": 500.0}
 
 
 def force_exponent(pair: CylinderPair, less: CylinderPair, more: CylinderPair) -> float:
@@ -55,75 +60,67 @@ def bearing_factors(*bearings: tuple[float, float]) -> FloatArray:
     )
 
 
+def proportional(name: str, exponents: dict[str, float], choice: str = "") -> Finding:
+    """Judge the exponents of E* or 1/ΔR in the force of Eqs 1 and 2: above 0, and above 1/2."""
+    least = min(exponents.values())
+    ours = "; ".join(f"{value:.2f} in {where}" for where, value in exponents.items())
+    return Finding(
+        f"the exponent of {name} is {ours}",
+        holds=least > 0,
+        choice=choice,
+        miss="" if least > 0 else f"exponent {least:+.2f}",
+        alternatives=[
+            judged(
+                "some level means nearer to proportional than to independent",
+                f"{least:.2f} at the least",
+                "" if least > 0.5 else f"{0.5 - least:.2f} below 0.5",
+            )
+        ],
+        values={f"exponent, {where}, -": value for where, value in exponents.items()},
+    )
+
+
 @claim(
     "3.1-force-proportional-to-E",
     "Eqs 1 and 2 suggest that the force is proportional to E*",
     paper="some level of proportionality",
-    rule="the force at a given penetration goes with a power of E* within 0.1 of 1",
+    rule="the force at a given penetration grows with E* (some level, ours)",
 )
 def force_proportional_to_modulus() -> Finding:
     """Return the exponent of E* in the force at fixed penetration, of Eqs 1 and 2."""
     E = paper.E_REFERENCE
     exponents = {
-        f"Eq 1, ΔR = {dR:g} mm": force_exponent(
+        f"Eq 1 at {dR:g} mm": force_exponent(
             *(reference_pair("internal", dR, E * step) for step in (1, 1 / STEP, STEP))
         )
         for dR in INTERNAL_DR
     }
     low, high = bearing_factors((0.1, E), (0.1, 2 * E))
-    exponents["Eq 2"] = float(np.log2(high / low))
-    return Finding(
-        f"the exponent is {exponents[f'Eq 1, ΔR = {INTERNAL_DR[0]:g} mm']:.4f} in Eq 1 at any ΔR, "
-        f"and {exponents['Eq 2']:.4f} in Eq 2",
-        holds=all(abs(value - 1) < 0.1 for value in exponents.values()),
-        values={f"exponent, {name}, -": value for name, value in exponents.items()},
-    )
+    return proportional("E*", exponents | {"Eq 2": float(np.log2(high / low))})
 
 
 @claim(
     "3.1-force-proportional-to-inverse-dR",
     "Eqs 1 and 2 suggest some proportionality of the force to 1/ΔR",
     paper="some level of proportionality",
-    rule="the force at a given penetration falls as ΔR grows",
-    against="In Eq 1 the force goes with ΔR to the power of −0.1 to −0.2, which is nearly no "
-    "dependence; in Eq 5 the factor aΔR + b takes most of the 1/ΔR back.",
+    rule="the force at a given penetration grows with 1/ΔR (some level, ours)",
+    against="Not reproduced: in Eq 1 the force goes with 1/ΔR to the power of 0.1 to 0.2, which is "
+    "nearly no dependence; in Eq 5 the factor aΔR + b takes most of the 1/ΔR back.",
 )
 def force_proportional_to_inverse_clearance() -> Finding:
-    """Return the exponent of ΔR in the force at fixed penetration."""
-    low, high = INTERNAL_DR
-    at_low, at_high = (
-        force_exponent(*(reference_pair("internal", dR * step) for step in (1, 1 / STEP, STEP)))
-        for dR in (low, high)
-    )
-    of_eq2 = float(np.log2(np.divide(*bearing_factors((0.1, 207e3), (0.05, 207e3)))))
-    K = [fit_at("internal", dR, paper.E_REFERENCE, paper.TRAINING_LOADS).K for dR in (low, high)]
-    of_K = float(np.log(K[1] / K[0]) / np.log(high / low))
-    nearest = max(at_low, at_high)
-    ours = f"ΔR to the power of {at_low:.2f} at {low:g} mm and {at_high:.2f} at {high:g} mm"
-    return Finding(
-        f"in Eq 1 the force goes with {ours}; in Eq 2 with {of_eq2:.2f}",
-        holds=nearest < 0 and of_eq2 < 0,
-        choice="some level means that it falls; 207 GPa, penetration of 100 N/mm, and for Eq 2 "
-        "R_i = 10 mm",
-        miss="" if nearest < 0 and of_eq2 < 0 else f"exponent {max(nearest, of_eq2):+.2f}",
-        alternatives=[
-            judged(
-                "K of Eq 3, fitted at each clearance",
-                f"falls with ΔR to the power of {of_K:.2f}",
-                "" if of_K < 0 else f"exponent {of_K:+.2f}",
-            ),
-            judged(
-                "some level means nearer to proportional than to independent, in Eq 1",
-                ours,
-                "" if nearest < -0.5 else f"{0.5 + nearest:.2f} above −0.5",
-            ),
-        ],
-        values={
-            f"exponent at {low:g} mm, -": at_low,
-            f"exponent at {high:g} mm, -": at_high,
-            "exponent in Eq 2, -": of_eq2,
-            "exponent of K, -": of_K,
-        },
+    """Return the exponent of 1/ΔR in the force at fixed penetration, of Eqs 1 and 2."""
+    exponents = {
+        f"Eq 1 at {dR:g} mm": -force_exponent(
+            *(reference_pair("internal", dR * step) for step in (1, 1 / STEP, STEP))
+        )
+        for dR in INTERNAL_DR
+    }
+    E = paper.E_REFERENCE
+    low, high = bearing_factors((0.1, E), (0.05, E))
+    return proportional(
+        "1/ΔR",
+        exponents | {"Eq 2": float(np.log2(high / low))},
+        "207 GPa, penetration of 100 N/mm, and for Eq 2 R_i = 10 mm",
     )
 
 
@@ -133,38 +130,62 @@ def force_proportional_to_inverse_clearance() -> Finding:
     paper="assumed",
     rule="a straight line explains 99 % of the variance of the fitted K* (99 % is ours)",
     figures=("fig_forms",),
-    against="The variance is that of the largest K*: at small clearances the same line is off by "
-    "most of K*, and no line serves them all.",
-    cases=[{"contact": contact} for contact in paper.TRAINING_DR],
+    against="{against}",
+    cases=[
+        {
+            "contact": "internal",
+            "against": "Not reproduced: the variance is that of the largest K*; at small "
+            "clearances the same line is off by most of K*, and no line serves them all.",
+        },
+        {
+            "contact": "external",
+            "against": "Undecided: with n fitted at each clearance too, no straight line stays "
+            "closer than 10.4 %.",
+        },
+    ],
 )
 def k_star_linear(contact: Contact) -> Finding:
     """Return how well a straight line follows K* = K·ΔR/E* of the fits at single clearances."""
-    dR = np.geomspace(*paper.TRAINING_DR[contact], 61)
-    K = np.array([fit_at(contact, x, paper.E_REFERENCE, paper.TRAINING_LOADS).K for x in dR])
-    k_star = K * dR / reference_pair(contact, 1.0).E_star
-    a, b = np.polyfit(dR, k_star, 1)
+    dR = np.clip(np.geomspace(*paper.TRAINING_DR[contact], 61), None, LARGEST_DR[contact])
+    external = contact == "external"
+    free, held = k_stars(contact, dR, hold_n=False), k_stars(contact, dR, hold_n=True)
+    k_star = held if external else free
+    a, b, explained, worst = straight_line(dR, k_star)
     least = least_worst_percent(dR, k_star)
-    explained = r_squared(k_star, a * dR + b)
-    worst = float(100 * np.max(np.abs((a * dR + b) / k_star - 1)))
     c = PUBLISHED[contact]
-    off = float(100 * np.max(np.abs((c.a * dR + c.b) / k_star - 1)))
+    off = float(100 * np.max(np.abs((c.a * dR + c.b) / held - 1)))
+    fixed, fixed_least = straight_line(dR, held)[2], least_worst_percent(dR, held)
+
+    def close(percent: float) -> str:
+        return "" if percent < 10 else f"{percent - 10:.1f} points above 10 %"
+
+    n, bar = "n = 1.094" if external else "n of Eq 6", "" if explained > 0.99 else "below 0.99"
+    published = judged(
+        f"the published line, within 10 % of K* everywhere; {n}",
+        f"off by up to {off:.1f} %",
+        close(off),
+    )
+    third = judged(
+        f"{n} held at each clearance",
+        f"R² = {fixed:.3f}, no line stays closer than {fixed_least:.0f} %, the published one is "
+        f"off by up to {off:.0f} %",
+        "" if fixed > 0.99 else f"R² {0.99 - fixed:.3f} below 0.99",
+    )
     return Finding(
-        f"R² = {explained:.4f} about {a:.3f}ΔR {b:+.3f}, which is off by up to {worst:.0f} % of K*",
+        f"R² = {explained:.4f} about {a:.3f}ΔR {b:+.3f}; the closest line is within {least:.1f} % "
+        "of K* everywhere",
         holds=explained > 0.99,
-        choice="a fit at each of 61 clearances, 207 GPa, 10 to 1000 N/mm, all logarithmic",
+        choice=f"a fit at each of 61 clearances, {f'{n} held, ' if external else ''}207 GPa, 10 to "
+        "1000 N/mm, all logarithmic",
         missing=WINDOW,
-        miss="" if explained > 0.99 else f"{0.99 - explained:.3f} below 0.99",
+        miss=bar and f"{0.99 - explained:.3f} {bar}",
         alternatives=[
             judged(
                 "the straight line that stays closest, within 10 % of K* everywhere",
-                f"no line stays closer than {least:.1f} %",
-                "" if least < 10 else f"{least - 10:.1f} points above 10 %",
+                f"within {least:.1f} %",
+                close(least),
             ),
-            judged(
-                "the published line, within 10 % of K* everywhere",
-                f"off by up to {off:.0f} %",
-                "" if off < 10 else f"{off - 10:.0f} points above 10 %",
-            ),
+            published if external else third,
         ],
         values={
             "a, 1/mm": a,
@@ -172,8 +193,34 @@ def k_star_linear(contact: Contact) -> Finding:
             "R squared, -": explained,
             "worst, percent": worst,
             "least worst, percent": least,
-            "worst of the published line, percent": off,
+            "least worst with n fitted, percent": least_worst_percent(dR, free),
+            "R squared with n held, -": fixed,
+            "least worst with n held, percent": fixed_least,
+            "worst of the published line with n held, percent": off,
         },
+    )
+
+
+def k_stars(contact: Contact, dR: FloatArray, *, hold_n: bool) -> FloatArray:
+    """Return K* at each ΔR in mm, from fits of K and n, or of K with the n of Eq 6c."""
+    K = []
+    for x in dR:
+        pair = reference_pair(contact, float(x))
+        load, delta = johnson_points(paper.TRAINING_LOADS, pair)
+        n = float(Enhanced().exponent(pair)) if hold_n else fit_power(load, delta).n
+        K.append(np.exp(np.mean(np.log(load) - n * np.log(delta))))
+    return as_floats(np.array(K) * dR / reference_pair(contact, 1.0).E_star)
+
+
+def straight_line(dR: FloatArray, k_star: FloatArray) -> tuple[float, float, float, float]:
+    """Return slope and offset of the least-squares line, its R² and its worst misfit in percent."""
+    a, b = np.polyfit(dR, k_star, 1)
+    line = a * dR + b
+    return (
+        float(a),
+        float(b),
+        r_squared(k_star, line),
+        float(100 * np.max(np.abs(line / k_star - 1))),
     )
 
 
@@ -253,8 +300,8 @@ def y_continuous() -> Finding:
     "the range of E in the fit spans most engineering materials, from plastics to ceramics",
     paper=f"{paper.TRAINING_E[0] / 1e3:g} to {paper.TRAINING_E[1] / 1e3:g} GPa",
     rule="plastics and the five materials of the paper lie inside the range",
-    against="Most is not all: the five materials that the paper goes on with are inside, and it "
-    "leaves plastics out of Sects. 3.3 and 3.4 itself.",
+    against="Reproduced: most is not all; the five materials that the paper goes on with are "
+    "inside, and it leaves plastics out of Sects. 3.3 and 3.4 itself.",
     paper_values={"low, GPa": paper.TRAINING_E[0] / 1e3, "high, GPa": paper.TRAINING_E[1] / 1e3},
 )
 def moduli_covered(bench: Bench) -> Finding:
@@ -264,11 +311,14 @@ def moduli_covered(bench: Bench) -> Finding:
 
     def outside(*moduli: float) -> str:
         off = max(low / min(moduli), max(moduli) / high)
-        return "" if off <= 1 else f"{off:.1f} times outside"
+        return "" if off <= 1 else f"{off:.2f} times outside"
 
     readings = {
         f"unfilled plastics, at most {E_PLASTIC:g} GPa (assumed)": (E_PLASTIC, *moduli),
-        f"glass fibre in plastic, {E_GLASS_FIBRE:g} GPa (assumed)": (E_GLASS_FIBRE, *moduli),
+        f"plastics with short glass fibres, up to {E_GLASS_FIBRE:g} GPa (assumed)": (
+            E_GLASS_FIBRE,
+            *moduli,
+        ),
         "most materials: the five of the paper": tuple(moduli),
     }
     (choice, own), *others = readings.items()
@@ -290,7 +340,7 @@ def moduli_covered(bench: Bench) -> Finding:
     "the range of internal clearances in the fit spans those of typical machines",
     paper=f"{INTERNAL_DR[0]:g} to {INTERNAL_DR[1]:g} mm",
     rule="it starts at or below the smallest typical clearance",
-    against="The sentence says that the ranges lead from typical clearances to other kinds of "
+    against="Reproduced: the ranges are said to lead from typical clearances to other kinds of "
     "contact, and 50 µm is a typical clearance.",
     paper_values={"low, mm": INTERNAL_DR[0]},
 )
@@ -330,10 +380,10 @@ def clearances_covered() -> Finding:
     "3.1-johnson-over-the-box",
     "the penetrations to fit are calculated with Johnson's law over these ranges",
     paper="10 to 1000 N/mm, 20.7 to 10000 GPa, ν = 0.1 to 0.5, 0.05 to 10 mm",
-    rule="Johnson's law reaches the highest load in every corner of the ranges (Eq 8)",
+    rule="Johnson's law has a penetration for all but 1 % of the combinations (1 % is ours)",
     figures=("fig08",),
-    against="The paper speaks of a wide number of combinations in these ranges, not of every one, "
-    "and nearly every one has a penetration.",
+    against="Undecided: the ranges are given up to 1000 N/mm, and in their softest corner Eq 8 "
+    "ends the law at 889 N/mm.",
 )
 def johnson_over_the_box() -> Finding:
     """Return Johnson's limit in N/mm in the softest corner of the internal training box."""
@@ -344,20 +394,22 @@ def johnson_over_the_box() -> Finding:
     end = 4 * np.pi * float(pair.E_star) * dR / math.e
     beyond = beyond_eq8_percent()
     return Finding(
-        f"at {dR * 1e3:g} µm, {E / 1e3:g} GPa and ν = 0.1 it ends at {limit:.0f} N/mm",
-        holds=limit >= load,
-        choice="Eq 8 bounds the law, as in Sect. 3.3",
-        miss="" if limit >= load else f"{load - limit:.0f} N/mm short of {load:g} N/mm",
+        f"one combination in {100 / beyond:,.0f} lies beyond Eq 8; at {dR * 1e3:g} µm, "
+        f"{E / 1e3:g} GPa and ν = 0.1 it ends the law at {limit:.0f} N/mm",
+        holds=beyond < 1,
+        choice="a wide number of combinations; shares on logarithmic axes",
+        miss="" if beyond < 1 else f"{beyond - 1:.1f} points above 1 %",
+        settled="the paper speaks of a wide number of combinations, not of every one",
         alternatives=[
+            judged(
+                "every combination: Eq 8 reaches the highest load in every corner",
+                f"it ends at {limit:.0f} N/mm in one",
+                "" if limit >= load else f"{load - limit:.0f} N/mm short of {load:g} N/mm",
+            ),
             judged(
                 "Eq 1 taken literally, on its falling branch too",
                 f"it gives a penetration up to {end:.0f} N/mm",
                 "" if end >= load else f"{load - end:.0f} N/mm short",
-            ),
-            judged(
-                "a wide number of combinations: all but 1 %",
-                f"one in {100 / beyond:,.0f} lies beyond Eq 8",
-                "" if beyond < 1 else f"{beyond - 1:.1f} points above 1 %",
             ),
         ],
         values={"limit, N/mm": limit, "end of Eq 1, N/mm": end, "beyond Eq 8, percent": beyond},
@@ -380,54 +432,60 @@ def beyond_eq8_percent() -> float:
 # --- where the published law holds --------------------------------------------------------------
 
 
-def largest_difference(low: float, high: float) -> float:
-    """Return the largest |Eq 9| in percent from ΔR low to high in mm, 207 GPa, up to 1000 N/mm."""
+def largest_difference(low: float, high: float, loads: FloatArray = paper.TRAINING_LOADS) -> float:
+    """Return the largest |Eq 9| in percent from ΔR low to high in mm, 207 GPa, loads in N/mm."""
     found = []
     for dR in np.geomspace(low, high, 61):
         pair = reference_pair("internal", float(dR))
-        load, delta = johnson_points(paper.TRAINING_LOADS, pair)
+        load, delta = johnson_points(loads, pair)
         found.append(np.max(np.abs(Enhanced().penetration(load, pair) / delta - 1)))
     return float(100 * max(found))
 
 
-NEARLY_10_MM = 9.9999  # mm; Eq 6d excludes 10 mm itself
 Y_LOW = 0.005  # mm
+Y_SWITCH = paper.Y_SWITCH
+FIG6_LOADS = (20.0, 40.0, 100.0)  # N/mm, of Sect. 3.2
 
 
 @claim(
     "3.1-good-over-all-clearances",
     "with Y of two branches the law correlates well with Johnson's over all clearances",
     paper="good correlation for the complete range",
-    rule="R² above 0.99 (ours)",
+    rule=f"R² above {CORRELATED:g} (ours)",
     figures=("fig_forms",),
-    against="Taken over all deformation–force pairs at once R² can reach 0.99, since the pairs "
-    "range over decades; at 10 mm alone the law is nearly twice too soft at 10 N/mm.",
+    against="Reproduced: the paper's search takes all deformation–force pairs at once, and for "
+    "them R² is above 0.95 however they are spaced.",
 )
 def good_over_all_clearances() -> Finding:
     """Return R² of ln f at the worst clearance, and of ln δ over all samples."""
     dR = np.geomspace(INTERNAL_DR[0], NEARLY_10_MM, 61)
     r2 = np.array([r_squared_of_law(paper.TRAINING_LOADS, "internal", float(x)) for x in dR])
-    worst, good = float(r2.min()), float(dR[r2 > 0.99].max())
+    worst, good = float(r2.min()), float(dR[r2 > CORRELATED].max())
     largest = largest_difference(INTERNAL_DR[0], NEARLY_10_MM)
 
     def miss(value: float) -> str:
-        return "" if value > 0.99 else f"{0.99 - value:.4f} below 0.99"
+        return above(value, CORRELATED)
 
     pooled = {
         "all pairs at once, all axes logarithmic": pooled_r_squared("log"),
-        "the same, E up to 1000 GPa": pooled_r_squared("log", 1000e3),
+        f"the same, E over {IF_MISPRINT}": pooled_r_squared("log", E_TO_1000[1]),
         "all pairs at once, all axes evenly spaced": pooled_r_squared("linear"),
     }
     best = max(pooled.values())
     return Finding(
-        f"R² falls to {worst:.2f} at 10 mm, and is above 0.99 up to {good:.1f} mm; the penetration "
-        f"is off by up to {largest:.0f} %",
+        f"R² falls to {worst:.2f} at 10 mm, and is above {CORRELATED:g} up to {good:.1f} mm; the "
+        f"penetration is off by up to {largest:.0f} %",
         holds=not miss(worst),
         choice="R² of ln f at each clearance, 207 GPa, loads spaced logarithmically",
         miss=miss(worst),
         alternatives=[
             *(
-                judged(name, f"R² of ln δ is {value:.4f}", miss(value), WINDOW)
+                judged(
+                    name,
+                    f"R² of ln δ is {value:.4f}",
+                    miss(value),
+                    "" if IF_MISPRINT in name else WINDOW,
+                )
                 for name, value in pooled.items()
             ),
             judged(
@@ -464,34 +522,40 @@ def pooled_r_squared(spacing: str, top: float = paper.TRAINING_E[1], points: int
     paper=f"[{Y_LOW:g}, {paper.Y_SWITCH}] mm",
     rule="the largest difference is not greater below 50 µm than above it",
     figures=("fig11",),
-    against="The differences above 50 µm are those near 10 mm; on the branch that is carried on "
-    "downwards the law is several times worse below 50 µm than above.",
+    against="Reproduced: from about 6 µm up and at 20 to 100 N/mm the law is within 10.1 %, well "
+    "below the 50 µm at which the fit starts.",
 )
 def y_below_the_fit() -> Finding:
-    """Return the largest differences in percent below and above the start of the fit."""
+    """Return the largest differences in percent and the least R² below the start of the fit."""
     start = INTERNAL_DR[0]
-    below = largest_difference(Y_LOW, start)
-    trained = largest_difference(start, NEARLY_10_MM)
-    branch = largest_difference(start, float(paper.Y_SWITCH))
+    below, branch = largest_difference(Y_LOW, start), largest_difference(start, float(Y_SWITCH))
+    moderate = largest_difference(Y_LOW, start, np.array(FIG6_LOADS))
+    r2 = r_squared_of_law(paper.TRAINING_LOADS, "internal", Y_LOW)
 
-    def miss(bound: float) -> str:
-        return "" if below <= bound else f"{below - bound:.0f} points above {bound:.0f} %"
+    def miss(percent: float, bound: float) -> str:
+        return "" if percent <= bound else f"{percent - bound:.1f} points above {bound:.0f} %"
 
     return Finding(
-        f"up to {below:.0f} % below 50 µm, up to {trained:.0f} % above",
-        holds=not miss(trained),
-        choice="207 GPa, from 10 N/mm to the lower of 1000 N/mm and Eq 8",
-        miss=miss(trained),
+        f"up to {below:.0f} % below 50 µm, up to {branch:.0f} % from there to {Y_SWITCH} mm",
+        holds=not miss(below, branch),
+        choice="against its own branch; 207 GPa, from 10 N/mm to the lower of 1000 N/mm and Eq 8",
+        miss=miss(below, branch),
         alternatives=[
             judged(
-                f"against its own branch only, 50 µm to {paper.Y_SWITCH} mm",
-                f"{below:.0f} % against {branch:.0f} %",
-                miss(branch),
-            )
+                "Sect. 3.2's bound, below 10 % from 5 µm on, at 20, 40 and 100 N/mm",
+                f"up to {moderate:.1f} %",
+                miss(moderate, 10),
+            ),
+            judged(
+                f"R² above {paper.GOOD_CORRELATION} as in Fig 2, 10 to 1000 N/mm",
+                f"{r2:.3f} at {1e3 * Y_LOW:g} µm",
+                above(r2),
+            ),
         ],
         values={
             "below 50 um, percent": below,
-            "above 50 um, percent": trained,
             "50 um to the switch, percent": branch,
+            "below 50 um at 20 to 100 N/mm, percent": moderate,
+            "R squared at 5 um, -": r2,
         },
     )

@@ -10,16 +10,15 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import Any
 
-from cylcontact.fitting.polish import polish_across_kinks
+from cylcontact.fitting.polish import polish, polish_across_kinks
 from cylcontact.fitting.problem import Problem
 from cylcontact.laws import PUBLISHED
-from cylcontact.laws.definition import Parameter
 from cylcontact.pair import CONTACTS, Contact
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Alternative, Finding, claim
 
 from ..paper import WINDOW
-from ..recovery import N_FREE, best, problem_from, with_axes
+from ..recovery import BORROWED, IF_MISPRINT, all_free, other_samples, problem_from, searched
 from .section31 import judged
 
 SEARCHED: dict[Contact, str] = {
@@ -30,59 +29,22 @@ SAMPLES: dict[Contact, str] = {
     "internal": "20 points an axis, ΔR logarithmic, E (to 1000 GPa) and loads even",
     "external": "20 points an axis, all even",
 }
-BORROWED = "the samples of the other contact"
-# Free in a search of all internal coefficients; the campaigns of that kind have narrower bounds.
-WIDE = (
-    Parameter("a", low=0.1, high=1.5),
-    Parameter("b", low=0.0, high=0.5),
-    Parameter("Y_log_scale", low=0.1, high=50.0),
-    Parameter("Y_log_exponent", low=-3.0, high=1.0),
-    Parameter("Y_slope", low=-0.1, high=0.1),
-    Parameter("Y_offset", low=0.8, high=1.6),
-    Parameter("n_exponent", low=-1.0, high=1.0),
-)
+LETTER = "the ranges to the letter, all axes logarithmic"
 
 
-def other_samples(bench: Bench, contact: Contact) -> dict[str, Problem]:
-    """Return the recovering search on other samples, by what is changed."""
-    settings = {each: bench.result(f"recovered-{each}").settings for each in CONTACTS}
-    base, axes = settings[contact], ("E", "dR", "load")
-    (other,) = (settings[each]["dataset"]["axes"] for each in CONTACTS if each != contact)
-    borrowed = {
-        axis: {
-            key: other[axis][key] for key in (("spacing", "max") if axis == "E" else ("spacing",))
-        }
-        for axis in axes
-    }
-    changed: dict[str, dict[str, dict[str, Any]]] = {
-        "10 points an axis": {axis: {"points": 10} for axis in axes},
-        "30 points an axis": {axis: {"points": 30} for axis in axes},
-        "100 points an axis": {axis: {"points": 100} for axis in axes},
-        "all axes logarithmic": {axis: {"spacing": "log"} for axis in axes},
-        f"E to {other['E']['max']:g} GPa": {"E": {"max": other["E"]["max"]}},
-        BORROWED: borrowed,
-    }
-    return {name: problem_from(with_axes(base, **keys)) for name, keys in changed.items()}
-
-
-def all_free(problem: Problem, contact: Contact) -> Problem:
-    """Return a problem with every coefficient searched."""
-    if contact == "external":
-        return replace(problem, parameters=(*problem.parameters[:2], N_FREE))
-    return replace(problem, parameters=WIDE)
-
-
-def searched(problem: Problem, contact: Contact) -> dict[str, float]:
-    """Return the coefficients at the best point, found without a genetic search."""
-    if len(problem.free) < len(WIDE):
-        return problem.coefficients(best(problem)[0])
-    start = problem.point(asdict(PUBLISHED[contact]))
-    return problem.coefficients(polish_across_kinks(problem, start)[0])
+def settings_of(bench: Bench) -> dict[Contact, dict[str, Any]]:
+    """Return the settings of the two campaigns that give the coefficients back."""
+    return {each: bench.result(f"recovered-{each}").settings for each in CONTACTS}
 
 
 # --- the best correlation -----------------------------------------------------------------------
 
 BEST = 1.05  # times the least objective
+# On rows, where a descent takes long: one only, which bounds the least from above.
+OTHER_DEVIATIONS = {
+    "rms-difference-percent": "rms of δ, relative",
+    "rms-relative-force": "rms of f, relative",
+}
 
 
 def excess(problem: Problem, contact: Contact) -> float:
@@ -101,53 +63,66 @@ def excess(problem: Problem, contact: Contact) -> float:
     cases=[
         {
             "contact": "internal",
-            "against": "The paper calls the parameters of the equation its design variables and "
-            "mentions no ties; with all of them searched, the published ones are at least twice "
-            "as far off as the best on every sample of its ranges tried.",
+            "against": "Reproduced: the printed digits (b = a/10; 1.51, 0.151, 0.0151, 1.151) "
+            "suggest that only two numbers were searched, and among such laws the published one is "
+            "the best within 1 to 3 % on several samples.",
         },
         {
             "contact": "external",
-            "against": "The paper wants K* identified together with n; with n searched too, the "
-            "published ones are about a tenth or more above the best on every sample tried.",
+            "against": "Not reproduced: one of the samples with n held meets the rule, and it is "
+            "the one picked because it gives b back.",
         },
     ],
 )
 def best_correlation(bench: Bench, contact: Contact) -> Finding:
     """Return the published coefficients' objective over the least, by what was searched on what."""
-    base = problem_from(bench.result(f"recovered-{contact}").settings)
-    others = other_samples(bench, contact)
+    settings = settings_of(bench)
+    base, others = problem_from(settings[contact]), other_samples(settings, contact)
     as_stated = bench.result(contact)
     published = problem_from(as_stated.settings).value_of(asdict(PUBLISHED[contact]))
     own = published / as_stated.objective.value
     free, few, borrowed = "all coefficients searched", SEARCHED[contact], others[BORROWED]
-    recovered = excess(base, contact)
     ratios = {
         f"{free}; {SAMPLES[contact]}": excess(all_free(base, contact), contact),
         f"{free}; {BORROWED}": excess(all_free(borrowed, contact), contact),
-        f"{few}; {SAMPLES[contact]}": recovered,
     }
-    for name in list(others)[2:5]:
-        ratios[f"{few}; {name}"] = excess(others[name], contact)
+    tied = {name: excess(others[name], contact) for name in list(others)[2:5]}
+    tied = {SAMPLES[contact]: excess(base, contact)} | tied
+    if contact == "internal":
+        for objective, name in OTHER_DEVIATIONS.items():
+            ratios[f"{free}; {SAMPLES[contact]}; {name}"] = excess_by(objective, settings[contact])
+        said = f"; {min(ratios.values()):.2f} times or more on every sample and by every deviation"
+    else:
+        ratios |= {f"{few}; {name}": ratio for name, ratio in tied.items()}
+        said = f"; {tied[SAMPLES[contact]]:.3f} times with {few}"
 
     def miss(ratio: float) -> str:
         return "" if ratio <= BEST else f"{ratio - BEST:.2f} above {BEST:g}"
 
     return Finding(
-        f"{own:.2f} times the least with all coefficients searched; {recovered:.3f} times with "
-        f"{few}",
+        f"{own:.2f} times the least with all coefficients searched{said}",
         holds=not miss(own),
-        choice=f"{free}; the ranges to the letter, all axes logarithmic",
+        choice=f"{free}; {LETTER}",
         missing=WINDOW,
         miss=miss(own),
         alternatives=[
-            judged(name, f"{ratio:.3f} times", miss(ratio), WINDOW)
+            judged(name, f"{ratio:.3f} times", miss(ratio), "" if IF_MISPRINT in name else WINDOW)
             for name, ratio in ratios.items()
         ],
         values={
             "objective ratio, all searched, -": own,
             **{f"objective ratio, {name}, -": ratio for name, ratio in ratios.items()},
+            **{f"objective ratio, {few}; {name}, -": ratio for name, ratio in tied.items()},
         },
     )
+
+
+def excess_by(objective: str, settings: dict[str, Any]) -> float:
+    """Return `excess` of the internal coefficients, all searched, by another deviation."""
+    changed = settings | {"campaign": settings["campaign"] | {"objective": objective}}
+    problem = all_free(problem_from(changed), "internal")
+    start = problem.point(asdict(PUBLISHED["internal"]))
+    return problem.value(start) / polish(problem, start)[1]
 
 
 # --- the coefficients, one by one ---------------------------------------------------------------
@@ -176,20 +151,20 @@ RECOVERED: list[dict[str, Any]] = [
             "what": f"the search for external contact ends at this {name}",
             "tolerance": tolerance,
         }
-        for name, tolerance in (("a", 5.0), ("b", 5.0), ("n", 1.0))
+        for name, tolerance in (("a", 5.0), ("b", 5.0))
     ),
 ]
 AGAINST_RECOVERED = {
-    "internal-a": "It comes back within 0.2 % on plausible samples, and within 4 % from 10 to 100 "
-    "points an axis; but the tie to b is read from the digits.",
-    "internal-Y": "It comes back within 1 % on nearly every sample; only evenly spaced clearances, "
-    "few of them small, lead elsewhere.",
-    "external-a": "With n held it comes back within 5 % on every sample tried, which would make it "
-    "reproduced; only with n searched too is it lost on some.",
-    "external-b": "It comes back to both printed digits on a plain sample; but that has few "
-    "clearances near 5 mm, which alone decide b.",
-    "external-n": "The paper takes n from Fig 3 and need not have searched it at all.",
+    "internal-a": "Reproduced: it comes back within 0.2 % on plausible samples, and within 4 % "
+    "from 10 to 100 points an axis; but the tie to b is read from the digits.",
+    "internal-Y": "Reproduced: it comes back within 1 % on nearly every sample; only evenly spaced "
+    "clearances, few of them small, lead elsewhere.",
+    "external-a": "Undecided: the paper also says that K* needs to be identified together with n; "
+    "with n searched too, a is 12 % off.",
+    "external-b": "Not reproduced: one sample of seven gives it, so b is not identified, and "
+    "agreement there is a coincidence of 20 points.",
 }
+N_BEFORE = "Sect. 3.1 takes n = 1.094 from Fig 3 before its search, and Eq 6c has the same number"
 
 
 @claim(
@@ -210,16 +185,14 @@ AGAINST_RECOVERED = {
 )
 def recovered(bench: Bench, contact: Contact, name: str, tolerance: float, printed: str) -> Finding:
     """Return one coefficient where the search ends, on several samples."""
-    result = bench.result(f"recovered-{contact}")
-    base, others = problem_from(result.settings), other_samples(bench, contact)
-    how, every = SEARCHED[contact], all_free(base, contact)
-    if name == "n":
-        how, own = "a, b and n searched", searched(every, contact)[name]
-        others = {key: all_free(problem, contact) for key, problem in others.items()}
-    else:
-        own = result.coefficients[name]
+    settings = settings_of(bench)
+    base, others = problem_from(settings[contact]), other_samples(settings, contact)
+    own = bench.result(f"recovered-{contact}").coefficients[name]
+    if contact == "internal":
+        to_the_letter = problem_from(bench.result(contact).settings).objective
+        others[LETTER] = replace(base, objective=to_the_letter)
     found = {key: searched(problem, contact)[name] for key, problem in others.items()}
-    free = {} if name == "n" else {"all coefficients searched": searched(every, contact)[name]}
+    free = {"all coefficients searched": searched(all_free(base, contact), contact)[name]}
 
     def off(value: float) -> float:
         return 100 * (value / float(printed) - 1)
@@ -234,11 +207,15 @@ def recovered(bench: Bench, contact: Contact, name: str, tolerance: float, print
         f"{own:.4g} ({off(own):+.1f} %); {min(found.values()):.3g} to {max(found.values()):.3g} on "
         "other samples",
         holds=not miss(own),
-        choice=f"{how}; {SAMPLES[contact]}",
+        choice=f"{SEARCHED[contact]}; {SAMPLES[contact]}",
         missing=WINDOW,
+        settled=N_BEFORE if (contact, name) == ("external", "a") else "",
         miss=miss(own),
         alternatives=[
-            *(reading(key, value, WINDOW) for key, value in found.items()),
+            *(
+                reading(key, value, "" if IF_MISPRINT in key else WINDOW)
+                for key, value in found.items()
+            ),
             *(reading(key, value, "") for key, value in free.items()),
         ],
         values={
@@ -259,14 +236,14 @@ def recovered(bench: Bench, contact: Contact, name: str, tolerance: float, print
     rule="no law with one branch of Y is as near to Johnson's as the published one with two "
     "(rms of ln δ)",
     figures=("fig_forms",),
-    against="With a, b and the exponent of ΔR as published, two branches of Y fitted anew do come "
-    "a quarter nearer than one.",
+    against="Reproduced: with a, b and the exponent of ΔR as published, two branches of Y fitted "
+    "anew do come a quarter nearer than one.",
 )
 def no_single_Y(bench: Bench) -> Finding:
     """Return the objective of laws with one branch of Y, and of the published law."""
     problems = {
-        "all searched; the ranges to the letter, all axes logarithmic": "internal",
-        "all searched; E up to 1000 GPa": "internal-E1000",
+        f"all searched; {LETTER}": "internal",
+        f"all searched; E over {IF_MISPRINT}": "internal-E1000",
         f"all searched; {SAMPLES['internal']}": "recovered-internal",
     }
     found: dict[str, tuple[float, float]] = {}
@@ -293,7 +270,12 @@ def no_single_Y(bench: Bench) -> Finding:
         missing=WINDOW,
         miss=miss(*own),
         alternatives=[
-            judged(name, f"{values[0]:.4f} and {values[1]:.4f}", miss(*values), WINDOW)
+            judged(
+                name,
+                f"{values[0]:.4f} and {values[1]:.4f}",
+                miss(*values),
+                "" if IF_MISPRINT in name else WINDOW,
+            )
             for name, values in others
         ],
         values={
