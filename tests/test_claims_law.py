@@ -414,7 +414,7 @@ def test_other_deviations_are_as_far_from_the_least(claims):
         return deviation("internal", a, b, lambda dR: two_branches(dR, *ys, power))
 
     def of_force(x):
-        a, b, *ys, power = x
+        _, _, *ys, power = x
         return np.expm1(-two_branches(dR, *ys, power) * residual(x))
 
     published = 0.965, 0.0965, 1.51, -0.151, 0.0151, 1.151, -0.005

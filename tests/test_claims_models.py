@@ -338,14 +338,14 @@ def test_distances_from_conformal_contact(values, claim_id, law, constant):
     assert numbers[f"{law}, most, percent"] == pytest.approx(max(distances), rel=0.02)
 
 
-def test_dubowsky_and_freudenstein_is_johnsons_at_one_length(values):
+def test_dubowsky_and_freudenstein_is_johnsons_at_one_length():
     """At L = 2√(R_i·R_j)/e, near 0.74·R_i, both have the same constant."""
     length = 2 / np.e * np.sqrt(10.0 * 9.95)
     assert dubowsky_freudenstein(length, 0.05) == pytest.approx(-1, rel=1e-12)
 
 
 def test_the_constant_decides_which_logarithmic_law_is_nearest(values):
-    """δ = f/(πE*)·(ln(4πE*ΔR/f) + c): c is −1 for Johnson, 1 for ESDU, 2/3 − ln 4 for Radzimovsky."""
+    """In δ = f/(πE*)·(ln(4πE*ΔR/f) + c), c is −1 for Johnson, 1 for ESDU, 2/3 − ln 4 for ours."""
     numbers = values["2-other-models-fall-short"]
     nearer = [name for name in numbers if "margin" in name and numbers[name] < 0]
     assert nearer == ["least margin, constant of ESDU, percent"]
