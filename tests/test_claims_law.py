@@ -404,6 +404,38 @@ def test_searches_that_give_the_coefficients_back(claims):
     assert ratio == pytest.approx(rms(tied((0.965, 1.51))) / internal.fun, rel=1e-6)
 
 
+def test_search_to_the_letter_finds_the_lower_of_two_minima(claims):
+    axes = (
+        np.geomspace(20.7e3, 1e7, 25),
+        np.linspace(0.1, 0.5, 9),
+        np.geomspace(0.05, 10, 61),
+        np.geomspace(10, 1000, 25),
+    )
+    E, nu, dR, load = (axis.ravel() for axis in np.meshgrid(*axes))
+    E_star = e_star(E, nu)
+    inside = load <= johnson_end(E_star, dR)
+    E_star, dR, load = E_star[inside], dR[inside], load[inside]
+    s, j = np.log(load / E_star), np.log(johnson(load, E_star, dR))
+
+    def objective(a, y):
+        n = two_branches(dR, y, -y / 10, y / 100, 1 + y / 10, -0.005)
+        return rms((s + np.log(dR) - np.log(a * dR + a / 10)) / n - j)
+
+    found = [
+        values(claims, f"3.1-recovered-internal-{name}")[f"{key}, {section31_search.LETTER}, -"]
+        for name, key in (("a", "a"), ("Y", "Y_log_scale"))
+    ]
+    least = objective(*found)
+    a, y = found
+    beside = (
+        [objective(a * k, y) for k in (0.99, 1.01)],
+        [objective(a, y * k) for k in (0.99, 1.01)],
+    )
+    assert least < np.min(beside)
+    # The other minimum, in which the linear branch serves nearly all clearances.
+    assert least < objective(0.594, 0.913) < objective(0.965, 1.51)
+
+
 def test_other_deviations_are_as_far_from_the_least(claims):
     """Each at the coefficients of the paper and, by least squares, of seven free ones."""
     ratios = values(claims, "3.1-best-correlation-internal")

@@ -16,7 +16,7 @@ from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Finding, claim, joined, untestable, with_unit
+from cylcontact.reports.claims import Alternative, Finding, claim, joined, untestable, with_unit
 
 from .. import paper
 from .section1 import TRUTH, reading
@@ -352,10 +352,6 @@ def other_models_fall_short(bench: Bench) -> Finding:
     _, shift = _shift(bench, ESDU)
     shifted = _margin(_distances(bench, laws, paper.PRACTICAL, shift=shift))
 
-    def text(margin: float) -> str:
-        away = "at least {:.1f} points further away" if margin > 0 else "up to {:.1f} points nearer"
-        return f"the best of them is {away.format(abs(margin))} than Johnson's"
-
     (own, margin), *others = margins.items()
     distances = by_size[own]
     best = min(OTHER_LAWS, key=lambda law: float(distances[law].min()))
@@ -367,30 +363,13 @@ def other_models_fall_short(bench: Bench) -> Finding:
         choice=joined(own, "formulas as this package reads them", "practical domain", TRUTH),
         missing=paper.DATUM,
         alternatives=[
-            *(
-                reading(
-                    size,
-                    text(value),
-                    value > 0,
-                    f"by {-value:.1f} points",
-                    LENGTH,
-                )
-                for size, value in others
-            ),
-            reading(
+            *(_by_margin(size, value, LENGTH) for size, value in others),
+            _by_margin(
                 "the constant of conformal contact matched to ESDU's law instead of Johnson's",
-                text(shifted),
-                shifted > 0,
-                f"by {-shifted:.1f} points",
+                shifted,
                 paper.DATUM,
             ),
-            reading(
-                "up to Johnson's limit, yield ignored",
-                text(free),
-                free > 0,
-                f"by {-free:.1f} points",
-                paper.TABLE_1,
-            ),
+            _by_margin("up to Johnson's limit, yield ignored", free, paper.TABLE_1),
         ],
         values={
             **_ends(distances),
@@ -399,6 +378,13 @@ def other_models_fall_short(bench: Bench) -> Finding:
             "least margin, constant of ESDU, percent": shifted,
         },
     )
+
+
+def _by_margin(choice: str, margin: float, missing: str) -> Alternative:
+    """Return a reading by how many points the other laws are further away than Johnson's."""
+    away = "at least {:.1f} points further away" if margin > 0 else "up to {:.1f} points nearer"
+    ours = f"the best of them is {away.format(abs(margin))} than Johnson's"
+    return reading(choice, ours, margin > 0, f"by {-margin:.1f} points", missing)
 
 
 def _margin(distances: dict[str, FloatArray]) -> float:

@@ -156,36 +156,33 @@ def k_star_linear(contact: Contact) -> Finding:
     off = float(100 * np.max(np.abs((c.a * dR + c.b) / held - 1)))
     fixed, fixed_least = straight_line(dR, held)[2], least_worst_percent(dR, held)
 
-    def close(percent: float) -> str:
-        return "" if percent < 10 else f"{percent - 10:.1f} points above 10 %"
-
-    n, bar = "n = 1.094" if external else "n of Eq 6", "" if explained > 0.99 else "below 0.99"
-    published = judged(
-        f"the published line, within 10 % of K* everywhere; {n}",
-        f"off by up to {off:.1f} %",
-        close(off),
-    )
     third = judged(
-        f"{n} held at each clearance",
+        "n of Eq 6 held at each clearance",
         f"R² = {fixed:.3f}, no line stays closer than {fixed_least:.0f} %, the published one is "
         f"off by up to {off:.0f} %",
-        "" if fixed > 0.99 else f"R² {0.99 - fixed:.3f} below 0.99",
+        below_99(fixed),
     )
+    if external:
+        third = judged(
+            "the published line, within 10 % of K* everywhere",
+            f"off by up to {off:.1f} %",
+            above_10(off),
+        )
     return Finding(
         f"R² = {explained:.4f} about {a:.3f}ΔR {b:+.3f}; the closest line is within {least:.1f} % "
         "of K* everywhere",
         holds=explained > 0.99,
-        choice=f"a fit at each of 61 clearances, {f'{n} held, ' if external else ''}207 GPa, 10 to "
-        "1000 N/mm, all logarithmic",
+        choice=f"a fit at each of 61 clearances, {'n = 1.094 held, ' if external else ''}207 GPa, "
+        "10 to 1000 N/mm, all logarithmic",
         missing=WINDOW,
-        miss=bar and f"{0.99 - explained:.3f} {bar}",
+        miss=below_99(explained),
         alternatives=[
             judged(
                 "the straight line that stays closest, within 10 % of K* everywhere",
                 f"within {least:.1f} %",
-                close(least),
+                above_10(least),
             ),
-            published if external else third,
+            third,
         ],
         values={
             "a, 1/mm": a,
@@ -199,6 +196,16 @@ def k_star_linear(contact: Contact) -> Finding:
             "worst of the published line with n held, percent": off,
         },
     )
+
+
+def below_99(explained: float) -> str:
+    """Return by how much R² misses 0.99, nothing if it does not."""
+    return "" if explained > 0.99 else f"R² {0.99 - explained:.3f} below 0.99"
+
+
+def above_10(percent: float) -> str:
+    """Return by how much a misfit exceeds 10 %, nothing if it does not."""
+    return "" if percent < 10 else f"{percent - 10:.1f} points above 10 %"
 
 
 def k_stars(contact: Contact, dR: FloatArray, *, hold_n: bool) -> FloatArray:
