@@ -140,6 +140,7 @@ JOHNSON_ONLY = Domain("up to Johnson's limit, yield ignored", R_i=None)
 
 # Inputs that the paper's text lacks.
 TABLE_1, TABLE_2, WINDOW, DATUM = "Table 1", "Table 2", "the window", "the datum"
+INTEGRATOR = "the integrator"
 
 DEFINITIONS: Mapping[str, str] = {
     "practical domain": (
@@ -180,7 +181,8 @@ DEFINITIONS: Mapping[str, str] = {
     "depends on a missing input": (
         "an input that the paper's text lacks decides: "
         f"{TABLE_1} (materials), {TABLE_2} (slider-crank), {WINDOW} (loads, penetrations or "
-        f"revolutions that a number was taken over), {DATUM} (where a penetration counts from)."
+        f"revolutions that a number was taken over), {DATUM} (where a penetration counts from), "
+        f"{INTEGRATOR} (its tolerance and allowed penetration)."
     ),
     "not reproduced": "no reading meets the rule; each says by how much it misses.",
     "not testable": "there is nothing to compute.",

@@ -95,7 +95,7 @@ class Alternative:
         Whether the rule is met; None where the value is too uncertain to tell.
     missing : str
         The input of the paper that is missing and that this choice stands in for, such as
-        "Table 2"; empty where the choice is one of reading.
+        "Table 2", or two with "and" between them; empty where the choice is one of reading.
     miss : str
         By how much the rule is missed, where it is not met.
     """
@@ -213,8 +213,8 @@ class Claim:
         """The missing inputs that decide: one value in their place holds, another does not."""
         sides: dict[str, set[bool | None]] = {}
         for reading in self.finding.readings:
-            if reading.missing:
-                sides.setdefault(reading.missing, set()).add(reading.holds)
+            for name in filter(None, reading.missing.split(" and ")):
+                sides.setdefault(name, set()).add(reading.holds)
         return tuple(name for name, holds in sides.items() if holds >= {True, False})
 
     @property
