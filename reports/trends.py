@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, cast
@@ -14,8 +15,17 @@ from cylcontact.mechanism.batch_means import BATCHES
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Alternative, Finding
 
-from .long_runs import FIRST, HEAVY_SET, LEVEL, LONG_SET, SPEC_SET, WINDOWS, statistics_table
-from .paper import JOINT_LAWS, TABLE_2, WINDOW
+from .long_runs import (
+    FIRST,
+    LEVEL,
+    LIGHT_SET,
+    LONG_SET,
+    SPEC_SET,
+    STEP_CONTROLS,
+    WINDOWS,
+    statistics_table,
+)
+from .paper import INTEGRATOR, JOINT_LAWS, TABLE_2, WINDOW
 
 # Ours: two numbers within this share of the larger count as equal, and a trend fails only if some
 # pair goes the other way by more.
@@ -35,7 +45,7 @@ class Change:
     Attributes
     ----------
     name : str
-        The conditions that both have in common.
+        The conditions that both have in common and that differ between pairs.
     before, after : float
         The two means.
     half_widths : tuple of float
@@ -71,7 +81,7 @@ class Change:
         if total == 0.0:
             return 0.0
         welch = total**2 * freedom / float((squares**2).sum())
-        return float(stdtrit(welch, share)) * total**0.5 / self._scale
+        return float(stdtrit(welch, share)) * math.sqrt(total) / self._scale
 
     def kind(self, sign: int) -> Kind:
         """Return whether the change has a sign, its reverse, neither, or cannot be told.
@@ -131,6 +141,7 @@ def compare(
     for key, chosen in (among or {}).items():
         table = table[table[key].isin(list(chosen))]
     others = [name for name in CONDITIONS if name != condition]
+    varied = [name for name in others if table[name].nunique() > 1]
     first, second = (
         table[table[condition] == value].set_index(others).to_dict("index")
         for value in (before, after)
@@ -138,7 +149,8 @@ def compare(
     changes = []
     for case, one in first.items():
         pair = one, second[case]
-        name = case_name(dict(zip(others, cast(tuple[Any, ...], case), strict=True)))
+        conditions = dict(zip(others, cast(tuple[Any, ...], case), strict=True))
+        name = case_name({key: conditions[key] for key in varied})
         values = [float(row[column]) for row in pair]
         widths = [float(row[f"{column}_half_width"]) for row in pair]
         if np.isfinite(values).all():
@@ -214,9 +226,40 @@ def trend(changes: Sequence[Change], sign: int, verb: str, form: str, unit: str)
         ratios = [c.after / c.before for c in changes if c.before]
         texts = [f"ratios from {min(ratios):.2f} to {max(ratios):.2f}"]
     ours = f"{verb} in {showing} of {total} {'pair' if total == 1 else 'pairs'}"
-    values = {f"{c.name}, {when}, {unit}": v for c in changes
-              for when, v in (("before", c.before), ("after", c.after))}  # fmt: skip
+    values = {
+        ", ".join(filter(None, (c.name, when, unit))): value
+        for c in changes
+        for when, value in (("before", c.before), ("after", c.after))
+    }
     return Judgement(", ".join([ours, *texts]), holds, miss, values)
+
+
+def mostly(changes: Sequence[Change], sign: int, verb: str) -> Judgement:
+    """Judge a trend that is claimed of most pairs: by majority, whatever the others do.
+
+    Examples
+    --------
+    >>> rise, fall = Change("a", 1, 2), Change("b", 2, 1)
+    >>> [mostly(changes, 1, "rises").holds for changes in ([rise, rise, fall], [rise, fall])]
+    [True, False]
+    """
+    kinds = [change.kind(sign) for change in changes]
+    showing, total = kinds.count("shows"), len(kinds)
+    holds = majority([{"shows": True, "open": None}.get(kind, False) for kind in kinds])
+    text = f"{verb} in {showing} of {total} pairs"
+    return Judgement(text, holds, "" if holds is not False else f"{showing} of {total}")
+
+
+def majority(found: Sequence[bool | None]) -> bool | None:
+    """Whether more than half hold; None if uncertain ones decide.
+
+    Examples
+    --------
+    >>> majority([True, True, False]), majority([True, None, False]), majority([True, False])
+    (True, None, False)
+    """
+    yes, maybe = found.count(True), found.count(None)
+    return True if 2 * yes > len(found) else False if 2 * (yes + maybe) <= len(found) else None
 
 
 def above(value: float, half_width: float, bound: float) -> bool | None:
@@ -268,7 +311,7 @@ class Reading:
 def sets(judge: Judge) -> list[Reading]:
     """Return the readings with other inertias."""
     return [
-        Reading(design, judge, design=design, missing=TABLE_2) for design in (HEAVY_SET, LONG_SET)
+        Reading(design, judge, design=design, missing=TABLE_2) for design in (LIGHT_SET, LONG_SET)
     ]
 
 
@@ -276,13 +319,18 @@ def windows(judge: Judge) -> list[Reading]:
     """Return the readings with shorter windows of the runs without losses."""
     return [
         Reading(
-            f"without losses revolutions {FIRST + 1} to {FIRST + length}",
+            f"without losses over revolutions {FIRST + 1} to {FIRST + length}",
             judge,
             window=str(length),
             missing=WINDOW,
         )
         for length in WINDOWS
     ]
+
+
+def integrators(judge: Judge) -> list[Reading]:
+    """Return the readings with the paper's control of the step, at two tolerances."""
+    return [Reading(name, judge, design=name, missing=INTEGRATOR) for name in STEP_CONTROLS]
 
 
 def finding(bench: Bench, readings: Sequence[Reading], rule: str = "") -> Finding:
