@@ -89,15 +89,15 @@ class Change:
         Examples
         --------
         >>> [Change("", 1.0, to, (w, w)).kind(1) for to, w in
-        ...  ((2, 0.1), (1.01, 0.001), (0.99, 0.001), (0.5, 0.1), (0.9, 0.2))]
-        ['shows', 'shows', 'equal', 'reverse', 'open']
+        ...  ((2, 0.1), (1.01, 0.001), (0.5, 0.1), (0.9, 0.2))]
+        ['shows', 'equal', 'reverse', 'open']
         """
         rise = sign * self.relative
+        if abs(rise) + self.margin <= FLOOR:
+            return "equal"
         if rise - self.margin > 0:
             return "shows"
-        if rise + self.margin < -FLOOR:
-            return "reverse"
-        return "equal" if abs(rise) + self.margin <= FLOOR else "open"
+        return "reverse" if rise + self.margin < -FLOOR else "open"
 
     def text(self, form: str) -> str:
         """Return both values."""
@@ -106,7 +106,7 @@ class Change:
     @property
     def percent(self) -> str:
         """The change with its margin, in percent of the larger value."""
-        margin = f" ± {100 * self.margin:.2g}" if self.margin > 0 else ""
+        margin = f" ± {100 * self.margin:.2g}" if self.margin > 1e-3 else ""
         return f"{self.name} {100 * self.relative:+.2g}{margin} %".strip()
 
 
@@ -206,7 +206,7 @@ def trend(changes: Sequence[Change], sign: int, verb: str, form: str, unit: str)
     >>> [trend(changes, 1, "rises", "{:g}", "-").holds for changes in ([rise], [fall], [wide])]
     [True, False, None]
     >>> print(trend([rise, fall], 1, "rises", "{:g} N", "N").ours)
-    rises in 1 of 2 pairs, a 1 N → 2 N, b 2 N → 1 N
+    rises in 1 of 2 pairs: a 1 N → 2 N, b 2 N → 1 N
     """
     kinds = [change.kind(sign) for change in changes]
     reverse = [c for c, kind in zip(changes, kinds, strict=True) if kind == "reverse"]
@@ -218,7 +218,7 @@ def trend(changes: Sequence[Change], sign: int, verb: str, form: str, unit: str)
         holds, miss = False, f"{len(reverse)} of {total} the other way, most {worst.percent}"
     elif kinds.count("equal") == total:
         largest = max((abs(c.relative) + c.margin for c in changes), default=0.0)
-        holds, miss = False, f"no difference above {100 * largest:.1g} %"
+        holds, miss = False, f"no difference above {100 * largest:.2g} %"
     elif "open" not in kinds and 2 * showing >= total:
         holds = True
     texts = [c.text(form) for c in changes]
@@ -231,7 +231,7 @@ def trend(changes: Sequence[Change], sign: int, verb: str, form: str, unit: str)
         for c in changes
         for when, value in (("before", c.before), ("after", c.after))
     }
-    return Judgement(", ".join([ours, *texts]), holds, miss, values)
+    return Judgement(f"{ours}: {', '.join(texts)}", holds, miss, values)
 
 
 def mostly(changes: Sequence[Change], sign: int, verb: str) -> Judgement:
