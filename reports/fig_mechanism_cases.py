@@ -109,7 +109,7 @@ def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, half: str |
     bars = None if half is None else cases[half].to_numpy()
     axes.errorbar(
         at, cases[column].to_numpy(), yerr=bars, color=style["color"], marker=style["marker"],
-        label=JOINT_LAWS[law], **BARS,
+        label=JOINT_LAWS[law], clip_on=False, **BARS,
     )  # fmt: skip
 
 
@@ -133,4 +133,4 @@ def balance_panel(axes: Axes, table: pd.DataFrame, bound: float) -> None:
         _draw_law(axes, str(law), rows, "energy_error", None)
     axes.axhline(bound, color=QUIET, linewidth=0.8, linestyle=":", marker="")
     _label_groups(axes)
-    axes.set(ylabel="largest error of the balance (-)", yscale="log", ylim=(1e-10, 1e-3))
+    axes.set(ylabel="largest error of the balance (-)", yscale="log", ylim=(1e-10, 1e-2))

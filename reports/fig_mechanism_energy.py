@@ -84,7 +84,7 @@ def _draw_panels(table: pd.DataFrame, cases: pd.DataFrame) -> Figure:
     panel_title(left, 0, "since the start")
     balance_panel(right, cases, BOUND)
     panel_title(right, 1, "error over the peak of the kinetic energy")
-    right.legend(loc="lower left", handlelength=1.2)
+    right.legend(loc="upper left", bbox_to_anchor=(0.0, 0.93), handlelength=1.2)
     return figure
 
 

@@ -32,6 +32,7 @@ from .slider_crank import CASES, law_limit, mechanism
 
 LONG_RUNS = "datasets/mechanism/long_runs.jsonl"
 LEVEL = 0.95  # of the intervals
+UNSTEADY = 3.0  # how much wider they are where a run is not steady: assumed
 
 # Revolutions that are left out, and those that count: many where there are losses. An elastic
 # journal with friction whirls along the wall of a small clearance, leaves it and comes back; such
@@ -319,27 +320,30 @@ def statistics_table(bench: Bench, design: str = SPEC_SET, window: str = "") -> 
     -------
     DataFrame
         The columns of `Case`, the numbers of `QUANTITIES` and `DURATIONS`, and the half-widths
-        under the same names with `_half_width`: NaN without losses and in a window.
+        under the same names with `_half_width`: NaN without losses and in a window; `UNSTEADY`
+        times as wide where the run drifts or its batches depend on each other.
     """
     table = long_runs(bench)
     rows = []
     for record in table[table["design"] == design].to_dict("records"):
-        case = {name: record[name] for name in vars(CASES[0])}
         chosen = record["windows"].get(window)
         mean = record["mean"] if chosen is None else chosen
         width = record["half_width"] if chosen is None else {}
-        kept = {
-            k: record[k] for k in ("counted", "continued", "left", "deepest_um", "energy_error")
-        }
         rows.append(
-            case | kept
-            | {k: np.nan if v is None else v for k, v in mean.items()}
-            | {f"{k}_half_width": _number(width.get(k)) for k in mean}
-        )  # fmt: skip
+            {name: record[name] for name in (*vars(CASES[0]), *WHOLE)}
+            | {k: _number(v) for k, v in mean.items()}
+            | {f"{k}_half_width": _wider(record, k) * _number(width.get(k)) for k in mean}
+        )
     order = {case: number for number, case in enumerate(CASES)}
     result = pd.DataFrame(rows)
     keys = [order[Case(*key)] for key in result[list(vars(CASES[0]))].to_numpy()]
     return result.iloc[np.argsort(keys)].reset_index(drop=True)
+
+
+def _wider(record: Mapping[str, Any], quantity: str) -> float:
+    """Return the factor of a half-width: 1 in a steady run."""
+    steps = "steps" if quantity == "step_us" else quantity
+    return UNSTEADY if steps in record["unsteady"] else 1.0
 
 
 def _number(value: float | None) -> float:

@@ -218,7 +218,7 @@ def trend(changes: Sequence[Change], sign: int, verb: str, form: str, unit: str)
         holds, miss = False, f"{len(reverse)} of {total} the other way, most {worst.percent}"
     elif kinds.count("equal") == total:
         largest = max((abs(c.relative) + c.margin for c in changes), default=0.0)
-        holds, miss = False, f"no difference above {100 * largest:.2g} %"
+        holds, miss = False, f"equal to {max(100 * largest, 0.1):.1f} %"
     elif "open" not in kinds and 2 * showing >= total:
         holds = True
     texts = [c.text(form) for c in changes]
