@@ -11,7 +11,7 @@ from __future__ import annotations
 import copy
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -332,7 +332,10 @@ def statistics_table(bench: Bench, design: str = SPEC_SET, window: str = "") -> 
         rows.append(
             {name: record[name] for name in (*vars(CASES[0]), *WHOLE)}
             | {k: _number(v) for k, v in mean.items()}
-            | {f"{k}_half_width": _wider(record, k) * _number(width.get(k)) for k in mean}
+            | {
+                f"{k}_half_width": _wider(record["unsteady"], k) * _number(width.get(k))
+                for k in mean
+            }
         )
     order = {case: number for number, case in enumerate(CASES)}
     result = pd.DataFrame(rows)
@@ -340,10 +343,10 @@ def statistics_table(bench: Bench, design: str = SPEC_SET, window: str = "") -> 
     return result.iloc[np.argsort(keys)].reset_index(drop=True)
 
 
-def _wider(record: Mapping[str, Any], quantity: str) -> float:
+def _wider(unsteady: Sequence[str], quantity: str) -> float:
     """Return the factor of a half-width: 1 in a steady run."""
     steps = "steps" if quantity == "step_us" else quantity
-    return UNSTEADY if steps in record["unsteady"] else 1.0
+    return UNSTEADY if steps in unsteady else 1.0
 
 
 def _number(value: float | None) -> float:
