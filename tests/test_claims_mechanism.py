@@ -54,10 +54,16 @@ def small(tmp_path, monkeypatch):
     (tmp_path / "datasets").mkdir()
     spec = (ROOT / "datasets/slider_crank.toml").read_text(encoding="utf-8")
     (tmp_path / "datasets/slider_crank.toml").write_text(spec, encoding="utf-8")
-    cases = [Case("enhanced", 0.5, 0.9, friction) for friction in (0.0, 0.1)]
-    plan = [LongRun(SPEC_SET, case, FIRST + 2) for case in cases]
-    monkeypatch.setattr(long_runs, "PLAN", [*plan, LongRun(LIGHT_SET, cases[1], FIRST + 2)])
-    return Bench(tmp_path)
+    bench = Bench(tmp_path)
+    # Another bench's tests may have made the modules anew.
+    module = bench.module("long_runs")
+    smooth, rough = (Case("enhanced", 0.5, 0.9, friction) for friction in (0.0, 0.1))
+    plan = [
+        module.LongRun(design, case, FIRST + 2)
+        for design, case in ((SPEC_SET, smooth), (SPEC_SET, rough), (LIGHT_SET, rough))
+    ]
+    monkeypatch.setattr(module, "PLAN", plan)
+    return bench
 
 
 def row_of(table, case):
@@ -134,6 +140,7 @@ class TestLongRuns:
         assert key_of(run, SPEC) != before
 
     def test_a_changed_spec_is_run_anew(self, small):
+        long_runs = small.module("long_runs")
         first = long_runs.long_runs(small)
         file = small.input(long_runs.LONG_RUNS)
         assert len(file.read_text(encoding="utf-8").splitlines()) == 1 + 3
@@ -147,7 +154,8 @@ class TestLongRuns:
 
     def test_an_interrupted_command_resumes(self, small, monkeypatch):
         ran = []
-        entry = long_runs.entry
+        long_runs = small.module("long_runs")
+        prepare, entry = small.module("claims.section4_runs").prepare, long_runs.entry
 
         def counted(*arguments):
             ran.append(arguments[1])
@@ -159,10 +167,10 @@ class TestLongRuns:
 
         monkeypatch.setattr(long_runs, "entry", counted)
         with pytest.raises(KeyboardInterrupt):
-            section4_runs.prepare(small, interrupt)
+            prepare(small, interrupt)
         assert len(ran) == 1
         told = []
-        section4_runs.prepare(small, lambda *call: told.append(call))
+        prepare(small, lambda *call: told.append(call))
         assert len(ran) == len(set(ran)) == 3
         assert told[0] == ("long runs", 1, 3)
         assert told[-1] == ("long runs", 3, 3)
