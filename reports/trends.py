@@ -309,7 +309,7 @@ class Reading:
 
 
 def sets(judge: Judge) -> list[Reading]:
-    """Return the readings with other inertias."""
+    """Return the readings with other masses and lengths."""
     return [
         Reading(design, judge, design=design, missing=TABLE_2) for design in (LIGHT_SET, LONG_SET)
     ]

@@ -76,7 +76,7 @@ def baumgarte(bench: Bench) -> Finding:
     return Finding(
         f"largest violation in {REVOLUTIONS} revolutions {kept:.1g} m",
         holds=kept < bound,
-        choice=f"our inertias; tolerance {own:g}, α and β in 1/s",
+        choice=f"our masses and lengths; tolerance {own:g}, α and β in 1/s",
         missing=f"{TABLE_2} and {INTEGRATOR}",
         miss="" if kept < bound else f"{kept / bound:.2g} times the bound",
         alternatives=alternatives,
@@ -135,7 +135,7 @@ def ranges(bench: Bench) -> list[Range]:
 
     first = "the first impact at c_e = 0.9"
     return [
-        Range(f"up to the deepest of {first}, our inertias", impact(SPEC_SET),
+        Range(f"up to the deepest of {first}, our masses and lengths", impact(SPEC_SET),
               f"{TABLE_2} and {WINDOW}"),
         *(Range(f"{first}, {design}", impact(design), TABLE_2) for design in SETS[1:]),
         Range(f"up to {LOADS[1]:g} N/mm, the range of the fits", loaded, WINDOW),
@@ -325,7 +325,7 @@ def sphere_underestimates_forces(bench: Bench) -> Finding:
     return Finding(
         own[1].ours,
         own[1].holds,
-        choice="the first impact at c_e = 0.9, our inertias",
+        choice="the first impact at c_e = 0.9, our masses and lengths",
         missing=TABLE_2,
         miss=own[1].miss,
         alternatives=[

@@ -41,8 +41,11 @@ MOSTLY = 0.5
 # Of mean penetrations, forces, ...: ours, within it numbers do not differ in particular.
 ALIKE = 0.2
 START = f"1-{WINDOWS[0]}"
-BASIS = f"our inertias; {MANY} revolutions after the first {FIRST}"
-HORIZON = f"our inertias; {FEW} revolutions after the first {FIRST}, as no lossless run is steady"
+BASIS = f"our masses and lengths; {MANY} revolutions after the first {FIRST}"
+HORIZON = (
+    f"our masses and lengths; {FEW} revolutions after the first {FIRST}, as no lossless run is "
+    "steady"
+)
 FIGURES = ("fig_mechanism_cases",)
 Conditions = Mapping[str, Sequence[object]]
 
@@ -283,7 +286,7 @@ def friction_leaves_flights(bench: Bench) -> Finding:
     paper="reduced frequency",
     rule=f"fewer onsets of contact per revolution, {ALL}",
     figures=("fig18", *FIGURES),
-    against="with our inertias both laws show it; with a longer rod flights end without friction "
+    against="with our masses both laws show it; with a longer rod flights end without friction "
     "too, though only after hundreds of revolutions",
 )
 def friction_fewer_flights(bench: Bench) -> Finding:
@@ -327,7 +330,7 @@ def small_clearance_smoother(bench: Bench) -> Finding:
     paper="long periods of contact",
     rule=f"in contact for a larger share of the time, {ALL}",
     figures=("fig18", "fig19", *FIGURES),
-    against="with our inertias no window speaks against it; with a longer rod contact becomes "
+    against="with our masses no window speaks against it; with a longer rod contact becomes "
     "permanent at the large clearance too",
 )
 def small_clearance_long_contact(bench: Bench) -> Finding:
@@ -404,7 +407,7 @@ def friction_keeps_elastic_contact(bench: Bench) -> Finding:
     paper="reduction",
     rule=ALL,
     figures=("fig18", *FIGURES),
-    against="with our inertias every law shows it; with a longer rod the journal settles on the "
+    against="with our masses every law shows it; with a longer rod the journal settles on the "
     "wall without friction too, which has then nothing to lower",
 )
 def friction_lowers_forces(bench: Bench) -> Finding:
@@ -514,7 +517,7 @@ def alike(chosen: Conditions) -> Judge:
     paper="no difference",
     rule=f"{', '.join(COMPARED.values())} differ by at most {ALIKE:.0%} (ours)",
     figures=("fig18", *FIGURES),
-    against="with our inertias the two agree at both clearances; with a longer rod they settle "
+    against="with our masses the two agree at both clearances; with a longer rod they settle "
     "at different times, of which a mean says little",
 )
 def johnson_and_enhanced_alike(bench: Bench) -> Finding:
