@@ -224,8 +224,10 @@ def trend(changes: Sequence[Change], sign: int, verb: str, form: str, unit: str)
     texts = [c.text(form) for c in changes]
     if total > FEW:
         ratios = [c.after / c.before for c in changes if c.before]
-        texts = [f"ratios from {min(ratios):.2f} to {max(ratios):.2f}"]
+        some = any(ratios)
+        texts = [f"ratios from {min(ratios):.2f} to {max(ratios):.2f}" if some else "to none"]
     ours = f"{verb} in {showing} of {total} {'pair' if total == 1 else 'pairs'}"
+    ours += f", equal in {kinds.count('equal')}" if "equal" in kinds else ""
     values = {
         ", ".join(filter(None, (c.name, when, unit))): value
         for c in changes

@@ -260,6 +260,10 @@ class TestTrends:
         assert {name: each.holds for name, each in judged.items()} == {
             "holds": True, "reverse": False, "open": None, "equal": False, "few": None,
         }  # fmt: skip
+        assert judged["holds"].ours == "up in 1 of 2 pairs, equal in 1: u 1 → 2, f 1 → 1"
+        gone = [Change(name, 2.0, 0.0) for name in "abcde"]
+        assert trend(gone, -1, "rarer", "{:g}", "-").ours == "rarer in 5 of 5 pairs: to none"
+        assert "ratios from 2.00 to 2.00" in trend([up] * 5, 1, "up", "{:g}", "-").ours
         assert judged["reverse"].miss == "1 of 3 the other way, most d -50 %"
         assert judged["reverse"].values["d, before, -"] == 2.0
 
