@@ -113,7 +113,7 @@ class Alternative:
         Whether the rule is met; None where the value is too uncertain to tell.
     missing : str
         The input of the paper that is missing and that this choice stands in for, such as
-        "Table 2"; empty where the choice is one of reading.
+        "Table 2", or two with "and" between them; empty where the choice is one of reading.
     miss : str
         By how much the rule is missed, where it is not met.
     """
@@ -278,7 +278,8 @@ def _deciding(readings: Iterable[Alternative]) -> tuple[str, ...]:
     """
     sides: dict[str, set[bool | None]] = {}
     for reading in readings:
-        sides.setdefault(reading.missing, set()).add(reading.holds)
+        for name in reading.missing.split(" and "):
+            sides.setdefault(name, set()).add(reading.holds)
     both = {True, False}
     if sides.pop("", set()) >= both:
         return ()
