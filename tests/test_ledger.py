@@ -100,7 +100,7 @@ def test_works_that_claims_cite_are_in_the_references(claims):
     assert {name for name in REFERENCES if name in flat} == set(REFERENCES)
 
 
-def test_claims_on_the_runs_stand_in_for_the_missing_table(claims):
+def test_claims_on_the_runs_stand_in_for_the_missing_table():
     runs = claims_of(BENCH, section4_runs)
     assert len(runs) > 15
     for claim in runs.values():
