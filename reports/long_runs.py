@@ -25,10 +25,10 @@ from cylcontact.mechanism import Case, Mechanism, Statistics, long_run, mechanis
 from cylcontact.mechanism.batch_means import BatchMeans
 from cylcontact.parallel import Call, call, call_for, run_recorded
 from cylcontact.progress import Progress, silent
-from cylcontact.reports.bench import Bench, call_in_bench
+from cylcontact.reports.bench import Bench, MissingInputError, call_in_bench
 
 from .paper import JOINT_CLEARANCES
-from .slider_crank import CASES, law_limit, mechanism
+from .slider_crank import CASES, SPEC, law_limit, mechanism
 
 LONG_RUNS = "datasets/mechanism/long_runs.jsonl"
 LEVEL = 0.95  # of the intervals
@@ -62,6 +62,10 @@ def _looser(data: dict[str, Any]) -> None:
 
 def _longer(data: dict[str, Any]) -> None:
     bodies = data["bodies"]
+    for name in ("rod", "slider"):
+        if name not in bodies:
+            rule, remedy = "is missing, which another design replaces", "restore the shipped spec"
+            raise MissingInputError(SPEC, f"bodies.{name}", None, rule, remedy)
     bodies["rod"] |= {
         "mass": 0.28,
         "inertia": 6.0e-4,
