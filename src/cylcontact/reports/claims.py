@@ -271,17 +271,17 @@ class Claim:
         return joined(rule, choice, settled, self.balance, decides)
 
 
-def _deciding(readings: Iterable[Alternative]) -> tuple[str, ...]:
+def _deciding(readings: Sequence[Alternative]) -> tuple[str, ...]:
     """Return the missing inputs that decide: one value in their place holds, another does not.
 
-    None does if readings that need no such input stand on both sides already.
+    None does if our reading and those that differ from it in words only disagree already.
     """
-    sides: dict[str, set[bool | None]] = {}
+    sides: dict[str, set[bool | None]] = {"": {readings[0].holds}}
     for reading in readings:
         for name in reading.missing.split(" and "):
             sides.setdefault(name, set()).add(reading.holds)
     both = {True, False}
-    if sides.pop("", set()) >= both:
+    if sides.pop("") >= both:
         return ()
     return tuple(name for name, holds in sides.items() if holds >= both)
 
