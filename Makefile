@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 CYLCONTACT := $(BIN)/cylcontact
 
 SOURCES := $(shell find src/cylcontact -name '*.py')
-BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.toml datasets/*/*.csv)
+BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.toml datasets/*/*.csv datasets/*/*.jsonl)
 # That of a thousand million samples, which takes minutes, is benchmarks/huge.toml: make scaling.
 # Your own, named mine*, are for `cylcontact fit` and `cylcontact report` alone.
 CAMPAIGNS := $(filter-out fitting/mine%,$(wildcard fitting/*.toml))

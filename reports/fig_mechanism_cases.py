@@ -1,4 +1,4 @@
-"""Contact, impacts and steps of the slider-crank, for three laws and eight cases, with scatter."""
+"""Contact, impacts and steps of the slider-crank, for three laws and eight cases."""
 
 from __future__ import annotations
 
@@ -13,44 +13,40 @@ from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import QUIET
 from cylcontact.reports.bench import Bench
 
+from .long_runs import FEW, FIRST, MANY, statistics_table
 from .paper import FRICTIONS, JOINT_CLEARANCES, JOINT_LAWS, RESTITUTIONS
-from .slider_crank import (
-    FIRST,
-    REVOLUTIONS,
-    WHIRLING_REVOLUTIONS,
-    assumed,
-    law_style,
-    mechanism,
-    statistics_table,
-)
+from .slider_crank import assumed, law_style, mechanism
 
 COLUMNS = [
     "law",
     "clearance",
     "restitution",
     "friction",
-    "contact_fraction",
-    "contact_fraction_std",
-    "impacts",
-    "impacts_std",
-    "step_us",
-    "step_us_std",
-    "mean_penetration_um",
-    "max_penetration_um",
-    "force_p99_N",
-    "onsets",
+    *(
+        f"{name}{half}"
+        for name in (
+            "contact_fraction",
+            "impacts",
+            "step_us",
+            "mean_penetration_um",
+            "max_penetration_um",
+            "force_p99_N",
+        )
+        for half in ("", "_half_width")
+    ),
+    "counted",
     "continued",
     "left",
 ]
 CAPTION = (
     "Share of the time in contact, impacts per revolution and the integrator's mean step of the "
     "slider-crank, by radial clearance (mm), restitution c_e and friction c_f, for three laws. "
-    "Markers: means over revolutions {first} to {last} of one run (to {long} where the journal can "
-    "whirl, at 0.02 mm with c_e = 1 and c_f = 0.1); bars: standard deviation from revolution to "
-    "revolution. Runs with impacts are sensitive to everything, so that only "
-    "such statistics can be compared. Johnson's law goes on along its tangent from 0.9 of its "
-    "largest penetration: {continued:.0f} of {onsets:.0f} of its contacts, {left:.0f} of them "
-    "beyond its end, all at 0.02 mm without dissipation. {assumed}"
+    "Markers: means over {many} revolutions after the first {first}; bars: their 95 % intervals, "
+    "by batch means. Without losses there is no steady state: means over {few} revolutions, "
+    "numbers of that window, and no bars. Runs with impacts are sensitive to everything, so that "
+    "only such statistics can be compared. At 0.02 mm without dissipation Johnson's law goes on "
+    "along its tangent from 0.9 of its largest penetration, in up to {continued:.0%} of the "
+    "contacts, and its end is passed in up to {left:.0%} of the revolutions. {assumed}"
 )
 GROUPS = [(c, ce, cf) for c in JOINT_CLEARANCES for ce in RESTITUTIONS for cf in FRICTIONS]
 LABELS = [f"{ce:g}\n{cf:g}" for _, ce, cf in GROUPS]
@@ -74,12 +70,11 @@ def draw(bench: Bench) -> Drawing:
         )
     }
     caption = CAPTION.format(
-        first=FIRST + 1,
-        last=REVOLUTIONS,
-        long=WHIRLING_REVOLUTIONS,
-        continued=johnson["continued"].sum(),
-        onsets=johnson["onsets"].sum(),
-        left=johnson["left"].sum(),
+        first=FIRST,
+        many=MANY,
+        few=FEW,
+        continued=johnson["continued"].max(),
+        left=johnson["left"].max(),
         assumed=assumed(mechanism(bench)),
     )
     csv = table[COLUMNS].rename(columns={"clearance": "clearance_mm"})
@@ -97,7 +92,7 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
     )
     for number, (axes, (column, label)) in enumerate(zip(panels, columns, strict=True)):
         for law, rows in table.groupby("law", sort=False):
-            _draw_law(axes, str(law), rows, column, f"{column}_std")
+            _draw_law(axes, str(law), rows, column, f"{column}_half_width")
         _label_groups(axes)
         axes.set(ylabel=label, ylim=(0, HEADROOM * axes.get_ylim()[1]))
         panel_title(axes, number, label.partition(" (")[0])
@@ -106,15 +101,15 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
     return figure
 
 
-def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, scatter: str | None) -> None:
-    """Draw a law's cases, with bars of one standard deviation."""
+def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, half: str | None) -> None:
+    """Draw a law's cases, with bars of a half-width where there is one."""
     cases = rows.set_index(["clearance", "restitution", "friction"]).loc[GROUPS]
     at = np.arange(len(GROUPS)) + APART * (list(JOINT_LAWS).index(law) - 1)
     style = law_style(law)
-    bars = None if scatter is None else cases[scatter].to_numpy()
+    bars = None if half is None else cases[half].to_numpy()
     axes.errorbar(
         at, cases[column].to_numpy(), yerr=bars, color=style["color"], marker=style["marker"],
-        label=JOINT_LAWS[law], **BARS,
+        label=JOINT_LAWS[law], clip_on=False, **BARS,
     )  # fmt: skip
 
 
@@ -138,4 +133,4 @@ def balance_panel(axes: Axes, table: pd.DataFrame, bound: float) -> None:
         _draw_law(axes, str(law), rows, "energy_error", None)
     axes.axhline(bound, color=QUIET, linewidth=0.8, linestyle=":", marker="")
     _label_groups(axes)
-    axes.set(ylabel="largest error of the balance (-)", yscale="log", ylim=(1e-10, 1e-3))
+    axes.set(ylabel="largest error of the balance (-)", yscale="log", ylim=(1e-10, 1e-2))

@@ -12,7 +12,8 @@ from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.reports.bench import Bench
 
 from .fig_mechanism_cases import balance_panel
-from .slider_crank import REVOLUTIONS, assumed, mechanism, simulated, statistics_table
+from .long_runs import FEW, FIRST, statistics_table
+from .slider_crank import assumed, mechanism, simulated
 
 CASE = Case("enhanced", 0.5, 0.9, 0.1)
 DRAWN = 3  # revolutions
@@ -49,7 +50,7 @@ def draw(bench: Bench) -> Drawing:
     slider_crank = mechanism(bench)
     caption = CAPTION.format(
         drawn=DRAWN,
-        revolutions=REVOLUTIONS,
+        revolutions=FIRST + FEW,
         peak=run.kinetic_energy.max(),
         tolerance=slider_crank.integration.tolerance,
         bound=BOUND,
@@ -83,7 +84,7 @@ def _draw_panels(table: pd.DataFrame, cases: pd.DataFrame) -> Figure:
     panel_title(left, 0, "since the start")
     balance_panel(right, cases, BOUND)
     panel_title(right, 1, "error over the peak of the kinetic energy")
-    right.legend(loc="lower left", handlelength=1.2)
+    right.legend(loc="upper left", bbox_to_anchor=(0.0, 0.93), handlelength=1.2)
     return figure
 
 

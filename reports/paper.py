@@ -138,6 +138,7 @@ JOHNSON_ONLY = Domain("up to Johnson's limit, yield ignored", R_i=None)
 
 # Inputs that the paper's text lacks.
 TABLE_1, TABLE_2, WINDOW, DATUM = "Table 1", "Table 2", "the window", "the datum"
+INTEGRATOR = "the integrator"
 
 DEFINITIONS: Mapping[str, str] = {
     "practical domain": (
@@ -177,7 +178,8 @@ DEFINITIONS: Mapping[str, str] = {
         "what the paper's text lacks and some claims hang on, "
         f"{TABLE_1} (materials), {TABLE_2} (slider-crank), {WINDOW} (loads, clearances, moduli, "
         "penetrations or revolutions that a number was taken over), "
-        f"{DATUM} (where a penetration counts from) among them."
+        f"{DATUM} (where a penetration counts from) and {INTEGRATOR} (its tolerance and allowed "
+        "penetration) among them."
     ),
 }
 

@@ -68,7 +68,7 @@ def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
         drawn=f"revolutions {FIRST + 1} to {last}" if revolutions > 1 else f"revolution {last}",
         clearance=clearance,
         whirls=_whirls(runs, clearance),
-        share=f"In {always} of the {len(drawn)} the journal never leaves the bearing",
+        share=f"In {always} of the {len(drawn)} the journal then stays on the bearing's wall",
         horizons=horizons(bench, clearance),
         ends=law_ends(list(runs.values())),
         assumed=assumed(mechanism(bench)),
@@ -141,7 +141,8 @@ def _whirls(runs: Mapping[Case, Trajectory], clearance: float) -> str:
     losses = sorted({(case.restitution, case.friction) for case in deep})
     text = " and ".join(f"c_e = {c_e:g}, c_f = {c_f:g}" for c_e, c_f in losses)
     return (
-        f"At {text} the penetration exceeds the clearance in {len(deep)} runs: the journal's "
+        f"At {text} the penetration exceeds the clearance in {len(deep)} runs, for some "
+        "revolutions at a time: the journal's "
         f"centre whirls about the bearing's, {min(turns):.2g} to {max(turns):.2g} turns per "
         "revolution of the crank, both senses counted, and its inertia presses it outwards. "
     )

@@ -1,10 +1,12 @@
-"""The slider-crank of Section 4: its cases, simulated when they are needed, and caption notes."""
+"""The slider-crank of Section 4: its cases, simulated when they are needed, and caption notes.
+
+A few revolutions are simulated here whenever a figure draws them. Statistics come from `long_runs`,
+which keeps them in datasets/mechanism/long_runs.jsonl: deleting that file computes them anew.
+"""
 
 from __future__ import annotations
 
 import json
-from contextlib import closing
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -25,42 +27,19 @@ from cylcontact.mechanism import (
 from cylcontact.mechanism.model import Body
 from cylcontact.mechanism.system import TANGENT_FROM
 from cylcontact.pair import CylinderPair
-from cylcontact.parallel import call, run_calls
 from cylcontact.plots.style import COLOURS, LINE_STYLES, MARKERS
-from cylcontact.reports.bench import Bench, MissingInputError, call_in_bench
+from cylcontact.reports.bench import Bench, MissingInputError
 
 from .paper import FRICTIONS, JOINT_CLEARANCES, JOINT_LAWS, RESTITUTIONS
 
 # The cases of Sect. 4.3.
 CASES = tuple(cases(JOINT_LAWS, JOINT_CLEARANCES, RESTITUTIONS, FRICTIONS))
 
-# Statistics omit the first revolutions: the journal starts at rest in the centre, and impacts make
-# two tolerances diverge, if at all, within 1.5 revolutions (datasets/mechanism/cases.csv).
-REVOLUTIONS, FIRST = 8, 3
-# Without dissipation, friction drives the journal round along the wall of a small clearance. Such a
-# whirl lasts for some twenty revolutions in the mean, stops and comes back, so that these few
-# revolutions are one sample of it; `long_run` over a thousand gives an interval.
-WHIRLING = Case("", min(JOINT_CLEARANCES), 1.0, 0.1)
-WHIRLING_REVOLUTIONS = 16
-# Tolerance of a case's second run, relative to the spec's.
-TIGHTER = 0.1
-AGAINST = "_against"
 # Penetrations at which laws are compared: decades below the largest, and how many points.
 DECADES, POINTS = 2.0, 801
 SPEC = "datasets/slider_crank.toml"
 # Longest step in s of the runs that are drawn, so that curves are smooth from step to step.
 DRAWN_STEP = 2e-6
-_STATISTICS: dict[str, pd.DataFrame] = {}
-STATISTICS = (
-    "contact_fraction",
-    "impacts",
-    "mean_penetration_um",
-    "max_penetration_um",
-    "force_p99_N",
-    "max_force_N",
-    "mean_step_contact_us",
-    "mean_step_flight_us",
-)
 
 
 def mechanism(bench: Bench, case: Case | None = None) -> Mechanism:
@@ -92,83 +71,10 @@ def _simulated(data: str, source: str, revolutions: int) -> Trajectory:
     return simulate(model, revolutions=revolutions, beyond="tangent")
 
 
-def revolutions_of(case: Case) -> int:
-    """Return the number of revolutions of a case's run."""
-    whirls = replace(case, law="") == WHIRLING
-    return WHIRLING_REVOLUTIONS if whirls else REVOLUTIONS
-
-
-def statistics_table(bench: Bench) -> pd.DataFrame:
-    """Run all 24 cases at two tolerances and return their statistics, which are cached.
-
-    The columns are those of `Case`, the values of `case_row` at the spec's tolerance, and the same
-    at the tighter one (names end in `AGAINST`).
-    """
-    data = json.dumps(mechanism(bench).data)
-    if data not in _STATISTICS:
-        module = __name__.rpartition(".")[2]
-        calls = [call(call_in_bench, bench.root, module, "run_case", data, case) for case in CASES]
-        with closing(run_calls(calls, bench.jobs)) as rows:
-            _STATISTICS[data] = pd.DataFrame(list(rows))
-    return _STATISTICS[data].copy()
-
-
-def run_case(data: str, case: Case) -> dict[str, object]:
-    """Run one case of the mechanism whose spec's data are given as JSON, and return its row."""
-    model = mechanism_from(json.loads(data), "mechanism", **vars(case))
-    revolutions, tolerance = revolutions_of(case), model.integration.tolerance
-    row, second = (
-        case_row(simulate(model, revolutions=revolutions, tolerance=value, beyond="tangent"))
-        for value in (tolerance, TIGHTER * tolerance)
-    )
-    return vars(case) | row | {f"{name}{AGAINST}": value for name, value in second.items()}
-
-
-def case_row(run: Trajectory, first: int = FIRST) -> dict[str, float]:
-    """Return a run's numbers: means over the revolutions from `first` on, and their scatter.
-
-    Besides `STATISTICS` and their standard deviations (`_std`): the number of revolutions
-    `counted`; the mean step; the mean durations of a contact and a flight (NaN where there is
-    none); over the whole run the `onsets`, the contacts `continued` along the law's tangent and
-    those that `left` its domain; and `energy_error`, relative to the peak kinetic energy.
-    """
-    statistics = run.statistics(first)
-    steps = run.mechanism.period * 1e6 / statistics.by_revolution["steps"]
-    row = {name: float(statistics.mean[name]) for name in STATISTICS}
-    row |= {f"{name}_std": float(statistics.scatter[name]) for name in STATISTICS}
-    deepest = run.contacts["max_penetration_m"].to_numpy() * 1e3
-    limit = law_limit(run.mechanism)
-    inside, outside = _durations(run, first * run.mechanism.period)
-    return row | {
-        "counted": float(len(statistics.by_revolution)),
-        "step_us": float(steps.mean()),
-        "step_us_std": float(steps.std()),
-        "contact_us": inside,
-        "flight_us": outside,
-        "onsets": float(len(run.contacts)),
-        "continued": float((deepest > TANGENT_FROM * limit).sum()),
-        "left": float((deepest > limit).sum()),
-        "energy_error": float(np.abs(run.energy_error).max() / run.kinetic_energy.max()),
-    }
-
-
 def law_limit(mechanism: Mechanism) -> float:
     """Return the largest penetration of the mechanism's contact law in mm, inf without one."""
     joint = mechanism.clearance
     return np.inf if joint.pair is None else float(joint.law.max_penetration(joint.pair))
-
-
-def _durations(run: Trajectory, begin: float) -> tuple[float, float]:
-    """Return the mean durations in µs of the contacts and flights after a time in s."""
-    onset = run.contacts["onset_s"].to_numpy()
-    release = run.contacts["release_s"].to_numpy()
-    inside = (release - onset)[onset >= begin]
-    outside = (onset[1:] - release[:-1])[release[:-1] >= begin]
-    means = [
-        float(np.nanmean(spans)) * 1e6 if np.isfinite(spans).any() else np.nan
-        for spans in (inside, outside)
-    ]
-    return means[0], means[1]
 
 
 def assumed(mechanism: Mechanism) -> str:

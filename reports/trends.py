@@ -1,102 +1,113 @@
-"""Changes of a number in the mechanism's runs with one condition, the others being equal."""
+"""Judgements on the mechanism's runs: how a number changes with one condition, the others equal."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, cast
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, cast
 
 import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.reports.claims import Finding
+from cylcontact.mechanism.batch_means import BATCHES
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.claims import Alternative, Finding
 
-from .paper import JOINT_LAWS
-from .slider_crank import AGAINST
-
-# Endings of the table's columns: at the spec's tolerance, and at a tighter one.
-RUNS = ("", AGAINST)
-
-# Changes below this share of the larger value do not count, however significant.
-FLOOR = 0.05
-# Nor do changes within this two-sided confidence of Student's t.
-CONFIDENCE = 0.95
-CERTAIN = (
-    f"by over {FLOOR:.0%} and beyond {CONFIDENCE:.0%} confidence (Student's t) at both tolerances"
+from .long_runs import (
+    FIRST,
+    LEVEL,
+    LIGHT_SET,
+    LONG_SET,
+    SPEC_SET,
+    STEP_CONTROLS,
+    WINDOWS,
+    statistics_table,
 )
-FEW = 6  # up to so many pairs are listed one by one
+from .paper import INTEGRATOR, JOINT_LAWS, TABLE_2, WINDOW
+
+# Ours: two numbers within this share of the larger count as equal, and a trend fails only if some
+# pair goes the other way by more.
+FLOOR = 0.05
+FEW = 4  # up to so many pairs are listed one by one
 CONDITIONS = ("law", "clearance", "restitution", "friction")
 FORMS = {"clearance": "{:g} mm", "restitution": "c_e = {:g}", "friction": "c_f = {:g}"}
+ALL = f"in every pair, beyond the {LEVEL:.0%} interval; within {FLOOR:.0%} counts as equal (ours)"
+
+Kind = Literal["shows", "equal", "reverse", "open"]
 
 
 @dataclass(frozen=True)
 class Change:
-    """A number under two conditions, from runs at several tolerances.
+    """A number under two conditions, from two independent runs.
 
     Attributes
     ----------
     name : str
-        The conditions that both have in common.
-    by_run : array of float
-        Before and after, the means over the revolutions, and the standard error of their
-        difference if revolutions are independent; a column for each tolerance.
-    freedom : float
-        Degrees of freedom of the errors: the fewest revolutions of a mean, less one.
+        The conditions that both have in common and that differ between pairs.
+    before, after : float
+        The two means.
+    half_widths : tuple of float
+        Of their 95 % intervals from `BATCHES` batch means; NaN without one.
     """
 
     name: str
-    by_run: FloatArray
-    freedom: float
+    before: float
+    after: float
+    half_widths: tuple[float, float] = (np.nan, np.nan)
 
     @property
-    def before(self) -> float:
-        """The first value, averaged over the tolerances."""
-        return float(self.by_run[0].mean())
-
-    @property
-    def after(self) -> float:
-        """The second value, averaged over the tolerances."""
-        return float(self.by_run[1].mean())
-
-    @property
-    def shares(self) -> FloatArray:
-        """The change and its standard error as shares of the larger value, by tolerance."""
-        before, after, error = self.by_run
-        scale = np.maximum(np.abs(before), np.abs(after))
-        return as_floats(np.array([after - before, error]) / np.where(scale > 0, scale, np.inf))
+    def _scale(self) -> float:
+        return max(abs(self.before), abs(self.after)) or float("inf")
 
     @property
     def relative(self) -> float:
-        """The change as a share of the larger value, averaged over the tolerances."""
-        return float(self.shares[0].mean())
+        """The change as a share of the larger value."""
+        return (self.after - self.before) / self._scale
 
     @property
     def margin(self) -> float:
-        """The half-width of the confidence interval of `relative`.
-
-        The error is the largest of those from the scatter between revolutions and of that from
-        the difference between the tolerances.
-        """
-        changes, errors = self.shares
-        error = max(*errors, np.std(changes, ddof=1))
-        return float(stdtrit(self.freedom, 0.5 + CONFIDENCE / 2) * error)
-
-    @property
-    def sign(self) -> int:
-        """1 if the number rises at every tolerance, −1 if it falls, 0 if that is undecided.
+        """The half-width of the interval of `relative` (Welch); 0 where there is no interval.
 
         Examples
         --------
-        >>> sure = Change("", np.array([[1.0, 1.0], [2.0, 2.0], [0.1, 0.1]]), 4)
-        >>> small = Change("", np.array([[1.0, 1.0], [2.0, 1.1], [0.1, 0.1]]), 4)
-        >>> sure.sign, small.sign
-        (1, 0)
+        >>> print(f"{Change('', 10.0, 20.0, (1.0, 1.0)).margin:.4f}")
+        0.0684
         """
-        changes = self.shares[0]
-        signs = np.sign(changes) * (np.abs(changes) > max(FLOOR, self.margin))
-        return int(signs[0]) if np.all(signs == signs[0]) else 0
+        freedom, share = BATCHES - 1, 0.5 + LEVEL / 2
+        squares = (np.nan_to_num(self.half_widths) / stdtrit(freedom, share)) ** 2
+        total = float(squares.sum())
+        if total == 0.0:
+            return 0.0
+        welch = total**2 * freedom / float((squares**2).sum())
+        return float(stdtrit(welch, share)) * math.sqrt(total) / self._scale
+
+    def kind(self, sign: int) -> Kind:
+        """Return whether the change has a sign, its reverse, neither, or cannot be told.
+
+        Examples
+        --------
+        >>> [Change("", 1.0, to, (w, w)).kind(1) for to, w in
+        ...  ((2, 0.1), (1.01, 0.001), (0.5, 0.1), (0.9, 0.2))]
+        ['shows', 'equal', 'reverse', 'open']
+        """
+        rise = sign * self.relative
+        if abs(rise) + self.margin <= FLOOR:
+            return "equal"
+        if rise - self.margin > 0:
+            return "shows"
+        return "reverse" if rise + self.margin < -FLOOR else "open"
+
+    def text(self, form: str) -> str:
+        """Return both values."""
+        return f"{self.name} {form.format(self.before)} → {form.format(self.after)}".strip()
+
+    @property
+    def percent(self) -> str:
+        """The change with its margin, in percent of the larger value."""
+        margin = f" ± {100 * self.margin:.2g}" if self.margin > 1e-3 else ""
+        return f"{self.name} {100 * self.relative:+.2g}{margin} %".strip()
 
 
 def compare(
@@ -112,9 +123,10 @@ def compare(
     Parameters
     ----------
     table : pandas.DataFrame
-        From `slider_crank.statistics_table`.
+        From `long_runs.statistics_table`.
     column : str
-        The number that is compared.
+        The number that is compared. Pairs that lack it, as the duration of flights without any,
+        are left out.
     condition : str
         One of `CONDITIONS`.
     before, after : object
@@ -129,6 +141,7 @@ def compare(
     for key, chosen in (among or {}).items():
         table = table[table[key].isin(list(chosen))]
     others = [name for name in CONDITIONS if name != condition]
+    varied = [name for name in others if table[name].nunique() > 1]
     first, second = (
         table[table[condition] == value].set_index(others).to_dict("index")
         for value in (before, after)
@@ -136,14 +149,12 @@ def compare(
     changes = []
     for case, one in first.items():
         pair = one, second[case]
-        values = [[row[column + run] for run in RUNS] for row in pair]
-        errors = [
-            [row[f"{column}_std{run}"] / np.sqrt(row["counted"]) for run in RUNS] for row in pair
-        ]
-        name = case_name(dict(zip(others, cast(tuple[Any, ...], case), strict=True)))
-        by_run = as_floats([*values, np.hypot(errors[0], errors[1])])
-        freedom = min(row["counted"] for row in pair) - 1
-        changes.append(Change(name, by_run, freedom))
+        conditions = dict(zip(others, cast(tuple[Any, ...], case), strict=True))
+        name = case_name({key: conditions[key] for key in varied})
+        values = [float(row[column]) for row in pair]
+        widths = [float(row[f"{column}_half_width"]) for row in pair]
+        if np.isfinite(values).all():
+            changes.append(Change(name, values[0], values[1], (widths[0], widths[1])))
     return changes
 
 
@@ -161,79 +172,24 @@ def case_name(conditions: Mapping[str, Any]) -> str:
     )
 
 
-def rule(changes: Sequence[Change]) -> str:
-    """Return when a trend counts, with the number of pairs.
+@dataclass(frozen=True)
+class Judgement:
+    """What one reading of a claim gives; the fields are those of `Alternative` and `Finding`."""
 
-    Examples
-    --------
-    >>> print(rule([Change("", np.ones((3, 2)), 4)] * 12))
-    in more than half of the 12 pairs by over 5% and beyond 95% confidence (Student's t) at both
-    tolerances, the reverse in none
-    """
-    return f"in more than half of the {len(changes)} pairs {CERTAIN}, the reverse in none"
+    ours: str
+    holds: bool | None
+    miss: str = ""
+    values: Mapping[str, float] = field(default_factory=dict)
 
 
-def is_trend(changes: Sequence[Change], sign: int) -> bool:
-    """Whether more than half of the changes have that sign and none has the other.
-
-    Examples
-    --------
-    >>> up, flat = (Change("", np.array([[1, 1], [to, to], [0.1, 0.1]]), 4) for to in (2, 1))
-    >>> is_trend([up, flat, up], 1)
-    True
-    """
-    signs = [change.sign for change in changes]
-    return signs.count(sign) > len(signs) / 2 and -sign not in signs
+Judge = Callable[[pd.DataFrame], Judgement]
 
 
-def tally(changes: Sequence[Change], sign: int) -> str:
-    """Return in how many pairs the change has the sign, the other, or neither.
+def trend(changes: Sequence[Change], sign: int, verb: str, form: str, unit: str) -> Judgement:
+    """Judge a trend that is claimed of all pairs.
 
-    Examples
-    --------
-    >>> values = {"a": (1, 2), "b": (2, 1), "c": (1, 1)}
-    >>> tally([Change(n, np.array([[x, x], [y, y], [0, 0]]), 4) for n, (x, y) in values.items()], 1)
-    'in 1 of 3 pairs; the reverse in 1 (b); undecided in 1 (c)'
-    """
-    parts = [f"in {sum(c.sign == sign for c in changes)} of {len(changes)} pairs"]
-    for text, other in (("the reverse", -sign), ("undecided", 0)):
-        names = [change.name for change in changes if change.sign == other]
-        parts += [f"{text} in {len(names)} ({', '.join(names)})"] if names else []
-    return "; ".join(parts)
-
-
-def values_or_ratios(changes: Sequence[Change], form: str) -> str:
-    """Return the values of a few pairs, or the range of the ratios of many.
-
-    Examples
-    --------
-    >>> values_or_ratios([Change("Johnson", np.array([[1.0], [2.0], [0.1]]), 4)], "{:.1f} µs")
-    'Johnson 1.0 µs → 2.0 µs'
-    """
-    if len(changes) <= FEW:
-        return ", ".join(
-            f"{c.name} {form.format(c.before)} → {form.format(c.after)}" for c in changes
-        )
-    ratios = [c.after / c.before for c in changes if c.before]
-    return f"ratios from {min(ratios):.2f} to {max(ratios):.2f}" if ratios else "from 0 in all"
-
-
-def as_values(changes: Sequence[Change], unit: str) -> dict[str, float]:
-    """Return both values of every pair by name."""
-    before = {f"{c.name}, before, {unit}": c.before for c in changes}
-    return before | {f"{c.name}, after, {unit}": c.after for c in changes}
-
-
-def trend_finding(
-    changes: Sequence[Change],
-    sign: int,
-    texts: tuple[str, str],
-    form: str,
-    unit: str,
-    choice: str,
-    alternatives: str = "",
-) -> Finding:
-    """Return the finding on a claimed trend.
+    It holds if every pair shows it or is equal, and at least half show it; it fails if some pair
+    certainly goes the other way, or if all are equal; else the runs cannot tell.
 
     Parameters
     ----------
@@ -241,19 +197,160 @@ def trend_finding(
         From `compare`.
     sign : int
         1 for a rise, −1 for a fall.
-    texts : tuple of str
-        The beginnings of our value and of the rule.
-    form, unit : str
-        The format of a value in the text, and the unit in the names of the values.
-    choice, alternatives : str, optional
-        As in `Finding`.
+    verb, form, unit : str
+        What the number does, the format of a value, and the unit in the names of the values.
+
+    Examples
+    --------
+    >>> rise, fall, wide = Change("a", 1, 2), Change("b", 2, 1), Change("c", 1, 2, (1.5, 1.5))
+    >>> [trend(changes, 1, "rises", "{:g}", "-").holds for changes in ([rise], [fall], [wide])]
+    [True, False, None]
+    >>> print(trend([rise, fall], 1, "rises", "{:g} N", "N").ours)
+    rises in 1 of 2 pairs: a 1 N → 2 N, b 2 N → 1 N
     """
-    ours, condition = texts
+    kinds = [change.kind(sign) for change in changes]
+    reverse = [c for c, kind in zip(changes, kinds, strict=True) if kind == "reverse"]
+    showing, total = kinds.count("shows"), len(kinds)
+    holds: bool | None = None
+    miss = ""
+    if reverse:
+        worst = max(reverse, key=lambda change: abs(change.relative))
+        holds, miss = False, f"{len(reverse)} of {total} the other way, most {worst.percent}"
+    elif kinds.count("equal") == total:
+        largest = max((abs(c.relative) + c.margin for c in changes), default=0.0)
+        holds, miss = False, f"equal to {max(100 * largest, 0.1):.1f} %"
+    elif "open" not in kinds and 2 * showing >= total:
+        holds = True
+    texts = [c.text(form) for c in changes]
+    if total > FEW:
+        ratios = [c.after / c.before for c in changes if c.before]
+        some = any(ratios)
+        texts = [f"ratios from {min(ratios):.2f} to {max(ratios):.2f}" if some else "to none"]
+    ours = f"{verb} in {showing} of {total} {'pair' if total == 1 else 'pairs'}"
+    ours += f", equal in {kinds.count('equal')}" if "equal" in kinds else ""
+    values = {
+        ", ".join(filter(None, (c.name, when, unit))): value
+        for c in changes
+        for when, value in (("before", c.before), ("after", c.after))
+    }
+    return Judgement(f"{ours}: {', '.join(texts)}", holds, miss, values)
+
+
+def mostly(changes: Sequence[Change], sign: int, verb: str) -> Judgement:
+    """Judge a trend that is claimed of most pairs: by majority, whatever the others do.
+
+    Examples
+    --------
+    >>> rise, fall = Change("a", 1, 2), Change("b", 2, 1)
+    >>> [mostly(changes, 1, "rises").holds for changes in ([rise, rise, fall], [rise, fall])]
+    [True, False]
+    """
+    kinds = [change.kind(sign) for change in changes]
+    showing, total = kinds.count("shows"), len(kinds)
+    holds = majority([{"shows": True, "open": None}.get(kind, False) for kind in kinds])
+    text = f"{verb} in {showing} of {total} pairs"
+    return Judgement(text, holds, "" if holds is not False else f"{showing} of {total}")
+
+
+def majority(found: Sequence[bool | None]) -> bool | None:
+    """Whether more than half hold; None if uncertain ones decide.
+
+    Examples
+    --------
+    >>> majority([True, True, False]), majority([True, None, False]), majority([True, False])
+    (True, None, False)
+    """
+    yes, maybe = found.count(True), found.count(None)
+    return True if 2 * yes > len(found) else False if 2 * (yes + maybe) <= len(found) else None
+
+
+def above(value: float, half_width: float, bound: float) -> bool | None:
+    """Whether a mean is above a bound; None if its interval holds the bound.
+
+    Examples
+    --------
+    >>> above(0.6, 0.05, 0.5), above(0.4, float("nan"), 0.5), above(0.48, 0.05, 0.5)
+    (True, False, None)
+    """
+    margin = float(np.nan_to_num(half_width))
+    return None if abs(value - bound) < margin else value >= bound
+
+
+def every(found: Sequence[bool | None]) -> bool | None:
+    """Whether all hold; None if only uncertain ones stand in the way.
+
+    Examples
+    --------
+    >>> every([True, True]), every([True, None]), every([None, False])
+    (True, None, False)
+    """
+    return False if False in found else None if None in found else True
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A judgement with what it is made on.
+
+    Attributes
+    ----------
+    choice : str
+        What is chosen.
+    judge : callable
+        Takes the statistics of 24 cases.
+    design, window : str
+        As in `long_runs.statistics_table`.
+    missing : str
+        The paper's input that is missing.
+    """
+
+    choice: str
+    judge: Judge
+    design: str = SPEC_SET
+    window: str = ""
+    missing: str = ""
+
+
+def sets(judge: Judge) -> list[Reading]:
+    """Return the readings with other masses and lengths."""
+    return [
+        Reading(design, judge, design=design, missing=TABLE_2) for design in (LIGHT_SET, LONG_SET)
+    ]
+
+
+def windows(judge: Judge) -> list[Reading]:
+    """Return the readings with shorter windows of the runs without losses."""
+    return [
+        Reading(
+            f"without losses over revolutions {FIRST + 1} to {FIRST + length}",
+            judge,
+            window=str(length),
+            missing=WINDOW,
+        )
+        for length in WINDOWS
+    ]
+
+
+def integrators(judge: Judge) -> list[Reading]:
+    """Return the readings with the paper's control of the step, at two tolerances."""
+    return [Reading(name, judge, design=name, missing=INTEGRATOR) for name in STEP_CONTROLS]
+
+
+def finding(bench: Bench, readings: Sequence[Reading], rule: str = "") -> Finding:
+    """Return the finding of several readings, of which the first is our own."""
+    judged = [
+        (each, each.judge(statistics_table(bench, each.design, each.window))) for each in readings
+    ]
+    (own, ours), *others = judged
     return Finding(
-        f"{ours} {tally(changes, sign)}: {values_or_ratios(changes, form)}",
-        holds=is_trend(changes, sign),
-        choice=choice,
-        alternatives=alternatives,
-        values=as_values(changes, unit),
-        rule=f"{condition} {rule(changes)}",
+        ours.ours,
+        ours.holds,
+        choice=own.choice,
+        missing=own.missing,
+        miss=ours.miss,
+        alternatives=[
+            Alternative(each.choice, got.ours, got.holds, each.missing, got.miss)
+            for each, got in others
+        ],
+        values=ours.values,
+        rule=rule,
     )

@@ -238,8 +238,8 @@ def reading(holds, missing="", miss=""):
         # What stands on both sides without the missing input does not hang on it.
         (True, [reading(True, "Table 1"), reading(False)], "ours", "Table 1", OPEN),
         (True, [reading(False, "Table 1")], "ours", "", OPEN),
-        (True, [reading(False, "Table 1"), reading(False)], "ours", "Table 1", HANGS),
-        (True, [reading(False, "Table 1"), reading(False), reading(True)], "", "Table 1", OPEN),
+        (True, [reading(False, "Table 1"), reading(True)], "ours", "Table 1", HANGS),
+        (True, [reading(False, "Table 1"), reading(False)], "ours", "Table 1", OPEN),
     ],
 )
 def test_a_verdict_follows_from_the_readings(holds, alternatives, choice, missing, verdict):

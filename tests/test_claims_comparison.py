@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 from _cylcontact_bench.claims import section34, section34_differences
-from _cylcontact_bench.claims.section34_differences import SHELTERED, in_corner
+from _cylcontact_bench.claims.section34_differences import MIDDLE_SMALL_HOLE, in_corner
 from _cylcontact_bench.extremes import best_load, largest_difference, share_below
 from _cylcontact_bench.paper import (
     COMPARED_CLEARANCES,
@@ -38,8 +38,8 @@ MISSING = "depends on a missing input"
 UNDECIDED = "undecided"
 FAILS = "not reproduced"
 VERDICTS = {
-    "3.4-limit-aluminium-7.5um": CHOICE,
-    "3.4-limit-aluminium-10um": CHOICE,
+    "3.4-limit-aluminium-7.5um": MISSING,
+    "3.4-limit-aluminium-10um": MISSING,
     "3.4-limit-titanium-7.5um": MISSING,
     "3.4-limits-in-proportion": HOLDS,
     "3.4-valid-at-1000": CHOICE,
@@ -47,19 +47,18 @@ VERDICTS = {
     "3.4-penetration-falls": HOLDS,
     "3.4-plastics": UNDECIDED,
     "3.4-allowable-load-against-strength": HOLDS,
-    "3.4-allowable-load-against-modulus": UNDECIDED,
+    "3.4-allowable-load-against-modulus": FAILS,
     "3.4-limit-load-against-clearance": HOLDS,
     "3.4-limit-load-against-young": FAILS,
     "3.4-low-clearance-low-load": "not testable",
-    "3.4-high-clearance-high-load": MISSING,
-    "3.4-hard-material-small-load": MISSING,
+    "3.4-high-clearance-high-load": UNDECIDED,
+    "3.4-hard-material-small-load": UNDECIDED,
     "3.4-soft-material-high-load": UNDECIDED,
-    "3.4-below-8-percent": UNDECIDED,
+    "3.4-below-8-percent": FAILS,
     "3.4-below-4-percent": FAILS,
     "3.4-about-8-percent-at-25um": UNDECIDED,
-    "3.4-only-25um-above-4-percent": FAILS,
     "3.4-other-materials": UNDECIDED,
-    "3.4-growth-at-low-clearance": CHOICE,
+    "3.4-growth-at-low-clearance": UNDECIDED,
     "3.4-growth-with-falling-stiffness": CHOICE,
     "3.4-ceramics-exception": UNDECIDED,
     "3.4-growth-below-0.25-mm": UNDECIDED,
@@ -109,8 +108,9 @@ def test_verdicts(claims):
 @pytest.mark.parametrize("claim_id", VERDICTS)
 def test_a_claim_says_why_it_is_not_plainly_reproduced(claims, claim_id):
     claim = claims[claim_id]
-    if claim.verdict not in (HOLDS, "not testable"):
-        assert claim.against
+    if claim.verdict != HOLDS:
+        assert claim.against[0].isupper()
+        assert claim.against.endswith(".")
     if claim.verdict == HOLDS:
         assert not claim.finding.choice
     for each in claim.finding.readings:
@@ -160,7 +160,7 @@ def test_the_bounds_do_not_hang_on_the_assumed_yield_stresses(material_rows, fac
 
 
 def test_two_digits_of_poissons_ratio_leave_one(claims):
-    """What is said to single out 0.33 for the aluminium alloy, and that titanium has no such."""
+    """Why the neighbours of 0.33 do not give the aluminium alloy's loads, and it does."""
     fits = [
         nu
         for nu in np.arange(24, 35) / 100
@@ -171,8 +171,13 @@ def test_two_digits_of_poissons_ratio_leave_one(claims):
         )
     ]
     assert fits == [0.33]
-    assert claims["3.4-limit-aluminium-7.5um"].finding.settled
-    assert not claims["3.4-limit-titanium-7.5um"].finding.settled
+    for dR_um in (7.5, 10):
+        claim = claims[f"3.4-limit-aluminium-{dR_um:g}um"]
+        assert [each.holds for each in claim.finding.readings] == [True, False, False]
+        for nu in (0.32, 0.34):
+            load = johnson_end(e_star(69e3, nu), 1e-3 * dR_um)
+            found = first_number(reading(claim, f"ν = {nu:g}").ours)
+            assert found == pytest.approx(load, abs=0.05)
 
 
 def test_the_limits_of_common_alloys(claims):
@@ -200,7 +205,7 @@ def test_the_largest_load_of_most_materials(claims):
     loads = sorted(johnson_end(E_star, 0.0075) for E_star in MODULI.values())
     claim = claims["3.4-largest-valid-load"]
     assert claim.finding.values["load, N/mm"] == pytest.approx(loads[2], rel=1e-12)
-    assert first_number(reading(claim, "four").ours) == round(loads[1])
+    assert re.search(r"\d+", reading(claim, "still valid").ours).group() == f"{loads[2]:.0f}"
     softer = johnson_end(e_star(190e3, 0.27), 0.0075)
     text = reading(claims["3.4-valid-at-1000"], "190 GPa").ours
     assert first_number(text) == pytest.approx(softer, abs=0.5)
@@ -217,7 +222,11 @@ def test_the_penetration_past_the_limit_by_eq_1(claims):
 def test_shares_of_plastics_in_closed_form(claims):
     values = claims["3.4-plastics"].finding.values
     least, most = COMPARED_CLEARANCES
-    for name, E, nu in (("unfilled plastic", 3e3, 0.4), ("glass-filled plastic", 10e3, 0.35)):
+    for name, E, nu in (
+        ("unfilled plastic", 3e3, 0.4),
+        ("glass-filled plastic", 10e3, 0.35),
+        ("the paper's lowest E", 20.7e3, 0.4),
+    ):
         per_mm = johnson_end(e_star(E, nu), 1.0)
         share = 100 * math.log(1000 / per_mm / least) / math.log(most / least)
         assert values[f"{name}, clearances, percent"] == pytest.approx(share, abs=0.05)
@@ -228,6 +237,11 @@ def test_shares_of_plastics_in_closed_form(claims):
         height = full - math.log(per_mm * math.exp(start) / 10)
         outside = 100 * base * height / 2 / (full * math.log(most / least))
         assert values[f"{name}, inside, percent"] == pytest.approx(100 - outside, abs=0.05)
+    end = 1000 / johnson_end(e_star(3e3, 0.4), 1.0)
+    on_line = np.mean(np.linspace(least, most, 200_001) < end)
+    assert values["unfilled plastic, linear axis, percent"] == pytest.approx(
+        100 * on_line, abs=0.001
+    )
 
 
 def test_exponents_of_the_load_at_yield(claims):
@@ -284,25 +298,25 @@ def test_yield_at_the_largest_clearance(claims):
 # --- the largest differences, by Eqs 1, 5, 6, 7, 8 and 9 in plain Python ---
 
 
-def top_load(name, dR, highest=1000.0, R_i=10.0):
-    """The largest load of the practical domain."""
-    at_yield = yield_load(STRENGTHS[name], MODULI[name], effective_radius(R_i, dR))
+def top_load(name, dR, highest=1000.0, R_i=10.0, strength=1.0):
+    """The largest load of the practical domain, with a multiple of the yield stress."""
+    at_yield = yield_load(strength * STRENGTHS[name], MODULI[name], effective_radius(R_i, dR))
     return min(highest, at_yield, johnson_end(MODULI[name], dR))
 
 
 @pytest.mark.parametrize("name", MATERIALS)
 @pytest.mark.parametrize(
-    ("claim_id", "lowest", "highest"),
+    ("claim_id", "lowest", "highest", "snuggest"),
     [
-        ("3.4-below-8-percent", 10.0, 1000.0),
-        ("3.4-below-4-percent", 10**1.5, 10**2.5),
-        ("5-below-10-percent", 10**1.5, 10**2.5),
+        ("3.4-below-8-percent", 10.0, 1000.0, 0.0075),
+        ("3.4-below-4-percent", 10**1.5, 10**2.5, 0.05),
+        ("5-below-10-percent", 10**1.5, 10**2.5, 0.0075),
     ],
 )
-def test_largest_differences_from_the_equations(claims, name, claim_id, lowest, highest):
+def test_largest_differences_from_the_equations(claims, name, claim_id, lowest, highest, snuggest):
     E_star, values = MODULI[name], claims[claim_id].finding.values
     largest = 0.0
-    for dR in np.geomspace(0.0075, 2.0, 241):
+    for dR in np.union1d(np.geomspace(snuggest, 2.0, 241), SWITCH):
         top = top_load(name, dR, highest)
         if top > lowest:
             differences = eq9(np.geomspace(lowest, top, 81), E_star, dR)
@@ -316,12 +330,12 @@ def test_largest_differences_from_the_equations(claims, name, claim_id, lowest, 
     assert lowest <= load <= top_load(name, dR, highest) * (1 + 1e-12)
 
 
-def largest_on_a_grid(keep, loads, clearances, R_i=10.0):
+def largest_on_a_grid(keep, loads, clearances, R_i=10.0, strength=1.0):
     """The largest difference among the materials on a plain grid, where `keep` is true."""
     largest = 0.0
     for name in MATERIALS:
         for dR in np.geomspace(*clearances, 161):
-            top = top_load(name, dR, loads[1], R_i)
+            top = top_load(name, dR, loads[1], R_i, strength)
             if top >= loads[0]:
                 load = np.geomspace(loads[0], top, 161)
                 sizes = np.abs(eq9(load, MODULI[name], dR))[keep(name, dR, load)]
@@ -348,20 +362,21 @@ def everywhere(_name, _dR, load):
 
 
 BOX, MIDDLE_HALF, MIDDLE_THIRD = (10, 1000), (10**1.5, 10**2.5), (10 ** (5 / 3), 10 ** (7 / 3))
-WHOLE, SHELTER = (0.0075, 2), (0.0075 ** (3 / 4) * 2 ** (1 / 4), 2)
+WHOLE, FROM_50 = (0.0075, 2), (0.05, 2)
 
 
 @pytest.mark.parametrize(
     ("claim_id", "choice", "arguments"),
     [
         ("3.4-below-8-percent", "half of Eq 8", (below_half, BOX, WHOLE)),
-        ("3.4-below-8-percent", "corners", (not_in_a_corner, BOX, WHOLE)),
+        ("3.4-below-8-percent", "without (i)", (not_in_a_corner, BOX, WHOLE)),
         ("3.4-below-8-percent", "20 µm", (everywhere, MIDDLE_HALF, (0.02, 2))),
-        ("3.4-below-8-percent", "50 µm", (everywhere, MIDDLE_HALF, (0.05, 2))),
-        ("3.4-below-8-percent", "46–215", (everywhere, MIDDLE_THIRD, SHELTER, 5.0)),
-        ("3.4-below-4-percent", "46–215", (everywhere, MIDDLE_THIRD, SHELTER, 5.0)),
-        ("3.4-below-4-percent", "20–100", (everywhere, (20, 100), WHOLE)),
-        ("3.4-below-4-percent", "50 µm", (everywhere, MIDDLE_HALF, (0.05, 2))),
+        ("3.4-below-8-percent", "25 µm", (everywhere, MIDDLE_HALF, (0.025, 2))),
+        ("3.4-below-8-percent", "50 µm", (everywhere, MIDDLE_HALF, FROM_50)),
+        ("3.4-below-4-percent", "R_i = 10 mm", (everywhere, MIDDLE_THIRD, FROM_50)),
+        ("3.4-below-4-percent", "R_i = 5 mm", (everywhere, MIDDLE_THIRD, FROM_50, 5.0)),
+        ("3.4-below-4-percent", "half the yield", (everywhere, MIDDLE_HALF, FROM_50, 10.0, 0.5)),
+        ("3.4-below-4-percent", "20–100", (everywhere, (20, 100), FROM_50)),
         ("3.4-about-8-percent-at-25um", "20 to 30 µm", (everywhere, MIDDLE_HALF, (0.02, 0.03))),
         ("5-below-10-percent", "half of Eq 8", (below_half, MIDDLE_HALF, WHOLE)),
         ("5-below-10-percent", "46–215", (everywhere, MIDDLE_THIRD, WHOLE)),
@@ -413,22 +428,34 @@ def test_difference_at_25_um_from_the_equations(claims):
 
 
 def test_the_ridge_is_the_same_for_every_material(claims):
-    claim = claims["3.4-only-25um-above-4-percent"]
+    claim = claims["3.4-below-4-percent"]
     loads = np.geomspace(10, 1000, 20_001)
     for name, E_star in MODULI.items():
         percents = eq9(loads, E_star, SWITCH)
         lowest = percents.min()
-        assert claim.finding.values[f"{name}, percent"] == pytest.approx(lowest, rel=1e-6)
-        per_modulus = claim.finding.values[f"{name}, load, N/mm"] / E_star
+        assert claim.finding.values[f"{name}, ridge, percent"] == pytest.approx(lowest, rel=1e-6)
+        per_modulus = claim.finding.values[f"{name}, ridge, N/mm"] / E_star
         assert per_modulus == pytest.approx(loads[percents.argmin()] / E_star, rel=1e-3)
         assert lowest == pytest.approx(-7.36, abs=0.01)
         # A ridge: less on either side.
         for dR in (0.3, 0.4):
             assert abs(eq9(loads, E_star, dR).min()) < abs(lowest)
-    least = min(
-        np.abs(eq9(loads[loads <= 100], E_star, SWITCH)).max() for E_star in MODULI.values()
-    )
-    assert first_number(reading(claim, "20–100").ours) == pytest.approx(least, abs=0.05)
+
+
+def test_the_arguments_against_have_the_right_numbers(claims):
+    steels = [
+        np.abs(eq9(np.geomspace(10**1.5, top_load(name, dR, 10**2.5), 161), MODULI[name], dR)).max()
+        for name in ("high-strength steel", "low-carbon steel")
+        for dR in np.union1d(np.geomspace(0.03, 2, 241), SWITCH)
+        if top_load(name, dR) > 10**1.5
+    ]
+    assert f"within {max(steels):.1f} %" in claims["3.4-below-8-percent"].against
+    values = claims["3.4-about-8-percent-at-25um"].finding.values
+    at_25 = sorted(abs(values[f"{name}, percent"]) for name in MATERIALS)
+    against = claims["3.4-about-8-percent-at-25um"].against
+    assert f"between −{at_25[0]:.1f} and −{at_25[-1]:.1f} %" in against
+    assert f"the −{-values['trough, percent']:.1f} %" in against
+    assert f"at {1e3 * values['trough, dR, mm']:.0f} µm" in against
 
 
 def test_other_materials_from_the_equations(claims):
@@ -443,9 +470,10 @@ def test_other_materials_from_the_equations(claims):
 
 
 def growth(name, dR, start):
-    """The difference under a share of the highest load, and under all of it."""
+    """The difference under a share of the highest load, or N/mm, and under all of it."""
     top = min(1000.0, johnson_end(MODULI[name], dR))
-    return eq9(start * top, MODULI[name], dR), eq9(top, MODULI[name], dR)
+    first = start * top if start < 1 else start
+    return eq9(first, MODULI[name], dR), eq9(top, MODULI[name], dR)
 
 
 def least_growth(names, clearances, start, measure):
@@ -465,9 +493,11 @@ def as_is(value):
     ("claim_id", "choice", "arguments"),
     [
         ("low-clearance", "7.5 and 10 µm", (METALS, [0.0075, 0.01], 0.5, abs)),
-        ("low-clearance", "20 µm", (METALS, np.geomspace(0.0075, 0.02, 101), 0.5, abs)),
+        ("low-clearance", "7.5 to 20 µm, m", (METALS, np.geomspace(0.0075, 0.02, 101), 0.5, abs)),
+        ("low-clearance", "316", (METALS, np.geomspace(0.0075, 0.02, 101), 10**2.5, abs)),
+        ("low-clearance", "30 µm, magn", (METALS, np.geomspace(0.0075, 0.03, 101), 0.5, abs)),
         ("low-clearance", "signed", (METALS, np.geomspace(0.0075, 0.03, 101), 0.5, as_is)),
-        ("low-clearance", "quarter", (METALS, np.geomspace(0.0075, 0.03, 101), 0.75, abs)),
+        ("low-clearance", "three quarters", (METALS, np.geomspace(0.0075, 0.03, 101), 0.75, abs)),
         ("0.25-mm", "signed as", (MATERIALS, np.geomspace(0.02, 0.25, 201), 0.5, as_is)),
         ("0.25-mm", "from 316", (MATERIALS, np.geomspace(0.02, 0.25, 201), 0.1**0.5, as_is)),
         ("0.25-mm", "magnitude, from", (MATERIALS, np.geomspace(0.02, 0.25, 201), 0.5, abs)),
@@ -525,7 +555,9 @@ def test_growth_against_the_modulus_from_the_equations(claims):
 
 
 @pytest.mark.parametrize(
-    "domain", [PRACTICAL, MODERATE, JOHNSON_ONLY, SHELTERED], ids=lambda d: f"{d.label} {d.R_i}"
+    "domain",
+    [PRACTICAL, MODERATE, JOHNSON_ONLY, MIDDLE_SMALL_HOLE],
+    ids=lambda d: f"{d.label} {d.R_i}",
 )
 @pytest.mark.parametrize("name", MATERIALS)
 def test_no_finer_grid_finds_a_larger_difference(name, domain):
@@ -539,15 +571,16 @@ def test_no_finer_grid_finds_a_larger_difference(name, domain):
 
 
 @pytest.mark.parametrize("name", MATERIALS)
-def test_best_load_is_no_artefact_of_its_grid(name):
-    material = ROWS[name].material
-    extreme = best_load(material, PRACTICAL)
-    dR = np.union1d(np.geomspace(0.0075, 2, 3001), 0.34954)
-    top = PRACTICAL.top_load(dR, material)
-    for load in np.geomspace(10, 1000, 151):
+def test_best_load_is_no_artefact_of_its_grid(claims, name):
+    material, domain = ROWS[name].material, dataclasses.replace(PRACTICAL, clearances=FROM_50)
+    extreme = best_load(material, domain)
+    values = claims["3.4-below-4-percent"].finding.values
+    assert values[f"{name}, at best load, percent"] == abs(extreme.percent)
+    dR = np.union1d(np.geomspace(*FROM_50, 3001), 0.34954)
+    top = domain.top_load(dR, material)
+    for load in np.geomspace(10, min(1000, top.max() * (1 - 1e-9)), 151):
         worst = np.abs(difference(dR[load <= top], load, material)).max()
         assert worst >= abs(extreme.percent) - 1e-3
-    assert abs(extreme.percent) > 4
 
 
 def test_shares_are_those_of_random_points():

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 from _cylcontact_bench.claims import section32, section33
 from _cylcontact_bench.paper import MATERIALS
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from cylcontact import InputError
 from cylcontact.laws.conformal import pressure
@@ -39,16 +39,16 @@ YES, CHOICE, OPEN = "reproduced", "reproduced with a stated choice", "undecided"
 HANGS, NONE = "depends on a missing input", "not testable"
 VERDICTS = {
     "3.2-below-10-percent": OPEN,
-    "3.2-below-3-percent": CHOICE,
+    "3.2-below-3-percent": OPEN,
     "3.2-finite-elements-below-10-percent": HANGS,
     "3.2-finite-elements-below-3-percent": HANGS,
     "3.2-bounds-at-other-loads": OPEN,
     "3.2-same-trend": CHOICE,
     "3.2-mesh-refinement": OPEN,
     "3.2-element-size": OPEN,
-    "3.2-plane-stress-elements": HANGS,
+    "3.2-plane-stress-elements": OPEN,
     "3.2-hertz-1-mm": CHOICE,
-    "3.2-hertz-0.01-mm": HANGS,
+    "3.2-hertz-0.01-mm": CHOICE,
     "3.2-experiment": NONE,
     "3.3-yield-by-hertz-pressure": OPEN,
     "3.3-yield-load-against-clearance": YES,
@@ -57,7 +57,7 @@ VERDICTS = {
     "3.3-size-matters-most": CHOICE,
     "3.3-elastic-constants-matter": YES,
     "3.3-logarithm-at-least-2": YES,
-    "3.3-logarithm-physical": OPEN,
+    "3.3-logarithm-physical": CHOICE,
     "3.3-limit-independent-of-radii": YES,
     "3.3-stress-at-limit-against-size": YES,
     "3.3-plastic-before-limit": CHOICE,
@@ -100,6 +100,9 @@ class TestVerdicts:
     def test_whatever_is_not_plainly_reproduced_has_the_best_argument_against(self, claims):
         for claim in claims.values():
             assert claim.against or claim.verdict == YES, claim.id
+            if claim.against:
+                assert claim.against[0].isupper(), claim.id
+                assert claim.against.endswith("."), claim.id
 
     def test_every_reading_that_fails_says_by_how_much(self, claims):
         for claim in claims.values():
@@ -150,15 +153,6 @@ class TestLawsAlone:
             name = f"enhanced to Johnson, {load:g} N/mm, percent"
             off = [abs(values(f"3.2-below-{percent}-percent")[name]) for percent, _ in BOUNDS]
             assert off[0] > 10 or off[1] > 3
-
-    def test_the_printed_clearance_comes_out_at_20_newtons_alone(self, claims, values):
-        for load, start in ((20.0, 0.428), (40.0, 0.751)):
-            crossing = brentq(lambda dR, f=load: difference(f, E_STAR, dR) + 3, start - 0.02, 1.0)
-            name = f"within it from, {load:g} N/mm, mm"
-            assert values("3.2-below-3-percent")[name] == pytest.approx(crossing, rel=2e-3)
-            assert crossing == pytest.approx(start, abs=1e-3)
-        assert "0.428 mm on, next to the printed 0.445" in claims["3.2-below-3-percent"].basis
-        assert claims["3.2-below-10-percent"].finding.settled == ""
 
     def test_readings_by_load(self, claims):
         assert holds(claims, "3.2-below-10-percent") == [False, True, False]
@@ -267,6 +261,10 @@ class TestFiniteElements:
                 (key,) = (k for k in of_claim if k.startswith(what) and load in k)
                 assert of_claim[key] == pytest.approx(change, rel=1e-12)
         assert holds(claims, "3.2-mesh-refinement") == [True, False, True, True]
+        pressures = [abs(v) for k, v in of_claim.items() if k.startswith("contact pressure")]
+        assert f"within {math.ceil(100 * max(pressures)) / 100:g} %" in (
+            claims["3.2-mesh-refinement"].against
+        )
 
     def test_elements_over_the_half_width(self, values):
         of_claim = values("3.2-element-size")
@@ -286,10 +284,13 @@ class TestFiniteElements:
         assert of_claim["modulus, percent"] == pytest.approx(100 * 0.09 / 0.91, rel=1e-12)
         base, changed = (rows("sensitivity", variant=name) for name in ("base", "plane stress"))
         ratio = changed["penetration_mm"].to_numpy() / base["penetration_mm"].to_numpy()
-        assert of_claim["same place, percent"] == pytest.approx(100 * (ratio.max() - 1), rel=1e-12)
+        for part, clearances in (("below", slice(None, -2)), ("above", slice(-2, None))):
+            assert base["dR_mm"].to_numpy()[clearances].max() == {"below": 0.1, "above": 1}[part]
+            change = 100 * (ratio[clearances].max() - 1)
+            assert of_claim[f"{part} 0.445 mm, percent"] == pytest.approx(change, rel=1e-12)
         # Each plane state's slope is f/(πE*) with its own modulus, but for the snuggest fits.
         assert of_claim["slope, percent"] == pytest.approx(of_claim["modulus, percent"], rel=0.02)
-        assert holds(claims, "3.2-plane-stress-elements") == [False, True, False]
+        assert holds(claims, "3.2-plane-stress-elements") == [False, True, False, True]
 
     @pytest.mark.parametrize("dR", [1.0, 0.01])
     @pytest.mark.parametrize("load", LOADS)
@@ -305,9 +306,21 @@ class TestFiniteElements:
                 100 * (actual / hertz - 1), rel=1e-9
             )
 
-    def test_at_10_um_the_load_that_hertz_is_judged_at_decides(self, claims):
-        assert holds(claims, "3.2-hertz-0.01-mm") == [True, True, True, True, False, True]
-        assert claims["3.2-hertz-0.01-mm"].missing == ("the window",)
+    @pytest.mark.parametrize("dR", [1.0, 0.01])
+    def test_hertz_is_told_by_the_larger_of_two_deviations(self, claims, values, dR):
+        claim, numbers = claims[f"3.2-hertz-{dR:g}-mm"], values(f"3.2-hertz-{dR:g}-mm")
+        for load in LOADS:
+            both = [
+                abs(numbers[f"{what} less Hertz's, {load:g} N/mm, percent"])
+                for what in ("peak pressure", "half-width")
+            ]
+            pattern = rf"([\d.]+) %(?: of Hertz's)? at {load:g} N/mm"
+            told = float(re.search(pattern, claim.finding.ours).group(1))
+            assert max(both) <= told < max(both) + 0.01
+        # The bound of 3 % holds for larger clearances only.
+        to_3 = [each for each in claim.finding.readings if "to 3 %" in each.choice]
+        assert len(to_3) == (2 if dR == 1 else 0)
+        assert all(holds(claims, claim.id))
 
     @pytest.mark.parametrize("load", [20.0, 100.0])
     def test_the_departure_from_hertz_at_10_um_is_that_of_conformal_contact(self, values, load):
@@ -336,11 +349,6 @@ class TestLimits:
             of_claim = values("3.3-yield-load-against-contact-area")
             assert of_claim[f"width at R_i {R_i:g} mm, mm"] == pytest.approx(width, rel=1e-12)
 
-    def test_hertz_is_wider_than_the_hole_below_this_clearance(self, values):
-        dR = 1e-3 * values("3.3-yield-by-hertz-pressure")["wider than the hole below, um"]
-        half_width = 2 * STEEL.yield_stress * effective_radius(10.0, dR) / e_star(STEEL.E, STEEL.nu)
-        assert half_width == pytest.approx(10.0, rel=1e-12)
-
     def test_a_snug_pin_yields_at_about_1_4_times_strength_and_radius(self, values):
         """φ → ∞: the load no longer knows the clearance, while the paper's grows as 1/ΔR."""
         of_claim = values("3.3-yield-by-hertz-pressure")
@@ -358,22 +366,21 @@ class TestLimits:
             changed[name] = dataclasses.replace(ROWS[name], material=weaker)
         monkeypatch.setattr(Bench, "material", lambda _bench, name: changed[name])
         changed = claims_of(BENCH, section33)
-        assert holds(changed, "3.3-yield-by-hertz-pressure")[:3] == [False] * 3
+        assert holds(changed, "3.3-yield-by-hertz-pressure")[:2] == [False] * 2
         assert changed["3.3-plastic-before-limit"].verdict == CHOICE
         assert changed["3.3-size-matters-most"].verdict == CHOICE
 
-    def test_size_against_material(self, values):
+    def test_size_against_material(self, claims, values):
+        against = claims["3.3-size-matters-most"].against
         of_claim = values("3.3-size-matters-most")
         assert of_claim["by size, -"] == pytest.approx(100 * 99.95 / (5 * 4.95), rel=1e-12)
         assert of_claim["in proportion, -"] == pytest.approx(20, rel=1e-12)
         by_elastic = e_star(600e3, 0.34) / e_star(69e3, 0.24)
         assert of_claim["by E and nu, -"] == pytest.approx(by_elastic, rel=1e-12)
-        carried = [
-            ROWS[name].material.yield_stress ** 2
-            / e_star(ROWS[name].material.E, ROWS[name].material.nu)
-            for name in MATERIALS
-        ]
-        assert of_claim["by material, -"] == pytest.approx(max(carried) / min(carried), rel=1e-12)
+        smaller = 10 * 9.95 / (5 * 4.95)
+        assert of_claim["by size, 10 to 5 mm, -"] == pytest.approx(smaller, rel=1e-12)
+        # The numbers of the argument against it.
+        assert f"{smaller:.0f} times, less than the {by_elastic:.1f} times" in against
         of_claim = values("3.3-elastic-constants-matter")
         assert of_claim["by E, -"] == pytest.approx(600 / 69, rel=1e-12)
         assert of_claim["by nu, -"] == pytest.approx((1 - 0.34**2) / (1 - 0.24**2), rel=1e-12)
@@ -394,7 +401,8 @@ class TestLimits:
         assert of_claim["shortfall at ln = 2, percent"] == pytest.approx(47.8, abs=0.05)
         number = 4 * math.pi / math.exp(of_claim["logarithm at 10 percent, -"])
         assert number == pytest.approx(0.37, abs=0.001)
-        assert holds(claims, "3.3-logarithm-physical") == [True, False, False]
+        assert holds(claims, "3.3-logarithm-physical") == [True, False]
+        assert claims["3.3-logarithm-physical"].finding.settled
 
     def test_stress_and_width_at_the_limit(self, values):
         of_claim = values("3.3-stress-at-limit-against-size")

@@ -13,7 +13,6 @@ from _cylcontact_bench.slider_crank import (
     CASES,
     SPEC,
     assumed,
-    case_row,
     horizons,
     law_ends,
     law_limit,
@@ -61,19 +60,6 @@ class TestCases:
         assert not np.array_equal(again.time, settled.time)  # drawn with shorter steps
         as_in_spec = simulated(BENCH, SETTLED, 3, max_step=None)
         assert np.array_equal(again.time, as_in_spec.time)
-
-    def test_row_is_that_of_the_steps(self, settled):
-        row = case_row(settled, first=1)
-        steps, touching = np.diff(settled.time), settled.in_contact[1:]
-        late = settled.time[1:] > settled.mechanism.period
-        share = steps[late & touching].sum() / steps[late].sum()
-        assert row["contact_fraction"] == pytest.approx(share, rel=1e-9)
-        ends = settled.rows.revolution[1:][steps > 0]
-        per_revolution = [np.sum(ends == n) for n in (1, 2)]
-        assert list(settled.counts["steps"])[1:] == per_revolution
-        mean = np.mean(settled.mechanism.period * 1e6 / np.array(per_revolution))
-        assert row["step_us"] == pytest.approx(mean, rel=1e-12)
-        assert (row["counted"], row["continued"], row["left"]) == (2, 0, 0)
 
     def test_limit_of_johnsons_law_is_eq_8(self):
         one = mechanism(BENCH, Case("johnson", 0.02, 1.0, 0.1))

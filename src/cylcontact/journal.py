@@ -93,7 +93,7 @@ class Journal:
         if header != self._header:
             raise self._error(
                 f"belongs to another {self._kind} or to other settings",
-                "run without --resume to start anew, or restore the settings",
+                "run without --resume to start anew, restore the settings, or move it away",
             )
         parts = [self._parsed(line, parse) for line in lines]
         if complete != contents:
@@ -148,7 +148,9 @@ class Journal:
         except InputError:
             raise
         except (ValueError, TypeError, KeyError, RecursionError) as error:
-            raise self._error("has a damaged line", "run without --resume") from error
+            raise self._error(
+                "has a damaged line", "run without --resume, or move it away"
+            ) from error
 
     def _unwritable(self, error: OSError) -> InputError:
         return self._error(

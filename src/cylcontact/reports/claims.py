@@ -113,7 +113,7 @@ class Alternative:
         Whether the rule is met; None where the value is too uncertain to tell.
     missing : str
         The input of the paper that is missing and that this choice stands in for, such as
-        "Table 2"; empty where the choice is one of reading.
+        "Table 2", or two with "and" between them; empty where the choice is one of reading.
     miss : str
         By how much the rule is missed, where it is not met.
     """
@@ -271,16 +271,17 @@ class Claim:
         return joined(rule, choice, settled, self.balance, decides)
 
 
-def _deciding(readings: Iterable[Alternative]) -> tuple[str, ...]:
+def _deciding(readings: Sequence[Alternative]) -> tuple[str, ...]:
     """Return the missing inputs that decide: one value in their place holds, another does not.
 
-    None does if readings that need no such input stand on both sides already.
+    None does if our reading and those that differ from it in words only disagree already.
     """
-    sides: dict[str, set[bool | None]] = {}
+    sides: dict[str, set[bool | None]] = {"": {readings[0].holds}}
     for reading in readings:
-        sides.setdefault(reading.missing, set()).add(reading.holds)
+        for name in reading.missing.split(" and "):
+            sides.setdefault(name, set()).add(reading.holds)
     both = {True, False}
-    if sides.pop("", set()) >= both:
+    if sides.pop("") >= both:
         return ()
     return tuple(name for name, holds in sides.items() if holds >= both)
 
