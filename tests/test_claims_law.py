@@ -56,10 +56,10 @@ VERDICTS = {
     "3.1-Y-below-the-fit": "not reproduced",
     "3.1-best-correlation-internal": "not reproduced",
     "3.1-best-correlation-external": "depends on a missing input",
-    "3.1-recovered-internal-a": "depends on a missing input",
-    "3.1-recovered-internal-Y": "depends on a missing input",
+    "3.1-recovered-internal-a": "undecided",
+    "3.1-recovered-internal-Y": "undecided",
     "3.1-recovered-external-a": "reproduced with a stated choice",
-    "3.1-recovered-external-b": "depends on a missing input",
+    "3.1-recovered-external-b": "undecided",
     "3.1-no-single-Y": "not reproduced",
 }
 
