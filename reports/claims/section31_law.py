@@ -152,8 +152,7 @@ def k_star_linear(contact: Contact) -> Finding:
     k_star = held if external else free
     a, b, explained, worst = straight_line(dR, k_star)
     least = least_worst_percent(dR, k_star)
-    c = PUBLISHED[contact]
-    off = float(100 * np.max(np.abs((c.a * dR + c.b) / held - 1)))
+    off = worst_percent(PUBLISHED[contact].a * dR + PUBLISHED[contact].b, held)
     fixed, fixed_least = straight_line(dR, held)[2], least_worst_percent(dR, held)
 
     third = judged(
@@ -178,9 +177,7 @@ def k_star_linear(contact: Contact) -> Finding:
         miss=below_99(explained),
         alternatives=[
             judged(
-                "the straight line that stays closest, within 10 % of K* everywhere",
-                f"within {least:.1f} %",
-                above_10(least),
+                "the closest straight line, within 10 % of K*", f"{least:.1f} %", above_10(least)
             ),
             third,
         ],
@@ -223,12 +220,12 @@ def straight_line(dR: FloatArray, k_star: FloatArray) -> tuple[float, float, flo
     """Return slope and offset of the least-squares line, its R² and its worst misfit in percent."""
     a, b = np.polyfit(dR, k_star, 1)
     line = a * dR + b
-    return (
-        float(a),
-        float(b),
-        r_squared(k_star, line),
-        float(100 * np.max(np.abs(line / k_star - 1))),
-    )
+    return float(a), float(b), r_squared(k_star, line), worst_percent(line, k_star)
+
+
+def worst_percent(line: FloatArray, k_star: FloatArray) -> float:
+    """Return the largest misfit of a line in percent of K*."""
+    return float(100 * np.max(np.abs(line / k_star - 1)))
 
 
 def least_worst_percent(dR: FloatArray, k_star: FloatArray) -> float:
