@@ -16,17 +16,19 @@ from cylcontact.reports.claims import (
     Alternative,
     Claim,
     Finding,
+    ledger,
+    untestable,
+    withdrawn,
+)
+from cylcontact.reports.claims_text import (
     counts,
     described,
     grouped,
-    ledger,
     to_json,
     to_records,
     to_table,
     to_text,
-    untestable,
     what_stands,
-    withdrawn,
 )
 
 ROOT = Path(__file__).parents[1]

@@ -11,7 +11,8 @@ from _cylcontact_bench.paper import DEFINITIONS, REFERENCES
 
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import find_recipes
-from cylcontact.reports.claims import VERDICTS, Claim, ledger, to_text, what_stands, withdrawn
+from cylcontact.reports.claims import VERDICTS, Claim, ledger, withdrawn
+from cylcontact.reports.claims_text import to_text, what_stands
 from tests.claim_files import claims_of
 
 ROOT = Path(__file__).parents[1]

@@ -158,7 +158,8 @@ def claims(
     Long simulations are kept in the bench, by what they depend on, and done once.
     """
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.claims import ledger, to_json, to_table, to_text, withdrawn
+    from cylcontact.reports.claims import ledger, withdrawn
+    from cylcontact.reports.claims_text import to_json, to_table, to_text
     from cylcontact.reports.paper import paper_of
 
     bench = Bench(Path(), results, jobs or cores())

@@ -10,6 +10,7 @@ __all__ = [
     "bench",
     "build",
     "claims",
+    "claims_text",
     "explore",
     "fit_explorer",
     "fit_figures",

@@ -13,7 +13,8 @@ from cylcontact.errors import InputError
 from cylcontact.files import replacing
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import chosen_recipes, draw
-from cylcontact.reports.claims import ledger, to_table
+from cylcontact.reports.claims import ledger
+from cylcontact.reports.claims_text import to_table
 
 __all__ = ["KINDS", "latex", "write_tables"]
 

@@ -16,16 +16,8 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, find_recipes
-from cylcontact.reports.claims import (
-    MEANINGS,
-    Claim,
-    counts,
-    described,
-    grouped,
-    ledger,
-    what_stands,
-    withdrawn,
-)
+from cylcontact.reports.claims import Claim, ledger, withdrawn
+from cylcontact.reports.claims_text import MEANINGS, counts, described, grouped, what_stands
 from cylcontact.reports.html.campaigns import (
     Campaigns,
     headline,

@@ -1,0 +1,194 @@
+"""The ledger of claims to read and to take away: what stands, groups, text, table, JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from textwrap import wrap
+from typing import Any
+
+import pandas as pd
+
+from cylcontact.reports.claims import VERDICTS, Alternative, Claim, Verdict
+
+__all__ = [
+    "MEANINGS",
+    "counts",
+    "described",
+    "grouped",
+    "to_json",
+    "to_records",
+    "to_table",
+    "to_text",
+    "what_stands",
+]
+
+MISPRINTS = "misprints"
+# What the claims of each group have in common.
+MEANINGS: Mapping[str, str] = {
+    **{str(verdict): text for verdict, text in VERDICTS.items()},
+    MISPRINTS: "slips of the print, each with what is meant",
+}
+LABEL_WIDTH = 18
+
+
+def counts(claims: Iterable[Claim]) -> dict[Verdict, int]:
+    """Return how many claims have each verdict, zeros included and misprints left out."""
+    verdicts = [each.verdict for each in claims if not each.misprint]
+    return {verdict: verdicts.count(verdict) for verdict in VERDICTS}
+
+
+def grouped(claims: Iterable[Claim]) -> dict[str, list[Claim]]:
+    """Return the claims of each verdict that occurs, in the order given, and the misprints."""
+    groups: dict[str, list[Claim]] = {verdict: [] for verdict in (*VERDICTS, MISPRINTS)}
+    for each in claims:
+        groups[MISPRINTS if each.misprint else each.verdict].append(each)
+    return {name: members for name, members in groups.items() if members}
+
+
+def what_stands(claims: Sequence[Claim]) -> str:
+    """Return one sentence on how many of the statements stand.
+
+    Examples
+    --------
+    >>> from cylcontact.reports.claims import Finding
+    >>> found = [Finding("1", holds=True), Finding("2", holds=False, choice="ours")]
+    >>> what_stands([Claim(f"1-{f.ours}", "", "", "", f) for f in found])
+    'Of 2 testable statements, 1 stands; 1 fails under every reading tried.'
+    """
+    number = counts(claims)
+    plain, chosen, open_, hanging, failed, _ = (number[verdict] for verdict in VERDICTS)
+    total, stand = sum(number.values()) - number["not testable"], plain + chosen
+    parts = [f"{stand} {'stands' if stand == 1 else 'stand'}"]
+    if chosen and plain:
+        parts[0] += f" ({plain} as printed, {chosen} with a choice that we state)"
+    if failed:
+        parts.append(f"{failed} {'fails' if failed == 1 else 'fail'} under every reading tried")
+    if open_:
+        parts.append(f"for {open_} the evidence does not decide")
+    if hanging:
+        parts.append(f"{hanging} {'hangs' if hanging == 1 else 'hang'} on an input that is missing")
+    statements = "statement" if total == 1 else "statements"
+    return f"Of {total} testable {statements}, {'; '.join(parts)}."
+
+
+def to_text(
+    claims: Sequence[Claim],
+    terms: Mapping[str, str],
+    gone: Mapping[str, str] | None = None,
+    width: int = 100,
+) -> str:
+    """Return the ledger for reading: what stands, the claims by verdict, the definitions.
+
+    Parameters
+    ----------
+    claims : sequence of Claim
+        In the order to print.
+    terms : mapping of str to str
+        The paper's definitions, term → meaning.
+    gone : mapping of str to str, optional
+        The claims withdrawn, id → reason.
+    width : int
+        Columns of the terminal.
+
+    Returns
+    -------
+    str
+    """
+    lines = [*wrap(what_stands(claims), width), ""]
+    for group, members in grouped(claims).items():
+        title = f"{group.capitalize()} ({len(members)}): {MEANINGS[group]}"
+        lines += [*wrap(title, width), "─" * width, ""]
+        for each in members:
+            lines += [*_claim_lines(each, width), ""]
+    for title, entries in (("Withdrawn", gone or {}), ("Definitions", terms)):
+        lines += [title, "─" * width, ""] if entries else []
+        for term, meaning in entries.items():
+            lines += [*_entry(f"{term}:", meaning, width, len(term) + 2), ""]
+    return "\n".join(lines)
+
+
+def _claim_lines(one: Claim, width: int) -> list[str]:
+    """Return the lines of one claim: what the paper says, what we find, what it rests on."""
+    entries = [
+        ("the paper says", f"{one.statement}: {one.paper}"),
+        ("we find", one.finding.ours),
+        ("it rests on", one.basis),
+        *(("otherwise", described(each)) for each in one.finding.alternatives),
+    ]
+    lines = [one.id]
+    for label, text in entries:
+        if text:
+            lines += _entry(f"  {label}", text, width, LABEL_WIDTH)
+    return lines
+
+
+def described(reading: Alternative) -> str:
+    """Return a reading in one line: what is chosen, what it gives, whether the rule is met.
+
+    Examples
+    --------
+    >>> described(Alternative("R_i = 5 mm", "12 %", holds=False, miss="2 points too much"))
+    'R_i = 5 mm: 12 % (not met, 2 points too much)'
+    """
+    met = {True: "met", False: "not met", None: "cannot tell"}[reading.holds]
+    missing = f"in place of {reading.missing}" if reading.missing else ""
+    told = ", ".join(filter(None, (met, reading.miss, missing)))
+    return f"{reading.choice}: {reading.ours} ({told})"
+
+
+def _entry(label: str, text: str, width: int, indent: int) -> list[str]:
+    """Return the lines of a text that is wrapped to the right of its label."""
+    start = f"{label:<{indent}}"
+    rest = " " * LABEL_WIDTH
+    return wrap(text, width, initial_indent=start, subsequent_indent=rest, break_on_hyphens=False)
+
+
+def to_records(claims: Iterable[Claim]) -> list[dict[str, Any]]:
+    """Return each claim as plain values, the verdict among them."""
+    return [
+        {
+            "id": each.id,
+            "section": each.section,
+            "statement": each.statement,
+            "paper": each.paper,
+            "ours": each.finding.ours,
+            "verdict": each.verdict,
+            "misprint": each.misprint,
+            "basis": each.basis,
+            "rule": each.rule,
+            "readings": [asdict(reading) for reading in each.finding.readings],
+            "missing": list(each.missing),
+            "against": each.against,
+            "figures": list(each.figures),
+            "code": each.code,
+            "paper_values": {k: float(v) for k, v in each.finding.paper_values.items()},
+            "ours_values": {k: float(v) for k, v in each.finding.values.items()},
+        }
+        for each in claims
+    ]
+
+
+def to_table(claims: Iterable[Claim]) -> pd.DataFrame:
+    """Return the ledger as a table, one row per claim; lists and values are JSON in their cells."""
+    records = to_records(claims)
+    for record in records:
+        for column, value in record.items():
+            if not isinstance(value, str):
+                record[column] = json.dumps(value, ensure_ascii=False)
+    return pd.DataFrame.from_records(records)
+
+
+def to_json(
+    claims: Sequence[Claim], terms: Mapping[str, str], gone: Mapping[str, str] | None = None
+) -> str:
+    """Return what stands, definitions, claims, counts and what was withdrawn, as JSON text."""
+    document = {
+        "what_stands": what_stands(claims),
+        "definitions": dict(terms),
+        "claims": to_records(claims),
+        "counts": counts(claims),
+        "withdrawn": dict(gone or {}),
+    }
+    return json.dumps(document, ensure_ascii=False, indent=2) + "\n"
