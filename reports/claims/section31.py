@@ -12,13 +12,11 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Alternative, Finding, agrees_as_printed, claim
 
 from .. import paper
+from ..load_lists import WIDER_SEARCH, expected_matches, external_matches
 from ..paper import WINDOW, Interval
 from ..power_fits import (
     FIG2_LOADS,
-    WIDER_SEARCH,
     ends_spread,
-    expected_matches,
-    external_matches,
     fig2_fit,
     fit_at,
     johnson_points,
