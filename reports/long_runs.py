@@ -11,7 +11,7 @@ from __future__ import annotations
 import copy
 import hashlib
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -32,15 +32,16 @@ from .slider_crank import CASES, SPEC, law_limit, mechanism
 
 LONG_RUNS = "datasets/mechanism/long_runs.jsonl"
 LEVEL = 0.95  # of the intervals
-UNSTEADY = 3.0  # how much wider they are where a run is not steady: assumed
 
 # Revolutions that are left out, and those that count: many where there are losses. An elastic
 # journal with friction whirls along the wall of a small clearance, leaves it and comes back; such
 # episodes last for some twenty revolutions, so that an interval takes a thousand of them.
-# Without losses there is no steady state, and a mean is one over a window.
+# Without losses there is no steady state, and a mean is one over a window; the batches of a window
+# say how it scatters there. Eight revolutions are too few for batches.
 FIRST = 10
 FEW, MANY = 240, 1000
 WINDOWS = (8, 60)
+BATCHED = ("60",)  # the windows that are long enough for batches
 STEP_CONTROLLED = 60
 # The penetration at onset in m that the paper's step control allows; assumed, it gives none.
 ALLOWED_PENETRATION = 1e-7
@@ -93,27 +94,30 @@ STEP_CONTROLS: Mapping[str, Change] = {
     "the paper's control of the step at a tolerance of 1e-6": _looser,
 }
 
-QUANTITIES = (
+# Means over revolutions.
+MEANS = (
     "contact_fraction",
     "impacts",
-    "mean_penetration_um",
     "max_penetration_um",
-    "mean_force_N",
     "force_p99_N",
     "max_force_N",
     "drive_work_J",
     "normal_dissipation_J",
     "friction_dissipation_J",
-    "mean_step_contact_us",
-    "mean_step_flight_us",
     "evaluations",
 )
-# Further ratios of sums over revolutions: mean durations of a contact and of a flight, mean step.
-DURATIONS = {
-    "contact_us": ("contact_time_s", "impacts"),
-    "flight_us": ("flight_time_s", "impacts"),
-    "step_us": ("time_s", "steps"),
+# Ratios of sums over revolutions, with their factors: means over the time in contact, mean steps,
+# and mean durations of a contact and of a flight.
+RATIOS = {
+    "mean_penetration_um": ("penetration_integral_um_s", "contact_time_s", 1.0),
+    "mean_force_N": ("impulse_N_s", "contact_time_s", 1.0),
+    "mean_step_contact_us": ("contact_time_s", "contact_steps", 1e6),
+    "mean_step_flight_us": ("flight_time_s", "flight_steps", 1e6),
+    "contact_us": ("contact_time_s", "impacts", 1e6),
+    "flight_us": ("flight_time_s", "impacts", 1e6),
+    "step_us": ("time_s", "steps", 1e6),
 }
+QUANTITIES = (*MEANS, *RATIOS)
 # Numbers of a whole run.
 WHOLE = ("counted", "continued", "left", "deepest_um", "energy_error")
 _RUNS: dict[str, pd.DataFrame] = {}
@@ -200,7 +204,8 @@ def long_runs(bench: Bench, progress: Progress = silent) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        `mean` and `half_width` of all numbers, and their means over `windows`, as mappings.
+        `mean` and `half_width` of all numbers, their means over `windows` and the half-widths
+        of these in `scatter`, as mappings.
     """
     data = mechanism(bench).data
     stamp = json.dumps([data, str(bench.root)])
@@ -235,18 +240,17 @@ def entry(data: str, key: str, design: str, case: Case, revolutions: int) -> dic
         model, run.revolutions, FIRST, beyond="tangent", allowed_penetration=run.allowed
     )
     mean, half_width = numbers(found)
+    windows = {name: numbers(part) for name, part in _windows(found, run.case).items()}
     return {
         "key": key,
         "set": run.design,
         "case": list(vars(run.case).values()),
         "counted": len(found.by_revolution),
-        "mean": _kept(mean),
-        "half_width": _kept(half_width),
-        "unsteady": [k for k, v in found.stationary.items() if v in ("drifts", "correlated")],
+        "mean": mean,
+        "half_width": half_width,
         "period": found.period,
-        "windows": {
-            name: _kept(numbers(part)[0]) for name, part in _windows(found, run.case).items()
-        },
+        "windows": {name: mean for name, (mean, _) in windows.items()},
+        "scatter": {name: width for name, (_, width) in windows.items() if name in BATCHED},
         **_extremes(found.revolutions, law_limit(model) * 1e3),
     }
 
@@ -279,32 +283,32 @@ def _extremes(table: pd.DataFrame, limit: float) -> dict[str, float]:
     }
 
 
-def numbers(found: Statistics) -> tuple[dict[str, float], dict[str, float]]:
-    """Return the means and the half-widths of their intervals; NaN where there is none."""
+Numbers = dict[str, float | None]
+
+
+def numbers(found: Statistics) -> tuple[Numbers, Numbers]:
+    """Return the means and their half-widths by batch means; None where there is none.
+
+    Without losses there is no steady state: a half-width then tells how the mean scatters over
+    its window, and nothing of other windows.
+    """
     table = found.by_revolution.assign(time_s=found.mechanism.period)
-    over, under = (
-        np.column_stack([table[pair[k]] for pair in DURATIONS.values()]).astype(np.float64)
-        for k in (0, 1)
-    )
-    durations = BatchMeans.of(1e6 * over, under)
-    widths: FloatArray = durations.half_width(LEVEL)
-    intervals = found.interval(LEVEL).loc[list(QUANTITIES)]
-    if found.lossless:
-        widths = np.full_like(widths, np.nan)
-    mean: dict[str, float] = {
-        **dict(zip(QUANTITIES, map(float, intervals["mean"]), strict=True)),
-        **dict(zip(DURATIONS, map(float, durations.ratio), strict=True)),
-    }
-    half_width: dict[str, float] = {
-        **dict(zip(QUANTITIES, map(float, intervals["half_width"]), strict=True)),
-        **dict(zip(DURATIONS, map(float, widths), strict=True)),
-    }
-    return mean, half_width
+    table = table.assign(flight_steps=table["steps"] - table["contact_steps"])
+    over, under = np.empty((2, len(table), len(QUANTITIES)))
+    for column, name in enumerate(QUANTITIES):
+        top, bottom, factor = RATIOS.get(name, (name, "", 1.0))
+        over[:, column] = factor * table[top]
+        under[:, column] = table[bottom] if bottom else 1.0
+    batches = BatchMeans.of(over, under)
+    return _kept(batches.ratio), _kept(batches.half_width(LEVEL))
 
 
-def _kept(values: Mapping[str, float]) -> dict[str, float | None]:
-    """Return numbers as JSON keeps them, to nine digits and without NaN."""
-    return {k: float(f"{v:.9g}") if np.isfinite(v) else None for k, v in values.items()}
+def _kept(values: FloatArray) -> Numbers:
+    """Return the numbers of all quantities as JSON keeps them, to nine digits and without NaN."""
+    return {
+        name: float(f"{value:.9g}") if np.isfinite(value) else None
+        for name, value in zip(QUANTITIES, values, strict=True)
+    }
 
 
 def statistics_table(bench: Bench, design: str = SPEC_SET, window: str = "") -> pd.DataFrame:
@@ -323,34 +327,27 @@ def statistics_table(bench: Bench, design: str = SPEC_SET, window: str = "") -> 
     Returns
     -------
     DataFrame
-        The columns of `Case`, the numbers of `QUANTITIES` and `DURATIONS`, and the half-widths
-        under the same names with `_half_width`: NaN without losses and in a window; `UNSTEADY`
-        times as wide where the run drifts or its batches depend on each other.
+        The columns of `Case`, the numbers of `QUANTITIES` and `flight_fraction`, and the
+        half-widths under the same names with `_half_width`, by batch means; NaN in windows of
+        eight revolutions.
     """
     table = long_runs(bench)
     rows = []
     for record in table[table["design"] == design].to_dict("records"):
         chosen = record["windows"].get(window)
         mean = record["mean"] if chosen is None else chosen
-        width = record["half_width"] if chosen is None else {}
+        width = record["half_width"] if chosen is None else record["scatter"].get(window, {})
         rows.append(
             {name: record[name] for name in (*vars(CASES[0]), *WHOLE)}
             | {k: _number(v) for k, v in mean.items()}
-            | {
-                f"{k}_half_width": _wider(record["unsteady"], k) * _number(width.get(k))
-                for k in mean
-            }
+            | {f"{k}_half_width": _number(width.get(k)) for k in mean}
         )
     order = {case: number for number, case in enumerate(CASES)}
     result = pd.DataFrame(rows)
     keys = [order[Case(*key)] for key in result[list(vars(CASES[0]))].to_numpy()]
+    result["flight_fraction"] = 1 - result["contact_fraction"]
+    result["flight_fraction_half_width"] = result["contact_fraction_half_width"]
     return result.iloc[np.argsort(keys)].reset_index(drop=True)
-
-
-def _wider(unsteady: Sequence[str], quantity: str) -> float:
-    """Return the factor of a half-width: 1 in a steady run."""
-    steps = "steps" if quantity == "step_us" else quantity
-    return UNSTEADY if steps in unsteady else 1.0
 
 
 def _number(value: float | None) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, cast
 
 import numpy as np
@@ -21,19 +21,38 @@ from .long_runs import (
     LIGHT_SET,
     LONG_SET,
     SPEC_SET,
+    STEP_CONTROLLED,
     STEP_CONTROLS,
     WINDOWS,
     statistics_table,
 )
 from .paper import INTEGRATOR, JOINT_LAWS, TABLE_2, WINDOW
 
-# Ours: two numbers within this share of the larger count as equal, and a trend fails only if some
-# pair goes the other way by more.
+# Ours: a number that changes by less than this share of the first value counts as equal, and a
+# trend fails only if some pair goes the other way by more.
 FLOOR = 0.05
-FEW = 4  # up to so many pairs are listed one by one
+FEW = 3  # up to so many pairs are listed one by one
 CONDITIONS = ("law", "clearance", "restitution", "friction")
 FORMS = {"clearance": "{:g} mm", "restitution": "c_e = {:g}", "friction": "c_f = {:g}"}
-ALL = f"in every pair, beyond the {LEVEL:.0%} interval; within {FLOOR:.0%} counts as equal (ours)"
+EQUAL = f"within {100 * FLOOR:g} % counts as equal (ours)"
+ALL = f"in every pair, beyond the {100 * LEVEL:g} % interval; {EQUAL}"
+# Where runs without losses are among them.
+SCATTER = f"in every pair, beyond the scatter of batches; {EQUAL}"
+
+# The format of a number in a sentence, and its unit in the names of values.
+NUMBERS = {
+    "contact_fraction": ("{:.3f}", "share of time"),
+    "flight_fraction": ("{:.3f}", "share of time"),
+    "impacts": ("{:.1f}", "onsets per revolution"),
+    "contact_us": ("{:.1f} µs", "us"),
+    "flight_us": ("{:.0f} µs", "us"),
+    "step_us": ("{:.1f} µs", "us"),
+    "mean_step_contact_us": ("{:.2f} µs", "us"),
+    "evaluations": ("{:.0f}", "evaluations"),
+    **dict.fromkeys(("mean_force_N", "force_p99_N", "max_force_N"), ("{:.0f} N", "N")),
+    **dict.fromkeys(("mean_penetration_um", "max_penetration_um"), ("{:.2f} µm", "um")),
+}
+Conditions = Mapping[str, Sequence[object]]
 
 Kind = Literal["shows", "equal", "reverse", "open"]
 
@@ -49,7 +68,8 @@ class Change:
     before, after : float
         The two means.
     half_widths : tuple of float
-        Of their 95 % intervals from `BATCHES` batch means; NaN without one.
+        Of their 95 % intervals, or scatter without losses, from `BATCHES` batch means; NaN
+        without one.
     """
 
     name: str
@@ -58,13 +78,9 @@ class Change:
     half_widths: tuple[float, float] = (np.nan, np.nan)
 
     @property
-    def _scale(self) -> float:
-        return max(abs(self.before), abs(self.after)) or float("inf")
-
-    @property
     def relative(self) -> float:
-        """The change as a share of the larger value."""
-        return (self.after - self.before) / self._scale
+        """The change as a share of the first value; infinite from 0."""
+        return self._share(self.after - self.before)
 
     @property
     def margin(self) -> float:
@@ -73,15 +89,25 @@ class Change:
         Examples
         --------
         >>> print(f"{Change('', 10.0, 20.0, (1.0, 1.0)).margin:.4f}")
-        0.0684
+        0.1368
         """
+        return self._share(self._width)
+
+    def _share(self, value: float) -> float:
+        if self.before == 0.0:
+            return math.copysign(math.inf, value) if value else 0.0
+        return value / abs(self.before)
+
+    @property
+    def _width(self) -> float:
+        """The half-width of the interval of the difference."""
         freedom, share = BATCHES - 1, 0.5 + LEVEL / 2
         squares = (np.nan_to_num(self.half_widths) / stdtrit(freedom, share)) ** 2
         total = float(squares.sum())
         if total == 0.0:
             return 0.0
         welch = total**2 * freedom / float((squares**2).sum())
-        return float(stdtrit(welch, share)) * math.sqrt(total) / self._scale
+        return float(stdtrit(welch, share)) * math.sqrt(total)
 
     def kind(self, sign: int) -> Kind:
         """Return whether the change has a sign, its reverse, neither, or cannot be told.
@@ -92,12 +118,13 @@ class Change:
         ...  ((2, 0.1), (1.01, 0.001), (0.5, 0.1), (0.9, 0.2))]
         ['shows', 'equal', 'reverse', 'open']
         """
-        rise = sign * self.relative
-        if abs(rise) + self.margin <= FLOOR:
+        rise, width = sign * (self.after - self.before), self._width
+        floor = FLOOR * abs(self.before)
+        if abs(rise) + width <= floor:
             return "equal"
-        if rise - self.margin > 0:
+        if rise > max(width, floor):
             return "shows"
-        return "reverse" if rise + self.margin < -FLOOR else "open"
+        return "reverse" if rise + width < -floor else "open"
 
     def text(self, form: str) -> str:
         """Return both values."""
@@ -105,9 +132,11 @@ class Change:
 
     @property
     def percent(self) -> str:
-        """The change with its margin, in percent of the larger value."""
+        """The change with its margin, in percent of the first value."""
+        if self.before == 0.0:
+            return self.text("{:.3g}")
         margin = f" ± {100 * self.margin:.2g}" if self.margin > 1e-3 else ""
-        return f"{self.name} {100 * self.relative:+.2g}{margin} %".strip()
+        return f"{self.name} {100 * self.relative:+.3g}{margin} %".strip()
 
 
 def compare(
@@ -116,7 +145,7 @@ def compare(
     condition: str,
     before: object,
     after: object,
-    among: Mapping[str, Sequence[object]] | None = None,
+    among: Conditions | None = None,
 ) -> list[Change]:
     """Compare every case with the one that differs from it in one condition only.
 
@@ -218,14 +247,12 @@ def trend(changes: Sequence[Change], sign: int, verb: str, form: str, unit: str)
         holds, miss = False, f"{len(reverse)} of {total} the other way, most {worst.percent}"
     elif kinds.count("equal") == total:
         largest = max((abs(c.relative) + c.margin for c in changes), default=0.0)
-        holds, miss = False, f"equal to {max(100 * largest, 0.1):.1f} %"
+        holds, miss = False, f"no change above {max(100 * largest, 0.1):.1f} %"
     elif "open" not in kinds and 2 * showing >= total:
         holds = True
     texts = [c.text(form) for c in changes]
     if total > FEW:
-        ratios = [c.after / c.before for c in changes if c.before]
-        some = any(ratios)
-        texts = [f"ratios from {min(ratios):.2f} to {max(ratios):.2f}" if some else "to none"]
+        texts = [_range(changes, form)]
     ours = f"{verb} in {showing} of {total} {'pair' if total == 1 else 'pairs'}"
     ours += f", equal in {kinds.count('equal')}" if "equal" in kinds else ""
     values = {
@@ -234,6 +261,38 @@ def trend(changes: Sequence[Change], sign: int, verb: str, form: str, unit: str)
         for when, value in (("before", c.before), ("after", c.after))
     }
     return Judgement(f"{ours}: {', '.join(texts)}", holds, miss, values)
+
+
+def _range(changes: Sequence[Change], form: str) -> str:
+    """Return how far many changes reach."""
+    ratios = [c.after / c.before for c in changes if c.before]
+    if any(ratios):
+        return f"ratios from {min(ratios):.2f} to {max(ratios):.2f}"
+    return f"from up to {form.format(max(c.before for c in changes))} to 0"
+
+
+def change_of(
+    column: str, change: tuple[str, object, object], sign: int, chosen: Conditions, verb: str
+) -> Judge:
+    """Return the judgement of a change of one condition among the chosen cases."""
+    return lambda table: trend(
+        compare(table, column, *change, chosen), sign, verb, *NUMBERS[column]
+    )
+
+
+def cylinders(column: str, sign: int, chosen: Conditions, verb: str) -> Judge:
+    """Return the judgement of the cylindrical laws against the sphere."""
+    sphere, *others = JOINT_LAWS
+
+    def judge(table: pd.DataFrame) -> Judgement:
+        changes = [
+            replace(change, name=f"{JOINT_LAWS[law]} {change.name}".strip())
+            for law in others
+            for change in compare(table, column, "law", sphere, law, chosen)
+        ]
+        return trend(changes, sign, verb, *NUMBERS[column])
+
+    return judge
 
 
 def mostly(changes: Sequence[Change], sign: int, verb: str) -> Judgement:
@@ -317,6 +376,12 @@ def sets(judge: Judge) -> list[Reading]:
     ]
 
 
+def start(judge: Judge) -> Reading:
+    """Return the reading of the first revolutions of all runs."""
+    first = WINDOWS[0]
+    return Reading(f"revolutions 1 to {first}", judge, window=f"1-{first}", missing=WINDOW)
+
+
 def windows(judge: Judge) -> list[Reading]:
     """Return the readings with shorter windows of the runs without losses."""
     return [
@@ -332,7 +397,11 @@ def windows(judge: Judge) -> list[Reading]:
 
 def integrators(judge: Judge) -> list[Reading]:
     """Return the readings with the paper's control of the step, at two tolerances."""
-    return [Reading(name, judge, design=name, missing=INTEGRATOR) for name in STEP_CONTROLS]
+    length = f"over {STEP_CONTROLLED} revolutions"
+    return [
+        Reading(f"{name}, {length}", judge, design=name, missing=INTEGRATOR)
+        for name in STEP_CONTROLS
+    ]
 
 
 def finding(bench: Bench, readings: Sequence[Reading], rule: str = "") -> Finding:
