@@ -18,7 +18,7 @@ from cylcontact.laws import PUBLISHED
 from cylcontact.laws.definition import Parameter
 from cylcontact.pair import CONTACTS, Contact
 from cylcontact.progress import silent
-from cylcontact.reports.bench import Bench
+from cylcontact.reports.bench import Bench, MissingInputError
 
 Problems = dict[str, Problem]
 BORROWED = "the samples of the other contact"
@@ -119,10 +119,16 @@ def searched_exponents(bench: Bench) -> dict[str, float]:
 
     From the campaigns' files, so that no fit has to have been made.
     """
-    settings: dict[Contact, dict[str, Any]] = {
-        each: read_campaign(bench.input(f"fitting/recovered-{each}.toml")).settings
-        for each in CONTACTS
-    }
+    settings: dict[Contact, dict[str, Any]] = {}
+    for each in CONTACTS:
+        file = bench.input(f"fitting/recovered-{each}.toml")
+        if not file.is_file():
+            rule, remedy = (
+                "this campaign does not exist",
+                "cylcontact init lays out a bench with it",
+            )
+            raise MissingInputError(str(file), "", None, rule, remedy)
+        settings[each] = read_campaign(file).settings
     samples = {"20 points an axis": problem_from(settings["external"])}
     samples |= other_samples(settings, "external")
     return {
