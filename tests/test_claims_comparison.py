@@ -442,20 +442,19 @@ def test_the_ridge_is_the_same_for_every_material(claims):
             assert abs(eq9(loads, E_star, dR).min()) < abs(lowest)
 
 
-def test_the_arguments_against_have_the_right_numbers(claims):
+def test_the_arguments_against_are_right(claims):
     steels = [
         np.abs(eq9(np.geomspace(10**1.5, top_load(name, dR, 10**2.5), 161), MODULI[name], dR)).max()
         for name in ("high-strength steel", "low-carbon steel")
         for dR in np.union1d(np.geomspace(0.03, 2, 241), SWITCH)
         if top_load(name, dR) > 10**1.5
     ]
-    assert f"within {max(steels):.1f} %" in claims["3.4-below-8-percent"].against
+    assert max(steels) < 8
+    assert "both steels stay below 8 %" in claims["3.4-below-8-percent"].against
     values = claims["3.4-about-8-percent-at-25um"].finding.values
-    at_25 = sorted(abs(values[f"{name}, percent"]) for name in MATERIALS)
-    against = claims["3.4-about-8-percent-at-25um"].against
-    assert f"between −{at_25[0]:.1f} and −{at_25[-1]:.1f} %" in against
-    assert f"the −{-values['trough, percent']:.1f} %" in against
-    assert f"at {1e3 * values['trough, dR, mm']:.0f} µm" in against
+    assert {round(abs(values[f"{name}, percent"])) for name in MATERIALS} == {8}
+    assert round(-values["trough, percent"]) > 8
+    assert values["trough, dR, mm"] < 0.02
 
 
 def test_other_materials_from_the_equations(claims):

@@ -261,10 +261,7 @@ class TestFiniteElements:
                 (key,) = (k for k in of_claim if k.startswith(what) and load in k)
                 assert of_claim[key] == pytest.approx(change, rel=1e-12)
         assert holds(claims, "3.2-mesh-refinement") == [True, False, True, True]
-        pressures = [abs(v) for k, v in of_claim.items() if k.startswith("contact pressure")]
-        assert f"within {math.ceil(100 * max(pressures)) / 100:g} %" in (
-            claims["3.2-mesh-refinement"].against
-        )
+        assert max(abs(v) for k, v in of_claim.items() if k.startswith("contact pressure")) < 0.1
 
     def test_elements_over_the_half_width(self, values):
         of_claim = values("3.2-element-size")
@@ -380,7 +377,8 @@ class TestLimits:
         smaller = 10 * 9.95 / (5 * 4.95)
         assert of_claim["by size, 10 to 5 mm, -"] == pytest.approx(smaller, rel=1e-12)
         # The numbers of the argument against it.
-        assert f"{smaller:.0f} times, less than the {by_elastic:.1f} times" in against
+        assert smaller < by_elastic
+        assert "the load changes less than by E and ν" in against
         of_claim = values("3.3-elastic-constants-matter")
         assert of_claim["by E, -"] == pytest.approx(600 / 69, rel=1e-12)
         assert of_claim["by nu, -"] == pytest.approx((1 - 0.34**2) / (1 - 0.24**2), rel=1e-12)

@@ -63,9 +63,11 @@ def excess(problem: Problem, contact: Contact) -> float:
     cases=[
         {
             "contact": "internal",
-            "against": "Reproduced: the printed digits (b = a/10; 1.51, 0.151, 0.0151, 1.151) "
-            "suggest that only two numbers were searched, and among such laws the published one is "
-            "the best within 1 to 3 % on several samples.",
+            "against": (
+                "Reproduced: the printed digits (b = a/10; 1.51, 0.151, 0.0151, 1.151) suggest "
+                "that only two numbers were searched, and among such laws the published one is "
+                "nearly the best on several samples."
+            ),
         },
         {
             "contact": "external",
@@ -156,14 +158,20 @@ RECOVERED: list[dict[str, Any]] = [
     ),
 ]
 AGAINST_RECOVERED = {
-    "internal-a": "Reproduced: it comes back within 0.2 % on plausible samples, and within 4 % "
-    "from 10 to 100 points an axis; but the tie to b is read from the digits.",
+    "internal-a": (
+        "Reproduced: it comes back closely on plausible samples, from 10 to 100 points an axis; "
+        "but the tie to b is read from the digits."
+    ),
     "internal-Y": "Reproduced: it comes back within 1 % on nearly every sample; only evenly spaced "
     "clearances, few of them small, lead elsewhere.",
-    "external-a": "Undecided: the paper also says that K* needs to be identified together with n; "
-    "with n searched too, a is 12 % off.",
-    "external-b": "Not reproduced: one sample of seven gives it, so b is not identified, and "
-    "agreement there is a coincidence of 20 points.",
+    "external-a": (
+        "Undecided: the paper also says that K* needs to be identified together with n; with n "
+        "searched too, a is lost."
+    ),
+    "external-b": (
+        "Not reproduced: a single sample gives it, so b is not identified, and agreement there "
+        "is a coincidence of 20 points."
+    ),
 }
 N_BEFORE = "Sect. 3.1 takes n = 1.094 from Fig 3 before its search, and Eq 6c has the same number"
 

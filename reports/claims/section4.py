@@ -169,8 +169,10 @@ def over_ranges(bench: Bench, judge: Judge) -> Finding:
     paper="always softer",
     rule="a lower force at every equal penetration, over two decades of it",
     figures=("fig17",),
-    against="Not reproduced: its force rises faster, and at 0.02 mm it overtakes the enhanced "
-    "law's at 83 µm, though this is deeper than any impact here.",
+    against=(
+        "Not reproduced: its force rises faster, and at 0.02 mm it overtakes the enhanced law's "
+        "at last, though deeper than any impact here."
+    ),
 )
 def sphere_softest(bench: Bench) -> Finding:
     """Return the largest ratio of Lankarani and Nikravesh's force to the cylindrical laws'."""
@@ -200,8 +202,10 @@ def sphere_softest(bench: Bench) -> Finding:
     paper="comparable",
     rule="their forces at equal penetration are within a factor of 1.5 (ours)",
     figures=("fig17",),
-    against="Undecided: towards the end of Johnson's law at 0.02 mm, which hard impacts reach, its "
-    "force grows to over 1.5 times the enhanced one's.",
+    against=(
+        "Undecided: towards the end of Johnson's law at 0.02 mm, which hard impacts reach, its "
+        "force grows beyond our bound."
+    ),
 )
 def comparable_stiffness(bench: Bench) -> Finding:
     """Return the least and the largest ratio of Johnson's force to the enhanced law's."""
