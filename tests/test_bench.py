@@ -311,7 +311,7 @@ class TestAdditions:
         put(bench, "claims/mine.py", CLAIM)
         code, out, errors = run("claims", "--jobs", 1)
         assert (code, errors) == (0, "")
-        assert out.startswith("Of 1 testable statement, 1 stands.")
+        assert out.startswith("Of 1 testable statement, 1 is reproduced.")
         assert "7-light\n  the paper says  the loads are light: light\n" in out
 
 

@@ -32,7 +32,7 @@ from cylcontact.reports.claims_text import (
 )
 
 ROOT = Path(__file__).parents[1]
-YES, CHOICE, OPEN, HANGS, NO, NONE = VERDICTS
+YES, CHOICE, NO, OPEN, HANGS, NONE = VERDICTS
 IMPORT = "from cylcontact.reports.claims import Alternative, Finding, claim, untestable\n"
 TRIAL = '''
 @claim(
@@ -310,20 +310,19 @@ def test_misprints_are_listed_apart_and_not_counted(bench):
     assert [claim.misprint for claim in claims] == [False, True]
     assert {group: len(each) for group, each in grouped(claims).items()} == {NO: 1, "misprints": 1}
     assert counts(claims)[NO] == 1
-    assert (
-        what_stands(claims)
-        == "Of 1 testable statement, 0 stand; 1 fails under every reading tried."
-    )
+    assert what_stands(claims) == "Of 1 testable statement, 0 are reproduced, and 1 is not."
 
 
 def test_one_sentence_says_what_stands(claims):
     assert what_stands(claims) == (
-        "Of 4 testable statements, 2 stand (1 as printed, 1 with a choice that we state); "
-        "2 fail under every reading tried."
+        "Of 4 testable statements, 2 are reproduced (1 as printed, 1 with a choice that we "
+        "state), and 2 are not."
     )
-    many = [*[judged(None)] * 3, judged(True), Claim("1-x", "", "", "", untestable("no"))]
+    hangs = judged(True, missing="Table 1", alternatives=[reading(False, "Table 1")])
+    many = [*[judged(None)] * 3, judged(True), hangs, Claim("1-x", "", "", "", untestable("no"))]
     assert what_stands(many) == (
-        "Of 4 testable statements, 1 stands; for 3 the evidence does not decide."
+        "Of 5 testable statements, 1 is reproduced, and 4 stay open: for 3 the readings or the "
+        "interval of the number stand on both sides; for 1 something that the text lacks decides."
     )
 
 

@@ -21,7 +21,7 @@ BENCH = Bench(ROOT, jobs=2)
 GOLDEN = json.loads((ROOT / "tests" / "golden" / "claims.json").read_text(encoding="utf-8"))
 # The claims of the first ledger, which counted every unmet rule as a failure.
 FIRST = (ROOT / "tests" / "golden" / "first-claims.txt").read_text(encoding="utf-8").split()
-YES, CHOICE, OPEN, HANGS, NO, NONE = VERDICTS
+YES, CHOICE, NO, OPEN, HANGS, NONE = VERDICTS
 
 
 @pytest.fixture(scope="module")

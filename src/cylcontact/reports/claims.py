@@ -54,24 +54,25 @@ __all__ = [
 Verdict = Literal[
     "reproduced",
     "reproduced with a stated choice",
+    "not reproduced",
     "undecided",
     "depends on a missing input",
-    "not reproduced",
     "not testable",
 ]
 # Each with its meaning.
 VERDICTS: Mapping[Verdict, str] = {
-    "reproduced": "the rule is met, and the paper states all that it takes",
+    "reproduced": "the rule is met, and nothing that the paper leaves open affects that",
     "reproduced with a stated choice": (
-        "the rule is met by every reading tried, or by one that something in the paper singles "
-        "out; the paper leaves a choice to us, which stands beside it"
+        "every reading meets the rule, or something in the paper points to the one that does"
     ),
-    "undecided": "readings, or the interval of the number, stand on both sides of the rule",
+    "not reproduced": "no reading meets the rule; each says by how much it misses",
+    "undecided": (
+        "reasonable readings disagree, or the uncertainty of the number includes the limit"
+    ),
     "depends on a missing input": (
-        "the rule is met with one value in place of an input that the paper's text lacks, and not "
-        "with another"
+        "one plausible value of something that the paper's text lacks meets the rule, and another "
+        "does not"
     ),
-    "not reproduced": "no reading tried meets the rule; each says by how much it misses",
     "not testable": "there is nothing to compute",
 }
 # A hyphen that is the sign of a number, as in "-1.5 %" and not in "1e-6" or "Ti-6Al".

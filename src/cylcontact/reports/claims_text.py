@@ -28,7 +28,7 @@ MISPRINTS = "misprints"
 # What the claims of each group have in common.
 MEANINGS: Mapping[str, str] = {
     **{str(verdict): text for verdict, text in VERDICTS.items()},
-    MISPRINTS: "slips of the print, each with what is meant",
+    MISPRINTS: "what is printed, and what must be meant",
 }
 LABEL_WIDTH = 18
 
@@ -53,24 +53,35 @@ def what_stands(claims: Sequence[Claim]) -> str:
     Examples
     --------
     >>> from cylcontact.reports.claims import Finding
-    >>> found = [Finding("1", holds=True), Finding("2", holds=False, choice="ours")]
-    >>> what_stands([Claim(f"1-{f.ours}", "", "", "", f) for f in found])
-    'Of 2 testable statements, 1 stands; 1 fails under every reading tried.'
+    >>> found = [Finding("1", holds=True), Finding("2", holds=False), Finding("3", holds=None)]
+    >>> print(what_stands([Claim(f"1-{f.ours}", "", "", "", f) for f in found]))
+    Of 3 testable statements, 1 is reproduced, 1 is not, and 1 stays open: for 1 the readings or
+    the interval of the number stand on both sides.
     """
     number = counts(claims)
-    plain, chosen, open_, hanging, failed, _ = (number[verdict] for verdict in VERDICTS)
-    total, stand = sum(number.values()) - number["not testable"], plain + chosen
-    parts = [f"{stand} {'stands' if stand == 1 else 'stand'}"]
-    if chosen and plain:
-        parts[0] += f" ({plain} as printed, {chosen} with a choice that we state)"
+    plain, chosen, failed, undecided, hanging, _ = number.values()
+    total = sum(number.values()) - number["not testable"]
+    chosen_text = f" ({plain} as printed, {chosen} with a choice that we state)" if chosen else ""
+    parts = [f"{_are(plain + chosen)} reproduced{chosen_text}"]
     if failed:
-        parts.append(f"{failed} {'fails' if failed == 1 else 'fail'} under every reading tried")
-    if open_:
-        parts.append(f"for {open_} the evidence does not decide")
-    if hanging:
-        parts.append(f"{hanging} {'hangs' if hanging == 1 else 'hang'} on an input that is missing")
+        parts.append(f"{_are(failed)} not")
+    if undecided or hanging:
+        reasons = [
+            *([f"for {undecided} the readings or the interval of the number stand on both sides"]
+              if undecided else []),
+            *([f"for {hanging} something that the text lacks decides"] if hanging else []),
+        ]  # fmt: skip
+        stay = "stays" if undecided + hanging == 1 else "stay"
+        parts.append(f"{undecided + hanging} {stay} open: {'; '.join(reasons)}")
     statements = "statement" if total == 1 else "statements"
-    return f"Of {total} testable {statements}, {'; '.join(parts)}."
+    *first, last = parts
+    together = f"{', '.join(first)}, and {last}" if first else last
+    return f"Of {total} testable {statements}, {together}."
+
+
+def _are(number: int) -> str:
+    """Return a number with its verb."""
+    return f"{number} {'is' if number == 1 else 'are'}"
 
 
 def to_text(
@@ -79,7 +90,7 @@ def to_text(
     gone: Mapping[str, str] | None = None,
     width: int = 100,
 ) -> str:
-    """Return the ledger for reading: what stands, the claims by verdict, the definitions.
+    """Return the ledger for reading: what stands, the claims by verdict, the terms.
 
     Parameters
     ----------
@@ -102,7 +113,7 @@ def to_text(
         lines += [*wrap(title, width), "─" * width, ""]
         for each in members:
             lines += [*_claim_lines(each, width), ""]
-    for title, entries in (("Withdrawn", gone or {}), ("Definitions", terms)):
+    for title, entries in (("Withdrawn", gone or {}), ("Terms", terms)):
         lines += [title, "─" * width, ""] if entries else []
         for term, meaning in entries.items():
             lines += [*_entry(f"{term}:", meaning, width, len(term) + 2), ""]
@@ -112,7 +123,7 @@ def to_text(
 def _claim_lines(one: Claim, width: int) -> list[str]:
     """Return the lines of one claim: what the paper says, what we find, what it rests on."""
     entries = [
-        ("the paper says", f"{one.statement}: {one.paper}"),
+        ("the print has" if one.misprint else "the paper says", says(one)),
         ("we find", one.finding.ours),
         ("it rests on", one.basis),
         *(("otherwise", described(each)) for each in one.finding.alternatives),
@@ -122,6 +133,11 @@ def _claim_lines(one: Claim, width: int) -> list[str]:
         if text:
             lines += _entry(f"  {label}", text, width, LABEL_WIDTH)
     return lines
+
+
+def says(one: Claim) -> str:
+    """Return what the paper says: of a misprint what is printed, then what is meant."""
+    return f"{one.paper}: {one.statement}" if one.misprint else f"{one.statement}: {one.paper}"
 
 
 def described(reading: Alternative) -> str:

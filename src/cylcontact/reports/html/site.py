@@ -38,7 +38,7 @@ PAGES = ("index", "claims", "explore")
 MARKS = dict(
     zip(
         MEANINGS,
-        ("yes", "choice", "open", "hangs", "no", "untestable", "misprints"),
+        ("yes", "choice", "no", "open", "hangs", "untestable", "misprints"),
         strict=True,
     )
 )
