@@ -30,9 +30,11 @@ class Extreme:
     dR: float
     load: float
 
-    def __str__(self) -> str:
-        place = f"{self.dR * 1e3:.3g} µm" if self.dR < 0.1 else f"{self.dR:.3g} mm"
-        return f"{self.percent:+.1f} % at ΔR = {place}, {self.load:.4g} N/mm"
+    @property
+    def place(self) -> str:
+        """Clearance and load, the clearance in the unit that is short."""
+        dR = f"{self.dR * 1e3:.3g} µm" if self.dR < 0.1 else f"{self.dR:.3g} mm"
+        return f"{dR}, {self.load:.4g} N/mm"
 
 
 def largest_difference(

@@ -74,7 +74,7 @@ def yield_by_hertz_pressure(bench: Bench) -> Finding:
     steel, R_i, top = bench.material(STEEL).material, paper.HOLE_RADIUS, paper.LOADS[1]
     cases = list(product(paper.five_materials(bench).values(), paper.RADII))
     curves = np.array([yield_load(CLEARANCES[::20], *case) for case in cases])
-    whole, practical, least, values = [], [], np.inf, dict[str, float]()
+    whole, practical, least, values = [], [], dict[str, float](), dict[str, float]()
     for name in CRITERIA:
         pairs = [paper.clearance_pair(CLEARANCES[::20], *case) for case in cases]
         exact = np.array([limits.yield_load(pair, name) for pair in pairs])
@@ -85,16 +85,16 @@ def yield_by_hertz_pressure(bench: Bench) -> Finding:
         practical.append(
             at_least_1(choice, f"{load:.0f} N/mm or more wherever below the curve", load / top)
         )
-        least = min(least, load)
+        least[name] = load
         values |= {f"{name}, lowest ratio, -": ratio, f"{name}, lowest where below, N/mm": load}
     ends = CLEARANCES[[0, -1]]
     exact = limits.yield_load(paper.clearance_pair(ends, steel, R_i))
     small, large = (float(each) for each in exact / yield_load(ends, steel, R_i))
     return found(
         [*whole, *practical],
-        f"by von Mises {STEEL} in a {R_i:g} mm hole carries {large:.1f} times the curve's load at "
-        f"2 mm but {small:.3f} times at 1 µm; wherever first yield lies below a curve of Fig 7, "
-        f"the load is {least:.0f} N/mm or more",
+        f"by von Mises {STEEL} in a {R_i:g} mm hole first yields at {large:.1f} times the curve's "
+        f"load at 2 mm, but at {small:.3f} times at 1 µm; yield below a curve needs "
+        f"{least['Tresca']:.0f} N/mm or more (Tresca; {least['von Mises']:.0f} by von Mises)",
         values={**values, "steel at 1 um, -": small, "steel at 2 mm, -": large},
     )
 
@@ -321,9 +321,10 @@ def limit_independent_of_radii(bench: Bench) -> Finding:
     }
     spread = float(np.ptp(list(loads.values()), axis=1).max())
     first = {name: row[0] for name, row in loads.items()}
+    E = bench.material(STEEL).material.E
     return Finding(
-        f"4πE*ΔR/e² has no radius: {STEEL} at {DR * 1e3:g} µm ends at {first[STEEL]:.0f} N/mm in "
-        f"holes of 100, 10 and 5 mm, spread {spread:.1g} N/mm",
+        f"4πE*ΔR/e² has no radius: {STEEL} ({E / 1e3:g} GPa) at {DR * 1e3:g} µm ends at "
+        f"{first[STEEL]:.0f} N/mm in holes of 100, 10 and 5 mm, spread {spread:.1g} N/mm",
         holds=spread == 0,
         values=with_unit(first, "N/mm"),
     )
@@ -356,9 +357,11 @@ def stress_at_limit_against_size(bench: Bench) -> Finding:
 
 @claim(
     "3.3-plastic-before-limit",
-    "whether yield comes before Johnson's limit depends on the yield stress",
-    paper="increases with a decreasing area 'and with yield stress value'",
-    rule="the clearances at which yield comes first become more that way, for every material",
+    "how likely yield is before Johnson's limit depends on the yield stress (taken as: the lower, "
+    "the likelier)",
+    paper="increases with the decreasing of … and with yield stress value",
+    rule="a lower yield stress widens the range of clearances at which yield comes first, for "
+    "every material",
     figures=("fig09",),
     against="Undecided: the repeated 'with' makes the yield stress a cause of its own, and the "
     "sentence of Sect. 3.4 that is called as witness is wrong on the modulus.",
@@ -380,14 +383,15 @@ def plastic_before_limit(bench: Bench) -> Finding:
     reverse = all(weak[name] > own[name] for name in materials)
     ours = f"from {own[STEEL]:.1f} to {weak[STEEL]:.1f} µm when the yield stress is halved"
     other_way = f"{abs(own[STEEL] - weak[STEEL]):.1f} µm the other way"
-    lower = "'decreasing' goes with both"
+    lower = "'decreasing' goes with area and yield stress"
+    higher = "'decreasing' goes with the area only, so that a higher yield stress would widen it"
     return found(
         [
             reading(lower, ours, likelier, other_way),
-            reading("'decreasing' goes with the area only", ours, reverse, other_way),
+            reading(higher, ours, reverse, other_way),
         ],
-        f"in a 10 mm hole of {STEEL} yield comes first above {own[STEEL]:.1f} µm, with half the "
-        f"yield stress above {weak[STEEL]:.1f} µm",
+        f"in a 10 mm hole of {STEEL} yield comes before Johnson's limit above {own[STEEL]:.1f} µm, "
+        f"with half the yield stress above {weak[STEEL]:.1f} µm already",
         settled="Sect. 3.4 has the largest allowable load grow with the yield strength",
         values=with_unit(own, "um") | {f"{STEEL}, half the yield stress, um": weak[STEEL]},
     )

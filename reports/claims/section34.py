@@ -154,7 +154,10 @@ def valid_at_1000(bench: Bench) -> Finding:
             pick(load for name, load in loads.items() if (name in stiff) == inside)
             for pick, inside in ((min, True), (max, False))
         )
-        text = f"the three carry {least:.0f} N/mm or more, the others {most:.0f} N/mm or less"
+        text = (
+            f"ceramics and the two steels carry {least:.0f} N/mm or more, the two alloys "
+            f"{most:.0f} N/mm or less"
+        )
         missing = paper.TABLE_1 if choice else ""
         miss = f"{len(wrong)} on the wrong side: {', '.join(wrong)}"
         return Alternative(choice, text, not wrong, missing, unless(not wrong, miss))
@@ -254,8 +257,13 @@ def plastics() -> Finding:
         miss = unless(share > 50, f"{50 - share:.0f} points below half")
         return Alternative(choice, text.format(share), share > 50, miss=miss)
 
+    E_GPa, _ = PLASTICS["unfilled plastic"]
+    told = (
+        f"for an unfilled plastic of {E_GPa:g} GPa Johnson's law ends below {HIGHEST:g} N/mm at "
+        "{:.0f} % of the clearances (logarithmic axis)"
+    )
     return found(
-        reading(f"{soft}, logarithmic axes", soft_share, "below 1000 N/mm at {:.0f} % of the ΔR"),
+        reading(f"{soft}, logarithmic axes", soft_share, told),
         [
             *map(reading, stiffer, stiffer_shares),
             reading(f"{soft}, linear axis of ΔR", linear),
@@ -418,14 +426,23 @@ def high_clearance_high_load(bench: Bench) -> Finding:
             unless(loads[last] < HIGHEST, f"{loads[last] - HIGHEST:.0f} N/mm above 1000 N/mm"),
         )
 
+    loads = {name: yield_load(m, LARGEST) for name, m in materials.items()}
+    late = {name: load for name, load in loads.items() if load >= HIGHEST}
+    early = max((load for load in loads.values() if load < HIGHEST), default=math.nan)
+    own = reading("R_i = 10 mm, our yield stresses", paper.HOLE_RADIUS, missing=paper.TABLE_1)
+    told = (
+        f"at {LARGEST:g} mm and R_i = {paper.HOLE_RADIUS:g} mm "
+        f"{listed(late, '({:.0f} N/mm)', ' and ')} do not yield below {HIGHEST:g} N/mm; the others "
+        f"do, at {early:.0f} N/mm or less"
+    )
     return found(
-        reading("R_i = 10 mm, our yield stresses", paper.HOLE_RADIUS, missing=paper.TABLE_1),
+        replace(own, ours=told) if late else own,
         [
             reading("R_i = 10 mm, yield stresses a fifth lower", 10.0, 0.8, paper.TABLE_1),
             reading("R_i = 5 mm", 5.0),
             reading("R_i = 100 mm", 100.0),
         ],
-        values=with_unit({name: yield_load(m, LARGEST) for name, m in materials.items()}, "N/mm"),
+        values=with_unit(loads, "N/mm"),
     )
 
 
@@ -442,6 +459,16 @@ def at_largest_clearance(
     text = f"{100 * ratio:.0f} % of the {of} under {load:g} N/mm at 2 mm"
     miss = unless(ratio >= 1, f"{100 * (1 - ratio):.0f} points short")
     return Alternative(choice, text, ratio >= 1, missing, miss)
+
+
+def with_place(own: Alternative, material: Material, load: float, of: str) -> Alternative:
+    """Return the reading by which a load makes a material yield, told in full."""
+    percent = 100 * stress_ratio(material, load)
+    return replace(
+        own,
+        ours=f"in a {paper.HOLE_RADIUS:g} mm hole at {LARGEST:g} mm Hertz's peak pressure under "
+        f"{load:g} N/mm is {percent:.0f} % of the {of}",
+    )
 
 
 def stress_ratio(material: Material, load: float, R_i: float = paper.HOLE_RADIUS) -> float:
@@ -468,7 +495,12 @@ def hard_material_small_load(bench: Bench) -> Finding:
         return at_largest_clearance(choice, material, LOWEST, R_i, missing, "strength")
 
     return found(
-        reading(ceramics, paper.HOLE_RADIUS, paper.TABLE_1),
+        with_place(
+            reading(ceramics, paper.HOLE_RADIUS, paper.TABLE_1),
+            ceramics,
+            LOWEST,
+            f"ceramics' strength of {ceramics.yield_stress:g} MPa",
+        ),
         [
             reading(ceramics, 5.0),
             reading(stronger, 5.0, paper.TABLE_1),
@@ -491,7 +523,12 @@ def soft_material_high_load(bench: Bench) -> Finding:
     """Return the stress over the yield stress of the aluminium alloy under the highest load."""
     material = bench.material(ALUMINIUM).material
     return found(
-        at_largest_clearance("R_i = 10 mm", material, HIGHEST, 10.0),
+        with_place(
+            at_largest_clearance("R_i = 10 mm", material, HIGHEST, 10.0),
+            material,
+            HIGHEST,
+            f"{ALUMINIUM}'s yield stress",
+        ),
         [at_largest_clearance(f"R_i = {R_i:g} mm", material, HIGHEST, R_i) for R_i in (5.0, 100.0)],
         values={"stress over yield stress, -": stress_ratio(material, HIGHEST)},
     )
