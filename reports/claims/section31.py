@@ -515,7 +515,8 @@ def external_exceptions() -> Finding:
         count = sum(value <= bar for value in r_squared.values())
         exceptions = " and ".join(f"the corner of {corner}" for corner in corners[:count])
         are = "are exceptions" if count > 1 else "is an exception"
-        lowest = (f"of the others R² is lowest at {at}" for at in corners[count : count + 1])
+        where = "elsewhere R²" if count else "R²"
+        lowest = (f"{where} is lowest at {at}" for at in corners[count : count + 1])
         return joined(f"only {exceptions} {are}" if count else f"no corner {are}", *lowest)
 
     return Finding(
