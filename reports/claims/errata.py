@@ -27,7 +27,7 @@ FIG6_LOADS = (20.0, 40.0)  # N/mm, both are given
 
 @claim(
     "{id}",
-    "{where} has R_i·R_i; R_i·R_j is meant",
+    "{where} is printed with R_i·R_i; R_i·R_j is meant",
     paper="R_i·R_i",
     rule=f"within {CLOSE:g} % of {{judge}}, our bound",
     against="As printed: R_i² is a length squared too, and the paper prints it twice.",
@@ -38,15 +38,17 @@ FIG6_LOADS = (20.0, 40.0)  # N/mm, both are given
             "id": "2-eq2-radii",
             "where": "the root in Eq 2",
             "judge": "Hertz's sphere in a socket, 1/R = 1/R_j − 1/R_i",
+            "what": "against Hertz's sphere in a socket the stiffness",
         },
         {
             "id": "3.3-eq7-radii",
             "where": "the R of Eq 7",
             "judge": "the peak pressure of finite elements",
+            "what": "against finite elements the peak pressure",
         },
     ],
 )
-def radii(bench: Bench, id: str) -> Finding:
+def radii(bench: Bench, id: str, what: str) -> Finding:
     """Return Eq 2's force and Eq 7's pressure with each product of radii, against its judge."""
     dR = FIG5_CLEARANCES[0]
     R_i = study(bench, "recommended").setups["base"].hole_radius
@@ -69,10 +71,12 @@ def radii(bench: Bench, id: str) -> Finding:
         }
     percents = {name: float(value) for name, value in off.items()}
     (own, percent), *others = percents.items()
+    hole, pin = (value for _, value in others)
     return Finding(
-        f"{abs(percent):.2f} % off with R_i·R_j, for radii of {R_i:g} and {R_j:g} mm",
+        f"{what} is {abs(percent):.2f} % off with R_i·R_j; with R_i·R_i it is {hole:+.1f} % (i the "
+        f"hole) or {pin:+.1f} % (i the pin) off",
         holds=abs(percent) < CLOSE,
-        choice=f"read as {own}",
+        choice=f"read as {own}; radii of {R_i:g} and {R_j:g} mm",
         settled="with it alone the formula stays the same if the bodies are exchanged",
         alternatives=[
             reading(
@@ -95,7 +99,7 @@ def _case(rows: pd.DataFrame, dR: float, load: float) -> pd.Series[bool]:
 @claim(
     "3.1-dR-external",
     "after Eq 6 ΔR = R_i + R_j is given for internal contact; external contact is meant",
-    paper="internal contact",
+    paper="ΔR = R_i + R_j for internal contact",
     rule=f"R_i·R_j/ΔR is within {CLOSE:g} % of Hertz's radius, our bound",
     against="None that we see: the same sentence gives internal contact another ΔR.",
     misprint=True,
@@ -110,7 +114,9 @@ def sum_of_radii() -> Finding:
     as_hole = CylinderPair.from_dR("internal", R_i + R_j, STEEL)
     defined = np.isfinite(Enhanced().penetration(STRESS_LOAD, as_hole))
     return Finding(
-        f"R_i·R_j/(R_i + R_j) is {rollers:.3f} of Hertz's radius for two rollers",
+        f"R_i·R_j/(R_i + R_j) is {rollers:.3f} of Hertz's radius in external contact, two rollers; "
+        f"it is {pin:.3f} of it in internal contact, the joint of Sect. 4 at "
+        f"{paper.JOINT_CLEARANCES[0]:g} mm",
         holds=bool(abs(rollers - 1) < CLOSE / 100),
         choice="read as external the second time",
         settled="the sentence has given ΔR = R_i − R_j for internal contact already",
@@ -129,8 +135,8 @@ def sum_of_radii() -> Finding:
 
 @claim(
     "3.2-dR-sign",
-    "in the finite elements R_i is called the inner cylinder's radius; with ΔR = R_i − R_j it is "
-    "the outer one's",
+    "in the finite elements R_i is called the inner cylinder's radius; with ΔR = R_i − R_j the "
+    "outer one's is meant",
     paper="R_j = 2.245 mm, the outer cylinder",
     rule="the logarithm in Eq 1 has a positive argument",
     against="As printed: ΔR may be meant as a magnitude, and then it does not matter which body is "
@@ -149,7 +155,9 @@ def sign_of_clearance(bench: Bench) -> Finding:
 
     right, printed = argument(hole, pin), argument(pin, hole)
     return Finding(
-        f"at 1 mm and {STRESS_LOAD:g} N/mm the argument is {right:.0f} with i the hole",
+        f"at {FIG5_CLEARANCES[0]:g} mm and {STRESS_LOAD:g} N/mm the argument of Eq 1's logarithm "
+        f"is {right:.0f} with R_i the outer cylinder's radius; with R_i the inner one's it is "
+        f"{printed:.0f}",
         holds=right > 0,
         choice="R_i read as the hole's radius",
         settled="ΔR = R_i − R_j after Eqs 1 and 6, and body i has the bearing in Sect. 4",
@@ -168,9 +176,9 @@ def sign_of_clearance(bench: Bench) -> Finding:
 
 @claim(
     "3.1-fig2-clearance",
-    "the text gives one ΔR for both fits of Fig 2; the external one is at 140 mm, as the caption "
-    "says",
-    paper="50 µm",
+    "the text gives ΔR = 50 µm for both fits of Fig 2; for the external one the caption's 140 mm "
+    "is meant",
+    paper="50 µm for both",
     rule=f"K and n within {CLOSE:g} % of the printed ones for external contact",
     against="As printed: the sentence names one clearance and gives both fits after it.",
     misprint=True,
@@ -188,7 +196,8 @@ def fig2_clearance() -> Finding:
 
     caption, text = off("external"), off("internal")
     return Finding(
-        f"at the caption's 140 mm K is {caption[0]:+.2f} % and n {caption[1]:+.2f} % off",
+        f"at 140 mm K is {caption[0]:+.2f} % and n {caption[1]:+.2f} % off the printed external "
+        f"ones; at 50 µm they are {text[0]:+.0f} % and {text[1]:+.0f} % off",
         holds=max(map(abs, caption)) < CLOSE,
         choice="external contact at 140 mm; loads 1, 100, 200, …, 10000 N/mm",
         settled="the caption gives 140 mm for the external case",
@@ -234,11 +243,12 @@ def elliptic_stress(bench: Bench) -> Finding:
     def off(shape: float) -> float:
         return max(100 * abs(share / shape - 1) for share in shares.values())
 
-    text = " and ".join(f"{share:.3f} at {dR:g} mm" for dR, share in shares.items())
+    text = " and ".join(f"{share:.3f} (at {dR:g} mm)" for dR, share in shares.items())
     return Finding(
-        f"it fills {text}; an ellipse fills {ELLIPSE:.3f}, a parabola {PARABOLA:.3f}",
+        f"by finite elements the load fills {text} of the rectangle of peak pressure and contact "
+        f"width; an ellipse fills {ELLIPSE:.3f} of it, a parabola {PARABOLA:.3f}",
         holds=off(ELLIPSE) < CLOSE,
-        choice=f"read as elliptic; finite elements at {STRESS_LOAD:g} N/mm",
+        choice=f"read as elliptic; {STRESS_LOAD:g} N/mm",
         settled="the sentence calls on Hertz's theory, whose pressure is an ellipse",
         alternatives=[
             reading(
@@ -255,8 +265,8 @@ def elliptic_stress(bench: Bench) -> Finding:
 @claim(
     "3.2-fig6-load",
     "the load of Fig 6",
-    paper="20 N/mm, then 40 N/mm",
-    rule="it is 20 N/mm: there the bound holds that the paper reads from the figure",
+    paper="20 N/mm, and one sentence later 40 N/mm",
+    rule="the load is 20 N/mm if the bound that the paper reads from the figure holds there",
     against="Reproduced: 20 N/mm is named where the figure is introduced, so the 40 is the slip.",
     figures=("fig06",),
 )
@@ -274,16 +284,22 @@ def fig6_load(bench: Bench) -> Finding:
         ends = zip(percents, FIG6_LOADS, strict=True)
         return " and ".join(f"{percent:.1f} % at {load:g} N/mm" for percent, load in ends)
 
+    def fits(percents: list[float], bound: float) -> str:
+        ends = list(zip(percents, FIG6_LOADS, strict=True))
+        inside = " and ".join(f"{load:g} N/mm" for percent, load in ends if percent < bound)
+        return f"{inside or 'neither load'} ({text(percents)})"
+
     holds = above[0] < 3 < above[1]
     return Finding(
-        f"from {paper.FIG6_WIDE:g} mm on Johnson's and the enhanced law are {text(above)} apart",
+        f"the 3 % between the laws above {paper.FIG6_WIDE:g} mm fit {fits(above, 3)}, the 10 % "
+        f"over all clearances fit {fits(all_of_it, 10)}",
         holds,
         choice="judged by the 3 % from 0.445 mm on",
         miss="" if holds else f"{text(above)}, against 3 %",
         alternatives=[
             reading(
                 "judged by the 10 % over all clearances",
-                f"{text(all_of_it)} apart",
+                f"Johnson's and the enhanced law are {text(all_of_it)} apart",
                 all_of_it[0] < 10,
                 f"{all_of_it[0] - 10:.1f} points above 10 % at 20 N/mm",
             )
@@ -298,8 +314,8 @@ def fig6_load(bench: Bench) -> Finding:
 
 @claim(
     "4.1-friction-direction",
-    "Eqs 13 and 14 have the tangent times a vector over its magnitude; the sign of the sliding "
-    "velocity along the tangent is meant",
+    "Eq 14 gives f_t as a vector, v_t over its magnitude, and Eq 13 multiplies it by t once more; "
+    "a scalar with the sign of the sliding velocity along t is meant",
     paper="f_t·t with v_t/|v_t| in f_t",
     rule="friction takes up power at every sliding velocity, f_i·v_i + f_j·v_j ≤ 0",
     against="As printed: a force against the sliding is plainly meant, and no reader computes "
@@ -329,9 +345,11 @@ def friction_direction() -> Finding:
         np.max(np.sum(vectors * v_t, axis=1))
     )
     (own, power), *others = powers.items()
+    opposite = others[0][1]
     return Finding(
-        f"both forces together never drive: their power is at most {power:g} W for surface speeds "
-        "up to 100 mm/s",
+        f"read so, with v_t = (v_i − v_j)·t, friction never adds energy ({1e-3 * power:g} W at "
+        "most) for surface speeds up to 100 mm/s; with the opposite sign it adds up to "
+        f"{1e-3 * opposite:.3f} W per newton of load",
         holds=power <= 0,
         choice=f"read as a scalar, {own}",
         settled="friction dissipates; Eq 14 is Amontons and Coulomb's law",

@@ -29,6 +29,7 @@ IN_WORDS = {
     "radzimovsky-radii": "Radzimovsky's law of multibody papers",
     "esdu-78035": "ESDU 78035",
     "goldsmith": "Goldsmith",
+    "dubowsky-freudenstein": "Dubowsky and Freudenstein",
 }
 # What Sect. 1 cites and does not give.
 CITED_PENETRATION, LIU = "the penetration that the cited work uses", "Liu's formula"
@@ -164,9 +165,10 @@ def logarithmic_laws_limited(bench: Bench) -> Finding:
     )
     top, above = paper.LOADS[1], [name for name in laws if least[name] > paper.LOADS[1]]
     return Finding(
-        f"all {len(loads)} have one; for steel at 50 µm Johnson's is {loads['johnson']:.0f} N/mm",
+        f"each of the {len(loads)} logarithmic laws has a largest load; Johnson's is "
+        f"{loads['johnson']:.0f} N/mm for steel of {STEEL.E / 1e3:g} GPa at 50 µm",
         holds=all(np.isfinite(load) for load in loads.values()),
-        choice="R_i = L = 10 mm, formulas as this package reads them",
+        choice="R_i = L = 10 mm, formulas as we read the sources",
         settled="the sentence names the formulas as the cause of the limits",
         alternatives=[
             reading(
@@ -236,7 +238,7 @@ def _hertz_shortfall(number: float) -> float:
     "1-persson-needs-conformity",
     "Persson's theory applies only to small clearances with a large enough contact angle",
     paper="small clearance, large semi-angle",
-    rule=f"more than {AGREEMENT:g} % off at a semi-angle of 5° or less",
+    rule=f"the theory is more than {AGREEMENT:g} % off at a semi-angle of 5° or less",
     figures=("fig05", "fig_explicit"),
     against="Reproduced: the paper reports what another work found for its own use of the theory, "
     "and with the overlap of two circles as penetration that finding is right.",
@@ -256,8 +258,8 @@ def persson_needs_conformity() -> Finding:
     best = int(np.argmin(np.abs(off)))
 
     return Finding(
-        f"at 5° its peak pressure is within {abs(pressure):.1f} % of Hertz's, into which it goes "
-        "over",
+        "it does not fail at small angles: at a semi-angle of 5° its peak pressure is within "
+        f"{abs(pressure):.1f} % of Hertz's, its limit for small angles",
         holds=abs(pressure) > AGREEMENT,
         miss=f"{AGREEMENT - abs(pressure):.1f} points below {AGREEMENT:g} %",
         choice="judged by what the theory gives in print, pressures (Persson 1964)",
@@ -321,8 +323,8 @@ def liu_limited() -> Finding:
     fits = numbers[np.abs(2 * ratio - 1) <= AGREEMENT / 100]
     low = float(fits.min())
     return Finding(
-        f"its load is {-most:.0f} to {-least:.0f} % below that of conformal contact for 1e-6 ≤ "
-        "f/(E*ΔR) ≤ 60",
+        f"nowhere within {AGREEMENT:g} % of conformal contact: its load is {-most:.0f} to "
+        f"{-least:.0f} % too low for f/(E*ΔR) from 1e-6 to {numbers[-1]:g}",
         holds=-most <= AGREEMENT < -least,
         choice="Liu and co-workers' formula (2007) with the E* of this paper",
         missing=LIU,

@@ -19,7 +19,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Alternative, Finding, claim, joined, untestable, with_unit
 
 from .. import paper
-from .section1 import TRUTH, reading
+from .section1 import IN_WORDS, TRUTH, reading
 
 # The readings of Radzimovsky's formula.
 RADZIMOVSKY = {
@@ -68,7 +68,8 @@ def limit_depends_on_clearance_and_material() -> Finding:
     base = limit(0.05, 207e3)
     by_dR, by_E = np.log2(limit(0.1, 207e3) / base), np.log2(limit(0.05, 414e3) / base)
     return Finding(
-        f"it goes as ΔR^{by_dR:.3f}·E^{by_E:.3f}; {base:.0f} N/mm for steel at 50 µm",
+        f"the largest load is proportional to ΔR and to E (exponents {by_dR:.3f} and "
+        f"{by_E:.3f}); {base:.0f} N/mm for steel of {paper.STEEL.E / 1e3:g} GPa at 50 µm",
         holds=bool(by_dR > 0 and by_E > 0),
         values={"exponent of dR, -": by_dR, "exponent of E, -": by_E},
     )
@@ -76,7 +77,7 @@ def limit_depends_on_clearance_and_material() -> Finding:
 
 @claim(
     "2-force-falls-beyond-limit",
-    "past its largest load Johnson's force falls while the penetration rises",
+    "past its largest load Johnson's law has a force that falls as the penetration rises",
     paper="falls",
     rule="Eq 1's penetration is largest at Eq 8's load and falls past it",
 )
@@ -88,8 +89,8 @@ def force_falls_beyond_limit() -> Finding:
     at_limit, past_it = paper.eq1_penetration([limit, 1.5 * limit], pair)
     beyond = float(past_it / at_limit)
     return Finding(
-        f"the penetration is largest at {peak:.4f} of Eq 8's load; at 1.5 times that load Eq 1 "
-        f"gives {beyond:.3f} of it, so the two move in opposite directions there",
+        f"Eq 1's penetration is largest at {peak:.4f} times Eq 8's load; at 1.5 times that load it "
+        f"is only {beyond:.3f} of the largest",
         holds=bool(abs(peak - 1) < 1e-4 and beyond < 1),
         values={"peak over limit, -": peak, "beyond over peak, -": beyond},
     )
@@ -99,7 +100,7 @@ def force_falls_beyond_limit() -> Finding:
     "2-johnson-needs-iteration",
     "Johnson's load at a given penetration needs an iterative solution",
     paper="needs Newton–Raphson or the like",
-    rule=f"the load takes repeated steps to a relative {EXACT:g}",
+    rule=f"reaching a relative {EXACT:g} takes repeated steps",
     against="Undecided: the correction of the starting value is one step of an iteration, and "
     "Lambert's W in common libraries is iterated too.",
 )
@@ -120,8 +121,10 @@ def johnson_needs_iteration() -> Finding:
         return f"a single evaluation is {error:.0e} off at most"
 
     return Finding(
-        f"one closed-form expression gives the load to {error:.0e} (Corless et al. 1996); Newton's "
-        f"method from a simple start takes up to {steps} steps",
+        "no iteration is needed: a starting value and one correction, in elementary functions, "
+        f"give a load whose penetration is right to a relative {error:.0e}, and Lambert's W₋₁ "
+        "gives it in closed form (Corless et al. 1996); Newton's method from a simple start takes "
+        f"up to {steps} steps",
         holds=error > EXACT,
         choice="elementary functions only: a starting value and one correction, as in this package",
         miss=miss(error),
@@ -284,13 +287,13 @@ def radzimovsky_comparable(bench: Bench) -> Finding:
         return bool(less.any() and not less.all())
 
     def text(law: str) -> str:
-        return f"{_span(distances[law])} from conformal contact, Johnson's law {_span(johnson)}"
+        return f"{_span(distances[law])} off conformal contact, Johnson's {_span(johnson)}"
 
     own, *others = RADZIMOVSKY
     least, most = _shift(bench, own)
     return Finding(
-        f"{text(own)}; it is the nearer for {np.sum(distances[own] < johnson)} of the "
-        f"{johnson.size} materials",
+        f"Radzimovsky's law is {text(own)}, by material; Radzimovsky's is the nearer for "
+        f"{np.sum(distances[own] < johnson)} of the {johnson.size}",
         holds=even(own),
         choice=joined(RADZIMOVSKY[own], "practical domain", TRUTH),
         missing=FORMULA,
@@ -356,11 +359,11 @@ def other_models_fall_short(bench: Bench) -> Finding:
     distances = by_size[own]
     best = min(OTHER_LAWS, key=lambda law: float(distances[law].min()))
     return Finding(
-        f"they are {_span(np.concatenate([distances[law] for law in OTHER_LAWS]))} from "
-        f"conformal contact, Johnson's law {_span(distances['johnson'])}; the best, "
-        f"{best.title()}, depends on the length",
+        f"they are {_span(np.concatenate([distances[law] for law in OTHER_LAWS]))} off "
+        f"conformal contact, Johnson's law {_span(distances['johnson'])}; the nearest is "
+        f"{IN_WORDS[best]}'s, which depends on the contact length",
         holds=margin > 0,
-        choice=joined(own, "formulas as this package reads them", "practical domain", TRUTH),
+        choice=joined(own, "formulas as we read the sources", "practical domain", TRUTH),
         missing=paper.DATUM,
         alternatives=[
             *(_by_margin(size, value, LENGTH) for size, value in others),
@@ -394,8 +397,9 @@ def _margin(distances: dict[str, FloatArray]) -> float:
 
 
 def _span(percents: FloatArray) -> str:
-    """Return "a to b %"."""
-    return f"{percents.min():.1f} to {percents.max():.1f} %"
+    """Return "a to b %", with decimals below 100."""
+    most = float(percents.max())
+    return f"{percents.min():.1f} to {most:.{int(most < 100)}f} %"
 
 
 def _ends(distances: dict[str, FloatArray]) -> dict[str, float]:
@@ -466,8 +470,9 @@ def lankarani_nikravesh_low_restitution() -> Finding:
     force = float((1 + lankarani_nikravesh(0.1)) / (1 + exact_factor(0.1)))
     smallest = float(off.min())
     return Finding(
-        f"it achieves {', '.join(f'{value:.3f} for {e:g}' for e, value in at.items())}; never "
-        f"below {least:.3f}",
+        "the factor does not give the restitution asked for: in an isolated impact "
+        f"{', '.join(f'{e:g} becomes {value:.3f}' for e, value in at.items())}; never below "
+        f"{least:.3f}",
         holds=smallest > MISSED,
         choice="judged by an isolated impact, where the restitution follows from the factor in "
         "closed form (Carvalho and Martins 2019)",

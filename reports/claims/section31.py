@@ -9,10 +9,10 @@ from cylcontact.fitting.power_fit import PowerFit
 from cylcontact.laws import Enhanced
 from cylcontact.pair import Contact
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Alternative, Finding, agrees_as_printed, claim
+from cylcontact.reports.claims import Alternative, Finding, agrees_as_printed, claim, joined
 
 from .. import paper
-from ..load_lists import WIDER_SEARCH, expected_matches, external_matches
+from ..load_lists import WIDER_FOUND, WIDER_SEARCH, expected_matches, external_matches
 from ..paper import WINDOW, Interval
 from ..power_fits import (
     FIG2_LOADS,
@@ -101,24 +101,25 @@ def fig2_finding(contact: Contact, name: str, printed: str, unit: str = "") -> F
     def text(value: float) -> str:
         return f"{value:.{decimals + 1}f} {unit}".strip()
 
+    def off(value: float) -> float:
+        return 100 * (value / float(printed) - 1)
+
     def miss(value: float) -> str:
-        off = value - float(printed)
-        return "" if agrees_as_printed(value, printed) else f"{100 * off / float(printed):+.3f} %"
+        return "" if agrees_as_printed(value, printed) else f"{off(value):+.3f} %"
 
     if contact == "external":
-        count, matches = external_matches()
+        _, matches = external_matches()
         fits = {
             f"{loads} (found by search)": fit for loads, fit in list(matches.items())[:1]
         } | fits
-        both = [agrees_as_printed(fit.K, paper.FIG2_FITS[contact][0]) for fit in matches.values()]
         expected = expected_matches()
         chance = {"lists expected by chance, -": expected}
         tried = (
-            f"; of {count} lists of loads tried {both.count(True)} gives both printed numbers, out "
-            f"of a search of {WIDER_SEARCH} in which chance would give {expected:.1f}"
+            f"; a search of {WIDER_SEARCH} lists of loads found {WIDER_FOUND} that give both "
+            f"printed numbers, about as many as chance would ({expected:.1f} expected)"
         )
     return Finding(
-        f"{name} = {text(own)}{tried}",
+        f"{name} = {text(own)} ({off(own):+.2f} %) with {LOADS[contact]}{tried}",
         holds=agrees_as_printed(own, printed),
         choice=f"{LOADS[contact]}, line through (ln δ, ln f)",
         missing="" if settled else WINDOW,
@@ -299,11 +300,11 @@ def sensitivity(contact: Contact, bounds: Interval) -> Finding:
         nearest = float(np.clip(ratio, *bounds))
         return "" if nearest == ratio else f"{abs(ratio - nearest):.2f} from {nearest:g}"
 
-    low, high = paper.TRAINING_DR[contact]
     return Finding(
-        f"equal relative changes of ΔR and E change n alike, ratio {equal:.3f}; over the ranges "
-        f"of the fit, ΔR = {low:g}–{high:g} mm and E from 20.7 GPa, the ratio is "
-        f"{min(ratios.values()):.2f} to {max(ratios.values()):.2f}",
+        f"equal relative changes of ΔR and E change n alike (ratio {equal:.3f}); over the full "
+        f"ranges of the fit the spread of n over ΔR is {min(ratios.values()):.2f} to "
+        f"{max(ratios.values()):.2f} times that over E, depending on the ΔR held and on the end "
+        "of E",
         holds=not miss(equal),
         choice=f"equal relative changes; {FIG3_LOADS}",
         miss=miss(equal),
@@ -507,17 +508,24 @@ def external_exceptions() -> Finding:
 
     by_bar = {bar: miss({k: value <= bar for k, value in r_squared.items()}) for bar in BARS}
     by_n = miss({name: abs(value - N_EXTERNAL) > N_OFF for name, value in n.items()})
-    soft, stiff = r_squared["smallest ΔR, lowest E"], r_squared["largest ΔR, highest E"]
-    ours = (
-        f"R² = {soft:.4f} at the smallest ΔR and lowest E, {stiff:.4f} at the largest and highest"
-    )
+    by_r_squared = sorted(r_squared.items(), key=lambda item: item[1])
+    corners = [f"{name} ({value:.4f})" for name, value in by_r_squared]
+
+    def ours(bar: float) -> str:
+        count = sum(value <= bar for value in r_squared.values())
+        exceptions = " and ".join(f"the corner of {corner}" for corner in corners[:count])
+        are = "are exceptions" if count > 1 else "is an exception"
+        where = "elsewhere R²" if count else "R²"
+        lowest = (f"{where} is lowest at {at}" for at in corners[count : count + 1])
+        return joined(f"only {exceptions} {are}" if count else f"no corner {are}", *lowest)
+
     return Finding(
-        ours,
+        f"by R² > {BARS[0]} {ours(BARS[0])}",
         holds=not by_bar[BARS[0]],
         choice=f"acceptable means R² > {BARS[0]} of ln f with the best K; {FIG3_LOADS}",
         miss=by_bar[BARS[0]],
         alternatives=[
-            *(judged(f"acceptable means R² > {bar}", ours, by_bar[bar]) for bar in BARS[1:]),
+            *(judged(f"acceptable means R² > {bar}", ours(bar), by_bar[bar]) for bar in BARS[1:]),
             judged(
                 f"acceptable means that n fitted there is within {N_OFF} (ours) of {N_EXTERNAL}",
                 f"n = {n['smallest ΔR, lowest E']:.3f} and {n['largest ΔR, highest E']:.3f} there",

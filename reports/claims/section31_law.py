@@ -63,9 +63,10 @@ def bearing_factors(*bearings: tuple[float, float]) -> FloatArray:
 def proportional(name: str, exponents: dict[str, float], choice: str = "") -> Finding:
     """Judge the exponents of E* or 1/ΔR in the force of Eqs 1 and 2: above 0, and above 1/2."""
     least = min(exponents.values())
-    ours = "; ".join(f"{value:.2f} in {where}" for where, value in exponents.items())
+    *first, last = (f"{value:.2f} ({where})" for where, value in exponents.items())
     return Finding(
-        f"the exponent of {name} is {ours}",
+        f"at fixed penetration the force goes as {name} to the power of {', '.join(first)} and "
+        f"{last}; proportional would be 1",
         holds=least > 0,
         choice=choice,
         miss="" if least > 0 else f"exponent {least:+.2f}",
@@ -122,7 +123,7 @@ def force_proportional_to_inverse_clearance() -> Finding:
     return proportional(
         "1/ΔR",
         exponents | {"Eq 2": float(np.log2(high / low))},
-        "207 GPa, penetration of 100 N/mm, and for Eq 2 R_i = 10 mm",
+        "207 GPa, at the penetration that belongs to 100 N/mm; for Eq 2 R_i = 10 mm",
     )
 
 
@@ -332,7 +333,8 @@ def moduli_covered(bench: Bench) -> Finding:
     (choice, own), *others = readings.items()
     return Finding(
         f"the five materials, {min(moduli):g} to {max(moduli):g} GPa, are inside; plastics of up "
-        f"to {E_PLASTIC:g} GPa are not; the upper end is {high / E_DIAMOND:.0f} times diamond",
+        f"to {E_PLASTIC:g} GPa are not; the upper end is {high / E_DIAMOND:.0f} times that of "
+        "diamond",
         holds=not outside(*own),
         choice=choice,
         miss=outside(*own),
@@ -404,8 +406,8 @@ def johnson_over_the_box() -> Finding:
     end = 4 * np.pi * float(pair.E_star) * dR / math.e
     beyond = beyond_eq8_percent()
     return Finding(
-        f"one combination in {100 / beyond:,.0f} lies beyond Eq 8; at {dR * 1e3:g} µm, "
-        f"{E / 1e3:g} GPa and ν = 0.1 it ends the law at {limit:.0f} N/mm",
+        f"one in {1e-6 * 100 / beyond:.1f} million of the combinations lies beyond Eq 8's limit: "
+        f"at {dR * 1e3:g} µm, {E / 1e3:g} GPa and ν = 0.1 Johnson's law ends at {limit:.0f} N/mm",
         holds=beyond < 1,
         choice="a wide number of combinations; shares on logarithmic axes",
         miss="" if beyond < 1 else f"{beyond - 1:.1f} points above 1 %",
@@ -530,7 +532,7 @@ def pooled_r_squared(spacing: str, top: float = paper.TRAINING_E[1], points: int
 
 @claim(
     "3.1-Y-below-the-fit",
-    "Y serves down to 5 µm, though the fit starts at 50 µm",
+    "the first branch of Y serves from 5 µm on (Eq 6d), though the fit starts at 50 µm",
     paper=f"[{Y_LOW:g}, {paper.Y_SWITCH}] mm",
     rule="the largest difference is not greater below 50 µm than above it",
     figures=("fig11",),
@@ -550,7 +552,9 @@ def y_below_the_fit() -> Finding:
         return "" if percent <= bound else f"{percent - bound:.1f} points above {bound:.0f} %"
 
     return Finding(
-        f"up to {below:.0f} % below 50 µm, up to {branch:.0f} % from there to {Y_SWITCH} mm",
+        f"the enhanced law's penetration differs from Johnson's by up to {below:.0f} % for ΔR from "
+        f"{1e3 * Y_LOW:g} to {1e3 * start:g} µm, by up to {branch:.0f} % from {1e3 * start:g} µm "
+        f"to {Y_SWITCH} mm",
         holds=not miss(below, branch),
         choice="against its own branch; 207 GPa, from 10 N/mm to the lower of 1000 N/mm and Eq 8",
         miss=miss(below, branch),
