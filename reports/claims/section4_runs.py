@@ -536,19 +536,19 @@ def johnson_within_its_domain(bench: Bench) -> Finding:
     limit = 1e3 * law_limit(mechanism(bench, Case("johnson", SMALL, 0.9, 0.0)))
     elastic: Conditions = {**ELASTIC, **ROUGH}
     groups = {
-        "with c_e = 1 and no friction": LOSSLESS,
-        "with c_e = 1 and friction": elastic,
-        "with c_e = 0.9": LOSSY,
+        " with c_e = 1 and no friction": LOSSLESS,
+        " with c_e = 1 and friction": elastic,
+        " with c_e = 0.9": LOSSY,
     }
 
     def judge(chosen: Conditions) -> Judge:
         def of(table: pd.DataFrame) -> Judgement:
             rows = among(table, {**NARROW, "law": ["johnson"], **chosen})
             left, deepest = float(rows["left"].max()), float(rows["deepest_um"].max())
+            found = {name: among(rows, losses) for name, losses in groups.items()}
             parts = [
-                f"{group['deepest_um'].max():.3g} µm {name} ({_passed(group)})"
-                for name, losses in groups.items()
-                if len(group := among(rows, losses))
+                f"{group['deepest_um'].max():.3g} µm{name} ({_passed(group)})"
+                for name, group in ({"": rows} if chosen else found).items()
             ]
             return Judgement(
                 f"Eq 8's limit is a penetration of {limit:.2f} µm; the deepest is "
