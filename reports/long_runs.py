@@ -88,6 +88,12 @@ CHANGES: Mapping[str, Change] = {
     LONG_SET: _longer,
 }
 SETS = tuple(CHANGES)
+# In sentences; the journal's lines keep the names above.
+SHORT = {
+    SPEC_SET: SPEC_SET,
+    LIGHT_SET: LIGHT_SET,
+    LONG_SET: "longer rod (160 mm, 0.28 kg), slider of 0.21 kg",
+}
 # The spec's inertias with the paper's control of the step in place of roots, at two tolerances.
 STEP_CONTROLS: Mapping[str, Change] = {
     "the paper's control of the step": lambda _data: None,

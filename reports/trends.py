@@ -20,6 +20,7 @@ from .long_runs import (
     LEVEL,
     LIGHT_SET,
     LONG_SET,
+    SHORT,
     SPEC_SET,
     STEP_CONTROLLED,
     STEP_CONTROLS,
@@ -29,28 +30,37 @@ from .long_runs import (
 from .paper import INTEGRATOR, JOINT_LAWS, TABLE_2, WINDOW
 
 # Ours: a number that changes by less than this share of the first value counts as equal, and a
-# trend fails only if some pair goes the other way by more.
+# trend fails only if some comparison goes the other way by more.
 FLOOR = 0.05
-FEW = 3  # up to so many pairs are listed one by one
+FEW = 3  # up to so many changes are listed one by one
 CONDITIONS = ("law", "clearance", "restitution", "friction")
 FORMS = {"clearance": "{:g} mm", "restitution": "c_e = {:g}", "friction": "c_f = {:g}"}
 EQUAL = f"within {100 * FLOOR:g} % counts as equal (ours)"
-ALL = f"in every pair, beyond the {100 * LEVEL:g} % interval; {EQUAL}"
+ALL = f"in every comparison, beyond the {100 * LEVEL:g} % interval; {EQUAL}"
 # Where runs without losses are among them.
-SCATTER = f"in every pair, beyond the scatter of batches; {EQUAL}"
+SCATTER = f"in every comparison, beyond the scatter of batches; {EQUAL}"
 
-# The format of a number in a sentence, and its unit in the names of values.
+# The name and the format of a number in a sentence, and its unit in the names of values.
 NUMBERS = {
-    "contact_fraction": ("{:.3f}", "share of time"),
-    "flight_fraction": ("{:.3f}", "share of time"),
-    "impacts": ("{:.1f}", "onsets per revolution"),
-    "contact_us": ("{:.1f} µs", "us"),
-    "flight_us": ("{:.0f} µs", "us"),
-    "step_us": ("{:.1f} µs", "us"),
-    "mean_step_contact_us": ("{:.2f} µs", "us"),
-    "evaluations": ("{:.0f}", "evaluations"),
-    **dict.fromkeys(("mean_force_N", "force_p99_N", "max_force_N"), ("{:.0f} N", "N")),
-    **dict.fromkeys(("mean_penetration_um", "max_penetration_um"), ("{:.2f} µm", "um")),
+    "contact_fraction": ("share of the time in contact", "{:.3f}", "share of time"),
+    "flight_fraction": ("share of the time in flight", "{:.3f}", "share of time"),
+    "impacts": ("onsets of contact per revolution", "{:.1f}", "onsets per revolution"),
+    "contact_us": ("mean duration of a contact", "{:.1f} µs", "us"),
+    "flight_us": ("mean duration of a flight", "{:.0f} µs", "us"),
+    "step_us": ("mean step", "{:.1f} µs", "us"),
+    "mean_step_contact_us": ("mean step in contact", "{:.2f} µs", "us"),
+    "evaluations": ("evaluations per revolution", "{:.0f}", "evaluations"),
+    "mean_force_N": ("mean force in contact", "{:.0f} N", "N"),
+    "force_p99_N": ("99th percentile of the force", "{:.0f} N", "N"),
+    "max_force_N": ("largest force of a revolution", "{:.0f} N", "N"),
+    "mean_penetration_um": ("mean penetration", "{:.2f} µm", "um"),
+    "max_penetration_um": ("largest penetration of a revolution", "{:.2f} µm", "um"),
+}
+# What the numbers on both sides of an arrow are.
+ARROWS = {
+    "clearance": "{:g} → {:g} mm",
+    "restitution": "c_e = {:g} → {:g}",
+    "friction": "without → with friction",
 }
 Conditions = Mapping[str, Sequence[object]]
 
@@ -64,7 +74,7 @@ class Change:
     Attributes
     ----------
     name : str
-        The conditions that both have in common and that differ between pairs.
+        The conditions that both have in common and that differ between changes.
     before, after : float
         The two means.
     half_widths : tuple of float
@@ -127,8 +137,9 @@ class Change:
         return "reverse" if rise + width < -floor else "open"
 
     def text(self, form: str) -> str:
-        """Return both values."""
-        return f"{self.name} {form.format(self.before)} → {form.format(self.after)}".strip()
+        """Return both values, with the unit of `form` once."""
+        digits = form.partition(" ")[0]
+        return f"{self.name} {digits.format(self.before)} → {form.format(self.after)}".strip()
 
     @property
     def percent(self) -> str:
@@ -214,10 +225,16 @@ class Judgement:
 Judge = Callable[[pd.DataFrame], Judgement]
 
 
-def trend(changes: Sequence[Change], sign: int, verb: str, form: str, unit: str) -> Judgement:
-    """Judge a trend that is claimed of all pairs.
+def trend(
+    changes: Sequence[Change],
+    sign: int,
+    verb: str,
+    number: tuple[str, str, str],
+    text: Callable[[Sequence[Change], str], str] | None = None,
+) -> Judgement:
+    """Judge a trend that is claimed of all changes.
 
-    It holds if every pair shows it or is equal, and at least half show it; it fails if some pair
+    It holds if every one shows it or is equal, and at least half show it; it fails if some change
     certainly goes the other way, or if all are equal; else the runs cannot tell.
 
     Parameters
@@ -226,17 +243,24 @@ def trend(changes: Sequence[Change], sign: int, verb: str, form: str, unit: str)
         From `compare`.
     sign : int
         1 for a rise, −1 for a fall.
-    verb, form, unit : str
-        What the number does, the format of a value, and the unit in the names of the values.
+    verb : str
+        What the number does.
+    number : tuple of str
+        What stands before the numbers, their format, and the unit in the names of the values.
+    text : callable, optional
+        Takes the changes and the format and returns the numbers; without it, one arrow for each
+        of a few changes, or the range of many.
 
     Examples
     --------
     >>> rise, fall, wide = Change("a", 1, 2), Change("b", 2, 1), Change("c", 1, 2, (1.5, 1.5))
-    >>> [trend(changes, 1, "rises", "{:g}", "-").holds for changes in ([rise], [fall], [wide])]
+    >>> number = "force, dry → wet", "{:g} N", "N"
+    >>> [trend(changes, 1, "rises", number).holds for changes in ([rise], [fall], [wide])]
     [True, False, None]
-    >>> print(trend([rise, fall], 1, "rises", "{:g} N", "N").ours)
-    rises in 1 of 2 pairs: a 1 N → 2 N, b 2 N → 1 N
+    >>> print(trend([rise, fall], 1, "rises", number).ours)
+    rises in 1 of 2 comparisons; force, dry → wet: a 1 → 2 N, b 2 → 1 N
     """
+    label, form, unit = number
     kinds = [change.kind(sign) for change in changes]
     reverse = [c for c, kind in zip(changes, kinds, strict=True) if kind == "reverse"]
     showing, total = kinds.count("shows"), len(kinds)
@@ -246,43 +270,82 @@ def trend(changes: Sequence[Change], sign: int, verb: str, form: str, unit: str)
         worst = max(reverse, key=lambda change: abs(change.relative))
         holds, miss = False, f"{len(reverse)} of {total} the other way, most {worst.percent}"
     elif kinds.count("equal") == total:
-        largest = max((abs(c.relative) + c.margin for c in changes), default=0.0)
-        holds, miss = False, f"no change above {max(100 * largest, 0.1):.1f} %"
+        holds, miss = False, f"no change above {_largest(changes)}"
     elif "open" not in kinds and 2 * showing >= total:
         holds = True
-    texts = [c.text(form) for c in changes]
-    if total > FEW:
-        texts = [_range(changes, form)]
-    ours = f"{verb} in {showing} of {total} {'pair' if total == 1 else 'pairs'}"
-    ours += f", equal in {kinds.count('equal')}" if "equal" in kinds else ""
+    numbers = text(changes, form) if text else _arrows(changes, form)
+    ours = f"{label}: {numbers}"
+    # Numbers that all show it, one by one, and numbers that are all 0 speak for themselves.
+    clear = total <= FEW and showing == total
+    if not clear and any(c.before or c.after for c in changes):
+        ours = f"{_counted(changes, kinds, verb)}; {ours}"
     values = {
         ", ".join(filter(None, (c.name, when, unit))): value
         for c in changes
         for when, value in (("before", c.before), ("after", c.after))
     }
-    return Judgement(f"{ours}: {', '.join(texts)}", holds, miss, values)
+    return Judgement(ours, holds, miss, values)
 
 
-def _range(changes: Sequence[Change], form: str) -> str:
-    """Return how far many changes reach."""
-    ratios = [c.after / c.before for c in changes if c.before]
+def _counted(changes: Sequence[Change], kinds: Sequence[Kind], verb: str) -> str:
+    """Return in how many comparisons a trend shows."""
+    equal, total = kinds.count("equal"), len(kinds)
+    if equal == total:
+        return f"equal within {_largest(changes)}"
+    text = f"{verb} in {kinds.count('shows') or 'none'} of {total} comparisons"
+    if not equal:
+        return text
+    same = [c for c, kind in zip(changes, kinds, strict=True) if kind == "equal"]
+    zero = " (0 both times)" if not any(c.before or c.after for c in same) else ""
+    return f"{text}, equal in {equal}{zero}"
+
+
+def _largest(changes: Sequence[Change]) -> str:
+    """Return the bound of changes that all count as equal, in percent."""
+    largest = max((abs(c.relative) + c.margin for c in changes), default=0.0)
+    return f"{max(100 * largest, 0.1):.1f} %"
+
+
+def _arrows(changes: Sequence[Change], form: str) -> str:
+    """Return a few changes, or how far many reach."""
+    if len(changes) <= FEW:
+        return ", ".join(c.text(form) for c in changes)
+    ratios = _ratios(changes)
     if any(ratios):
-        return f"ratios from {min(ratios):.2f} to {max(ratios):.2f}"
-    return f"from up to {form.format(max(c.before for c in changes))} to 0"
+        return f"factors of {min(ratios):.2f} to {max(ratios):.2f}"
+    return f"up to {form.format(max(c.before for c in changes))} → 0"
+
+
+def _ratios(changes: Sequence[Change]) -> list[float]:
+    return [c.after / c.before for c in changes if c.before]
 
 
 def change_of(
     column: str, change: tuple[str, object, object], sign: int, chosen: Conditions, verb: str
 ) -> Judge:
     """Return the judgement of a change of one condition among the chosen cases."""
-    return lambda table: trend(
-        compare(table, column, *change, chosen), sign, verb, *NUMBERS[column]
-    )
+    quantity, form, unit = NUMBERS[column]
+    condition, *ends = change
+    number = f"{quantity}, {ARROWS[condition].format(*ends)}", form, unit
+    return lambda table: trend(compare(table, column, *change, chosen), sign, verb, number)
 
 
 def cylinders(column: str, sign: int, chosen: Conditions, verb: str) -> Judge:
     """Return the judgement of the cylindrical laws against the sphere."""
     sphere, *others = JOINT_LAWS
+
+    def text(changes: Sequence[Change], form: str) -> str:
+        if not any(c.before or c.after for c in changes):
+            return f"{form.format(0.0)} by all three laws"
+        if len(changes) > len(others):
+            ratios = _ratios(changes)
+            extent = f"{min(ratios):.2f} to {max(ratios):.2f}"
+            return f"with cylindrical laws {extent} times that with {JOINT_LAWS[sphere]}"
+        values = {JOINT_LAWS[sphere]: changes[0].before} | {c.name: c.after for c in changes}
+        by = {JOINT_LAWS["enhanced"]: "the enhanced law"}
+        return ", ".join(
+            f"{form.format(value)} by {by.get(name, name)}" for name, value in values.items()
+        )
 
     def judge(table: pd.DataFrame) -> Judgement:
         changes = [
@@ -290,13 +353,13 @@ def cylinders(column: str, sign: int, chosen: Conditions, verb: str) -> Judge:
             for law in others
             for change in compare(table, column, "law", sphere, law, chosen)
         ]
-        return trend(changes, sign, verb, *NUMBERS[column])
+        return trend(changes, sign, verb, NUMBERS[column], text)
 
     return judge
 
 
 def mostly(changes: Sequence[Change], sign: int, verb: str) -> Judgement:
-    """Judge a trend that is claimed of most pairs: by majority, whatever the others do.
+    """Judge a trend that is claimed of most changes: by majority, whatever the others do.
 
     Examples
     --------
@@ -307,7 +370,7 @@ def mostly(changes: Sequence[Change], sign: int, verb: str) -> Judgement:
     kinds = [change.kind(sign) for change in changes]
     showing, total = kinds.count("shows"), len(kinds)
     holds = majority([{"shows": True, "open": None}.get(kind, False) for kind in kinds])
-    text = f"{verb} in {showing} of {total} pairs"
+    text = f"{verb} in {showing} of {total} comparisons"
     return Judgement(text, holds, "" if holds is not False else f"{showing} of {total}")
 
 
@@ -372,7 +435,8 @@ class Reading:
 def sets(judge: Judge) -> list[Reading]:
     """Return the readings with other masses and lengths."""
     return [
-        Reading(design, judge, design=design, missing=TABLE_2) for design in (LIGHT_SET, LONG_SET)
+        Reading(SHORT[design], judge, design=design, missing=TABLE_2)
+        for design in (LIGHT_SET, LONG_SET)
     ]
 
 

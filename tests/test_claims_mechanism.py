@@ -68,6 +68,9 @@ def small(tmp_path, monkeypatch):
     return bench
 
 
+NUMBER = ("x, old → new", "{:g} m", "m")
+
+
 def row_of(table, case):
     """Return a case's row of the table."""
     rows = table
@@ -282,23 +285,26 @@ class TestTrends:
         up, flat = Change("u", 1.0, 2.0), Change("f", 1.0, 1.0)
         down, wide = Change("d", 2.0, 1.0), Change("w", 1.0, 0.5, (1.0, 1.0))
         judged = {
-            "holds": trend([up, flat], 1, "up", "{:g}", "-"),
-            "reverse": trend([up, up, down], 1, "up", "{:g}", "-"),
-            "open": trend([up, up, wide], 1, "up", "{:g}", "-"),
-            "equal": trend([flat, flat], 1, "up", "{:g}", "-"),
-            "few": trend([up, flat, flat], 1, "up", "{:g}", "-"),
+            "holds": trend([up, flat], 1, "up", NUMBER),
+            "reverse": trend([up, up, down], 1, "up", NUMBER),
+            "open": trend([up, up, wide], 1, "up", NUMBER),
+            "equal": trend([flat, flat], 1, "up", NUMBER),
+            "few": trend([up, flat, flat], 1, "up", NUMBER),
         }
         assert {name: each.holds for name, each in judged.items()} == {
             "holds": True, "reverse": False, "open": None, "equal": False, "few": None,
         }  # fmt: skip
-        assert judged["holds"].ours == "up in 1 of 2 pairs, equal in 1: u 1 → 2, f 1 → 1"
-        gone = [Change(name, 2.0, 0.0) for name in "abcde"]
-        assert trend(gone, -1, "rarer", "{:g}", "-").ours == (
-            "rarer in 5 of 5 pairs: from up to 2 to 0"
+        assert judged["holds"].ours == (
+            "up in 1 of 2 comparisons, equal in 1; x, old → new: u 1 → 2 m, f 1 → 1 m"
         )
-        assert "ratios from 2.00 to 2.00" in trend([up] * 5, 1, "up", "{:g}", "-").ours
+        assert trend([up], 1, "up", NUMBER).ours == "x, old → new: u 1 → 2 m"
+        gone = [Change(name, 2.0, 0.0) for name in "abcde"]
+        assert trend(gone, -1, "rarer", NUMBER).ours == (
+            "rarer in 5 of 5 comparisons; x, old → new: up to 2 m → 0"
+        )
+        assert "factors of 2.00 to 2.00" in trend([up] * 5, 1, "up", NUMBER).ours
         assert judged["reverse"].miss == "1 of 3 the other way, most d -50 %"
-        assert judged["reverse"].values["d, before, -"] == 2.0
+        assert judged["reverse"].values["d, before, m"] == 2.0
 
     def test_a_majority(self):
         up, down, wide = Change("", 1, 2), Change("", 2, 1), Change("", 1, 2, (9.0, 9.0))
@@ -387,8 +393,31 @@ class TestClaims:
         assert judge(shares).holds is None
         assert judge(shares.assign(contact_fraction_half_width=0.05)).holds is True
         low = judge(shares.assign(contact_fraction=0.1))
-        assert (low.holds, low.miss) == (False, "0 of 8, the least for 10 %")
+        assert (low.holds, low.miss) == (False, "0 of 8, the lowest share 10 %")
         assert isinstance(low, Judgement)
+
+        contact = judge(shares.assign(contact_fraction=1.0, contact_fraction_half_width=0.0))
+        assert contact.ours == "all 8 trajectories are in contact all the time"
+
+    @pytest.mark.parametrize(
+        ("even", "at_first", "text"),
+        [
+            ([], True, "up to 9 µm"),
+            ([], False, "nowhere"),
+            ([2.0], True, "up to 2 µm"),
+            ([2.0], False, "from 2 to 9 µm"),
+            ([1.0, 2.0], True, "up to 1 µm and from 2 to 9 µm"),
+            ([1.0, 2.0], False, "from 1 to 2 µm"),
+        ],
+    )
+    def test_where_a_law_is_stiffer(self, even, at_first, text):
+        assert section4.stiffer_where(even, 9.0, at_first) == text
+
+    def test_nothing_in_any_run_is_said_so(self, table):
+        judge = trends.cylinders("flight_fraction", 1, {"clearance": [0.5]}, "more")
+        none = judge(table.assign(flight_fraction=0.0, flight_fraction_half_width=0.0))
+        assert none.ours == "share of the time in flight: 0.000 by all three laws"
+        assert none.holds is False
 
     def test_numbers_that_are_alike(self, table):
         judge = section4_runs.alike({"clearance": [0.5], "restitution": [0.9], "friction": [0.1]})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -17,7 +17,7 @@ from cylcontact.pair import CylinderPair
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Alternative, Finding, claim, with_unit
 
-from ..long_runs import SETS, SPEC_SET, LongRun
+from ..long_runs import SETS, SHORT, SPEC_SET, LongRun
 from ..paper import INTEGRATOR, JOINT_CLEARANCES, JOINT_LAWS, LOADS, TABLE_2, WINDOW
 from ..slider_crank import POINTS, SPEC, crossings, force_ratio, mechanism, total_force
 from ..trends import FLOOR, Judgement
@@ -131,7 +131,7 @@ def ranges(bench: Bench) -> list[Range]:
     return [
         Range(f"up to the deepest of {first}, our masses and lengths", impact(SPEC_SET),
               f"{TABLE_2} and {WINDOW}"),
-        *(Range(f"{first}, {design}", impact(design), TABLE_2) for design in SETS[1:]),
+        *(Range(f"{first}, {SHORT[design]}", impact(design), TABLE_2) for design in SETS[1:]),
         Range(f"up to {LOADS[1]:g} N/mm, the range of the fits", loaded, WINDOW),
     ]  # fmt: skip
 
@@ -265,10 +265,10 @@ def slightly_stiffer(bench: Bench, clearance: float, one: str, other: str) -> Fi
         depth, ratio = 1e3 * rows["penetration_mm"].to_numpy(), rows["ratio"].to_numpy()
         share = float(np.diff(depth)[ratio[1:] > 1].sum() / depth[-1])
         even = [1e3 * penetration for penetration in crossings(rows)]
-        crossed = " and ".join(f"{at:.3g} µm" for at in even)
+        up_to = f"the penetrations up to {depth[-1]:.3g} µm"
         return Judgement(
-            f"stiffer over {100 * share:.0f} % of the penetrations up to {depth[-1]:.3g} µm"
-            + (f"; the two are even at {crossed}" if even else ""),
+            f"stiffer {stiffer_where(even, depth[-1], bool(ratio[0] > 1))}, "
+            f"{100 * share:.0f} % of {up_to}",
             share > 0.5,
             "" if share > 0.5 else f"{100 * (0.5 - share):.0f} points short of half",
             {
@@ -279,6 +279,15 @@ def slightly_stiffer(bench: Bench, clearance: float, one: str, other: str) -> Fi
 
     found = over_ranges(bench, judge)
     return replace(found, alternatives=[*found.alternatives, by_work(bench, one, other, clearance)])
+
+
+def stiffer_where(even: Sequence[float], end: float, at_first: bool) -> str:
+    """Return where a law is stiffer, from the penetrations in µm at which two laws are even."""
+    first, rest = ([*even, end][:at_first], [*even, end][at_first:])
+    texts = [f"up to {each:.3g} µm" for each in first]
+    pairs = zip(rest[::2], rest[1::2], strict=False)
+    texts += [f"from {one:.3g} to {other:.3g} µm" for one, other in pairs]
+    return " and ".join(texts) or "nowhere"
 
 
 def by_work(bench: Bench, one: str, other: str, clearance: float) -> Alternative:

@@ -12,12 +12,13 @@ from cylcontact.progress import Progress
 from cylcontact.reports.bench import Bench, MissingInputError
 from cylcontact.reports.claims import Alternative, Finding, claim, joined
 
-from ..long_runs import FEW, FIRST, LIGHT_SET, LONG_SET, MANY, SETS, long_runs
+from ..long_runs import FEW, FIRST, LIGHT_SET, LONG_SET, MANY, SETS, SHORT, long_runs
 from ..paper import INTEGRATOR, JOINT_CLEARANCES, JOINT_LAWS, TABLE_2, WINDOW
 from ..slider_crank import law_limit, mechanism
 from ..trends import (
     ALL,
     EQUAL,
+    NUMBERS,
     SCATTER,
     Conditions,
     Judge,
@@ -61,6 +62,7 @@ WIDE: Conditions = {"clearance": [LARGE]}
 NARROW: Conditions = {"clearance": [SMALL]}
 LOSSLESS: Conditions = {**ELASTIC, **DRY}
 SMALLER, LARGER = ("clearance", LARGE, SMALL), ("clearance", SMALL, LARGE)
+ALL_LOSSES = "all losses (c_e 1 and 0.9, c_f 0 and 0.1)"
 ROUGHER, LOSSIER = ("friction", 0.0, 0.1), ("restitution", 1.0, 0.9)
 
 
@@ -106,17 +108,22 @@ def cases_above(chosen: Conditions, bound: float, rule: Callable[..., bool | Non
             for pair in zip(shares, rows["contact_fraction_half_width"], strict=True)
         ]
         count, total, holds = found.count(True), len(found), rule(found)
-        least = f"the least for {100 * min(shares):.3g} %"
+        lowest = f"{100 * min(shares):.3g} %"
         values = {
             f"{case_name({k: row[k] for k in ('law', 'clearance', 'restitution', 'friction')})}, "
             "share of time": row["contact_fraction"]
             for row in rows.to_dict("records")
         }
+        ours = f"all {total} trajectories are in contact all the time"
+        if lowest != "100 %":
+            ours = (
+                f"{count} of {total} trajectories are in contact at least {100 * bound:g} % of "
+                f"the time; the lowest share is {lowest}"
+            )
         return Judgement(
-            f"{count} of {total} trajectories touch for {100 * bound:g} % of the time or more, "
-            f"{least}",
+            ours,
             holds,
-            "" if holds is not False else f"{count} of {total}, {least}",
+            "" if holds is not False else f"{count} of {total}, the lowest share {lowest}",
             values,
         )
 
@@ -137,7 +144,7 @@ def cases_above(chosen: Conditions, bound: float, rule: Callable[..., bool | Non
 )
 def longer_flights(bench: Bench) -> Finding:
     """Return the mean duration of a flight in µs at both clearances."""
-    judge = change_of("flight_us", LARGER, 1, LOSSLESS, "longer at 0.5 than at 0.02 mm")
+    judge = change_of("flight_us", LARGER, 1, LOSSLESS, "longer at 0.5 mm")
     return judged(bench, judge, choice="the mean duration of a flight", basis=HORIZON)
 
 
@@ -152,8 +159,8 @@ def longer_flights(bench: Bench) -> Finding:
 )
 def shorter_contacts(bench: Bench) -> Finding:
     """Return the mean duration of a contact in µs at both clearances."""
-    judge = change_of("contact_us", LARGER, -1, LOSSLESS, "shorter at 0.5 than at 0.02 mm")
-    share = change_of("contact_fraction", LARGER, -1, LOSSLESS, "less at 0.5 than at 0.02 mm")
+    judge = change_of("contact_us", LARGER, -1, LOSSLESS, "shorter at 0.5 mm")
+    share = change_of("contact_fraction", LARGER, -1, LOSSLESS, "less at 0.5 mm")
     more = [Reading("the share of the time in contact", share)]
     return judged(bench, judge, more, "the mean duration of a contact", HORIZON)
 
@@ -209,7 +216,7 @@ def sphere_most_in_contact(bench: Bench) -> Finding:
 
     def judge(chosen: Conditions) -> Judge:
         rough = {**WIDE, **ROUGH, **chosen}
-        return cylinders("flight_fraction", 1, rough, "more flight than with the sphere")
+        return cylinders("flight_fraction", 1, rough, "more flight with a cylindrical law")
 
     more = [Reading("friction added to c_e = 1", judge(ELASTIC)), start(judge(LOSSY))]
     found = judged(bench, judge(LOSSY), more, "friction added to c_e = 0.9")
@@ -232,9 +239,11 @@ def friction_leaves_flights(bench: Bench) -> Finding:
         def of(table: pd.DataFrame) -> Judgement:
             rows = among(table, {**WIDE, **ROUGH, **chosen, "law": CYLINDERS})
             onsets = {JOINT_LAWS[row["law"]]: row["impacts"] for row in rows.to_dict("records")}
+            label = "onsets of contact per revolution"
             texts = ", ".join(f"{name} {value:.2g}" for name, value in onsets.items())
+            remain = any(onsets.values())
             return Judgement(
-                f"onsets of contact per revolution: {texts}",
+                f"{label}: {texts}" if remain else f"no flights remain: 0 {label} by either law",
                 min(onsets.values()) > 0,
                 "" if min(onsets.values()) > 0 else f"{min(onsets.values()):g} onsets",
                 {f"{name}, onsets per revolution": value for name, value in onsets.items()},
@@ -287,7 +296,7 @@ def small_clearance_smoother(bench: Bench) -> Finding:
     def judge(chosen: Conditions) -> Judge:
         return change_of("impacts", SMALLER, -1, chosen, "fewer at 0.02 mm")
 
-    more = [Reading("all four losses", judge({}))]
+    more = [Reading(ALL_LOSSES, judge({}))]
     return judged(bench, judge(LOSSY), more, "runs with c_e = 0.9")
 
 
@@ -310,7 +319,7 @@ def small_clearance_long_contact(bench: Bench) -> Finding:
         Reading("runs with c_e = 0.9", judge(LOSSY)),
         Reading("the mean duration of a contact, c_e = 1", judge(ELASTIC, "contact_us")),
     ]
-    return judged(bench, judge({}), more, "all four losses", MIXED)
+    return judged(bench, judge({}), more, ALL_LOSSES, MIXED)
 
 
 @claim(
@@ -333,14 +342,16 @@ def flight_prevails_without_losses(bench: Bench) -> Finding:
                 f"{clearance:g} mm": group.max()
                 for clearance, group in shares.groupby(rows["clearance"], sort=False)
             }
-            texts = [f"{100 * value:.0f} % at {name}" for name, value in at_most.items()]
+            first, *others = at_most
+            texts = [f"{100 * at_most[first]:.0f} % of the time at {first}"]
+            texts += [f"{100 * at_most[name]:.0f} % at {name}" for name in others]
             more = [
                 above(*pair, MOSTLY)
                 for pair in zip(shares, rows["contact_fraction_half_width"], strict=True)
             ]
             holds = False if True in more else None if None in more else True
             return Judgement(
-                f"in contact for at most this share of the time: {', '.join(texts)}",
+                f"contact takes at most {', '.join(texts)}",
                 holds,
                 f"{100 * shares.max():.1f} %" if holds is False else "",
                 {f"{name}, largest share of time": value for name, value in at_most.items()},
@@ -352,7 +363,7 @@ def flight_prevails_without_losses(bench: Bench) -> Finding:
     more = [
         Reading("0.5 mm alone, as in Fig 18", judge(WIDE)),
         *(
-            replace(longer, choice=f"{design}, {longer.choice}", design=design,
+            replace(longer, choice=f"{SHORT[design]}, {longer.choice}", design=design,
                     missing=f"{TABLE_2} and {WINDOW}")
             for design in (LIGHT_SET, LONG_SET)
         ),
@@ -400,7 +411,7 @@ def friction_lowers_forces(bench: Bench) -> Finding:
 
     elastic = judge("mean_force_N", ELASTIC)
     more = [
-        Reading("its 99th percentile", judge("force_p99_N", LOSSY)),
+        Reading("99th percentile of the force", judge("force_p99_N", LOSSY)),
         start(judge("mean_force_N", LOSSY)),
         Reading("friction added to c_e = 1", elastic),
         *(replace(each, choice=f"c_e = 1, {each.choice}") for each in windows(elastic)),
@@ -422,11 +433,11 @@ def cylinders_higher_forces(bench: Bench) -> Finding:
     """Return forces in N by the sphere and by the cylindrical laws, with friction."""
 
     def judge(column: str, chosen: Conditions) -> Judge:
-        return cylinders(column, 1, {**WIDE, **ROUGH, **chosen}, "higher than with the sphere")
+        return cylinders(column, 1, {**WIDE, **ROUGH, **chosen}, "higher with a cylindrical law")
 
     first = start(judge("max_force_N", LOSSY))
     more = [
-        Reading("its 99th percentile", judge("force_p99_N", LOSSY)),
+        Reading("99th percentile of the force", judge("force_p99_N", LOSSY)),
         Reading("friction added to c_e = 1", judge("mean_force_N", ELASTIC)),
         replace(first, choice=f"largest force of a revolution, {first.choice}"),
     ]
@@ -442,25 +453,25 @@ def cylinders_higher_forces(bench: Bench) -> Finding:
     rule=ALL,
     figures=("fig19", *FIGURES),
     against="Reproduced: every run with c_e = 0.9 shows it, and by the largest penetration, which "
-    "the figures show, no pair goes the other way.",
+    "the figures show, no comparison goes the other way.",
 )
 def sphere_deeper(bench: Bench) -> Finding:
     """Return mean penetrations in µm by the sphere and by the cylindrical laws at 0.02 mm."""
 
     def judge(column: str, chosen: Conditions) -> Judge:
-        return cylinders(column, -1, {**NARROW, **chosen}, "less deep than with the sphere")
+        return cylinders(column, -1, {**NARROW, **chosen}, "deeper with Lankarani–Nikravesh")
 
     more = [
-        Reading("all four losses", judge("mean_penetration_um", {})),
+        Reading(ALL_LOSSES, judge("mean_penetration_um", {})),
         Reading("the largest of a revolution, c_e = 0.9", judge("max_penetration_um", LOSSY)),
         Reading("the largest of a revolution, all losses", judge("max_penetration_um", {})),
     ]
-    return judged(bench, judge("mean_penetration_um", LOSSY), more, "its mean; c_e = 0.9")
+    return judged(bench, judge("mean_penetration_um", LOSSY), more, "mean penetration; c_e = 0.9")
 
 
 COMPARED = {
     "contact_fraction": "share of time in contact",
-    "impacts": "impacts",
+    "impacts": "number of impacts",
     "mean_penetration_um": "mean penetration",
     "mean_force_N": "mean force",
 }
@@ -476,12 +487,14 @@ def alike(chosen: Conditions) -> Judge:
             for change in compare(table, column, "law", "johnson", "enhanced", chosen)
         }
         name, largest = max(changes.items(), key=lambda pair: abs(pair[1].relative))
+        for friction, words in (("c_f = 0.1", "with friction"), ("c_f = 0", "without friction")):
+            name = name.replace(friction, words)
         apart = [c for c in changes.values() if abs(c.relative) - c.margin > ALIKE]
         near = [c for c in changes.values() if abs(c.relative) + c.margin <= ALIKE]
         percent = replace(largest, name="").percent
         return Judgement(
-            f"{len(near)} of {len(changes)} numbers agree within {100 * ALIKE:g} %; furthest apart "
-            f"is the {name}, {percent}",
+            f"{len(near)} of {len(changes)} numbers agree within {100 * ALIKE:g} %; furthest "
+            f"apart: {name}, {percent}",
             False if apart else len(near) == len(changes) or None,
             f"differing: {len(apart)} of {len(changes)}, most by {percent}" if apart else "",
             {f"{each}, change, -": c.relative for each, c in changes.items()},
@@ -492,7 +505,7 @@ def alike(chosen: Conditions) -> Judge:
 
 @claim(
     "4.3-johnson-and-enhanced-alike",
-    "otherwise Johnson's law and the enhanced one give no particular difference",
+    "apart from that, Johnson's law and the enhanced one give no particular difference",
     paper="no difference",
     rule=f"{', '.join(COMPARED.values())} differ by at most {100 * ALIKE:g} % (ours)",
     figures=("fig18", *FIGURES),
@@ -521,16 +534,25 @@ def johnson_and_enhanced_alike(bench: Bench) -> Finding:
 def johnson_within_its_domain(bench: Bench) -> Finding:
     """Return the deepest penetration in µm by Johnson's law at 0.02 mm."""
     limit = 1e3 * law_limit(mechanism(bench, Case("johnson", SMALL, 0.9, 0.0)))
+    elastic: Conditions = {**ELASTIC, **ROUGH}
+    groups = {
+        " with c_e = 1 and no friction": LOSSLESS,
+        " with c_e = 1 and friction": elastic,
+        " with c_e = 0.9": LOSSY,
+    }
 
     def judge(chosen: Conditions) -> Judge:
         def of(table: pd.DataFrame) -> Judgement:
             rows = among(table, {**NARROW, "law": ["johnson"], **chosen})
-            left, counted = max(zip(rows["left"], rows["counted"], strict=True))
-            total, deepest = FIRST + counted, float(rows["deepest_um"].max())
-            passed = f"one run passes in {left * total:.0f} of {total} revolutions"
+            left, deepest = float(rows["left"].max()), float(rows["deepest_um"].max())
+            found = {name: among(rows, losses) for name, losses in groups.items()}
+            parts = [
+                f"{group['deepest_um'].max():.3g} µm{name} ({_passed(group)})"
+                for name, group in ({"": rows} if chosen else found).items()
+            ]
             return Judgement(
-                f"penetrations up to {deepest:.3g} µm against a limit of {limit:.2f} µm, which "
-                f"{passed if left else 'none passes'}",
+                f"Eq 8's limit is a penetration of {limit:.2f} µm; the deepest is "
+                f"{', '.join(parts)}",
                 left == 0,
                 "" if left == 0 else f"by {deepest - limit:.2g} µm",
                 {"deepest, um": deepest, "limit, um": limit, "left, share of revolutions": left},
@@ -543,10 +565,17 @@ def johnson_within_its_domain(bench: Bench) -> Finding:
         Reading("c_e = 0.9", lossy),
         *(replace(each, choice=f"c_e = 0.9, {each.choice}") for each in sets(lossy)),
         Reading("c_e = 1 without friction", judge(LOSSLESS)),
-        Reading("c_e = 1 with friction", judge({**ELASTIC, **ROUGH})),
+        Reading("c_e = 1 with friction", judge(elastic)),
     ]
     choice = f"all runs at 0.02 mm, from the start; without losses {FIRST + FEW} revolutions"
     return judged(bench, judge({}), more, choice)
+
+
+def _passed(rows: pd.DataFrame) -> str:
+    """Return in how many revolutions the run that is most often past a limit is past it."""
+    left, counted = max(zip(rows["left"], rows["counted"], strict=True))
+    total = FIRST + counted
+    return f"past it in {left * total:.0f} of {total} revolutions" if left else "never past it"
 
 
 @claim(
@@ -564,7 +593,7 @@ def elastic_forces_are_large(bench: Bench) -> Finding:
         change = ("restitution", 0.9, 1.0)
         return change_of(column, change, 1, DRY, "larger without dissipation")
 
-    more = [Reading("its 99th percentile", judge("force_p99_N"))]
+    more = [Reading("99th percentile of the force", judge("force_p99_N"))]
     choice = "mean force in contact, without friction"
     return judged(bench, judge("mean_force_N"), more, choice, MIXED)
 
@@ -583,7 +612,9 @@ def sphere_underestimates_forces(bench: Bench) -> Finding:
     own, *others = [(design, largest_forces(bench, design)) for design in SETS]
     softest = sphere_softest.function(bench)
     runs = [
-        finding(bench, [Reading(name, cylinders(column, 1, LOSSY, "higher than the sphere's"))])
+        finding(
+            bench, [Reading(name, cylinders(column, 1, LOSSY, "higher with a cylindrical law"))]
+        )
         for column, name in (
             ("mean_force_N", "mean force in contact in the runs with c_e = 0.9"),
             ("max_force_N", "largest force of a revolution in them"),
@@ -596,7 +627,10 @@ def sphere_underestimates_forces(bench: Bench) -> Finding:
         missing=TABLE_2,
         miss=own[1].miss,
         alternatives=[
-            *(Alternative(name, got.ours, got.holds, TABLE_2, got.miss) for name, got in others),
+            *(
+                Alternative(SHORT[design], got.ours, got.holds, TABLE_2, got.miss)
+                for design, got in others
+            ),
             Alternative("at equal penetration", softest.ours, softest.holds, "", softest.miss),
             *(each.readings[0] for each in runs),
         ],
@@ -605,7 +639,7 @@ def sphere_underestimates_forces(bench: Bench) -> Finding:
 
 
 # The integrator's steps.
-STEPS = "mean step of an integrator that finds contact by root"
+STEPS = "integrator that locates the onset of contact by root finding"
 
 
 def steps(
@@ -645,13 +679,13 @@ def impacts_need_small_steps(bench: Bench) -> Finding:
     rule=SCATTER,
     figures=("fig_mechanism_steps", *FIGURES),
     against="Reproduced: the steps that 'short periods' of contact take are those in contact, and "
-    "these are smaller in every pair.",
+    "these are smaller in every comparison.",
 )
 def cylinders_smaller_steps(bench: Bench) -> Finding:
     """Return the mean step in µs by the sphere and by the cylindrical laws, without losses."""
 
     def judge(column: str) -> Judge:
-        return cylinders(column, -1, LOSSLESS, "smaller than with the sphere")
+        return cylinders(column, -1, LOSSLESS, "smaller with a cylindrical law")
 
     more = [Reading("the mean step in contact", judge("mean_step_contact_us"))]
     return steps(bench, judge("step_us"), more, basis=HORIZON)
@@ -661,11 +695,11 @@ def to_both_losses(table: pd.DataFrame) -> Judgement:
     """Judge the change of the mean step from no losses to dissipation and friction."""
     rows = table[(table["restitution"] == 1.0) == (table["friction"] == 0.0)]
     changes = compare(rows.assign(friction=0.0), "step_us", *LOSSIER)
-    return trend(changes, 1, "larger", "{:.1f} µs", "us")
+    return trend(changes, 1, "larger", ("mean step, no losses → both", *NUMBERS["step_us"][1:]))
 
 
 def most(change: tuple[str, float, float]) -> Judge:
-    """Return the judgement whether most pairs show larger steps."""
+    """Return the judgement whether most comparisons show larger steps."""
     return lambda table: mostly(compare(table, "step_us", *change), 1, "larger")
 
 
@@ -701,12 +735,12 @@ def most(change: tuple[str, float, float]) -> Judge:
             "other": {
                 "without friction": change_of("step_us", LOSSIER, 1, DRY, "larger"),
                 "from no losses to both losses": to_both_losses,
-                "more than half of the pairs": most(LOSSIER),
+                "more than half of the comparisons": most(LOSSIER),
             },
             "basis": MIXED,
             "against": (
-                "Reproduced: most pairs show it, and all of them with the longer rod and with "
-                "the paper's control of the step at a tolerance of 1e-6."
+                "Reproduced: most comparisons show it, and all of them with the longer rod and "
+                "with the paper's control of the step at a tolerance of 1e-6."
             ),
         },
         {
@@ -714,8 +748,8 @@ def most(change: tuple[str, float, float]) -> Judge:
             "cause": "a smaller clearance makes the integrator's steps larger",
             "rule": SCATTER,
             "change": SMALLER,
-            "own": ("all four losses, as 'among all cases' says", {}),
-            "other": {"more than half of the pairs": most(SMALLER)},
+            "own": (f"{ALL_LOSSES}, as 'among all cases' says", {}),
+            "other": {"more than half of the comparisons": most(SMALLER)},
             "basis": MIXED,
             "against": "Undecided: with c_e = 0.9 and our masses the steps grow with every law; "
             "with the longer rod not with Lankarani and Nikravesh's.",
@@ -730,8 +764,8 @@ def most(change: tuple[str, float, float]) -> Judge:
                 "0.5 mm alone": change_of("step_us", ROUGHER, 1, {**WIDE, **ELASTIC}, "larger")
             },
             "basis": MIXED,
-            "against": "Reproduced: the mean step is larger in every pair over our window, and "
-            "only the scatter of the runs without losses stands against it.",
+            "against": "Reproduced: the mean step is larger in every comparison over our window, "
+            "and only the scatter of the runs without losses stands against it.",
         },
     ],
 )
