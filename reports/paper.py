@@ -169,7 +169,7 @@ DEFINITIONS: Mapping[str, str] = {
     "ours": "a bound or a value that we chose, since the paper gives none.",
     "losses": "the restitution c_e, 1 or 0.9, and the friction c_f, 0 or 0.1, of the joint.",
     "the sphere": "the law of Lankarani and Nikravesh (Eq 2), which is that of a sphere.",
-    "pair": "two runs of the slider-crank that differ in one condition only.",
+    "comparison": "two runs of the slider-crank that differ in one condition only.",
     "interval, scatter of batches": (
         "half-widths at 95 % from the means of 20 batches of revolutions. Without losses there is "
         "no steady state, and they tell the scatter over the revolutions that count."

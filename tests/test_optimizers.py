@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from _cylcontact_bench.fig_optimizers import optimizer_runs
 
 from cylcontact import InputError
 from cylcontact.fitting import FitResult, calibrate, read_campaign
@@ -211,8 +212,6 @@ def test_the_figures_headline(figures):
 
 @pytest.mark.parametrize("contents", [None, "", "a,b\n1,2\n", "\0\0"])
 def test_a_comparison_that_is_not_there_is_asked_for(tmp_path, contents):
-    from _cylcontact_bench.fig_optimizers import optimizer_runs
-
     path = tmp_path / "optimizers-internal.csv"
     if contents is not None:
         path.write_text(contents)
