@@ -115,7 +115,7 @@ COMMANDS = {
     "sweep": Command(
         (*SWEEP, "{out}/sweep.csv"),
         (
-            *(*SWEEP, "sweep.csv", "--revolutions", "2", "--clearances", "0.5"),
+            *(*SWEEP, "sweep.csv", "--revolutions", "40", "--clearances", "0.5"),
             *("--laws", "enhanced", "--jobs", "1"),
         ),
         "sweep.csv",
