@@ -7,12 +7,16 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from typing import Any
 
+import numpy as np
+
 from cylcontact.reports.claims import Alternative, Finding
 
 
-def reading(choice: str, ours: str, holds: bool, miss: str = "", missing: str = "") -> Alternative:
+def reading(
+    choice: str, ours: str, holds: bool | np.bool_, miss: str = "", missing: str = ""
+) -> Alternative:
     """Return a reading; `miss` is told only where it does not hold."""
-    return Alternative(choice, ours, holds, missing, "" if holds else miss)
+    return Alternative(choice, ours, bool(holds), missing, "" if holds else miss)
 
 
 def below(choice: str, percent: float, bound: float, missing: str = "") -> Alternative:

@@ -17,7 +17,7 @@ from .. import paper
 from ..finite_elements import STRESS_LOAD, penetrations, study, table
 from ..paper import FIG5_CLEARANCES, STEEL
 from ..power_fits import fig2_fit
-from .section1 import reading
+from ..readings import reading
 
 CLOSE = 1.0  # percent, ours
 # Share of the rectangle of peak pressure and width that a pressure of that shape fills.

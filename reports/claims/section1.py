@@ -13,11 +13,12 @@ from cylcontact.laws.conformal import load_at_angle, peak_pressure
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.claims import Alternative, Finding, claim, joined, listed, with_unit
+from cylcontact.reports.claims import Finding, claim, joined, listed, with_unit
 from cylcontact.reports.laws_bounds import departure_number, johnson_end, johnson_shortfall
 
 from .. import paper
 from ..paper import STEEL
+from ..readings import reading
 
 AGREEMENT = 10.0  # percent, the paper's own bound for models that agree (Sect. 5)
 TRUTH = "conformal contact by Persson's solution (see Terms)"
@@ -39,13 +40,6 @@ BEARING = CylinderPair.from_dR(
 )
 # Its penetrations in mm are δ/ΔR; R_i does not matter.
 UNIT = CylinderPair.from_dR("internal", 1.0, STEEL)
-
-
-def reading(
-    choice: str, ours: str, holds: bool | np.bool_, miss: str = "", missing: str = ""
-) -> Alternative:
-    """Return a reading; `miss` counts only where it does not hold."""
-    return Alternative(choice, ours, bool(holds), missing, "" if holds else miss)
 
 
 @claim(

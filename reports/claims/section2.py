@@ -19,7 +19,8 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Alternative, Finding, claim, joined, untestable, with_unit
 
 from .. import paper
-from .section1 import IN_WORDS, TRUTH, reading
+from ..readings import reading
+from .section1 import IN_WORDS, TRUTH
 
 # The readings of Radzimovsky's formula.
 RADZIMOVSKY = {
