@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -22,6 +21,7 @@ from cylcontact.reports.claims import (
 )
 
 from .. import paper
+from ..readings import found
 
 SMALLEST, LARGEST = paper.COMPARED_CLEARANCES
 LOWEST, HIGHEST = paper.LOADS
@@ -58,15 +58,6 @@ def yield_load(material: Material, dR: float, R_i: float = paper.HOLE_RADIUS) ->
 def unless(met: bool, miss: str) -> str:
     """Return by how much a rule is missed; nothing where it is met."""
     return "" if met else miss
-
-
-def found(
-    own: Alternative,
-    alternatives: Sequence[Alternative],
-    values: Mapping[str, float],
-) -> Finding:
-    """Return the finding of which `own` is the first reading."""
-    return Finding(**vars(own), alternatives=alternatives, values=values)
 
 
 @claim(
@@ -108,7 +99,8 @@ def johnson_limit(bench: Bench, name: str, dR: float, printed: str) -> Finding:
     if not paper.origins({name: row}, (name,), paper.ELASTIC):
         return Finding(own.ours, own.holds, miss=own.miss, values=values)
     return found(
-        own, [reading(label, elastic(*numbers)) for label, *numbers in OTHER_ELASTIC[name]], values
+        [own, *([reading(label, elastic(*numbers)) for label, *numbers in OTHER_ELASTIC[name]])],
+        values=values,
     )
 
 
@@ -166,8 +158,10 @@ def valid_at_1000(bench: Bench) -> Finding:
     softer = materials | {name: elastic(*numbers) for name, numbers in soft.items()}
     sources = paper.material_origins(bench, paper.ELASTIC)
     return found(
-        reading("our E and ν" if sources else "", materials),
-        [reading("ceramics of 300 GPa and steels of 190 GPa", softer)] if sources else [],
+        [
+            reading("our E and ν" if sources else "", materials),
+            *([reading("ceramics of 300 GPa and steels of 190 GPa", softer)] if sources else []),
+        ],
         values=with_unit({name: limit(m, SMALLEST) for name, m in materials.items()}, "N/mm"),
     )
 
@@ -263,8 +257,8 @@ def plastics() -> Finding:
         "{:.0f} % of the clearances (logarithmic axis)"
     )
     return found(
-        reading(f"{soft}, logarithmic axes", soft_share, told),
         [
+            reading(f"{soft}, logarithmic axes", soft_share, told),
             *map(reading, stiffer, stiffer_shares),
             reading(f"{soft}, linear axis of ΔR", linear),
             reading(
@@ -273,7 +267,7 @@ def plastics() -> Finding:
                 "{:.0f} % of it is outside",
             ),
         ],
-        {"limit at 7.5 um, N/mm": limit(elastic(*PLASTICS["unfilled plastic"]), SMALLEST)}
+        values={"limit at 7.5 um, N/mm": limit(elastic(*PLASTICS["unfilled plastic"]), SMALLEST)}
         | with_unit(shares, "clearances, percent")
         | with_unit(inside, "inside, percent")
         | {"unfilled plastic, linear axis, percent": linear},
@@ -436,8 +430,8 @@ def high_clearance_high_load(bench: Bench) -> Finding:
         f"do, at {early:.0f} N/mm or less"
     )
     return found(
-        replace(own, ours=told) if late else own,
         [
+            replace(own, ours=told) if late else own,
             reading("R_i = 10 mm, yield stresses a fifth lower", 10.0, 0.8, paper.TABLE_1),
             reading("R_i = 5 mm", 5.0),
             reading("R_i = 100 mm", 100.0),
@@ -495,13 +489,13 @@ def hard_material_small_load(bench: Bench) -> Finding:
         return at_largest_clearance(choice, material, LOWEST, R_i, missing, "strength")
 
     return found(
-        with_place(
-            reading(ceramics, paper.HOLE_RADIUS, paper.TABLE_1),
-            ceramics,
-            LOWEST,
-            f"ceramics' strength of {ceramics.yield_stress:g} MPa",
-        ),
         [
+            with_place(
+                reading(ceramics, paper.HOLE_RADIUS, paper.TABLE_1),
+                ceramics,
+                LOWEST,
+                f"ceramics' strength of {ceramics.yield_stress:g} MPa",
+            ),
             reading(ceramics, 5.0),
             reading(stronger, 5.0, paper.TABLE_1),
             reading(ceramics, 100.0),
@@ -523,12 +517,19 @@ def soft_material_high_load(bench: Bench) -> Finding:
     """Return the stress over the yield stress of the aluminium alloy under the highest load."""
     material = bench.material(ALUMINIUM).material
     return found(
-        with_place(
-            at_largest_clearance("R_i = 10 mm", material, HIGHEST, 10.0),
-            material,
-            HIGHEST,
-            f"{ALUMINIUM}'s yield stress",
-        ),
-        [at_largest_clearance(f"R_i = {R_i:g} mm", material, HIGHEST, R_i) for R_i in (5.0, 100.0)],
+        [
+            with_place(
+                at_largest_clearance("R_i = 10 mm", material, HIGHEST, 10.0),
+                material,
+                HIGHEST,
+                f"{ALUMINIUM}'s yield stress",
+            ),
+            *(
+                [
+                    at_largest_clearance(f"R_i = {R_i:g} mm", material, HIGHEST, R_i)
+                    for R_i in (5.0, 100.0)
+                ]
+            ),
+        ],
         values={"stress over yield stress, -": stress_ratio(material, HIGHEST)},
     )

@@ -23,7 +23,8 @@ from ..extremes import (
     lowest_difference,
     share_below,
 )
-from .section34 import elastic, found, unless
+from ..readings import found
+from .section34 import elastic, unless
 
 Extremes = Mapping[str, Extreme]
 Materials = Mapping[str, Material]
@@ -152,8 +153,8 @@ def below_8_percent(bench: Bench) -> Finding:
     largest = largest_by_material(materials, paper.PRACTICAL)
     own = below(8, "practical domain, R_i = 10 mm", largest)
     return found(
-        with_share(own, materials, 8, paper.PRACTICAL, "the practical domain"),
         [
+            with_share(own, materials, 8, paper.PRACTICAL, "the practical domain"),
             bounded(
                 halved_strengths(materials),
                 8,
@@ -172,7 +173,7 @@ def below_8_percent(bench: Bench) -> Finding:
             reading("moderate loads from 25 µm on", FROM_25_UM),
             reading(f"moderate loads {TYPICAL_SYSTEM}", FROM_50_UM),
         ],
-        as_values(largest),
+        values=as_values(largest),
     )
 
 
@@ -206,8 +207,8 @@ def below_4_percent(bench: Bench) -> Finding:
     )
     middle, sect_32 = (replace(FROM_50_UM, loads=loads) for loads in (MIDDLE_LOADS, (20.0, 100.0)))
     return found(
-        replace(own, ours=f"{own.ours}; {told}"),
         [
+            replace(own, ours=f"{own.ours}; {told}"),
             reading(f"{MIDDLE_LABEL}, R_i = 10 mm", middle, paper.WINDOW),
             reading(f"{MIDDLE_LABEL}, R_i = 5 mm", MIDDLE_SMALL_HOLE, paper.WINDOW),
             reading("20–100 N/mm (Sect. 3.2)", sect_32, paper.WINDOW),
@@ -220,7 +221,7 @@ def below_4_percent(bench: Bench) -> Finding:
                 paper.TABLE_1,
             ),
         ],
-        as_values(largest)
+        values=as_values(largest)
         | {f"{name}, at best load, percent": abs(e.percent) for name, e in best.items()}
         | {f"{name}, ridge, percent": e.percent for name, e in ridge.items()}
         | {f"{name}, ridge, N/mm": e.load for name, e in ridge.items()},
@@ -259,13 +260,13 @@ def about_8_percent_at_25um(bench: Bench) -> Finding:
     troughs = {name: lowest_difference(m, paper.PRACTICAL) for name, m in materials.items()}
     trough = next(iter(troughs.values()))
     return found(
-        rounds_to_8("exactly 25 µm", exactly),
         [
+            rounds_to_8("exactly 25 µm", exactly),
             rounds_to_8(f"exactly 25 µm, {MIDDLE_LABEL}", at(0.025, 0.025, MIDDLE_LOADS)),
             rounds_to_8("20 to 30 µm", at(0.020, 0.030)),
             rounds_to_8("the maximum, wherever it lies", troughs),
         ],
-        with_unit({name: extreme.percent for name, extreme in exactly.items()}, "percent")
+        values=with_unit({name: extreme.percent for name, extreme in exactly.items()}, "percent")
         | {"trough, percent": trough.percent, "trough, dR, mm": trough.dR}
         | with_unit({name: extreme.load for name, extreme in troughs.items()}, "trough, N/mm"),
     )
@@ -308,8 +309,8 @@ def other_materials(bench: Bench) -> Finding:
     per_modulus = trough.load / (float(elastic(69.0, 0.24).plane_strain_modulus) / 2)
     low, high = (load / per_modulus / 1e3 for load in paper.LOADS)
     return found(
-        replace(own, ours=f"{own.ours}, against {worst:.1f} % among the five"),
         [
+            replace(own, ours=f"{own.ours}, against {worst:.1f} % among the five"),
             Alternative(
                 "loads in proportion to E*",
                 f"{trough.percent:.1f} % under {1e3 * per_modulus:.2f} N/mm per GPa of E* at "
@@ -319,7 +320,7 @@ def other_materials(bench: Bench) -> Finding:
             below(worst, "magnesium alloy and white metal, below the paper's E", soft),
             below(8, "the printed 8 %, for bronze, grey iron and alumina", stiff),
         ],
-        {"least E*, GPa": low, "most E*, GPa": high, **as_values(stiff), **as_values(soft)},
+        values={"least E*, GPa": low, "most E*, GPa": high, **as_values(stiff), **as_values(soft)},
     )
 
 
@@ -418,15 +419,15 @@ def growth_at_low_clearance(bench: Bench) -> Finding:
         told="from half the highest load to all of it the difference",
     )
     return found(
-        own,
         [
+            own,
             grows("7.5 to 20 µm, magnitude", materials, TO_20_UM, 0.5, magnitude),
             grows("7.5 to 20 µm, from 316 N/mm", materials, TO_20_UM, 0, magnitude, HIGH_LOAD),
             grows("7.5 to 30 µm, magnitude", materials, TO_30_UM, 0.5, magnitude),
             grows("7.5 to 30 µm, signed as in Eq 9", materials, TO_30_UM, 0.5, signed),
             grows("7.5 to 30 µm, from three quarters", materials, TO_30_UM, 0.75, magnitude),
         ],
-        {
+        values={
             f"{name} at {load} load, percent": float(value)
             for name, pair in halves.items()
             for load, value in zip(("half", "highest"), pair, strict=True)
@@ -471,13 +472,13 @@ def growth_with_falling_stiffness(bench: Bench) -> Finding:
     }
     own = at_shared_load(metals, SMALLEST)
     return found(
-        ordered("7.5 µm, under the highest load that all carry", own),
         [
+            ordered("7.5 µm, under the highest load that all carry", own),
             ordered("10 µm", at_shared_load(metals, 0.010)),
             ordered("7.5 µm, three quarters of that load", at_shared_load(metals, SMALLEST, 0.75)),
             ordered("7.5 µm, each at its own highest load", at_ends),
         ],
-        with_unit({name: float(size) for name, size in own.items()}, "percent"),
+        values=with_unit({name: float(size) for name, size in own.items()}, "percent"),
     )
 
 
@@ -514,9 +515,13 @@ def ceramics_exception(bench: Bench) -> Finding:
     least = -float(growth(ceramics, SMALL, 0.5, magnitude).max())
     told = f"for ceramics the difference shrinks by {least:.1f} percentage points or more"
     return found(
-        replace(own, ours=told),
-        [falls("7.5 to 20 µm", TO_20_UM), out_of_order(0.010), out_of_order(SMALLEST)],
-        {"half load, percent": float(half), "highest load, percent": float(end)},
+        [
+            replace(own, ours=told),
+            falls("7.5 to 20 µm", TO_20_UM),
+            out_of_order(0.010),
+            out_of_order(SMALLEST),
+        ],
+        values={"half load, percent": float(half), "highest load, percent": float(end)},
     )
 
 
@@ -536,22 +541,22 @@ def growth_below_quarter_mm(bench: Bench) -> Finding:
     dR = BELOW_QUARTER_MM
     rises = {name: float(growth(m, dR, 0.5, signed).min()) for name, m in materials.items()}
     return found(
-        grows(
-            "signed as in Eq 9, from 500 to 1000 N/mm",
-            materials,
-            dR,
-            0.5,
-            signed,
-            told="from 500 to 1000 N/mm the difference with its sign",
-        ),
         [
+            grows(
+                "signed as in Eq 9, from 500 to 1000 N/mm",
+                materials,
+                dR,
+                0.5,
+                signed,
+                told="from 500 to 1000 N/mm the difference with its sign",
+            ),
             grows(
                 "signed, from 316 to 1000 N/mm", materials, dR, HIGH_LOAD / paper.LOADS[1], signed
             ),
             grows("magnitude, from 500 to 1000 N/mm", materials, dR, 0.5, magnitude),
             grows("magnitude, 750 to 1000 N/mm, without ceramics", metals, dR, 0.75, magnitude),
         ],
-        with_unit(rises, "percentage points"),
+        values=with_unit(rises, "percentage points"),
     )
 
 
@@ -575,13 +580,13 @@ def growth_below_quarter_mm_against_modulus(bench: Bench) -> Finding:
         return ordered(f"{choice}, given at 20 µm", sizes, "points")
 
     return found(
-        reading("signed as in Eq 9, from 500 to 1000 N/mm", materials, 0.5, signed),
         [
+            reading("signed as in Eq 9, from 500 to 1000 N/mm", materials, 0.5, signed),
             reading("signed, from 750 to 1000 N/mm", materials, 0.75, signed),
             reading("magnitude, without ceramics", metals, 0.5, magnitude),
             reading("magnitude", materials, 0.5, magnitude),
         ],
-        with_unit(at_tenth, "percentage points"),
+        values=with_unit(at_tenth, "percentage points"),
     )
 
 
@@ -602,12 +607,12 @@ def below_10_percent(bench: Bench) -> Finding:
     largest = largest_by_material(materials, paper.MODERATE)
     own = below(10, MODERATE_LABEL, largest, paper.WINDOW)
     return found(
-        with_share(own, materials, 10, paper.MODERATE),
         [
+            with_share(own, materials, 10, paper.MODERATE),
             reading("up to half of Eq 8's limit", paper.MODERATE, without=past_half_of_limit),
             reading(MIDDLE_LABEL, MIDDLE, paper.WINDOW),
             reading(TYPICAL_BEARING, FROM_20_UM),
             reading(TYPICAL_SYSTEM, FROM_50_UM),
         ],
-        as_values(largest),
+        values=as_values(largest),
     )
