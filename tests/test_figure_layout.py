@@ -73,8 +73,8 @@ def _too_small(axes: Axes) -> None:
 
 
 def _title_over_another(axes: Axes) -> None:
-    axes.set_title("(a) a title of its panel", loc="left")
-    axes.set_title("published coefficients, and more", loc="right")
+    axes.set_title("(a) low-carbon steel, E = 200 GPa", loc="left")
+    axes.set_title("published coefficients in this window", loc="right")
 
 
 def _legend_over_a_line(axes: Axes) -> None:
@@ -91,7 +91,7 @@ def _legend_over_a_line(axes: Axes) -> None:
         (_out_of_the_frame, "'an annotation that is longer than its panel' crosses the frame"),
         (_off_the_page, "'beyond the right margin' leaves the page"),
         (_too_small, "'small print' has 5.0 points"),
-        (_title_over_another, "'(a) a title of its panel' overlaps 'published coefficients, and"),
+        (_title_over_another, "'(a) low-carbon steel, E = 200 GPa' overlaps 'published"),
         (_legend_over_a_line, "'a line that runs through its own legend' has a line through it"),
     ],
 )
