@@ -168,7 +168,7 @@ def draw(
         drawing: Drawing = function(bench, **given)
         # Arranged once, so that each format shows the same and none does it again.
         drawing.figure.draw_without_rendering()
-        drawing.figure.set_layout_engine("none")
+        drawing.figure.set_layout_engine(None)
         return drawing
 
 
