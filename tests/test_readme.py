@@ -89,7 +89,7 @@ def planned():
 
 
 def test_make_draws_as_many_figures_as_it_says():
-    names = re.search(r"cylcontact report (.*) --results build", planned())[1].split()
+    names = re.search(r"cylcontact figure (.*) --results build", planned())[1].split()
     assert f"leaves {len(names)} figures" in README
     assert set(names) <= set(find_recipes(Bench(ROOT)))
     assert {name for name in names if name[3:].isdigit()} == {f"fig{n:02d}" for n in range(1, 20)}

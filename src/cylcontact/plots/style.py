@@ -168,7 +168,7 @@ def choose(
     base = STYLES[_one_of("--style", style or own.style, tuple(STYLES))]
     if font_size is not None and not SMALLEST_FONT <= font_size <= LARGEST_FONT:
         rule = f"must be from {SMALLEST_FONT:g} to {LARGEST_FONT:g}"
-        raise InputError("report", "--font-size", font_size, rule, "give it in points")
+        raise InputError("figure", "--font-size", font_size, rule, "give it in points")
     if own.font is not None:
         _require_font(str(style_file), own.font)
     figure_style = replace(
@@ -190,7 +190,7 @@ def _as_format(form: str) -> Format:
 def _one_of(option: str, value: str, known: tuple[str, ...]) -> str:
     """Return `value`, or raise `InputError` with the known values."""
     if value not in known:
-        raise InputError("report", option, value, "is unknown", f"choose {', '.join(known)}")
+        raise InputError("figure", option, value, "is unknown", f"choose {', '.join(known)}")
     return value
 
 

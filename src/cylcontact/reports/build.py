@@ -307,7 +307,7 @@ def _require_programs(formats: Iterable[Format]) -> None:
     """Raise `InputError` where a format needs a program that is not installed."""
     if "pgf" in formats and which("xelatex") is None:
         raise InputError(
-            "report",
+            "figure",
             "--format",
             "pgf",
             "needs xelatex, which measures the text of the figure and is not installed",
@@ -508,10 +508,12 @@ def _require_arguments(name: str, function: Callable[..., Any], given: Arguments
     for key, value in given.items():
         if key not in known:
             rule = f"takes {', '.join(known)}" if known else "takes no arguments"
-            raise InputError(name, key, value, rule, f"write: report {name} {example}".rstrip())
+            remedy = f"write: cylcontact figure {name} {example}".rstrip()
+            raise InputError(name, key, value, rule, remedy)
     for key in needed:
         if key not in given:
-            raise InputError(name, key, None, "is needed", f"write: report {name} {example}")
+            remedy = f"write: cylcontact figure {name} {example}"
+            raise InputError(name, key, None, "is needed", remedy)
 
 
 def _refuse_unknown(name: str, bench: Bench, recipes: Mapping[str, Path]) -> None:
