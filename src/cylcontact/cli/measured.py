@@ -22,11 +22,12 @@ from cylcontact.cli.options import (
     require_internal,
     split,
 )
-from cylcontact.cli.terminal import progress_bars
+from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
 from cylcontact.files import owning
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.pair import CONTACTS
+from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
     from cylcontact.fitting.campaign import Campaign, MeasuredTable
@@ -255,7 +256,7 @@ def choose(
         with progress_bars() as progress:
             choice = choose_law(measured, law or (), progress)
         write_choice(choice, folder)
-    typer.echo(f"{choice}\n\nwritten to {folder}: {', '.join(CHOICE_FILES)}")
+    show(joined([str(choice), f"written to {folder}: {', '.join(CHOICE_FILES)}"], "\n\n"))
 
 
 def _name_bodies(source: str, given: dict[str, Any]) -> None:

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cylcontact.cli.options import integer_from
-from cylcontact.cli.terminal import progress_bars
+from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix, require_writable
+from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
     from cylcontact.parallel import Workers
@@ -113,7 +114,7 @@ def study_uncertainty(
             )
             text = discrepancy_text(study, fit)
     _write(study, out)
-    typer.echo(text + (f"\n\nwritten to {out}" if out else ""))
+    show(joined([text, *([f"written to {out}"] if out else [])], "\n\n"))
 
 
 def _require_study(

@@ -34,13 +34,13 @@ from cylcontact.fitting.least_squares import descend, starting_points
 from cylcontact.fitting.measured_objective import MeasuredObjective, measured
 from cylcontact.fitting.noise_model import FittedNoise
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.report import text_table
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.information import log_likelihood, number_estimated
 from cylcontact.fitting.uncertainty.residual_model import with_rows
 from cylcontact.laws import DEFINITIONS
 from cylcontact.pair import Contact
 from cylcontact.progress import Progress, silent
+from cylcontact.text_tables import joined, text_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -205,7 +205,7 @@ class Choice:
         items = (fill(note, 100, initial_indent="- ", subsequent_indent="  ") for note in notes)
         count = len(measured(self.best.problem).data)
         title = f"{self.data.name}: {len(self.laws)} laws fitted to {count:,} measurements"
-        return "\n".join([title, "", text_table(head, rows), *items])
+        return joined([title, "", text_table(head, rows), *items])
 
     def _conclusion(self) -> str:
         """Return whether the data decide, in a sentence."""
