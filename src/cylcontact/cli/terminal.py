@@ -60,7 +60,8 @@ def _drawn(piece: str, console: Console) -> str:
         table.add_column(column, justify="left" if index == 0 else "right", no_wrap=True)
     for row in piece.rows:
         table.add_row(*row)
-    if Measurement.get(console, console.options, table).maximum > console.width:
+    unlimited = console.options.update(max_width=10_000)
+    if Measurement.get(console, unlimited, table).maximum > console.width:
         return piece
     with console.capture() as capture:
         console.print(table)
