@@ -133,19 +133,25 @@ class TableOptions:
     ] = None
     free: Annotated[
         list[str] | None,
-        _option("--free", help="Search a parameter that is held; may be repeated.", metavar="NAME"),
+        _option(
+            "--free",
+            help="Search a parameter that is held.",
+            metavar="NAME[,...]",
+            callback=split,
+        ),
     ] = None
     bound: Annotated[
         list[str] | None,
         _option(
             "--bound",
-            help="Search a parameter between two values; may be repeated.",
-            metavar="NAME=LOW:HIGH",
+            help="Search a parameter between two values.",
+            metavar="NAME=LOW:HIGH[,...]",
+            callback=split,
         ),
     ] = None
     fix: Annotated[
         list[str] | None,
-        _option("--fix", help="Fix a parameter; may be repeated.", metavar="NAME=VALUE"),
+        _option("--fix", help="Fix a parameter.", metavar="NAME=VALUE[,...]", callback=split),
     ] = None
 
 
@@ -154,7 +160,7 @@ class LawOption:
     """The option of `fit` for the law to fit to a table."""
 
     law: Annotated[
-        str | None, _option("--law", help="The law, or module:function of your own.")
+        str | None, _option("--law", help="The law, e.g. johnson; or module:function of your own.")
     ] = None
 
 
@@ -235,7 +241,12 @@ def choose(
     *,
     law: Annotated[
         list[str] | None,
-        _option("--law", help="A law to compare; may be repeated. All by default."),
+        _option(
+            "--law",
+            help="The law, e.g. johnson; several are compared, all by default.",
+            metavar="NAME[,...]",
+            callback=split,
+        ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="The folder; results/NAME beside the table.")

@@ -58,7 +58,9 @@ class Changes:
 
     law: Annotated[
         list[str] | None,
-        typer.Option(callback=split, metavar="NAME[,...]", help="Contact law, e.g. johnson."),
+        typer.Option(
+            callback=split, metavar="NAME[,...]", help="The law, e.g. johnson; several in a study."
+        ),
     ] = None
     clearance: Annotated[list[str] | None, _list("Radial clearance, mm.")] = None
     restitution: Annotated[list[str] | None, _list("Restitution, above 0 up to 1.")] = None

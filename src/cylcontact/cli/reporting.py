@@ -175,16 +175,23 @@ def claims(
 
 def laws(
     E: Annotated[
-        str | None, typer.Option("--E", help="Young's modulus, MPa or '207 GPa', the default.")
+        str | None,
+        typer.Option(
+            "--E",
+            help="Young's modulus of both bodies, MPa or e.g. '207 GPa'; that is the default.",
+        ),
     ] = None,
     nu: Annotated[
-        float | None, typer.Option("--nu", help="Poisson's ratio; 0.3 by default.")
+        float | None,
+        typer.Option("--nu", help="Poisson's ratio of both bodies; 0.3 by default."),
     ] = None,
     dR: Annotated[
         float | None,
         typer.Option("--dR", help="ΔR, mm; by default 0.05 internal, twice Ri external."),
     ] = None,
-    R_i: Annotated[float, typer.Option("--Ri", help="Radius of the hole or roller, mm.")] = 10.0,
+    R_i: Annotated[
+        float, typer.Option("--Ri", help="Radius of body i, mm; the hole, or a roller.")
+    ] = 10.0,
     length: Annotated[float, typer.Option(help="Axial length, mm.")] = 10.0,
     load: Annotated[float, typer.Option(help="Load per unit length, N/mm.")] = 100.0,
     contact: Annotated[str, typer.Option(help=f"{listed(CONTACTS)}.")] = "internal",
@@ -234,7 +241,7 @@ def export(
         typer.Option("--to", help=f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}."),
     ],
     contact: Annotated[
-        str | None, typer.Option(help=f"{listed(CONTACTS)}, for laws that depend on it.")
+        str | None, typer.Option(help=f"{listed(CONTACTS)}; for laws that depend on it.")
     ] = None,
     out: Annotated[
         Path | None,
