@@ -56,23 +56,7 @@ def study_uncertainty(
     where: Workers,
     out: Path | None,
 ) -> None:
-    """Estimate the uncertainty of a fit: noise of measurements, or discrepancy of laws.
-
-    Parameters
-    ----------
-    result : Path
-        The result.
-    options : StudyOptions
-        What to study.
-    law : str or None
-        module:function, to run a law of the user's own again.
-    seed : int or None
-        Of the resampling.
-    where : int or Cluster
-        Where to run the refits.
-    out : Path or None
-        A .json to write everything to.
-    """
+    """Estimate the uncertainty of a fit: noise of measurements, or discrepancy of laws."""
     from cylcontact.fitting import FitResult
     from cylcontact.fitting.report import discrepancy_text, noise_text
     from cylcontact.fitting.uncertainty.discrepancy import DiscrepancyStudy, study_discrepancy
