@@ -26,6 +26,8 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src"
 # Pictures of earlier builds, with the record of what each was drawn from.
 DRAWN = ROOT / "build" / "gallery"
+# Front matter that keeps a page out of the search.
+UNINDEXED = "---\nsearch:\n  exclude: true\n---\n"
 EQUATION = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
 
 
@@ -50,7 +52,9 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
         files.append(File.generated(config, f"gallery/{png.name}", abs_src_path=str(png)))
     for recipe in {recipes[result.name] for result in results}:
         name = recipe.relative_to(ROOT).as_posix()
-        text = f"---\nsearch:\n  exclude: true\n---\n# {name}\n\n```python\n{recipe.read_text()}```\n"
+        text = (
+            f"---\nsearch:\n  exclude: true\n---\n# {name}\n\n```python\n{recipe.read_text()}```\n"
+        )
         files.append(File.generated(config, f"gallery/{recipe.stem}.md", content=text))
     config.extra["figures"] = results
     return files
@@ -91,8 +95,9 @@ def _shown(titled: Iterable[tuple[str, Plate]]) -> Iterator[str]:
 def _card(figure: Figure, title: str) -> str:
     """Return a figure with its command, its recipe and its caption."""
     source = f"[{figure.recipe}](gallery/{Path(figure.recipe).stem}.md)"
+    picture = f"[![{escape(title)}]({figure.picture}){{ loading=lazy }}]({figure.picture})"
     return (
-        f"<div markdown>\n[![{escape(title)}]({figure.picture}){{ loading=lazy }}]({figure.picture})\n\n"
+        f"<div markdown>\n{picture}\n\n"
         f"**{title}**<br>`cylcontact report {figure.name}` · {source}\n\n"
         f"<details><summary>Caption</summary>{escape(figure.caption)}</details>\n</div>\n"
     )
