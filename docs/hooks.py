@@ -115,7 +115,7 @@ def _drawn(bench: Bench) -> list[FigureResult]:
             if result.problem:
                 raise result.problem
             known[result.name] = replace(result, paths=result.paths[:1])
-        figures = [asdict(known[name]) | {"paths": [f"{name}.png"]} for name in names]
+        figures = [asdict(figure) | {"paths": [f"{name}.png"]} for name, figure in known.items()]
         record.write_text(json.dumps({"package": package, "figures": figures}), encoding="utf-8")
     return [known[name] for name in names]
 
