@@ -201,8 +201,9 @@ CUT_OFF = """() => {
     for (let at = node; at; at = at.parentElement) if (scrolls(at)) return false;
     return true;
   };
-  const shown = [...document.querySelectorAll("article *")].filter((node) => node.checkVisibility());
-  const found = shown.filter(cut).map((node) => `${node.tagName} ${node.textContent.slice(0, 40)}`);
+  const parts = [...document.querySelectorAll("article *")];
+  const found = parts.filter((node) => node.checkVisibility() && cut(node))
+    .map((node) => `${node.tagName} ${node.textContent.slice(0, 40)}`);
   for (const code of document.querySelectorAll("article pre > code"))
     if (code.scrollWidth > code.clientWidth && !scrolls(code)) found.push(code.textContent);
   if (document.documentElement.scrollWidth > innerWidth) found.push("the page");
