@@ -9,7 +9,7 @@ CYLCONTACT := $(BIN)/cylcontact
 SOURCES := $(shell find src/cylcontact -name '*.py')
 BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.toml datasets/*/*.csv datasets/*/*.jsonl)
 # That of a thousand million samples, which takes minutes, is benchmarks/huge.toml: make scaling.
-# Your own, named mine*, are for `cylcontact fit` and `cylcontact report` alone.
+# Your own, named mine*, are for `cylcontact fit` and `cylcontact figure` alone.
 CAMPAIGNS := $(filter-out fitting/mine%,$(wildcard fitting/*.toml))
 RESULTS := $(CAMPAIGNS:fitting/%.toml=fitting/results/%.json)
 COMPARISONS := $(patsubst %,fitting/results/optimizers-%.csv,internal external)
@@ -42,7 +42,7 @@ build/comparison.txt: build/recovered-internal.json build/recovered-external.jso
 	@$(CYLCONTACT) compare $^ > $@
 
 build/.figures: build/internal.json build/external.json $(RECIPES) $(BENCH)
-	$(CYLCONTACT) report $(MAIN_FIGURES) --results build
+	$(CYLCONTACT) figure $(MAIN_FIGURES) --results build
 	@touch $@
 
 ##@ Results and figures
@@ -70,28 +70,30 @@ finite-element: $(VENV)/.editable ## Redo the finite elements' tables (some minu
 		-o $(FE)/recommended-calculix.csv
 
 # The paper's 24 cases: what a tolerance gives, and how far two of them agree.
+CASES := --law lankarani-nikravesh,johnson,enhanced --clearance 0.5,0.02 --restitution 1,0.9 --friction 0,0.1
+
 mechanism: $(VENV)/.editable ## Redo the mechanism's tables, datasets/mechanism (some minutes)
-	$(CYLCONTACT) tolerances datasets/slider_crank.toml -o datasets/mechanism/tolerances.csv \
-		--tolerances 1e-5,1e-6,1e-7,1e-8,1e-9,1e-10
-	$(CYLCONTACT) sweep datasets/slider_crank.toml -o datasets/mechanism/cases.csv \
-		--revolutions 20 --first 3 --beyond tangent --against 1e-10
+	$(CYLCONTACT) simulate datasets/slider_crank.toml --study tolerances $(CASES) \
+		--tolerance 1e-5,1e-6,1e-7,1e-8,1e-9,1e-10 -o datasets/mechanism/tolerances.csv
+	$(CYLCONTACT) simulate datasets/slider_crank.toml --study cases $(CASES) \
+		--revolutions 20 --first 3 --beyond tangent --against 1e-10 -o datasets/mechanism/cases.csv
 	$(MAKE) bifurcation
 
 # Periodic or not: once each contact with the δ̇⁽⁻⁾ of its onset, once with one that is held.
 bifurcation: $(VENV)/.editable ## Redo datasets/mechanism/bifurcation.csv alone (some minutes)
-	$(CYLCONTACT) bifurcation datasets/slider_crank.toml -o datasets/mechanism/bifurcation.csv \
-		--law johnson --beyond tangent --clearances 0.01,0.5 --points 48 --revolutions 200 \
-		--last 60 --impact-rates 0,0.1
+	$(CYLCONTACT) simulate datasets/slider_crank.toml --study bifurcation --law johnson \
+		--beyond tangent --clearance 0.01,0.5 --points 48 --revolutions 200 --last 60 \
+		--impact-rate 0,0.1 -o datasets/mechanism/bifurcation.csv
 
 optimizers: $(COMPARISONS) ## Compare the optimisers on both main campaigns, into fitting/results
 
 $(COMPARISONS): fitting/results/optimizers-%.csv: fitting/%.toml FORCE | $(VENV)/.extras
-	$(CYLCONTACT) optimizers $< -o $@
+	$(CYLCONTACT) fit $< --optimizer all -o $@
 
 figures: build/.figures ## Draw the figures from this machine's fits, in build
 
 report: $(VENV)/.editable ## Build the report, reports/html/index.html, from the committed fits
-	$(CYLCONTACT) report --html
+	$(CYLCONTACT) report
 
 claims: $(VENV)/.editable ## Hold every number the paper states against ours
 	$(CYLCONTACT) claims
@@ -101,7 +103,7 @@ verify: $(VENV)/.editable ## Fit afresh and compare with the committed results
 
 bench: $(VENV)/.extras ## Measure the speed against what one would use instead (ten minutes)
 	$(BIN)/python -m benchmarks
-	$(CYLCONTACT) report fig_benchmarks
+	$(CYLCONTACT) figure fig_benchmarks
 
 scaling: $(VENV)/.editable ## Measure what each step of a calibration costs up to 1e9 samples (ten minutes)
 	$(BIN)/python -m benchmarks.scaling

@@ -141,7 +141,7 @@ AIMS = (
     ),
     Aim(
         "All figures from the committed fits, in s",
-        measured("start_up", "figures", "report"),
+        measured("start_up", "figures", "figure"),
         30,
     ),
 )

@@ -26,7 +26,7 @@ def measure(short: bool) -> Iterator[list[Row]]:
     if short:
         return
     with tempfile.TemporaryDirectory() as folder:
-        draw = Side("cylcontact report", partial(_run, *CYLCONTACT, "report", "-o", folder))
+        draw = Side("cylcontact figure", partial(_run, *CYLCONTACT, "figure", "-o", folder))
         # Once: a fresh process is as warm as it will be, and this is the longest of all sides.
         seconds = {draw.name: [seconds_of(draw)]}
     yield rows("start_up", f"{len(list(BENCH.glob('reports/*.py')))} figures", seconds, "s", 1.0)

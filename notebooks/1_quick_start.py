@@ -104,7 +104,7 @@ laws_table.deviations(pair).round(2)
 # ## A map
 #
 # Where the published enhanced law can be trusted for low-carbon steel: the recipe of Fig 12, drawn
-# here. `cylcontact report fig12` writes it as PNG and PDF with the CSV of its numbers.
+# here. `cylcontact figure fig12` writes it as PNG and PDF with the CSV of its numbers.
 
 # %%
 fig12 = build.draw("fig12", bench)

@@ -89,7 +89,7 @@ def _points(pose: Pose) -> pd.DataFrame:
 
 def _draw_panels(slider_crank: Mechanism, pose: Pose, joint: Magnified) -> Figure:
     """Draw the mechanism, and beside it its joint."""
-    figure = new_figure("full", 62.0, wide=True)
+    figure = new_figure("full", 62.0)
     left, right = figure.subplots(1, 2, width_ratios=WIDTHS)
     view = frame(slider_crank, [pose])
     set_view(left, view)

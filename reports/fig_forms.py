@@ -188,7 +188,7 @@ def _errors(
 
 def _draw_bars(table: pd.DataFrame) -> Figure:
     """Draw a bar per form, its formula to the left and its error and cost to the right."""
-    figure = new_figure("full", 112.0, wide=True)
+    figure = new_figure("full", 112.0)
     axes = figure.subplots()
     places = np.arange(1, len(table) + 1) + np.where(table["given"] == "load", 1, 0)
     for place, row in zip(places, table.to_dict("records"), strict=True):

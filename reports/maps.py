@@ -4,7 +4,7 @@ The paper's five materials are drawn with the published coefficients (figNN), re
 paper's ranges (r), over the practical domain (p), and to conformal contact and judged by it (c).
 Any other combination goes by arguments, from the command line
 
-    cylcontact report maps material="titanium alloy" law=explicit
+    cylcontact figure maps material="titanium alloy" law=explicit
 
 or from Python, `difference_map(bench, "titanium alloy", law="explicit")`. These draw first yield by
 von Mises; Figs 10 to 14 keep the paper's estimate, Hertz's peak pressure equal to the yield stress.

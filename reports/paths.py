@@ -158,7 +158,7 @@ def _turns(run: Trajectory) -> float:
 def _draw_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
     """Draw the paths of one clearance, a row for each law and a column for each dissipation."""
     columns = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
-    figure = new_figure("full", 118.0, wide=True)
+    figure = new_figure("full", 118.0)
     panels = figure.subplots(len(JOINT_LAWS), len(columns), sharex=True, sharey=True)
     clearance = next(iter(paths)).clearance * 1e3
     farthest = max(float(np.hypot(path["x_um"], path["y_um"]).max()) for path in paths.values())

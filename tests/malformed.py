@@ -98,7 +98,7 @@ SPECS = (
     ("datasets/*.toml", GridSpec, ("sample", "{}", "-o", "out.csv")),
     ("fitting/examples/*.toml", MeasuredSpec, ("fit", "{}", *OUT)),
     ("fitting/*.toml", CampaignSpec, ("fit", "{}", *OUT)),
-    ("reports/style.toml", StyleFile, ("report", "fig12")),
+    ("reports/style.toml", StyleFile, ("figure", "fig12")),
     ("good.json", FitResult, READERS["good.json"]),
 )
 
@@ -322,7 +322,7 @@ NOT_JSON = {
 }
 # Separated by semicolons; test_cli.py, test_mechanism_sweep.py and others have more, with messages.
 COMMANDS = """
-export; simulate; sweep; finite-element; optimizers; uncertainty; sample elements.toml -o out.csv;
+export; simulate; finite-element; fit; sample elements.toml -o out.csv;
 sample . -o out.csv; fit mechanism.toml; fit fitting/small.toml --optimizer;
 fit fitting/small.toml --optimizer simplex; fit fitting/small.toml --scheduler nowhere;
 fit fitting/small.toml --scheduler tcp://x:y; fit table.csv --law hertz --contact internal;
@@ -330,8 +330,12 @@ fit table.csv --law power --contact x;
 fit table.csv --law os:system --contact internal -o out.json;
 fit table.csv --law power --contact internal --loss steep -o out.json;
 fit table.csv --law nomodule:f --contact internal -o out.json;
-optimizers fitting/small.toml simplex; optimizers fitting/small.toml -o out.json;
-optimizers no.toml; optimizers fitting/small.toml -o .; optimizers datasets/small.toml;
+fit fitting/small.toml --optimizer genetic,simplex; fit fitting/small.toml --optimizer all,cma;
+fit fitting/small.toml --optimizer all -o out.json; fit no.toml --optimizer all;
+fit fitting/small.toml --optimizer all -o .; fit datasets/small.toml --optimizer all;
+fit fitting/small.toml --optimizer all --force; fit fitting/small.toml --level 0.9;
+fit table.csv --law power --contact internal --pairs; fit good.json --runs 2;
+fit good.json --resume;
 compare mechanism.toml; export good.json; export good.json --to cobol;
 export --to c; export --joint no.toml --to c -o out.c; export --joint good.json --to c -o out.c;
 export --joint datasets/slider_crank.toml --to c -o out.c;
@@ -342,8 +346,11 @@ export explicit --joint datasets/joint.toml --to c -o out.c;
 export --joint datasets/joint.toml --contact internal --to c -o out.c;
 export nonsense --to c; export johnson --to c --contact sideways; export no.json --to c;
 laws --E -1; laws --nu 2; laws --dR 0; laws --load x; laws --contact sideways; claims -o out.txt;
-report nonsense; simulate datasets/small.toml; simulate mechanism.toml --restitution 2;
-simulate mechanism.toml --tolerance x; sweep no.toml; sweep mechanism.toml --jobs 0;
+figure nonsense; figure fig12 --format gif; figure --html;
+simulate datasets/small.toml; simulate mechanism.toml --restitution 2;
+simulate mechanism.toml --tolerance x; simulate no.toml --study cases -o t.csv;
+simulate mechanism.toml --study cases -o t.csv --jobs 0; simulate mechanism.toml --jobs 2;
+simulate mechanism.toml --study cases; simulate mechanism.toml --study chaos -o t.csv;
 finite-element no.toml; finite-element mechanism.toml
 """
 

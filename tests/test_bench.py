@@ -190,7 +190,7 @@ class TestMapsByArgument:
         self, figures: DrawnFigures, maps_bench: Bench, run, figure: str, law: str
     ) -> None:
         arguments = ["material=low-carbon steel", *([f"law={law}"] if law else [])]
-        done = run("report", "maps", *arguments, "--format", "svg", "--jobs", 1)
+        done = run("figure", "maps", *arguments, "--format", "svg", "--jobs", 1)
         assert done == (0, "1 figure in reports/figures\n", "")
         stem = "-".join(filter(None, ["maps-low-carbon-steel", law]))
         csv = maps_bench.figures_folder / f"{stem}.csv"
@@ -220,15 +220,18 @@ class TestMapsByArgument:
 
     def test_a_law_and_a_reference(self, maps_bench: Bench, run) -> None:
         arguments = ("material=gunmetal", "law=explicit", "reference=persson")
-        assert run("report", "maps", *arguments, "--format", "svg", "--jobs", 1)[0] == 0
+        assert run("figure", "maps", *arguments, "--format", "svg", "--jobs", 1)[0] == 0
         csv = maps_bench.figures_folder / "maps-gunmetal-explicit-persson.csv"
         assert "persson_penetration_mm" in csv.read_text().partition("\n")[0]
 
     @pytest.mark.parametrize(
         ("words", "message"),
         [
-            (["maps"], "maps: material: is needed; write: report maps material=…"),
-            (["maps", "law=explicit"], "maps: material: is needed; write: report maps material=…"),
+            (["maps"], "maps: material: is needed; write: cylcontact figure maps material=…"),
+            (
+                ["maps", "law=explicit"],
+                "maps: material: is needed; write: cylcontact figure maps material=…",
+            ),
             (
                 ["maps", "material=brass"],
                 "datasets/materials.csv: name = 'brass': no material has this name; add it to this "
@@ -251,32 +254,32 @@ class TestMapsByArgument:
             ),
             (
                 ["maps", "material=ceramics", "colour=red"],
-                "maps: colour = 'red': takes material, law, reference; write: report maps "
-                "material=…",
+                "maps: colour = 'red': takes material, law, reference; write: cylcontact figure "
+                "maps material=…",
             ),
             (
                 ["fig12", "material=ceramics"],
-                "fig12: material = 'ceramics': takes no arguments; write: report fig12",
+                "fig12: material = 'ceramics': takes no arguments; write: cylcontact figure fig12",
             ),
             (
                 ["fig98", "material=ceramics"],
-                "fig98: material = 'ceramics': takes no arguments; write: report fig98",
+                "fig98: material = 'ceramics': takes no arguments; write: cylcontact figure fig98",
             ),
             (
                 ["maps", "fig12", "material=ceramics"],
-                "report: material = 'ceramics': is an argument of one recipe; name that recipe "
+                "figure: material = 'ceramics': is an argument of one recipe; name that recipe "
                 "before it, and no other",
             ),
             (
                 ["material=ceramics"],
-                "report: material = 'ceramics': is an argument of one recipe; name that recipe "
+                "figure: material = 'ceramics': is an argument of one recipe; name that recipe "
                 "before it, and no other",
             ),
         ],
     )
     def test_mistakes(self, maps_bench: Bench, run, words: list[str], message: str) -> None:
         put(maps_bench, "fig98.py", RECIPE)
-        assert run("report", *words, "--jobs", 1) == (2, "", f"cylcontact: {message}\n")
+        assert run("figure", *words, "--jobs", 1) == (2, "", f"cylcontact: {message}\n")
         assert not maps_bench.figures_folder.exists()
 
     def test_without_arguments_all_other_figures_are_drawn(self) -> None:
@@ -286,11 +289,11 @@ class TestMapsByArgument:
 class TestAdditions:
     def test_a_figure_is_one_file(self, bench: Bench, run) -> None:
         put(bench, "fig_mine.py", RECIPE.replace("A line of loads", "Loads of mine"))
-        assert run("report", "fig_mine", "--jobs", 1)[:2] == (0, "1 figure in reports/figures\n")
+        assert run("figure", "fig_mine", "--jobs", 1)[:2] == (0, "1 figure in reports/figures\n")
         assert {path.suffix for path in bench.figures_folder.glob("fig_mine.*")} == {
             *(".png", ".pdf", ".csv"),
         }
-        code, out, errors = run("report", "--html", "--jobs", 1)
+        code, out, errors = run("report", "--jobs", 1)
         assert (code, out, errors) == (0, "open reports/html/index.html\n", "")
         page = Path("reports/html/index.html").read_text(encoding="utf-8")
         assert "Loads of mine, N/mm." in page
@@ -299,7 +302,7 @@ class TestAdditions:
     def test_a_material_is_one_row_and_moves_no_other_figure(
         self, figures: DrawnFigures, maps_bench: Bench, run
     ) -> None:
-        assert run("report", "maps", "material=gunmetal", "--format", "svg", "--jobs", 1)[0] == 0
+        assert run("figure", "maps", "material=gunmetal", "--format", "svg", "--jobs", 1)[0] == 0
         assert (maps_bench.figures_folder / "maps-gunmetal.svg").is_file()
         for name in ("fig07", "clearance"):
             shutil.copy(ROOT / "reports" / f"{name}.py", maps_bench.recipes_folder)

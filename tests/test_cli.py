@@ -234,7 +234,7 @@ BAD_INPUT = [
     ((), "Missing command; see cylcontact --help"),
     (("frobnicate",), "No such command 'frobnicate'; see cylcontact --help"),
     (("--nope",), "No such option: --nope; see cylcontact --help"),
-    (("fit",), "Missing argument 'campaign'; see cylcontact fit --help"),
+    (("fit",), "Missing argument 'CAMPAIGN|TABLE|RESULT'; see cylcontact fit --help"),
     (("sample", *OUT), "Missing argument 'spec'; see cylcontact sample --help"),
     (SAMPLE, "Missing option '-o' / '--out'; see cylcontact sample --help"),
     (("compare",), "Missing argument 'results'; see cylcontact compare --help"),
@@ -290,14 +290,14 @@ BAD_INPUT = [
         "fitting/small.toml: is a campaign, not a mechanism; name",
     ),
     (("sample", "fitting/small.toml", *OUT), "fitting/small.toml: is a campaign, not a grid spec;"),
-    (("fit", "good.json"), "good.json: is a fit result, not a TOML spec; name a TOML spec"),
+    (("fit", "good.json", "--runs", "2"), "good.json: --runs: is for a calibration or a compari"),
     (("compare", "datasets/small.toml"), "datasets/small.toml: is a grid spec, not a fit result;"),
     (("compare", "no.csv"), "no.csv: cannot be read ("),
     (("verify", "table.csv"), "table.csv: is a table, not a fit result; name a fit result"),
     # folders of results
     (("claims", "--results", "no"), "--results: 'no': is not a folder; name one that holds fit"),
     (
-        ("report", "fig12", "--results", "good.json"),
+        ("figure", "fig12", "--results", "good.json"),
         "--results: 'good.json': is not a folder; name",
     ),
     # what is written

@@ -97,7 +97,7 @@ def test_the_two_kinds_are_not_confused(tmp_path, small_result, run):
     with pytest.raises(InputError, match="was fitted to measurements; study its noise"):
         study_discrepancy(measured)
     small_result.save(tmp_path / "r.json")
-    errors = run("uncertainty", tmp_path / "r.json", "--bootstrap", 9)[2]
+    errors = run("fit", tmp_path / "r.json", "--bootstrap", 9)[2]
     assert "carry no noise to resample" in errors
 
 
@@ -114,7 +114,7 @@ def test_coefficients_that_define_no_law_are_refused(tmp_path, small_result):
 def test_the_command_reports_discrepancy(tmp_path, small_result, run):
     small_result.save(tmp_path / "r.json")
     arguments = ("--leave-out", "nu", "-j", 1, "--pairs", "-o", tmp_path / "study.json")
-    code, said, errors = run("uncertainty", tmp_path / "r.json", *arguments)
+    code, said, errors = run("fit", tmp_path / "r.json", *arguments)
     assert (code, errors) == (0, "")
     assert "nu = 0.25" in said
     study = json.loads((tmp_path / "study.json").read_text("utf-8"))

@@ -43,7 +43,7 @@ def test_code_runs_and_prints_what_the_page_says(page, tmp_path, monkeypatch):
         before = printed
 
 
-def test_the_readme_leaves_no_litter_and_can_be_followed_twice(tmp_path, monkeypatch, figures):
+def test_the_readme_leaves_no_litter_and_can_be_followed_twice(tmp_path, monkeypatch):
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True)
     for name in listed.stdout.decode().strip("\0").split("\0"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
@@ -55,11 +55,16 @@ def test_the_readme_leaves_no_litter_and_can_be_followed_twice(tmp_path, monkeyp
     for _ in range(2):
         run_page(README, tmp_path, monkeypatch)
         assert git(["git", "status", "--porcelain"]).stdout == ""
-    assert (tmp_path / "datasets/materials.csv").is_file()
+
+
+def test_a_material_of_ones_own_changes_no_figure_of_the_paper(tmp_path, figures):
+    copy_bench(tmp_path)
+    (table,) = [b for b in blocks(ROOT / "docs/how-to/map-my-material.md") if b.language == "csv"]
+    (tmp_path / table.title).write_text(table.text, encoding="utf-8")
+    bench = Bench(tmp_path)
+    assert "gunmetal" in bench.materials()
     for name in ("fig07", "fig08", "fig09"):
-        pd.testing.assert_frame_equal(
-            draw(name, Bench(tmp_path)).table, figures[name].drawing.table
-        )
+        pd.testing.assert_frame_equal(draw(name, bench).table, figures[name].drawing.table)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))

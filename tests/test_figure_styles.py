@@ -83,11 +83,6 @@ class TestStyles:
             assert max(sizes) == pytest.approx(style.font_size)
             assert min(sizes) == pytest.approx(style.font_size * 7 / 8)
 
-    def test_content_that_needs_the_width_spans_both_columns(self) -> None:
-        with figure_style(STYLES["single-column"]):
-            figure = new_figure("full", 112.0, wide=True)
-        assert figure.get_size_inches()[0] * 25.4 == pytest.approx(190.0)
-
     def test_panels_stand_below_one_another_where_it_is_narrow(self) -> None:
         with figure_style(STYLES["single-column"]):
             figure = new_figure("full", 72.0)
@@ -118,7 +113,7 @@ class TestStyles:
 
 class TestFormats:
     def test_svg_has_no_date_and_the_caption_and_png_the_size(self, small: Path, run) -> None:
-        actual = run("report", "--format", "svg", "--format", "png", "--font-size", 11)
+        actual = run("figure", "--format", "svg,png", "--font-size", 11)
         assert actual == (0, "1 figure in reports/figures\n", "")
         folder = small / "reports" / "figures"
         assert sorted(path.name for path in folder.iterdir()) == [
@@ -148,7 +143,7 @@ class TestFormats:
         with pytest.raises(InputError) as caught:
             build(Bench(small), ["fig99"], small / "out", choose(formats=("pgf",)))
         assert str(caught.value) == (
-            "report: --format = 'pgf': needs xelatex, which measures the text of the figure and "
+            "figure: --format = 'pgf': needs xelatex, which measures the text of the figure and "
             "is not installed; install TeX (Debian: apt install texlive-xetex), or choose pdf"
         )
         assert not (small / "out").exists()
@@ -174,7 +169,7 @@ class TestStyleFile:
     def test_font_of_ones_own(self, tmp_path: Path) -> None:
         look = choose(write_toml(tmp_path / "style.toml", {"font": "DejaVu Serif"})).style
         with figure_style(look):
-            assert mpl.rcParams["font.family"] == ["DejaVu Serif"]
+            assert mpl.rcParams["font.family"][0] == "DejaVu Serif"
             figure = new_figure("column", 50)
             figure.subplots().set_title(r"$\Delta R$ and text")
             figure.savefig(tmp_path / "own.pdf")
@@ -200,39 +195,33 @@ class TestCommand:
     @pytest.mark.parametrize(
         ("arguments", "message"),
         [
-            (["--style", "poster"], "report: --style = 'poster': is unknown; choose journal, "),
+            (["--style", "poster"], "figure: --style = 'poster': is unknown; choose journal, "),
             (
                 ["--format", "gif"],
-                "report: --format = 'gif': is unknown; choose png, pdf, svg, pgf",
+                "figure: --format = 'gif': is unknown; choose png, pdf, svg, pgf",
             ),
-            (["--font-size", "0"], "report: --font-size = 0.0: must be from 4 to 40; give it in"),
-            (
-                ["--tables", "word"],
-                "report: --tables = 'word': is unknown; choose latex, csv, html",
-            ),
-            (["--html", "fig99"], "report: --html: draws every figure in the journal's style"),
-            (["--html", "--style", "slides"], "report: --html: draws every figure"),
+            (["--font-size", "0"], "figure: --font-size = 0.0: must be from 4 to 40; give it in"),
             (["fig98"], "reports: recipe = 'fig98': there is no such recipe; choose among fig99"),
         ],
     )
     def test_mistakes_are_told_and_write_nothing(
         self, small: Path, run, arguments: list[str], message: str
     ) -> None:
-        code, said, errors = run("report", *arguments)
+        code, said, errors = run("figure", *arguments)
         assert (code, said, len(errors.splitlines())) == (2, "", 1)
         assert errors.startswith(f"cylcontact: {message}")
         assert [path.name for path in (small / "reports").iterdir()] == ["fig99.py"]
 
     def test_styled_figures_leave_the_plain_ones_alone(self, small: Path, run) -> None:
         for style in ("journal", "single-column"):
-            assert run("report", "fig99", "--style", style)[0] == 0
+            assert run("figure", "fig99", "--style", style)[0] == 0
         folder = small / "reports" / "figures"
         assert page_mm(folder / "fig99.pdf")[0] == pytest.approx(84, abs=0.01)
         assert page_mm(folder / "single-column" / "fig99.pdf")[0] == pytest.approx(90, abs=0.01)
 
     def test_a_recipes_mistake_is_told_after_the_others_are_drawn(self, small: Path) -> None:
         (small / "reports" / "fig98.py").write_text("def draw(bench):\n    return None.x\n")
-        command = [sys.executable, "-m", "cylcontact.cli", "report", "--jobs", "1"]
+        command = [sys.executable, "-m", "cylcontact.cli", "figure", "--jobs", "1"]
         done = subprocess.run(command, cwd=small, capture_output=True, text=True, check=False)
         assert done.returncode == 2
         assert done.stderr == (

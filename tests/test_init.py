@@ -37,7 +37,7 @@ def test_a_bench_is_laid_out_and_found(tmp_path, monkeypatch, run):
     assert open_bench(laid_out / "notebooks").root == laid_out
     monkeypatch.chdir(laid_out)
     assert run("compare", "fitting/results/internal.json")[0] == 0
-    assert run("report", "fig12")[:2] == (0, "1 figure in reports/figures\n")
+    assert run("figure", "fig12")[:2] == (0, "1 figure in reports/figures\n")
 
 
 def test_here_is_where_it_is_laid_out_by_default(tmp_path, monkeypatch, run):
@@ -89,7 +89,7 @@ def test_a_copy_that_fails_leaves_nothing(tmp_path, monkeypatch):
     assert tree(tmp_path) == {}
 
 
-@pytest.mark.parametrize("command", [("report", "fig12"), ("verify",)])
+@pytest.mark.parametrize("command", [("figure", "fig12"), ("verify",)])
 def test_outside_of_a_bench_a_command_says_how_to_lay_one_out(tmp_path, monkeypatch, run, command):
     monkeypatch.chdir(tmp_path)
     code, _, err = run(*command)

@@ -106,27 +106,29 @@ class Command(NamedTuple):
         return path.exists() and path.read_bytes().count(b"\n") > 1
 
 
-SWEEP = ("sweep", f"{ROOT}/datasets/slider_crank.toml", "-o")
+CASES = ("simulate", f"{ROOT}/datasets/slider_crank.toml", "--study", "cases", "-o")
 STUDY = ("finite-element", f"{ROOT}/datasets/finite_element/convergence.toml", "-o")
 COMMANDS = {
     "fit": Command(
         ("fit", "{out}/fitting/small.toml", "-o", "{out}/fit.json"), FIT, RESULT, repeatable
     ),
-    "sweep": Command(
-        (*SWEEP, "{out}/sweep.csv"),
+    "cases": Command(
+        (*CASES, "{out}/cases.csv", "--law", "johnson,enhanced", "--friction", "0,0.1"),
         (
-            *(*SWEEP, "sweep.csv", "--revolutions", "40", "--clearances", "0.5"),
-            *("--laws", "enhanced", "--jobs", "1"),
+            *(*CASES, "cases.csv", "--revolutions", "40", "--law", "enhanced", "--jobs", "1"),
+            *("--restitution", "1,0.9", "--friction", "0,0.1"),
         ),
-        "sweep.csv",
+        "cases.csv",
     ),
     "finite-element": Command(
         (*STUDY, "{out}/embedded.csv"),
         ("finite-element", "elements.toml", "-o", "elements.csv", "--jobs", "1"),
         "elements.csv",
     ),
-    "optimizers": Command(("optimizers", "{out}/fitting/small.toml", "-o", "{out}/optimizers.csv")),
-    "report": Command(("report", "-o", "{out}/figures")),
+    "optimizers": Command(
+        ("fit", "{out}/fitting/small.toml", "--optimizer", "all", "-o", "{out}/optimizers.csv")
+    ),
+    "figure": Command(("figure", "-o", "{out}/figures")),
     "calculix": Command((*STUDY, "{out}/calculix.csv", "--engine", "calculix")),
 }
 RESUMABLE = [name for name, command in COMMANDS.items() if command.short]
@@ -364,8 +366,8 @@ def shared_memory(numbers, before):
     ("name", "how", "moment"),
     [
         ("fit", "SIGKILL", "first worker"),
-        ("sweep", "SIGKILL", "early"),
-        ("report", "SIGTERM", "workers start"),
+        ("cases", "SIGKILL", "early"),
+        ("figure", "SIGTERM", "workers start"),
         ("calculix", "SIGKILL", "under way"),
         ("fit", "closed terminal", "workers start"),
     ],
@@ -426,9 +428,9 @@ def test_the_second_of_two_fits_of_one_output_says_so_and_stops(tmp_path):
     [
         ("sample", "datasets/small.toml", "-o", "held.csv"),
         ("fit", "fitting/small.toml", "-o", "held.csv"),
-        ("optimizers", "fitting/small.toml", "-o", "held.csv"),
+        ("fit", "fitting/small.toml", "--optimizer", "all", "-o", "held.csv"),
     ],
-    ids=lambda arguments: arguments[0],
+    ids=lambda arguments: " ".join(arguments[:-2:2]),
 )
 def test_every_long_command_respects_the_lock(tmp_path, arguments):
     folder = bench(tmp_path)
@@ -666,7 +668,7 @@ def test_no_file_of_the_users_is_unpickled_or_run(tmp_path, kind):
     )
     for name in names:
         (folder / name).write_bytes(evil)
-    for command in ("fit", "sample", "compare", "verify", "optimizers"):
+    for command in ("fit", "sample", "compare", "verify", "simulate"):
         for name in ("evil.toml", "evil.json", "evil.csv", "evil.parquet", "evil.pkl"):
             out = ("-o", "out.csv") if command == "sample" else ()
             assert killable.run(folder, command, name, *out) == 2, killable.said(folder)

@@ -214,12 +214,12 @@ class TestFilm:
         assert all(np.abs(a - b).max() > 100 for a, b in pairwise(pictures))
 
 
-class TestAnimate:
+class TestFilmCommand:
     @pytest.fixture
     def run(self, run, monkeypatch):
-        """Run `cylcontact animate` in this process, with few frames."""
+        """Run `cylcontact simulate` in this process, with few frames."""
         monkeypatch.setattr("cylcontact.mechanism.movie.FRAMES_PER_REVOLUTION", 4)
-        return functools.partial(run, "animate")
+        return functools.partial(run, "simulate")
 
     def test_writes_a_film_and_tells_what_is_assumed(self, run, tmp_path):
         out = tmp_path / "four-bar.gif"
@@ -232,7 +232,7 @@ class TestAnimate:
     @pytest.mark.parametrize(
         ("arguments", "message"),
         [
-            (("-o", "x.avi"), "x.avi: is neither .gif nor .mp4; name the output so that it is one"),
+            (("-o", "x.avi"), "x.avi: is neither .parquet nor .gif nor .mp4; name the output"),
             (("-o", "no/x.gif", "--clearance", "-1"), "clearance.radial = -1.0"),
         ],
     )

@@ -5,7 +5,6 @@ import pandas as pd
 import pytest
 
 from cylcontact import InputError
-from cylcontact.cli.mechanism import PAPER
 from cylcontact.mechanism import (
     Case,
     Interrupted,
@@ -22,16 +21,14 @@ from tests.spec_files import changed, write_toml
 
 SPEC = ROOT / "datasets/slider_crank.toml"
 WANTED = cases(["enhanced", "johnson"], [0.02], [1.0], [0.0, 0.1])
+STUDY = ("simulate", SPEC, "--study")
+PAPER = [Case(*case) for case in CASES]
 PLAN = Plan(revolutions=2, first=1)
 
 
 @pytest.fixture(scope="module")
 def table():
     return sweep(slider_crank(), WANTED, PLAN)
-
-
-def test_the_papers_cases_are_the_default():
-    assert cases(*PAPER) == [Case(*case) for case in CASES]
 
 
 def test_every_case_has_its_row(table):
@@ -148,7 +145,7 @@ def test_the_committed_cases_are_what_comes_out():
     """One that keeps to its path and one that does not, to its horizon."""
     committed = pd.read_csv(ROOT / "datasets/mechanism/cases.csv")
     varied = committed[["law", "clearance_mm", "restitution", "friction"]]
-    assert [Case(*row) for row in varied.to_numpy()] == cases(*PAPER)
+    assert [Case(*row) for row in varied.to_numpy()] == PAPER
     assert set(committed["status"]) == {"complete"}
     assert committed["energy_error"].max() < 1e-7
     # No row counts the start.
@@ -156,7 +153,7 @@ def test_the_committed_cases_are_what_comes_out():
     steady = [Case("johnson", 0.02, 0.9, 0.1), Case("lankarani-nikravesh", 0.5, 0.9, 0.1)]
     actual = sweep(slider_crank(), steady, Plan(revolutions=20, first=3, beyond="tangent"))
     for case, (_, row) in zip(steady, actual.iterrows(), strict=True):
-        kept = committed.iloc[cases(*PAPER).index(case)]
+        kept = committed.iloc[PAPER.index(case)]
         assert (kept["horizon_revolutions"], kept["first"]) == (20, 3)
         for name in ("contact_fraction", "impacts", "drive_work_J", "max_penetration_um"):
             assert row[name] == pytest.approx(kept[name], rel=1e-4)
@@ -222,9 +219,19 @@ def test_an_interrupted_simulate_prints_what_is_complete(run, monkeypatch):
 
 def test_bifurcation_tabulates_sections(run, tmp_path):
     out = tmp_path / "table.csv"
-    options = ("--clearances", "0.4,0.5", "--points", 2, "--revolutions", 33, "--last", 4)
+    options = ("--clearance", "0.4,0.5", "--points", 2, "--revolutions", 33, "--last", 4)
     code, sentence, _ = run(
-        "bifurcation", SPEC, "-o", out, *options, "--impact-rates", "0,0.05", "--jobs", 1
+        "simulate",
+        SPEC,
+        "--study",
+        "bifurcation",
+        "-o",
+        out,
+        *options,
+        "--impact-rate",
+        "0,0.05",
+        "--jobs",
+        1,
     )
     assert code == 0
     assert "4 runs, " in sentence
@@ -239,7 +246,9 @@ def test_bifurcation_tabulates_sections(run, tmp_path):
     held = table[table["held_m_per_s"] == 0.05]
     assert (held["impact_rate_m_per_s"] == 0.05).any()
     short = ("--points", 1, "--revolutions", 4, "--last", 2, "--jobs", 1)
-    assert run("bifurcation", SPEC, "-o", out, *short)[1].endswith("1 runs, 1 too short to tell\n")
+    assert run(*STUDY, "bifurcation", "-o", out, *short)[1].endswith(
+        "1 runs, 1 too short to tell\n"
+    )
 
 
 def test_simulate_warns_of_a_load_above_first_yield_and_not_of_a_smaller_one(run, tmp_path):
@@ -298,23 +307,23 @@ def test_resuming_what_is_not_there_starts_anew(run, tmp_path):
         (("simulate", SPEC, "--revolutions", "0"), "must be an integer of at least 1"),
         (("simulate", SPEC, "--tolerance", "2"), "tolerance = 2.0: must lie in [1e-14, 1e-3]"),
         (("simulate", SPEC, "--resume"), "--resume: needs a file to go on from"),
-        (("simulate", SPEC, "-o", "run.csv"), "run.csv: is not a .parquet"),
+        (("simulate", SPEC, "-o", "run.csv"), "run.csv: is neither .parquet nor .gif nor .mp4"),
         (("simulate", SPEC, "--table", "t.txt"), "t.txt: is neither .csv nor .parquet"),
         (
             ("simulate", SPEC, "--revolutions", 2, "--first", 2),
             "--first = 2: leaves none of 2 revolutions",
         ),
-        (("bifurcation", SPEC, "-o", "t.txt"), "t.txt: is neither .csv nor .parquet"),
+        ((*STUDY, "bifurcation", "-o", "t.txt"), "t.txt: is neither .csv nor .parquet"),
         (
-            ("bifurcation", SPEC, "-o", "t.csv", "--clearances", "0,1"),
+            (*STUDY, "bifurcation", "-o", "t.csv", "--clearance", "0,1"),
             "'0,1': must be two positive numbers",
         ),
         (
-            ("bifurcation", SPEC, "-o", "t.csv", "--revolutions", 3, "--last", 3),
+            (*STUDY, "bifurcation", "-o", "t.csv", "--revolutions", 3, "--last", 3),
             "last = 3: must be at least 1 and below the 3 revolutions",
         ),
         (
-            ("bifurcation", SPEC, "-o", "t.csv", "--impact-rates", "-1"),
+            (*STUDY, "bifurcation", "-o", "t.csv", "--impact-rate", "-1"),
             "impact_rate = -1.0: must be positive",
         ),
         (
@@ -322,12 +331,12 @@ def test_resuming_what_is_not_there_starts_anew(run, tmp_path):
              "--revolutions", 1),
             "leaves its domain at t = 0.00109303 s, where the penetration reaches 10.83 µm and the",
         ),
-        (("sweep", SPEC, "-o", "table.txt"), "table.txt: is neither .csv nor .parquet"),
-        (("sweep", SPEC, "-o", "t.csv", "--clearances", "0.5;1"), "must be numbers separated by"),
-        (("sweep", SPEC, "-o", "t.csv", "--laws", "hooke"), "'hooke': is not a law"),
-        (("sweep", SPEC, "-o", "t.csv", "--clearances", "-1"), "clearance.radial = -1.0"),
-        (("sweep", SPEC, "-o", "t.csv", "--revolutions", 2, "--first", 2), "leaves none of 2"),
-        (("tolerances", SPEC, "-o", "t.txt"), "t.txt: is neither .csv nor .parquet"),
+        ((*STUDY, "cases", "-o", "table.txt"), "table.txt: is neither .csv nor .parquet"),
+        ((*STUDY, "cases", "-o", "t.csv", "--clearance", "0.5;1"), "must be numbers separated by"),
+        ((*STUDY, "cases", "-o", "t.csv", "--law", "hooke"), "'hooke': is not a law"),
+        ((*STUDY, "cases", "-o", "t.csv", "--clearance", "-1"), "clearance.radial = -1.0"),
+        ((*STUDY, "cases", "-o", "t.csv", "--revolutions", 2, "--first", 2), "leaves none of 2"),
+        ((*STUDY, "tolerances", "-o", "t.txt"), "t.txt: is neither .csv nor .parquet"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_line_and_exit_code_two(run, tmp_path, monkeypatch, arguments, message):
@@ -342,15 +351,15 @@ def test_bad_input_is_one_line_and_exit_code_two(run, tmp_path, monkeypatch, arg
 def test_sweep_writes_a_table_and_tells_what_stopped(run, tmp_path):
     out, parquet = tmp_path / "table.csv", tmp_path / "table.parquet"
     options = (
-        *("--laws", "johnson,enhanced", "--clearances", 0.02, "--restitutions", 1),
-        *("--frictions", 0.1, "--revolutions", 1, "--jobs", 1),
+        *("--law", "johnson,enhanced", "--clearance", 0.02, "--restitution", 1),
+        *("--friction", 0.1, "--revolutions", 1, "--jobs", 1),
     )
-    code, sentence, _ = run("sweep", SPEC, "-o", out, *options)
+    code, sentence, _ = run(*STUDY, "cases", "-o", out, *options)
     assert code == 0
     assert "2 cases, 1 of them stopped" in sentence
     assert "leaves its domain" in sentence
     assert list(pd.read_csv(out)["status"]) == ["stopped", "complete"]
     assert list(tmp_path.iterdir()) == [out]
-    run("sweep", SPEC, "-o", parquet, *options)
+    run(*STUDY, "cases", "-o", parquet, *options)
     written = pd.read_parquet(parquet).replace({"": np.nan})
     pd.testing.assert_frame_equal(written, pd.read_csv(out), check_dtype=False)

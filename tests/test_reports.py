@@ -194,7 +194,7 @@ class TestStyle:
     def test_style_is_put_back(self) -> None:
         before = dict(mpl.rcParams)
         with figure_style():
-            assert mpl.rcParams["font.sans-serif"] == ["DejaVu Sans"]
+            assert mpl.rcParams["font.family"] == ["Arimo", "DejaVu Sans"]
         assert dict(mpl.rcParams) == before
 
     @pytest.mark.parametrize(

@@ -10,16 +10,19 @@ __all__ = [
     "BRANCHES",
     "CHOICE_FILES",
     "ENGINES",
+    "FILM_SUFFIXES",
     "FIT_FILES",
     "FORMATS",
     "METHODS",
     "OUTPUT_SUFFIXES",
+    "STUDIES",
     "TABLE_SUFFIXES",
     "Beyond",
     "Branch",
     "Engine",
     "Format",
     "Method",
+    "Study",
     "listed",
 ]
 
@@ -27,12 +30,14 @@ Branch = Literal["loading", "unloading"]
 Method = Literal["minimal", "multiplier"]
 Beyond = Literal["stop", "tangent"]
 Engine = Literal["embedded", "calculix"]
+Study = Literal["cases", "tolerances", "bifurcation"]
 Format = Literal["png", "pdf", "svg", "pgf"]
 
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
 METHODS: tuple[Method, ...] = get_args(Method)
 BEYOND: tuple[Beyond, ...] = get_args(Beyond)
 ENGINES: tuple[Engine, ...] = get_args(Engine)
+STUDIES: tuple[Study, ...] = get_args(Study)
 FORMATS: tuple[Format, ...] = get_args(Format)
 # Of tables that are read, and of those that are written.
 # What the folder of a fit to a table holds.
@@ -41,6 +46,7 @@ FIT_FILES = ("result.json", "residuals.csv", "fit.png", "fit.pdf")
 CHOICE_FILES = ("choice.csv", "choice.png", "choice.pdf")
 TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
 OUTPUT_SUFFIXES = (".csv", ".parquet")
+FILM_SUFFIXES = (".gif", ".mp4")
 
 
 def listed(names: Iterable[str]) -> str:

@@ -1,4 +1,4 @@
-"""The command line: `cylcontact sample | fit | simulate | report | claims | …`.
+"""The command line: `cylcontact sample | fit | simulate | figure | report | …`.
 
 Exit codes: 0 done, 1 a check does not hold, 2 bad input (one line on standard error),
 130 interrupted (Ctrl-C, SIGTERM, a closed terminal), 141 the reader of the output has closed.
@@ -17,6 +17,7 @@ from pathlib import Path
 import typer
 
 from cylcontact.cli.app import app
+from cylcontact.cli.renamed import refuse_former_command, refuse_former_option
 from cylcontact.cli.signals import stopped_by_signals
 from cylcontact.errors import InputError
 
@@ -67,12 +68,17 @@ def _prepare_streams() -> None:
 
 def _run(arguments: Sequence[str]) -> int:
     """Run one command and return its exit code; errors propagate."""
+    refuse_former_command(arguments)
     command = typer.main.get_command(app)
     try:
         with command.make_context("cylcontact", list(arguments)) as context:
             command.invoke(context)
     except typer.Exit as stop:
         return stop.exit_code
+    except Exception as error:
+        if hasattr(error, "option_name") and arguments:
+            refuse_former_option(arguments[0], error.option_name)
+        raise
     return 0
 
 

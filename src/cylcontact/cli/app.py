@@ -1,12 +1,12 @@
 """The program and its commands. Commands import slow libraries when they run."""
 
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
 
 import cylcontact
 from cylcontact.cli import (
-    animation,
     calibration,
     finite_element,
     init,
@@ -28,7 +28,7 @@ def _version(wanted: bool) -> None:
 app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
-    rich_markup_mode=None,
+    rich_markup_mode="rich",
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
@@ -43,21 +43,31 @@ def _common(
     """Calibrate contact laws for parallel cylinders and see where each can be trusted."""
 
 
-app.command()(init.init)
-app.command()(calibration.sample)
-app.command()(calibration.fit)
-app.command()(measured.choose)
-app.command()(calibration.optimizers)
-app.command()(measured.uncertainty)
-app.command()(calibration.compare)
-app.command()(calibration.verify)
-app.command()(mechanism.simulate)
-app.command()(mechanism.sweep)
-app.command()(mechanism.bifurcation)
-app.command()(mechanism.tolerances)
-app.command()(animation.animate)
-app.command("finite-element")(finite_element.finite_element)
-app.command()(reporting.report)
-app.command()(reporting.claims)
-app.command("laws")(reporting.compare_laws)
-app.command()(reporting.export)
+# The groups of `cylcontact --help`: each command with an example, which its own help ends with.
+_GROUPS: dict[str, dict[Callable[..., None], str]] = {
+    "Data and fits": {
+        calibration.sample: "sample datasets/internal.toml -o build/internal.parquet",
+        calibration.fit: "fit fitting/external-E1000.toml",
+        measured.choose: "choose datasets/examples/pin-in-hole.csv --contact internal",
+        calibration.compare: "compare fitting/results/internal.json",
+    },
+    "Laws": {
+        reporting.laws: 'laws --pin "low-carbon steel" --hole bronze --dR 0.05',
+        reporting.export: "export johnson --to c",
+    },
+    "Mechanism": {
+        mechanism.simulate: "simulate datasets/slider_crank.toml --law explicit --revolutions 3",
+        finite_element.finite_element: "finite-element datasets/finite_element/recommended.toml",
+    },
+    "Figures": {reporting.figure: "figure fig12 --style single-column --format pdf,svg"},
+    "The paper": {
+        reporting.report: "report -o build/report",
+        reporting.claims: "claims -o build/claims.csv",
+        calibration.verify: "verify fitting/results/external-E1000.json",
+    },
+    "The bench": {init.init: "init mine"},
+}
+
+for _group, _examples in _GROUPS.items():
+    for _command, _example in _examples.items():
+        app.command(rich_help_panel=_group, epilog=f"Example: cylcontact {_example}")(_command)

@@ -1,8 +1,9 @@
-"""The commands `sample`, `fit`, `optimizers`, `compare` and `verify`."""
+"""The commands `sample`, `fit`, `compare` and `verify`."""
 
 from __future__ import annotations
 
 from contextlib import nullcontext
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,21 +15,23 @@ from cylcontact.cli.options import (
     RESULTS,
     Force,
     Jobs,
-    Runs,
+    Resume,
     Scheduler,
-    Seed,
     expand_options,
+    require_taken,
     resumable,
 )
 from cylcontact.cli.terminal import progress_bars, workers
+from cylcontact.cli.uncertainty import StudyOptions, study_uncertainty
 from cylcontact.errors import InputError
 from cylcontact.files import owning, replacing, require_suffix
-from cylcontact.fitting.optimizers import OPTIMIZERS
 
 if TYPE_CHECKING:
+    from cylcontact.fitting.campaign import Campaign
     from cylcontact.fitting.result import FitResult
+    from cylcontact.parallel import Workers
 
-__all__ = ["compare", "fit", "optimizers", "sample", "verify"]
+__all__ = ["compare", "fit", "sample", "verify"]
 
 
 def sample(
@@ -49,10 +52,12 @@ def sample(
 
 @expand_options
 def fit(
-    campaign: Annotated[
+    source: Annotated[
         Path,
         typer.Argument(
-            help="A campaign, e.g. fitting/internal.toml, or a .csv, .xlsx or .parquet table."
+            metavar="CAMPAIGN|TABLE|RESULT",
+            help="A campaign, e.g. fitting/internal.toml, a .csv, .xlsx or .parquet table, or a "
+            "fit result, whose uncertainty is studied.",
         ),
     ],
     *,
@@ -61,24 +66,49 @@ def fit(
         typer.Option(
             "-o",
             "--out",
-            help="The result, .json or for a table a folder; results/NAME beside the input.",
+            help="The result, .json or for a table a folder, results/NAME beside the input by "
+            "default; a comparison's .csv; the .json of a study.",
         ),
     ] = None,
-    jobs: Jobs = None,
-    search: measured.SearchOptions,
-    scheduler: Scheduler = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Resume an interrupted fit.")] = False,
-    force: Force = False,
     law: measured.LawOption,
+    search: measured.SearchOptions,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+    resume: Resume = False,
+    force: Force = False,
     table: measured.TableOptions,
+    study: StudyOptions,
 ) -> None:
-    """Calibrate a law to a reference, or to a table of measurements."""
+    """Calibrate a law to a reference or to measurements, or study the fit's uncertainty."""
+    is_result, names = source.suffix.lower() == ".json", search.optimizers
+    way = "a fit result" if is_result else "a comparison" if len(names) > 1 else "a calibration"
+    given = {"resume": resume, "force": force, **asdict(search), **asdict(table), **asdict(study)}
+    of_table = [field.name for field in fields(measured.TableOptions)]
+    takes = {
+        "a calibration": ["runs", "seed", "optimizer", "resume", "force", *of_table],
+        "a comparison": ["runs", "seed", "optimizer", *of_table],
+        "a fit result": ["seed", *(field.name for field in fields(StudyOptions))],
+    }
+    require_taken(str(source), way, takes, given)
+    where = workers(jobs, scheduler)
+    if is_result:
+        study_uncertainty(source, study, law.law, search.seed, where, out)
+        return
+    plans = [measured.plan(source, law, table, search, name) for name in names or (None,)]
+    if len(names) > 1:
+        _compare_optimizers(plans[0], names, where, out)
+    else:
+        _calibrate(source, plans[0], where, resume, force, out)
+
+
+def _calibrate(
+    source: Path, planned: Campaign, where: Workers, resume: bool, force: bool, out: Path | None
+) -> None:
+    """Fit a law, and write the result."""
     from cylcontact.fitting import calibrate
     from cylcontact.fitting.result import require_same_inputs
 
-    planned = measured.plan(campaign, law, table, search)
-    target, folder = _place(campaign, out)
-    where = workers(jobs, scheduler)
+    target, folder = _place(source, out)
     with owning(target):
         if out is None and not force:
             require_same_inputs(target, planned)
@@ -116,32 +146,16 @@ def _save(result: FitResult, target: Path, folder: Path | None) -> None:
     write_fit(result, folder)
 
 
-def optimizers(
-    campaign: Annotated[Path, typer.Argument(help="A campaign, e.g. fitting/internal.toml.")],
-    names: Annotated[
-        list[str] | None, typer.Argument(metavar="[OPTIMIZER]...", help="Some; all by default.")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="Write every run to this .csv as well.")
-    ] = None,
-    jobs: Jobs = None,
-    runs: Runs = None,
-    seed: Seed = None,
-    scheduler: Scheduler = None,
+def _compare_optimizers(
+    planned: Campaign, names: list[str], where: Workers, out: Path | None
 ) -> None:
-    """Run a campaign with every optimiser, with the same budget, and compare them."""
-    from cylcontact.fitting import optimizer_comparison, read_campaign
+    """Run a campaign with several optimisers, with the same budget, and compare them."""
+    from cylcontact.fitting import optimizer_comparison
 
-    for name in names or ():
-        read_campaign(campaign, optimizer=name)  # refuses an unknown one
-    planned = read_campaign(campaign, runs, seed)
     if out is not None:
         require_suffix(out, ".csv")
-    where = workers(jobs, scheduler)
     with owning(out) if out else nullcontext(), progress_bars() as progress:
-        compared = optimizer_comparison.compare_optimizers(
-            planned, names or OPTIMIZERS, where, progress
-        )
+        compared = optimizer_comparison.compare_optimizers(planned, names, where, progress)
         if out is not None:
             with replacing(out) as temporary:
                 temporary.write_text(optimizer_comparison.as_csv(compared), encoding="utf-8")

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from cylcontact.choices import ENGINES, listed
-from cylcontact.cli.options import Force, Jobs, resumable
+from cylcontact.cli.options import Force, Jobs, Resume, resumable
 from cylcontact.cli.terminal import cores, progress_bars
 from cylcontact.errors import InputError
 from cylcontact.files import owning
@@ -27,7 +27,7 @@ def finite_element(
         typer.Option("-o", "--out", help="The table; SPEC-ENGINE.csv beside the set-up."),
     ] = None,
     jobs: Jobs = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Resume an interrupted study.")] = False,
+    resume: Resume = False,
     force: Force = False,
 ) -> None:
     """Solve a pin in a hole by finite elements, for each clearance and load of a set-up."""

@@ -36,7 +36,7 @@ def init(
     copy_files(source, folder, _missing(source, folder, names))
     typer.echo(
         f"{len(names)} files in {folder.resolve()}: {', '.join(FOLDERS)}\n"
-        "in that folder, try: cylcontact report fig12"
+        "in that folder, try: cylcontact figure fig12"
     )
 
 

@@ -1,10 +1,9 @@
-"""Options for fits to a table of measurements, and the command `uncertainty`."""
+"""Options for fits to a table of measurements, and the command `choose`."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
-from dataclasses import asdict, astuple, dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,18 +14,17 @@ from cylcontact.cli.options import (
     LOSSES,
     NOISES,
     Hole,
-    Jobs,
     Pin,
     Runs,
-    Scheduler,
     Seed,
     expand_options,
-    integer_from,
+    option_of,
     require_internal,
+    split,
 )
-from cylcontact.cli.terminal import progress_bars, workers
+from cylcontact.cli.terminal import progress_bars
 from cylcontact.errors import InputError
-from cylcontact.files import owning, replacing, require_suffix, require_writable
+from cylcontact.files import owning
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.pair import CONTACTS
 
@@ -40,7 +38,6 @@ __all__ = [
     "TableOptions",
     "choose",
     "plan",
-    "uncertainty",
 ]
 
 _PANEL = "For a table of measurements"
@@ -61,7 +58,19 @@ class SearchOptions:
 
     runs: Runs = None
     seed: Seed = None
-    optimizer: Annotated[str | None, typer.Option(help=f"{listed(OPTIMIZERS)}.")] = None
+    optimizer: Annotated[
+        list[str] | None,
+        typer.Option(
+            callback=split,
+            metavar="NAME[,...]",
+            help=f"{listed(OPTIMIZERS)}; several, or all, are compared.",
+        ),
+    ] = None
+
+    @property
+    def optimizers(self) -> list[str]:
+        """The optimisers named, "all" replaced by their names."""
+        return list(OPTIMIZERS) if self.optimizer == ["all"] else self.optimizer or []
 
 
 @dataclass(frozen=True)
@@ -154,23 +163,28 @@ CONSTANTS = (
 )
 
 
-def plan(path: Path, law: LawOption, options: TableOptions, search: SearchOptions) -> Campaign:
+def plan(
+    path: Path,
+    law: LawOption,
+    options: TableOptions,
+    search: SearchOptions,
+    optimizer: str | None = None,
+) -> Campaign:
     """Return the campaign of a file, or of a table and its options."""
     from cylcontact.fitting.campaign import read_campaign
 
     given = _given(asdict(law) | asdict(options))
     if path.suffix.lower() not in TABLE_SUFFIXES:
         if given:
-            name = next(iter(given)).removesuffix("_mm").removesuffix("_MPa").replace("R_", "R")
             raise InputError(
                 str(path),
-                "--" + name.replace("_", "-"),
+                option_of(next(iter(given))),
                 None,
                 "is an option for tables of measurements, and this is a campaign",
                 "set it in the campaign file",
             )
-        return read_campaign(path, **asdict(search))
-    table = _table(path, given, search)
+        return read_campaign(path, search.runs, search.seed, optimizer)
+    table = _table(path, given, search, optimizer)
     return table.campaign(table.spec.law)
 
 
@@ -179,7 +193,9 @@ def _given(options: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in options.items() if value not in (None, [])}
 
 
-def _table(path: Path, given: dict[str, Any], search: SearchOptions) -> MeasuredTable:
+def _table(
+    path: Path, given: dict[str, Any], search: SearchOptions, optimizer: str | None = None
+) -> MeasuredTable:
     """Return a table with the options for it."""
     from cylcontact.fitting.campaign import read_table
     from cylcontact.materials import modulus_in_MPa
@@ -199,9 +215,14 @@ def _table(path: Path, given: dict[str, Any], search: SearchOptions) -> Measured
         constants["E_MPa"] = modulus_in_MPa(constants["E_MPa"], str(path), "--E")
     columns = _columns(str(path), given.pop("columns", []))
     parameters = _parameters(str(path), given.pop("bound", []), given.pop("fix", []))
-    runs, seed, optimizer = astuple(search)
-    settings = {**given, "seed": seed, "optimizer": optimizer, "parameters": parameters or None}
+    settings = {
+        **given,
+        "seed": search.seed,
+        "optimizer": optimizer,
+        "parameters": parameters or None,
+    }
     settings["columns"] = columns or None
+    runs = search.runs
     settings |= {"starts": runs} if optimizer is None else {"genetic": runs and {"runs": runs}}
     law, contact = settings.pop("law"), settings.pop("contact")
     return read_table(path, law, contact, constants, **settings)
@@ -243,7 +264,7 @@ def _name_bodies(source: str, given: dict[str, Any]) -> None:
         if role not in given:
             continue
         require_internal(source, given["contact"], "use --material-i and --material-j")
-        other = "--" + body.replace("_", "-")
+        other = option_of(body)
         if body in given:
             rule = f"is the body that {other} names as well"
             raise InputError(source, f"--{role}", given[role], rule, "keep one of them")
@@ -300,95 +321,3 @@ def _numbers(texts: list[str]) -> list[float] | None:
         return [float(text) for text in texts]
     except ValueError:
         return None
-
-
-def uncertainty(
-    result: Annotated[Path, typer.Argument(help="A fit result.")],
-    bootstrap: Annotated[
-        int | None,
-        typer.Option(parser=integer_from(2), metavar="REFITS", help="Refit to resampled data."),
-    ] = None,
-    over: Annotated[
-        str | None,
-        typer.Option(help="What to resample: rows (default), material, dR, pair or group."),
-    ] = None,
-    leave_out: Annotated[
-        str | None,
-        typer.Option(help="Leave out one after the other: material, dR, pair, group; E, nu, load."),
-    ] = None,
-    pairs: Annotated[
-        bool, typer.Option("--pairs", help="Map each pair of parameters, into the output.")
-    ] = False,
-    level: Annotated[float, typer.Option(help="Level of the intervals.")] = 0.95,
-    law: Annotated[
-        str | None, typer.Option(help="module:function, to run a law of your own again.")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="Write everything as .json as well.")
-    ] = None,
-    seed: Seed = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
-) -> None:
-    """Estimate the uncertainty of a fit: noise of measurements, or discrepancy of laws."""
-    from cylcontact.fitting import FitResult
-    from cylcontact.fitting.report import discrepancy_text, noise_text
-    from cylcontact.fitting.uncertainty.discrepancy import DiscrepancyStudy, study_discrepancy
-    from cylcontact.fitting.uncertainty.study import NoiseStudy, Resampling, study_noise
-
-    _require_study(result, out, level, bootstrap, over)
-    fit = FitResult.read(result)
-    where = workers(jobs, scheduler)
-    study: NoiseStudy | DiscrepancyStudy
-    with progress_bars() as progress:
-        if fit.kind == "noise":
-            study = study_noise(
-                fit,
-                level=level,
-                resampling=Resampling(bootstrap, over or "rows", seed) if bootstrap else None,
-                leave_out=leave_out,
-                with_pairs=pairs,
-                law=law,
-                jobs=where,
-                progress=progress,
-            )
-            text = noise_text(study)
-        else:
-            if bootstrap is not None:
-                raise InputError(
-                    str(result),
-                    "--bootstrap",
-                    bootstrap,
-                    "is for measurements: samples of a law carry no noise to resample",
-                    "use --leave-out dR or --leave-out material",
-                )
-            study = study_discrepancy(
-                fit, leave_out=leave_out, with_pairs=pairs, jobs=where, progress=progress
-            )
-            text = discrepancy_text(study, fit)
-    _write(study, out)
-    typer.echo(text + (f"\n\nwritten to {out}" if out else ""))
-
-
-def _require_study(
-    result: Path, out: Path | None, level: float, bootstrap: int | None, over: str | None
-) -> None:
-    """Refuse invalid combinations of options."""
-    if not 0.5 <= level < 1:
-        raise InputError(
-            str(result), "--level", level, "must be from 0.5 to below 1", "0.95 is common"
-        )
-    if over is not None and bootstrap is None:
-        raise InputError(str(result), "--over", over, "is for the bootstrap", "add --bootstrap 500")
-    if out is not None:
-        require_suffix(out, ".json")
-        require_writable(out)
-
-
-def _write(study: Any, out: Path | None) -> None:
-    """Write a study as JSON if --out is given."""
-    if out is None:
-        return
-    with replacing(out) as temporary:
-        text = json.dumps(study.model_dump(mode="json"), indent=1, ensure_ascii=False)
-        temporary.write_text(text + "\n", encoding="utf-8")

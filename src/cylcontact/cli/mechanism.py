@@ -1,98 +1,89 @@
-"""The commands `simulate`, `sweep`, `bifurcation` and `tolerances`."""
+"""The command `simulate`: one run, a film, or a study of many runs."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from cylcontact import choices
 from cylcontact.arrays import require
-from cylcontact.choices import BEYOND, METHODS, OUTPUT_SUFFIXES, listed
-from cylcontact.cli.options import Jobs, Scheduler, expand_options, integer_from, resumable
+from cylcontact.choices import BEYOND, FILM_SUFFIXES, METHODS, OUTPUT_SUFFIXES, STUDIES, listed
+from cylcontact.cli.options import (
+    Jobs,
+    Resume,
+    Scheduler,
+    expand_options,
+    integer_from,
+    numbers,
+    require_taken,
+    resumable,
+    split,
+)
 from cylcontact.cli.terminal import progress_bars, workers
 from cylcontact.errors import InputError
-from cylcontact.files import owning, require_suffix, write_table
+from cylcontact.files import owning, require_suffix, require_writable, write_table
 
 if TYPE_CHECKING:
-    from cylcontact.mechanism import Mechanism, Settings, Statistics, Trajectory
+    import pandas as pd
 
-__all__ = [
-    "PAPER",
-    "Changes",
-    "Integration",
-    "SpecFile",
-    "bifurcation",
-    "simulate",
-    "sweep",
-    "tolerances",
-]
+    from cylcontact.mechanism import Case, Mechanism, Settings, Statistics, Trajectory
 
-# The cases of Sect. 4.3: laws, clearances in mm, restitutions, friction coefficients.
-PAPER = (
-    ("lankarani-nikravesh", "johnson", "enhanced"),
-    (0.5, 0.02),
-    (1.0, 0.9),
-    (0.0, 0.1),
-)
+__all__ = ["simulate"]
+
+_PANEL = "For a study"
+# The tolerances of a study of them, if none is given.
+TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11)
 
 
-def _joined(values: Iterable[object]) -> str:
-    """Return values separated by commas."""
-    return ",".join(f"{value}" for value in values)
+def _count(least: int, help: str, panel: str | None = None) -> Any:
+    """Return an option for an integer of at least `least`."""
+    parser = integer_from(least)
+    return typer.Option(parser=parser, metavar="INTEGER", help=help, rich_help_panel=panel)
 
 
-SpecFile = Annotated[
-    Path, typer.Argument(help="A mechanism's spec, e.g. datasets/slider_crank.toml.")
-]
-_Revolutions = Annotated[
-    int | None,
-    typer.Option(
-        parser=integer_from(1), metavar="INTEGER", help="Revolutions in all; the spec's by default."
-    ),
-]
-TableFile = Annotated[
-    Path, typer.Option("-o", "--out", help="The .csv or .parquet table to write.")
-]
+def _list(help: str, panel: str | None = None) -> Any:
+    """Return an option for numbers, of which a study takes several."""
+    return typer.Option(callback=split, metavar="NUMBER[,...]", help=help, rich_help_panel=panel)
 
 
 @dataclass(frozen=True)
 class Changes:
-    """Options that replace values of a mechanism's spec; None leaves one as it is."""
+    """Options that replace values of a mechanism's spec, one each or in a study several."""
 
-    law: Annotated[str | None, typer.Option(help="A contact law, e.g. johnson.")] = None
-    clearance: Annotated[float | None, typer.Option(help="Radial clearance, mm.")] = None
-    restitution: Annotated[float | None, typer.Option(help="Restitution, (0, 1].")] = None
-    friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None
+    law: Annotated[
+        list[str] | None,
+        typer.Option(callback=split, metavar="NAME[,...]", help="Contact law, e.g. johnson."),
+    ] = None
+    clearance: Annotated[list[str] | None, _list("Radial clearance, mm.")] = None
+    restitution: Annotated[list[str] | None, _list("Restitution, above 0 up to 1.")] = None
+    friction: Annotated[list[str] | None, _list("Friction coefficient.")] = None
 
+    def several(self) -> dict[str, list[Any]]:
+        """Return the values of each."""
+        return {
+            name: texts or [] if name == "law" else numbers(f"--{name}", texts)
+            for name, texts in asdict(self).items()
+        }
 
-@dataclass(frozen=True)
-class Losses:
-    """The changes of a spec but for the clearance."""
-
-    law: Annotated[str | None, typer.Option(help="A contact law, e.g. johnson.")] = None
-    restitution: Annotated[float | None, typer.Option(help="Restitution, (0, 1].")] = None
-    friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None
-
-
-Beyond = Annotated[
-    choices.Beyond,
-    typer.Option(
-        parser=str,
-        metavar="WHAT",
-        help=f"Where the contact law ends: {listed(BEYOND)} (go on along it).",
-    ),
-]
+    def single(self, *but: str) -> dict[str, Any]:
+        """Return one value or None of each except `but`; refuse several."""
+        return {
+            name: _one(name, values) for name, values in self.several().items() if name not in but
+        }
 
 
 @dataclass(frozen=True)
-class Integration:
-    """Options of the integration; None for the spec's."""
+class Options:
+    """Options that only some ways to simulate take; None or False if not given."""
 
+    first: Annotated[int | None, _count(0, "First revolution that counts or is shown, from 0.")] = (
+        None
+    )
     method: Annotated[
         choices.Method | None,
         typer.Option(
@@ -101,72 +92,146 @@ class Integration:
             help=f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
         ),
     ] = None
-    tolerance: Annotated[
-        float | None, typer.Option(help="Of the integrator; the spec's by default.")
+    tolerance: Annotated[list[str] | None, _list("Of the integrator; the spec's by default.")] = (
+        None
+    )
+    beyond: Annotated[
+        choices.Beyond | None,
+        typer.Option(
+            parser=str,
+            metavar="WHAT",
+            help=f"Where the contact law ends: {listed(BEYOND)} (go on along it); stop by default.",
+        ),
     ] = None
-    beyond: Beyond = "stop"
+    allowed_penetration: Annotated[
+        float | None,
+        typer.Option(help="The paper's step control: how deep contact may begin, µm."),
+    ] = None
+    table: Annotated[
+        Path | None, typer.Option(help="Write the numbers by revolution to this .csv or .parquet.")
+    ] = None
+    resume: Resume = False
+    against: Annotated[
+        float | None,
+        typer.Option(
+            help="Cases: run at this tolerance too; count only what lies beyond the horizon.",
+            rich_help_panel=_PANEL,
+        ),
+    ] = None
+    points: Annotated[
+        int | None, _count(1, "Bifurcation: how many clearances; 40 by default.", _PANEL)
+    ] = None
+    last: Annotated[
+        int | None, _count(1, "Bifurcation: sections recorded of each; 50 by default.", _PANEL)
+    ] = None
+    impact_rate: Annotated[
+        list[str] | None,
+        _list(
+            "Bifurcation: δ̇⁽⁻⁾ that contact carries, m/s; 0, the default, for that of its onset.",
+            _PANEL,
+        ),
+    ] = None
+    jobs: Jobs = None
+    scheduler: Scheduler = None
+
+    def integration(self) -> dict[str, Any]:
+        """Return the options of one integration."""
+        tolerance = _one("tolerance", numbers("--tolerance", self.tolerance))
+        return {"method": self.method, "tolerance": tolerance, "beyond": self.beyond or "stop"}
+
+
+def _one(name: str, values: list[Any]) -> Any:
+    """Return the value of an option, None if it is not given; refuse several."""
+    if len(values) > 1:
+        text = ",".join(str(value) for value in values)
+        remedy = "give one, or vary it with --study cases"
+        raise InputError("simulate", f"--{name}", text, "must be one value", remedy)
+    return values[0] if values else None
 
 
 @expand_options
 def simulate(
-    spec: SpecFile,
+    spec: Annotated[
+        Path, typer.Argument(help="A mechanism's spec, e.g. datasets/slider_crank.toml.")
+    ],
     *,
-    changes: Changes,
-    revolutions: _Revolutions = None,
-    integration: Integration,
-    allowed_penetration: Annotated[
-        float | None,
-        typer.Option(help="The paper's step control: how deep contact may begin, µm."),
-    ] = None,
     out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="Write the trajectory to this .parquet.")
-    ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on from what --out holds, with its settings.")
-    ] = False,
-    first: Annotated[
-        int | None,
+        Path | None,
         typer.Option(
-            parser=integer_from(0),
-            metavar="INTEGER",
-            help="First revolution that counts, from 0; by default 10, and a fifth of a short run.",
+            "-o",
+            "--out",
+            help="The trajectory (.parquet), the film (.gif, .mp4), or the table of a study.",
         ),
     ] = None,
-    table: Annotated[
-        Path | None, typer.Option(help="Write the numbers by revolution to this .csv or .parquet.")
+    study: Annotated[
+        str | None,
+        typer.Option(
+            metavar="STUDY",
+            help=f"{listed(STUDIES)}, over values separated by commas, into one table.",
+            rich_help_panel=_PANEL,
+        ),
     ] = None,
+    changes: Changes,
+    revolutions: Annotated[
+        int | None,
+        _count(
+            1,
+            "Revolutions in all; by default the spec's, one shown of a film, 200 for bifurcation.",
+        ),
+    ] = None,
+    options: Options,
 ) -> None:
-    """Simulate a mechanism with a clearance joint, and print its statistics.
+    """Simulate a mechanism with a clearance joint: its statistics, a film, or a study."""
+    if study is None:
+        way = "a film" if out is not None and out.suffix in FILM_SUFFIXES else "one run"
+    else:
+        if study not in STUDIES:
+            remedy = f"choose {listed(STUDIES)}"
+            raise InputError("simulate", "--study", study, "is unknown", remedy)
+        if out is None:
+            rule, remedy = "is missing for a study", "name the table, e.g. -o cases.csv"
+            raise InputError("simulate", "--out", None, rule, remedy)
+        require_suffix(out, *OUTPUT_SUFFIXES)
+        way = f"--study {study}"
+    run, takes = _WAYS[way][0], {name: names for name, (_, names) in _WAYS.items()}
+    require_taken("simulate", way, takes, asdict(options))
+    run(spec, changes, revolutions, options, out)
 
-    Without --out the steps are not kept, and memory does not grow with the revolutions.
+
+def _one_run(
+    spec: Path, changes: Changes, revolutions: int | None, options: Options, out: Path | None
+) -> None:
+    """Simulate once and print the statistics.
+
+    Without an output the steps are not kept, and memory does not grow with the revolutions.
     """
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism.long_run import first_of
     from cylcontact.mechanism.simulate import settings_for
     from cylcontact.mechanism.studies import agreement
 
-    mechanism = read_mechanism(spec, **asdict(changes))
+    mechanism = read_mechanism(spec, **changes.single())
+    table = options.table
     if out is not None:
-        require_suffix(out, ".parquet")
+        require_suffix(out, ".parquet", *FILM_SUFFIXES)
     if table is not None:
         require_suffix(table, *OUTPUT_SUFFIXES)
-    allowed = None if allowed_penetration is None else allowed_penetration * 1e-6
-    settings = settings_for(mechanism, **asdict(integration), allowed_penetration=allowed)
+    depth = options.allowed_penetration
+    allowed = None if depth is None else depth * 1e-6
+    settings = settings_for(mechanism, **options.integration(), allowed_penetration=allowed)
     total = revolutions or mechanism.integration.revolutions
-    first = first_of(total) if first is None else first
-    require(
-        first < total, "simulate", "--first", first, f"leaves none of {total} revolutions",
-        "start earlier, or simulate more",
-    )  # fmt: skip
+    first = first_of(total) if options.first is None else options.first
+    _require_left(first, total)
     with owning(out) if out else nullcontext(), owning(table) if table else nullcontext():
         if out is None:
             require(
-                not resume, "simulate", "--resume", None, "needs a file to go on from",
+                not options.resume, "simulate", "--resume", None, "needs a file to go on from",
                 "name it: -o",
             )  # fmt: skip
             statistics = _statistics(mechanism, settings, total, first)
         else:
-            statistics = _kept(mechanism, settings, total, out, resume).statistics(first)
+            run = _kept(mechanism, settings, total, out, options.resume)
+            statistics = run.statistics(first)
         if table is not None:
             write_table(statistics.by_revolution.reset_index(), table)
     typer.echo(statistics.to_text(), nl=False)
@@ -177,6 +242,14 @@ def simulate(
         typer.echo(f"\n{agreement(mechanism, settings, total)}")
     for warning in (*mechanism.warnings, *statistics.warnings):
         typer.echo(f"warning: {warning}", err=True)
+
+
+def _require_left(first: int, total: int) -> None:
+    """Refuse a first revolution beyond the last."""
+    require(
+        first < total, "simulate", "--first", first, f"leaves none of {total} revolutions",
+        "start earlier, or simulate more",
+    )  # fmt: skip
 
 
 def _statistics(
@@ -267,58 +340,42 @@ def _run(
         ) from None
 
 
-@dataclass(frozen=True)
-class Varied:
-    """The values of a sweep, separated by commas; by default those of the paper."""
-
-    laws: Annotated[str, typer.Option(help="Contact laws, separated by commas.")] = _joined(
-        PAPER[0]
-    )
-    clearances: Annotated[str, typer.Option(help="Radial clearances, mm.")] = _joined(PAPER[1])
-    restitutions: Annotated[str, typer.Option(help="Restitutions.")] = _joined(PAPER[2])
-    frictions: Annotated[str, typer.Option(help="Friction coefficients.")] = _joined(PAPER[3])
-
-
-@expand_options
-def sweep(
-    spec: SpecFile,
-    *,
-    out: TableFile,
-    varied: Varied,
-    revolutions: _Revolutions = None,
-    first: Annotated[
-        int,
-        typer.Option(
-            parser=integer_from(0), metavar="INTEGER", help="First revolution that counts, from 0."
-        ),
-    ] = 0,
-    integration: Integration,
-    against: Annotated[
-        float | None,
-        typer.Option(help="Run at this tolerance too; count only what lies beyond the horizon."),
-    ] = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Resume an interrupted sweep.")] = False,
+def _film(
+    spec: Path, changes: Changes, revolutions: int | None, options: Options, out: Path
 ) -> None:
-    """Simulate laws × clearances × restitutions × frictions into one table."""
-    from cylcontact.mechanism import Plan, cases, read_mechanism
-    from cylcontact.mechanism import sweep as run
+    """Film a mechanism, the journal magnified beside it; by default its third revolution."""
+    from cylcontact.mechanism import read_mechanism
+    from cylcontact.mechanism import simulate as run
+    from cylcontact.mechanism.movie import film, require_film
+
+    require_film(out)
+    require_writable(out)
+    mechanism = read_mechanism(spec, **changes.single())
+    first = 2 if options.first is None else options.first
+    total = revolutions or first + 1
+    _require_left(first, total)
+    with progress_bars() as progress:
+        trajectory = run(mechanism, revolutions=total, progress=progress, **options.integration())
+        frames = film(trajectory, out, first, progress)
+    typer.echo(f"{frames} frames in {out}; assumed: {'; '.join(trajectory.assumptions)}")
+
+
+def _cases(
+    spec: Path, changes: Changes, revolutions: int | None, options: Options, out: Path
+) -> None:
+    """Simulate every combination of the changes into one table."""
+    from cylcontact.mechanism import Plan, read_mechanism, sweep
+    from cylcontact.mechanism.long_run import first_of
 
     mechanism = read_mechanism(spec)
-    require_suffix(out, *OUTPUT_SUFFIXES)
-    wanted = cases(
-        [law.strip() for law in varied.laws.split(",")],
-        _numbers("--clearances", varied.clearances),
-        _numbers("--restitutions", varied.restitutions),
-        _numbers("--frictions", varied.frictions),
-    )
-    turns = revolutions or mechanism.integration.revolutions
-    plan = Plan(turns, first, **asdict(integration), against=against)
-    where = workers(jobs, scheduler)
+    total = revolutions or mechanism.integration.revolutions
+    first = first_of(total) if options.first is None else options.first
+    plan = Plan(total, first, **options.integration(), against=options.against)
+    where = workers(options.jobs, options.scheduler)
     with owning(out), resumable(out, "case") as journal:
         with progress_bars() as progress:
-            table = run(mechanism, wanted, plan, where, progress, journal, resume)
+            wanted = _combinations(changes)
+            table = sweep(mechanism, wanted, plan, where, progress, journal, options.resume)
         write_table(table, out)
     stopped = table[table["status"] != "complete"]
     typer.echo(f"{out}: {len(table)} cases, {len(stopped)} of them stopped")
@@ -326,95 +383,81 @@ def sweep(
         typer.echo(f"  {message}")
 
 
-def tolerances(
-    spec: SpecFile,
-    out: TableFile,
-    values: Annotated[
-        str, typer.Option("--tolerances", help="Separated by commas.")
-    ] = "1e-5,1e-6,1e-7,1e-8,1e-9,1e-10,1e-11",
-    revolutions: _Revolutions = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
+def _combinations(changes: Changes) -> list[Case]:
+    """Return every combination of the changes; the spec's value of what is not given."""
+    from cylcontact.mechanism import cases
+
+    return cases(*(values or [None] for values in changes.several().values()))
+
+
+def _tolerances(
+    spec: Path, changes: Changes, revolutions: int | None, options: Options, out: Path
 ) -> None:
-    """Tabulate energy balance and drift by tolerance, over the paper's 24 cases in both forms."""
-    from cylcontact.mechanism import Plan, cases, read_mechanism
-    from cylcontact.mechanism import sweep as run
+    """Tabulate energy balance and drift by tolerance over the cases, in both forms."""
+    from cylcontact.mechanism import Plan, read_mechanism, sweep
     from cylcontact.mechanism.studies import tolerance_table
 
     mechanism = read_mechanism(spec)
-    require_suffix(out, *OUTPUT_SUFFIXES)
-    turns = revolutions or mechanism.integration.revolutions
-    wanted = cases(*PAPER)
-    where = workers(jobs, scheduler)
+    total = revolutions or mechanism.integration.revolutions
+    wanted, where = _combinations(changes), workers(options.jobs, options.scheduler)
     plans = [
-        Plan(turns, method=method, tolerance=value, beyond="tangent")
+        Plan(total, method=method, tolerance=value, beyond="tangent")
         for method in METHODS
-        for value in _numbers("--tolerances", values)
+        for value in numbers("--tolerance", options.tolerance) or TOLERANCES
     ]
     with owning(out), progress_bars() as progress:
         tables = []
         for done, plan in enumerate(plans):
             progress("sweeps", done, len(plans))
-            tables.append(run(mechanism, wanted, plan, where))
+            tables.append(sweep(mechanism, wanted, plan, where))
         progress("sweeps", len(plans), len(plans))
         table = tolerance_table(tables)
         write_table(table, out)
     typer.echo(table.to_string(index=False, float_format="%.3g"))
 
 
-@expand_options
-def bifurcation(
-    spec: SpecFile,
-    *,
-    out: TableFile,
-    clearances: Annotated[
-        str, typer.Option(help="The smallest and the largest radial clearance, mm.")
-    ] = "0.01,0.5",
-    points: Annotated[
-        int, typer.Option(parser=integer_from(1), metavar="INTEGER", help="How many of them.")
-    ] = 40,
-    changes: Losses,
-    revolutions: Annotated[
-        int, typer.Option(parser=integer_from(2), metavar="INTEGER", help="Length of each run.")
-    ] = 200,
-    last: Annotated[
-        int, typer.Option(parser=integer_from(1), metavar="INTEGER", help="Sections kept of each.")
-    ] = 50,
-    rates: Annotated[
-        str,
-        typer.Option(
-            "--impact-rates",
-            help="δ̇⁽⁻⁾ that contact carries, m/s, separated by commas; 0 for that of its onset.",
-        ),
-    ] = "0",
-    beyond: Beyond = "stop",
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
+def _bifurcation(
+    spec: Path, changes: Changes, revolutions: int | None, options: Options, out: Path
 ) -> None:
-    """Tabulate the Poincaré sections of a mechanism over its clearance: periodic or not."""
+    """Tabulate the Poincaré sections over the clearance: periodic or not."""
     import numpy as np
     import pandas as pd
 
     from cylcontact.mechanism import read_mechanism
-    from cylcontact.mechanism.studies import bifurcation as run
+    from cylcontact.mechanism.studies import bifurcation
 
-    require_suffix(out, *OUTPUT_SUFFIXES)
-    mechanism = read_mechanism(spec, **asdict(changes))
-    ends = _numbers("--clearances", clearances)
+    mechanism = read_mechanism(spec, **changes.single("clearance"))
+    ends = numbers("--clearance", changes.clearance) or [0.01, 0.5]
     require(
-        len(ends) == 2 and min(ends) > 0, "--clearances", "", clearances,
-        "must be two positive numbers", "e.g. 0.01,0.5",
+        len(ends) == 2 and min(ends) > 0, "--clearance", "", ",".join(changes.clearance or ()),
+        "must be two positive numbers, the smallest and the largest", "e.g. 0.01,0.5",
     )  # fmt: skip
-    values = [float(f"{value:.4g}") for value in np.geomspace(ends[0], ends[1], points)]
-    where = workers(jobs, scheduler)
+    spaced = np.geomspace(ends[0], ends[1], options.points or 40)
+    values = [float(f"{value:.4g}") for value in spaced]
+    where = workers(options.jobs, options.scheduler)
+    last, beyond = options.last or 50, options.beyond or "stop"
     with owning(out):
         with progress_bars() as progress:
             tables = [
-                run(mechanism, values, revolutions, last, rate or None, beyond, where, progress)
-                for rate in _numbers("--impact-rates", rates)
+                bifurcation(
+                    mechanism,
+                    values,
+                    revolutions or 200,
+                    last,
+                    rate or None,
+                    beyond,
+                    where,
+                    progress,
+                )
+                for rate in numbers("--impact-rate", options.impact_rate) or [0.0]
             ]
         table = pd.concat(tables, ignore_index=True)
         write_table(table, out)
+    typer.echo(f"{out}: {_periods(table)}")
+
+
+def _periods(table: pd.DataFrame) -> str:
+    """Return in words how many runs have which period."""
     periods = table.drop_duplicates(["clearance_mm", "held_m_per_s"])["period"]
     counts = {
         f"of period {period:g}" if period else "of no period up to 8": int(
@@ -424,14 +467,18 @@ def bifurcation(
     }
     counts["too short to tell"] = int(periods.isna().sum())
     texts = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
-    typer.echo(f"{out}: {len(periods)} runs, {texts}")
+    return f"{len(periods)} runs, {texts}"
 
 
-def _numbers(option: str, text: str) -> list[float]:
-    """Return the numbers of a list separated by commas."""
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise InputError(
-            option, "", text, "must be numbers separated by commas", "e.g. 0.5,0.02"
-        ) from None
+# Each way to simulate: what does it, and what it takes of `Options`.
+_INTEGRATION = ("first", "method", "tolerance", "beyond")
+_WAYS: dict[str, tuple[Callable[..., None], tuple[str, ...]]] = {
+    "one run": (_one_run, (*_INTEGRATION, "allowed_penetration", "table", "resume")),
+    "a film": (_film, _INTEGRATION),
+    "--study cases": (_cases, (*_INTEGRATION, "against", "resume", "jobs", "scheduler")),
+    "--study tolerances": (_tolerances, ("tolerance", "jobs", "scheduler")),
+    "--study bifurcation": (
+        _bifurcation,
+        ("beyond", "points", "last", "impact_rate", "jobs", "scheduler"),
+    ),
+}

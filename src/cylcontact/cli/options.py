@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from functools import wraps
@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
+from cylcontact.choices import listed
 from cylcontact.errors import InputError
 
 __all__ = [
@@ -42,6 +43,11 @@ STYLES = ("journal", "single-column", "double-column", "slides")
 TABLES = ("latex", "csv", "html")
 
 
+def split(values: list[str] | None) -> list[str]:
+    """Return the parts of an option that may be repeated, and hold several between commas."""
+    return [part.strip() for value in values or () for part in value.split(",")]
+
+
 def integer_from(least: int) -> Callable[[str], int]:
     """Return a parser of integers of at least `least`."""
 
@@ -55,6 +61,64 @@ def integer_from(least: int) -> Callable[[str], int]:
         return number
 
     return parse
+
+
+def numbers(option: str, texts: Sequence[str] | None) -> list[float]:
+    """Return texts as numbers; none if the option is not given."""
+    try:
+        return [float(text) for text in texts or ()]
+    except ValueError:
+        given, rule = ",".join(texts or ()), "must be numbers separated by commas"
+        raise InputError(option, "", given, rule, "e.g. 0.5,0.02") from None
+
+
+def option_of(name: str) -> str:
+    """Return the option of a field.
+
+    Examples
+    --------
+    >>> option_of("leave_out"), option_of("R_i_mm"), option_of("E_MPa")
+    ('--leave-out', '--Ri', '--E')
+    """
+    short = name.removesuffix("_mm").removesuffix("_MPa").replace("R_", "R")
+    return "--" + short.replace("_", "-")
+
+
+def require_taken(
+    source: str, way: str, takes: Mapping[str, Collection[str]], given: Mapping[str, object]
+) -> None:
+    """Refuse options that one way to use a command does not take.
+
+    Parameters
+    ----------
+    source : str
+        What the message begins with.
+    way : str
+        The way chosen, one of the keys of `takes`.
+    takes : mapping of str to collection of str
+        The options of each way.
+    given : mapping of str to object
+        The options with their values: None, False or an empty list if not given.
+
+    Raises
+    ------
+    InputError
+        With the ways that take the option.
+
+    Examples
+    --------
+    >>> takes = {"a run": ["table"], "a film": [], "a study": ["jobs", "table"]}
+    >>> require_taken("simulate", "a film", takes, {"jobs": None, "table": "t.csv"})
+    Traceback (most recent call last):
+    cylcontact.errors.InputError: simulate: --table: is for a run or a study, and this is a film; \
+leave it out
+    """
+    for name, value in given.items():
+        if value is None or value is False or value == [] or name in takes[way]:
+            continue
+        others = listed([other for other, names in takes.items() if name in names])
+        rule = f"is for {others}, and this is {way}"
+        raise InputError(source, option_of(name), None, rule, "leave it out")
 
 
 def require_internal(source: str, contact: str, remedy: str) -> None:
@@ -180,6 +244,9 @@ Pin = Annotated[
 Hole = Annotated[str | None, typer.Option(help="The hole's material.")]
 Force = Annotated[
     bool, typer.Option("--force", help="Replace an output that came from other inputs.")
+]
+Resume = Annotated[
+    bool, typer.Option("--resume", help="Go on from what an interrupted command left.")
 ]
 Runs = Annotated[
     int | None,

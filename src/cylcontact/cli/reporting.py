@@ -1,9 +1,8 @@
-"""The commands `report`, `claims`, `laws` and `export`."""
+"""The commands `figure`, `report`, `claims`, `laws` and `export`."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,9 +17,10 @@ from cylcontact.cli.options import (
     Jobs,
     Pin,
     Results,
-    expand_options,
     require_internal,
+    split,
 )
+from cylcontact.cli.renamed import renamed
 from cylcontact.cli.terminal import cores, progress_bars
 from cylcontact.errors import InputError
 from cylcontact.export import JOINT_TARGETS, TARGETS
@@ -31,22 +31,10 @@ from cylcontact.pair import CONTACTS
 if TYPE_CHECKING:
     from cylcontact.reports.bench import Bench
 
-__all__ = ["claims", "compare_laws", "export", "report"]
+__all__ = ["claims", "export", "figure", "laws", "report"]
 
 
-@dataclass(frozen=True)
-class DrawingOptions:
-    """Options of drawing; None for the default."""
-
-    style: Annotated[str | None, typer.Option(help=f"{listed(STYLES)}.")] = None
-    formats: Annotated[
-        list[str] | None, typer.Option("--format", help=f"{listed(FORMATS)}; may be repeated.")
-    ] = None
-    font_size: Annotated[float | None, typer.Option(help="Of the labels, in points.")] = None
-
-
-@expand_options
-def report(
+def figure(
     names: Annotated[
         list[str] | None,
         typer.Argument(
@@ -54,65 +42,38 @@ def report(
             'name, e.g. maps material="titanium alloy" law=explicit.'
         ),
     ] = None,
-    *,
-    results: Results = RESULTS,
     out: Annotated[
-        Path | None,
-        typer.Option("-o", "--out", help="Where to write; reports/figures, or reports/html."),
+        Path | None, typer.Option("-o", "--out", help="The folder; reports/figures by default.")
     ] = None,
-    html: Annotated[
-        bool, typer.Option("--html", help="Build the report to read in a browser instead.")
-    ] = False,
-    drawing: DrawingOptions,
-    tables: Annotated[
-        str | None, typer.Option(help=f"Write the tables and captions instead: {listed(TABLES)}.")
+    style: Annotated[str | None, typer.Option(help=f"{listed(STYLES)}.")] = None,
+    formats: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--format", callback=split, metavar="FORMAT[,...]", help=f"{listed(FORMATS)}."
+        ),
     ] = None,
+    font_size: Annotated[float | None, typer.Option(help="Of the labels, in points.")] = None,
+    results: Results = RESULTS,
     jobs: Jobs = None,
 ) -> None:
-    """Draw the figures, each with the CSV of its numbers, or build the report around them."""
-    from cylcontact.reports.bench import Bench
-
-    bench = Bench(Path(), results, jobs or cores())
-    _require_one_kind(names, html, tables, *astuple(drawing))
-    if html:
-        _build_site(bench, out or bench.recipes_folder / "html")
-        return
-    if tables is not None:
-        _write_tables(bench, names or (), tables, out or bench.recipes_folder / "tables")
-        return
-    _draw(bench, names or (), drawing, out)
-
-
-def _require_one_kind(names: object, html: bool, *choices: object) -> None:
-    """Refuse options that conflict with --html."""
-    if html and (names or any(choice is not None for choice in choices)):
-        raise InputError(
-            "report",
-            "--html",
-            None,
-            "draws every figure in the journal's style, for the browser and to take away",
-            "leave out recipes, --style, --format, --font-size and --tables",
-        )
-
-
-def _draw(bench: Bench, names: Sequence[str], drawing: DrawingOptions, out: Path | None) -> None:
-    """Draw figures in the requested style."""
+    """Draw figures, each with the CSV of its numbers."""
     from cylcontact.plots.style import JOURNAL, choose
+    from cylcontact.reports.bench import Bench
     from cylcontact.reports.build import build
 
-    formats = tuple(drawing.formats or ())
-    choice = choose(bench.recipes_folder / "style.toml", drawing.style, formats, drawing.font_size)
+    bench = Bench(Path(), results, jobs or cores())
+    choice = choose(bench.recipes_folder / "style.toml", style, tuple(formats or ()), font_size)
     own = bench.figures_folder
     folder = out or (own if choice.style.name == JOURNAL.name else own / choice.style.name)
-    recipes, arguments = _names_and_arguments(names)
+    recipes, arguments = _names_and_arguments(names or ())
     with progress_bars() as progress:
-        results = build(bench, recipes, folder, choice, progress, arguments)
-    problems = [result.problem for result in results if result.problem is not None]
+        drawn = build(bench, recipes, folder, choice, progress, arguments)
+    problems = [each.problem for each in drawn if each.problem is not None]
     for problem in problems[1:]:
         typer.echo(f"cylcontact: {problem}", err=True)
     if problems:
         raise problems[0]
-    count = len(results)
+    count = len(drawn)
     typer.echo(f"{count} {'figure' if count == 1 else 'figures'} in {folder}")
 
 
@@ -122,8 +83,35 @@ def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str
     pairs = [word.partition("=") for word in words if "=" in word]
     if pairs and len(recipes) != 1:
         rule, remedy = "is an argument of one recipe", "name that recipe before it, and no other"
-        raise InputError("report", pairs[0][0], pairs[0][2], rule, remedy)
+        raise InputError("figure", pairs[0][0], pairs[0][2], rule, remedy)
     return recipes, {key: value for key, _, value in pairs}
+
+
+def report(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(help="With --tables: the recipes whose captions to write; all by default."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", help="The folder; reports/html, or reports/tables."),
+    ] = None,
+    tables: Annotated[
+        str | None, typer.Option(help=f"Write the tables and captions instead: {listed(TABLES)}.")
+    ] = None,
+    results: Results = RESULTS,
+    jobs: Jobs = None,
+) -> None:
+    """Build the report to read in a browser, with every figure, or its tables for a manuscript."""
+    from cylcontact.reports.bench import Bench
+
+    bench = Bench(Path(), results, jobs or cores())
+    if tables is not None:
+        _write_tables(bench, names or (), tables, out or bench.recipes_folder / "tables")
+        return
+    if names:
+        raise renamed(f"report {names[0]}", "figure", f"figure {' '.join(names)}")
+    _build_site(bench, out or bench.recipes_folder / "html")
 
 
 def _build_site(bench: Bench, folder: Path) -> None:
@@ -184,7 +172,7 @@ def claims(
     typer.echo(f"{count} {'claim' if count == 1 else 'claims'} written to {out}")
 
 
-def compare_laws(
+def laws(
     E: Annotated[
         str | None, typer.Option("--E", help="Young's modulus, MPa or '207 GPa', the default.")
     ] = None,

@@ -108,7 +108,7 @@ class Explicit(Unlimited):
     -----
     Against Persson's load for internal contact the error is below 0.12 % for
     1e-6 ≤ φ ≤ 60, and against Johnson's for external contact below 0.07 % for
-    1e-9 ≤ φ ≤ 0.02; `cylcontact report fig_explicit` prints both. For different materials the
+    1e-9 ≤ φ ≤ 0.02; `cylcontact figure fig_explicit` prints both. For different materials the
     law uses the E* of the pair.
 
     Examples

@@ -130,7 +130,7 @@ class ExplicitPair(Unlimited):
     Notes
     -----
     The error of the load is below 1.1 % for every α and β that two materials can have and
-    1e-6 ≤ φ ≤ 60; `cylcontact report fig_any_pair` maps it. `Parametric` is twenty times as close
+    1e-6 ≤ φ ≤ 60; `cylcontact figure fig_any_pair` maps it. `Parametric` is twenty times as close
     and takes five times as long; for two bodies of one material `Explicit` is ten times as close.
 
     Examples

@@ -222,7 +222,7 @@ class Parametric(Conformal):
     Notes
     -----
     For every α and β that two materials can have and 1e-6 ≤ φ ≤ 60, with Johnson's datum, the error
-    against `Conformal` is below 0.06 % in penetration and load; `cylcontact report fig_any_pair`
+    against `Conformal` is below 0.06 % in penetration and load; `cylcontact figure fig_any_pair`
     maps it. Load and penetration invert each other to a few units in the last place, to fewer
     digits with a C next to the least that the pair allows.
 

@@ -31,12 +31,15 @@ __all__ = ["Case", "Plan", "cases", "run_case", "sweep"]
 
 @dataclass(frozen=True)
 class Case:
-    """What varies in a sweep: a law's name, the clearance in mm, restitution, friction."""
+    """What varies in a sweep: a law's name, the clearance in mm, restitution, friction.
 
-    law: str
-    clearance: float
-    restitution: float
-    friction: float
+    None stands for the value of the mechanism's spec.
+    """
+
+    law: str | None
+    clearance: float | None
+    restitution: float | None
+    friction: float | None
 
 
 @dataclass(frozen=True)
@@ -57,10 +60,10 @@ class Plan:
 
 
 def cases(
-    laws: Iterable[str],
-    clearances: Iterable[float],
-    restitutions: Iterable[float],
-    frictions: Iterable[float],
+    laws: Iterable[str | None],
+    clearances: Iterable[float | None],
+    restitutions: Iterable[float | None],
+    frictions: Iterable[float | None],
 ) -> list[Case]:
     """Return all combinations, the last one varying fastest.
 
@@ -155,11 +158,12 @@ def _entry(case: Case, row: dict[str, Any]) -> dict[str, Any]:
 def run_case(data: dict[str, Any], source: str, case: Case, plan: Plan) -> dict[str, Any]:
     """Simulate one case and return its row of the table."""
     mechanism = mechanism_from(data, source, **asdict(case))
+    joint = mechanism.data["clearance"]
     row: dict[str, Any] = {
-        "law": case.law,
-        "clearance_mm": case.clearance,
-        "restitution": case.restitution,
-        "friction": case.friction,
+        "law": joint["law"],
+        "clearance_mm": joint["radial"],
+        "restitution": joint["restitution"],
+        "friction": joint["friction"],
         "revolutions": plan.revolutions,
         "first": plan.first,
     }

@@ -7,7 +7,7 @@ import io
 import re
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from html import escape
 from typing import Any, Literal
 
@@ -22,12 +22,12 @@ from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullForm
 from cylcontact.plots.style import (
     JOURNAL,
     MM_PER_INCH,
-    STYLES,
     WIDTHS_MM,
     FigureStyle,
     Width,
     current_style,
     figure_style,
+    small_text,
 )
 
 __all__ = [
@@ -43,8 +43,8 @@ __all__ = [
 SCREEN_DPI = 120
 # Largest height of a stacked panel, relative to its width.
 PANEL_HEIGHT = 0.68
-# Text that does not fit shrinks by this factor until it fits or has this many points.
-SMALLEST, SHRINKING = 5.0, 0.93
+# Text that does not fit shrinks by this factor, the smallest to no less than these points.
+SMALLEST, SHRINKING = 6.0, 0.97
 # A legend with this many lines leaves no room in a narrow panel.
 LONG = 5
 # More labels than this crowd a logarithmic axis.
@@ -64,13 +64,16 @@ class Drawing:
     headline : mapping of str to float
         The main results, which tests check.
     caption : str
-        What the figure shows, with units, choices and assumptions.
+        What the figure shows, for the line below it: 60 words at most.
+    method : str
+        How it was made: choices, assumptions, coefficients and sources, for a note beside it.
     """
 
     figure: Figure
     table: pd.DataFrame
     headline: Mapping[str, float]
     caption: str
+    method: str = ""
 
     def _repr_html_(self) -> str:
         """Show the figure with its caption in a notebook."""
@@ -80,7 +83,8 @@ class Drawing:
         picture = base64.b64encode(stream.getvalue()).decode("ascii")
         caption = escape(self.caption)
         image = f'<img alt="{caption}" src="data:image/png;base64,{picture}">'
-        return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
+        note = f"<p><small>{escape(self.method)}</small></p>" if self.method else ""
+        return f"<figure>{image}<figcaption>{caption}{note}</figcaption></figure>"
 
 
 class StyledFigure(Figure):
@@ -151,8 +155,8 @@ class StyledFigure(Figure):
         for axes in self.axes:
             _repeat_label(axes)
             _break_texts(axes, self.bbox.x1)
-        size = self.style.font_size
-        while not self._settles() and size > SMALLEST:
+        size = small_text() * SHRINKING
+        while not self._settles() and size >= SMALLEST:
             size *= SHRINKING
             for text in self.findobj(Text):
                 text.set_fontsize(SHRINKING * float(text.get_fontsize()))
@@ -257,7 +261,7 @@ def _broken(title: Text, room: float) -> str:
     return "\n".join(lines)
 
 
-def new_figure(width: Width, height_mm: float, wide: bool = False) -> StyledFigure:
+def new_figure(width: Width, height_mm: float) -> StyledFigure:
     """Return an empty figure of a journal's width, without pyplot.
 
     A style with its own width replaces that width, and scales the height in proportion.
@@ -268,8 +272,6 @@ def new_figure(width: Width, height_mm: float, wide: bool = False) -> StyledFigu
         A key of `WIDTHS_MM`.
     height_mm : float
         In mm.
-    wide : bool, optional
-        Whether the content needs both columns of a narrow style.
 
     Returns
     -------
@@ -282,8 +284,6 @@ def new_figure(width: Width, height_mm: float, wide: bool = False) -> StyledFigu
     [84. 60.]
     """
     style = current_style()
-    if wide and style.narrow:
-        style = replace(style, width_mm=STYLES["double-column"].width_mm)
     width_mm = style.width_mm or WIDTHS_MM[width]
     height = min(height_mm * width_mm / WIDTHS_MM[width], style.highest_mm or np.inf)
     size = (width_mm / MM_PER_INCH, height / MM_PER_INCH)

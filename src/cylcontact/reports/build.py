@@ -62,9 +62,12 @@ class FigureResult:
     name : str
         The recipe's name.
     paths : tuple of path
-        The pictures, in the order of the formats, and the CSV; empty on failure.
+        The pictures, in the order of the formats, the CSV and the note, if there is one; empty on
+        failure.
     caption : str
         The figure's caption.
+    method : str
+        The text of the note: how the figure was made.
     headline : mapping of str to float
         The figure's main results.
     inputs : mapping of str to str
@@ -78,6 +81,7 @@ class FigureResult:
     name: str
     paths: tuple[Path, ...] = ()
     caption: str = ""
+    method: str = ""
     headline: Mapping[str, float] = field(default_factory=dict)
     inputs: Mapping[str, str] = field(default_factory=dict)
     size_mm: tuple[float, float] = (0.0, 0.0)
@@ -162,9 +166,9 @@ def draw(
     _require_arguments(name, function, given)
     with figure_style(style):
         drawing: Drawing = function(bench, **given)
-        if style != JOURNAL:
-            # Titles and legends must fit the style's width.
-            drawing.figure.draw_without_rendering()
+        # Arranged once, so that each format shows the same and none does it again.
+        drawing.figure.draw_without_rendering()
+        drawing.figure.set_layout_engine(None)
         return drawing
 
 
@@ -176,7 +180,7 @@ def build(
     progress: Progress = silent,
     arguments: Arguments | None = None,
 ) -> list[FigureResult]:
-    """Draw figures in `bench.jobs` processes, and write the pictures and the CSV of each.
+    """Draw figures in `bench.jobs` processes, and write the pictures, the CSV and the note of each.
 
     A figure's files are complete or absent. The same input gives the same bytes for every number
     of processes.
@@ -237,7 +241,7 @@ def build(
                 progress("drawing", len(results), len(chosen))
     except BaseException:  # the workers have been killed, some of them while they were writing
         for name in chosen:
-            for ending in (*options.formats, "csv"):
+            for ending in (*options.formats, "csv", "txt"):
                 remove_leftovers(target / f"{_stem(name, given)}.{ending}")
         raise
     return results
@@ -262,7 +266,7 @@ def chosen_recipes(bench: Bench, names: Iterable[str] = ()) -> list[str]:
 def write(
     drawing: Drawing, name: str, folder: Path, options: FigureOptions = DEFAULT_OPTIONS
 ) -> tuple[Path, ...]:
-    """Write a drawing's pictures and the CSV of its numbers; on an error, write none of them.
+    """Write a drawing's pictures, the CSV of its numbers and its note; on an error, none of them.
 
     Parameters
     ----------
@@ -278,7 +282,7 @@ def write(
     Returns
     -------
     tuple of path
-        A picture in each format, in their order, and the CSV.
+        A picture in each format, in their order, the CSV, and the note if there is one.
 
     Raises
     ------
@@ -286,22 +290,24 @@ def write(
         If the folder cannot be written to, or a format needs a program that is absent.
     """
     _require_programs(options.formats)
-    endings = (*options.formats, "csv")
+    paths = [folder / f"{name}.{ending}" for ending in (*options.formats, "csv")]
+    paths += [folder / f"{name}.txt"] if drawing.method else []
     with ExitStack() as stack:
-        *pictures, csv = (
-            stack.enter_context(replacing(folder / f"{name}.{ending}")) for ending in endings
-        )
-        for form, picture in zip(options.formats, pictures, strict=True):
+        files = [stack.enter_context(replacing(path)) for path in paths]
+        for form, picture in zip(options.formats, files, strict=False):
             save_picture(drawing, picture, form, options.style)
+        csv = files[len(options.formats)]
         drawing.table.to_csv(csv, index=False, float_format=NUMBER_FORMAT, lineterminator="\n")
-    return tuple(folder / f"{name}.{ending}" for ending in endings)
+        for note in files[len(options.formats) + 1 :]:
+            note.write_text(f"{drawing.caption}\n\n{drawing.method}\n", encoding="utf-8")
+    return tuple(paths)
 
 
 def _require_programs(formats: Iterable[Format]) -> None:
     """Raise `InputError` where a format needs a program that is not installed."""
     if "pgf" in formats and which("xelatex") is None:
         raise InputError(
-            "report",
+            "figure",
             "--format",
             "pgf",
             "needs xelatex, which measures the text of the figure and is not installed",
@@ -367,6 +373,7 @@ def _attempt(
         name,
         paths,
         drawing.caption,
+        drawing.method,
         dict(drawing.headline),
         _inputs(watched, name),
         (width, height),
@@ -501,10 +508,12 @@ def _require_arguments(name: str, function: Callable[..., Any], given: Arguments
     for key, value in given.items():
         if key not in known:
             rule = f"takes {', '.join(known)}" if known else "takes no arguments"
-            raise InputError(name, key, value, rule, f"write: report {name} {example}".rstrip())
+            remedy = f"write: cylcontact figure {name} {example}".rstrip()
+            raise InputError(name, key, value, rule, remedy)
     for key in needed:
         if key not in given:
-            raise InputError(name, key, None, "is needed", f"write: report {name} {example}")
+            remedy = f"write: cylcontact figure {name} {example}"
+            raise InputError(name, key, None, "is needed", remedy)
 
 
 def _refuse_unknown(name: str, bench: Bench, recipes: Mapping[str, Path]) -> None:
