@@ -98,7 +98,7 @@ def _card(figure: Figure, title: str) -> str:
     picture = f"[![{escape(title)}]({figure.picture}){{ loading=lazy }}]({figure.picture})"
     return (
         f"<div markdown>\n{picture}\n\n"
-        f"**{title}**<br>`cylcontact report {figure.name}` · {source}\n\n"
+        f"**{title}**<br>`cylcontact figure {figure.name}` · {source}\n\n"
         f"<details><summary>Caption</summary>{escape(figure.caption)}</details>\n</div>\n"
     )
 

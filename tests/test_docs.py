@@ -172,7 +172,7 @@ def test_the_gallery_shows_each_figure_with_its_command_and_recipe(site):
     text, parsed = gallery.read_text(encoding="utf-8"), Links(gallery.read_text(encoding="utf-8"))
     for name, recipe in zip(FEW, ("fig01", "fig02", "maps", "maps"), strict=True):
         assert f"gallery/{name}.png" in parsed.loaded
-        assert f"<code>cylcontact report {name}</code>" in text
+        assert f"<code>cylcontact figure {name}</code>" in text
         assert f"gallery/{recipe}.html" in parsed.links
         source = (site / "gallery" / f"{recipe}.html").read_text(encoding="utf-8")
         assert f"reports/{recipe}.py" in source
