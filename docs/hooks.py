@@ -16,6 +16,7 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
+from cylcontact.files import replacing
 from cylcontact.plots.style import JOURNAL, FigureOptions
 from cylcontact.reports import Bench
 from cylcontact.reports.build import FigureResult, build, chosen_recipes, find_recipes
@@ -26,6 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src"
 # Pictures of earlier builds, with the record of what each was drawn from.
 DRAWN = ROOT / "build" / "gallery"
+PNG, PART = FigureOptions(JOURNAL, ("png",)), 12
 # Front matter that keeps a page out of the search.
 UNINDEXED = "---\nsearch:\n  exclude: true\n---\n"
 EQUATION = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
@@ -110,13 +112,15 @@ def _drawn(bench: Bench) -> list[FigureResult]:
     known = _recorded(record, package)
     names = chosen_recipes(bench)
     old = [name for name in names if name not in known or not _is_current(known[name])]
-    if old:
-        for result in build(bench, old, DRAWN, FigureOptions(JOURNAL, ("png",))):
+    # In parts, so that an interrupted build goes on where it was.
+    for start in range(0, len(old), PART):
+        for result in build(bench, old[start : start + PART], DRAWN, PNG):
             if result.problem:
                 raise result.problem
             known[result.name] = replace(result, paths=result.paths[:1])
         figures = [asdict(figure) | {"paths": [f"{name}.png"]} for name, figure in known.items()]
-        record.write_text(json.dumps({"package": package, "figures": figures}), encoding="utf-8")
+        with replacing(record) as temporary:
+            temporary.write_text(json.dumps({"package": package, "figures": figures}), "utf-8")
     return [known[name] for name in names]
 
 
