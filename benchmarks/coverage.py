@@ -185,12 +185,13 @@ def page(table: pd.DataFrame) -> str:
     lines = [
         "# Do the intervals hold?",
         "",
-        "A 95 % interval should hold the truth in 95 of 100 experiments. Here the experiments are "
-        f"synthetic: `python -m benchmarks.coverage` makes {sets} sets of each kind, with the "
-        "truth known and faults of a known size, and fits the explicit law to each. The numbers "
-        "below are the shares of sets, in percent, whose interval held the true stiffness "
-        f"factor and the true offset. With {sets} sets a share of 95 % is known to "
-        "± 2 %.",
+        "How often the 95 % intervals of a fit to measurements hold the true value: they should in "
+        "95 of 100 experiments. Here the experiments are synthetic, with the truth known and "
+        f"faults of a known size. `python -m benchmarks.coverage` makes {sets} sets of each kind "
+        "and fits the explicit law to each.",
+        "",
+        "The numbers are the percentages of sets whose interval held the true stiffness factor and "
+        f"the true offset. With {sets} sets a share of 95 % is known to ± 2 %.",
         "",
         "| data | options | stiffness factor | offset | warned |",
         "|---|---|---:|---:|---:|",
@@ -202,22 +203,24 @@ def page(table: pd.DataFrame) -> str:
             f"| {kind} | {command} | {held['stiffness_factor']:.1f} | {held['offset']:.1f} "
             f"| {rows['warned_percent'].iloc[0]:.0f} |"
         )
-    sizes = "; ".join(f"{name}: {_as_text(kind)}" for name, kind in KINDS.items())
     return "\n".join(
         [
             *lines,
             "",
-            "The first row of each kind names its faults. The second, for a quarter of the sets, "
-            "leaves one out, as somebody does who does not know of it: then the intervals may be "
-            "far off, and the last column has the share of sets in which the report says so by "
-            "itself and names the option. Errors of the load are the exception. No residual shows "
-            "them, since they look like scatter of the reading.",
+            "In the first row of each kind the options name its faults. In the second they leave "
+            "one out, as would somebody who does not know of it; these rows are from a quarter of "
+            "the sets. The intervals may then be far off. The last column is the percentage of "
+            "sets where the report warns of that fault and names the option. Errors of the load "
+            "are the exception: no residual shows them, because they look like scatter of the "
+            "reading.",
             "",
             "With fewer than five series their effects are fixed, and the intervals are about "
             "these series. With eight or more they are about the population that the series come "
             "from.",
             "",
-            f"The kinds of data, with standard deviations. {sizes}.",
+            "The kinds of data, with their standard deviations:",
+            "",
+            *(f"- {name}: {_as_text(kind)}" for name, kind in KINDS.items()),
             "",
         ]
     )

@@ -6,7 +6,7 @@ import json
 import statistics
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
-from itertools import groupby
+from itertools import chain, groupby
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,10 @@ TITLES = {
     "finite_element": "A pin in a hole by finite elements",
     "start_up": "Start-up and figures",
 }
+
+
+# More cases with the same sides than this share a table.
+MERGED = 4
 
 
 @dataclass(frozen=True)
@@ -168,8 +172,10 @@ def page(results: dict[str, Any]) -> str:
             lines += ["", f"## {title}", ""]
         if reason:
             lines += [f"Not measured: {reason}.", ""]
-        for case, sides in groupby(of_it, key=lambda row: row.case):
-            lines += _table(case, list(sides))
+        cases = [list(sides) for _, sides in groupby(of_it, key=lambda row: row.case)]
+        for _, group in groupby(cases, key=lambda sides: [row.side for row in sides]):
+            alike = list(group)
+            lines += _merged(alike) if len(alike) > MERGED else chain(*map(_table, alike))
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -180,10 +186,12 @@ def _introduction(machine: dict[str, Any]) -> list[str]:
         if name not in ("processor", "cores", "system")
     )
     return [
-        "`make bench` measures the workbench against what one would use instead and writes this "
-        "page. All sides give the same answer, which is checked first; then they take turns. "
-        "Medians, and the quartiles of the rounds in brackets. Ratios are formed round by round, "
-        "to the first line of each table.",
+        "How fast the package is, beside what one would use instead: `make bench` measures it and "
+        "writes this page.",
+        "",
+        "All sides of a comparison give the same answer, which is checked first, and then take "
+        "turns. The numbers are medians, with the quartiles of the rounds in brackets. Ratios are "
+        "to the first line of each table, formed round by round.",
         "",
         f"Measured on {machine['cores']} cores of {machine['processor']} ({machine['system']}), "
         f"with {libraries}.",
@@ -198,9 +206,21 @@ def _aims(rows: Sequence[Row]) -> list[str]:
     return lines
 
 
-def _table(case: str, sides: Sequence[Row]) -> list[str]:
+def _merged(cases: Sequence[Sequence[Row]]) -> list[str]:
+    """Return one table for cases with the same sides."""
+    first = cases[0]
+    sides = " | ".join(row.side for row in first)
+    lines = [f"{first[0].unit} (ratio to {first[0].side})", ""]
+    lines += [f"| | {sides} |", "|---" + "|---:" * len(first) + "|"]
+    for start, *others in cases:
+        cells = [f"{row.value:.3g} ({row.ratio:.3g})" for row in others]
+        lines.append("| " + " | ".join([start.case, f"{start.value:.3g}", *cells]) + " |")
+    return [*lines, ""]
+
+
+def _table(sides: Sequence[Row]) -> list[str]:
     unit = sides[0].unit
-    lines = [f"**{case}**", "", f"| | {unit} | ratio | |", "|---|---:|---:|---|"]
+    lines = [f"**{sides[0].case}**", "", f"| | {unit} | ratio | |", "|---|---:|---:|---|"]
     for row in sides:
         value = _with_range(row.value, row.low, row.high)
         ratio = _with_range(row.ratio, row.ratio_low, row.ratio_high)

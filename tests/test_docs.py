@@ -1,8 +1,10 @@
 """The documentation: its code runs and prints what it says, its site is whole and offline."""
 
+import importlib.util
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from functools import partial
 from html.parser import HTMLParser
 from importlib import import_module
@@ -93,16 +95,21 @@ class Links(HTMLParser):
             self.loaded.append(named["href"])
 
 
+FEW = ["fig01", "fig02", "fig12", "fig12r"]
+
+
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    """The site, built strictly: a broken link or an unknown name stops it."""
+    """The site with a few figures, built strictly: a broken link or an unknown name stops it."""
     import_module("material")
     import_module("mkdocstrings")
     build = import_module("mkdocs.commands.build")
     config = import_module("mkdocs.config")
     folder = tmp_path_factory.mktemp("site")
-    loaded = config.load_config(str(ROOT / "mkdocs.yml"), site_dir=str(folder), strict=True)
-    build.build(loaded)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("cylcontact.reports.build.chosen_recipes", lambda _: FEW)
+        loaded = config.load_config(str(ROOT / "mkdocs.yml"), site_dir=str(folder), strict=True)
+        build.build(loaded)
     return folder
 
 
@@ -141,6 +148,82 @@ def test_reference_shows_the_docstrings(site):
     text = (site / "reference" / "laws.html").read_text(encoding="utf-8")
     assert "The paper solves it for the load by iteration" in text
     assert "exact for large contact arcs as well" in text
+
+
+def test_equations_are_mathml_and_no_star_is_lost(site):
+    equations = 0
+    for page in site.rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        source = page.relative_to(site).with_suffix(".md")
+        written = (ROOT / "docs" / source).is_file() and (ROOT / "docs" / source).read_text("utf-8")
+        assert "arithmatex" not in text, page.name
+        assert not re.search(r"\w<em>|</em>[\w/·^]", text), page.name
+        assert text.count('display="block"') == (written or "").count("\n$$\n") / 2, page.name
+        equations += text.count("<math")
+    assert equations > 10
+    text = (site / "reference" / "laws.html").read_text(encoding="utf-8")
+    assert "f = π·E*·δ/[ln(4π·E*·ΔR/f) − 1]" in text
+    text = (site / "science.html").read_text(encoding="utf-8")
+    assert "<msup><mi>E</mi><mo>&#x0002A;</mo></msup>" in text
+
+
+def test_the_gallery_shows_each_figure_with_its_command_and_recipe(site):
+    gallery = site / "gallery.html"
+    text, parsed = gallery.read_text(encoding="utf-8"), Links(gallery.read_text(encoding="utf-8"))
+    for name, recipe in zip(FEW, ("fig01", "fig02", "maps", "maps"), strict=True):
+        assert f"gallery/{name}.png" in parsed.loaded
+        assert f"<code>cylcontact figure {name}</code>" in text
+        assert f"gallery/{recipe}.html" in parsed.links
+        source = (site / "gallery" / f"{recipe}.html").read_text(encoding="utf-8")
+        assert f"reports/{recipe}.py" in source
+        assert "Drawing" in source
+    assert "Fig 12: Enhanced against Johnson: low-carbon steel, published coefficients" in text
+    assert text.count("<summary>Caption</summary>") == len(FEW)
+
+
+def test_a_figure_is_drawn_again_when_its_inputs_change(site, monkeypatch):
+    assert site
+    spec = importlib.util.spec_from_file_location("hooks", ROOT / "docs" / "hooks.py")
+    hooks = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(hooks)
+    drawn = []
+    monkeypatch.setattr(hooks, "chosen_recipes", lambda _: FEW)
+    monkeypatch.setattr(hooks, "build", lambda _, names, *_rest: drawn.extend(names) or [])
+    results = hooks._drawn(Bench(ROOT))
+    assert [result.name for result in results] == FEW
+    assert drawn == []
+    (read, *_), changed = results[0].inputs, results[0]
+    assert not hooks._is_current(replace(changed, inputs={read: "0" * 12}))
+    assert not hooks._is_current(replace(changed, inputs={"reports/gone.py": "0" * 12}))
+
+
+# Elements that reach beyond the window, unless they or what they are in can be scrolled.
+CUT_OFF = """() => {
+  const scrolls = (node) => ["auto", "scroll"].includes(getComputedStyle(node).overflowX);
+  const cut = (node) => {
+    const box = node.getBoundingClientRect();
+    if (box.left > -1 && box.right < innerWidth + 1) return false;
+    for (let at = node; at; at = at.parentElement) if (scrolls(at)) return false;
+    return true;
+  };
+  const parts = [...document.querySelectorAll("article *")];
+  const found = parts.filter((node) => node.checkVisibility() && cut(node))
+    .map((node) => `${node.tagName} ${node.textContent.slice(0, 40)}`);
+  for (const code of document.querySelectorAll("article pre > code"))
+    if (code.scrollWidth > code.clientWidth && !scrolls(code)) found.push(code.textContent);
+  if (document.documentElement.scrollWidth > innerWidth) found.push("the page");
+  return found;
+}"""
+
+
+@pytest.mark.parametrize("width", [1440, 390])
+def test_nothing_is_cut_off(site, width):
+    with chromium() as browser:
+        page = browser.new_page(viewport={"width": width, "height": 900})
+        for path in sorted(site.rglob("*.html")):
+            if path.name != "404.html":
+                page.goto(path.as_uri())
+                assert page.evaluate(CUT_OFF) == [], path.name
 
 
 def test_git_ignores_the_site():
