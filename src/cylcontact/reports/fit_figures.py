@@ -7,8 +7,9 @@ import pandas as pd
 from cylcontact.errors import InputError
 from cylcontact.fitting.assessment import basins
 from cylcontact.fitting.result import FitResult
+from cylcontact.plots.arguments import add_legend
 from cylcontact.plots.figure import Drawing, new_figure
-from cylcontact.plots.style import ACCENT, COLOURS, QUIET
+from cylcontact.plots.style import ACCENT, COLOURS, QUIET, figure_style
 
 __all__ = ["profile_drawing", "runs_drawing", "runs_table"]
 
@@ -45,6 +46,7 @@ def runs_table(result: FitResult) -> pd.DataFrame:
     )
 
 
+@figure_style()
 def runs_drawing(result: FitResult) -> Drawing:
     """Draw the objective of every run before and after the polish, best first.
 
@@ -70,7 +72,7 @@ def runs_drawing(result: FitResult) -> Drawing:
         axes.axhline(result.bound, color="black", linestyle=":", linewidth=0.8, label=label)
     axes.set(xlabel="run, best first", ylabel=result.objective.name, ylim=0)
     axes.xaxis.get_major_locator().set_params(integer=True)
-    axes.legend(loc="lower right")
+    add_legend(axes)
     value, agreeing = basins(result)[0]
     caption = (
         f"The {len(table)} runs of the fit {result.name!r}, best first: {result.objective.name} "
@@ -80,6 +82,7 @@ def runs_drawing(result: FitResult) -> Drawing:
     return Drawing(figure, table, {"objective": value, "runs that reached it": agreeing}, caption)
 
 
+@figure_style()
 def profile_drawing(result: FitResult, name: str, label: str) -> Drawing:
     """Draw the best attainable objective against one coefficient.
 
@@ -121,7 +124,7 @@ def profile_drawing(result: FitResult, name: str, label: str) -> Drawing:
         axes.plot(published, objective, "o", color=COLOURS[1], label="held at the published value")
     axes.set(xlabel=label, ylabel=f"best attainable objective (-)\n{result.objective.name}", ylim=0)
     axes.set_title(f"{result.contact} contact")
-    axes.legend(loc="lower right")
+    add_legend(axes)
     table = pd.DataFrame({name: profile.values, "objective": profile.objective})
     return Drawing(figure, table, _headline(result, name), _caption(result, name))
 
