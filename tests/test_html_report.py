@@ -19,7 +19,10 @@ from tests.browser import opened
 from tests.html_bench import EVIL_RECIPE, FITS, ROOT
 
 # One page of each kind, and those of a figure with a problem and of a missing one.
-KINDS = ("index", "fig12", "fig03", "fig15", "claims", "claims-3.1", "fits", "explore")
+KINDS = (
+    *("index", "figure-fig12", "figure-fig03", "figure-fig15"),
+    *("claims", "claims-3.1", "fits", "explore"),
+)
 UNFOLD = "document.querySelectorAll('details').forEach((each) => each.open = true)"
 SIZES = {1440: 900, 390: 844}
 
@@ -54,16 +57,16 @@ def test_what_is_missing_is_told_and_is_on_its_page_with_the_reason(site, texts)
     reasons = {line.split(":", 1)[0]: line for line in site.missing}
     assert set(reasons) == {"fig03", "fig12p", "broken"}
     for name, page, reason in (
-        ("fig03", "fig03", "failed with ZeroDivisionError (division by zero)"),
-        ("fig12p", "fig12", "practical.json: this fit result does not exist"),
+        ("fig03", "figure-fig03", "failed with ZeroDivisionError (division by zero)"),
+        ("fig12p", "figure-fig12", "practical.json: this fit result does not exist"),
     ):
         assert reason in reasons[name]
         assert reason in texts[page]
-    assert "there is no recipe reports/fig15.py" in texts["fig15"]
+    assert "there is no recipe reports/fig15.py" in texts["figure-fig15"]
 
 
 def test_gallery_has_all_nineteen_figures_with_their_status(index):
-    tiles = re.findall(r'<li class="tile (\w+)">.*?href="(fig\d\d).html"', index, re.DOTALL)
+    tiles = re.findall(r'<li class="tile (\w+)">.*?href="figure-(fig\d\d).html"', index, re.DOTALL)
     assert [name for _, name in tiles] == [f"fig{number:02d}" for number in range(1, 20)]
     assert [name for status, name in tiles if status == "drawn"] == ["fig12"]
 
@@ -135,21 +138,21 @@ def test_every_claim_is_on_one_page_and_in_the_count_of_its_section(texts):
 
 
 def test_every_figure_has_its_caption_method_downloads_and_provenance(texts):
-    assert "Penetration of the enhanced law (Eqs 5-6) less Johnson" in texts["fig12"]
-    assert "<summary>Method</summary>" in texts["fig_evil"]
-    assert '<p class="prose">A note.</p>' in texts["fig_evil"]
+    assert "Penetration of the enhanced law (Eqs 5-6) less Johnson" in texts["figure-fig12"]
+    assert "<summary>Method</summary>" in texts["figure-fig_evil"]
+    assert '<p class="prose">A note.</p>' in texts["figure-fig_evil"]
     for page, name, recipe in (
-        ("fig12", "fig12", "maps"),
-        ("fig12", "fig12r", "maps"),
-        ("fig_evil", "fig_evil", "fig_evil"),
+        ("figure-fig12", "fig12", "maps"),
+        ("figure-fig12", "fig12r", "maps"),
+        ("figure-fig_evil", "fig_evil", "fig_evil"),
     ):
         for ending in ("png", "pdf", "csv"):
             assert f'href="figures/{name}.{ending}" download' in texts[page]
         assert f"from <code>reports/{recipe}.py</code>" in texts[page]
-    assert "from <code>fitting/results/internal.json</code>" in texts["fig12"]
-    assert "from <code>cylcontact/data/materials.csv</code>" in texts["fig12"]
+    assert "from <code>fitting/results/internal.json</code>" in texts["figure-fig12"]
+    assert "from <code>cylcontact/data/materials.csv</code>" in texts["figure-fig12"]
     # Each picture says what it shows and the main numbers, and does not repeat the caption.
-    alternatives = Links(texts["fig12"]).pictures
+    alternatives = Links(texts["figure-fig12"]).pictures
     assert len(set(alternatives)) == 2
     for text in alternatives:
         assert text.startswith("Enhanced against Johnson: low-carbon steel, ")
@@ -174,7 +177,7 @@ def test_the_published_law_stands_in_its_own_column(index, texts):
 def test_texts_of_users_stay_text(texts):
     for text in texts.values():
         assert "<img src=x" not in text
-    for page in ("fig_evil", "fits"):
+    for page in ("figure-fig_evil", "fits"):
         assert "&lt;img src=x onerror=alert(1)&gt; &amp; " in texts[page]
         assert "{{ 7 * 7 }}" in texts[page]
     assert r"\u003cimg src=x" in texts["explore"]
@@ -251,7 +254,7 @@ def test_axe_finds_nothing(browser, site, axe, page, theme, width):
         assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
 
 
-@pytest.mark.parametrize("page", ["index", "fig12", "claims", "claims-3.1", "fits"])
+@pytest.mark.parametrize("page", ["index", "figure-fig12", "claims", "claims-3.1", "fits"])
 def test_keys_reach_everything_in_order_with_a_visible_ring(browser, site, page):
     with opened(browser, site.index.parent / f"{page}.html") as view:
         order = """() => [...document.querySelectorAll('a[href], button, summary, [tabindex="0"]')]
@@ -282,7 +285,7 @@ def test_theme_follows_the_system_until_it_is_chosen(browser, site):
 
 
 def test_downloads_are_the_files(browser, site):
-    with opened(browser, site.index.parent / "fig12.html") as view:
+    with opened(browser, site.index.parent / "figure-fig12.html") as view:
         with view.expect_download() as waiting:
             view.locator('a[href="figures/fig12.csv"]').click()
         own = site.index.parent / "figures" / "fig12.csv"

@@ -75,6 +75,11 @@ class Plate:
     problem: str
 
     @property
+    def page(self) -> str:
+        """The name of its page, which is no other page's whatever the recipe is called."""
+        return f"figure-{self.id}"
+
+    @property
     def heading(self) -> str:
         """The title, behind the number that the paper gives it."""
         return f"Figure {self.number}. {self.title}" if self.number else self.title

@@ -255,7 +255,7 @@ def _figure_pages(
     pages = {}
     for at, plate in enumerate(shown):
         names = {figure.name for figure in plate.figures}
-        pages[plate.id] = render(
+        pages[plate.page] = render(
             "figure",
             plate=plate,
             before=shown[at - 1] if at else None,
@@ -272,7 +272,7 @@ def _section_pages(
     code: Mapping[str, str],
 ) -> dict[str, str]:
     """Return the pages of the claims of each section."""
-    plate_of = {figure.name: plate.id for plate in shown for figure in plate.figures}
+    plate_of = {figure.name: plate.page for plate in shown for figure in plate.figures}
     return {
         part.name: render(
             "section",
