@@ -295,7 +295,7 @@ class TestAdditions:
         }
         code, out, errors = run("report", "--jobs", 1)
         assert (code, out, errors) == (0, "open reports/html/index.html\n", "")
-        page = Path("reports/html/index.html").read_text(encoding="utf-8")
+        page = Path("reports/html/figure-fig_mine.html").read_text(encoding="utf-8")
         assert "Loads of mine, N/mm." in page
         assert 'href="figures/fig_mine.csv" download' in page
 
