@@ -32,12 +32,15 @@ from .slider_crank import assumed, mechanism
 
 REVOLUTION = 1.15
 CAPTION = (
-    "The mechanism of datasets/slider_crank.toml, to scale in mm, {revolution:g} revolutions after "
-    "the start: {bodies}; the crank turns at {speed:.0f} rpm, {sense}. Names are the spec's, "
-    "dots are centres of mass, the dashed circle is the crank pin's. All joints are ideal but "
-    "the one in orange, between {bearing} (with the bearing) and {journal} (with the journal): on "
-    "the right with its clearance of {c:g} mm magnified {scale:g} times against the bearing's "
-    "radius of {R_i:g} mm. {assumed}"
+    "(a) The slider-crank to scale, {revolution:g} revolutions after the start, with the spec's "
+    "names; dots: centres of mass; dashed: circle of the crank pin; orange: the joint with "
+    "clearance. (b) This joint, its clearance of {c:g} mm magnified {scale:g} times against the "
+    "bearing's radius of {R_i:g} mm; dashed: clearance circle. Lengths and masses are assumed."
+)
+METHOD = (
+    "The mechanism is that of datasets/slider_crank.toml: {bodies}; the crank turns at "
+    "{speed:.0f} rpm, {sense}. All joints are ideal but the one between {bearing} (with the "
+    "bearing) and {journal} (with the journal). Crosses mark the centres of both. {assumed}"
 )
 # Widths of the panels: the mechanism, then the joint with clearance.
 WIDTHS = (2.45, 1.0)
@@ -63,18 +66,18 @@ def draw(bench: Bench) -> Drawing:
     }
     bodies, clearance = slider_crank.bodies, slider_crank.clearance
     caption = CAPTION.format(
-        revolution=REVOLUTION,
+        revolution=REVOLUTION, c=joint.radial, scale=joint.factor, R_i=joint.R_bearing
+    )
+    method = METHOD.format(
         bodies=", ".join(body.name for body in bodies),
         speed=60 / slider_crank.period,
         sense="clockwise" if slider_crank.driver.speed < 0 else "anticlockwise",
         bearing=bodies[clearance.i].name,
         journal=bodies[clearance.j].name,
-        c=joint.radial,
-        scale=joint.factor,
-        R_i=joint.R_bearing,
         assumed=assumed(slider_crank),
     )
-    return Drawing(_draw_panels(slider_crank, pose, joint), _points(pose), headline, caption)
+    figure = _draw_panels(slider_crank, pose, joint)
+    return Drawing(figure, _points(pose), headline, caption, method)
 
 
 def _points(pose: Pose) -> pd.DataFrame:

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from cylcontact.mechanism.system import TANGENT_FROM
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
-from cylcontact.plots.style import QUIET
+from cylcontact.plots.style import QUIET, small_text
 from cylcontact.reports.bench import Bench
 
 from .long_runs import FEW, FIRST, MANY, statistics_table
@@ -62,6 +62,8 @@ LOSSLESS = [number for number, group in enumerate(GROUPS) if group[1:] == (1.0, 
 APART = 0.24
 # Lower end of the axes in their upper ends, so that markers at zero are clear of the frame.
 BELOW = -0.05
+# Height of the two rows of losses, in sizes of their font.
+ROWS = 3.3
 BARS: dict[str, Any] = {"linestyle": "none", "capsize": 1.5, "elinewidth": 0.7, "capthick": 0.7}
 
 
@@ -137,11 +139,11 @@ def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, half: str |
 
 def _label_groups(axes: Axes) -> None:
     """Write the losses below the cases, and the clearances below these."""
-    axes.set(xlim=(-0.5, len(GROUPS) - 0.5), xlabel="$c_e$ (upper row), $c_f$ (lower row)")
+    axes.set(xlim=(-0.5, len(GROUPS) - 0.5), xlabel="$c_e$ (first row), $c_f$ (second row)")
     axes.set_xticks(range(len(GROUPS)), LABELS)
-    axes.tick_params(axis="x", length=0)
-    axes.axvline(len(LOSSES) - 0.5, color=QUIET, linewidth=0.6, linestyle="-", marker="")
-    above = axes.secondary_xaxis("top")
     middles = (np.arange(len(JOINT_CLEARANCES)) + 0.5) * len(LOSSES) - 0.5
-    above.set_xticks(middles, [f"$c$ = {clearance:g} mm" for clearance in JOINT_CLEARANCES])
-    above.tick_params(axis="x", length=0)
+    clearances = [f"$c$ = {clearance:g} mm" for clearance in JOINT_CLEARANCES]
+    axes.set_xticks(middles, clearances, minor=True)
+    axes.tick_params(axis="x", which="both", length=0)
+    axes.tick_params(axis="x", which="minor", pad=ROWS * small_text())
+    axes.axvline(len(LOSSES) - 0.5, color=QUIET, linewidth=0.6, linestyle="-", marker="")

@@ -37,7 +37,7 @@ METHOD = (
 POINTS = 180
 LEDGERS = (
     {"drive_work_J": "drive's work", "kinetic_J": "change of kinetic energy"},
-    {"friction_dissipation_J": "lost in friction", "normal_dissipation_J": "lost in impacts"},
+    {"friction_dissipation_J": "in friction", "normal_dissipation_J": "in the normal force"},
 )
 
 
@@ -86,11 +86,11 @@ def _draw_panels(table: pd.DataFrame, cases: pd.DataFrame) -> Figure:
     left, middle, right = figure.subplots(1, 3, width_ratios=(1, 1, 1.2))
     for number, (axes, ledgers) in enumerate(zip((left, middle), LEDGERS, strict=True)):
         _draw_ledgers(axes, table, ledgers)
-        panel_title(axes, number, "exchanged" if number == 0 else "lost")
+        panel_title(axes, number, ("drive and motion", "losses")[number])
     draw_laws(right, cases, "energy_error")
     right.axhline(BOUND, color=QUIET, linewidth=0.8, linestyle=":", marker="")
-    right.set(ylabel="largest error of the balance (-)", yscale="log", ylim=(1e-10, 1e-4))
-    panel_title(right, 2, "error")
+    right.set(ylabel="largest error (-)", yscale="log", ylim=(1e-10, 1e-4))
+    panel_title(right, 2, "error of the balance")
     law_key(figure, right, "no losses")
     return figure
 
