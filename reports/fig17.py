@@ -31,17 +31,17 @@ STEP = 5e-7
 ELASTIC: dict[str, Any] = {"marker": "", "linewidth": 0.5, "linestyle": "-"}
 CASES = [Case(law, clearance, 0.9, 0.0) for clearance in JOINT_CLEARANCES for law in JOINT_LAWS]
 CAPTION = (
-    "Contact force against penetration δ over the first impact of the slider-crank, with three laws "
-    "and at two radial clearances; restitution 0.9, no friction. Thick: the loop, above on approach "
-    "and below on return; thin: the law without dissipation. The mechanism's data are assumed, and "
-    "the paper does not say which impact it draws."
+    "Contact force against penetration δ over the first impact of the slider-crank, with three "
+    "laws and at two radial clearances; restitution 0.9, no friction. Thick: the loop, above on "
+    "approach and below on return; thin: the law without dissipation. The mechanism's data are "
+    "assumed, and the paper does not say which impact it draws."
 )
 METHOD = (
     "Before the first impact the runs are alike, so that all laws meet the same impact, and it is "
     "the hardest of the start: {impacts}. Markers are at quarters of the largest penetration. At "
     "equal penetration Johnson's law is stiffer than the enhanced one {crossed}. The loads, over "
-    "{length:g} mm of length, go up to {top:.0f} N/mm, beyond the {fitted:g} N/mm that the enhanced "
-    "law is fitted to. Which impact to draw is our choice. {ends} {assumed}"
+    "{length:g} mm of length, go up to {top:.0f} N/mm, beyond the {fitted:g} N/mm that the "
+    "enhanced law is fitted to. Which impact to draw is our choice. {ends} {assumed}"
 )
 
 

@@ -27,13 +27,13 @@ CAPTION = (
 METHOD = (
     "The section is taken at the crank's outer dead centre. Sections repeat if they agree to "
     "{repeats:g} of the clearance, over {held} revolutions; the period is their number, up to "
-    "{longest}. In (b) the contact carries {rate:g} m/s from revolution 11 on, and it keeps "
-    "that rate until a flight ends it; it then has the rate of another onset. In (c) are the runs "
-    "of (a) and, open, those of (b) that have lost their rate, where they end in contact. In (d) "
-    "is one run of each kind from (b) that has kept its rate, the one whose sections reach "
-    "farthest. In contact without end δ̇⁽⁻⁾ scales the damping for good, and which one an onset has "
-    "depends on the start, so that a motion belongs to a clearance and to a rate. With one rate, "
-    "(b) is no smoother than (a). {assumed}"
+    "{longest}. In (b) the contact carries {rate:g} m/s from revolution 11 on, and it keeps that "
+    "rate until a flight ends it; it then has the rate of another onset. In (c) are the runs of "
+    "(a) and, open, those of (b) that have lost their rate, where they end in contact. In (d) is "
+    "one run of each kind from (b) that has kept its rate, the one whose sections reach farthest. "
+    "In contact without end δ̇⁽⁻⁾ scales the damping for good, and which one an onset has depends "
+    "on the start, so that a motion belongs to a clearance and to a rate. With one rate, (b) is no "
+    "smoother than (a). {assumed}"
 )
 # Colour, marker and its size in points by the kind of motion.
 KINDS: dict[str, tuple[str, str, float]] = {
@@ -41,6 +41,8 @@ KINDS: dict[str, tuple[str, str, float]] = {
     f"period 2 to {LONGEST}": (COLOURS[1], "s", 2.4),
     "no period": (ACCENT, "^", 2.2),
 }
+# Sections that agree to so many decimals are drawn once.
+PLACES = 4
 LOST = "open: held rate lost in a flight"
 RATE = r"$\dot\delta^{(-)}$"
 TICKS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
@@ -135,13 +137,12 @@ def _lost(table: pd.DataFrame) -> pd.Series[Any]:
 
 def _draw_kinds(axes: Axes, table: pd.DataFrame, column: str) -> None:
     """Draw a column over the clearance; open markers where the rate held has been lost."""
-    kinds, lost = _kind(table), _lost(table)
+    drawn = table[~table[["clearance_mm", column]].round(PLACES).duplicated()]
+    kinds, lost = _kind(drawn), _lost(drawn)
     for kind in KINDS:
         for rows, is_open in ((~lost, False), (lost, True)):
-            chosen = table[rows & (kinds == kind)]
-            axes.plot(
-                chosen["clearance_mm"], chosen[column], rasterized=True, **_marker(kind, is_open)
-            )
+            chosen = drawn[rows & (kinds == kind)]
+            axes.plot(chosen["clearance_mm"], chosen[column], **_marker(kind, is_open))
 
 
 def _marker(kind: str, is_open: bool) -> dict[str, Any]:

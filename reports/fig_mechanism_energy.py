@@ -22,10 +22,10 @@ CASE = Case("enhanced", 0.5, 0.9, 0.1)
 DRAWN = 3  # revolutions
 BOUND = 1e-5
 CAPTION = (
-    "(a, b) Energies of the slider-crank since its start (J): enhanced law, radial clearance "
-    "c = {clearance:g} mm, restitution c_e = {restitution:g}, friction coefficient c_f = "
-    "{friction:g}. (c) Largest error of the energy balance over the peak of the kinetic energy, "
-    "for three laws and eight cases; dotted: the bound set for it. The mechanism's data are assumed."
+    "(a, b) Energies of the slider-crank since its start (J): enhanced law, radial clearance c = "
+    "{clearance:g} mm, restitution c_e = {restitution:g}, friction coefficient c_f = {friction:g}. "
+    "(c) Largest error of the energy balance over the peak of the kinetic energy, for three laws "
+    "and eight cases; dotted: the bound set for it. The mechanism's data are assumed."
 )
 METHOD = (
     "The drive's work and both losses are integrated with the motion. The error of the balance is "
@@ -60,7 +60,9 @@ def draw(bench: Bench) -> Drawing:
         bound=BOUND,
         assumed=assumed(slider_crank),
     )
-    return Drawing(_draw_panels(table, cases), table, headline, CAPTION.format(**vars(CASE)), method)
+    return Drawing(
+        _draw_panels(table, cases), table, headline, CAPTION.format(**vars(CASE)), method
+    )
 
 
 def _energies(run: Trajectory) -> pd.DataFrame:

@@ -24,8 +24,9 @@ GROUPS = (
 )
 CAPTION = (
     "Coefficient of restitution (-) that an isolated impact achieves against the wanted one, for "
-    "the published hysteresis factors χ(e) in F = F_el(δ)(1 + χ δ̇/δ̇⁽⁻⁾), and its error. Grey: the "
-    "exact factor; dotted: 0.9, the value of the paper's mechanism. The scales of (b) and (d) differ."
+    "the published hysteresis factors χ(e) in F = F_el(δ)(1 + χ δ̇/δ̇⁽⁻⁾), and its error. Grey: "
+    "the exact factor; dotted: 0.9, the value of the paper's mechanism. The scales of (b) and (d) "
+    "differ."
 )
 METHOD = (
     "The achieved restitution follows in closed form from χ alone, for every elastic law, mass and "

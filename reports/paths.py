@@ -81,7 +81,9 @@ def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
         clearance=clearance,
         last=LAST,
     )
-    deep = {case: runs[case] for case in drawn if means[case]["max_penetration_um"] > 1e3 * clearance}
+    deep = {
+        case: runs[case] for case in drawn if means[case]["max_penetration_um"] > 1e3 * clearance
+    }
     method = METHOD.format(
         always=sum(mean["contact_fraction"] == 1.0 for mean in means.values()),
         cases=len(drawn),
@@ -150,8 +152,8 @@ def _whirls(deep: Mapping[Case, Trajectory]) -> str:
     if not deep:
         return ""
     turns = " and ".join(
-        f"{_turns(run):.2g} turns with {JOINT_LAWS[case.law]}'s law at c_e = {case.restitution:g} "
-        f"and c_f = {case.friction:g}"
+        f"{_turns(run):.2g} turns with the {JOINT_LAWS[case.law]} law at "
+        f"c_e = {case.restitution:g} and c_f = {case.friction:g}"
         for case, run in deep.items()
     )
     return (
@@ -178,9 +180,12 @@ def _draw_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
     turned = figure.style.narrow
     shape = (len(losses), len(JOINT_LAWS)) if turned else (len(JOINT_LAWS), len(losses))
     _fit_height(figure, shape, reach)
-    panels = figure.add_gridspec(*shape).subplots(sharex=True, sharey=True)
+    panels: Any = figure.add_gridspec(*shape).subplots(sharex=True, sharey=True)
     for case, path in paths.items():
-        law, loss = list(JOINT_LAWS).index(case.law), losses.index((case.restitution, case.friction))
+        law, loss = (
+            list(JOINT_LAWS).index(case.law),
+            losses.index((case.restitution, case.friction)),
+        )
         axes = panels[loss, law] if turned else panels[law, loss]
         _draw_path(axes, path)
         draw_clearance_circle(axes, clearance, **CIRCLE)
@@ -226,8 +231,8 @@ def _draw_scale(axes: Axes, length: float, reach: FloatArray) -> None:
     x, y = -reach
     axes.plot([x, x + length], [y, y], "-", marker="|", color="black", clip_on=False)
     axes.annotate(
-        f"{length:g} µm", xy=(x + length, y), xytext=(4, 0), textcoords="offset points",
-        va="center", fontsize=small_text(),
+        f"{length:g} µm", xy=(x, y), xytext=(0, -3), textcoords="offset points", va="top",
+        fontsize=small_text(),
     )  # fmt: skip
 
 
