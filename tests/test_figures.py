@@ -41,9 +41,6 @@ from tests.paper_equations import (
 
 BENCH = Bench(Path(__file__).parents[1])
 NAMES = chosen_recipes(BENCH)
-# One simulates 24 cases of the mechanism when it is drawn.
-SLOW = ("fig_mechanism_cases",)
-EACH = [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in NAMES]
 # E in MPa, ν, yield stress in MPa.
 MATERIALS = {
     "ceramics": (600e3, 0.24, 350.0),
@@ -79,7 +76,7 @@ class TestFiles:
         papers = {name for name in find_recipes(BENCH) if re.fullmatch(r"fig\d\d[rcp]?", name)}
         assert papers == {name for name in NAMES if not name.startswith("fig_")}
 
-    @pytest.mark.parametrize("name", EACH)
+    @pytest.mark.parametrize("name", NAMES)
     def test_page_has_a_journals_width_and_fits_on_it(
         self, figures: DrawnFigures, name: str
     ) -> None:
@@ -87,16 +84,16 @@ class TestFiles:
         assert min(abs(width - journal) for journal in WIDTHS_MM.values()) < 0.01
         assert height < 120
 
-    @pytest.mark.parametrize("name", EACH)
+    @pytest.mark.parametrize("name", NAMES)
     def test_fonts_are_embedded_as_type_42(self, figures: DrawnFigures, name: str) -> None:
         fonts = embedded_fonts(figures[name].paths[0])
         assert {font.partition("-")[0] for font in fonts} <= {"Arimo", "STIXGeneral"}
 
-    @pytest.mark.parametrize("name", EACH)
+    @pytest.mark.parametrize("name", NAMES)
     def test_text_is_legible_and_inside_the_page(self, figures: DrawnFigures, name: str) -> None:
         assert font_sizes_inside(figures[name].drawing.figure) <= {7.0, 8.0}
 
-    @pytest.mark.parametrize("name", EACH)
+    @pytest.mark.parametrize("name", NAMES)
     def test_table_has_units_and_digits(self, figures: DrawnFigures, name: str) -> None:
         for column, cells in read_columns(figures[name].paths[1]).items():
             assert all(cells) or column == "n", f"{column} has empty cells"
@@ -109,7 +106,7 @@ class TestFiles:
             assert number in UNITLESS or number.endswith(UNITS)
             assert max(map(significant_digits, cells)) <= 8
 
-    @pytest.mark.parametrize("name", EACH)
+    @pytest.mark.parametrize("name", NAMES)
     def test_caption_tells_units_and_nothing_of_this_machine(
         self, figures: DrawnFigures, name: str
     ) -> None:

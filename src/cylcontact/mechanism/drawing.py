@@ -302,7 +302,8 @@ def draw_circle(axes: Axes, mechanism: Mechanism, pose: Pose) -> None:
     start, end = (
         (float(x + radius * np.cos(angle)), float(y + radius * np.sin(angle))) for angle in turn
     )
-    bend = 0.2 * np.sign(mechanism.driver.speed)
+    # The control point of an arc is half the tangent of half its angle away, in chords.
+    bend = 0.5 * np.tan(0.5 * (turn[1] - turn[0]))
     arrow = POINTER | {"connectionstyle": f"arc3,rad={bend:g}", "zorder": 1, "linewidth": 0.9}
     axes.annotate("", xy=end, xytext=start, arrowprops=arrow)
 
