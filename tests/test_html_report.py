@@ -14,6 +14,7 @@ import pytest
 
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.html import build_site
+from cylcontact.reports.html.answer import answers
 from cylcontact.reports.laws_to_use import laws_to_use
 from tests.browser import opened
 from tests.html_bench import EVIL_RECIPE, FITS, ROOT
@@ -203,7 +204,17 @@ def test_a_bench_with_a_broken_table_of_materials_still_has_a_report(tmp_path):
     site = build_site(Bench(tmp_path), tmp_path / "html")
     explore = (site.index.parent / "explore.html").read_text(encoding="utf-8")
     assert "materials.csv: cannot be read" in explore
-    assert "none of the main fits exists" in site.index.read_text(encoding="utf-8")
+    index = site.index.read_text(encoding="utf-8")
+    assert "none of the main fits exists" in index
+    (reason, _) = [line for line in site.missing if line.startswith("laws: ")]
+    assert "internal.json: this fit result does not exist" in reason
+    assert index.count("Missing: ") == 3
+
+
+def test_laws_are_not_compared_without_the_times_of_the_benchmarks(tmp_path):
+    bench = Bench(tmp_path, results=ROOT / "fitting" / "results")
+    for answer in answers(bench):
+        assert "benchmarks.json: the measured times do not exist" in answer.problem
 
 
 @pytest.fixture

@@ -24,7 +24,7 @@ from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.pair import Contact
-from cylcontact.reports.bench import Bench
+from cylcontact.reports.bench import Bench, MissingInputError
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, johnson_end
 from cylcontact.text_tables import Report, joined, text_table
 
@@ -248,9 +248,13 @@ def _relative_times(bench: Bench) -> dict[str, float]:
     Raises
     ------
     InputError
-        If the benchmarks lack one.
+        If there are no benchmarks, or they lack one.
     """
     path = bench.input(BENCHMARKS)
+    if not path.is_file():
+        raise MissingInputError(
+            str(path), "", None, "the measured times do not exist", "measure them: make bench"
+        )
     rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
     compiled = [row for row in rows if row["case"].startswith("compiled scalar")]
     measured = {row["side"]: row["value"] for row in compiled}
