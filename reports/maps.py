@@ -287,7 +287,8 @@ def _method(row: MaterialRow, mapped: MappedLaw, criterion: Criterion, table: pd
         REFERENCE_WORDS[mapped.reference.name][2],
         f"{'On the ticked line' if yields else 'Outside this map'} "
         f"{CRITERION_WORDS[criterion][1]}, with a hole of {HOLE_RADIUS:g} mm radius, reaches the "
-        f"yield stress of {material.yield_stress:g} MPa{YIELDING * yields}. The radius is our choice.",
+        f"yield stress of {material.yield_stress:g} MPa{YIELDING * yields}.",
+        "The radius is our choice.",
         f"Material values that are not the paper's: {origin}." if origin else "",
         mapped.coefficients,
     ]
