@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -23,7 +24,7 @@ from .paper import FIG7_CLEARANCES, LOADS, RADII
 CLEARANCES: FloatArray = limit_clearances(FIG7_CLEARANCES)
 # What the thin part of a line has in common with the thick one.
 SHARED = ("color", "linestyle", "marker")
-BAND = {"color": "0.88", "zorder": 0, "linewidth": 0}
+BAND: dict[str, Any] = {"color": "0.88", "zorder": 0, "linewidth": 0}
 
 Quantity = Callable[[CylinderPair], FloatArray]
 

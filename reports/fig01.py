@@ -38,9 +38,9 @@ FORCE = ARROW | {
 VIEWS = ((-12.9, 13.3, -17.0, 13.6), (-10.0, 14.0, -11.0, 19.6), (-5.0, 18.5, -9.0, 21.6))
 CAPTION = (
     "Symbols. (a) A pin of radius R_j in a hole of radius R_i, ΔR = R_i - R_j, under the load f "
-    "per unit length; dashed, the pin with its axis on the hole's. (b) Two rollers, ΔR = R_i + R_j. "
-    "(c) The contact strip of length L and width 2b under Hertz's elliptic pressure. Penetration δ "
-    "not to scale."
+    "per unit length; dashed, the pin with its axis on the hole's. (b) Two rollers, "
+    "ΔR = R_i + R_j. (c) The contact strip of length L and width 2b under Hertz's "
+    "pressure. The penetration δ is exaggerated."
 )
 METHOD = (
     "The axes are ΔR + δ apart in (a) and ΔR - δ apart in (b). The penetration is drawn as the "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -102,7 +103,7 @@ def _draw_fit(axes: Axes, case: PowerCase, table: pd.DataFrame) -> None:
     """Draw points and line, and print the fit beside the paper's."""
     microns = 1e3 * table["penetration_mm"]
     axes.plot(microns, table["load_N_per_mm"], marker="", label="Johnson's law")
-    fitted = {"linestyle": "--", "color": ACCENT, "marker": ""}
+    fitted: dict[str, Any] = {"linestyle": "--", "color": ACCENT, "marker": ""}
     axes.plot(microns, table["fitted_load_N_per_mm"], **fitted, label="fitted power law")
     axes.legend(loc="lower right")
     axes.set(xlim=(0, microns.max()), ylim=(0, 1.05 * table["load_N_per_mm"].max()))

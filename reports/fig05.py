@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -30,14 +31,13 @@ from .paper import FIG5_CLEARANCES
 CAPTION = (
     "Contact stress by finite elements at ΔR = 1 mm and 0.01 mm and a load of 20 N/mm, relative to "
     "Hertz's peak pressure p₀, against distances relative to his half-width b. (a, b) Stress along "
-    "the load, compression positive, around the contact at y = R_i. (c, d) Pressure on the surface, "
-    "beside Hertz's ellipse and Persson's conformal solution."
+    "the load, compression positive, around the contact at y = R_i. (c, d) Pressure on the "
+    "surface, beside Hertz's ellipse and Persson's conformal solution."
 )
 METHOD = (
-    "{sizes}. In (a, b) each cell has one value; in (c, d) the points are pairs of nodes. The "
-    "vertical distance is from the top of the undeformed hole, the horizontal one in (c, d) is along "
-    "the surface. The table has lengths in mm and pressures in MPa. Of the load, {load_choice}. "
-    "{choices}"
+    "Hertz's contact has {sizes}. In (a, b) each cell has one value, at its place before the load; "
+    "in (c, d) the points are pairs of nodes. The table has lengths in mm and pressures in MPa. "
+    "{load_choice} {choices}"
 )
 # How far the panels reach, in half-widths of Hertz's contact.
 REACH, DEPTH = 2.0, 1.0
@@ -53,13 +53,13 @@ def draw(bench: Bench) -> Drawing:
         for theory in ("hertz", "persson"):
             key = f"{dR:g} mm: largest departure from {theory.capitalize()}, % of its peak"
             headline[key] = _largest_departure(table, dR, theory)
-    sizes = "; ".join(
-        f"at ΔR = {case.dR:g} mm b = {_hertz_width(case):.3g} mm, p₀ = {_hertz_peak(case):.3g} MPa"
+    sizes = ", and ".join(
+        f"b = {_hertz_width(case):.3g} mm and p₀ = {_hertz_peak(case):.3g} MPa "
+        f"at ΔR = {case.dR:g} mm"
         for case in solutions
     )
     words = {"sizes": sizes, "load_choice": STRESS_LOAD_CHOICE, "choices": choices(bench)}
-    method = METHOD.format(**words)
-    return Drawing(_draw_panels(solutions), table, headline, CAPTION, method[0].upper() + method[1:])
+    return Drawing(_draw_panels(solutions), table, headline, CAPTION, METHOD.format(**words))
 
 
 def _table(solutions: Sequence[Solution]) -> pd.DataFrame:
@@ -127,7 +127,9 @@ def _draw_panels(solutions: Sequence[Solution]) -> Figure:
             panel_title(panels[row, column], row * len(solutions) + column, title)
     panels[0, 0].set_ylabel("$(y - R_i)/b$ (-)")
     panels[1, 0].set_ylabel("pressure $p/p_0$ (-)")
-    figure.colorbar(cells, ax=list(panels[0]), pad=0.02, extend="max", label=r"$-\sigma_{yy}/p_0$ (-)")
+    figure.colorbar(
+        cells, ax=list(panels[0]), pad=0.02, extend="max", label=r"$-\sigma_{yy}/p_0$ (-)"
+    )
     handles, labels = panels[1, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure
@@ -165,7 +167,14 @@ def _draw_pressure(axes: Axes, solution: Solution) -> None:
     axes.plot(places, persson / peak, "--", color=COLOURS[1], marker="", label="Persson")
     near = solution.arc <= REACH * width
     arc, pressure = solution.arc[near] / width, solution.pressure[near] / peak
-    points = {"color": COLOURS[2], "linestyle": "none", "marker": "o", "markersize": 2.5}
+    points: dict[str, Any] = {
+        "color": COLOURS[2],
+        "linestyle": "none",
+        "marker": "o",
+        "markersize": 2.5,
+    }
     arcs, pressures = np.append(-arc[:0:-1], arc), np.append(pressure[:0:-1], pressure)
     axes.plot(arcs, pressures, **points, label="finite elements")
-    axes.set(xlim=(-REACH, REACH), ylim=(-0.05, MAXIMA), xlabel="distance along the surface / $b$ (-)")
+    axes.set(
+        xlim=(-REACH, REACH), ylim=(-0.05, MAXIMA), xlabel="distance along the surface / $b$ (-)"
+    )

@@ -9,7 +9,7 @@ from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
 
-from .clearance import clearance_panels, legend_below, mark_loads, tables_by_radius
+from .clearance import Quantity, clearance_panels, legend_below, mark_loads, tables_by_radius
 from .paper import ELASTIC, MATERIALS, RADII, YIELD, clearance_pair, origins, strength
 
 hertz_yield_load = partial(yield_load, criterion="Hertz")
@@ -25,7 +25,7 @@ CAPTION = (
 METHOD = (
     "Internal contact; below its line a material is elastic. Conformal contact is Persson's "
     f"solution at the same load. The bound of {CONFORMAL:g} % is our choice. Where lines are thin, "
-    "the contact yields at a lower load than drawn; most of these loads are far beyond practice. "
+    "the pressure of conformal contact reaches the yield stress at a lower load than drawn. "
     "Grey band: the loads of Figs 10 to 14, 10 to 1000 N/mm. Material values that are not the "
     "paper's: {origins}."
 )
@@ -33,7 +33,10 @@ METHOD = (
 
 def draw(bench: Bench) -> Drawing:
     rows = {name: bench.material(name) for name in MATERIALS}
-    quantities = {"load_N_per_mm": hertz_yield_load, "hertz_low_by_percent": _shortfall}
+    quantities: dict[str, Quantity] = {
+        "load_N_per_mm": hertz_yield_load,
+        "hertz_low_by_percent": _shortfall,
+    }
     table = tables_by_radius(rows, quantities)
     thin = table["hertz_low_by_percent"] > CONFORMAL
     figure, panels = clearance_panels(table, table["load_N_per_mm"], thin)

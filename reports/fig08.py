@@ -15,6 +15,12 @@ from cylcontact.reports.laws_bounds import DEPARTURES, departure_number, johnson
 from .clearance import clearance_table, draw_materials, legend_below, mark_loads
 from .paper import ELASTIC, JOHNSON_LIMITS, MATERIALS, clearance_pair, origins
 
+# Where a label is that begins right of the end of a line.
+BESIDE: dict[str, Any] = {
+    "xytext": (3, 0),
+    "textcoords": "offset points",
+    "annotation_clip": False,
+}
 # The material whose loads of departure from conformal contact are drawn, below all the limits.
 DEPARTING = "aluminium alloy"
 CAPTION = (
@@ -49,7 +55,12 @@ def draw(bench: Bench) -> Drawing:
     axes = figure.subplots()
     draw_materials(axes, table.assign(drawn=table["load_N_per_mm"], thin=False))
     _draw_departures(axes, table[table["material"] == DEPARTING], numbers)
-    stars = {"color": "black", "markerfacecolor": "black", "markersize": 6, "zorder": 5}
+    stars: dict[str, Any] = {
+        "color": "black",
+        "markerfacecolor": "black",
+        "markersize": 6,
+        "zorder": 5,
+    }
     places = [dR for _, dR in limits]
     axes.plot(places, list(limits.values()), "*", **stars, label="limits in the paper's text")
     mark_loads(axes)
@@ -76,6 +87,5 @@ def _draw_departures(axes: Axes, table: pd.DataFrame, numbers: Mapping[float, fl
         loads = table[f"johnson_low_by_{percent:g}_percent_load_N_per_mm"]
         axes.plot(table["dR_mm"], loads, **style, label=label)
         end = (table["dR_mm"].iloc[-1], loads.iloc[-1])
-        beside = {"xytext": (3, 0), "textcoords": "offset points", "annotation_clip": False}
-        axes.annotate(f"{percent:g} %", end, va="center", fontsize=small_text(), **beside)
+        axes.annotate(f"{percent:g} %", end, **BESIDE, va="center", fontsize=small_text())
         label = None

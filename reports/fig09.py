@@ -37,6 +37,6 @@ def draw(bench: Bench) -> Drawing:
     for R_i in RADII:
         for name, row in rows.items():
             dR = float(elastic_limit_clearance(R_i, clearance_pair(R_i / 2, row.material, R_i)))
-            headline[f"{name}, R_i = {R_i:g} mm: dR (mm) of the star"] = dR
+            headline[f"{name}, R_i = {R_i:g} mm: dR (mm) at the yield stress"] = dR
     method = METHOD.format(origins=origins(rows, rows, ELASTIC, YIELD))
     return Drawing(figure, table, headline, CAPTION, method)

@@ -44,7 +44,6 @@ from .paper import (
     MATERIALS,
     TRAINING_DR,
     YIELD,
-    clearance_pair,
     origins,
 )
 
@@ -53,7 +52,7 @@ REFERENCE_WORDS = {
     "johnson": (
         "Johnson's law",
         "Johnson's (Eq 1)",
-        "Hatched: beyond the largest load of Johnson's law (Eq 8).",
+        "Loads beyond the largest of Johnson's law (Eq 8) are hatched.",
     ),
     "persson": (
         "Persson's solution",
@@ -74,6 +73,8 @@ CRITERION_WORDS: dict[Criterion, tuple[str, str]] = {
     "Hertz": ("practical domain", "Hertz's peak pressure (Eq 7)"),
     "von Mises": ("elastic domain", "the largest von Mises stress in either body"),
 }
+
+YIELDING = "; the ticks are on the side where it exceeds it"
 
 # The fit of each variant of the paper's maps, and its name in the title.
 VARIANTS = {
@@ -217,8 +218,8 @@ def _draw_map(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> Draw
     where = {"bbox_to_anchor": (0.5, below), "bbox_transform": axes.transAxes}
     figure.legend(loc="upper center", ncols=2, borderaxespad=0.0, **where)
     headline = _headline(table, fitted_from, CRITERION_WORDS[criterion][0])
-    caption, method = _caption(row, mapped, criterion), _method(row, mapped, criterion)
-    return Drawing(figure, table, headline, caption, method)
+    method = _method(row, mapped, criterion, table)
+    return Drawing(figure, table, headline, _caption(row, mapped), method)
 
 
 def _map_axes(figure: StyledFigure) -> Axes:
@@ -263,7 +264,7 @@ def _title(row: MaterialRow) -> str:
     return f"{row.material.name}, $E$ = {E} GPa, $\\nu$ = {row.material.nu:g}"
 
 
-def _caption(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> str:
+def _caption(row: MaterialRow, mapped: MappedLaw) -> str:
     """Return the caption."""
     assumed = row.provenance["yield_stress_MPa"] == "assumed"
     return (
@@ -274,18 +275,20 @@ def _caption(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> str:
     )
 
 
-def _method(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> str:
+def _method(row: MaterialRow, mapped: MappedLaw, criterion: Criterion, table: pd.DataFrame) -> str:
     """Return how the map was made."""
     material = row.material
     origin = origins({material.name: row}, (material.name,), ELASTIC, YIELD)
+    yields = bool((table["yield_load_N_per_mm"] < LOADS[1]).any())
     sentences = [
         f"Internal contact, both bodies of {material.name}.",
         *_calibration(mapped),
-        "All maps of this kind have the same levels and colours.",
+        "Figs 10 to 14 and all maps like them have the same levels and colours.",
         REFERENCE_WORDS[mapped.reference.name][2],
-        f"On the ticked line {CRITERION_WORDS[criterion][1]}, with a hole of {HOLE_RADIUS:g} mm "
-        f"radius, reaches the yield stress of {material.yield_stress:g} MPa; the ticks are on the "
-        "side where it exceeds it. The radius is our choice.",
+        f"{'On the ticked line' if yields else 'Outside this map'} "
+        f"{CRITERION_WORDS[criterion][1]}, with a hole of {HOLE_RADIUS:g} mm radius, reaches the "
+        f"yield stress of {material.yield_stress:g} MPa{YIELDING * yields}.",
+        "The radius is our choice.",
         f"Material values that are not the paper's: {origin}." if origin else "",
         mapped.coefficients,
     ]

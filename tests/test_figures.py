@@ -236,12 +236,12 @@ class TestLimits:
             limit = johnson_end(e_star(E, nu), row.dR_mm)
             assert row.load_N_per_mm == pytest.approx(limit, rel=1e-12)
 
-    def test_fig09_stars_stand_at_the_yield_stress(self, figures: DrawnFigures) -> None:
+    def test_fig09_clearances_of_the_yield_stress(self, figures: DrawnFigures) -> None:
         for key, dR in figures["fig09"].drawing.headline.items():
             name, R_i = re.fullmatch(r"(.+), R_i = (\d+) mm: .*", key).groups()
             E, nu, stress = MATERIALS[name]
-            at_star = 2 / math.e * e_star(E, nu) * dR / math.sqrt(float(R_i) * (float(R_i) - dR))
-            assert at_star == pytest.approx(stress, rel=1e-12)
+            pressure = 2 / math.e * e_star(E, nu) * dR / math.sqrt(float(R_i) * (float(R_i) - dR))
+            assert pressure == pytest.approx(stress, rel=1e-12)
 
     def test_fig09_lines_are_eq_7_at_eq_8(self, figures: DrawnFigures) -> None:
         for row in figures["fig09"].drawing.table.iloc[::101].itertuples():

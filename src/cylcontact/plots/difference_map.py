@@ -25,7 +25,7 @@ from cylcontact.plots.arguments import (
     require_range,
 )
 from cylcontact.plots.figure import plain_log, round_ticks
-from cylcontact.plots.maps import RIM, add_scale, draw_contours, label_contours
+from cylcontact.plots.maps import add_scale, draw_contours, label_contours
 from cylcontact.yield_search import Criterion
 
 __all__ = ["DR", "LOAD", "map_grid", "plot_map"]
