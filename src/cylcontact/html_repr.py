@@ -72,7 +72,7 @@ def law_html(law: Any) -> str:
 
 def completed_law_html(law: Any, defaults: Mapping[Any, Any]) -> str:
     """Return an HTML table of a law, with `defaults` by contact for coefficients that are None."""
-    units = _units(law)
+    units: Mapping[str, str] = getattr(law, "units", {})
     rows: dict[str, object] = {}
     for field in fields(law):
         value = getattr(law, field.name)
@@ -86,16 +86,6 @@ def completed_law_html(law: Any, defaults: Mapping[Any, Any]) -> str:
             rows |= _with_units({field.name: value}, units)
     summary = (inspect.getdoc(law) or law.name).splitlines()[0]
     return table_html(f"{type(law).__name__}: {summary}", rows)
-
-
-def _units(law: Any) -> dict[str, str]:
-    """Return the units of a law's parameters by name, from its definition."""
-    from cylcontact.laws import DEFINITIONS  # the laws import this module
-
-    models = (
-        m for definition in DEFINITIONS if definition.law is type(law) for m in definition.models
-    )
-    return {p.name: p.unit for model in models for p in model.parameters}
 
 
 def _with_units(values: Mapping[str, object], units: Mapping[str, str]) -> dict[str, object]:
