@@ -19,10 +19,10 @@ from .slider_crank import assumed, mechanism
 
 FILE = "datasets/mechanism/bifurcation.csv"
 CAPTION = (
-    "Poincaré sections at the end of revolutions {first} to {last} with Johnson's law, {losses}: "
-    "eccentricity e_y across the slide over the radial clearance c. δ̇⁽⁻⁾ scales the damping: (a) "
-    "rate of each contact's onset; (b) held at {rate:g} m/s; (c) at the end, dotted: as held; (d) "
-    "sections from (b). Mechanism's data assumed."
+    "Poincaré sections with Johnson's law ({losses}) at the end of revolutions {first} to {last}: "
+    "eccentricity e_y across the slide over the radial clearance c (mm). The rate δ̇⁽⁻⁾ scales the "
+    "damping: (a) that of each onset; (b) held at {rate:g} m/s; (c) at the end (dotted: the held "
+    "one); (d) sections from (b). Mechanism's data assumed."
 )
 METHOD = (
     "The section is taken at the crank's outer dead centre. Sections repeat if they agree to "
@@ -64,7 +64,7 @@ def draw(bench: Bench) -> Drawing:
     model = mechanism(bench)
     clearance = model.data["clearance"]
     caption = CAPTION.format(
-        losses=f"c_e = {clearance['restitution']:g} and c_f = {clearance['friction']:g}",
+        losses=f"c_e = {clearance['restitution']:g}, c_f = {clearance['friction']:g}",
         first=sections["revolution"].min() + 1,
         last=sections["revolution"].max() + 1,
         rate=held,
@@ -137,7 +137,7 @@ def _lost(table: pd.DataFrame) -> pd.Series[Any]:
 
 def _draw_kinds(axes: Axes, table: pd.DataFrame, column: str) -> None:
     """Draw a column over the clearance; open markers where the rate held has been lost."""
-    drawn = table[~table[["clearance_mm", column]].round(PLACES).duplicated()]
+    drawn = table[~table[["held_m_per_s", "clearance_mm", column]].round(PLACES).duplicated()]
     kinds, lost = _kind(drawn), _lost(drawn)
     for kind in KINDS:
         for rows, is_open in ((~lost, False), (lost, True)):

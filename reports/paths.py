@@ -23,6 +23,7 @@ from cylcontact.reports.bench import Bench
 from .paper import FRICTIONS, JOINT_LAWS, RESTITUTIONS
 from .slider_crank import (
     CASES,
+    DRAWN_STEP,
     assumed,
     horizons,
     law_ends,
@@ -64,10 +65,13 @@ HIGHEST, TEXTS = 119.0, 22.0
 CIRCLE: dict[str, Any] = {"linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 3.5}
 
 
-def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
-    """Draw the journal's paths at one clearance, for all laws, restitutions and frictions."""
+def path_drawing(bench: Bench, clearance: float, revolutions: int, max_step: float) -> Drawing:
+    """Draw the journal's paths at one clearance, for all laws, restitutions and frictions.
+
+    No step is longer than `max_step` in s, so that the curves are smooth.
+    """
     drawn = [case for case in CASES if case.clearance == clearance]
-    runs = {case: simulated(bench, case, FIRST + revolutions) for case in drawn}
+    runs = {case: simulated(bench, case, FIRST + revolutions, max_step) for case in drawn}
     paths = {case: path_table(case, run, FIRST) for case, run in runs.items()}
     means = {case: run.statistics(FIRST).mean for case, run in runs.items()}
     headline = {
@@ -193,7 +197,8 @@ def _draw_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
         axes.set(xticks=[], yticks=[])
         axes.spines[:].set_visible(False)
     names = list(JOINT_LAWS.values())
-    pairs = [f"$c_e$ = {ce:g}, $c_f$ = {cf:g}" for ce, cf in losses]
+    between = "\n" if turned else ", "
+    pairs = [f"$c_e$ = {ce:g}{between}$c_f$ = {cf:g}" for ce, cf in losses]
     for axes, text in zip(panels[0], names if turned else pairs, strict=True):
         axes.set_title(text, loc="center")
     for axes, text in zip(panels[:, 0], pairs if turned else names, strict=True):
@@ -248,6 +253,6 @@ def _add_key(figure: Figure) -> None:
 
 
 FIGURES: dict[str, Callable[[Bench], Drawing]] = {
-    "fig18": partial(path_drawing, clearance=0.5, revolutions=3),
-    "fig19": partial(path_drawing, clearance=0.02, revolutions=1),
+    "fig18": partial(path_drawing, clearance=0.5, revolutions=3, max_step=DRAWN_STEP),
+    "fig19": partial(path_drawing, clearance=0.02, revolutions=1, max_step=0.5 * DRAWN_STEP),
 }
