@@ -90,7 +90,7 @@ def _impact(case: Case, run: Trajectory) -> pd.DataFrame:
             "time_us": (run.time[rows] - onset) * 1e6,
             "penetration_um": depth * 1e6,
             "force_N": run.normal_force[rows],
-            "elastic_force_N": total_force(case.law, depth * 1e3, pair),
+            "elastic_force_N": total_force(str(case.law), depth * 1e3, pair),
         }
     )
 

@@ -97,7 +97,7 @@ def path_drawing(bench: Bench, clearance: float, revolutions: int, max_step: flo
         assumed=assumed(mechanism(bench)),
     )
     table = pd.concat(paths.values(), ignore_index=True)
-    return Drawing(_draw_panels(paths), table, headline, caption, method)
+    return Drawing(_draw_panels(paths, 1e3 * clearance), table, headline, caption, method)
 
 
 def path_table(case: Case, run: Trajectory, first: int) -> pd.DataFrame:
@@ -156,7 +156,7 @@ def _whirls(deep: Mapping[Case, Trajectory]) -> str:
     if not deep:
         return ""
     turns = " and ".join(
-        f"{_turns(run):.2g} turns with the {JOINT_LAWS[case.law]} law at "
+        f"{_turns(run):.2g} turns with the {JOINT_LAWS[str(case.law)]} law at "
         f"c_e = {case.restitution:g} and c_f = {case.friction:g}"
         for case, run in deep.items()
     )
@@ -174,10 +174,9 @@ def _turns(run: Trajectory) -> float:
     return float(np.abs(np.diff(angle)).sum() / (2 * np.pi) / np.ptp(run.revolution[rows]))
 
 
-def _draw_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
-    """Draw the paths of one clearance: laws by rows and losses by columns, or turned if narrow."""
-    clearance = next(iter(paths)).clearance * 1e3
-    losses = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
+def _draw_panels(paths: Mapping[Case, pd.DataFrame], clearance: float) -> Figure:
+    """Draw the paths at a clearance in µm: laws by rows, losses by columns, or turned if narrow."""
+    losses: list[tuple[float | None, ...]] = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
     places = pd.concat(paths.values())[["x_um", "y_um"]].abs().max()
     reach = 1.03 * np.maximum(places.to_numpy(), clearance)
     figure = new_figure("full", HIGHEST)
@@ -186,10 +185,8 @@ def _draw_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
     _fit_height(figure, shape, reach)
     panels: Any = figure.add_gridspec(*shape).subplots(sharex=True, sharey=True)
     for case, path in paths.items():
-        law, loss = (
-            list(JOINT_LAWS).index(case.law),
-            losses.index((case.restitution, case.friction)),
-        )
+        law = list(JOINT_LAWS).index(str(case.law))
+        loss = losses.index((case.restitution, case.friction))
         axes = panels[loss, law] if turned else panels[law, loss]
         _draw_path(axes, path)
         draw_clearance_circle(axes, clearance, **CIRCLE)
