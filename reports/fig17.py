@@ -32,8 +32,8 @@ ELASTIC: dict[str, Any] = {"marker": "", "linewidth": 0.5, "linestyle": "-"}
 CASES = [Case(law, clearance, 0.9, 0.0) for clearance in JOINT_CLEARANCES for law in JOINT_LAWS]
 CAPTION = (
     "Contact force against penetration δ over the first impact of the slider-crank, with three "
-    "laws and at two radial clearances; restitution 0.9, no friction. Thick: the loop, above on "
-    "approach and below on return; thin: the law without dissipation. The mechanism's data are "
+    "laws and at two radial clearances (mm); restitution 0.9, no friction. Thick: the loop, above "
+    "on approach and below on return; thin: the law without dissipation. The mechanism's data are "
     "assumed, and the paper does not say which impact it draws."
 )
 METHOD = (
@@ -90,7 +90,7 @@ def _impact(case: Case, run: Trajectory) -> pd.DataFrame:
             "time_us": (run.time[rows] - onset) * 1e6,
             "penetration_um": depth * 1e6,
             "force_N": run.normal_force[rows],
-            "elastic_force_N": total_force(case.law, depth * 1e3, pair),
+            "elastic_force_N": total_force(str(case.law), depth * 1e3, pair),
         }
     )
 

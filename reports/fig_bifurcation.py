@@ -19,21 +19,21 @@ from .slider_crank import assumed, mechanism
 
 FILE = "datasets/mechanism/bifurcation.csv"
 CAPTION = (
-    "Poincaré sections at the end of revolutions {first} to {last} with Johnson's law, {losses}: "
-    "eccentricity e_y across the slide over the radial clearance c. δ̇⁽⁻⁾ scales the damping: (a) "
-    "rate of each contact's onset; (b) held at {rate:g} m/s; (c) at the end, dotted: as held; (d) "
+    "Poincaré sections with Johnson's law after revolutions {first} to {last}: eccentricity e_y "
+    "across the slide over the radial clearance c (mm). The rate δ̇⁽⁻⁾ scales the damping: (a) "
+    "that of each onset; (b) held at {rate:g} m/s; (c) at the end (dotted: the held one); (d) "
     "sections from (b). Mechanism's data assumed."
 )
 METHOD = (
-    "The section is taken at the crank's outer dead centre. Sections repeat if they agree to "
-    "{repeats:g} of the clearance, over {held} revolutions; the period is their number, up to "
-    "{longest}. In (b) the contact carries {rate:g} m/s from revolution 11 on, and it keeps that "
-    "rate until a flight ends it; it then has the rate of another onset. In (c) are the runs of "
-    "(a) and, open, those of (b) that have lost their rate, where they end in contact. In (d) is "
-    "one run of each kind from (b) that has kept its rate, the one whose sections reach farthest. "
-    "In contact without end δ̇⁽⁻⁾ scales the damping for good, and which one an onset has depends "
-    "on the start, so that a motion belongs to a clearance and to a rate. With one rate, (b) is no "
-    "smoother than (a). {assumed}"
+    "The losses are {losses}. The section is taken at the crank's outer dead centre. Sections "
+    "repeat if they agree to {repeats:g} of the clearance, over {held} revolutions; the period is "
+    "their number, up to {longest}. In (b) the contact carries {rate:g} m/s from revolution 11 on, "
+    "and it keeps that rate until a flight ends it; it then has the rate of another onset. In (c) "
+    "are the runs of (a) and, open, those of (b) that have lost their rate, where they end in "
+    "contact. In (d) is one run of each kind from (b) that has kept its rate, the one whose "
+    "sections reach farthest. In contact without end δ̇⁽⁻⁾ scales the damping for good, and which "
+    "one an onset has depends on the start, so that a motion belongs to a clearance and to a rate. "
+    "With one rate, (b) is no smoother than (a). {assumed}"
 )
 # Colour, marker and its size in points by the kind of motion.
 KINDS: dict[str, tuple[str, str, float]] = {
@@ -64,12 +64,12 @@ def draw(bench: Bench) -> Drawing:
     model = mechanism(bench)
     clearance = model.data["clearance"]
     caption = CAPTION.format(
-        losses=f"c_e = {clearance['restitution']:g} and c_f = {clearance['friction']:g}",
         first=sections["revolution"].min() + 1,
         last=sections["revolution"].max() + 1,
         rate=held,
     )
     method = METHOD.format(
+        losses=f"c_e = {clearance['restitution']:g} and c_f = {clearance['friction']:g}",
         longest=LONGEST,
         repeats=REPEATS,
         held=HELD,
@@ -137,7 +137,7 @@ def _lost(table: pd.DataFrame) -> pd.Series[Any]:
 
 def _draw_kinds(axes: Axes, table: pd.DataFrame, column: str) -> None:
     """Draw a column over the clearance; open markers where the rate held has been lost."""
-    drawn = table[~table[["clearance_mm", column]].round(PLACES).duplicated()]
+    drawn = table[~table[["held_m_per_s", "clearance_mm", column]].round(PLACES).duplicated()]
     kinds, lost = _kind(drawn), _lost(drawn)
     for kind in KINDS:
         for rows, is_open in ((~lost, False), (lost, True)):

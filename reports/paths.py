@@ -23,6 +23,7 @@ from cylcontact.reports.bench import Bench
 from .paper import FRICTIONS, JOINT_LAWS, RESTITUTIONS
 from .slider_crank import (
     CASES,
+    DRAWN_STEP,
     assumed,
     horizons,
     law_ends,
@@ -64,10 +65,13 @@ HIGHEST, TEXTS = 119.0, 22.0
 CIRCLE: dict[str, Any] = {"linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 3.5}
 
 
-def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
-    """Draw the journal's paths at one clearance, for all laws, restitutions and frictions."""
+def path_drawing(bench: Bench, clearance: float, revolutions: int, max_step: float) -> Drawing:
+    """Draw the journal's paths at one clearance, for all laws, restitutions and frictions.
+
+    No step is longer than `max_step` in s, so that the curves are smooth.
+    """
     drawn = [case for case in CASES if case.clearance == clearance]
-    runs = {case: simulated(bench, case, FIRST + revolutions) for case in drawn}
+    runs = {case: simulated(bench, case, FIRST + revolutions, max_step) for case in drawn}
     paths = {case: path_table(case, run, FIRST) for case, run in runs.items()}
     means = {case: run.statistics(FIRST).mean for case, run in runs.items()}
     headline = {
@@ -93,7 +97,7 @@ def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
         assumed=assumed(mechanism(bench)),
     )
     table = pd.concat(paths.values(), ignore_index=True)
-    return Drawing(_draw_panels(paths), table, headline, caption, method)
+    return Drawing(_draw_panels(paths, 1e3 * clearance), table, headline, caption, method)
 
 
 def path_table(case: Case, run: Trajectory, first: int) -> pd.DataFrame:
@@ -152,7 +156,7 @@ def _whirls(deep: Mapping[Case, Trajectory]) -> str:
     if not deep:
         return ""
     turns = " and ".join(
-        f"{_turns(run):.2g} turns with the {JOINT_LAWS[case.law]} law at "
+        f"{_turns(run):.2g} turns with the {JOINT_LAWS[str(case.law)]} law at "
         f"c_e = {case.restitution:g} and c_f = {case.friction:g}"
         for case, run in deep.items()
     )
@@ -170,10 +174,9 @@ def _turns(run: Trajectory) -> float:
     return float(np.abs(np.diff(angle)).sum() / (2 * np.pi) / np.ptp(run.revolution[rows]))
 
 
-def _draw_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
-    """Draw the paths of one clearance: laws by rows and losses by columns, or turned if narrow."""
-    clearance = next(iter(paths)).clearance * 1e3
-    losses = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
+def _draw_panels(paths: Mapping[Case, pd.DataFrame], clearance: float) -> Figure:
+    """Draw the paths at a clearance in µm: laws by rows, losses by columns, or turned if narrow."""
+    losses: list[tuple[float | None, ...]] = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
     places = pd.concat(paths.values())[["x_um", "y_um"]].abs().max()
     reach = 1.03 * np.maximum(places.to_numpy(), clearance)
     figure = new_figure("full", HIGHEST)
@@ -182,10 +185,8 @@ def _draw_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
     _fit_height(figure, shape, reach)
     panels: Any = figure.add_gridspec(*shape).subplots(sharex=True, sharey=True)
     for case, path in paths.items():
-        law, loss = (
-            list(JOINT_LAWS).index(case.law),
-            losses.index((case.restitution, case.friction)),
-        )
+        law = list(JOINT_LAWS).index(str(case.law))
+        loss = losses.index((case.restitution, case.friction))
         axes = panels[loss, law] if turned else panels[law, loss]
         _draw_path(axes, path)
         draw_clearance_circle(axes, clearance, **CIRCLE)
@@ -193,7 +194,8 @@ def _draw_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
         axes.set(xticks=[], yticks=[])
         axes.spines[:].set_visible(False)
     names = list(JOINT_LAWS.values())
-    pairs = [f"$c_e$ = {ce:g}, $c_f$ = {cf:g}" for ce, cf in losses]
+    between = "\n" if turned else ", "
+    pairs = [f"$c_e$ = {ce:g}{between}$c_f$ = {cf:g}" for ce, cf in losses]
     for axes, text in zip(panels[0], names if turned else pairs, strict=True):
         axes.set_title(text, loc="center")
     for axes, text in zip(panels[:, 0], pairs if turned else names, strict=True):
@@ -248,6 +250,6 @@ def _add_key(figure: Figure) -> None:
 
 
 FIGURES: dict[str, Callable[[Bench], Drawing]] = {
-    "fig18": partial(path_drawing, clearance=0.5, revolutions=3),
-    "fig19": partial(path_drawing, clearance=0.02, revolutions=1),
+    "fig18": partial(path_drawing, clearance=0.5, revolutions=3, max_step=DRAWN_STEP),
+    "fig19": partial(path_drawing, clearance=0.02, revolutions=1, max_step=0.5 * DRAWN_STEP),
 }
