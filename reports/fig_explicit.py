@@ -116,7 +116,7 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
         plain_log(axes, "y", (0.01, 0.1, 1, 10, 100))
         axes.set(ylim=(0.01, 400), xlabel=r"load $\varphi = f/(E^*\Delta R)$ (-)")
         panel_title(axes, number, title)
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22))
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
     panels[0].set_ylabel("largest error of the load (%)")
     return figure
 
