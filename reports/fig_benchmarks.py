@@ -25,11 +25,11 @@ CAPTION = (
     "needed on a small grid times the measured cost of one."
 )
 METHOD = (
-    "Marks are the median of the rounds, with their quartiles. For the times that are computed, the "
-    "evaluations that the optimiser needed on a small grid are multiplied by the measured cost of "
-    "one on this grid. The power, the logarithm and the objective alone do less than cylcontact: "
-    "they are limits. Measured by `make bench`; docs/speed.md has the numbers, the machine and the "
-    "versions."
+    "Marks are the median of the rounds, with their quartiles. For the times that are computed, "
+    "the evaluations that the optimiser needed on a small grid are multiplied by the measured cost "
+    "of one on this grid. The power, the logarithm and the objective alone do less than "
+    "cylcontact: they are limits. Measured by `make bench`; docs/speed.md has the numbers, the "
+    "machine and the versions."
 )
 # Labels longer than this have two lines where the page is narrow.
 LONGEST = 36
@@ -122,6 +122,7 @@ def ratio_panel(table: pd.DataFrame) -> Figure:
         top = axes.dataLim.y1
     axes.set_yticks(places, table["label"])
     axes.tick_params(axis="y", length=0, right=False)
+    axes.tick_params(axis="x", which="both", direction="out", top=False)
     low, high = float(table["ratio_low"].min()), float(table["ratio_high"].max())
     plain_log(axes, "x", round_ticks(low / 10, 10 * high))
     axes.set(xlim=(low / 10, 10 * high), ylim=(top, 0), xlabel="time in units of cylcontact's (-)")

@@ -33,12 +33,12 @@ CAPTION = (
     "clearances, with the published coefficients and refitted to Persson's solution."
 )
 METHOD = (
-    "Persson's datum is matched to Johnson's law at small loads, our choice. Explicit: {constants}, "
-    "calibrated here; its one-line formula gives the penetration from the load and is inverted "
-    "numerically. Johnson's law ends at φ = 4π/e² (Eq 8), where its penetration is about half of "
-    "Persson's. Winkler: the depth of the foundation is chosen so that it is right for large "
-    "loads. The enhanced law (Eqs 5-6) holds in mm, N and MPa only: it is evaluated for E = 207 "
-    "GPa, ν = 0.3 (our choice), at ΔR = 0.01, 0.05 and 0.5 mm from 1 to 10 000 N/mm, with the "
+    "Persson's datum is matched to Johnson's law at small loads, our choice. Explicit: "
+    "{constants}, calibrated here; its one-line formula gives the penetration from the load and is "
+    "inverted numerically. Johnson's law ends at φ = 4π/e² (Eq 8), where its penetration is about "
+    "half of Persson's. Winkler: the depth of the foundation is chosen so that it is right for "
+    "large loads. The enhanced law (Eqs 5-6) holds in mm, N and MPa only: it is evaluated for E = "
+    "207 GPa, ν = 0.3 (our choice), at ΔR = 0.01, 0.05 and 0.5 mm from 1 to 10 000 N/mm, with the "
     "published coefficients and with those of the fit 'conformal' (to Persson, 10 to 1000 N/mm, "
     "0.0075 to 2 mm). Outside the loads and clearances of its calibration it is extrapolated: the "
     "published coefficients were made for ΔR above 0.05 mm. Points are at the geometric middle of "
@@ -101,9 +101,7 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
     figure = new_figure("full", 84.0)
     panels = figure.subplots(1, 3, sharex=True, sharey=True)
     by_decade = table[
-        (table["range"] != "all")
-        & (table["error_of"] == "load")
-        & (table["contact"] == "internal")
+        (table["range"] != "all") & (table["error_of"] == "load") & (table["contact"] == "internal")
     ]
     for number, (law, label) in enumerate(LABELS.items()):
         _draw_curve(panels[0], by_decade[by_decade["law"] == law], number, label)
@@ -118,7 +116,7 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
         plain_log(axes, "y", (0.01, 0.1, 1, 10, 100))
         axes.set(ylim=(0.01, 400), xlabel=r"load $\varphi = f/(E^*\Delta R)$ (-)")
         panel_title(axes, number, title)
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22))
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
     panels[0].set_ylabel("largest error of the load (%)")
     return figure
 

@@ -219,9 +219,7 @@ def _draw_dots(axes: Axes, table: pd.DataFrame) -> None:
     axes.tick_params(axis="y", length=0)
 
 
-def _write_beside(
-    axes: Axes, transform: Transform, place: float, heading: str, text: str
-) -> None:
+def _write_beside(axes: Axes, transform: Transform, place: float, heading: str, text: str) -> None:
     """Write a text in the column of a heading, to the right of a panel."""
     axes.annotate(
         text,

@@ -28,12 +28,12 @@ CAPTION = (
 METHOD = (
     "Each reading changes the campaign recovered-internal or recovered-external, which has 20 "
     "points on every axis, in one respect or two. For external contact the search is made twice, "
-    "with n fixed at the published value and with n free. \"Spacing\" is every other combination "
-    "of linear and logarithmic spacing of E, ΔR and the load; \"other end of E\" combines it with "
-    "the other of the two upper ends of E, 1000 and 10 000 GPa. \"Samples of the other contact\" "
+    'with n fixed at the published value and with n free. "Spacing" is every other combination '
+    'of linear and logarithmic spacing of E, ΔR and the load; "other end of E" combines it with '
+    'the other of the two upper ends of E, 1000 and 10 000 GPa. "Samples of the other contact" '
     "has the spacings and the end of E of the other campaign. A lattice over the bounds and local "
     "descents find the coefficients, without a genetic search. The numbers are those of "
-    "datasets/readings.csv, which python -m reports.searched_readings writes."
+    "datasets/readings.csv, which make readings makes."
 )
 # What the panels call the searches, and the symbols of the coefficients.
 PANELS: Mapping[str, tuple[str, Mapping[str, str]]] = {
@@ -73,7 +73,7 @@ def readings(bench: Bench) -> pd.DataFrame:
     try:
         return pd.read_csv(file)
     except (OSError, ValueError) as error:
-        remedy = "python -m reports.searched_readings writes it"
+        remedy = "make readings makes it"
         raise InputError(str(file), "", None, "cannot be read", remedy) from error
 
 

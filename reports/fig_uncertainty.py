@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.contour import QuadContourSet
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.fitting.calibration import calibrate, problem_of
 from cylcontact.fitting.campaign import campaign_from_settings, read_campaign
 from cylcontact.fitting.result import FitResult
@@ -99,8 +99,9 @@ def _label(axes: Axes, lines: QuadContourSet, words: Sequence[str]) -> None:
     """Label contours, in turn where each is farthest to the lower left and upper right."""
     to_axes, places = axes.transData + axes.transAxes.inverted(), []
     for number, path in enumerate(lines.get_paths()):
-        across = to_axes.transform(path.vertices).sum(axis=1)
-        places.append(path.vertices[across.argmax() if number % 2 else across.argmin()])
+        points = as_floats(path.vertices)
+        across = to_axes.transform(points).sum(axis=1)
+        places.append(points[across.argmax() if number % 2 else across.argmin()])
     texts = dict(zip(lines.levels, words, strict=True))
     size = small_text()
     axes.clabel(lines, fmt=texts, fontsize=size, inline_spacing=3, manual=places, colors="black")

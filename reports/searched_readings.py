@@ -3,7 +3,7 @@
 The paper states ranges, but no points, spacing or objective. Each reading changes one of these, or
 two. For external contact it is searched twice, with n fixed and with n free.
 
-    python -m reports.searched_readings
+    make readings
 
 searches all of them, in some fifteen seconds, and writes datasets/readings.csv, which
 fig_readings draws.
