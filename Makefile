@@ -23,7 +23,7 @@ MAIN_FIGURES := $(foreach number,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16
 unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: all committed env extras fits finite-element mechanism bifurcation optimizers figures report claims verify \
+.PHONY: all committed env extras fits finite-element mechanism bifurcation readings optimizers figures report claims verify \
 	bench scaling notebooks pair docs test test-skipped test-slow lint format lock clean distclean help FORCE
 
 ##@ The main job
@@ -84,6 +84,9 @@ bifurcation: $(VENV)/.editable ## Redo datasets/mechanism/bifurcation.csv alone 
 	$(CYLCONTACT) simulate datasets/slider_crank.toml --study bifurcation --law johnson \
 		--beyond tangent --clearance 0.01,0.5 --points 48 --revolutions 200 --last 60 \
 		--impact-rate 0,0.1 -o datasets/mechanism/bifurcation.csv
+
+readings: $(VENV)/.editable ## Redo datasets/readings.csv, the searches under other readings of the paper
+	$(BIN)/python -m reports.searched_readings
 
 optimizers: $(COMPARISONS) ## Compare the optimisers on both main campaigns, into fitting/results
 

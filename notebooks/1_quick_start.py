@@ -14,20 +14,15 @@
 # %% [markdown]
 # # Quick start
 #
-# A pin in a hole: how deep is the penetration under a load, how stiff is the contact, and up to
-# which load are the answers valid? Five minutes, no files to write.
+# You get the penetration and the stiffness of a pin in a hole under a load, the loads up to which
+# they are valid, and a map of where a law can be trusted.
 #
-# Lengths are in mm, forces in N, stresses in MPa; a load is per unit of axial length, in N/mm.
+# Lengths are in mm, forces in N and stresses in MPa. A load is per unit of axial length, in N/mm.
 
 # %%
-import numpy as np
 import pandas as pd
 
 import cylcontact as cc
-from cylcontact.reports import build, laws_table
-from cylcontact.reports.notebook import open_bench
-
-bench = open_bench()
 
 # %% [markdown]
 # ## The law in ten lines
@@ -48,16 +43,16 @@ print(f"stiffness    {law.stiffness(delta, pair):.0f} N/mm²")
 pair
 
 # %%
-cc.laws.Enhanced()
+law
 
 # %% [markdown]
-# All functions take arrays and broadcast: here five loads and three clearances. Outside its domain
-# a law returns NaN. Johnson's law ends inside this table.
+# All functions take arrays, which broadcast. Here are five loads and three clearances. Outside its
+# domain a law returns NaN. Johnson's law ends inside this table.
 
 # %%
-loads = np.array([10.0, 100.0, 300.0, 1000.0, 3000.0])
-clearances = np.array([0.005, 0.05, 0.5])
-pairs = cc.CylinderPair.from_dR("internal", clearances[:, None], steel, R_i=10.0)
+loads = [10.0, 100.0, 300.0, 1000.0, 3000.0]
+clearances = [0.005, 0.05, 0.5]
+pairs = cc.CylinderPair.from_dR("internal", [[dR] for dR in clearances], steel, R_i=10.0)
 pd.DataFrame(
     1e3 * cc.laws.Johnson().penetration(loads, pairs),
     index=pd.Index(clearances, name="ΔR (mm)"),
@@ -67,71 +62,60 @@ pd.DataFrame(
 # %% [markdown]
 # ## Limits
 #
-# Two loads limit an elastic law: the one at which either body first yields, by von Mises, and the
-# one at which Johnson's law ends. The yield stress here is our assumption.
+# Two loads limit an elastic law. At one of them either body first yields, by von Mises. At the
+# other one Johnson's law ends. The yield stress here is our assumption.
 
 # %%
-pd.DataFrame(
-    {
-        "first yield (N/mm)": cc.limits.yield_load(pairs).ravel(),
-        "Johnson's largest load (N/mm)": cc.limits.johnson_limit_load(pairs).ravel(),
-    },
-    index=pd.Index(clearances, name="ΔR (mm)"),
-).round(1)
+cc.plots.plot_limits(steel).figure
 
 # %% [markdown]
 # Johnson's largest load is the end of its algebra, not of its accuracy. Well before it, the
 # penetration is too small against Persson's solution for conformal contact. The table has the loads
-# (N/mm, for a pin and a hole of this steel, by clearance in mm) for given percentages.
+# in N/mm at which it is too small by a given percentage. Its columns are clearances in mm.
 
 # %%
-laws_table.departures(steel).round(1)
+cc.reports.laws_table.departures(steel).round(2)
 
 # %% [markdown]
 # ## Which law when
 #
-# All laws at the same load, and their penetration against Persson's in percent over the whole
-# range of the load number φ = f/(E*·ΔR). `explicit` follows conformal contact everywhere,
-# without iteration; `docs/laws.md` has the full chooser.
+# The table compares the penetration of every law with Persson's, in percent. Its columns are values
+# of the load number φ = f/(E*·ΔR). `explicit` follows conformal contact everywhere, without
+# iteration. The page `docs/laws.md` helps to choose.
 
 # %%
-laws_table.comparison(pair, 100.0).set_index("law")
-
-# %%
-laws_table.deviations(pair).round(2)
-
-# %% [markdown]
-# ## A map
-#
-# Where the published enhanced law can be trusted for low-carbon steel: the recipe of Fig 12, drawn
-# here. `cylcontact figure fig12` writes it as PNG and PDF with the CSV of its numbers.
-
-# %%
-fig12 = build.draw("fig12", bench)
-fig12
-
-# %%
-pd.Series(fig12.headline, name="Fig 12").round(2).to_frame()
+cc.reports.laws_table.deviations(pair).round(2)
 
 # %% [markdown]
 # ## With dissipation
 #
-# An impact at 100 mm/s that should rebound with nine tenths of its speed. The published factor
-# gives a little more; the exact one gives this value for every elastic law.
+# An impact at 100 mm/s should rebound with nine tenths of its speed. The published factor gives a
+# little more. The exact one gives this value for every elastic law.
 
 # %%
-published = cc.dissipation.FACTORS["lankarani-nikravesh"](0.9)
-exact = cc.dissipation.exact_factor(0.9)
+factors = {
+    "Lankarani and Nikravesh": cc.dissipation.FACTORS["lankarani-nikravesh"](0.9),
+    "exact": cc.dissipation.exact_factor(0.9),
+}
 pd.DataFrame(
     {
-        "χ": [float(published), float(exact)],
-        "restitution achieved": [
-            float(cc.dissipation.achieved_restitution(chi)) for chi in (published, exact)
-        ],
-        "load on the way in, 50 mm/s (N/mm)": [
-            float(cc.dissipation.dissipative_load(law.load(delta, pair), 50.0, 100.0, chi))
-            for chi in (published, exact)
-        ],
+        name: {
+            "χ": chi,
+            "restitution achieved": cc.dissipation.achieved_restitution(chi),
+            "load on the way in, at 50 mm/s (N/mm)": cc.dissipation.dissipative_load(
+                law.load(delta, pair), 50.0, 100.0, chi
+            ),
+        }
+        for name, chi in factors.items()
     },
-    index=["Lankarani and Nikravesh", "exact"],
+    dtype=float,
 ).round(4)
+
+# %% [markdown]
+# ## A map
+#
+# The map shows where the published enhanced law can be trusted for low-carbon steel. The contours
+# are its difference from Johnson's law.
+
+# %%
+cc.plots.plot_map("enhanced", "johnson", cc.Material.named("low-carbon steel")).figure

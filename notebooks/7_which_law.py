@@ -14,8 +14,8 @@
 # %% [markdown]
 # # Which law?
 #
-# `cc.choose` fits every law that applies to your data, ranks them, and says whether the data can
-# tell them apart. Replace the path and the pair with yours.
+# You get all laws ranked on your data, whether the data can tell them apart, and predictions of the
+# chosen one. Replace the path and the pair with yours.
 
 # %%
 import pandas as pd
@@ -27,8 +27,9 @@ table = "../datasets/examples/specimens.csv"
 # %% [markdown]
 # ## The data
 #
-# Nine specimens, ten loads each: steel pins in steel holes, 30 µm smaller in radius. The numbers
-# are **synthetic**: the explicit law, an offset and a gain of each specimen, and scatter.
+# There are nine specimens with ten loads each. They are steel pins in steel holes, 30 µm smaller in
+# radius. The numbers are **synthetic**: the explicit law, an offset and a gain of each specimen,
+# and scatter.
 
 # %%
 steel = cc.Material.named("high-strength steel")
@@ -39,15 +40,15 @@ rows.pivot(index="load_kN", columns="specimen", values="penetration_um")
 # %% [markdown]
 # ## Errors first, law second
 #
-# How readings err decides what they can tell. A fit that takes ninety readings for independent
-# warns that they are not.
+# The errors of the readings decide what the data can tell. A fit that takes ninety readings for
+# independent warns that they are not.
 
 # %%
 cc.fit(table, "explicit", pair)
 
 # %% [markdown]
-# With the specimens named, no warning is left. The report has how they differ: by how much in the
-# offset, and by how much in the gain.
+# With the column of the specimens given, no warning is left. The report has how much they differ in
+# the offset and in the gain.
 
 # %%
 fitted = cc.fit(table, "explicit", pair, group="specimen")
@@ -56,18 +57,18 @@ fitted
 # %% [markdown]
 # ## All laws, ranked
 #
-# Each with the offset and one stiffness free, and the constants of its shape held. AICc weighs the
-# fit against the number of its coefficients; the cross-validated error is that of readings which
-# the fit has not seen. A law is called worse only where both say so.
+# Each law has the offset and one stiffness free, and the constants of its shape fixed. AICc weighs
+# the fit against the number of its coefficients. The cross-validated error is that of readings
+# which the fit has not used. A law is called worse only where both agree.
 
 # %%
 choice = cc.choose(table, pair, group="specimen")
 print(choice)
 
 # %% [markdown]
-# Five laws share the first place, all of them conformal contact or close to it; the table says that
-# these data cannot tell them apart, and that all others are worse. In a picture even laws that are
-# clearly worse pass through the readings, so do not choose by eye.
+# Five laws share the first place. All of them are conformal contact or close to it. These data
+# cannot tell them apart, and all others are worse. In a picture even laws that are clearly worse
+# pass through the readings, so do not choose by eye.
 
 # %%
 choice.plot().figure
@@ -75,31 +76,31 @@ choice.plot().figure
 # %% [markdown]
 # ## Does it matter?
 #
-# How far those that are left lie apart, over the loads of the data and ten times higher:
+# This is how far those that are left lie apart, over the loads of the data and ten times higher.
 
 # %%
 undecided = [name for name in choice.undecided if name in cc.laws.LAWS]
 cc.plots.plot_laws(undecided, pair, load=(10.0, 20000.0), relative_to=undecided[0]).figure
 
 # %% [markdown]
-# Less than 1 %, and the specimens differ by more: take the simplest.
+# It is less than 1 %, and the specimens differ by more. So take the simplest.
 #
 # ## When the data cannot tell
 #
-# Some of these laws with others, on the table up to 4 kN, a tenth of the load. Now Johnson's law
-# passes as well, which was far behind. Take the law that is known to be right for the contact, or
-# load more.
+# Here are four of the laws, on the table up to 4 kN, a tenth of the load. Now the data cannot rule
+# out the enhanced and Johnson's law, which were far behind. Take the law that is known to be right
+# for the contact, or measure at higher loads.
 
 # %%
 low = rows[rows["load_kN"] <= 4]
-names = ["explicit", "persson", "enhanced", "johnson", "power", "liu", "goldsmith"]
+names = ["explicit", "persson", "enhanced", "johnson"]
 print(cc.choose(low, pair, group="specimen", laws=names))
 
 # %% [markdown]
 # ## Predict
 #
-# From the chosen law, with two bands at 95 %: of the curve, which more specimens would narrow, and
-# of a reading of another specimen, which they would not.
+# The chosen law has two bands at 95 %. One is that of the curve, which more specimens would narrow.
+# The other is that of a reading of another specimen, which they would not.
 
 # %%
 best = choice.fit()

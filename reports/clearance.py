@@ -5,91 +5,87 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import numpy as np
 import pandas as pd
-from matplotlib import rcParams
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from cylcontact.arrays import FloatArray
 from cylcontact.materials import MaterialRow
 from cylcontact.pair import CylinderPair
-from cylcontact.plots import new_figure, plot_limits
-from cylcontact.plots.figure import panel_title
+from cylcontact.plots import new_figure
+from cylcontact.plots.figure import StyledFigure, panel_title, plain_log, round_ticks
 from cylcontact.plots.limit_curves import limit_clearances
-from cylcontact.plots.maps import RIM
+from cylcontact.plots.style import staggered
 
-from .paper import FIG7_CLEARANCES, RADII
+from .paper import FIG7_CLEARANCES, LOADS, RADII
 
 # Where the curves are evaluated, in mm.
 CLEARANCES: FloatArray = limit_clearances(FIG7_CLEARANCES)
+# What the thin part of a line has in common with the thick one.
+SHARED = ("color", "linestyle", "marker")
+BAND: dict[str, Any] = {"color": "0.88", "zorder": 0, "linewidth": 0}
 
 Quantity = Callable[[CylinderPair], FloatArray]
 
 
 def clearance_table(
-    rows: Mapping[str, MaterialRow], quantity: Quantity, column: str, R_i: float | None = None
+    rows: Mapping[str, MaterialRow], quantities: Mapping[str, Quantity], R_i: float | None = None
 ) -> pd.DataFrame:
-    """Evaluate a quantity over the clearances of Figs 7 to 9 for every material."""
+    """Evaluate quantities by column over the clearances of Figs 7 to 9 for every material."""
     parts = []
     for name, row in rows.items():
         pair = CylinderPair.from_dR("internal", CLEARANCES, row.material, R_i=R_i)
-        values = {"material": name, "dR_mm": CLEARANCES, column: quantity(pair)}
-        parts.append(pd.DataFrame(values))
+        values = {column: quantity(pair) for column, quantity in quantities.items()}
+        parts.append(pd.DataFrame({"material": name, "dR_mm": CLEARANCES, **values}))
     return pd.concat(parts, ignore_index=True)
 
 
+def tables_by_radius(
+    rows: Mapping[str, MaterialRow], quantities: Mapping[str, Quantity]
+) -> pd.DataFrame:
+    """Return `clearance_table` for every radius of the hole in one table."""
+    tables = [clearance_table(rows, quantities, R_i).assign(R_i_mm=R_i) for R_i in RADII]
+    return pd.concat(tables, ignore_index=True)
+
+
 def clearance_panels(
-    rows: Mapping[str, MaterialRow], quantity: Quantity, column: str, **limits: Any
-) -> tuple[Figure, list[Axes], pd.DataFrame]:
-    """Draw a limit against clearance, a panel per radius of the hole and a line per material.
+    table: pd.DataFrame, values: pd.Series[float], thin: pd.Series[bool] | bool = False
+) -> tuple[StyledFigure, list[Axes]]:
+    """Draw values against clearance, a panel per radius of the hole and a line per material.
 
-    `limits` are settings of `plot_limits` that make it draw the quantity that the table lists.
+    The values and whether their line is thin there are in the order of the table's rows.
     """
-    figure = new_figure("full", 72.0)
+    figure = new_figure("full", 78.0)
     panels = list(figure.subplots(1, len(RADII), sharey=True))
-    tables = []
+    table = table.assign(drawn=values, thin=thin)
     for number, (axes, R_i) in enumerate(zip(panels, RADII, strict=True)):
-        draw_materials(axes, rows, R_i=R_i, **limits)
+        draw_materials(axes, table[table["R_i_mm"] == R_i])
         panel_title(axes, number, f"$R_i$ = {R_i:g} mm")
-        tables.append(clearance_table(rows, quantity, column, R_i).assign(R_i_mm=R_i))
-    for axes in panels[1:]:
-        axes.set_ylabel("")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(
-        handles,
-        labels,
-        loc="outside lower center",
-        ncols=len(labels),
-        title="material; all yield stresses are assumed",
-    )
-    return figure, panels, pd.concat(tables, ignore_index=True)
+    return figure, panels
 
 
-def draw_materials(axes: Axes, rows: Mapping[str, MaterialRow], **limits: Any) -> None:
-    """Draw one line per material."""
-    for name, row in rows.items():
-        plot_limits(row.material, dR=FIG7_CLEARANCES, ax=axes, label=name, **limits)
+def draw_materials(axes: Axes, table: pd.DataFrame) -> None:
+    """Draw a line per material through the column `drawn`, thin where the column `thin` is true."""
+    for number, (name, line) in enumerate(table.groupby("material", sort=False)):
+        dR, drawn = line["dR_mm"].to_numpy(), line["drawn"].to_numpy()
+        thick = np.where(line["thin"], np.nan, drawn)
+        every = staggered(number, dR.size)
+        (curve,) = axes.plot(dR, thick, label=str(name), markevery=every)
+        if line["thin"].any():
+            look = {name: getattr(curve, f"get_{name}")() for name in SHARED}
+            axes.plot(dR, drawn, markevery=every, linewidth=0.45 * curve.get_linewidth(), **look)
+    plain_log(axes, "x", round_ticks(*FIG7_CLEARANCES))
+    axes.set(xlim=FIG7_CLEARANCES, xlabel=r"radial clearance $\Delta R$ (mm)", yscale="log")
+    axes.yaxis.set_major_locator(LogLocator(numticks=20))
 
 
-def mark_point(
-    axes: Axes, dR: float, value: float, label: str, offset: tuple[float, float]
-) -> None:
-    """Mark a point with a star and label it, the label `offset` points away."""
-    axes.plot(dR, value, marker="*", color="black", markerfacecolor="black", markersize=6, zorder=5)
-    axes.annotate(
-        label,
-        xy=(dR, value),
-        xytext=offset,
-        textcoords="offset points",
-        arrowprops={"arrowstyle": "-", "linewidth": 0.5, "shrinkA": 1, "shrinkB": 3},
-        path_effects=[RIM],
-    )
+def mark_loads(axes: Axes) -> None:
+    """Shade the loads of Figs 10 to 14."""
+    axes.axhspan(*LOADS, **BAND, label="loads of Figs 10 to 14")
 
 
-def mark_yield(axes: Axes, dR: float, stress: float, number: int) -> None:
-    """Mark where the line of material `number` reaches its yield stress (MPa), at `dR` (mm)."""
-    style = list(rcParams["axes.prop_cycle"])[number]
-    colour = style["color"]
-    ends = ([CLEARANCES[0], dR], [stress, stress])
-    axes.plot(*ends, **style | {"marker": ""}, linewidth=0.5)
-    axes.plot(dR, stress, marker="*", color=colour, markerfacecolor=colour, markersize=6, zorder=5)
+def legend_below(figure: StyledFigure, axes: Axes, ncols: int) -> None:
+    """Name below a figure what is drawn in one of its panels."""
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=ncols)

@@ -37,12 +37,15 @@ FORCE = ARROW | {
 # The limits of each panel in units of the radii: left, right, bottom and top.
 VIEWS = ((-12.9, 13.3, -17.0, 13.6), (-10.0, 14.0, -11.0, 19.6), (-5.0, 18.5, -9.0, 21.6))
 CAPTION = (
-    "Symbols. (a) Internal contact: a pin of radius R_j in a hole of radius R_i, ΔR = R_i - R_j, "
-    "pressed by the load f per unit length until the axes are ΔR + δ apart; dashed, the pin with "
-    "its axis on the hole's. (b) External contact: two rollers, ΔR = R_i + R_j, the axes ΔR - δ "
-    "apart. (c) The contact strip of length L and width 2b under the elliptic pressure of Hertz. "
-    "Not to scale: the penetration δ, drawn as the overlap of the undeformed outlines, and the "
-    "strip's width are far too large; lengths are as drawn, in mm."
+    "Symbols. (a) A pin of radius R_j in a hole of radius R_i, ΔR = R_i - R_j, under the load f "
+    "per unit length; dashed, the pin with its axis on the hole's. (b) Two rollers, "
+    "ΔR = R_i + R_j. (c) The contact strip of length L and width 2b under Hertz's "
+    "pressure. The penetration δ is exaggerated."
+)
+METHOD = (
+    "The axes are ΔR + δ apart in (a) and ΔR - δ apart in (b). The penetration is drawn as the "
+    "overlap of the undeformed outlines. It and the strip's width are far too large. The table has "
+    "the lengths as drawn, in mm."
 )
 
 
@@ -53,7 +56,7 @@ def draw(_bench: Bench) -> Drawing:
         for pair in (INTERNAL, EXTERNAL)
         for name, value in (("dR, mm", pair.dR), ("centre distance, mm", pair.centre_distance))
     }
-    return Drawing(_draw_panels(), table, headline, CAPTION)
+    return Drawing(_draw_panels(), table, headline, CAPTION, METHOD)
 
 
 @dataclass(frozen=True)

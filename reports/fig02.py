@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.power_fit import PowerFit, fit_power_to_law
 from cylcontact.laws import Johnson, PowerLaw
 from cylcontact.pair import CylinderPair
-from cylcontact.plots.figure import Drawing, new_figure, panel_title
+from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_number
 from cylcontact.plots.style import ACCENT, QUIET
 from cylcontact.reports.bench import Bench
 
@@ -21,13 +23,18 @@ from .paper import FIG2_DR, FIG2_FITS, GOOD_CORRELATION
 from .power_fits import FIG2_LOADS, reference_pair
 
 CAPTION = (
-    "Load per unit length (N/mm) against penetration (µm): points of Johnson's law (Eq 1) and the "
-    "line f = K δⁿ (Eq 3; K in N/mm per mmⁿ) fitted to them by least squares in ln δ and ln f; "
-    "E = 207 GPa, ν = 0.3. Below: fitted load less Johnson's at equal penetration, in percent of "
-    "Johnson's. The loads fitted to are our choice, as the paper names none: (a) 1, 10, 20, … "
-    "1000 N/mm, which gives its constants to every digit; (b) 1, 100, 200, … 10000 N/mm, which "
-    "comes close to them."
+    "Load per unit length (N/mm) against penetration (µm) by Johnson's law (Eq 1), and the power "
+    "law f = K δⁿ (Eq 3; K in N/mm per mmⁿ) fitted to it; E = 207 GPa, ν = 0.3. Below: fitted load "
+    "less Johnson's at equal penetration, in percent of Johnson's."
 )
+METHOD = (
+    "The fit is least squares in ln δ and ln f; R² is of the same fit. The loads fitted to are our "
+    "choice, as the paper names none: (a) 1, 10, 20, … 1000 N/mm, which gives its constants to "
+    "every digit; (b) 1, 100, 200, … 10000 N/mm, which comes close to them. The difference is "
+    "drawn at these loads."
+)
+# The vertical axis of the differences in percent, for both contacts.
+DIFFERENCES, STEP = (-30.0, 10.0), 10.0
 
 
 def draw(_bench: Bench) -> Drawing:
@@ -45,7 +52,7 @@ def draw(_bench: Bench) -> Drawing:
         fit, contact = case.fit(), case.pair.contact
         headline |= {f"{contact} K": fit.K, f"{contact} n": fit.n, f"{contact} R2": fit.r_squared}
     table = pd.concat(tables, ignore_index=True)
-    return Drawing(_draw_panels(cases, tables), table, headline, CAPTION)
+    return Drawing(_draw_panels(cases, tables), table, headline, CAPTION, METHOD)
 
 
 @dataclass(frozen=True)
@@ -95,10 +102,13 @@ def _draw_panels(cases: Sequence[PowerCase], tables: Sequence[pd.DataFrame]) -> 
 def _draw_fit(axes: Axes, case: PowerCase, table: pd.DataFrame) -> None:
     """Draw points and line, and print the fit beside the paper's."""
     microns = 1e3 * table["penetration_mm"]
-    axes.plot(microns, table["load_N_per_mm"], "o", color="black", markersize=2.4, label="Johnson")
-    axes.plot(microns, table["fitted_load_N_per_mm"], "-", color=ACCENT, label="fitted power law")
+    axes.plot(microns, table["load_N_per_mm"], marker="", label="Johnson's law")
+    fitted: dict[str, Any] = {"linestyle": "--", "color": ACCENT, "marker": ""}
+    axes.plot(microns, table["fitted_load_N_per_mm"], **fitted, label="fitted power law")
     axes.legend(loc="lower right")
-    axes.margins(0.03)
+    axes.set(xlim=(0, microns.max()), ylim=(0, 1.05 * table["load_N_per_mm"].max()))
+    axes.yaxis.set_major_locator(MaxNLocator(5))
+    axes.yaxis.set_major_formatter(lambda load, _: plain_number(load))
     fit = case.fit()
     ours = (f"{fit.K:.0f}", f"{fit.n:.4f}", f"{fit.r_squared:.4f}")
     columns = (("", "$K$", "$n$", "$R^2$"), ("here", *ours), ("paper", *case.stated))
@@ -111,5 +121,6 @@ def _draw_difference(axes: Axes, table: pd.DataFrame) -> None:
     """Draw the difference of the fitted load from Johnson's."""
     axes.axhline(0, color=QUIET, linewidth=0.6, linestyle="-", marker="")
     microns = 1e3 * table["penetration_mm"]
-    axes.plot(microns, table["difference_percent"], "o", color=ACCENT, markersize=1.4)
-    axes.set(xlabel="penetration (µm)")
+    axes.plot(microns, table["difference_percent"], "--", color=ACCENT, marker="")
+    axes.set(xlabel="penetration (µm)", ylim=DIFFERENCES)
+    axes.yaxis.set_major_locator(MultipleLocator(STEP))

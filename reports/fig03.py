@@ -32,14 +32,17 @@ TICKS: Mapping[Contact, tuple[float, ...]] = {
 MODULI_GPA = (20.7, 69.0, 207.0, 600.0, 10000.0)
 RATIOS = (0.1, 0.3, 0.5)
 CAPTION = (
-    "Exponent n (-) of the power law f = K δⁿ fitted to Johnson's law pair by pair, against ΔR "
-    "(mm). Lines: ν = 0.3 and five values of E. Light band: ν from 0.1 to 0.5 at 207 GPa; E and ν "
-    "act through E* = E/(2(1 - ν²)) alone, and E* and ΔR only through their product. Thick grey "
-    "line: the published exponent (Eq 6c). The fit is least squares in ln δ and ln f over 41 loads "
-    "from 10 to 1000 N/mm spaced logarithmically; loads beyond Johnson's limit (Eq 8) are left "
-    "out. The spacing of the loads, the values of E and the fit are our choice, as the paper names "
-    "none."
+    "Exponent n, less one, of the power law f = K δⁿ fitted to Johnson's law pair by pair, against "
+    "ΔR (mm). Lines: five values of E, ν = 0.3. Band: ν from 0.1 to 0.5 at E = 207 GPa. Thick grey "
+    "line: the published exponent (Eq 6c)."
 )
+METHOD = (
+    "E and ν act through E* = E/(2(1 - ν²)) alone, and E* and ΔR only through their product. The "
+    "fit is least squares in ln δ and ln f over 41 loads from 10 to 1000 N/mm spaced "
+    "logarithmically; loads beyond Johnson's limit (Eq 8) are left out. The spacing of the loads, "
+    "the values of E and the fit are our choice, as the paper names none."
+)
+EXPONENTS = (0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5)  # n - 1 on the vertical axis
 
 
 def draw(_bench: Bench) -> Drawing:
@@ -49,7 +52,7 @@ def draw(_bench: Bench) -> Drawing:
     ]
     tables = [exponent_table(study, MODULI_GPA, RATIOS, TRAINING_LOADS) for study in studies]
     table = pd.concat(tables, ignore_index=True)
-    return Drawing(_draw_panels(studies, tables), table, _spreads(table), CAPTION)
+    return Drawing(_draw_panels(studies, tables), table, _spreads(table), CAPTION, METHOD)
 
 
 @dataclass(frozen=True)
@@ -78,7 +81,7 @@ def exponent_table(
 def _draw_panels(studies: Sequence[ExponentStudy], tables: Sequence[pd.DataFrame]) -> Figure:
     """Draw n against ΔR: a line per modulus, the spread over ν, the published n."""
     figure = new_figure("full", 80.0)
-    panels = figure.subplots(1, len(studies))
+    panels = figure.subplots(1, len(studies), sharey=True)
     for number, (axes, study, table) in enumerate(zip(panels, studies, tables, strict=True)):
         _draw_moduli(axes, table)
         _draw_ratios(axes, table)
@@ -86,7 +89,8 @@ def _draw_panels(studies: Sequence[ExponentStudy], tables: Sequence[pd.DataFrame
         plain_log(axes, "x", study.ticks)
         axes.set(xlabel=r"$\Delta R$ (mm)", xlim=(study.dR[0], study.dR[-1]))
         panel_title(axes, number, f"{study.contact} contact")
-    panels[0].set_ylabel("exponent $n$ (-)")
+    plain_log(panels[0], "y", EXPONENTS)
+    panels[0].set(ylabel="exponent less one, $n - 1$ (-)", ylim=(EXPONENTS[0], 0.6))
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4)
     return figure
@@ -97,7 +101,7 @@ def _draw_moduli(axes: Axes, table: pd.DataFrame) -> None:
     for number, (E, lines) in enumerate(table[table["nu"] == NU].groupby("E_GPa")):
         label = f"$E$ = {plain_number(float(str(E)))} GPa"
         dR, n = lines["dR_mm"].to_numpy(), lines["n"].to_numpy()
-        axes.plot(dR, n, label=label, markevery=(1 + 2 * number, 12))
+        axes.plot(dR, n - 1, label=label, markevery=(1 + 2 * number, 12))
 
 
 def _draw_ratios(axes: Axes, table: pd.DataFrame) -> None:
@@ -105,8 +109,8 @@ def _draw_ratios(axes: Axes, table: pd.DataFrame) -> None:
     spread = table[table["E_GPa"] == E_GPA].groupby("dR_mm")["n"].agg(["min", "max"])
     axes.fill_between(
         spread.index.to_numpy(),
-        spread["min"],
-        spread["max"],
+        spread["min"] - 1,
+        spread["max"] - 1,
         color="0.8",
         linewidth=0,
         zorder=0,
@@ -117,8 +121,8 @@ def _draw_ratios(axes: Axes, table: pd.DataFrame) -> None:
 def _draw_published(axes: Axes, study: ExponentStudy) -> None:
     """Draw the published exponent, which depends on ΔR only."""
     pair = CylinderPair.from_dR(study.contact, study.dR, material_in_MPa("any", 1.0, 0.0))
-    style: dict[str, Any] = {"marker": "", "color": "0.6", "linewidth": 2.2, "zorder": 1}
-    axes.plot(study.dR, Enhanced().exponent(pair), "-", label="published $n$ (Eq 6c)", **style)
+    style: dict[str, Any] = {"marker": "", "color": "0.5", "linewidth": 2.2, "zorder": 1}
+    axes.plot(study.dR, Enhanced().exponent(pair) - 1, "-", label="published $n$ (Eq 6c)", **style)
 
 
 def _spreads(table: pd.DataFrame) -> dict[str, float]:

@@ -7,24 +7,31 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import MultipleLocator
 
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.finite_element.mesh import Body, Mesh
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
-from cylcontact.plots.style import COLOURS
+from cylcontact.plots.style import ACCENT, COLOURS
 from cylcontact.reports.bench import Bench
 
 from .finite_elements import choices, study
 
 CLEARANCE = 0.1  # mm, of the paper's Fig 4
 WINDOWS = (0.8, 0.08)  # widths of the magnified parts in mm
+STEPS = (2.0, 0.2, 0.02)  # between the ticks of the panels in mm
 CAPTION = (
-    "The mesh of four-node quads at ΔR = 0.1 mm: half of a pin (blue) in half of a plate with a "
-    "hole (black), symmetric about x = 0; lengths in mm. (a) Whole. (b, c) The top of the hole, "
-    "where the contact is. The smallest cells are {smallest:.2f} µm long, {cells} to the "
+    "Finite element mesh at ΔR = 0.1 mm: half of a pin in half of a plate, symmetric about "
+    "the line of the load, x = 0; lengths in mm. (a) Whole. (b, c) The top of the hole, where "
+    "the contact is. The frame in (a) is the view of (b), and that in (b) the view of (c)."
+)
+METHOD = (
+    "The cells are quads with four nodes. The smallest are {smallest:.2f} µm long, {cells} to the "
     "half-width of the contact at 20 N/mm; the paper gives 1.31 to 6.63 µm. {choices}"
 )
-BODIES = {"plate": COLOURS[0], "pin": COLOURS[1]}
+# The colours of the cells' fill and of their sides.
+BODIES = {"plate": ("0.85", COLOURS[0]), "pin": ("#cfe4f2", COLOURS[1])}
 
 
 def draw(bench: Bench) -> Drawing:
@@ -38,8 +45,9 @@ def draw(bench: Bench) -> Drawing:
         "pairs of nodes that may touch": float(mesh.pairs.count),
         "length of the cells in the contact, µm": smallest,
     }
-    caption = CAPTION.format(smallest=smallest, cells=setup.cells, choices=choices(bench))
-    return Drawing(_draw_panels(mesh, setup.hole_radius), table, headline, caption)
+    method = METHOD.format(smallest=smallest, cells=setup.cells, choices=choices(bench))
+    figure = _draw_panels(mesh, setup.hole_radius)
+    return Drawing(figure, table, headline, CAPTION, method)
 
 
 def _table(mesh: Mesh) -> pd.DataFrame:
@@ -77,27 +85,35 @@ def _first_cell(body: Body) -> float:
 def _draw_panels(mesh: Mesh, hole_radius: float) -> Figure:
     """Draw a mesh whole, and magnified in two windows at the top of the hole."""
     figure = new_figure("full", 84.0)
-    panels = figure.subplots(1, 3, width_ratios=(0.62, 1, 1))
-    extent = float(mesh.plate.points[:, 1].max())
-    titles = ("whole", f"{WINDOWS[0]:g} mm wide", f"{1e3 * WINDOWS[1]:g} µm wide")
-    widths = (np.inf, *WINDOWS)
-    for number, (axes, width) in enumerate(zip(panels, widths, strict=True)):
-        for name, colour in BODIES.items():
-            _draw_body(axes, getattr(mesh, name), colour, 0.25 if number else 0.1)
-        axes.set_aspect("equal")
-        axes.set_xlabel("x (mm)")
+    # The whole is twice as high as wide, the windows are square, and all are equally high.
+    panels = figure.subplots(1, 3, width_ratios=(0.5, 1, 1))
+    extent = 1.02 * float(mesh.plate.points[:, 1].max())
+    views = [(0.0, extent, -extent, extent)]
+    views += [(0.0, side, hole_radius - side / 2, hole_radius + side / 2) for side in WINDOWS]
+    titles = ("whole", f"{WINDOWS[0]:g} mm wide", f"{WINDOWS[1]:g} mm wide")
+    for number, (axes, view, step) in enumerate(zip(panels, views, STEPS, strict=True)):
+        for name, colours in BODIES.items():
+            _draw_body(axes, getattr(mesh, name), name, colours, view)
+        axes.set(xlim=view[:2], ylim=view[2:], aspect="equal", xlabel="x (mm)", ylabel="y (mm)")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(MultipleLocator(step))
         panel_title(axes, number, titles[number])
-        if number == 0:
-            axes.set(xlim=(-0.15, extent + 0.15), ylim=(-extent - 0.15, extent + 0.15))
-            axes.set_ylabel("y (mm)")
-        else:
-            axes.set(xlim=(0, width), ylim=(hole_radius - width / 2, hole_radius + width / 2))
+    for axes, (left, right, bottom, top) in zip(panels, views[1:], strict=False):
+        corner, size = (left, bottom), (right - left, top - bottom)
+        axes.add_patch(Rectangle(corner, *size, fill=False, edgecolor=ACCENT, linewidth=1.2))
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
 
 
-def _draw_body(axes: Axes, body: Body, colour: str, linewidth: float) -> None:
-    """Draw a body's cells."""
-    outlines = list(body.points[body.quads])
-    axes.add_collection(
-        PolyCollection(outlines, facecolor="none", edgecolor=colour, linewidth=linewidth)
-    )
+def _draw_body(
+    axes: Axes, body: Body, name: str, colours: tuple[str, str], view: tuple[float, ...]
+) -> None:
+    """Draw a body's cells that are in view."""
+    left, right, bottom, top = view
+    corners = body.points[body.quads]
+    (x0, y0), (x1, y1) = corners.min(axis=1).T, corners.max(axis=1).T
+    seen = corners[(x1 > left) & (x0 < right) & (y1 > bottom) & (y0 < top)]
+    fill, line = colours
+    sides = min(0.25, 15 / len(seen) ** 0.5)  # points, so that small cells stay apart
+    look = {"facecolor": fill, "edgecolor": line, "linewidth": sides, "label": name}
+    axes.add_collection(PolyCollection(list(seen), **look))

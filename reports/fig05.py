@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
 
 from cylcontact import limits
 from cylcontact.arrays import FloatArray
@@ -27,13 +29,19 @@ from .finite_elements import (
 from .paper import FIG5_CLEARANCES
 
 CAPTION = (
-    "Contact stress by finite elements at ΔR = 1 mm and 0.01 mm, f = 20 N/mm; {load_choice}. "
-    "(a, b) Stress along the load in MPa, compression positive, "
-    "one value per cell; x, y in mm. (c, d) Pressure (MPa) at the pairs of nodes, beside Hertz's "
-    "ellipse and Persson's conformal solution. {choices}"
+    "Contact stress by finite elements at ΔR = 1 mm and 0.01 mm and a load of 20 N/mm, relative to "
+    "Hertz's peak pressure p₀, against distances relative to his half-width b. (a, b) Stress along "
+    "the load, compression positive, around the contact at y = R_i. (c, d) Pressure on the "
+    "surface, beside Hertz's ellipse and Persson's conformal solution."
+)
+METHOD = (
+    "Hertz's contact has {sizes}. In (a, b) each cell has one value, at its place before the load; "
+    "in (c, d) the points are pairs of nodes. The table has lengths in mm and pressures in MPa. "
+    "{load_choice} {choices}"
 )
 # How far the panels reach, in half-widths of Hertz's contact.
-REACH, DEPTH = 2.0, 1.6
+REACH, DEPTH = 2.0, 1.0
+MAXIMA = 1.2  # of the vertical axis of the pressure
 
 
 def draw(bench: Bench) -> Drawing:
@@ -45,8 +53,13 @@ def draw(bench: Bench) -> Drawing:
         for theory in ("hertz", "persson"):
             key = f"{dR:g} mm: largest departure from {theory.capitalize()}, % of its peak"
             headline[key] = _largest_departure(table, dR, theory)
-    caption = CAPTION.format(load_choice=STRESS_LOAD_CHOICE, choices=choices(bench))
-    return Drawing(_draw_panels(solutions), table, headline, caption)
+    sizes = ", and ".join(
+        f"b = {_hertz_width(case):.3g} mm and p₀ = {_hertz_peak(case):.3g} MPa "
+        f"at ΔR = {case.dR:g} mm"
+        for case in solutions
+    )
+    words = {"sizes": sizes, "load_choice": STRESS_LOAD_CHOICE, "choices": choices(bench)}
+    return Drawing(_draw_panels(solutions), table, headline, CAPTION, METHOD.format(**words))
 
 
 def _table(solutions: Sequence[Solution]) -> pd.DataFrame:
@@ -65,6 +78,8 @@ def _table(solutions: Sequence[Solution]) -> pd.DataFrame:
                     "pressure_MPa": solution.pressure[near],
                     "hertz_MPa": hertz,
                     "persson_MPa": persson,
+                    "hertz_half_width_mm": _hertz_width(solution),
+                    "hertz_peak_MPa": _hertz_peak(solution),
                 }
             )
         )
@@ -74,6 +89,11 @@ def _table(solutions: Sequence[Solution]) -> pd.DataFrame:
 def _hertz_width(solution: Solution) -> float:
     """Return the half-width of Hertz's contact in mm."""
     return float(limits.hertz_half_width(solution.load, solution.setup.pair(solution.dR)))
+
+
+def _hertz_peak(solution: Solution) -> float:
+    """Return the peak pressure of Hertz's contact in MPa."""
+    return float(limits.hertz_stress(solution.load, solution.setup.pair(solution.dR)))
 
 
 def _theories(solution: Solution, arc: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -95,72 +115,66 @@ def _largest_departure(table: pd.DataFrame, dR: float, theory: str) -> float:
 
 def _draw_panels(solutions: Sequence[Solution]) -> Figure:
     """Draw stress maps above pressure profiles, a column for each solution."""
-    figure = new_figure("full", 116.0)
-    panels = figure.subplots(2, len(solutions), by_rows=True)
+    figure = new_figure("full", 112.0)
+    panels = figure.subplots(2, len(solutions), sharey="row", by_rows=True)
     for column, solution in enumerate(solutions):
-        _draw_stress(figure, panels[0, column], solution)
-        panel_title(
-            panels[0, column],
-            column,
-            rf"$\Delta R$ = {solution.dR:g} mm, {solution.load:g} N/mm",
-        )
+        cells = _draw_stress(panels[0, column], solution)
         _draw_pressure(panels[1, column], solution)
-        panel_title(
-            panels[1, column],
-            len(solutions) + column,
-            rf"pressure on the surface, $\Delta R$ = {solution.dR:g} mm",
-        )
+        for axes in panels[:, column]:
+            axes.xaxis.set_major_locator(MultipleLocator(1))
+        for row, what in enumerate(("stress", "pressure")):
+            title = rf"{what}, $\Delta R$ = {solution.dR:g} mm"
+            panel_title(panels[row, column], row * len(solutions) + column, title)
+    panels[0, 0].set_ylabel("$(y - R_i)/b$ (-)")
+    panels[1, 0].set_ylabel("pressure $p/p_0$ (-)")
+    figure.colorbar(
+        cells, ax=list(panels[0]), pad=0.02, extend="max", label=r"$-\sigma_{yy}/p_0$ (-)"
+    )
     handles, labels = panels[1, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure
 
 
-def _draw_stress(figure: Figure, axes: Axes, solution: Solution) -> None:
+def _draw_stress(axes: Axes, solution: Solution) -> PolyCollection:
     """Draw the stress along the load, as compression, on both sides of the axis."""
-    width = _hertz_width(solution)
-    reach, depth = REACH * width, DEPTH * width
-    top = solution.setup.hole_radius
+    width, middle = _hertz_width(solution), [0.0, solution.setup.hole_radius]
     outlines, values = [], []
     for body, stress in (
         (solution.mesh.plate, solution.stress("plate")),
         (solution.mesh.pin, solution.stress("pin")),
     ):
-        corners = body.points[body.quads]
-        compression = -stress.yy
-        middle = corners.mean(axis=1)
-        visible = (middle[:, 0] < 1.1 * reach) & (np.abs(middle[:, 1] - top) < 1.2 * depth)
+        corners = (body.points[body.quads] - middle) / width
+        visible = (np.abs(corners).min(axis=1) < [REACH, DEPTH]).all(axis=1)
         for side in (1.0, -1.0):
             outlines.append(corners[visible] * [side, 1.0])
-            values.append(compression[visible])
+            values.append(-stress.yy[visible] / _hertz_peak(solution))
     cells = PolyCollection(
         list(np.concatenate(outlines)), array=np.concatenate(values), cmap="cividis"
     )
     # Cells overlap a little; otherwise hairlines would appear between them.
-    cells.set(edgecolor="face", linewidth=0.3, rasterized=True, clim=(0.0, solution.peak_pressure))
+    cells.set(edgecolor="face", linewidth=0.3, rasterized=True, clim=(0.0, 1.0))
     axes.add_collection(cells)
-    axes.set(xlim=(-reach, reach), ylim=(top - depth, top + depth))
-    axes.set_aspect("equal")
-    axes.set(xlabel="x (mm)", ylabel="y (mm)")
-    figure.colorbar(cells, ax=axes, label=r"$-\sigma_{yy}$ (MPa)")
+    axes.set(xlim=(-REACH, REACH), ylim=(-DEPTH, DEPTH), aspect="equal", xlabel="$x/b$ (-)")
+    return cells
 
 
 def _draw_pressure(axes: Axes, solution: Solution) -> None:
     """Draw the pressure on the surface beside Hertz's and Persson's."""
-    reach = REACH * _hertz_width(solution)
-    arc = np.linspace(-reach, reach, 401)
-    hertz, persson = _theories(solution, np.abs(arc))
-    axes.plot(arc, hertz, "-", color=COLOURS[0], marker="", label="Hertz (Eq 7)")
-    axes.plot(arc, persson, "--", color=COLOURS[1], marker="", label="Persson")
-    both = np.concatenate([-solution.arc[:0:-1], solution.arc])
-    pressure = np.concatenate([solution.pressure[:0:-1], solution.pressure])
-    axes.plot(
-        both,
-        pressure,
-        color=COLOURS[2],
-        linestyle="none",
-        marker="o",
-        markersize=2.5,
-        label="finite elements",
+    width, peak = _hertz_width(solution), _hertz_peak(solution)
+    places = np.linspace(-REACH, REACH, 401)
+    hertz, persson = _theories(solution, np.abs(places) * width)
+    axes.plot(places, hertz / peak, "-", color=COLOURS[0], marker="", label="Hertz (Eq 7)")
+    axes.plot(places, persson / peak, "--", color=COLOURS[1], marker="", label="Persson")
+    near = solution.arc <= REACH * width
+    arc, pressure = solution.arc[near] / width, solution.pressure[near] / peak
+    points: dict[str, Any] = {
+        "color": COLOURS[2],
+        "linestyle": "none",
+        "marker": "o",
+        "markersize": 2.5,
+    }
+    arcs, pressures = np.append(-arc[:0:-1], arc), np.append(pressure[:0:-1], pressure)
+    axes.plot(arcs, pressures, **points, label="finite elements")
+    axes.set(
+        xlim=(-REACH, REACH), ylim=(-0.05, MAXIMA), xlabel="distance along the surface / $b$ (-)"
     )
-    axes.set(xlim=(-reach, reach), ylim=(0, 1.15 * solution.peak_pressure))
-    axes.set(xlabel="distance along the surface (mm)", ylabel="pressure (MPa)")

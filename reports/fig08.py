@@ -3,80 +3,89 @@
 from collections.abc import Mapping
 from typing import Any
 
+import pandas as pd
 from matplotlib.axes import Axes
 
 from cylcontact.limits import johnson_limit_load
-from cylcontact.materials import Material
 from cylcontact.plots.figure import Drawing, new_figure
-from cylcontact.plots.maps import RIM
-from cylcontact.plots.style import COLOURS
+from cylcontact.plots.style import COLOURS, current_style, small_text
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.laws_bounds import DEPARTURES, departure_number, johnson_end
 
-from .clearance import CLEARANCES, clearance_table, draw_materials, mark_point
-from .paper import ELASTIC, LOADS, MATERIALS, clearance_pair, origins
+from .clearance import clearance_table, draw_materials, legend_below, mark_loads
+from .paper import ELASTIC, JOHNSON_LIMITS, MATERIALS, clearance_pair, origins
 
-# Material and clearance (mm) of the limits in Sect. 3.4, and the offsets of their labels in points.
-STATED = {
-    ("aluminium alloy", 0.0075): (-15, -16),
-    ("aluminium alloy", 0.010): (10, -10),
-    ("titanium alloy", 0.0075): (-62, 40),
+# Where a label is that begins right of the end of a line.
+BESIDE: dict[str, Any] = {
+    "xytext": (3, 0),
+    "textcoords": "offset points",
+    "annotation_clip": False,
 }
-# The material whose loads of departure from conformal contact are drawn, below all the limits,
-# and the load (N/mm) of their labels.
+# The material whose loads of departure from conformal contact are drawn, below all the limits.
 DEPARTING = "aluminium alloy"
-LABELS_AT = 30.0
 CAPTION = (
-    "Largest load per unit length (N/mm) that Johnson's law can carry, 4π E* ΔR / e² (Eq 8), "
-    "against radial clearance (mm), internal contact, both bodies of one material. Grey line: the"
-    " highest load of Figs 10 to 14. Stars: the three limits that the paper's text states as 494,"
-    " 658 and 865 N/mm, as computed here. Material values that are not the paper's: {origins}; so"
-    " the stars show that the moduli derived from these limits are consistent, no more. Eq 8 "
-    "bounds the algebra, not the physics: thin lines are the loads φ E* ΔR at which Johnson's "
-    "penetration is {percents} % below Persson's conformal solution (its datum matched to "
-    "Johnson's law at small loads, our choice), φ = {numbers}; drawn for {departing} only, and in"
-    " proportion to E* for the others."
+    "Largest load per unit length (N/mm) of Johnson's law, 4π E* ΔR / e² (Eq 8), against radial "
+    "clearance (mm), for a pin in a hole of one material. Thin lines: loads at which Johnson's "
+    "penetration is {percents} % below conformal contact's, for {departing}. Stars: the three "
+    "limits in the paper's text, {limits} N/mm."
+)
+METHOD = (
+    "Internal contact. Grey band: the loads of Figs 10 to 14. The stars are the limits as computed "
+    "here. Material values that are not the paper's: {origins}. The moduli are derived from these "
+    "limits, so the stars show that they are consistent, no more. Eq 8 bounds the algebra, not the "
+    "physics: the thin lines are the loads φ E* ΔR at which Johnson's penetration is {percents} % "
+    "below Persson's conformal solution, φ = {numbers}. The datum of that solution is matched to "
+    "Johnson's law at small loads, which is our choice. The loads of the other materials are in "
+    "proportion to E*."
 )
 
 
 def draw(bench: Bench) -> Drawing:
     rows = {name: bench.material(name) for name in MATERIALS}
-    table = clearance_table(rows, johnson_limit_load, "load_N_per_mm")
+    table = clearance_table(rows, {"load_N_per_mm": johnson_limit_load})
     numbers = {percent: departure_number(percent) for percent in DEPARTURES}
     for percent, number in numbers.items():
         loads = number / johnson_end() * table["load_N_per_mm"]
         table[f"johnson_low_by_{percent:g}_percent_load_N_per_mm"] = loads
-    figure = new_figure("middle", 100.0)
+    limits = {
+        (name, dR): float(johnson_limit_load(clearance_pair(dR, rows[name].material)))
+        for name, dR in JOHNSON_LIMITS
+    }
+    figure = new_figure("middle", 150.0 if current_style().narrow else 105.0)
     axes = figure.subplots()
-    draw_materials(axes, rows, criterion=None)
-    _draw_departures(axes, rows[DEPARTING].material, numbers)
-    axes.axhline(LOADS[1], color="0.6", linewidth=0.8, linestyle="-", marker="", zorder=0)
-    axes.text(1.8, LOADS[1] * 0.92, f"{LOADS[1]:g} N/mm", ha="right", va="top")
-    headline = {}
-    for (name, dR), offset in STATED.items():
-        limit = float(johnson_limit_load(clearance_pair(dR, rows[name].material)))
-        mark_point(axes, dR, limit, f"{limit:.0f} N/mm", offset)
-        headline[f"{name}, dR = {dR:g} mm"] = limit
+    draw_materials(axes, table.assign(drawn=table["load_N_per_mm"], thin=False))
+    _draw_departures(axes, table[table["material"] == DEPARTING], numbers)
+    stars: dict[str, Any] = {
+        "color": "black",
+        "markerfacecolor": "black",
+        "markersize": 6,
+        "zorder": 5,
+    }
+    places = [dR for _, dR in limits]
+    axes.plot(places, list(limits.values()), "*", **stars, label="limits in the paper's text")
+    mark_loads(axes)
+    axes.set(ylabel="load (N/mm)", ylim=(1, 2e6))
+    legend_below(figure, axes, 3)
+    headline = {f"{name}, dR = {dR:g} mm": limit for (name, dR), limit in limits.items()}
     for percent, number in numbers.items():
         headline[f"phi at which Johnson's penetration is {percent:g} % low"] = number
-    axes.set_ylim(1.5, 3e6)
-    axes.legend(loc="upper left", title="limit of Johnson's law (Eq 8)", alignment="left")
-    caption = CAPTION.format(
-        origins=origins(rows, rows, ELASTIC),
-        percents=", ".join(f"{percent:g}" for percent in numbers),
-        numbers=", ".join(f"{number:.4f}" for number in numbers.values()),
-        departing=DEPARTING,
-    )
-    return Drawing(figure, table, headline, caption)
+    words = {
+        "origins": origins(rows, rows, ELASTIC),
+        "percents": ", ".join(f"{percent:g}" for percent in numbers),
+        "numbers": ", ".join(f"{number:.4f}" for number in numbers.values()),
+        "departing": DEPARTING,
+        "limits": ", ".join(f"{limit:.0f}" for limit in limits.values()),
+    }
+    return Drawing(figure, table, headline, CAPTION.format(**words), METHOD.format(**words))
 
 
-def _draw_departures(axes: Axes, material: Material, numbers: Mapping[float, float]) -> None:
-    """Draw and label a material's loads of departure from conformal contact."""
-    E_star = float(clearance_pair(1.0, material).E_star)
+def _draw_departures(axes: Axes, table: pd.DataFrame, numbers: Mapping[float, float]) -> None:
+    """Draw a material's loads of departure from conformal contact, labelled at their ends."""
     style: dict[str, Any] = {"color": COLOURS[4], "linewidth": 0.6, "linestyle": "-", "marker": ""}
-    for percent, number in numbers.items():
-        axes.plot(CLEARANCES, number * E_star * CLEARANCES, **style)
-        dR = float(LABELS_AT / (number * E_star))
-        axes.text(dR, LABELS_AT, f"{percent:g} %", ha="center", va="center", path_effects=[RIM])
-    note = f"thin: Johnson's penetration that far below\nconformal contact's, {material.name}"
-    axes.text(1.8, 2.2, note, ha="right")
+    label: str | None = f"Johnson low, {DEPARTING}"
+    for percent in numbers:
+        loads = table[f"johnson_low_by_{percent:g}_percent_load_N_per_mm"]
+        axes.plot(table["dR_mm"], loads, **style, label=label)
+        end = (table["dR_mm"].iloc[-1], loads.iloc[-1])
+        axes.annotate(f"{percent:g} %", end, **BESIDE, va="center", fontsize=small_text())
+        label = None

@@ -28,15 +28,18 @@ from .slider_crank import assumed, mechanism
 
 REVOLUTION = 1.1
 CAPTION = (
-    "The joint with clearance (Eqs 11 to 14). Body i has the bearing, of radius R_i = {R_i:g} mm, "
-    "body j the journal, R_j = {R_j:g} mm. The eccentricity e = r_i - r_j points from the "
-    "journal's centre to the bearing's; contact begins where it leaves the dashed circle of radius "
-    "c = R_i - R_j = {c:g} mm, and the penetration is δ = |e| - c = {delta:.3g} µm. At the contact "
-    "n = e/|e| and t = [n_y, -n_x]; orange, what acts on the bearing, f_i = -f_n n + f_t t, with "
-    "f_n = {f_n:.0f} N and f_t = {f_t:.0f} N; the journal takes the opposite. Directions are "
-    "those of the slider-crank (enhanced law) {revolution:.2f} revolutions after the start. Not "
-    "to scale: the clearance is magnified {scale:g} times against the radius, the "
-    "penetration {depth:.0f} times. {assumed}"
+    "Joint with clearance: bearing of body i (centre P_i, radius R_i = {R_i:g} mm), journal of "
+    "body j (P_j, R_j), eccentricity e, clearance c = R_i - R_j (dashed circle), penetration δ = "
+    "|e| - c, normal n, tangent t; orange: forces on the bearing. Not to scale: c is magnified "
+    "{scale:g} times against the radii, δ {depth:.0f} times."
+)
+METHOD = (
+    "Eqs 11 to 14: e = r_i - r_j points from the journal's centre to the bearing's; contact begins "
+    "where it leaves the dashed circle. At the contact n = e/|e| and t = [n_y, -n_x]; the bearing "
+    "takes f_i = -f_n n + f_t t, the journal the opposite. Directions are those of the "
+    "slider-crank (enhanced law) {revolution:.2f} revolutions after the start, with R_i = {R_i:g} "
+    "mm, R_j = {R_j:g} mm, c = {c:g} mm, δ = {delta:.3g} µm, f_n = {f_n:.0f} N and f_t = {f_t:.0f} "
+    "N. {assumed}"
 )
 # The penetration as drawn and the global origin, in radii of the bearing.
 DRAWN_PENETRATION = 0.07
@@ -65,7 +68,8 @@ def draw(bench: Bench) -> Drawing:
         "friction force, N": joint.friction_force,
         "tangential velocity, m/s": joint.tangential_velocity,
     }
-    caption = CAPTION.format(
+    caption = CAPTION.format(R_i=joint.R_i, scale=scale["c"], depth=scale["delta"])
+    method = METHOD.format(
         R_i=joint.R_i,
         R_j=joint.R_j,
         c=joint.clearance,
@@ -73,11 +77,9 @@ def draw(bench: Bench) -> Drawing:
         f_n=joint.normal_force,
         f_t=joint.friction_force,
         revolution=joint.revolution,
-        scale=scale["c"],
-        depth=scale["delta"],
         assumed=assumed(slider_crank),
     )
-    return Drawing(_draw_joint(joint), table, headline, caption)
+    return Drawing(_draw_joint(joint), table, headline, caption, method)
 
 
 @dataclass(frozen=True)
@@ -138,7 +140,7 @@ def _table(joint: JointState) -> pd.DataFrame:
 
 def _draw_joint(joint: JointState) -> Figure:
     """Draw bearing, journal, eccentricity, penetration, and the contact's directions and forces."""
-    figure = new_figure("column", 76.0)
+    figure = new_figure("column", 64.0)
     axes = figure.subplots()
     n, distance = joint.normal, DRAWN + DRAWN_PENETRATION
     journal = _point(-distance * n)
@@ -147,7 +149,7 @@ def _draw_joint(joint: JointState) -> Figure:
     _draw_vectors(axes, n, journal)
     _draw_contact(axes, joint, n)
     _draw_origin(axes, journal)
-    axes.set(xlim=(-1.95, 1.75), ylim=(-1.62, 1.62), aspect="equal")
+    axes.set(xlim=(-1.95, 1.75), ylim=(-1.42, 1.38), aspect="equal")
     axes.set_axis_off()
     return figure
 
@@ -185,7 +187,7 @@ def _draw_vectors(axes: Axes, n: FloatArray, journal: Point) -> None:
     cross(axes, journal, zorder=8)
     side = np.array([-n[1], n[0]])
     axes.annotate("", xy=(0, 0), xytext=journal, arrowprops=UNIT)
-    _label(axes, 0.45 * np.array(journal) - 0.11 * side, r"$\mathbf{e}$")
+    _label(axes, 0.45 * np.array(journal) - 0.11 * side, r"$\vec{e}$")
     _label(axes, 0.13 * n - 0.15 * side, "$P_i$")
     _label(axes, np.array(journal) - 0.12 * n - 0.1 * side, "$P_j$")
     _radius(axes, np.zeros(2), n, 15.0, DRAWN, "$c$", 0.6)
@@ -217,13 +219,13 @@ def _radius(
 def _draw_contact(axes: Axes, joint: JointState, n: FloatArray) -> None:
     """Draw n and t at the contact, the forces on the bearing, and the penetration."""
     t, contact = np.array([n[1], -n[0]]), -n
-    for way, text, aside in ((n, r"$\mathbf{n}$", 0.1 * t), (t, r"$\mathbf{t}$", 0.1 * n)):
+    for way, text, aside in ((n, r"$\vec{n}$", 0.1 * t), (t, r"$\vec{t}$", 0.15 * n)):
         axes.annotate("", xy=_point(contact + 0.34 * way), xytext=_point(contact), arrowprops=UNIT)
         _label(axes, contact + 0.3 * way + aside, text)
     sign = float(np.sign(joint.friction_force))
     ends = (
-        (-n, 0.5, r"$-f_n\mathbf{n}$", -0.14 * t),
-        (sign * t, 0.42, r"$f_t\mathbf{t}$", 0.19 * n),
+        (-n, 0.5, r"$-f_n\,\vec{n}$", -0.14 * t),
+        (sign * t, 0.42, r"$f_t\,\vec{t}$", 0.19 * n),
     )
     for way, length, text, aside in ends:
         axes.annotate(
@@ -252,7 +254,7 @@ def _draw_origin(axes: Axes, journal: Point) -> None:
         axes.annotate("", xy=(x + dx, y + dy), xytext=ORIGIN, arrowprops=POINTER)
         axes.text(x + 1.3 * dx, y + 1.3 * dy, text, ha="center", va="center")
     thin = POINTER | {"linewidth": 0.5, "linestyle": (0, (4, 2)), "zorder": 7}
-    ends = (((0.0, 0.0), r"$\mathbf{r}_i^P$", 0.12), (journal, r"$\mathbf{r}_j^P$", -0.12))
+    ends = (((0.0, 0.0), r"$\vec{r}_i$", 0.12), (journal, r"$\vec{r}_j$", -0.12))
     for end, text, aside in ends:
         axes.annotate("", xy=end, xytext=ORIGIN, arrowprops=thin)
         way = np.subtract(end, ORIGIN)

@@ -25,22 +25,23 @@ from cylcontact.mechanism.drawing import (
 )
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.sketch import cross
-from cylcontact.plots.style import small_text
+from cylcontact.plots.style import JOURNAL, current_style, small_text
 from cylcontact.reports.bench import Bench
 
 from .slider_crank import assumed, mechanism
 
 REVOLUTION = 1.15
 CAPTION = (
-    "The mechanism of datasets/slider_crank.toml, to scale in mm, {revolution:g} revolutions after "
-    "the start: {bodies}; the crank turns at {speed:.0f} rpm, {sense}. Names are the spec's, "
-    "dots are centres of mass, the dashed circle is the crank pin's. All joints are ideal but "
-    "the one in orange, between {bearing} (with the bearing) and {journal} (with the journal): on "
-    "the right with its clearance of {c:g} mm magnified {scale:g} times against the bearing's "
-    "radius of {R_i:g} mm. {assumed}"
+    "(a) The slider-crank to scale, {revolution:g} revolutions after the start, with the spec's "
+    "names; dots: centres of mass; dashed: circle of the crank pin; orange: the joint with "
+    "clearance. (b) This joint, its clearance of {c:g} mm magnified {scale:g} times against the "
+    "bearing's radius of {R_i:g} mm; dashed: clearance circle. Lengths and masses are assumed."
 )
-# Widths of the panels: the mechanism, then the joint with clearance.
-WIDTHS = (2.45, 1.0)
+METHOD = (
+    "The mechanism is that of datasets/slider_crank.toml: {bodies}; the crank turns at {speed:.0f} "
+    "rpm, {sense}. All joints are ideal but the one between {bearing} (with the bearing) and "
+    "{journal} (with the journal). Crosses mark the centres of both. {assumed}"
+)
 CENTRE: dict[str, Any] = {
     "marker": ".",
     "color": "black",
@@ -63,18 +64,18 @@ def draw(bench: Bench) -> Drawing:
     }
     bodies, clearance = slider_crank.bodies, slider_crank.clearance
     caption = CAPTION.format(
-        revolution=REVOLUTION,
+        revolution=REVOLUTION, c=joint.radial, scale=joint.factor, R_i=joint.R_bearing
+    )
+    method = METHOD.format(
         bodies=", ".join(body.name for body in bodies),
         speed=60 / slider_crank.period,
         sense="clockwise" if slider_crank.driver.speed < 0 else "anticlockwise",
         bearing=bodies[clearance.i].name,
         journal=bodies[clearance.j].name,
-        c=joint.radial,
-        scale=joint.factor,
-        R_i=joint.R_bearing,
         assumed=assumed(slider_crank),
     )
-    return Drawing(_draw_panels(slider_crank, pose, joint), _points(pose), headline, caption)
+    figure = _draw_panels(slider_crank, pose, joint)
+    return Drawing(figure, _points(pose), headline, caption, method)
 
 
 def _points(pose: Pose) -> pd.DataFrame:
@@ -88,21 +89,37 @@ def _points(pose: Pose) -> pd.DataFrame:
 
 
 def _draw_panels(slider_crank: Mechanism, pose: Pose, joint: Magnified) -> Figure:
-    """Draw the mechanism, and beside it its joint."""
-    figure = new_figure("full", 62.0)
-    left, right = figure.subplots(1, 2, width_ratios=WIDTHS)
+    """Draw the mechanism, and beside it its joint, equally high."""
     view = frame(slider_crank, [pose])
+    figure = new_figure("full", 56.0)
+    ratio = (view[1] - view[0]) / (view[3] - view[2])
+    left, right = figure.subplots(1, 2, width_ratios=(ratio, 1.0))
     set_view(left, view)
     draw_linkage(left, slider_crank, pose, view[1] - view[0])
     draw_circle(left, slider_crank, pose)
     _name_points(left, slider_crank, pose)
     panel_title(left, 0, slider_crank.name)
-    centre = draw_magnified(right, joint, pose.eccentricity)
-    draw_clearance_circle(right, DRAWN, zorder=5)
-    for at in ((0.0, 0.0), centre):
-        cross(right, at, zorder=6)
-    panel_title(right, 1, f"its joint, clearance × {joint.factor:g}")
+    _draw_clearance(right, slider_crank, pose, joint)
+    panel_title(right, 1, f"joint with clearance, × {joint.factor:g}")
+    for axes in (left, right):
+        axes.set_anchor("W")
     return figure
+
+
+def _draw_clearance(axes: Axes, slider_crank: Mechanism, pose: Pose, joint: Magnified) -> None:
+    """Draw the magnified joint, and name its bodies where there is room."""
+    centre = draw_magnified(axes, joint, pose.eccentricity)
+    draw_clearance_circle(axes, DRAWN, zorder=5)
+    for at in ((0.0, 0.0), centre):
+        cross(axes, at, zorder=6)
+    clearance, names = slider_crank.clearance, [body.name for body in slider_crank.bodies]
+    way = np.array(centre) / np.hypot(*centre)
+    for place, name in (
+        (centre + 0.38 * way, f"journal\n({names[clearance.j]})"),
+        (-0.7 * way, f"bearing\n({names[clearance.i]})"),
+    ):
+        x, y = place
+        axes.text(x, y, name, ha="center", va="center", zorder=9, fontsize=small_text())
 
 
 def _name_points(axes: Axes, slider_crank: Mechanism, pose: Pose) -> None:
@@ -122,7 +139,8 @@ def _name_points(axes: Axes, slider_crank: Mechanism, pose: Pose) -> None:
 
 
 def _name(axes: Axes, text: str, at: complex, way: complex, distance: float, **style: Any) -> None:
-    """Write a name, `distance` points away from what it names."""
+    """Write a name at a distance from what it names, in points at the journal's font size."""
+    distance *= current_style().font_size / JOURNAL.font_size
     axes.annotate(
         text,
         xy=(at.real, at.imag),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -11,7 +13,7 @@ from cylcontact.mechanism import Case, Trajectory
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.reports.bench import Bench
 
-from .paper import JOINT_CLEARANCES, JOINT_LAWS
+from .paper import JOINT_CLEARANCES, JOINT_LAWS, LOADS
 from .slider_crank import (
     assumed,
     crossings,
@@ -25,15 +27,21 @@ from .slider_crank import (
 
 # Longest step in s: a hundredth of an impact, so that its peak is a point of the curve.
 STEP = 5e-7
+# The line of a law without dissipation.
+ELASTIC: dict[str, Any] = {"marker": "", "linewidth": 0.5, "linestyle": "-"}
 CASES = [Case(law, clearance, 0.9, 0.0) for clearance in JOINT_CLEARANCES for law in JOINT_LAWS]
 CAPTION = (
-    "Contact force against penetration over the first impact of the slider-crank, without friction "
-    "and with c_e = 0.9; before it the runs are alike, so that all laws meet the same impact, and "
-    "it is the hardest of the start: {impacts}. Upper branch: approach; lower: return; thin: the "
-    "law without dissipation. Markers at quarters of the largest penetration. Johnson over "
-    "enhanced, at equal penetration: {crossed}. The loads, over 10 mm of length, go up to "
-    "{top:.0f} N/mm, beyond the 1000 N/mm that the enhanced law is fitted to. Which impact the "
-    "paper draws is not said; this one is our choice. {ends} {assumed}"
+    "Contact force against penetration δ over the first impact of the slider-crank, with three "
+    "laws and at two radial clearances (mm); restitution 0.9, no friction. Thick: the loop, above "
+    "on approach and below on return; thin: the law without dissipation. The mechanism's data are "
+    "assumed, and the paper does not say which impact it draws."
+)
+METHOD = (
+    "Before the first impact the runs are alike, so that all laws meet the same impact, and it is "
+    "the hardest of the start: {impacts}. Markers are at quarters of the largest penetration. At "
+    "equal penetration Johnson's law is stiffer than the enhanced one {crossed}. The loads, over "
+    "{length:g} mm of length, go up to {top:.0f} N/mm, beyond the {fitted:g} N/mm that the "
+    "enhanced law is fitted to. Which impact to draw is our choice. {ends} {assumed}"
 )
 
 
@@ -49,19 +57,22 @@ def draw(bench: Bench) -> Drawing:
         assert pair is not None
         deepest = rows.loc[rows["law"] == case.law, "penetration_um"].max() * 1e-3
         equal = crossings(force_ratio("johnson", "enhanced", pair, deepest))
-        crossed.append(f"stiffer from {1e3 * equal[-1]:.3g} µm on at {clearance:g} mm")
+        crossed.append(f"from {1e3 * equal[-1]:.3g} µm on at {clearance:g} mm")
         headline[f"{clearance:g} mm, Johnson stiffer than enhanced from, um"] = 1e3 * equal[-1]
         for law, loop in rows.groupby("law", sort=False):
             headline[f"{clearance:g} mm, {law}: penetration, um"] = loop["penetration_um"].max()
             headline[f"{clearance:g} mm, {law}: force, N"] = loop["force_N"].max()
-    caption = CAPTION.format(
+    length = next(iter(runs.values())).mechanism.clearance.length
+    method = METHOD.format(
         impacts=", ".join(impacts),
         crossed=", ".join(crossed),
-        top=table["force_N"].max() / 10,
+        length=length,
+        top=table["force_N"].max() / length,
+        fitted=LOADS[1],
         ends=law_ends(list(runs.values())),
         assumed=assumed(mechanism(bench)),
     )
-    return Drawing(_draw_panels(table), table, headline, caption)
+    return Drawing(_draw_panels(table), table, headline, CAPTION, method)
 
 
 def _impact(case: Case, run: Trajectory) -> pd.DataFrame:
@@ -79,7 +90,7 @@ def _impact(case: Case, run: Trajectory) -> pd.DataFrame:
             "time_us": (run.time[rows] - onset) * 1e6,
             "penetration_um": depth * 1e6,
             "force_N": run.normal_force[rows],
-            "elastic_force_N": total_force(case.law, depth * 1e3, pair),
+            "elastic_force_N": total_force(str(case.law), depth * 1e3, pair),
         }
     )
 
@@ -92,9 +103,10 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
         impacts = table[table["clearance_mm"] == clearance]
         for law, loop in impacts.groupby("law", sort=False):
             _draw_loop(axes, str(law), loop)
-        axes.set(xlabel="penetration δ (µm)", xlim=(0, None), ylim=(0, None))
+        axes.set(xlabel="penetration δ (µm)", ylabel="contact force (kN)")
+        axes.set(xlim=(0, None), ylim=(0, None))
         panel_title(axes, number, f"radial clearance {clearance:g} mm")
-    panels[0].set_ylabel("contact force (kN)")
+    panels[0].plot([], [], color="black", label="without dissipation", **ELASTIC)
     panels[0].legend(loc="upper left")
     return figure
 
@@ -106,5 +118,5 @@ def _draw_loop(axes: Axes, law: str, loop: pd.DataFrame) -> None:
     marked = np.searchsorted(depth[: depth.argmax()], np.arange(0.25, 1, 0.25) * depth.max())
     axes.plot(depth, force, label=JOINT_LAWS[law], markevery=marked.tolist(), **style)
     order = np.argsort(depth)
-    thin = style | {"marker": "", "linewidth": 0.5, "linestyle": "-"}
-    axes.plot(depth[order], loop["elastic_force_N"].to_numpy()[order] / 1e3, **thin)
+    elastic = loop["elastic_force_N"].to_numpy()[order] / 1e3
+    axes.plot(depth[order], elastic, **style | ELASTIC)

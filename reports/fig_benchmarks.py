@@ -5,28 +5,43 @@ from __future__ import annotations
 import json
 from collections.abc import Hashable
 from pathlib import Path
+from textwrap import fill
 from typing import Any, NamedTuple
 
-import numpy as np
 import pandas as pd
-from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from cylcontact.errors import InputError
-from cylcontact.plots.figure import Drawing, new_figure
-from cylcontact.plots.style import ACCENT, QUIET
+from cylcontact.plots.figure import Drawing, figure_of_lines, plain_log, round_ticks
+from cylcontact.plots.style import ACCENT, QUIET, current_style, small_text
 from cylcontact.reports.bench import Bench
 
 CAPTION = (
-    "Time that others take, in units of the workbench's on the same task with the same answer "
-    "(-, logarithmic). Markers: median of the rounds; bars: their quartiles. Computed, marked by "
-    "open circles: the evaluations that the optimiser needed on a small grid times the measured "
-    "cost of one on this grid. The power and the logarithm do less than the workbench: they are "
-    "limits. Measured by `make bench`; docs/speed.md has the numbers, the machine and the versions."
+    "Time that other software takes for the same task with the same answer, in units of the time "
+    "that cylcontact takes (-). Bars: quartiles of the rounds, most of them narrower than the "
+    "marks. Squares are faster because they do only a part of the task. Computed: evaluations "
+    "needed on a small grid times the measured cost of one."
 )
-MM_PER_LINE = 3.4
+METHOD = (
+    "Marks are the median of the rounds, with their quartiles. For the times that are computed, "
+    "the evaluations that the optimiser needed on a small grid are multiplied by the measured cost "
+    "of one on this grid. The power, the logarithm and the objective alone do less than "
+    "cylcontact: they are limits. Measured by `make bench`; docs/speed.md has the numbers, the "
+    "machine and the versions."
+)
+# Labels longer than this have two lines where the page is narrow.
+LONGEST = 36
 COLUMNS = ["benchmark", "case", "side", "ratio", "ratio_low", "ratio_high", "note"]
+
+
+MEASURED, COMPUTED, FASTER = "slower, measured", "slower, computed", "faster, part of the task"
+MARKS: dict[str, dict[str, Any]] = {
+    MEASURED: {"marker": "o", "color": ACCENT, "markerfacecolor": ACCENT},
+    COMPUTED: {"marker": "o", "color": ACCENT},
+    FASTER: {"marker": "s", "color": QUIET, "markerfacecolor": QUIET},
+}
 
 
 class Group(NamedTuple):
@@ -52,7 +67,7 @@ def draw(bench: Bench) -> Drawing:
     table = ratios_of(bench.input("datasets/benchmarks.json"))
     ratios = table[["group", "side", "ratio"]].to_numpy()
     headline = {f"{group}: {side}": ratio for group, side, ratio in ratios}
-    return Drawing(ratio_panel(table), table, headline, CAPTION + left_out(table))
+    return Drawing(ratio_panel(table), table, headline, CAPTION, METHOD + left_out(table))
 
 
 def ratios_of(results: Path) -> pd.DataFrame:
@@ -87,52 +102,63 @@ def ratios_of(results: Path) -> pd.DataFrame:
 
 def ratio_panel(table: pd.DataFrame) -> Figure:
     """Draw the ratios, a line for each side, group below group."""
-    lines = len(table) + table["group"].nunique()
-    figure = new_figure("full", MM_PER_LINE * lines + 14)
+    width = LONGEST if current_style().narrow else sum(map(len, table["side"]))
+    table = table.assign(label=table["side"].map(lambda side: fill(side, width)))
+    lines = int((table["label"].str.count("\n") + 1).sum()) + table["group"].nunique()
+    figure = figure_of_lines("full", lines + 5)
     axes = figure.subplots()
-    places, labels, place = [], [], 0
+    top, places = 0.0, []
     for name, group in table.groupby("group", sort=False):
+        axes.axhspan(top, top + 1, color="0.92", linewidth=0)
         axes.text(
-            -0.01,
-            place,
+            0.01,
+            top + 0.5,
             str(name),
             transform=axes.get_yaxis_transform(),
-            ha="right",
-            va="center",
-            weight="bold",
-            fontsize=rcParams["ytick.labelsize"],
+            verticalalignment="center",
+            fontsize=small_text(),
         )
-        for row in group.to_dict("records"):
-            place += 1
-            _draw_line(axes, place, row)
-            places.append(place)
-            labels.append(row["side"])
-        place += 1
-    axes.axvline(1.0, color="black", linewidth=0.8)
-    axes.set(xscale="log", ylim=(place, -1), xlabel="time, in units of cylcontact's (-)")
-    axes.set_yticks(places, labels)
+        places += _draw_group(axes, top + 1, group)
+        top = axes.dataLim.y1
+    axes.set_yticks(places, table["label"])
     axes.tick_params(axis="y", length=0, right=False)
+    axes.tick_params(axis="x", which="both", direction="out", top=False)
     low, high = float(table["ratio_low"].min()), float(table["ratio_high"].max())
-    axes.set_xlim(10 ** np.floor(np.log10(low) - 0.3), 10 ** np.ceil(np.log10(high) + 0.6))
+    plain_log(axes, "x", round_ticks(low / 10, 10 * high))
+    axes.set(xlim=(low / 10, 10 * high), ylim=(top, 0), xlabel="time in units of cylcontact's (-)")
+    marks = [
+        Line2D([], [], linestyle="none", label=label, **style) for label, style in MARKS.items()
+    ]
+    figure.legend(handles=marks, loc="outside lower center", ncols=3)
     return figure
 
 
-def _draw_line(axes: Axes, place: int, row: dict[Hashable, Any]) -> None:
+def _draw_group(axes: Axes, top: float, group: pd.DataFrame) -> list[float]:
+    """Draw the sides of a group, each as high as its label has lines; return their places."""
+    lines = group["label"].str.count("\n") + 1
+    places = [float(place) for place in top + lines.cumsum() - lines / 2]
+    axes.vlines(1.0, top, top + lines.sum(), color="black", linewidth=0.8)
+    for place, row in zip(places, group.to_dict("records"), strict=True):
+        _draw_line(axes, place, row)
+    return places
+
+
+def _draw_line(axes: Axes, place: float, row: dict[Hashable, Any]) -> None:
     """Draw one side's ratio, its range and its number."""
-    colour = QUIET if row["ratio"] < 1 else ACCENT
-    axes.plot([row["ratio_low"], row["ratio_high"]], [place, place], "-", color=colour, marker="")
-    face = "white" if row["computed"] else colour
-    axes.plot(row["ratio"], place, "o", color=colour, markerfacecolor=face)
-    # The number is on the side away from the line at 1.
     shorter = row["ratio"] < 1
+    style = MARKS[FASTER if shorter else COMPUTED if row["computed"] else MEASURED]
+    ends = [row["ratio_low"], row["ratio_high"]]
+    axes.plot(ends, [place, place], linestyle="-", color=style["color"], marker="")
+    axes.plot(row["ratio"], place, **style)
+    # The number is on the side away from the line at 1.
     axes.annotate(
         _short(row["ratio"]),
-        (row["ratio_low"] if shorter else row["ratio_high"], place),
+        (ends[0] if shorter else ends[1], place),
         xytext=(-5 if shorter else 5, 0),
         textcoords="offset points",
         ha="right" if shorter else "left",
-        va="center",
-        fontsize=rcParams["ytick.labelsize"],
+        va="center_baseline",
+        fontsize=small_text(),
     )
 
 
@@ -142,6 +168,6 @@ def _short(ratio: float) -> str:
 
 
 def left_out(table: pd.DataFrame) -> str:
-    """Return a sentence for the caption on the groups that a table lacks, if there are any."""
+    """Return a sentence on the groups that a table lacks, if there are any."""
     groups = [name for name in GROUPS if name not in set(table["group"])]
     return f" Not measured (docs/speed.md says why): {'; '.join(groups)}." if groups else ""

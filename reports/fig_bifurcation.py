@@ -8,31 +8,42 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from cylcontact.mechanism.statistics import HELD, LONGEST, REPEATS
 from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
-from cylcontact.plots.style import ACCENT, COLOURS
+from cylcontact.plots.style import ACCENT, COLOURS, QUIET, current_style
 from cylcontact.reports.bench import Bench, MissingInputError
 
 from .slider_crank import assumed, mechanism
 
 FILE = "datasets/mechanism/bifurcation.csv"
 CAPTION = (
-    "Poincaré sections of the slider-crank with Johnson's law, {losses}, at the end of each of "
-    "revolutions {first} to {last}, by the radial clearance (mm). The section is taken at the "
-    "crank's outer dead centre; e_y is the eccentricity across the slide. Black: period 1; blue: "
-    "period 2 to {longest}; orange: no such period (sections repeat if they agree to {repeats:g} "
-    "of the clearance, over {held} revolutions). (a) Every contact has the δ̇⁽⁻⁾ of its onset. (b) "
-    "From revolution 11 on the contact carries {rate:g} m/s; circles: a later flight has ended "
-    "that, and the contact carries the rate of another onset. (c) The δ̇⁽⁻⁾ (m/s) that each of the "
-    "runs carries at its end; filled: those of (a), open: those of (b). (d) The sections of one "
-    "run of each kind from (b). In contact without end δ̇⁽⁻⁾ scales the damping for good, and which "
+    "Poincaré sections with Johnson's law after revolutions {first} to {last}: eccentricity e_y "
+    "across the slide over the radial clearance c (mm). The rate δ̇⁽⁻⁾ scales the damping: (a) "
+    "that of each onset; (b) held at {rate:g} m/s; (c) at the end (dotted: the held one); (d) "
+    "sections from (b). Mechanism's data assumed."
+)
+METHOD = (
+    "The losses are {losses}. The section is taken at the crank's outer dead centre. Sections "
+    "repeat if they agree to {repeats:g} of the clearance, over {held} revolutions; the period is "
+    "their number, up to {longest}. In (b) the contact carries {rate:g} m/s from revolution 11 on, "
+    "and it keeps that rate until a flight ends it; it then has the rate of another onset. In (c) "
+    "are the runs of (a) and, open, those of (b) that have lost their rate, where they end in "
+    "contact. In (d) is one run of each kind from (b) that has kept its rate, the one whose "
+    "sections reach farthest. In contact without end δ̇⁽⁻⁾ scales the damping for good, and which "
     "one an onset has depends on the start, so that a motion belongs to a clearance and to a rate. "
     "With one rate, (b) is no smoother than (a). {assumed}"
 )
-KINDS = {"period 1": "black", f"period 2 to {LONGEST}": COLOURS[1], "no period": ACCENT}
-DOTS: dict[str, Any] = {"linestyle": "none", "marker": "o", "markeredgewidth": 0.2}
-CIRCLES: dict[str, Any] = {"linestyle": "none", "marker": "o", "markeredgewidth": 0.6}
+# Colour, marker and its size in points by the kind of motion.
+KINDS: dict[str, tuple[str, str, float]] = {
+    "period 1": ("black", "o", 2.4),
+    f"period 2 to {LONGEST}": (COLOURS[1], "s", 2.4),
+    "no period": (ACCENT, "^", 2.2),
+}
+# Sections that agree to so many decimals are drawn once.
+PLACES = 4
+LOST = "open: held rate lost in a flight"
 RATE = r"$\dot\delta^{(-)}$"
 TICKS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
 
@@ -53,16 +64,19 @@ def draw(bench: Bench) -> Drawing:
     model = mechanism(bench)
     clearance = model.data["clearance"]
     caption = CAPTION.format(
-        losses=f"c_e = {clearance['restitution']:g} and c_f = {clearance['friction']:g}",
         first=sections["revolution"].min() + 1,
         last=sections["revolution"].max() + 1,
+        rate=held,
+    )
+    method = METHOD.format(
+        losses=f"c_e = {clearance['restitution']:g} and c_f = {clearance['friction']:g}",
         longest=LONGEST,
         repeats=REPEATS,
         held=HELD,
         rate=held,
         assumed=assumed(model),
     )
-    return Drawing(_draw_panels(sections, runs, held), sections, headline, caption)
+    return Drawing(_draw_panels(sections, runs, held), sections, headline, caption, method)
 
 
 def _sections(bench: Bench) -> pd.DataFrame:
@@ -95,68 +109,69 @@ def _kind(table: pd.DataFrame) -> pd.Series[Any]:
 
 def _draw_panels(sections: pd.DataFrame, runs: pd.DataFrame, held: float) -> Figure:
     """Draw sections over the clearance twice, the rates carried, and three sections."""
-    figure = new_figure("full", 110.0)
-    panels = figure.subplots(2, 2)
+    figure = new_figure("full", 112.0)
+    panels = figure.subplots(2, 2, by_rows=True)
     for number, rate in enumerate((0.0, held)):
         axes = panels[0, number]
-        _draw_bifurcation(axes, sections[sections["held_m_per_s"] == rate])
+        _draw_kinds(axes, sections[sections["held_m_per_s"] == rate], "e_y_over_clearance")
         what = f"held at {rate:g} m/s" if rate else "of each onset"
         panel_title(axes, number, rf"{RATE} {what}")
         axes.set_ylabel("$e_y/c$ (-)")
     panels[0, 1].sharey(panels[0, 0])
-    _draw_rates(panels[1, 0], runs)
-    panel_title(panels[1, 0], 2, rf"{RATE} carried at the end")
+    _draw_rates(panels[1, 0], runs, held)
+    panel_title(panels[1, 0], 2, rf"{RATE} at the end")
     for axes in (*panels[0], panels[1, 0]):
         plain_log(axes, "x", TICKS)
-        axes.set_xlabel("radial clearance (mm)")
+        axes.set_xlabel("radial clearance $c$ (mm)")
     _draw_sections(panels[1, 1], sections[sections["held_m_per_s"] == held])
-    panel_title(panels[1, 1], 3, "Poincaré sections")
-    handles = [
-        panels[0, 0].plot(
-            [], [], color=colour, markerfacecolor=colour, markersize=3, label=kind, **DOTS
-        )[0]
-        for kind, colour in KINDS.items()
-    ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=3)
+    panel_title(panels[1, 1], 3, "three motions of (b)")
+    _add_key(figure)
     return figure
 
 
-def _draw_bifurcation(axes: Axes, sections: pd.DataFrame) -> None:
-    """Draw all sections of the runs; circles where the rate held has been lost."""
-    kinds, rate = _kind(sections), sections["held_m_per_s"]
-    lost = (rate > 0) & (sections["impact_rate_m_per_s"] != rate)
-    for kind, colour in KINDS.items():
-        for style, rows in ((DOTS, ~lost), (CIRCLES, lost)):
-            chosen = sections[rows & (kinds == kind)]
-            size = 1.6 if style is DOTS else 2.4
-            axes.plot(
-                chosen["clearance_mm"], chosen["e_y_over_clearance"], markersize=size,
-                color=colour, markerfacecolor=colour if style is DOTS else "none", rasterized=True,
-                **style,
-            )  # fmt: skip
+def _lost(table: pd.DataFrame) -> pd.Series[Any]:
+    """Return whether a rate was held and another one is carried."""
+    rate = table["held_m_per_s"]
+    return (rate > 0) & (table["impact_rate_m_per_s"] != rate)
 
 
-def _draw_rates(axes: Axes, runs: pd.DataFrame) -> None:
-    """Draw the rate that each run carries at its end; none where it ends in flight."""
-    touching = runs[runs["impact_rate_m_per_s"] > 0]
-    kinds = _kind(touching)
-    for kind, colour in KINDS.items():
-        for style, rows in (
-            (DOTS, touching["held_m_per_s"] == 0),
-            (CIRCLES, touching["held_m_per_s"] > 0),
-        ):
-            chosen = touching[rows & (kinds == kind)]
-            axes.plot(
-                chosen["clearance_mm"], chosen["impact_rate_m_per_s"], color=colour,
-                markerfacecolor=colour if style is DOTS else "none", markersize=3, **style,
-            )  # fmt: skip
+def _draw_kinds(axes: Axes, table: pd.DataFrame, column: str) -> None:
+    """Draw a column over the clearance; open markers where the rate held has been lost."""
+    drawn = table[~table[["held_m_per_s", "clearance_mm", column]].round(PLACES).duplicated()]
+    kinds, lost = _kind(drawn), _lost(drawn)
+    for kind in KINDS:
+        for rows, is_open in ((~lost, False), (lost, True)):
+            chosen = drawn[rows & (kinds == kind)]
+            axes.plot(chosen["clearance_mm"], chosen[column], **_marker(kind, is_open))
+
+
+def _marker(kind: str, is_open: bool) -> dict[str, Any]:
+    """Return the marker of a kind of motion."""
+    colour, marker, size = KINDS[kind]
+    return {
+        "linestyle": "none",
+        "color": colour,
+        "marker": marker,
+        "markersize": size * current_style().lines,
+        "markeredgewidth": 0.5,
+        "markerfacecolor": "white" if is_open else colour,
+    }
+
+
+def _draw_rates(axes: Axes, runs: pd.DataFrame, held: float) -> None:
+    """Draw the rates carried at the end, save where it is the one held or the end is in flight."""
+    touching = runs["impact_rate_m_per_s"] > 0
+    _draw_kinds(
+        axes, runs[touching & ((runs["held_m_per_s"] == 0) | _lost(runs))], "impact_rate_m_per_s"
+    )
+    axes.axhline(held, color=QUIET, linewidth=0.8, linestyle=":", marker="")
     axes.set(yscale="log", ylabel=rf"{RATE} (m/s)")
 
 
 def _draw_sections(axes: Axes, sections: pd.DataFrame) -> None:
     """Draw the sections of the run of each kind that fills most of the plane."""
-    still_held = sections[sections["impact_rate_m_per_s"] == sections["held_m_per_s"]]
-    for kind, colour in KINDS.items():
+    still_held = sections[~_lost(sections)]
+    for kind in KINDS:
         rows = still_held[_kind(still_held) == kind]
         if rows.empty:
             continue
@@ -164,8 +179,15 @@ def _draw_sections(axes: Axes, sections: pd.DataFrame) -> None:
         clearance = (group.max() - group.min()).sort_values().index[-1]
         run = rows[rows["clearance_mm"] == clearance]
         axes.plot(
-            run["e_y_over_clearance"], run["e_y_rate_m_per_s"], markersize=2.4, color=colour,
-            markerfacecolor=colour, label=f"{clearance:.3g} mm", **DOTS,
+            run["e_y_over_clearance"], run["e_y_rate_m_per_s"],
+            label=f"$c$ = {clearance:.3g} mm", **_marker(kind, False),
         )  # fmt: skip
     axes.set(xlabel="$e_y/c$ (-)", ylabel=r"$\dot e_y$ (m/s)")
     axes.legend()
+
+
+def _add_key(figure: Figure) -> None:
+    """Explain the markers below the panels."""
+    handles = [Line2D([], [], label=kind, **_marker(kind, False)) for kind in KINDS]
+    handles.append(Line2D([], [], label=LOST, **_marker(next(iter(KINDS)), True)))
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -32,21 +31,24 @@ PHI = (0.01, 0.1, 1.0)
 R_O, DR = 1000.0, 0.01  # mm
 MARKED = 20.0  # the ρ of the headline
 CAPTION = (
-    "A pin in a housing held at the radius R_o, against ρ = R_o/R_i (-). (a) The constant C (-) of "
-    "the penetration δ = f L/(π E*): lines for a housing clamped at R_o and a pin under a body "
-    "force, bars at the right for Johnson's datum C = 2 ln 2 - 2 + w_j, a convention that knows no "
-    "housing. (b) to (d) How much penetration the housing adds to that by Johnson's datum (%) at "
-    "loads φ = f/(E* ΔR) (-); below zero the joint is stiffer. Plane strain, no friction. Grey: "
-    "narrow rings (ρ < 10), where harmonics that C leaves out matter, in steel 0.05 at ρ = 10 and "
-    "0.79 at ρ = 2, by which C is too large; these parts are not to be trusted. The pairs and ρ "
-    "are our choice. Material values that are not the paper's: {origins}."
+    "Pin in a housing held at the radius R_o, against ρ = R_o/R_i (-). (a) Constant C (-) of the "
+    "penetration δ = f L/(π E*); filled, at the right: Johnson's datum, without housing. "
+    "(b-d) Penetration that the housing adds to that by Johnson's datum (%), at loads φ = f/(E* "
+    "ΔR) (-). Grey: narrow rings, not to be trusted."
+)
+METHOD = (
+    "Lines are for a housing clamped at R_o and a pin under a body force, plane strain, no "
+    "friction. Johnson's datum is the convention C = 2 ln 2 - 2 + w_j. Below zero in (b-d) the "
+    "joint is stiffer than by that datum. In narrow rings (ρ < 10) harmonics that C leaves out "
+    "matter: in steel it is too large by 0.05 at ρ = 10 and 0.79 at ρ = 2. The pairs and ρ are our "
+    "choice. Material values that are not the paper's: {origins}."
 )
 
 
 def draw(bench: Bench) -> Drawing:
     table = pd.concat([_rows(bench, joint) for joint in JOINTS], ignore_index=True)
-    caption = CAPTION.format(origins=origins_of(bench, JOINTS))
-    return Drawing(_draw_panels(table), table, _headline(bench), caption)
+    method = METHOD.format(origins=origins_of(bench, JOINTS))
+    return Drawing(_draw_panels(table), table, _headline(bench), CAPTION, method)
 
 
 def _rows(bench: Bench, joint: Joint, ratios: FloatArray = RATIOS) -> pd.DataFrame:
@@ -97,7 +99,10 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
         if number:
             panel_title(axes, number, rf"added at $\varphi$ = {PHI[number - 1]:g}")
             axes.set_ylabel("added penetration (%)")
-    first = panels.flat[0]
+    first, *added = panels.flat
+    low, high = np.transpose([axes.get_ylim() for axes in added])
+    for axes in added:
+        axes.set_ylim(low.min(), high.max())
     panel_title(first, 0, "datum")
     first.set_ylabel("constant $C$ (-)")
     _mark_johnson(first, table)
@@ -131,28 +136,14 @@ def _draw_lines(axes: Axes, table: pd.DataFrame, column: str) -> None:
 
 
 def _mark_johnson(axes: Axes, table: pd.DataFrame) -> None:
-    """Mark the constant of Johnson's datum beside the panel, a bar in the colour of each line."""
-    beside = axes.get_yaxis_transform()
+    """Mark the constant of Johnson's datum to the right of the panel."""
     for number, (_, rows) in enumerate(table.groupby("pair", sort=False)):
-        level = rows["johnson_constant"].iloc[0]
         axes.plot(
-            [1.015, 1.05],
-            [level, level],
-            "-",
+            1.03,
+            rows["johnson_constant"].iloc[0],
             color=COLOURS[number],
-            marker="",
-            linewidth=1.4 * rcParams["lines.linewidth"],
-            transform=beside,
+            marker=MARKERS[number],
+            markerfacecolor=COLOURS[number],
+            transform=axes.get_yaxis_transform(),
             clip_on=False,
         )
-    middle = table["johnson_constant"].mean()
-    axes.text(
-        1.06,
-        middle,
-        "Johnson's\ndatum",
-        transform=beside,
-        rotation=90,
-        verticalalignment="center",
-        horizontalalignment="left",
-        fontsize=small_text(),
-    )

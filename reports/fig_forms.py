@@ -4,30 +4,35 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import Transform
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.fitting.polish import minimise_largest
 from cylcontact.laws import Persson
-from cylcontact.plots.figure import Drawing, new_figure
-from cylcontact.plots.style import small_text
+from cylcontact.plots.figure import Drawing, figure_of_lines, panel_title, plain_log
+from cylcontact.plots.style import COLOURS, small_text
 from cylcontact.reports.bench import Bench
 
 from .universal import PHI_MAX, PHI_MIN, UNIT_PAIR
 
 CAPTION = (
-    "Largest error (%) of explicit forms of L in δ/ΔR = (φ/π) L, φ = f/(E* ΔR), d = δ/ΔR, each "
-    "fitted minimax to Persson's conformal solution for 1e-6 ≤ φ ≤ 60 (internal contact, δ and "
-    "ΔR in mm, its datum matched to Johnson's law at small loads). A/d ln x is (A/d)·ln x. Plain "
-    "bars: L from d, so the load is explicit and the error is the load's at given penetration. "
-    "Hatched: L from φ, so the penetration is explicit and the error is its own at given load. "
-    "Every fit is made anew when this is drawn, from stored starting points; another local "
-    "optimum is not excluded. Bold: the two forms that the package has, there with rounded "
-    "constants, which costs a little. The forms tried are our choice; each has at most four "
+    "Largest error (%) for 1e-6 ≤ φ ≤ 60 of forms of L in δ/ΔR = (φ/π) L, fitted minimax to "
+    "Persson's conformal solution, with their numbers of constants and logarithms; φ = f/(E* ΔR), "
+    "d = δ/ΔR. (a) Error of the load at given penetration. (b) Error of the penetration at given "
+    "load. Filled: in cylcontact."
+)
+METHOD = (
+    "Internal contact, δ and ΔR in mm; the datum of Persson's solution is matched to Johnson's law "
+    "at small loads. With L from d the load is explicit, with L from φ the penetration. Every fit "
+    "is made anew when this is drawn, from stored starting points; another local optimum is not "
+    "excluded. The constants are unrounded here; those of the two forms that the package has are "
+    "rounded there, which costs a little. The forms tried are our choice; each has at most four "
     "constants."
 )
 FIT_POINTS, CHECK_POINTS = 400, 4001
@@ -38,13 +43,12 @@ UNDEFINED = 1e3  # percent, where a form has no value
 Given = Literal["penetration", "load"]
 Function = Callable[..., FloatArray]
 TITLES: dict[Given, str] = {
-    "penetration": "load explicit: $L(d)$ =",
-    "load": r"penetration explicit: $L(\varphi)$ =",
+    "penetration": "load explicit, $L(d)$",
+    "load": r"penetration explicit, $L(\varphi)$",
 }
-BARS: dict[Given, dict[str, Any]] = {
-    "penetration": {"facecolor": "#f6bb84", "height": 0.66},
-    "load": {"facecolor": "#a8cee7", "height": 0.66, "hatch": "////"},
-}
+# Columns beside the panels, in sizes of their text from the frame; this many brackets are long.
+COLUMNS = {"constants": 2.9, "ln": 6.0}
+LONG = 4
 CHOSEN = "c + ln(1 + A/d [c + ln(1 + A/d ln(B/d))])"
 SIMPLEST = "c + ln(1 + A/φ)"
 
@@ -61,7 +65,7 @@ def draw(_bench: Bench) -> Drawing:
         "penetration explicit, best form: largest error, %": of_penetration.min(),
         "forms": float(len(table)),
     }
-    return Drawing(_draw_bars(table), table, headline, CAPTION)
+    return Drawing(_draw_panels(table), table, headline, CAPTION, METHOD)
 
 
 def _table() -> pd.DataFrame:
@@ -186,32 +190,55 @@ def _errors(
         return np.nan_to_num(100 * (ratio - 1), nan=UNDEFINED, posinf=UNDEFINED, neginf=-UNDEFINED)
 
 
-def _draw_bars(table: pd.DataFrame) -> Figure:
-    """Draw a bar per form, its formula to the left and its error and cost to the right."""
-    figure = new_figure("full", 112.0)
-    axes = figure.subplots()
-    places = np.arange(1, len(table) + 1) + np.where(table["given"] == "load", 1, 0)
-    for place, row in zip(places, table.to_dict("records"), strict=True):
-        error, shipped = row["largest_error_percent"], row["form"] in {CHOSEN, SIMPLEST}
-        width, weight = (1.6, "bold") if shipped else (0.5, "normal")
-        axes.barh(place, error, **BARS[row["given"]], edgecolor="black", linewidth=width)
-        note = f"{error:.3g} %,  {row['constants']} constants,  {row['logarithms']} ln"
-        axes.text(error * 1.1, place, note, va="center", fontsize=small_text(), weight=weight)
-    axes.set(xscale="log", ylim=(places[-1] + 0.6, -0.6))
-    axes.set_yticks(places, [f"${_mathtext(form)}$" for form in table["form"]])
-    axes.tick_params(axis="y", length=0)
-    for given, title in TITLES.items():
-        above = places[table["given"] == given][0] - 1
-        axes.text(
-            -0.015, above, title, transform=axes.get_yaxis_transform(), ha="right", va="center"
-        )
-    axes.set(xlim=(1e-3, 60))
-    span = rf"{PHI_MIN:g} $\leq \varphi \leq$ {PHI_MAX:g}"
-    axes.set_xlabel(f"largest error for {span}, constants unrounded (%)")
+def _draw_panels(table: pd.DataFrame) -> Figure:
+    """Draw the largest error of each form, a panel for each quantity that is given."""
+    parts = [table[table["given"] == given] for given in TITLES]
+    rows = [len(part) for part in parts]
+    figure = figure_of_lines("full", 1.35 * (sum(rows) + 5))
+    panels = figure.subplots(2, 1, sharex=True, height_ratios=rows)
+    for number, (axes, part, title) in enumerate(zip(panels, parts, TITLES.values(), strict=True)):
+        _draw_dots(axes, part)
+        panel_title(axes, number, title)
+    plain_log(panels[1], "x", (0.001, 0.01, 0.1, 1, 10))
+    panels[1].set(xlim=(1e-3, 10), xlabel="largest error (%)")
+    for heading in ("constants", "ln"):
+        _write_beside(panels[0], panels[0].transAxes, 1.02, heading, heading)
     return figure
 
 
-def _mathtext(form: str) -> str:
-    r"""Write a form for matplotlib, without dollar signs."""
-    spaced = form.replace("φ", r"\varphi ").replace(" [", r"\,[")
-    return re.sub(r"\bln", r"\\ln", re.sub(r"(?<=[dk]) ln", r"\\,ln", spaced))
+def _draw_dots(axes: Axes, table: pd.DataFrame) -> None:
+    """Draw a dot per form, its formula to the left and its costs to the right."""
+    for place, row in enumerate(table.to_dict("records")):
+        face = COLOURS[0] if row["form"] in {CHOSEN, SIMPLEST} else "white"
+        axes.axhline(place, color="0.85", linewidth=0.5, linestyle="-", marker="", zorder=0)
+        axes.plot(row["largest_error_percent"], place, "o", color="black", markerfacecolor=face)
+        for heading, count in (("constants", row["constants"]), ("ln", row["logarithms"])):
+            _write_beside(axes, axes.get_yaxis_transform(), place, heading, str(count))
+    axes.set_ylim(len(table) - 0.4, -0.6)
+    axes.set_yticks(range(len(table)), [_formula(form) for form in table["form"]])
+    axes.tick_params(axis="y", length=0)
+
+
+def _write_beside(axes: Axes, transform: Transform, place: float, heading: str, text: str) -> None:
+    """Write a text in the column of a heading, to the right of a panel."""
+    axes.annotate(
+        text,
+        (1.0, place),
+        xycoords=transform,
+        xytext=(COLUMNS[heading] * small_text(), 0),
+        textcoords="offset points",
+        annotation_clip=False,
+        horizontalalignment="center",
+        verticalalignment="bottom" if text == heading else "center",
+        fontsize=small_text(),
+    )
+
+
+def _formula(form: str) -> str:
+    r"""Write a form for matplotlib, a long one in two lines."""
+    spaced = re.sub(r"([ABD]/d) (?=ln|\[)", r"(\1)\\,", form).replace("φ", r"\varphi ")
+    lines = re.sub(r"\bln", r"\\ln", re.sub(r"(?<=k) ln", r"\\,ln", spaced)).split("[")
+    if len(lines) < LONG:
+        return f"${'['.join(lines)}$"
+    middle = len(lines) // 2
+    return f"${'['.join(lines[:middle])}[$\n${'['.join(lines[middle:])}$"

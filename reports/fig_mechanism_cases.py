@@ -8,9 +8,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
+from cylcontact.mechanism.system import TANGENT_FROM
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
-from cylcontact.plots.style import QUIET
+from cylcontact.plots.style import QUIET, small_text
 from cylcontact.reports.bench import Bench
 
 from .long_runs import FEW, FIRST, MANY, statistics_table
@@ -39,22 +41,29 @@ COLUMNS = [
     "left",
 ]
 CAPTION = (
-    "Share of the time in contact, impacts per revolution and the integrator's mean step of the "
-    "slider-crank, by radial clearance (mm), restitution c_e and friction c_f, for three laws. "
-    "Markers: means over {many} revolutions after the first {first}; bars: their 95 % intervals, "
-    "by batch means. Without losses there is no steady state: means over {few} revolutions, "
-    "numbers of that window, and bars that tell how its batches scatter. Runs with impacts are "
-    "sensitive to everything, so that "
-    "only such statistics can be compared. At 0.02 mm without dissipation Johnson's law goes on "
-    "along its tangent from 0.9 of its largest penetration, in up to {continued:.0%} of the "
-    "contacts, and its end is passed in up to {left:.0%} of the revolutions. {assumed}"
+    "Share of time in contact, impacts per revolution and the integrator's mean step (µs) of the "
+    "slider-crank, by radial clearance c (mm), restitution c_e and friction coefficient c_f, for "
+    "three laws: means with 95 % intervals. Grey: no losses, hence no steady state; bars show the "
+    "scatter within the window. The mechanism's data are assumed."
 )
-GROUPS = [(c, ce, cf) for c in JOINT_CLEARANCES for ce in RESTITUTIONS for cf in FRICTIONS]
+METHOD = (
+    "The means are over {many} revolutions after the first {first}, and their intervals by batch "
+    "means; without losses they are over {few} revolutions, and hold for that window only. Runs "
+    "with impacts are sensitive to everything, so that only such statistics can be compared. At "
+    "0.02 mm without dissipation Johnson's law goes on along its tangent from {tangent:g} of its "
+    "largest penetration, in up to {continued:.0%} of the contacts, and its end is passed in up to "
+    "{left:.0%} of the revolutions. {assumed}"
+)
+LOSSES = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
+GROUPS = [(c, *losses) for c in JOINT_CLEARANCES for losses in LOSSES]
 LABELS = [f"{ce:g}\n{cf:g}" for _, ce, cf in GROUPS]
+LOSSLESS = [number for number, group in enumerate(GROUPS) if group[1:] == (1.0, 0.0)]
 # From one law to the next within a group, in groups.
-APART = 0.22
-# Room above the data for the clearances.
-HEADROOM = 1.12
+APART = 0.24
+# Lower end of the axes in their upper ends, so that markers at zero are clear of the frame.
+BELOW = -0.05
+# Height of the two rows of losses, in sizes of their font.
+ROWS = 3.3
 BARS: dict[str, Any] = {"linestyle": "none", "capsize": 1.5, "elinewidth": 0.7, "capthick": 0.7}
 
 
@@ -70,21 +79,22 @@ def draw(bench: Bench) -> Drawing:
             ("impacts", "impacts per revolution, -"),
         )
     }
-    caption = CAPTION.format(
+    method = METHOD.format(
         first=FIRST,
         many=MANY,
         few=FEW,
+        tangent=TANGENT_FROM,
         continued=johnson["continued"].max(),
         left=johnson["left"].max(),
         assumed=assumed(mechanism(bench)),
     )
     csv = table[COLUMNS].rename(columns={"clearance": "clearance_mm"})
-    return Drawing(_draw_panels(table), csv, headline, caption)
+    return Drawing(_draw_panels(table), csv, headline, CAPTION, method)
 
 
 def _draw_panels(table: pd.DataFrame) -> Figure:
     """Draw the share of time in contact, impacts per revolution and the mean step."""
-    figure = new_figure("full", 70.0)
+    figure = new_figure("full", 74.0)
     panels = figure.subplots(1, 3)
     columns = (
         ("contact_fraction", "share of time in contact (-)"),
@@ -92,14 +102,27 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
         ("step_us", "mean step (µs)"),
     )
     for number, (axes, (column, label)) in enumerate(zip(panels, columns, strict=True)):
-        for law, rows in table.groupby("law", sort=False):
-            _draw_law(axes, str(law), rows, column, f"{column}_half_width")
-        _label_groups(axes)
-        axes.set(ylabel=label, ylim=(0, HEADROOM * axes.get_ylim()[1]))
+        draw_laws(axes, table, column, f"{column}_half_width")
+        axes.set(ylabel=label, ylim=(BELOW * axes.get_ylim()[1], None))
         panel_title(axes, number, label.partition(" (")[0])
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    law_key(figure, panels[0], "no losses")
     return figure
+
+
+def draw_laws(axes: Axes, table: pd.DataFrame, column: str, half: str | None = None) -> None:
+    """Draw all cases of the laws, with bars of a half-width where there is one."""
+    for law, rows in table.groupby("law", sort=False):
+        _draw_law(axes, str(law), rows, column, half)
+    for number in LOSSLESS:
+        axes.axvspan(number - 0.5, number + 0.5, color="0.92", linewidth=0, zorder=0)
+    _label_groups(axes)
+
+
+def law_key(figure: Figure, axes: Axes, grey: str) -> None:
+    """Explain the markers and the grey bands below the panels."""
+    handles, labels = axes.get_legend_handles_labels()
+    handles.append(Patch(color="0.92"))
+    figure.legend(handles, [*labels, grey], loc="outside lower center", ncols=4, handlelength=1.6)
 
 
 def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, half: str | None) -> None:
@@ -110,28 +133,17 @@ def _draw_law(axes: Axes, law: str, rows: pd.DataFrame, column: str, half: str |
     bars = None if half is None else cases[half].to_numpy()
     axes.errorbar(
         at, cases[column].to_numpy(), yerr=bars, color=style["color"], marker=style["marker"],
-        label=JOINT_LAWS[law], clip_on=False, **BARS,
+        label=JOINT_LAWS[law], **BARS,
     )  # fmt: skip
 
 
 def _label_groups(axes: Axes) -> None:
-    """Write the losses below the cases, and the clearances above them."""
+    """Write the losses below the cases, and the clearances below these."""
+    axes.set(xlim=(-0.5, len(GROUPS) - 0.5), xlabel="$c_e$ (first row), $c_f$ (second row)")
     axes.set_xticks(range(len(GROUPS)), LABELS)
-    axes.tick_params(axis="x", length=0)
-    middle = len(GROUPS) / 2 - 0.5
-    axes.axvline(middle, color=QUIET, linewidth=0.6, linestyle="-", marker="")
-    for number, clearance in enumerate(JOINT_CLEARANCES):
-        axes.annotate(
-            f"{clearance:g} mm", xy=(0.25 + 0.5 * number, 1.0), xycoords="axes fraction",
-            xytext=(0, -8), textcoords="offset points", ha="center", va="center",
-        )  # fmt: skip
-    axes.set_xlabel("$c_e$ (above), $c_f$ (below)")
-
-
-def balance_panel(axes: Axes, table: pd.DataFrame, bound: float) -> None:
-    """Draw the largest error of the energy balance of every case, relative to its peak."""
-    for law, rows in table.groupby("law", sort=False):
-        _draw_law(axes, str(law), rows, "energy_error", None)
-    axes.axhline(bound, color=QUIET, linewidth=0.8, linestyle=":", marker="")
-    _label_groups(axes)
-    axes.set(ylabel="largest error of the balance (-)", yscale="log", ylim=(1e-10, 1e-2))
+    middles = (np.arange(len(JOINT_CLEARANCES)) + 0.5) * len(LOSSES) - 0.5
+    clearances = [f"$c$ = {clearance:g} mm" for clearance in JOINT_CLEARANCES]
+    axes.set_xticks(middles, clearances, minor=True)
+    axes.tick_params(axis="x", which="both", length=0)
+    axes.tick_params(axis="x", which="minor", pad=ROWS * small_text())
+    axes.axvline(len(LOSSES) - 0.5, color=QUIET, linewidth=0.6, linestyle="-", marker="")

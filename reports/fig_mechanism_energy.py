@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -9,9 +11,10 @@ from matplotlib.figure import Figure
 
 from cylcontact.mechanism import Case, Trajectory
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
+from cylcontact.plots.style import QUIET
 from cylcontact.reports.bench import Bench
 
-from .fig_mechanism_cases import balance_panel
+from .fig_mechanism_cases import draw_laws, law_key
 from .long_runs import FEW, FIRST, statistics_table
 from .slider_crank import assumed, mechanism, simulated
 
@@ -19,21 +22,23 @@ CASE = Case("enhanced", 0.5, 0.9, 0.1)
 DRAWN = 3  # revolutions
 BOUND = 1e-5
 CAPTION = (
-    "(a) Energies (J) of the slider-crank since its start, over {drawn} revolutions with the "
-    "enhanced law at 0.5 mm, c_e = 0.9 and c_f = 0.1: the drive's work and both losses are "
-    "integrated with the motion. (b) The largest error of the balance (kinetic and elastic energy, "
-    "less the drive's work, plus the losses) over {revolutions} revolutions or more, relative to "
-    "the peak of the kinetic energy, {peak:.3g} J, for three laws and eight cases at a tolerance "
-    "of {tolerance:g}; dotted: the bound that we set, {bound:g}. {assumed}"
+    "(a, b) Energies of the slider-crank since its start (J): enhanced law, radial clearance c = "
+    "{clearance:g} mm, restitution c_e = {restitution:g}, friction coefficient c_f = {friction:g}. "
+    "(c) Largest error of the energy balance over the peak of the kinetic energy, for three laws "
+    "and eight cases; dotted: the bound set for it. The mechanism's data are assumed."
+)
+METHOD = (
+    "The drive's work and both losses are integrated with the motion. The error of the balance is "
+    "kinetic and elastic energy, less the drive's work, plus the losses. In (c) it is its largest "
+    "value over {revolutions} revolutions or more at a tolerance of {tolerance:g}, relative to the "
+    "peak of the kinetic energy, in (a) {peak:.3g} J; the bound is {bound:g}. {assumed}"
 )
 # Rows of the table for each revolution.
 POINTS = 180
-LEDGERS = {
-    "kinetic_J": "kinetic, less that at the start",
-    "drive_work_J": "work of the drive",
-    "normal_dissipation_J": "lost in the normal force",
-    "friction_dissipation_J": "lost in friction",
-}
+LEDGERS = (
+    {"drive_work_J": "drive's work", "kinetic_J": "change of kinetic energy"},
+    {"friction_dissipation_J": "in friction", "normal_dissipation_J": "in the normal force"},
+)
 
 
 def draw(bench: Bench) -> Drawing:
@@ -48,15 +53,16 @@ def draw(bench: Bench) -> Drawing:
         "peak of the kinetic energy, J": run.kinetic_energy.max(),
     }
     slider_crank = mechanism(bench)
-    caption = CAPTION.format(
-        drawn=DRAWN,
+    method = METHOD.format(
         revolutions=FIRST + FEW,
         peak=run.kinetic_energy.max(),
         tolerance=slider_crank.integration.tolerance,
         bound=BOUND,
         assumed=assumed(slider_crank),
     )
-    return Drawing(_draw_panels(table, cases), table, headline, caption)
+    return Drawing(
+        _draw_panels(table, cases), table, headline, CAPTION.format(**vars(CASE)), method
+    )
 
 
 def _energies(run: Trajectory) -> pd.DataFrame:
@@ -77,24 +83,25 @@ def _energies(run: Trajectory) -> pd.DataFrame:
 
 
 def _draw_panels(table: pd.DataFrame, cases: pd.DataFrame) -> Figure:
-    """Draw the ledgers of one run beside the errors of all."""
+    """Draw the energies of one run beside the errors of all."""
     figure = new_figure("full", 74.0)
-    left, right = figure.subplots(1, 2)
-    _draw_ledgers(left, table)
-    panel_title(left, 0, "since the start")
-    balance_panel(right, cases, BOUND)
-    panel_title(right, 1, "error over the peak of the kinetic energy")
-    right.legend(loc="upper left", bbox_to_anchor=(0.0, 0.93), handlelength=1.2)
+    left, middle, right = figure.subplots(1, 3, width_ratios=(1, 1, 1.2))
+    for number, (axes, ledgers) in enumerate(zip((left, middle), LEDGERS, strict=True)):
+        _draw_ledgers(axes, table, ledgers)
+        panel_title(axes, number, ("drive and motion", "losses")[number])
+    draw_laws(right, cases, "energy_error")
+    right.axhline(BOUND, color=QUIET, linewidth=0.8, linestyle=":", marker="")
+    right.set(ylabel="largest error (-)", yscale="log", ylim=(1e-10, 1e-4))
+    panel_title(right, 2, "error of the balance")
+    law_key(figure, right, "no losses")
     return figure
 
 
-def _draw_ledgers(axes: Axes, table: pd.DataFrame) -> None:
-    """Draw each ledger against time."""
-    for number, (column, name) in enumerate(LEDGERS.items()):
-        every = (20 + 30 * number, 120)
+def _draw_ledgers(axes: Axes, table: pd.DataFrame, ledgers: Mapping[str, str]) -> None:
+    """Draw energies against time."""
+    for number, (column, name) in enumerate(ledgers.items()):
+        every = (20 + 60 * number, 120)
         axes.plot(table["revolution"], table[column], label=name, markevery=every)
     axes.set(xlabel="time (revolutions of the crank)", ylabel="energy (J)")
     axes.set_xlim(0, table["revolution"].max())
-    low, high = axes.get_ylim()
-    axes.set_ylim(low, high + 0.45 * (high - low))
-    axes.legend(loc="upper left", ncols=1)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))

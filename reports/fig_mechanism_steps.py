@@ -1,4 +1,4 @@
-"""The integrator's steps over one revolution, without losses and with both of them."""
+"""Distribution of the integrator's steps over a revolution, without losses and with both."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cylcontact.mechanism import Case, Trajectory
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
-from cylcontact.plots.style import ACCENT
+from cylcontact.plots.style import ACCENT, COLOURS, QUIET
 from cylcontact.reports.bench import Bench
 
 from .paper import JOINT_CLEARANCES
@@ -20,15 +21,23 @@ REVOLUTION = 3  # from 0
 LOSSES = ((1.0, 0.0), (0.9, 0.1))
 CASES = [Case("enhanced", c, *losses) for c in JOINT_CLEARANCES for losses in LOSSES]
 CAPTION = (
-    "Accepted steps (µs) of the integrator, DOP853 at a tolerance of {tolerance:g}, "
-    "over revolution {revolution} of the slider-crank with the enhanced law, by radial clearance "
-    "(mm) and losses: without any, and with c_e = 0.9 and c_f = 0.1. Each onset and release of "
-    "contact is found by root and followed by a short first step, which makes the combs. The "
-    "paper's largest step is 100 µs. {assumed}"
+    "Distribution of the integrator's accepted steps (µs) in revolution {revolution} of the "
+    "slider-crank with the enhanced law, at two radial clearances c (mm): the share of the steps "
+    "that are no longer than a length. c_e: restitution; c_f: friction coefficient; in brackets: "
+    "number of steps; dotted: largest step allowed. Mechanism's data assumed."
 )
-STYLES = {
-    "flight": {"color": "black", "marker": "s", "markerfacecolor": "black"},
-    "contact": {"color": ACCENT, "marker": "o", "markerfacecolor": ACCENT},
+METHOD = (
+    "The integrator is DOP853 at a tolerance of {tolerance:g}. A step that passes the onset or the "
+    "release of a contact is repeated, shorter, until it ends there; a short first step follows, "
+    "of 1 µs in flight, from which the steps grow again. With both losses the journal stays in "
+    "contact. The dotted line is the paper's largest step, {longest:g} µs. {assumed}"
+)
+# Limits of the axis of steps in µs.
+LIMITS = (5e-5, 300.0)
+# Colour of a mode, and styles of its lines without losses and with both.
+STYLES: dict[str, tuple[str, tuple[str, str]]] = {
+    "contact": (ACCENT, ("-", "--")),
+    "flight": (COLOURS[1], ("-.", ":")),
 }
 
 
@@ -42,13 +51,15 @@ def draw(bench: Bench) -> Drawing:
         for mode, steps in table.groupby("mode")["step_us"]:
             headline[f"{name}: mean step in {mode}, us"] = float(steps.mean())
     slider_crank = mechanism(bench)
-    caption = CAPTION.format(
+    longest = 1e6 * slider_crank.data["integration"]["max_step"]
+    method = METHOD.format(
         tolerance=slider_crank.integration.tolerance,
-        revolution=REVOLUTION + 1,
+        longest=longest,
         assumed=assumed(slider_crank),
     )
     table = pd.concat(tables.values(), ignore_index=True)
-    return Drawing(_draw_panels(tables), table, headline, caption)
+    figure = _draw_panels(tables, longest)
+    return Drawing(figure, table, headline, CAPTION.format(revolution=REVOLUTION + 1), method)
 
 
 def _steps(case: Case, run: Trajectory) -> pd.DataFrame:
@@ -70,25 +81,28 @@ def _steps(case: Case, run: Trajectory) -> pd.DataFrame:
     )
 
 
-def _draw_panels(tables: Mapping[Case, pd.DataFrame]) -> Figure:
-    """Draw step against time, a row of panels for each clearance."""
-    figure = new_figure("full", 96.0)
-    panels = figure.subplots(len(JOINT_CLEARANCES), len(LOSSES), sharex=True, sharey=True)
-    for number, (case, table) in enumerate(tables.items()):
-        axes = panels.flat[number]
-        for mode, style in STYLES.items():
-            rows = table[table["mode"] == mode]
-            axes.plot(
-                rows["revolution"], rows["step_us"], label=mode,
-                linestyle="none", markersize=1.2, markeredgewidth=0, rasterized=True, **style,
-            )  # fmt: skip
-        losses = rf"$c_e$ = {case.restitution:g}, $c_f$ = {case.friction:g}"
-        panel_title(axes, number, f"{case.clearance:g} mm, {losses}")
-        axes.set_yscale("log")
-    for axes in panels[-1]:
-        axes.set_xlabel("time (revolutions of the crank)")
-    for axes in panels[:, 0]:
-        axes.set_ylabel("step (µs)")
-    handles, labels = panels.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2, markerscale=4)
+def _draw_panels(tables: Mapping[Case, pd.DataFrame], longest: float) -> Figure:
+    """Draw the distributions of the steps in µs, a panel for each clearance."""
+    figure = new_figure("full", 68.0)
+    panels = figure.subplots(1, len(JOINT_CLEARANCES), sharey=True)
+    for number, (axes, clearance) in enumerate(zip(panels, JOINT_CLEARANCES, strict=True)):
+        for case, table in tables.items():
+            if case.clearance == clearance:
+                _draw_distributions(axes, case, table)
+        axes.axvline(longest, color=QUIET, linewidth=0.8, linestyle=":", marker="")
+        axes.set(xscale="log", xlim=LIMITS, ylim=(0, 1), xlabel="step (µs)")
+        axes.legend(loc="upper left")
+        panel_title(axes, number, f"$c$ = {clearance:g} mm")
+    panels[0].set_ylabel("share of the steps (-)")
     return figure
+
+
+def _draw_distributions(axes: Axes, case: Case, table: pd.DataFrame) -> None:
+    """Draw the cumulative distributions of a case's steps in contact and in flight."""
+    losses = (case.restitution, case.friction)
+    for mode, steps in table.groupby("mode")["step_us"]:
+        colour, lines = STYLES[str(mode)]
+        axes.ecdf(
+            steps, color=colour, linestyle=lines[LOSSES.index(losses)], marker="",
+            label=rf"{mode}, $c_e$ = {losses[0]:g}, $c_f$ = {losses[1]:g} ({len(steps)})",
+        )  # fmt: skip

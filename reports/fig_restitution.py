@@ -23,12 +23,16 @@ GROUPS = (
     ("published 2004 to 2015", ("gonthier", "zhiying-qishao", "flores", "hu-guo")),
 )
 CAPTION = (
-    "Coefficient of restitution (-) that an isolated impact achieves with F = F_el(δ)(1 + χ δ̇/δ̇⁽⁻⁾)"
-    " against the wanted one, for the published hysteresis factors χ(e), by year of publication. "
-    "It follows in closed form from χ alone, for every elastic law, mass and speed (derived here). "
-    "Markers: the table's values, 0.1, 0.2, … 1. Grey band: the exact factor, the root χ of "
-    "χ(1 + e) = ln[(1 + χ)/(1 − χe)], which achieves what is wanted. Dotted: 0.9, the value of the "
-    "paper's mechanism. Mind the two scales of the errors below."
+    "Coefficient of restitution (-) that an isolated impact achieves against the wanted one, for "
+    "the published hysteresis factors χ(e) in F = F_el(δ)(1 + χ δ̇/δ̇⁽⁻⁾), and its error. Grey: "
+    "the exact factor; dotted: 0.9, the value of the paper's mechanism. The scales of (b) and (d) "
+    "differ."
+)
+METHOD = (
+    "The achieved restitution follows in closed form from χ alone, for every elastic law, mass and "
+    "speed (derived here). Markers are the table's values, 0.1, 0.2, … 1; the factors are grouped "
+    "by year of publication. The exact factor is the root χ of χ(1 + e) = ln[(1 + χ)/(1 − χe)], "
+    "which achieves what is wanted."
 )
 # The wanted restitutions of the table, and those that the lines are drawn through.
 WANTED: FloatArray = np.arange(1, 11) / 10
@@ -59,7 +63,7 @@ def draw(_bench: Bench) -> Drawing:
     }
     for name, errors in table[table["factor"] != "exact"].groupby("factor", sort=False)["error"]:
         headline[f"{name}: largest error from 0.1 to 1"] = errors.abs().max()
-    return Drawing(_draw_panels(), table, headline, CAPTION)
+    return Drawing(_draw_panels(), table, headline, CAPTION, METHOD)
 
 
 def _table(names: Sequence[str], wanted: FloatArray) -> pd.DataFrame:
@@ -91,14 +95,12 @@ def _draw_panels() -> Figure:
         upper, lower = grid[:, number]
         _draw_lines(upper, names, "achieved_restitution", LINE)
         _draw_lines(lower, names, "error", np.zeros_like(LINE))
-        panel_title(upper, number, title)
-        panel_title(lower, number + len(GROUPS), f"error of ({'abcdefgh'[number]})")
+        panel_title(upper, 2 * number, title)
+        panel_title(lower, 2 * number + 1, f"error of ({'ac'[number]})")
         upper.legend(loc="lower right")
-        upper.set(ylim=(0, 1.02))
+        upper.set(ylim=(0, 1.02), ylabel="achieved restitution (-)")
         lower.axvline(0.9, color=QUIET, linewidth=0.6, linestyle=":", marker="", zorder=0)
-        lower.set(xlabel="wanted restitution (-)", xlim=(0, 1.02))
-    grid[0, 0].set_ylabel("achieved restitution (-)")
-    grid[1, 0].set_ylabel("achieved less wanted (-)")
+        lower.set(xlabel="wanted restitution (-)", xlim=(0, 1.02), ylabel="achieved − wanted (-)")
     return figure
 
 

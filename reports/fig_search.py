@@ -7,22 +7,33 @@ from matplotlib.axes import Axes
 
 from cylcontact.fitting.result import FitResult
 from cylcontact.pair import CONTACTS
-from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title
+from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title, plain_log
 from cylcontact.plots.style import COLOURS, MARKERS
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.fit_figures import runs_table
 
 CAPTION = (
-    "Coefficients of every run of the genetic search before any polish: how far each is from the "
-    "best polished one of the same campaign (%, absolute; 0.001 and below are drawn at 0.001). "
-    "Synthetic: fitted to samples of the published law itself, all coefficients free. Recovered: "
-    "to Johnson's law, two coefficients free, the others fixed or tied. Refit: to Johnson's law, "
-    "all coefficients free. Populations, generations and bounds are ours."
+    "Distance (%, absolute) of every coefficient of Eq 6 from the best polished one of its "
+    "campaign, for each run of the genetic search before any polish; distances below 0.001 % are "
+    "drawn on the lower edge. Synthetic: fitted to the published law itself. Recovered and refit: "
+    "to Johnson's law, with two coefficients free and with all."
 )
+METHOD = (
+    "In the campaigns 'recovered' the other coefficients are fixed or tied. The symbols of (a) are "
+    "the package's {symbols}. Populations, generations and bounds are ours."
+)
+SYMBOLS = {
+    "Y_log_scale": r"$Y_\mathrm{scale}$",
+    "Y_log_exponent": r"$Y_\mathrm{exp}$",
+    "Y_slope": r"$Y_\mathrm{slope}$",
+    "Y_offset": r"$Y_\mathrm{offset}$",
+    "n_exponent": r"$n_\mathrm{exp}$",
+}
 # The campaigns of a contact, and what the legend calls them.
 CAMPAIGNS = {"synthetic-{}": "synthetic", "recovered-{}": "recovered", "{}": "refit"}
 FLOOR = 1e-3  # percent
-APART = 0.26
+# Distance of the campaigns of one coefficient, and the width over which their runs are spread.
+APART, SPREAD = 0.29, 0.16
 
 
 def draw(bench: Bench) -> Drawing:
@@ -41,7 +52,8 @@ def draw(bench: Bench) -> Drawing:
             f"{campaign}: median distance, %": float(rows["away_percent"].median()),
             f"{campaign}: largest distance, %": float(rows["away_percent"].max()),
         }
-    return Drawing(_draw_panels(table), table, headline, CAPTION)
+    method = METHOD.format(symbols=", ".join(f"{name}" for name in SYMBOLS))
+    return Drawing(_draw_panels(table), table, headline, CAPTION, method)
 
 
 def searches(result: FitResult) -> pd.DataFrame:
@@ -73,12 +85,13 @@ def _draw_panels(table: pd.DataFrame) -> StyledFigure:
     figure = new_figure("full", 80.0)
     of_contact = {contact: table[table["contact"] == contact] for contact in CONTACTS}
     widths = [rows["coefficient"].nunique() for rows in of_contact.values()]
-    panels = figure.subplots(1, 2, sharey=True, gridspec_kw={"width_ratios": widths})
+    panels = figure.subplots(1, 2, sharey=True, width_ratios=widths)
     for number, (axes, (contact, rows)) in enumerate(zip(panels, of_contact.items(), strict=True)):
         _draw_runs(axes, rows)
         panel_title(axes, number, f"{contact} contact")
     panels[0].set_ylabel("distance from the best polished value (%)")
-    panels[0].legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure
 
 
@@ -86,15 +99,20 @@ def _draw_runs(axes: Axes, table: pd.DataFrame) -> None:
     """Draw each run's distances, the campaigns side by side at every coefficient."""
     names = list(dict.fromkeys(table["coefficient"]))
     for number, (kind, rows) in enumerate(table.groupby("kind", sort=False)):
+        runs = rows["run"].rank(method="dense")
+        beside = APART * (number - 1) + SPREAD * (runs / runs.max() - 0.5)
         axes.plot(
-            [names.index(name) + APART * (number - 1) for name in rows["coefficient"]],
+            rows["coefficient"].map(names.index) + beside,
             rows["away_percent"].clip(lower=FLOOR),
             color=COLOURS[number],
             marker=MARKERS[number],
             linestyle="none",
             label=str(kind),
+            clip_on=False,
+            zorder=3,
         )
-    axes.set(yscale="log", ylim=(0.6 * FLOOR, 5e3), xlim=(-0.6, len(names) - 0.4))
-    axes.set_xticks(range(len(names)), ["\n".join(name.rsplit("_", 1)) for name in names])
+    plain_log(axes, "y", (1e-3, 1e-2, 0.1, 1, 10, 100, 1000))
+    axes.set(ylim=(FLOOR, 5e3), xlim=(-0.55, len(names) - 0.45))
+    axes.set_xticks(range(len(names)), [SYMBOLS.get(name, f"${name}$") for name in names])
     axes.tick_params(axis="x", length=0)
     axes.grid(axis="y", linewidth=0.4, color="0.9")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from matplotlib.ticker import AutoMinorLocator
 
@@ -46,21 +47,24 @@ JOINTS: tuple[Joint, ...] = (
 JOINT_PHI: FloatArray = np.array([0.01, 0.1, 0.3, 1.0, 3.0, 10.0])
 CAPTION = (
     "Error of the penetration (%) at equal load if a pin and a hole of two materials are taken for "
-    "equal ones of the same E*: Persson's solution less that for any two materials, each by "
-    "Johnson's datum, in percent of the latter. α and β are Dundurs' parameters (-): α = -1 is a "
-    "rigid pin, α = 1 a rigid hole. (a) Against α and the load φ = f/(E* ΔR) (-); both bodies have "
-    f"ν = {NU:g} in plane strain (our choice), so that β = {G:.4f} α. (b) Against α and β at φ = "
-    f"{PLANE_PHI:g}, over all pairs that are possible; circles: pin in hole, plane strain, whose "
-    "errors the table has from φ = 0.01 to 10. Contours are solid above zero and dashed below. "
-    "Material values that are not the paper's: {origins}."
+    "equal ones of one E*. (a) Against Dundurs' α and φ = f/(E* ΔR) (-), for "
+    f"ν = {NU:g} of both. (b) Against Dundurs' α and β (-) at φ = {PLANE_PHI:g}; circles: named "
+    "materials. Contours are dashed below zero."
+)
+METHOD = (
+    "Persson's solution less that for any two materials, each by Johnson's datum, in percent of "
+    "the latter. α = -1 is a rigid pin, α = 1 a rigid hole. In (a) both bodies are in plane strain "
+    f"(our choice), so that β = {G:.4f} α. (b) covers all pairs that are possible; the circles are "
+    "for plane strain, and the table has their errors from φ = 0.01 to 10. Material values that "
+    "are not the paper's: {origins}."
 )
 
 
 def draw(bench: Bench) -> Drawing:
     named = pd.concat([_rows(bench, joint) for joint in JOINTS], ignore_index=True)
     table = pd.concat([_over_loads(), _over_plane(), named], ignore_index=True)
-    caption = CAPTION.format(origins=origins_of(bench, JOINTS))
-    return Drawing(_draw_maps(table, named), table, _headline(table, named), caption)
+    method = METHOD.format(origins=origins_of(bench, JOINTS))
+    return Drawing(_draw_maps(table, named), table, _headline(table, named), CAPTION, method)
 
 
 def error_of_E_star(alpha: FloatArray, beta: float, phi: FloatArray) -> FloatArray:
@@ -134,11 +138,18 @@ def _draw_maps(table: pd.DataFrame, named: pd.DataFrame) -> Figure:
     of_loads = draw_contours(loads, *_grid(table, LOADS, "phi", (COUNT, PHI.size)))
     of_plane = draw_contours(plane, *_grid(table, PLANE, "beta", (BETAS.size, COUNT)))
     points = named.drop_duplicates("pair")
-    _number_points(plane, points)
     figure.draw_without_rendering()
+    _number_points(plane, points, of_plane)
     label_contours(loads, of_loads, np.empty((0, 2)))
-    label_contours(plane, of_plane, points[["alpha", "beta"]].to_numpy())
+    label_contours(plane, of_plane, np.vstack([points[["alpha", "beta"]], *_edges()]))
     return figure
+
+
+def _edges() -> tuple[FloatArray, FloatArray]:
+    """Return points on the two slanted edges of what is possible, each of shape (m, 2)."""
+    alpha = np.linspace(-1.0, 1.0, 81)
+    above = np.column_stack([alpha, (alpha + 1) / 4])
+    return above, above - np.array([0.0, 0.5])
 
 
 def _grid(
@@ -152,8 +163,11 @@ def _grid(
     return alpha, other, error
 
 
-def _number_points(axes: Axes, points: pd.DataFrame) -> None:
+def _number_points(axes: Axes, points: pd.DataFrame, contours: QuadContourSet) -> None:
     """Number the named pairs, with their names in the corners that no pair reaches."""
+    lines = [
+        axes.transData.transform(path.interpolated(8).vertices) for path in contours.get_paths()
+    ]
     names: dict[bool, list[str]] = {True: [], False: []}
     rows = zip(points["pair"], points["alpha"], points["beta"], strict=True)
     for number, (pair, alpha, beta) in enumerate(rows, start=1):
@@ -162,7 +176,7 @@ def _number_points(axes: Axes, points: pd.DataFrame) -> None:
         axes.annotate(
             str(number),
             xy=(alpha, beta),
-            xytext=(-4 if softer_pin else 4, 0),
+            xytext=_beside(axes, (alpha, beta), np.concatenate(lines), softer_pin),
             textcoords="offset points",
             horizontalalignment="right" if softer_pin else "left",
             verticalalignment="center",
@@ -174,3 +188,18 @@ def _number_points(axes: Axes, points: pd.DataFrame) -> None:
     axes.text(-0.95, 0.47, "\n".join(names[True]), va="top", fontsize=small_text())
     below = "\n".join(names[False])
     axes.text(0.95, -0.47, below, ha="right", multialignment="left", fontsize=small_text())
+
+
+def _beside(
+    axes: Axes, point: tuple[float, float], lines: FloatArray, to_left: bool
+) -> tuple[float, float]:
+    """Return the offset in points of a number beside a point that is farthest from lines."""
+    em = small_text()
+    pixels = axes.figure.dpi / 72
+    offsets = [((-0.6 if to_left else 0.6) * em, up * em) for up in (-0.4, -0.2, 0, 0.2, 0.4)]
+
+    def room(offset: tuple[float, float]) -> float:
+        middle = np.array([1.5, 1]) * offset * pixels + axes.transData.transform(point)
+        return float(np.hypot(*(lines - middle).T).min())
+
+    return max(offsets, key=room)

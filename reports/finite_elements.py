@@ -27,7 +27,7 @@ CHOICES = (
 )
 # Load of the contact stress in Fig 5, in N/mm.
 STRESS_LOAD = 20.0
-STRESS_LOAD_CHOICE = "the load of the contact stress is our choice, as the paper names none"
+STRESS_LOAD_CHOICE = "The load of the contact stress is our choice, as the paper names none."
 
 
 def study(bench: Bench, name: str) -> Study:

@@ -12,7 +12,7 @@ von Mises; Figs 10 to 14 keep the paper's estimate, Hertz's peak pressure equal 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -30,8 +30,9 @@ from cylcontact.limits import yield_load
 from cylcontact.materials import MaterialRow
 from cylcontact.plots import Drawing, new_figure, plot_map
 from cylcontact.plots.difference_map import map_grid
-from cylcontact.plots.figure import plain_number
-from cylcontact.plots.maps import RIM, add_scale
+from cylcontact.plots.figure import StyledFigure, plain_number
+from cylcontact.plots.maps import add_scale
+from cylcontact.plots.style import current_style
 from cylcontact.reports.bench import Bench
 from cylcontact.yield_search import Criterion
 
@@ -43,38 +44,37 @@ from .paper import (
     MATERIALS,
     TRAINING_DR,
     YIELD,
-    clearance_pair,
     origins,
 )
 
-# For each reference: the label of the colour scale, its name and its end in the caption.
+# For each reference: its name on the colour scale, in the caption, and its end in the note.
 REFERENCE_WORDS = {
     "johnson": (
-        "difference of penetration, Eq 9 (%)",
+        "Johnson's law",
         "Johnson's (Eq 1)",
-        "Grey: beyond the largest load of Johnson's law (Eq 8).",
+        "Loads beyond the largest of Johnson's law (Eq 8) are hatched.",
     ),
     "persson": (
-        "difference from Persson's penetration (%)",
-        "Persson's conformal solution, its datum matched to Johnson's law at small loads,",
-        "No part is grey: Persson's solution, unlike Johnson's law, has no largest load.",
+        "Persson's solution",
+        "Persson's conformal solution",
+        "No part is hatched: Persson's solution, unlike Johnson's law, has no largest load. Its "
+        "datum is matched to Johnson's law at small loads.",
     ),
 }
 CLEARANCES = COMPARED_CLEARANCES
 WINDOW: dict[str, Any] = {"dR": CLEARANCES, "load": LOADS, "R_i": HOLE_RADIUS}
-NOTE_HEIGHT = 1.025  # of the notes above the map, in heights of the map
-NOTE_LINE = 1.45  # from one line of notes to the next, in sizes of the font
+# In sizes of the font: the margins left, right, below without the key, and above a map; the height
+# of a line of the key, and its distance from the map.
+MARGINS, KEY_LINE, KEY_BELOW = (5.2, 6.0, 3.7, 3.4), 1.5, 3.2
 
-# For each criterion of the yield line: its name in the note, what the headline calls the loads up
-# to it, and what on it reaches the yield stress.
-CRITERION_WORDS: dict[Criterion, tuple[str, str, str]] = {
-    "Hertz": ("yield line", "practical domain", "Hertz's peak pressure (Eq 7)"),
-    "von Mises": (
-        "first yield (von Mises)",
-        "elastic domain",
-        "the largest von Mises stress in either body",
-    ),
+# For each criterion of the yield line: what the headline calls the loads up to it, and what on it
+# reaches the yield stress.
+CRITERION_WORDS: dict[Criterion, tuple[str, str]] = {
+    "Hertz": ("practical domain", "Hertz's peak pressure (Eq 7)"),
+    "von Mises": ("elastic domain", "the largest von Mises stress in either body"),
 }
+
+YIELDING = "; the ticks are on the side where it exceeds it"
 
 # The fit of each variant of the paper's maps, and its name in the title.
 VARIANTS = {
@@ -172,7 +172,7 @@ def _mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") ->
         "the enhanced law (Eqs 5-6)" if result.law == "enhanced" else f"the {result.law} law",
         label or f"fit {result.name!r}",
         float(grid_from(result.settings["dataset"], result.name).dR.min()),
-        f" Coefficients of the fit {result.name!r}: {values}.",
+        f"Coefficients of the fit {result.name!r}: {values}.",
     )
 
 
@@ -198,21 +198,13 @@ def _draw_map(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> Draw
     """Draw the map."""
     table = _map_table(row, mapped.law, mapped.reference, criterion)
     fitted_from = mapped.fitted_from or CLEARANCES[0]
-    line, domain, _ = CRITERION_WORDS[criterion]
-    yields = (table["yield_load_N_per_mm"] < LOADS[1]).any()
-    figure = new_figure("middle", 95.0)
-    axes = figure.subplots()
-    # With room for a line of notes between the title and the map.
-    axes.set_title(f"{_title(row)}: {mapped.label}", pad=2 * rcParams["font.size"])
-    add_scale(figure, axes, REFERENCE_WORDS[mapped.reference.name][0])
-    end = mapped.reference.max_load(clearance_pair(CLEARANCES[0], row.material))
-    words = line if yields else "no yield in this window"
-    # Only the shortest words leave room for the other note beside them.
-    stacked = bool(end < LOADS[1]) and (figure.style.narrow or words != "yield line")
-    _note_yield(axes, words, stacked)
-    if end < LOADS[1]:
-        _point_beyond_johnson(axes)
-    _mark_fitted_range(axes, fitted_from)
+    figure = new_figure("middle", 115.0 if current_style().narrow else 106.0)
+    axes = _map_axes(figure)
+    axes.set_title(f"{_title(row)}\n{mapped.label}")
+    add_scale(figure, axes, f"difference from {REFERENCE_WORDS[mapped.reference.name][0]} (%)")
+    if fitted_from > CLEARANCES[0]:
+        words = f"coefficients fitted from {plain_number(fitted_from)} mm on"
+        axes.axvline(fitted_from, color="black", linestyle=":", marker="", label=words)
     plot_map(
         mapped.law,
         mapped.reference,
@@ -222,8 +214,27 @@ def _draw_map(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> Draw
         ax=axes,
         **WINDOW,
     )
-    headline = _headline(table, fitted_from, domain)
-    return Drawing(figure, table, headline, _caption(row, mapped, criterion))
+    below = -KEY_BELOW * rcParams["font.size"] / (axes.bbox.height * 72 / figure.dpi)
+    where = {"bbox_to_anchor": (0.5, below), "bbox_transform": axes.transAxes}
+    figure.legend(loc="upper center", ncols=2, borderaxespad=0.0, **where)
+    headline = _headline(table, fitted_from, CRITERION_WORDS[criterion][0])
+    method = _method(row, mapped, criterion, table)
+    return Drawing(figure, table, headline, _caption(row, mapped), method)
+
+
+def _map_axes(figure: StyledFigure) -> Axes:
+    """Add axes that have the same place in every map of a style, with room for a key below.
+
+    A layout by the content would give maps in one row of a page unequal heights.
+    """
+    figure.set_layout_engine()
+    em = rcParams["font.size"] / 72
+    width, height = figure.get_size_inches()
+    left, right, bottom, top = (em * margin for margin in MARGINS)
+    bottom += em * KEY_LINE * (3 if figure.style.narrow else 2)
+    figure.subplots_adjust(left / width, bottom / height, 1 - right / width, 1 - top / height)
+    axes: Axes = figure.subplots()
+    return axes
 
 
 def _headline(table: pd.DataFrame, fitted_from: float, domain: str) -> dict[str, float]:
@@ -253,82 +264,44 @@ def _title(row: MaterialRow) -> str:
     return f"{row.material.name}, $E$ = {E} GPa, $\\nu$ = {row.material.nu:g}"
 
 
-def _caption(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> str:
+def _caption(row: MaterialRow, mapped: MappedLaw) -> str:
     """Return the caption."""
+    assumed = row.provenance["yield_stress_MPa"] == "assumed"
+    return (
+        f"Penetration of {mapped.name} less {REFERENCE_WORDS[mapped.reference.name][1]} at equal "
+        "load, in percent of the latter (Eq 9), against radial clearance (mm) and load per unit "
+        f"length (N/mm), for a pin in a hole of {row.material.name}. Contours are dashed below "
+        f"zero; arrows of the scale lie beyond its ends.{' Yield stress assumed.' * assumed}"
+    )
+
+
+def _method(row: MaterialRow, mapped: MappedLaw, criterion: Criterion, table: pd.DataFrame) -> str:
+    """Return how the map was made."""
     material = row.material
     origin = origins({material.name: row}, (material.name,), ELASTIC, YIELD)
-    _, reference, end = REFERENCE_WORDS[mapped.reference.name]
-    stress = CRITERION_WORDS[criterion][2]
-    return (
-        f"Penetration of {mapped.name} less {reference} at equal load, in percent "
-        "of the latter (Eq 9), against radial clearance (mm) and load per unit length (N/mm); "
-        f"internal contact, both bodies of {material.name}{_calibration(mapped)}. "
-        "Contours are solid above zero and dashed below; levels and colours are those of all "
-        f"these maps. {end} Ticked line: {stress}, "
-        f"with a hole of {HOLE_RADIUS:g} mm radius, reaches the yield stress of "
-        f"{material.yield_stress:g} MPa, ticks where it exceeds it; the radius is our choice. "
-        f"Material values that are not the paper's: {origin}.{mapped.coefficients}"
-    )
+    yields = bool((table["yield_load_N_per_mm"] < LOADS[1]).any())
+    sentences = [
+        f"Internal contact, both bodies of {material.name}.",
+        *_calibration(mapped),
+        "Figs 10 to 14 and all maps like them have the same levels and colours.",
+        REFERENCE_WORDS[mapped.reference.name][2],
+        f"{'On the ticked line' if yields else 'Outside this map'} "
+        f"{CRITERION_WORDS[criterion][1]}, with a hole of {HOLE_RADIUS:g} mm radius, reaches the "
+        f"yield stress of {material.yield_stress:g} MPa{YIELDING * yields}.",
+        "The radius is our choice.",
+        f"Material values that are not the paper's: {origin}." if origin else "",
+        mapped.coefficients,
+    ]
+    return " ".join(filter(None, sentences))
 
 
-def _calibration(mapped: MappedLaw) -> str:
-    """Return the caption's part on the clearances of the calibration."""
-    if mapped.fitted_from is None:
-        return ""
-    extrapolated = mapped.fitted_from > CLEARANCES[0]
-    return (
-        f", {mapped.label}. They were fitted at clearances from "
-        f"{plain_number(mapped.fitted_from)} mm on"
-        + ("; below, the law is extrapolated" if extrapolated else "")
-    )
-
-
-def _note_yield(axes: Axes, words: str, stacked: bool) -> None:
-    """Write above the map what the yield line is, in a second line of notes if `stacked`."""
-    if stacked:
-        room = (2 + NOTE_LINE) * rcParams["font.size"]
-        axes.set_title(axes.get_title(loc="left"), pad=room)
-    axes.annotate(
-        rf"{words} for $R_i$ = {HOLE_RADIUS:g} mm, $\sigma_Y$ assumed",
-        xy=(1.0, NOTE_HEIGHT),
-        xycoords="axes fraction",
-        xytext=(0, NOTE_LINE * rcParams["font.size"] * stacked),
-        textcoords="offset points",
-        ha="right",
-        annotation_clip=False,
-    )
-
-
-def _point_beyond_johnson(axes: Axes) -> None:
-    """Point at the region in which Johnson's law gives no penetration (Eq 8)."""
-    axes.annotate(
-        "beyond Johnson's law",
-        xy=(CLEARANCES[0] * 1.04, LOADS[1] * 0.96),
-        xytext=(0.05, NOTE_HEIGHT),
-        textcoords="axes fraction",
-        arrowprops={
-            "arrowstyle": "-|>",
-            "facecolor": "black",
-            "linewidth": 0.6,
-            "mutation_scale": 5,
-            "relpos": (0.0, 0.4),
-            "shrinkB": 0,
-        },
-    )
-
-
-def _mark_fitted_range(axes: Axes, fitted_from: float) -> None:
-    """Mark the smallest clearance of the fit, if it is inside the map."""
-    if fitted_from <= CLEARANCES[0]:
-        return
-    axes.axvline(fitted_from, color="0.25", linewidth=0.8, linestyle=":", marker="")
-    axes.text(
-        fitted_from * 1.03,
-        LOADS[0] * 1.06,
-        f"fitted from {plain_number(fitted_from)} mm on",
-        rotation=90,
-        path_effects=[RIM],
-    )
+def _calibration(mapped: MappedLaw) -> Iterator[str]:
+    """Return the sentences of the note on the clearances of the calibration."""
+    if mapped.fitted_from is not None:
+        start = plain_number(mapped.fitted_from)
+        yield f"The coefficients were fitted at clearances from {start} mm on."
+        if mapped.fitted_from > CLEARANCES[0]:
+            yield "Left of the dotted line the law is extrapolated."
 
 
 FIGURES: dict[str, Callable[[Bench], Drawing]] = {

@@ -11,17 +11,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.mechanism import Case, Trajectory
 from cylcontact.mechanism.drawing import draw_clearance_circle
 from cylcontact.plots.figure import Drawing, new_figure
-from cylcontact.plots.style import ACCENT, small_text
+from cylcontact.plots.style import ACCENT, COLOURS, MM_PER_INCH, current_style, small_text
 from cylcontact.reports.bench import Bench
 
 from .paper import FRICTIONS, JOINT_LAWS, RESTITUTIONS
 from .slider_crank import (
     CASES,
+    DRAWN_STEP,
     assumed,
     horizons,
     law_ends,
@@ -37,24 +39,39 @@ NUMBERS = {
     "max_penetration_um": "largest penetration, um",
 }
 CAPTION = (
-    "Journal centre relative to the bearing's, over {drawn} of the crank, at a radial clearance of "
-    "{clearance:g} mm, in µm and to scale; by rows the contact law, by columns the coefficient of "
-    "restitution c_e (in Lankarani and Nikravesh's factor) and of friction c_f. Grey: flight; "
-    "orange: contact; dashed: the clearance circle, which the centre leaves by the penetration. "
-    "{share}. {whirls}{horizons} Beyond that a path is one of many, and only its statistics are of "
-    "use. Which revolutions the paper draws is not said. {ends} {assumed}"
+    "Paths of the journal's centre in its bearing over {drawn} of the crank, to one scale, at a "
+    "radial clearance c of {clearance:g} mm, for three contact laws and four pairs of restitution "
+    "c_e and friction coefficient c_f; x along the slide. Pale: the whole path; dark: its last "
+    "{last:g} revolution. The mechanism's data are assumed."
+)
+METHOD = (
+    "Drawn is -e, the journal's centre relative to the bearing's. During contact it is outside the "
+    "clearance circle by the penetration. The restitution c_e acts through the factor of Lankarani "
+    "and Nikravesh. In {always} of the {cases} cases the journal stays on the bearing's wall. "
+    "{whirls}{horizons} Beyond that a path is one of many, and only its statistics are of use. "
+    "Which revolutions the paper draws is not said. {ends} {assumed}"
 )
 # The points omitted change a path by less than this, in clearances: a tenth of a line's width.
 TOLERANCE = 0.002
-FLIGHT: dict[str, Any] = {"color": "0.6", "linewidth": 0.35, "linestyle": "-", "marker": ""}
-TOUCH: dict[str, Any] = {"color": ACCENT, "linewidth": 0.7, "linestyle": "-", "marker": ""}
-CIRCLE: dict[str, Any] = {"linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 4}
+# The end of each path that is drawn dark, in revolutions.
+LAST = 0.05
+# Colour, and width of the line in points: the whole path, then its end.
+STYLES = {
+    "flight": (("#C9D9E8", 0.3), (COLOURS[1], 0.5)),
+    "contact": (("#F3CDB0", 0.4), (ACCENT, 0.7)),
+}
+# Greatest height of the figure, and what texts take of its width and height, in mm.
+HIGHEST, TEXTS = 119.0, 22.0
+CIRCLE: dict[str, Any] = {"linewidth": 0.6, "linestyle": (0, (4, 2)), "zorder": 3.5}
 
 
-def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
-    """Draw the journal's paths at one clearance, for all laws, restitutions and frictions."""
+def path_drawing(bench: Bench, clearance: float, revolutions: int, max_step: float) -> Drawing:
+    """Draw the journal's paths at one clearance, for all laws, restitutions and frictions.
+
+    No step is longer than `max_step` in s, so that the curves are smooth.
+    """
     drawn = [case for case in CASES if case.clearance == clearance]
-    runs = {case: simulated(bench, case, FIRST + revolutions) for case in drawn}
+    runs = {case: simulated(bench, case, FIRST + revolutions, max_step) for case in drawn}
     paths = {case: path_table(case, run, FIRST) for case, run in runs.items()}
     means = {case: run.statistics(FIRST).mean for case, run in runs.items()}
     headline = {
@@ -62,19 +79,25 @@ def path_drawing(bench: Bench, clearance: float, revolutions: int) -> Drawing:
         for case, mean in means.items()
         for column, text in NUMBERS.items()
     }
-    always = sum(mean["contact_fraction"] == 1.0 for mean in means.values())
     last = FIRST + revolutions
     caption = CAPTION.format(
         drawn=f"revolutions {FIRST + 1} to {last}" if revolutions > 1 else f"revolution {last}",
         clearance=clearance,
-        whirls=_whirls(runs, clearance),
-        share=f"In {always} of the {len(drawn)} the journal then stays on the bearing's wall",
+        last=LAST,
+    )
+    deep = {
+        case: runs[case] for case in drawn if means[case]["max_penetration_um"] > 1e3 * clearance
+    }
+    method = METHOD.format(
+        always=sum(mean["contact_fraction"] == 1.0 for mean in means.values()),
+        cases=len(drawn),
+        whirls=_whirls(deep),
         horizons=horizons(bench, clearance),
         ends=law_ends(list(runs.values())),
         assumed=assumed(mechanism(bench)),
     )
     table = pd.concat(paths.values(), ignore_index=True)
-    return Drawing(_draw_panels(paths), table, headline, caption)
+    return Drawing(_draw_panels(paths, 1e3 * clearance), table, headline, caption, method)
 
 
 def path_table(case: Case, run: Trajectory, first: int) -> pd.DataFrame:
@@ -128,23 +151,19 @@ def _distances(places: FloatArray, start: FloatArray, end: FloatArray) -> FloatA
     return distances
 
 
-def _whirls(runs: Mapping[Case, Trajectory], clearance: float) -> str:
+def _whirls(deep: Mapping[Case, Trajectory]) -> str:
     """Return a sentence on the runs whose penetration exceeds the clearance, or nothing."""
-    deep = {
-        case: run
-        for case, run in runs.items()
-        if run.statistics(FIRST).mean["max_penetration_um"] > 1e3 * clearance
-    }
     if not deep:
         return ""
-    turns = [_turns(run) for run in deep.values()]
-    losses = sorted({(case.restitution, case.friction) for case in deep})
-    text = " and ".join(f"c_e = {c_e:g}, c_f = {c_f:g}" for c_e, c_f in losses)
+    turns = " and ".join(
+        f"{_turns(run):.2g} turns with the {JOINT_LAWS[str(case.law)]} law at "
+        f"c_e = {case.restitution:g} and c_f = {case.friction:g}"
+        for case, run in deep.items()
+    )
     return (
-        f"At {text} the penetration exceeds the clearance in {len(deep)} runs, for some "
-        "revolutions at a time: the journal's "
-        f"centre whirls about the bearing's, {min(turns):.2g} to {max(turns):.2g} turns per "
-        "revolution of the crank, both senses counted, and its inertia presses it outwards. "
+        "Where the penetration exceeds the clearance, the journal's centre whirls about the "
+        f"bearing's and its inertia presses it outwards: {turns} per revolution of the crank, both "
+        "senses counted. "
     )
 
 
@@ -155,41 +174,82 @@ def _turns(run: Trajectory) -> float:
     return float(np.abs(np.diff(angle)).sum() / (2 * np.pi) / np.ptp(run.revolution[rows]))
 
 
-def _draw_panels(paths: Mapping[Case, pd.DataFrame]) -> Figure:
-    """Draw the paths of one clearance, a row for each law and a column for each dissipation."""
-    columns = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
-    figure = new_figure("full", 118.0)
-    panels = figure.subplots(len(JOINT_LAWS), len(columns), sharex=True, sharey=True)
-    clearance = next(iter(paths)).clearance * 1e3
-    farthest = max(float(np.hypot(path["x_um"], path["y_um"]).max()) for path in paths.values())
-    reach = 1.06 * max(farthest, clearance)
+def _draw_panels(paths: Mapping[Case, pd.DataFrame], clearance: float) -> Figure:
+    """Draw the paths at a clearance in µm: laws by rows, losses by columns, or turned if narrow."""
+    losses: list[tuple[float | None, ...]] = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
+    places = pd.concat(paths.values())[["x_um", "y_um"]].abs().max()
+    reach = 1.03 * np.maximum(places.to_numpy(), clearance)
+    figure = new_figure("full", HIGHEST)
+    turned = figure.style.narrow
+    shape = (len(losses), len(JOINT_LAWS)) if turned else (len(JOINT_LAWS), len(losses))
+    _fit_height(figure, shape, reach)
+    panels: Any = figure.add_gridspec(*shape).subplots(sharex=True, sharey=True)
     for case, path in paths.items():
-        row, column = (
-            list(JOINT_LAWS).index(case.law),
-            columns.index((case.restitution, case.friction)),
-        )
-        axes = panels[row, column]
+        law = list(JOINT_LAWS).index(str(case.law))
+        loss = losses.index((case.restitution, case.friction))
+        axes = panels[loss, law] if turned else panels[law, loss]
         _draw_path(axes, path)
         draw_clearance_circle(axes, clearance, **CIRCLE)
-        axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
-        if row == 0:
-            axes.set_title(rf"$c_e$ = {case.restitution:g}, $c_f$ = {case.friction:g}")
-        if column == 0:
-            axes.set_ylabel(f"{JOINT_LAWS[case.law]}\n$-e_y$ (µm)", fontsize=small_text())
-        if row == len(JOINT_LAWS) - 1:
-            axes.set_xlabel("$-e_x$ (µm)", fontsize=small_text())
+        axes.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
+        axes.set(xticks=[], yticks=[])
+        axes.spines[:].set_visible(False)
+    names = list(JOINT_LAWS.values())
+    between = "\n" if turned else ", "
+    pairs = [f"$c_e$ = {ce:g}{between}$c_f$ = {cf:g}" for ce, cf in losses]
+    for axes, text in zip(panels[0], names if turned else pairs, strict=True):
+        axes.set_title(text, loc="center")
+    for axes, text in zip(panels[:, 0], pairs if turned else names, strict=True):
+        axes.set_ylabel(text)
+    _draw_scale(panels[-1, 0], 0.5 * clearance, reach)
+    _add_key(figure)
     return figure
 
 
+def _fit_height(figure: Figure, shape: tuple[int, int], reach: FloatArray) -> None:
+    """Set a figure's height so that panels to scale fill its width, unless that is too high."""
+    width, highest = figure.get_size_inches() * MM_PER_INCH
+    texts = TEXTS * highest / HIGHEST
+    wanted = texts + (width - texts) / shape[1] * reach[1] / reach[0] * shape[0]
+    if shape[0] < shape[1]:
+        wanted = min(wanted, highest)
+    figure.set_size_inches(width / MM_PER_INCH, wanted / MM_PER_INCH)
+
+
 def _draw_path(axes: Axes, path: pd.DataFrame) -> None:
-    """Draw flights thin and grey, contacts over them."""
-    x, y = path["x_um"].to_numpy(), path["y_um"].to_numpy()
-    touching = (path["mode"] == "contact").to_numpy()
-    for style, drawn, order in ((FLIGHT, ~touching, 2), (TOUCH, touching, 3)):
-        axes.plot(np.where(drawn, x, np.nan), np.where(drawn, y, np.nan), **style, zorder=order)
+    """Draw the whole path pale, its end dark over it, and contacts over flights."""
+    x, y, at = (path[name].to_numpy() for name in ("x_um", "y_um", "revolution"))
+    last = at >= at[-1] - LAST
+    for order, (mode, styles) in enumerate(STYLES.items()):
+        for dark, (colour, width) in enumerate(styles):
+            drawn = (path["mode"] == mode).to_numpy() & (last | (not dark))
+            axes.plot(
+                np.where(drawn, x, np.nan), np.where(drawn, y, np.nan), "-", marker="",
+                color=colour, linewidth=width * current_style().lines, zorder=2 + order + 2 * dark,
+            )  # fmt: skip
+
+
+def _draw_scale(axes: Axes, length: float, reach: FloatArray) -> None:
+    """Draw a scale bar in µm in a corner that no path reaches."""
+    x, y = -reach
+    axes.plot([x, x + length], [y, y], "-", marker="|", color="black", clip_on=False)
+    axes.annotate(
+        f"{length:g} µm", xy=(x, y), xytext=(0, -3), textcoords="offset points", va="top",
+        fontsize=small_text(),
+    )  # fmt: skip
+
+
+def _add_key(figure: Figure) -> None:
+    """Explain the lines below the panels."""
+    handles = [
+        Line2D([], [], color=styles[1][0], linewidth=2 * styles[1][1], label=mode)
+        for mode, styles in STYLES.items()
+    ]
+    circle = {name: value for name, value in CIRCLE.items() if name != "zorder"}
+    handles += [Line2D([], [], color="black", label="clearance circle, radius c", **circle)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3)
 
 
 FIGURES: dict[str, Callable[[Bench], Drawing]] = {
-    "fig18": partial(path_drawing, clearance=0.5, revolutions=3),
-    "fig19": partial(path_drawing, clearance=0.02, revolutions=1),
+    "fig18": partial(path_drawing, clearance=0.5, revolutions=3, max_step=DRAWN_STEP),
+    "fig19": partial(path_drawing, clearance=0.02, revolutions=1, max_step=0.5 * DRAWN_STEP),
 }

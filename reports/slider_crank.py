@@ -39,7 +39,7 @@ CASES = tuple(cases(JOINT_LAWS, JOINT_CLEARANCES, RESTITUTIONS, FRICTIONS))
 DECADES, POINTS = 2.0, 801
 SPEC = "datasets/slider_crank.toml"
 # Longest step in s of the runs that are drawn, so that curves are smooth from step to step.
-DRAWN_STEP = 2e-6
+DRAWN_STEP = 4e-6
 
 
 def mechanism(bench: Bench, case: Case | None = None) -> Mechanism:

@@ -8,6 +8,8 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from cylcontact.plots.style import figure_style
+
 # Pinned numbers of figures to six digits, by the figure.
 GOLDEN = json.loads((Path(__file__).parent / "golden" / "figures.json").read_text("utf-8"))
 
@@ -30,8 +32,9 @@ def embedded_fonts(pdf: Path) -> set[str]:
 
 def font_sizes_inside(figure: Figure) -> set[float]:
     """Return the sizes of a figure's texts, of which all are inside the page."""
-    figure.draw_without_rendering()
-    drawn, page = figure.get_tightbbox(), figure.bbox_inches
+    with figure_style():  # the fonts of formulas
+        figure.draw_without_rendering()
+        drawn, page = figure.get_tightbbox(), figure.bbox_inches
     assert min(drawn.x0, drawn.y0) >= 0
     assert drawn.x1 <= page.x1
     assert drawn.y1 <= page.y1

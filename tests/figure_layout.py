@@ -166,9 +166,10 @@ def _clipped(paths: Sequence[Path], artist: Artist, clip: Bbox) -> Iterator[Path
 
 
 def _points(axes: Axes) -> Iterator[np.ndarray]:
-    """Return the places of the markers in a panel, in pixels."""
+    """Return the places of the markers in a panel that its frame does not cut off, in pixels."""
     if not axes.get_visible():
         return
+    frame = axes.bbox
     for artist in axes.get_children():
         if not artist.get_visible():
             continue
@@ -180,6 +181,7 @@ def _points(axes: Axes) -> Iterator[np.ndarray]:
                 points = points[::every]
             elif isinstance(every, tuple):
                 points = points[every[0] :: every[1]]
-            yield points
+            inside = ((points >= frame.min) & (points <= frame.max)).all(axis=1)
+            yield points[inside] if artist.get_clip_on() else points
         elif isinstance(artist, PathCollection):
             yield artist.get_offset_transform().transform(artist.get_offsets())

@@ -18,8 +18,12 @@ def draw(bench):
     figure = new_figure("column", 60)
     figure.subplots().plot([1, 2], [1, 2])
     table = pd.DataFrame({{"load_N_per_mm": [1 / 3]}})
-    return Drawing(figure, table, {{{EVIL!r}: 1 / 3}}, "Caption " + {EVIL!r})
+    return Drawing(figure, table, {{{EVIL!r}: 1 / 3}}, "Caption " + {EVIL!r}, "A note.")
 '''
+FITS = (
+    *("internal", "external", "explicit-internal"),
+    *("power-internal", "power-external", "recovered-internal", "recovered-external"),
+)
 CACHES = shutil.ignore_patterns("__pycache__")
 FEW_MAPS = """
 FIGURES = {name: FIGURES[name] for name in ("fig12", "fig12r", "fig12p")}
@@ -39,7 +43,8 @@ def build_small_site(root):
         encoding="utf-8",
     )
     results = root / "fitting" / "results"
-    for name in ("internal", "external", "explicit-internal"):
+    shutil.copy(ROOT / "datasets" / "benchmarks.json", root / "datasets")
+    for name in FITS:
         shutil.copy(ROOT / "fitting" / "results" / f"{name}.json", results)
     text = (results / "external.json").read_text(encoding="utf-8")
     evil = text.replace(

@@ -210,8 +210,8 @@ class TestMapsByArgument:
             assert load == pytest.approx(float(limits.yield_load(pair)), rel=1e-6, abs=0)
         texts = [text.get_text() for text in drawing.figure.axes[0].texts]
         assert r"first yield (von Mises) for $R_i$ = 10 mm, $\sigma_Y$ assumed" in texts
-        assert "von Mises stress in either body" in drawing.caption
-        assert "Hertz" not in drawing.caption
+        assert "von Mises stress in either body" in drawing.method
+        assert "Hertz" not in drawing.caption + drawing.method
         table = drawing.table
         elastic = table[table["load_N_per_mm"] <= table["yield_load_N_per_mm"]]
         assert drawing.headline["largest |difference| in the elastic domain, %"] == (
@@ -295,7 +295,7 @@ class TestAdditions:
         }
         code, out, errors = run("report", "--jobs", 1)
         assert (code, out, errors) == (0, "open reports/html/index.html\n", "")
-        page = Path("reports/html/index.html").read_text(encoding="utf-8")
+        page = Path("reports/html/figure-fig_mine.html").read_text(encoding="utf-8")
         assert "Loads of mine, N/mm." in page
         assert 'href="figures/fig_mine.csv" download' in page
 

@@ -348,7 +348,7 @@ def test_the_figure_leaves_out_what_was_skipped_and_says_so(tmp_path):
     calibration, mechanism = list(GROUPS)[-2:]
     assert list(drawing.table["group"].unique()) == list(GROUPS)[:-2]
     said = f". Not measured (docs/speed.md says why): {calibration}; {mechanism}."
-    assert drawing.caption.endswith(said)
+    assert drawing.method.endswith(said)
     with pytest.raises(InputError, match="is not in the file; redo make bench"):
         ratios_of(results_in(tmp_path, "Genetic search, 120 candidates", skipped=("mechanism",)))
 

@@ -212,7 +212,7 @@ class TestMaps:
             assert row.difference_percent == pytest.approx(
                 100 * (delta / (judge * dR) - 1), abs=1e-5
             )
-        assert ("No part is grey" in drawing.caption) == (letter == "c")
+        assert ("No part is hatched" in drawing.method) == (letter == "c")
 
     @pytest.mark.parametrize("number", MATERIALS)
     def test_window_against_persson_is_whole(self, figures: DrawnFigures, number: str) -> None:

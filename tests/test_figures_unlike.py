@@ -188,7 +188,7 @@ class TestDatum:
         numbers = re.findall(r"[\d.]+\d", told)
         assert [f"{-share:.2f}" for share in shares] == numbers
         assert f"{numbers[3]} at ρ = 10 and {numbers[0]} at ρ = 2" in re.sub(
-            r"\s+", " ", datum.caption
+            r"\s+", " ", datum.method
         )
         for axes in datum.figure.axes:
             (band,) = axes.patches

@@ -24,6 +24,7 @@ LAYERS = (
         "progress",
         "provenance",
         "spec",
+        "text_tables",
         "units",
     },
     {"materials", "pair"},

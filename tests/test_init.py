@@ -8,7 +8,6 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.cli import init
-from cylcontact.reports.notebook import open_bench
 from tests.spec_files import tree
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -34,7 +33,6 @@ def test_a_bench_is_laid_out_and_found(tmp_path, monkeypatch, run):
     assert sorted(name for name in tree(laid_out) if (laid_out / name).is_file()) == sorted(names)
     for name in names:
         assert (laid_out / name).read_bytes() == (ROOT / name).read_bytes()
-    assert open_bench(laid_out / "notebooks").root == laid_out
     monkeypatch.chdir(laid_out)
     assert run("compare", "fitting/results/internal.json")[0] == 0
     assert run("figure", "fig12")[:2] == (0, "1 figure in reports/figures\n")

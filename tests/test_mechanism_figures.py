@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from _cylcontact_bench.paths import path_table
+from _cylcontact_bench.paths import LAST, path_table
 from _cylcontact_bench.slider_crank import (
     CASES,
     SPEC,
@@ -194,6 +194,31 @@ class TestPaths:
         touching = table["mode"] == "contact"
         assert radius[touching].min() > 500 - 1e-6
         assert radius[~touching].max() < 500 + 1e-6
+
+    @pytest.mark.parametrize("name", ["fig18", "fig19"])
+    def test_whole_paths_are_pale_and_their_ends_dark(self, figures, name):
+        drawing = figures[name].drawing
+        runs = drawing.table.groupby(["law", "restitution", "friction"])["revolution"]
+        at_the_end = drawing.table["revolution"] >= runs.transform("max") - LAST
+        # In each panel flight and contact, each pale and dark.
+        lines = [axes.get_lines()[:4] for axes in drawing.figure.axes]
+        points = np.array([[np.isfinite(line.get_xdata()).sum() for line in row] for row in lines])
+        assert points[:, ::2].sum() == len(drawing.table)
+        assert points[:, 1::2].sum() == at_the_end.sum()
+
+
+class TestSteps:
+    def test_lines_are_the_distributions_of_the_tables_steps(self, figures):
+        drawing = figures["fig_mechanism_steps"].drawing
+        lines = [line for axes in drawing.figure.axes for line in axes.get_lines()]
+        by_count = {line.get_label().rpartition("(")[2]: line for line in lines}
+        cases = drawing.table.groupby(["clearance_mm", "restitution", "mode"])["step_us"]
+        assert len(cases) == 6
+        for _, steps in cases:
+            line = by_count[f"{len(steps)})"]
+            x, y = line.get_xdata(), line.get_ydata()
+            for length in steps.quantile([0.2, 0.5, 0.8]):
+                assert y[x <= length].max() == (steps <= length).mean()
 
 
 class TestFilm:

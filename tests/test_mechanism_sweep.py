@@ -363,3 +363,26 @@ def test_sweep_writes_a_table_and_tells_what_stopped(run, tmp_path):
     run(*STUDY, "cases", "-o", parquet, *options)
     written = pd.read_parquet(parquet).replace({"": np.nan})
     pd.testing.assert_frame_equal(written, pd.read_csv(out), check_dtype=False)
+
+
+def test_a_study_takes_what_is_not_given_from_the_spec(run, tmp_path):
+    out = tmp_path / "cases.csv"
+    options = ("--law", "explicit", "--friction", "0,0.1", "--revolutions", 1, "--jobs", 1)
+    assert run(*STUDY, "cases", "-o", out, *options)[0] == 0
+    joint = SLIDER_CRANK["clearance"]
+    table = pd.read_csv(out)
+    assert list(table["friction"]) == [0.0, 0.1]
+    assert set(table["clearance_mm"]) == {joint["radial"]}
+    assert set(table["restitution"]) == {joint["restitution"]}
+
+
+def test_a_study_of_tolerances_has_a_row_for_each_and_both_forms(run, tmp_path):
+    out = tmp_path / "tolerances.csv"
+    options = ("--law", "explicit", "--tolerance", "1e-5,1e-7", "--revolutions", 1, "--jobs", 1)
+    code, printed, _ = run(*STUDY, "tolerances", "-o", out, *options)
+    table = pd.read_csv(out)
+    assert code == 0
+    assert list(table["method"]) == [*["minimal"] * 2, *["multiplier"] * 2]
+    assert list(table["tolerance"]) == [1e-5, 1e-7] * 2
+    assert set(table["cases"]) == {1}
+    assert [line.split()[0] for line in printed.splitlines()] == ["method", *table["method"]]

@@ -94,7 +94,7 @@ def test_a_revolution_without_flight_has_no_step_in_flight():
 
 
 def test_it_shows_itself_in_a_few_lines(run):
-    visible = repr(run)
+    visible = str(run)
     assert visible.startswith("Trajectory of 'slider-crank'")
     assert "law: enhanced" in visible
     assert len(visible.splitlines()) < 16
@@ -113,7 +113,7 @@ def test_the_largest_elastic_load_is_set_against_first_yield(run):
         other = simulate(slider_crank(spec=spec), revolutions=3)
         at = float(limits.yield_load(pair, yield_stress=yield_stress))
         row = f"max elastic load: {load:,.0f} N/mm, {100 * load / at:.3g} % of first yield"
-        assert repr(other).splitlines()[-1].strip() == f"{row} (von Mises)"
+        assert str(other).splitlines()[-1].strip() == f"{row} (von Mises)"
         assert "max elastic load" in other._repr_html_()
         assert (load > at) == passed
         assert [text.startswith("the largest load") for text in other.warnings] == [True] * passed

@@ -48,14 +48,17 @@ def test_every_module_lists_its_public_names(path):
 def test_the_parts_of_the_package_need_no_import_of_their_own():
     code = (
         "import cylcontact as cc; print(callable(cc.mechanism.simulate), "
-        "callable(cc.fitting.calibrate), callable(cc.datasets.read_grid))"
+        "callable(cc.fitting.calibrate), callable(cc.datasets.read_grid), "
+        "callable(cc.datasets.finite_element.solve), callable(cc.reports.explore.explore_pair))"
     )
     printed = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
-    assert printed.stdout.split() == ["True", "True", "True"]
+    assert printed.stdout.split() == ["True"] * 5
 
 
 def test_an_unknown_name_is_no_attribute():
     with pytest.raises(AttributeError, match="no attribute 'mechanisms'"):
         _ = cylcontact.mechanisms
+    with pytest.raises(AttributeError, match="no attribute 'finite_elements'"):
+        _ = cylcontact.datasets.finite_elements

@@ -7,10 +7,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
+from _cylcontact_bench.fig_readings import readings
+from _cylcontact_bench.searched_readings import searched_readings
 from scipy.optimize import least_squares
 
+from cylcontact import InputError
 from cylcontact.fitting import FitResult, calibrate, read_campaign
+from cylcontact.reports.bench import Bench
 
 ROOT = Path(__file__).resolve().parents[1]
 SPACED = {"linear": np.linspace, "log": np.geomspace}
@@ -112,6 +117,19 @@ def test_readings_are_right(figures, contact, label, sampling):
         assert np.sqrt(np.mean(residuals(contact, far, sampled) ** 2)) >= rms * (1 - 1e-6)
         if contact == "external":
             assert far == pytest.approx(actual, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_the_table_of_the_readings_is_what_the_searches_give():
+    bench = Bench(ROOT)
+    pd.testing.assert_frame_equal(readings(bench), searched_readings(bench), rtol=1e-6, atol=1e-6)
+
+
+def test_a_bench_without_the_readings_says_how_to_make_them(tmp_path):
+    with pytest.raises(InputError) as caught:
+        readings(Bench(tmp_path))
+    rule = "cannot be read; make readings makes it"
+    assert str(caught.value) == f"{tmp_path / 'datasets/readings.csv'}: {rule}"
 
 
 def test_what_is_said_of_the_readings(figures):

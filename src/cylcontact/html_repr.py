@@ -35,7 +35,7 @@ def table_html(title: str, rows: Mapping[str, object]) -> str:
     Examples
     --------
     >>> print(table_html("a < b", {"E (MPa)": 207e3}))
-    <table><caption style="text-align:left"><b>a &lt; b</b></caption><tbody>
+    <table><caption style="text-align:left;white-space:nowrap"><b>a &lt; b</b></caption><tbody>
     <tr><th style="text-align:left">E (MPa)</th><td>207000</td></tr>
     </tbody></table>
     """
@@ -43,7 +43,8 @@ def table_html(title: str, rows: Mapping[str, object]) -> str:
         f'<tr><th style="text-align:left">{escape(name)}</th><td>{escape(_cell(value))}</td></tr>'
         for name, value in rows.items()
     )
-    caption = f'<caption style="text-align:left"><b>{escape(title)}</b></caption>'
+    style = "text-align:left;white-space:nowrap"
+    caption = f'<caption style="{style}"><b>{escape(title)}</b></caption>'
     return f"<table>{caption}<tbody>\n{lines}\n</tbody></table>"
 
 
@@ -69,19 +70,30 @@ def law_html(law: Any) -> str:
     return completed_law_html(law, {})
 
 
-def completed_law_html(law: Any, defaults: Mapping[Any, object]) -> str:
-    """Return an HTML table of a law, with `defaults` in place of coefficients that are None."""
+def completed_law_html(law: Any, defaults: Mapping[Any, Any]) -> str:
+    """Return an HTML table of a law, with `defaults` by contact for coefficients that are None."""
+    units: Mapping[str, str] = getattr(law, "units", {})
     rows: dict[str, object] = {}
     for field in fields(law):
         value = getattr(law, field.name)
         if value is None:
-            rows |= defaults
+            for contact, coefficients in defaults.items():
+                named = _with_units(asdict(coefficients), units)
+                rows |= {f"{contact}: {name}": number for name, number in named.items()}
         elif is_dataclass(value) and not isinstance(value, type):
-            rows |= asdict(value)
+            rows |= _with_units(asdict(value), units)
         else:
-            rows[field.name] = value
+            rows |= _with_units({field.name: value}, units)
     summary = (inspect.getdoc(law) or law.name).splitlines()[0]
     return table_html(f"{type(law).__name__}: {summary}", rows)
+
+
+def _with_units(values: Mapping[str, object], units: Mapping[str, str]) -> dict[str, object]:
+    """Return values by name and unit."""
+    return {
+        f"{name} ({units[name]})" if units.get(name) else name: value
+        for name, value in values.items()
+    }
 
 
 def _cell(value: object) -> str:

@@ -21,10 +21,11 @@ from cylcontact.cli.options import (
     require_taken,
     resumable,
 )
-from cylcontact.cli.terminal import progress_bars, workers
+from cylcontact.cli.terminal import progress_bars, show, workers
 from cylcontact.cli.uncertainty import StudyOptions, study_uncertainty
 from cylcontact.errors import InputError
 from cylcontact.files import owning, replacing, require_suffix
+from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
     from cylcontact.fitting.campaign import Campaign
@@ -119,7 +120,7 @@ def _calibrate(
                 result = calibrate(planned, where, progress, journal, resume)
             _save(result, target, folder)
     names = f": {', '.join(FIT_FILES)}" if folder else ""
-    typer.echo(f"{result}\n\nwritten to {folder or target}{names}")
+    show(joined([str(result), f"written to {folder or target}{names}"], "\n\n"))
 
 
 def _place(campaign: Path, out: Path | None) -> tuple[Path, Path | None]:
@@ -159,7 +160,7 @@ def _compare_optimizers(
         if out is not None:
             with replacing(out) as temporary:
                 temporary.write_text(optimizer_comparison.as_csv(compared), encoding="utf-8")
-    typer.echo(optimizer_comparison.as_text(compared))
+    show(optimizer_comparison.as_text(compared))
 
 
 def compare(
@@ -170,7 +171,7 @@ def compare(
     """Compare results with each other and with the published coefficients."""
     from cylcontact import fitting
 
-    typer.echo(fitting.compare([fitting.FitResult.read(path) for path in results]))
+    show(fitting.compare([fitting.FitResult.read(path) for path in results]))
 
 
 def verify(
@@ -181,6 +182,7 @@ def verify(
     scheduler: Scheduler = None,
 ) -> None:
     """Redo committed fits with their own settings; exit code 1 if one differs."""
+    from cylcontact.fitting.verify import checks_table
     from cylcontact.fitting.verify import verify as verify_one
 
     paths = results or sorted(RESULTS.glob("*.json"))
@@ -196,8 +198,7 @@ def verify(
     for path in paths:
         with progress_bars() as progress:
             checks = verify_one(path, workers(jobs, scheduler), progress)
-        for check in checks:
-            typer.echo(f"{path.stem}: {check}")
+        show(checks_table(path.stem, checks))
         failed += sum(not check.holds for check in checks)
     typer.echo(f"{len(paths)} results verified, {failed} checks do not hold")
     if failed:

@@ -22,11 +22,12 @@ from cylcontact.cli.options import (
     require_internal,
     split,
 )
-from cylcontact.cli.terminal import progress_bars
+from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
 from cylcontact.files import owning
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.pair import CONTACTS
+from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
     from cylcontact.fitting.campaign import Campaign, MeasuredTable
@@ -132,19 +133,25 @@ class TableOptions:
     ] = None
     free: Annotated[
         list[str] | None,
-        _option("--free", help="Search a parameter that is held; may be repeated.", metavar="NAME"),
+        _option(
+            "--free",
+            help="Search a parameter that is held.",
+            metavar="NAME[,...]",
+            callback=split,
+        ),
     ] = None
     bound: Annotated[
         list[str] | None,
         _option(
             "--bound",
-            help="Search a parameter between two values; may be repeated.",
-            metavar="NAME=LOW:HIGH",
+            help="Search a parameter between two values.",
+            metavar="NAME=LOW:HIGH[,...]",
+            callback=split,
         ),
     ] = None
     fix: Annotated[
         list[str] | None,
-        _option("--fix", help="Fix a parameter; may be repeated.", metavar="NAME=VALUE"),
+        _option("--fix", help="Fix a parameter.", metavar="NAME=VALUE[,...]", callback=split),
     ] = None
 
 
@@ -153,7 +160,7 @@ class LawOption:
     """The option of `fit` for the law to fit to a table."""
 
     law: Annotated[
-        str | None, _option("--law", help="The law, or module:function of your own.")
+        str | None, _option("--law", help="The law, e.g. johnson; or module:function of your own.")
     ] = None
 
 
@@ -234,7 +241,12 @@ def choose(
     *,
     law: Annotated[
         list[str] | None,
-        _option("--law", help="A law to compare; may be repeated. All by default."),
+        _option(
+            "--law",
+            help="The law, e.g. johnson; several are compared, all by default.",
+            metavar="NAME[,...]",
+            callback=split,
+        ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="The folder; results/NAME beside the table.")
@@ -255,7 +267,7 @@ def choose(
         with progress_bars() as progress:
             choice = choose_law(measured, law or (), progress)
         write_choice(choice, folder)
-    typer.echo(f"{choice}\n\nwritten to {folder}: {', '.join(CHOICE_FILES)}")
+    show(joined([str(choice), f"written to {folder}: {', '.join(CHOICE_FILES)}"], "\n\n"))
 
 
 def _name_bodies(source: str, given: dict[str, Any]) -> None:

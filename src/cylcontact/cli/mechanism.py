@@ -24,9 +24,10 @@ from cylcontact.cli.options import (
     resumable,
     split,
 )
-from cylcontact.cli.terminal import progress_bars, workers
+from cylcontact.cli.terminal import progress_bars, show, workers
 from cylcontact.errors import InputError
 from cylcontact.files import owning, require_suffix, require_writable, write_table
+from cylcontact.text_tables import frame_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,7 +58,9 @@ class Changes:
 
     law: Annotated[
         list[str] | None,
-        typer.Option(callback=split, metavar="NAME[,...]", help="Contact law, e.g. johnson."),
+        typer.Option(
+            callback=split, metavar="NAME[,...]", help="The law, e.g. johnson; several in a study."
+        ),
     ] = None
     clearance: Annotated[list[str] | None, _list("Radial clearance, mm.")] = None
     restitution: Annotated[list[str] | None, _list("Restitution, above 0 up to 1.")] = None
@@ -234,7 +237,7 @@ def _one_run(
             statistics = run.statistics(first)
         if table is not None:
             write_table(statistics.by_revolution.reset_index(), table)
-    typer.echo(statistics.to_text(), nl=False)
+    show(statistics.to_text())
     for path in (out, table):
         if path is not None:
             typer.echo(f"\nwritten to {path}")
@@ -273,7 +276,7 @@ def _statistics(
     except Interrupted as interruption:
         if interruption.statistics is None:
             raise KeyboardInterrupt from None
-        typer.echo(interruption.statistics.to_text(), nl=False)
+        show(interruption.statistics.to_text())
         count = len(interruption.statistics.revolutions)
         raise KeyboardInterrupt(
             f"interrupted; these are the numbers of {count} complete revolutions"
@@ -413,7 +416,7 @@ def _tolerances(
         progress("sweeps", len(plans), len(plans))
         table = tolerance_table(tables)
         write_table(table, out)
-    typer.echo(table.to_string(index=False, float_format="%.3g"))
+    show(frame_table(table, ".3g", index=False))
 
 
 def _bifurcation(

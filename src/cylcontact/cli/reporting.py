@@ -21,12 +21,13 @@ from cylcontact.cli.options import (
     split,
 )
 from cylcontact.cli.renamed import renamed
-from cylcontact.cli.terminal import cores, progress_bars
+from cylcontact.cli.terminal import cores, progress_bars, show
 from cylcontact.errors import InputError
 from cylcontact.export import JOINT_TARGETS, TARGETS
 from cylcontact.files import replacing, require_suffix, shipped_bench, write_table
 from cylcontact.limits import yield_warning
 from cylcontact.pair import CONTACTS
+from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
     from cylcontact.reports.bench import Bench
@@ -161,7 +162,7 @@ def claims(
         raise KeyboardInterrupt(text) from None
     terms, gone = paper_of(bench).definitions, withdrawn(bench)
     if out is None:
-        typer.echo(to_text(computed, terms, gone), nl=False)
+        show(to_text(computed, terms, gone))
         return
     if out.suffix == ".csv":
         write_table(to_table(computed), out)
@@ -174,16 +175,23 @@ def claims(
 
 def laws(
     E: Annotated[
-        str | None, typer.Option("--E", help="Young's modulus, MPa or '207 GPa', the default.")
+        str | None,
+        typer.Option(
+            "--E",
+            help="Young's modulus of both bodies, MPa or e.g. '207 GPa'; that is the default.",
+        ),
     ] = None,
     nu: Annotated[
-        float | None, typer.Option("--nu", help="Poisson's ratio; 0.3 by default.")
+        float | None,
+        typer.Option("--nu", help="Poisson's ratio of both bodies; 0.3 by default."),
     ] = None,
     dR: Annotated[
         float | None,
         typer.Option("--dR", help="ΔR, mm; by default 0.05 internal, twice Ri external."),
     ] = None,
-    R_i: Annotated[float, typer.Option("--Ri", help="Radius of the hole or roller, mm.")] = 10.0,
+    R_i: Annotated[
+        float, typer.Option("--Ri", help="Radius of body i, mm; the hole, or a roller.")
+    ] = 10.0,
     length: Annotated[float, typer.Option(help="Axial length, mm.")] = 10.0,
     load: Annotated[float, typer.Option(help="Load per unit length, N/mm.")] = 100.0,
     contact: Annotated[str, typer.Option(help=f"{listed(CONTACTS)}.")] = "internal",
@@ -212,10 +220,8 @@ def laws(
             rule = "is given by --pin and --hole already"
             raise InputError("laws", f"--{name}", value, rule, "leave it out, or both of them")
         pair = pin_in_hole(Material.named(pin), Material.named(hole), dR, R_i, length)
-    side_by_side = to_text(pair, load)
-    typer.echo(
-        f"{laws_to_use.to_text(pair.contact, Bench(shipped_bench()))}\n\n{side_by_side}", nl=False
-    )
+    advice = laws_to_use.to_text(pair.contact, Bench(shipped_bench()))
+    show(joined([advice, to_text(pair, load)], "\n\n"))
     warning = yield_warning(load, pair)
     if warning is not None:
         typer.echo(f"warning: {warning}", err=True)
@@ -235,7 +241,7 @@ def export(
         typer.Option("--to", help=f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}."),
     ],
     contact: Annotated[
-        str | None, typer.Option(help=f"{listed(CONTACTS)}, for laws that depend on it.")
+        str | None, typer.Option(help=f"{listed(CONTACTS)}; for laws that depend on it.")
     ] = None,
     out: Annotated[
         Path | None,

@@ -11,11 +11,14 @@ from typing import TYPE_CHECKING
 import typer
 
 from cylcontact.progress import Progress
+from cylcontact.text_tables import TextTable, pieces_of
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from cylcontact.parallel import Workers
 
-__all__ = ["cores", "progress_bars", "workers"]
+__all__ = ["cores", "progress_bars", "show", "workers"]
 
 
 def cores() -> int:
@@ -32,6 +35,37 @@ def workers(jobs: int | None, scheduler: str | None) -> Workers:
     if jobs is not None:
         raise typer.BadParameter("--jobs is for this machine; leave it out with --scheduler")
     return Cluster(scheduler)
+
+
+def show(text: str) -> None:
+    """Print a report; on a terminal its tables are drawn, if they are not wider than it is."""
+    from rich.console import Console
+
+    if sys.stdout.isatty():
+        console = Console(highlight=False, markup=False)
+        text = "".join(_drawn(piece, console) for piece in pieces_of(text))
+    typer.echo(text)
+
+
+def _drawn(piece: str, console: Console) -> str:
+    """Return a table with lines and colours; other text, and a wide table, as it is."""
+    if not isinstance(piece, TextTable):
+        return piece
+    from rich import box
+    from rich.measure import Measurement
+    from rich.table import Table
+
+    table = Table(box=box.ROUNDED, header_style="bold")
+    for index, column in enumerate(piece.columns):
+        table.add_column(column, justify="left" if index == 0 else "right", no_wrap=True)
+    for row in piece.rows:
+        table.add_row(*row)
+    unlimited = console.options.update(max_width=10_000)
+    if Measurement.get(console, unlimited, table).maximum > console.width:
+        return piece
+    with console.capture() as capture:
+        console.print(table)
+    return capture.get().rstrip("\n")
 
 
 @contextmanager

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cylcontact.cli.options import integer_from
-from cylcontact.cli.terminal import progress_bars
+from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix, require_writable
+from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
     from cylcontact.parallel import Workers
@@ -55,23 +56,7 @@ def study_uncertainty(
     where: Workers,
     out: Path | None,
 ) -> None:
-    """Estimate the uncertainty of a fit: noise of measurements, or discrepancy of laws.
-
-    Parameters
-    ----------
-    result : Path
-        The result.
-    options : StudyOptions
-        What to study.
-    law : str or None
-        module:function, to run a law of the user's own again.
-    seed : int or None
-        Of the resampling.
-    where : int or Cluster
-        Where to run the refits.
-    out : Path or None
-        A .json to write everything to.
-    """
+    """Estimate the uncertainty of a fit: noise of measurements, or discrepancy of laws."""
     from cylcontact.fitting import FitResult
     from cylcontact.fitting.report import discrepancy_text, noise_text
     from cylcontact.fitting.uncertainty.discrepancy import DiscrepancyStudy, study_discrepancy
@@ -113,7 +98,7 @@ def study_uncertainty(
             )
             text = discrepancy_text(study, fit)
     _write(study, out)
-    typer.echo(text + (f"\n\nwritten to {out}" if out else ""))
+    show(joined([text, *([f"written to {out}"] if out else [])], "\n\n"))
 
 
 def _require_study(

@@ -32,6 +32,7 @@ from cylcontact.fitting.law_models import (
     grid_model_of,
     is_user_law,
     model_of,
+    units_of,
     with_rig,
 )
 from cylcontact.fitting.measured_objective import STANDARDISED, objective_name
@@ -45,6 +46,7 @@ from cylcontact.fitting.specs import (
     require_complete,
 )
 from cylcontact.fitting.user_law import UserFunction, named_user_model, user_model
+from cylcontact.html_repr import table_html
 from cylcontact.laws.definition import LawModel, Parameter
 from cylcontact.pair import Contact
 from cylcontact.provenance import made_with, spec_hash
@@ -145,6 +147,28 @@ class Campaign:
     parameters: tuple[Parameter, ...]
     objective: str
     source: str
+
+    def __repr__(self) -> str:
+        free = sum(p.is_free for p in self.parameters)
+        return (
+            f"Campaign({self.name!r}, {self.model.law} law, {self.model.contact} contact, "
+            f"{free} of {len(self.parameters)} parameters free, {self.objective})"
+        )
+
+    def _repr_html_(self) -> str:
+        rows: dict[str, object] = {
+            "law": self.model.law,
+            "contact": self.model.contact,
+            "fitted to": self.data.reference,
+            "objective": self.objective,
+        }
+        units = units_of(self.model.law, self.model.contact)
+        for p in self.parameters:
+            unit = units.get(p.name, "")
+            rows[f"{p.name} ({unit})" if unit else p.name] = (
+                f"{p.value:.6g}, fixed" if p.fixed else p.tie or f"{p.low:.6g} to {p.high:.6g}"
+            )
+        return table_html(f"Campaign {self.name}", rows)
 
     @property
     def settings(self) -> dict[str, Any]:

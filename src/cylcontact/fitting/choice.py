@@ -19,11 +19,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from html import escape
 from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
+from threadpoolctl import threadpool_limits
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
@@ -34,13 +36,13 @@ from cylcontact.fitting.least_squares import descend, starting_points
 from cylcontact.fitting.measured_objective import MeasuredObjective, measured
 from cylcontact.fitting.noise_model import FittedNoise
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.report import text_table
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.information import log_likelihood, number_estimated
 from cylcontact.fitting.uncertainty.residual_model import with_rows
 from cylcontact.laws import DEFINITIONS
 from cylcontact.pair import Contact
 from cylcontact.progress import Progress, silent
+from cylcontact.text_tables import joined, text_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -205,7 +207,7 @@ class Choice:
         items = (fill(note, 100, initial_indent="- ", subsequent_indent="  ") for note in notes)
         count = len(measured(self.best.problem).data)
         title = f"{self.data.name}: {len(self.laws)} laws fitted to {count:,} measurements"
-        return "\n".join([title, "", text_table(head, rows), *items])
+        return joined([title, "", text_table(head, rows), *items])
 
     def _conclusion(self) -> str:
         """Return whether the data decide, in a sentence."""
@@ -223,7 +225,7 @@ class Choice:
         )
 
     def _repr_html_(self) -> str:
-        return str(self.table.round(3).to_html()) + f"<p>{self._conclusion()}</p>"
+        return f"{self.table.round(3).to_html()}<p>{escape(self._conclusion())}</p>"
 
 
 def listed_with_and(names: Sequence[str]) -> str:
@@ -307,7 +309,9 @@ def choose_law(
     for number, name in enumerate(chosen):
         progress("fitting", number, len(chosen))
         try:
-            fitted.append((name, *_fitted(_campaign(table, name, starts=_STARTS))))
+            # Matrices this small are slower on several threads.
+            with threadpool_limits(limits=1):
+                fitted.append((name, *_fitted(_campaign(table, name, starts=_STARTS))))
         except InputError as error:
             if names:
                 raise
@@ -322,7 +326,8 @@ def choose_law(
     sizes = np.array([float(part.size) for part in parts])
     ranked = []
     for name, problem, point, aicc in fitted:
-        errors = [_error_of_part(problem, point, part, best) for part in parts]
+        with threadpool_limits(limits=1):
+            errors = [_error_of_part(problem, point, part, best) for part in parts]
         if not np.isfinite(errors).all():
             left_out[name] = "left out: undefined for a part of the data by a fit to the others"
             continue

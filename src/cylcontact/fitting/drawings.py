@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
@@ -35,6 +36,8 @@ __all__ = [
 
 # Points of a curve, and the most pairs and laws with curves of their own.
 _POINTS, _PAIRS, _LAWS = 121, 5, 4
+# The most lines of a legend within a panel; each below the panels makes the figure taller.
+_LEGEND, _TALLER = 4, 0.04
 # Curves closer than this share of the readings' range are drawn as one.
 _APART = 0.005
 
@@ -100,6 +103,7 @@ def fit_drawing(result: FitResult) -> Drawing:
     plot(result, upper)
     plot_residuals(result, lower)
     upper.set_xlabel("")
+    _move_long_legend(figure, upper)
     level = 100 * result._level
     values = ", ".join(f"{name} = {value:.4g}" for name, value in _free(result).items())
     caption = (
@@ -108,6 +112,15 @@ def fit_drawing(result: FitResult) -> Drawing:
         "in standard deviations."
     )
     return Drawing(figure, result.residuals, _free(result), caption)
+
+
+def _move_long_legend(figure: Figure, axes: Axes) -> None:
+    """Move a legend of many lines, which would cover the data, below the panels."""
+    legend, (handles, labels) = axes.get_legend(), axes.get_legend_handles_labels()
+    if legend is not None and len(labels) > _LEGEND:
+        legend.remove()
+        figure.set_figheight(figure.get_figheight() * (1 + _TALLER * len(labels)))
+        figure.legend(handles, labels, loc="outside lower center")
 
 
 def plot_choice(choice: Choice, ax: Axes | None = None) -> Axes:

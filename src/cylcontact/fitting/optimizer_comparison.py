@@ -13,9 +13,9 @@ from cylcontact.fitting.calibration import problem_of, search_all
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed
 from cylcontact.fitting.records import RunRecord
-from cylcontact.fitting.report import text_table
 from cylcontact.parallel import Workers
 from cylcontact.progress import Progress, silent
+from cylcontact.text_tables import TextTable, text_table
 
 __all__ = [
     "CSV_COLUMNS",
@@ -102,7 +102,7 @@ def best_objective(compared: Sequence[OptimizerRuns]) -> float:
     return min(record.objective for runs in compared for record in runs.records)
 
 
-def as_text(compared: Sequence[OptimizerRuns]) -> str:
+def as_text(compared: Sequence[OptimizerRuns]) -> TextTable:
     """Return a table of the optimisers.
 
     A run is in the best basin if its objective is within 0.1 % of the best of all runs, before

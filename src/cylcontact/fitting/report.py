@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from textwrap import fill
@@ -23,6 +22,7 @@ from cylcontact.fitting.assessment import (
 )
 from cylcontact.fitting.law_models import units_of
 from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, FEW_REFITS, FEWEST_REFITS
+from cylcontact.text_tables import Report, joined, text_table
 
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
@@ -43,7 +43,6 @@ __all__ = [
     "labels",
     "noise_text",
     "side_by_side",
-    "text_table",
 ]
 
 _WIDTH = 100
@@ -72,10 +71,10 @@ _Rows = list[tuple[str, ...]]
 # --- one result -------------------------------------------------------------------------------
 
 
-def as_text(result: FitResult) -> str:
+def as_text(result: FitResult) -> Report:
     """Return the report on one result."""
     warned = [_item(sentence, "! ") for sentence in warnings(result)]
-    return "\n".join(
+    return joined(
         [
             fill(_headline(result), _WIDTH),
             *([_status(result)] if result.uncertainty is not None else []),
@@ -178,6 +177,7 @@ def _rows(result: FitResult) -> _Rows:
     if result.uncertainty is not None:
         return _measured_rows(result, result.uncertainty)
     published, optimum = result.published, result.objective.value
+    of_names = with_units(result, {name: name for name in result.coefficients})
     rows: _Rows = []
     for name, value in result.coefficients.items():
         paper = f"{published.coefficients[name]:g}" if published else "-"
@@ -187,10 +187,11 @@ def _rows(result: FitResult) -> _Rows:
             interval = profile.interval
             if profile.objective_at_published is not None:
                 penalty = f"{profile.objective_at_published / optimum - 1:+.1%}"
-        rows.append((name, f"{value:.5g}", paper, penalty, interval, identification(result, name)))
+        verdict = identification(result, name)
+        rows.append((of_names[name], f"{value:.5g}", paper, penalty, interval, verdict))
     paper = f"{published.objective:.5g}" if published else "-"
     bound = f"bound {result.bound:.5g}" if result.bound is not None else ""
-    rows.append((result.objective.name, f"{optimum:.5g}", paper, "", bound, ""))
+    rows.append((_objective(result), f"{optimum:.5g}", paper, "", bound, ""))
     worst = result.max_abs_diff_percent
     rows.append(("max |Eq 9|, %", f"{worst.fitted:.4g}", _or_dash(worst.published), "", "", ""))
     return rows
@@ -228,7 +229,7 @@ def _measured_rows(result: FitResult, uncertainty: Uncertainty) -> _Rows:
 # --- several results --------------------------------------------------------------------------
 
 
-def compare(results: Sequence[FitResult]) -> str:
+def compare(results: Sequence[FitResult]) -> Report:
     """Return results side by side: a table for those of one kind, then the verdicts.
 
     Parameters
@@ -238,15 +239,15 @@ def compare(results: Sequence[FitResult]) -> str:
 
     Returns
     -------
-    str
+    Report
         Results of one kind are of the same law, contact and search (`by_search`). A table has a
         column for the published coefficients and one for each result, and the samples of each
         beneath. That of a single result gives its difference from the published coefficients.
     """
-    parts = [_side_by_side_text(group) for group in by_search(results)]
+    parts: list[str] = [_side_by_side_text(group) for group in by_search(results)]
     for result in results:
         parts.append("\n".join([f"{result.name}:", *map(_item, verdicts(result))]))
-    return "\n\n".join(parts)
+    return joined(parts, "\n\n")
 
 
 def by_search(results: Iterable[FitResult]) -> list[list[FitResult]]:
@@ -270,6 +271,18 @@ def labels(result: FitResult) -> dict[str, str]:
     of_ties = {name: f"{name} = {expression}" for name, expression in ties(result).items()}
     of_fixed = {name: f"{name} (fixed)" for name in fixed(result)}
     return {name: (of_ties | of_fixed).get(name, name) for name in result.coefficients}
+
+
+def with_units(result: FitResult, labels: Mapping[str, str]) -> dict[str, str]:
+    """Return labels of coefficients with their units, name → "label, unit"."""
+    units = units_of(result.law, result.contact)
+    return {name: ", ".join(filter(None, (text, units.get(name)))) for name, text in labels.items()}
+
+
+def _objective(result: FitResult) -> str:
+    """Return the name of the objective with its unit."""
+    name = result.objective.name
+    return ", ".join(filter(None, (name, _OBJECTIVE_UNITS.get(name))))
 
 
 def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
@@ -343,22 +356,25 @@ def _numbers(result: FitResult) -> tuple[float | None, ...]:
     )
 
 
-def _side_by_side_text(results: list[FitResult]) -> str:
+def _side_by_side_text(results: list[FitResult]) -> Report:
     """Return results of one law and contact side by side as text."""
     first = results[0]
+    of_coefficients = labels(first)
+    of_units = with_units(first, of_coefficients)
     names = {row: label for row, (label, _) in NUMBERS.items()}
+    names |= {label: of_units[name] for name, label in of_coefficients.items()}
     columns = [f"{first.law}, {first.contact}", "published", *(r.name for r in results)]
     if len(results) == 1:
-        names["objective"] = first.objective.name
+        names["objective"] = _objective(first)
         columns.append("difference, %")
     rows: _Rows = [
         (names.get(row, row), *("-" if c is None else c for c in cells))
         for row, cells in side_by_side(results).items()
     ]
     if len(results) > 1:
-        objectives = ("objective", "", *(result.objective.name for result in results))
+        objectives = ("objective", "", *map(_objective, results))
         rows.insert(len(first.coefficients), objectives)
-    return "\n".join([text_table(columns, rows), *map(_samples_text, results)])
+    return joined([text_table(columns, rows), *map(_samples_text, results)])
 
 
 def _samples_text(result: FitResult) -> str:
@@ -390,7 +406,7 @@ def _axis_text(symbol: str, unit: str, axis: Mapping[str, Any]) -> str:
 # --- studies of uncertainty -------------------------------------------------------------------
 
 
-def noise_text(study: NoiseStudy) -> str:
+def noise_text(study: NoiseStudy) -> Report:
     """Return the report on the uncertainty of a fit to measurements."""
     uncertainty, bootstrap = study.uncertainty, study.bootstrap
     level = f"{100 * uncertainty.level:g} %"
@@ -417,10 +433,10 @@ def noise_text(study: NoiseStudy) -> str:
         *_left_out(study.left_out, list(uncertainty.estimates)),
         *_on_bands(study.bands, level),
     ]
-    return "\n\n".join(parts)
+    return joined(parts, "\n\n")
 
 
-def discrepancy_text(study: DiscrepancyStudy, result: FitResult) -> str:
+def discrepancy_text(study: DiscrepancyStudy, result: FitResult) -> Report:
     """Return the report on the discrepancy of a fit to a reference law."""
     rows: _Rows = [
         (name, f"{result.coefficients[name]:.5g}", profile.interval)
@@ -439,7 +455,7 @@ def discrepancy_text(study: DiscrepancyStudy, result: FitResult) -> str:
         "\n".join(map(_item, sentences)),
         *_left_out(study.left_out, list(study.profiles)),
     ]
-    return "\n\n".join(parts)
+    return joined(parts, "\n\n")
 
 
 def _interval(low: float | None, high: float | None) -> str:
@@ -486,7 +502,7 @@ def _left_out(fits: Sequence[LeftOut], names: Sequence[str]) -> list[str]:
         for fit in fits
     ]
     table = text_table(("without", "samples", *names, "RMS on that group"), rows)
-    return ["Fits without one group, and how well they predict it:\n" + table]
+    return [joined(["Fits without one group, and how well they predict it:", table])]
 
 
 def _on_bands(bands: Sequence[Band], level: str) -> list[str]:
@@ -499,7 +515,7 @@ def _on_bands(bands: Sequence[Band], level: str) -> list[str]:
     ]
     end = ("at", "curve ±%", "new ±%")
     table = text_table(("pair", "predicted", *end, *end), rows)
-    return [f"Bands at the ends of the range ({level}):\n" + table]
+    return [joined([f"Bands at the ends of the range ({level}):", table])]
 
 
 def _half_widths(band: Band, k: int) -> tuple[str, str, str]:
@@ -510,34 +526,6 @@ def _half_widths(band: Band, k: int) -> tuple[str, str, str]:
 
 
 # --- pieces of text ---------------------------------------------------------------------------
-
-
-def text_table(columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> str:
-    """Return an aligned table of text, with numbers to the right.
-
-    Parameters
-    ----------
-    columns : sequence of str
-        The headings.
-    rows : sequence of tuple of str
-        The cells, row by row.
-
-    Returns
-    -------
-    str
-    """
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, header_style="")
-    for index, column in enumerate(columns):
-        table.add_column(column, justify="left" if index == 0 else "right", no_wrap=True)
-    for row in rows:
-        table.add_row(*row)
-    stream = io.StringIO()
-    width = max(_WIDTH, 24 * len(columns))
-    Console(file=stream, width=width, color_system=None, markup=False, highlight=False).print(table)
-    return "\n".join(line.rstrip() for line in stream.getvalue().splitlines())
 
 
 def _item(sentence: str, mark: str = "- ") -> str:

@@ -194,6 +194,7 @@ class Enhanced(PowerShaped):
 
     coefficients: Coefficients | Mapping[str, float] | None = None
     name: ClassVar[str] = "enhanced"
+    units: ClassVar[Mapping[str, str]] = {"a": "mm^(1-n)", "b": "mm^(2-n)", "Y_slope": "1/mm"}
 
     def __post_init__(self) -> None:
         if isinstance(self.coefficients, Mapping):

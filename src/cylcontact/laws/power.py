@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -110,6 +111,7 @@ class PowerLaw(PowerShaped):
     K: float | None = None
     K_star: float | None = None
     C: float | None = None
+    units: ClassVar[Mapping[str, str]] = {"K": "N/mm/mm^n", "K_star": "mm^(2-n)"}
 
     def __post_init__(self) -> None:
         factors = (self.K, self.K_star, self.C)

@@ -14,6 +14,7 @@ from cylcontact.mechanism.model import Mechanism, mechanism_from, read_mechanism
 from cylcontact.mechanism.simulate import Interrupted, simulate
 from cylcontact.mechanism.statistics import Statistics
 from cylcontact.mechanism.step_history import Settings
+from cylcontact.mechanism.studies import horizon
 from cylcontact.mechanism.sweep import Case, Plan, cases, sweep
 from cylcontact.mechanism.trajectory import Trajectory
 
@@ -31,6 +32,7 @@ __all__ = [
     "Statistics",
     "Trajectory",
     "cases",
+    "horizon",
     "isolated_impact",
     "joint_from",
     "long_run",

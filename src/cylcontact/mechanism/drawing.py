@@ -7,15 +7,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon
 from matplotlib.transforms import Affine2D
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, require
 from cylcontact.mechanism import Mechanism, Trajectory
 from cylcontact.mechanism.model import Joint
+from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.sketch import OUTLINE, POINTER, THIN, Point
-from cylcontact.plots.style import ACCENT
+from cylcontact.plots.style import ACCENT, QUIET, figure_style
 
 __all__ = [
     "DRAWN",
@@ -27,6 +29,7 @@ __all__ = [
     "draw_magnified",
     "driver_circle",
     "frame",
+    "joint_drawing",
     "joint_place",
     "poses",
     "set_view",
@@ -299,7 +302,8 @@ def draw_circle(axes: Axes, mechanism: Mechanism, pose: Pose) -> None:
     start, end = (
         (float(x + radius * np.cos(angle)), float(y + radius * np.sin(angle))) for angle in turn
     )
-    bend = 0.2 * np.sign(mechanism.driver.speed)
+    # The control point of an arc is half the tangent of half its angle away, in chords.
+    bend = 0.5 * np.tan(0.5 * (turn[1] - turn[0]))
     arrow = POINTER | {"connectionstyle": f"arc3,rad={bend:g}", "zorder": 1, "linewidth": 0.9}
     axes.annotate("", xy=end, xytext=start, arrowprops=arrow)
 
@@ -378,3 +382,52 @@ def draw_clearance_circle(axes: Axes, radius: float, **style: Any) -> None:
         "marker": "",
     }
     axes.plot(radius * np.cos(turn), radius * np.sin(turn), **defaults | style)
+
+
+@figure_style()
+def joint_drawing(run: Trajectory, revolutions: float = 2.0) -> Drawing:
+    """Draw the path of the journal's centre in the bearing, and the force in the joint.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run.
+    revolutions : float, optional
+        How many are drawn, from the end.
+
+    Returns
+    -------
+    Drawing
+        Its table has one row for each step, its headline the largest force in N.
+
+    Raises
+    ------
+    InputError
+        If `revolutions` is not positive.
+    """
+    require(revolutions > 0, "plot", "revolutions", revolutions, "must be positive", "give e.g. 2")
+    last = run.revolution >= run.revolution[-1] - revolutions
+    centre = -1e3 * run.eccentricity[last]
+    table = pd.DataFrame(
+        {
+            "revolution": run.revolution[last],
+            "x_mm": centre[:, 0],
+            "y_mm": centre[:, 1],
+            "normal_force_N": run.normal_force[last],
+        }
+    )
+    figure = new_figure("full", 70.0)
+    path, force = figure.subplots(1, 2, width_ratios=(1, 2))
+    plain: dict[str, Any] = {"color": "black", "linestyle": "-", "linewidth": 0.6, "marker": ""}
+    draw_clearance_circle(path, 1e3 * run.mechanism.clearance.radial, color=QUIET)
+    path.plot(table["x_mm"], table["y_mm"], **plain | {"color": ACCENT})
+    path.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
+    force.plot(table["revolution"], table["normal_force_N"], **plain)
+    force.set(xlabel="revolution (-)", ylabel="normal force (N)")
+    caption = (
+        f"{run.mechanism.name}, the end of the run. Left: the path of the journal's centre in the "
+        "bearing, and dashed the circle on which it touches the bearing. Right: the normal force "
+        "in the joint."
+    )
+    largest = {"largest normal force, N": float(table["normal_force_N"].max())}
+    return Drawing(figure, table, largest, caption)

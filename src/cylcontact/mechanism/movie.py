@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
@@ -24,16 +26,25 @@ from cylcontact.mechanism.drawing import (
     poses,
     set_view,
 )
-from cylcontact.plots.style import ACCENT, figure_style
+from cylcontact.plots.style import ACCENT, FigureStyle, figure_style
 from cylcontact.progress import Progress, silent
 
 __all__ = ["FRAMES_PER_REVOLUTION", "film", "require_film"]
 
 SIZE_INCHES, DPI = (7.2, 3.2), 90
+STYLE = FigureStyle("film", font_size=10.0)
 # GIF counts time in hundredths of a second.
 FRAMES_PER_REVOLUTION, FRAMES_PER_SECOND = 90, 20
 # Length of the trail of the journal's centre, in revolutions.
 TRAIL = 0.25
+TRAIL_LINE: dict[str, Any] = {"color": ACCENT, "linewidth": 0.8, "linestyle": "-", "marker": ""}
+CENTRE: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 4,
+    "color": "black",
+    "markerfacecolor": "black",
+}
 # Length of the 99th percentile of the force, in radii of the bearing.
 ARROW = 0.55
 FORCE = {"arrowstyle": "-|>", "color": ACCENT, "linewidth": 2, "shrinkA": 0, "shrinkB": 0}
@@ -70,7 +81,7 @@ def film(run: Trajectory, path: Path, first: int = 0, progress: Progress = silen
     count = (run.revolutions - first) * FRAMES_PER_REVOLUTION
     times = (first + np.arange(count) / FRAMES_PER_REVOLUTION) * run.mechanism.period
     path_of = poses(run, times)
-    with figure_style(), replacing(path) as temporary:
+    with figure_style(STYLE), replacing(path) as temporary:
         figure = Figure(figsize=SIZE_INCHES, layout="constrained")
         scene = _Scene(figure, run, path_of)
         writer = writers[WRITERS[path.suffix]](fps=FRAMES_PER_SECOND)
@@ -103,6 +114,12 @@ class _Scene:
         self.view = frame(run.mechanism, path)
         self.path = path
         touching = run.normal_force[run.in_contact & (run.time >= path[0].time)]
+        handles = [
+            Line2D([], [], label="journal's centre", **CENTRE),
+            Line2D([], [], label=f"its path over {TRAIL:g} revolutions", **TRAIL_LINE),
+            Line2D([], [], label="force on the bearing", color=ACCENT, linewidth=2.0),
+        ]
+        figure.legend(handles=handles, loc="outside lower center", ncols=3)
         self.scale = float(np.percentile(touching, 99)) if touching.size else 1.0
 
     def draw(self, pose: Pose) -> None:
@@ -111,6 +128,7 @@ class _Scene:
         row = int(np.searchsorted(self.run.time, pose.time, side="right")) - 1
         for axes in (self.left, self.right):
             axes.clear()
+            axes.set_anchor("N")
         set_view(self.left, self.view)
         draw_circle(self.left, mechanism, pose)
         draw_linkage(self.left, mechanism, pose, self.view[1] - self.view[0], self.path)
@@ -121,7 +139,7 @@ class _Scene:
         centre = draw_magnified(self.right, self.joint, pose.eccentricity)
         draw_clearance_circle(self.right, DRAWN, zorder=5)
         self._draw_trail(self.right, pose.time)
-        self.right.plot(*centre, marker="o", markersize=4, color="black", zorder=7)
+        self.right.plot(*centre, **CENTRE, zorder=7)
         self._draw_force(self.right, row)
         mode = "contact" if self.run.in_contact[row] else "flight"
         self.right.set_title(f"clearance × {self.joint.factor:.3g}: {mode}")
@@ -131,7 +149,7 @@ class _Scene:
         begin = time - TRAIL * self.run.mechanism.period
         rows = slice(*np.searchsorted(self.run.time, [begin, time]))
         trail = -DRAWN / self.joint.radial * 1e3 * self.run.eccentricity[rows]
-        axes.plot(*trail.T, color=ACCENT, linewidth=0.8, linestyle="-", marker="", zorder=6)
+        axes.plot(*trail.T, **TRAIL_LINE, zorder=6)
 
     def _draw_force(self, axes: Axes, row: int) -> None:
         """Draw the force on the bearing where the journal touches it."""

@@ -17,6 +17,7 @@ from cylcontact.mechanism.batch_means import BatchMeans
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.revolution import ENERGIES, FORCE_PERCENTILES, Limits
 from cylcontact.mechanism.step_history import Settings, State
+from cylcontact.text_tables import Report, frame_table, joined
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -419,16 +420,16 @@ class Statistics:
         )
 
     def __repr__(self) -> str:
-        table = self._table().to_string(float_format=lambda number: f"{number:.5g}", na_rep="-")
+        table = frame_table(self._table())
         lines = [f"Means over {self._counts}; {self._method}", table, *self.motion]
-        return "\n".join(lines)
+        return joined(lines)
 
     def _repr_html_(self) -> str:
         notes = "".join(f"<p>{escape(text)}.</p>" for text in (self._method, *self.motion))
         table: str = self._table().to_html(float_format=lambda number: f"{number:.5g}", na_rep="–")
         return f"<p>Means over {self._counts}.</p>{table}{notes}"
 
-    def to_text(self) -> str:
+    def to_text(self) -> Report:
         """Return the report that `cylcontact simulate` prints: summary, statistics, assumptions."""
         milliseconds = float(self.revolutions["seconds"].mean()) * 1e3
         lines = [
@@ -444,7 +445,7 @@ class Statistics:
                 "; ".join(self.assumptions), _WIDTH, initial_indent="  ", subsequent_indent="  "
             ),
         ]
-        return "\n".join(lines) + "\n"
+        return joined(lines)
 
     @property
     def assumptions(self) -> tuple[str, ...]:

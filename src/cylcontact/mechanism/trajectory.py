@@ -27,6 +27,8 @@ from cylcontact.provenance import made_with
 if TYPE_CHECKING:
     import pandas as pd
 
+    from cylcontact.plots import Drawing
+
 __all__ = ["Trajectory"]
 
 # The key of the schema's metadata with everything but the states.
@@ -483,8 +485,38 @@ class Trajectory:
         system = build(mechanism, settings.method, settings.beyond)
         return cls(mechanism, settings, rows, system.block)
 
-    def __repr__(self) -> str:
+    def plot(self, revolutions: float = 2.0) -> Drawing:
+        """Draw the path of the journal's centre in the bearing, and the force in the joint.
+
+        Parameters
+        ----------
+        revolutions : float, optional
+            How many are drawn, from the end.
+
+        Returns
+        -------
+        Drawing
+            Its table has one row for each step, its headline the largest force in N.
+
+        Raises
+        ------
+        InputError
+            If `revolutions` is not positive.
+        """
+        from cylcontact.mechanism.drawing import joint_drawing
+
+        return joint_drawing(self, revolutions)
+
+    def __str__(self) -> str:
         return described(f"Trajectory of {self.mechanism.name!r}", self.statistics().summary)
 
+    def __repr__(self) -> str:
+        return (
+            f"Trajectory({self.mechanism.name!r}, revolutions={self.revolutions}, "
+            f"rows={self.time.size}, end={self.time[-1]:.6g} s)"
+        )
+
     def _repr_html_(self) -> str:
-        return table_html(f"Trajectory of {self.mechanism.name}", self.statistics().summary)
+        rows = {"duration (s)": self.time[-1] - self.time[0], **self.statistics().summary}
+        picture = "" if self.mechanism.ideal else self.plot()._repr_html_()
+        return table_html(f"Trajectory of {self.mechanism.name}", rows) + picture

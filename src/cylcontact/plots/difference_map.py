@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.patheffects import TickedStroke, withStroke
 from matplotlib.text import Text
@@ -26,7 +25,7 @@ from cylcontact.plots.arguments import (
     require_range,
 )
 from cylcontact.plots.figure import plain_log, round_ticks
-from cylcontact.plots.maps import RIM, add_scale, draw_contours, label_contours
+from cylcontact.plots.maps import add_scale, draw_contours, label_contours
 from cylcontact.yield_search import Criterion
 
 __all__ = ["DR", "LOAD", "map_grid", "plot_map"]
@@ -35,7 +34,6 @@ DR: Range = (0.0075, 2.0)  # mm, of Figs 10 to 14
 LOAD: Range = (10.0, 1000.0)  # N/mm
 POINTS = (161, 81)  # along ΔR and along the load
 BEYOND: dict[str, Any] = {"facecolor": "0.72", "edgecolor": "0.4", "hatch": "xxxxx", "linewidth": 0}
-LABEL_LENGTH = 5.0  # of a yield line long enough for a label, in sizes of the font
 # Along each side of a text, and along a line, that labels avoid.
 TEXT_POINTS, LINE_POINTS = 9, 41
 
@@ -82,7 +80,7 @@ def plot_map(
         Whether to put the colour scale beside the axes.
     ax : matplotlib.axes.Axes, optional
         Where to draw. By default the axes of a new figure in the journal's style, made without
-        pyplot, with a legend of the line and the hatching; in axes of yours call `ax.legend()`.
+        pyplot, with a key of the line and the hatching below; in axes of yours call `ax.legend()`.
         Contour labels avoid what the axes have already.
 
     Returns
@@ -102,7 +100,8 @@ def plot_map(
     >>> bronze = Material("bronze", E=110e3, nu=0.34, yield_stress=220.0)
     >>> ax = plot_map(laws.Enhanced(), laws.Johnson(), bronze, load=(10.0, 5000.0))
     >>> ax.get_legend_handles_labels()[1]
-    ['beyond the largest load of johnson', 'first yield (von Mises), $R_i$ = 10 mm']
+    ["beyond the reference's largest load",
+    'first yield (von Mises), $R_i$ = 10 mm; ticked side yields']
     """
     law, reference = as_law(law, "plot_map", "law"), as_law(reference, "plot_map", "reference")
     pair, loads = map_grid(
@@ -128,16 +127,13 @@ def plot_map(
             add_scale(axes.figure, axes, label)
         lines = draw_contours(axes, np.broadcast_to(pair.dR, loads.shape), loads, percent)
         ends = np.broadcast_to(reference.max_load(pair), (POINTS[0], 1))[:, 0]
-        _shade_beyond(axes, clearances, ends, load, reference.name)
-        yields = None
+        _shade_beyond(axes, clearances, ends, load)
         if criterion is not None and _has_yield_stress(pair):
-            yields = yield_load(pair, criterion)[:, 0]
-            _draw_yield_line(axes, clearances, yields, f"first yield ({criterion})", R_i)
+            words = f"first yield ({criterion}), $R_i$ = {R_i:g} mm"
+            _draw_yield_line(axes, clearances, yield_load(pair, criterion)[:, 0], load, words)
         if ax is None:
             add_legend(axes)
         _settle_layout(axes)
-        if yields is not None:
-            _label_yield_line(axes, clearances, yields, load)
         label_contours(axes, lines, _taken(axes))
     return axes
 
@@ -201,17 +197,19 @@ def _has_yield_stress(pair: CylinderPair) -> bool:
     return None not in (pair.material_i.yield_stress, pair.material_j.yield_stress)
 
 
-def _shade_beyond(axes: Axes, dR: FloatArray, ends: FloatArray, load: Range, name: str) -> None:
+def _shade_beyond(axes: Axes, dR: FloatArray, ends: FloatArray, load: Range) -> None:
     """Shade the loads beyond the reference's largest one, if there are any in the window."""
     low, high = load
     if (ends >= high).all():
         return
-    words = f"beyond the largest load of {name}"
+    words = "beyond the reference's largest load"
     axes.fill_between(dR, np.clip(ends, low, high), high, **BEYOND, label=words)
     axes.plot(dR, ends, "-", color="black", linewidth=0.8, marker="")
 
 
-def _draw_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray, words: str, R_i: float) -> None:
+def _draw_yield_line(
+    axes: Axes, dR: FloatArray, limit: FloatArray, load: Range, words: str
+) -> None:
     """Draw the load at which the contact yields, with ticks on the side that yields."""
     comb = TickedStroke(spacing=6, angle=90, length=0.6, linewidth=0.8, foreground="black")
     line: dict[str, Any] = {
@@ -220,7 +218,10 @@ def _draw_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray, words: str, 
         "marker": "",
         "path_effects": [withStroke(linewidth=3.2, foreground="white"), comb],
     }
-    axes.plot(dR, limit, "-", **line, label=f"{words}, $R_i$ = {R_i:g} mm")
+    inside = ((limit > load[0]) & (limit < load[1])).any()
+    # The key of a line outside the window has no sample of it.
+    style, where = ("-", "ticked side yields") if inside else ("none", "outside this map")
+    axes.plot(dR, limit, linestyle=style, **line, label=f"{words}; {where}")
 
 
 def _settle_layout(axes: Axes) -> None:
@@ -242,26 +243,3 @@ def _taken(axes: Axes) -> FloatArray:
     points = np.concatenate([np.empty((0, 2)), *texts, *lines])
     inside = np.isfinite(points).all(axis=1) & (abs(points - axes.bbox.min) < 1e4).all(axis=1)
     return as_floats(axes.transData.inverted().transform(points[inside]))
-
-
-def _label_yield_line(axes: Axes, dR: FloatArray, limit: FloatArray, load: Range) -> None:
-    """Label the yield line on the side that yields, if it is long enough."""
-    inside = np.flatnonzero((limit > load[0]) & (limit < load[1]))
-    if inside.size == 0:
-        return
-    ends, middle = inside[[0, -1]], inside[inside.size // 2]
-    (x0, y0), (x1, y1) = axes.transData.transform(np.column_stack([dR[ends], limit[ends]]))
-    pixels = LABEL_LENGTH * rcParams["font.size"] * axes.figure.dpi / 100
-    if np.hypot(x1 - x0, y1 - y0) < pixels:
-        return
-    axes.annotate(
-        "yields",
-        xy=(dR[middle], limit[middle]),
-        xytext=(4, 4),
-        textcoords="offset points",
-        rotation=np.degrees(np.arctan2(y1 - y0, x1 - x0)),
-        rotation_mode="anchor",
-        ha="center",
-        va="bottom",
-        path_effects=[RIM],
-    )

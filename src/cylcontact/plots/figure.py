@@ -33,6 +33,7 @@ from cylcontact.plots.style import (
 __all__ = [
     "Drawing",
     "StyledFigure",
+    "figure_of_lines",
     "new_figure",
     "panel_title",
     "plain_log",
@@ -47,6 +48,8 @@ PANEL_HEIGHT = 0.68
 SMALLEST, SHRINKING = 6.0, 0.97
 # A legend with this many lines leaves no room in a narrow panel.
 LONG = 5
+# Height of a line of a table, relative to the size of its text.
+LINE, POINTS_PER_INCH = 1.4, 72.0
 # More labels than this crowd a logarithmic axis.
 MOST_TICKS = 9
 
@@ -288,6 +291,33 @@ def new_figure(width: Width, height_mm: float) -> StyledFigure:
     height = min(height_mm * width_mm / WIDTHS_MM[width], style.highest_mm or np.inf)
     size = (width_mm / MM_PER_INCH, height / MM_PER_INCH)
     return StyledFigure(style, figsize=size, layout="constrained")
+
+
+def figure_of_lines(width: Width, lines: float) -> StyledFigure:
+    """Return an empty figure with the height of so many lines of small text.
+
+    Parameters
+    ----------
+    width : {"column", "middle", "full"}
+        A key of `WIDTHS_MM`.
+    lines : float
+        With those of titles, axes and legends.
+
+    Returns
+    -------
+    StyledFigure
+
+    Examples
+    --------
+    >>> figure = figure_of_lines("column", 12)
+    >>> print((figure.get_size_inches() * 25.4).round(3))
+    [84.    41.487]
+    """
+    figure = new_figure(width, 1.0)
+    height = lines * LINE * small_text() / POINTS_PER_INCH
+    highest = (figure.style.highest_mm or np.inf) / MM_PER_INCH
+    figure.set_figheight(min(height, highest))
+    return figure
 
 
 def panel_title(axes: Axes, number: int, text: str) -> None:

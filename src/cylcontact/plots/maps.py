@@ -33,12 +33,17 @@ LABEL_ROOM = 15.0  # pixels at 100 dpi that a contour's label needs on every sid
 
 
 def add_scale(figure: FigureBase, axes: Axes | Sequence[Axes], label: str) -> None:
-    """Add the colour scale of one or several maps beside them."""
+    """Add the colour scale of one or several maps beside them, in proportion to the percent.
+
+    Its arrows are for what lies beyond the outermost levels.
+    """
     bar = figure.colorbar(
         ScalarMappable(NORM, COLOUR_MAP),
         ax=axes,
         ticks=LEVELS,
         format=lambda level, _: signed(level),
+        spacing="proportional",
+        fraction=0.05,
         pad=0.02,
     )
     bar.ax.tick_params(length=0)

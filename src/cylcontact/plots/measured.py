@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
-from matplotlib.ticker import LogFormatter
+from matplotlib.ticker import FuncFormatter
 
 from cylcontact.arrays import FloatArray
+from cylcontact.plots.figure import plain_number
 from cylcontact.plots.style import COLOURS, MARKERS, QUIET
 
 __all__ = ["Curve", "draw_curves", "draw_readings", "draw_residuals"]
@@ -20,6 +22,8 @@ _MOST_SERIES = len(COLOURS)
 _MICROMETRES = 1e3
 # Axes are logarithmic if loads span more than this ratio and all readings are positive.
 _WIDE = 30.0
+# 0.1, 1 and 10 rather than powers of ten.
+_PLAIN = FuncFormatter(lambda value, _: plain_number(value))
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +66,7 @@ def draw_readings(
     if reading.min() > 0 and load.max() > _WIDE * load.min():
         axes.set(xscale="log", yscale="log")
         for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_formatter(LogFormatter())  # 10 and 100, not powers of ten
+            axis.set_major_formatter(_PLAIN)
     axes.set(xlabel="load (N/mm)", ylabel="penetration (µm)")
 
 
@@ -127,17 +131,21 @@ def draw_residuals(
     for name, rows, style in _styles(load.size, series, "measured"):
         axes.plot(load[rows], residual[rows], linestyle="", label=name, **style)
     axes.margins(y=0.12 if outliers else None)  # room for their words
+    middle = np.sqrt(load.min() * load.max())
     for row, words in (outliers or {}).items():
+        right = load[row] > middle
         axes.annotate(
             words,
             (load[row], residual[row]),
-            xytext=(4, 0),
+            xytext=(-4 if right else 4, 0),
             textcoords="offset points",
-            va="center",
+            horizontalalignment="right" if right else "left",
+            verticalalignment="center",
+            fontsize=rcParams["legend.fontsize"],
         )
     if load.max() > _WIDE * load.min():
         axes.set_xscale("log")
-        axes.xaxis.set_major_formatter(LogFormatter())
+        axes.xaxis.set_major_formatter(_PLAIN)
     axes.set(xlabel="load (N/mm)", ylabel=label)
 
 

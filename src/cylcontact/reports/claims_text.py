@@ -11,6 +11,7 @@ from typing import Any
 import pandas as pd
 
 from cylcontact.reports.claims import VERDICTS, Alternative, Claim, Verdict
+from cylcontact.text_tables import Report, TextTable, joined
 
 __all__ = [
     "MEANINGS",
@@ -89,7 +90,7 @@ def to_text(
     terms: Mapping[str, str],
     gone: Mapping[str, str] | None = None,
     width: int = 100,
-) -> str:
+) -> Report:
     """Return the ledger for reading: what stands, the claims by verdict, the terms.
 
     Parameters
@@ -105,9 +106,9 @@ def to_text(
 
     Returns
     -------
-    str
+    Report
     """
-    lines = [*wrap(what_stands(claims), width), ""]
+    lines = [_counted(claims, width), ""]
     for group, members in grouped(claims).items():
         title = f"{group.capitalize()} ({len(members)}): {MEANINGS[group]}"
         lines += [*wrap(title, width), "─" * width, ""]
@@ -117,7 +118,13 @@ def to_text(
         lines += [title, "─" * width, ""] if entries else []
         for term, meaning in entries.items():
             lines += [*_entry(f"{term}:", meaning, width, len(term) + 2), ""]
-    return "\n".join(lines)
+    return joined(lines[:-1])
+
+
+def _counted(claims: Sequence[Claim], width: int) -> TextTable:
+    """Return how many of the statements stand: a sentence, and the counts for a terminal."""
+    rows = [(verdict, str(count)) for verdict, count in counts(claims).items() if count]
+    return TextTable("\n".join(wrap(what_stands(claims), width)), ("", "statements"), rows)
 
 
 def _claim_lines(one: Claim, width: int) -> list[str]:

@@ -1,14 +1,15 @@
-"""Results for one pair at one load, for the widgets of the notebook's explorer.
+"""Results for one pair at one load, and controls that show them in a notebook.
 
-A `Choice` is the setting of the widgets. `numbers` computes its results, `verdicts` states them in
-sentences and `view` draws them. This module does not depend on widgets.
+A `Choice` is a pair, a load and a law. `numbers` computes its results, `verdicts` states them in
+sentences and `view` draws them. `explore_pair` connects them to controls.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,14 +19,24 @@ from cylcontact import limits
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.html_repr import table_html
-from cylcontact.laws import ContactLaw, Johnson, difference_percent
-from cylcontact.materials import Material
-from cylcontact.pair import Contact, CylinderPair
+from cylcontact.laws import LAWS, ContactLaw, Johnson, difference_percent
+from cylcontact.materials import Material, shipped_materials
+from cylcontact.pair import CONTACTS, Contact, CylinderPair
 from cylcontact.plots import Drawing, new_figure, plot_laws
-from cylcontact.plots.style import ACCENT, COLOURS, QUIET
+from cylcontact.plots.style import ACCENT, COLOURS, QUIET, figure_style
 from cylcontact.reports.laws_bounds import truth_of
+from cylcontact.reports.notebook import require_extra
 
-__all__ = ["Choice", "as_message", "as_table", "curve", "numbers", "verdicts", "view"]
+__all__ = [
+    "Choice",
+    "as_message",
+    "as_table",
+    "curve",
+    "explore_pair",
+    "numbers",
+    "verdicts",
+    "view",
+]
 
 # The ends of the curves, relative to the chosen load.
 SPAN = (0.02, 5.0)
@@ -184,6 +195,7 @@ def curve(choice: Choice) -> pd.DataFrame:
     )
 
 
+@figure_style()
 def view(choice: Choice) -> Drawing:
     """Draw the law beside Johnson's, and their difference, with the limits marked.
 
@@ -236,6 +248,91 @@ def view(choice: Choice) -> Drawing:
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="best")
     return Drawing(figure, table, results, " ".join(verdicts(choice)))
+
+
+def explore_pair(own: Sequence[Material] = ()) -> Any:
+    """Return controls for two materials, a contact, a load and a law, with the results, live.
+
+    A material fills in its numbers, which can then be changed.
+
+    Parameters
+    ----------
+    own : sequence of Material, optional
+        Materials to choose from, beside those that ship.
+
+    Returns
+    -------
+    ipywidgets.VBox
+        The controls with the table of `numbers`, and the picture of `view` below them.
+
+    Raises
+    ------
+    InputError
+        If ipywidgets is not installed.
+    """
+    widgets = require_extra("ipywidgets")
+    materials = {name: row.material for name, row in shipped_materials().items()}
+    materials |= {material.name: material for material in own}
+    controls = _controls(widgets, list(materials))
+    picture, table = widgets.HTML(), widgets.HTML()
+
+    def fill_in(_change: object = None) -> None:
+        chosen = materials[controls["material"].value]
+        controls["E"].value, controls["nu"].value = chosen.E / 1e3, chosen.nu
+        controls["yield_stress"].value = chosen.yield_stress or 0.0
+
+    def update(_change: object = None) -> None:
+        set_to = {name: control.value for name, control in controls.items()}
+        try:
+            drawn = view(_choice(set_to, materials))
+        except InputError as error:
+            picture.value, table.value = "", as_message(error)
+            return
+        picture.value, table.value = drawn._repr_html_(), as_table(drawn.headline)
+
+    fill_in()
+    update()
+    controls["material"].observe(fill_in, names="value")
+    for control in controls.values():
+        control.observe(update, names="value")
+    return widgets.VBox([widgets.HBox([widgets.VBox([*controls.values()]), table]), picture])
+
+
+def _controls(widgets: Any, materials: list[str]) -> dict[str, Any]:
+    """Return the controls by name."""
+    wide = {"style": {"description_width": "10em"}, "layout": widgets.Layout(width="28em")}
+    slider = {"base": 10, "step": 0.01, "continuous_update": False, **wide}
+    number, dropdown = widgets.FloatText, widgets.Dropdown
+    return {
+        "material": dropdown(options=materials, description="material", **wide),
+        "E": number(description="E (GPa)", **wide),
+        "nu": number(description="ν (-)", **wide),
+        "yield_stress": number(description="yield stress (MPa)", **wide),
+        "material_j": dropdown(options=["same", *materials], description="pin or roller j", **wide),
+        "contact": widgets.ToggleButtons(options=CONTACTS, description="contact", **wide),
+        "dR": widgets.FloatLogSlider(value=0.05, min=-3, max=3, description="ΔR (mm)", **slider),
+        "R_i": widgets.FloatLogSlider(
+            value=10.0, min=0, max=3, description="R_i of the hole (mm)", **slider
+        ),
+        "load": widgets.FloatLogSlider(
+            value=100.0, min=0, max=4, description="load (N/mm)", **slider
+        ),
+        "law": dropdown(options=list(LAWS), value="enhanced", description="law", **wide),
+    }
+
+
+def _choice(set_to: Mapping[str, Any], materials: Mapping[str, Material]) -> Choice:
+    """Return the choice that controls are set to; a yield stress of 0 is none."""
+    E, strength = f"{set_to['E']} GPa", set_to["yield_stress"] or None
+    return Choice(
+        Material(set_to["material"], E, set_to["nu"], strength),
+        set_to["contact"],
+        set_to["dR"],
+        set_to["load"],
+        LAWS[set_to["law"]](),
+        set_to["R_i"],
+        material_j=materials.get(set_to["material_j"]),
+    )
 
 
 def as_table(results: Mapping[str, float]) -> str:

@@ -7,10 +7,17 @@ import pandas as pd
 from cylcontact.errors import InputError
 from cylcontact.fitting.assessment import basins
 from cylcontact.fitting.result import FitResult
+from cylcontact.plots.arguments import add_legend
 from cylcontact.plots.figure import Drawing, new_figure
-from cylcontact.plots.style import ACCENT, COLOURS, QUIET
+from cylcontact.plots.style import ACCENT, COLOURS, QUIET, figure_style
 
 __all__ = ["profile_drawing", "runs_drawing", "runs_table"]
+
+METHOD = (
+    "At points between the bounds of the search one coefficient is fixed and the objective "
+    "minimised over all others; each descent starts where that of the point nearer the optimum "
+    "ended. The ends of the grey interval are found to a ten-thousandth of its width."
+)
 
 
 def runs_table(result: FitResult) -> pd.DataFrame:
@@ -45,6 +52,7 @@ def runs_table(result: FitResult) -> pd.DataFrame:
     )
 
 
+@figure_style()
 def runs_drawing(result: FitResult) -> Drawing:
     """Draw the objective of every run before and after the polish, best first.
 
@@ -70,7 +78,7 @@ def runs_drawing(result: FitResult) -> Drawing:
         axes.axhline(result.bound, color="black", linestyle=":", linewidth=0.8, label=label)
     axes.set(xlabel="run, best first", ylabel=result.objective.name, ylim=0)
     axes.xaxis.get_major_locator().set_params(integer=True)
-    axes.legend(loc="lower right")
+    add_legend(axes)
     value, agreeing = basins(result)[0]
     caption = (
         f"The {len(table)} runs of the fit {result.name!r}, best first: {result.objective.name} "
@@ -80,6 +88,7 @@ def runs_drawing(result: FitResult) -> Drawing:
     return Drawing(figure, table, {"objective": value, "runs that reached it": agreeing}, caption)
 
 
+@figure_style()
 def profile_drawing(result: FitResult, name: str, label: str) -> Drawing:
     """Draw the best attainable objective against one coefficient.
 
@@ -112,18 +121,19 @@ def profile_drawing(result: FitResult, name: str, label: str) -> Drawing:
     profile, best = result.profiles[name], result.coefficients[name]
     figure = new_figure("column", 66.0)
     axes = figure.subplots()
-    axes.axvspan(profile.low, profile.high, color="0.85", linewidth=0, label="within 1 %")
-    axes.plot(profile.values, profile.objective, "-", color="black", marker=".", markersize=2)
-    axes.plot(best, result.objective.value, "*", color=ACCENT, markersize=8, label="fitted")
+    axes.axvspan(profile.low, profile.high, color="0.85", linewidth=0, label="within 1 % of best")
+    axes.plot(profile.values, profile.objective, "-", color="black", marker="")
+    axes.plot(best, result.objective.value, "o", color=ACCENT, markerfacecolor=ACCENT, label="best")
     if result.published is not None and profile.objective_at_published is not None:
         published = result.published.coefficients[name]
         objective = profile.objective_at_published
-        axes.plot(published, objective, "o", color=COLOURS[1], label="held at the published value")
-    axes.set(xlabel=label, ylabel=f"best attainable objective (-)\n{result.objective.name}", ylim=0)
+        axes.plot(published, objective, "s", color=COLOURS[1], label=f"published {name}")
+    axes.set(xlabel=label, ylabel=f"least {result.objective.name} (-)")
+    axes.margins(y=0.1)
     axes.set_title(f"{result.contact} contact")
-    axes.legend(loc="lower right")
+    add_legend(axes)
     table = pd.DataFrame({name: profile.values, "objective": profile.objective})
-    return Drawing(figure, table, _headline(result, name), _caption(result, name))
+    return Drawing(figure, table, _headline(result, name), _caption(result, name), METHOD)
 
 
 def _headline(result: FitResult, name: str) -> dict[str, float]:
@@ -145,8 +155,7 @@ def _caption(result: FitResult, name: str) -> str:
     """Return the caption of a profile."""
     return (
         f"The fit {result.name!r} of the enhanced law (Eqs 5-6, {result.contact} contact) to "
-        f"Johnson's: the objective {result.objective.name} that can be reached with {name} held at "
-        "a value and the other coefficients optimised anew. Grey: the values of "
-        f"{name} whose objective stays within 1 % of the optimum. Coefficients belong to mm, N and "
-        "MPa. The grid of samples, the objective and the bounds are our choice."
+        f"Johnson's: least {result.objective.name} with {name} held at a value and the other "
+        f"coefficients fitted anew. Grey: values of {name} that cost at most 1 %. Coefficients "
+        "belong to mm, N and MPa; the grid, the objective and the bounds are ours."
     )

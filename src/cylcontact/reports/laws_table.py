@@ -19,6 +19,7 @@ from cylcontact.limits import first_yield
 from cylcontact.materials import Material, material_in_MPa
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_error, truth_of
+from cylcontact.text_tables import Report, TextTable, joined
 
 __all__ = ["case", "comparison", "departures", "deviations", "explicit_error", "to_text"]
 
@@ -206,7 +207,7 @@ def deviations(pair: CylinderPair) -> pd.DataFrame:
     return pd.DataFrame.from_dict(rows, orient="index", columns=list(numbers)).rename_axis("law")
 
 
-def to_text(pair: CylinderPair, load: float) -> str:
+def to_text(pair: CylinderPair, load: float) -> Report:
     """Return the whole comparison of laws for a pair and a load as text.
 
     Parameters
@@ -218,7 +219,7 @@ def to_text(pair: CylinderPair, load: float) -> str:
 
     Returns
     -------
-    str
+    Report
         The comparison, the deviations, Johnson's departures from conformal contact (internal
         contact only), the explicit law's error, the laws in a line each, and the parameters that
         a fit searches.
@@ -249,7 +250,7 @@ def to_text(pair: CylinderPair, load: float) -> str:
     if all(body.yield_stress is not None for body in (pair.material_i, pair.material_j)):
         parts[0] += f"\nfirst yield at {first_yield(pair)}"
     parts += [_explicit(), _each_law(contact), _parameters(contact)]
-    return "\n\n".join(parts) + "\n"
+    return joined(parts, "\n\n")
 
 
 def _advice(pair: CylinderPair, side_by_side: pd.DataFrame, errors: pd.DataFrame) -> str:
@@ -376,7 +377,7 @@ def _parameter(parameter: Parameter) -> str:
     return f"{parameter.name:<18} {bounds:<13} {parameter.unit:<11} {parameter.meaning}"
 
 
-def _lines(table: pd.DataFrame) -> str:
+def _lines(table: pd.DataFrame) -> TextTable:
     """Return a table of texts with the first column left-aligned and numbers right-aligned."""
     columns = [[str(name), *table[name].tolist()] for name in table.columns]
     widths = [max(map(len, column)) for column in columns]
@@ -387,4 +388,4 @@ def _lines(table: pd.DataFrame) -> str:
             for cell, width, name in zip(cells, widths, table.columns, strict=True)
         )
         lines.append("  ".join([first, *others]).rstrip())
-    return "\n".join(lines)
+    return TextTable("\n".join(lines), list(map(str, table.columns)), table.to_numpy().tolist())

@@ -18,15 +18,15 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import grid_from
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import grid_model_of
-from cylcontact.fitting.report import text_table
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import Form, LawForm, Samples, collect_samples, form_of
 from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.pair import Contact
-from cylcontact.reports.bench import Bench
+from cylcontact.reports.bench import Bench, MissingInputError
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, johnson_end
+from cylcontact.text_tables import Report, joined, text_table
 
 __all__ = ["laws_to_use", "to_text"]
 
@@ -136,7 +136,7 @@ def laws_to_use(contact: Contact, bench: Bench) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def to_text(contact: Contact, bench: Bench) -> str:
+def to_text(contact: Contact, bench: Bench) -> Report:
     """Return the comparison of `laws_to_use` as text, with the constants beneath.
 
     Parameters
@@ -146,7 +146,7 @@ def to_text(contact: Contact, bench: Bench) -> str:
 
     Returns
     -------
-    str
+    Report
     """
     table = laws_to_use(contact, bench).to_dict("records")
     references = [name for name in ("johnson", "conformal") if f"rms_{name}" in table[0]]
@@ -178,7 +178,7 @@ def to_text(contact: Contact, bench: Bench) -> str:
             for row in table
         ),
     ]
-    return "\n".join(lines)
+    return joined(lines)
 
 
 def _error(value: float, form: str) -> str:
@@ -248,9 +248,13 @@ def _relative_times(bench: Bench) -> dict[str, float]:
     Raises
     ------
     InputError
-        If the benchmarks lack one.
+        If there are no benchmarks, or they lack one.
     """
     path = bench.input(BENCHMARKS)
+    if not path.is_file():
+        raise MissingInputError(
+            str(path), "", None, "the measured times do not exist", "measure them: make bench"
+        )
     rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
     compiled = [row for row in rows if row["case"].startswith("compiled scalar")]
     measured = {row["side"]: row["value"] for row in compiled}

@@ -1,4 +1,4 @@
-"""Helpers of the notebooks: the bench of a folder, and live progress bars."""
+"""Helpers of the notebooks: optional packages, and live progress bars."""
 
 from __future__ import annotations
 
@@ -6,56 +6,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from html import escape
 from importlib import import_module
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from cylcontact.errors import InputError
 from cylcontact.progress import Progress
-from cylcontact.reports.bench import Bench
 
-__all__ = ["live_progress", "open_bench", "progress_bar", "require_extra"]
+__all__ = ["live_progress", "progress_bar", "require_extra"]
 
 REMEDY = "run `make extras` in the repository, or: pip install 'cylcontact[notebooks]'"
-
-
-def open_bench(folder: Path | None = None) -> Bench:
-    """Return the bench that contains a folder.
-
-    Parameters
-    ----------
-    folder : path, optional
-        Where the search upwards starts; by default the working directory.
-
-    Returns
-    -------
-    Bench
-
-    Raises
-    ------
-    InputError
-        If there is none.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> root = Path(tempfile.mkdtemp()).resolve()
-    >>> for name in ("datasets", "fitting", "reports", "notebooks"):
-    ...     (root / name).mkdir()
-    >>> open_bench(root / "notebooks").root == root
-    True
-    """
-    start = (folder or Path.cwd()).resolve()
-    for place in (start, *start.parents):
-        if all((place / name).is_dir() for name in ("datasets", "fitting", "reports")):
-            return Bench(place)
-    raise InputError(
-        str(start),
-        "",
-        None,
-        "no bench here or above: a folder with datasets, fitting and reports",
-        "lay one out with: cylcontact init FOLDER",
-    )
 
 
 def require_extra(module: str) -> ModuleType:

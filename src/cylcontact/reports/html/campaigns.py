@@ -24,8 +24,6 @@ __all__ = [
 
 MISSING = "–"
 _ROW_NAMES = {"published objective": "published, same data"}
-# The unit of an objective, by the first of these words in its name.
-_UNITS = {"percent": "%", "-log-": "(ln)", "relative": "(relative)"}
 
 
 @dataclass(frozen=True)
@@ -62,6 +60,8 @@ class Table:
         The column of the published values.
     columns : tuple of Column
         One for each fit.
+    recovered : bool
+        Whether it is of one fit that fixes or ties coefficients.
     """
 
     law: str
@@ -70,6 +70,7 @@ class Table:
     coefficients: int
     published: tuple[str, ...]
     columns: tuple[Column, ...]
+    recovered: bool = False
 
 
 def read_campaigns(bench: Bench) -> Campaigns:
@@ -113,9 +114,11 @@ def headline(results: Mapping[str, FitResult], names: Sequence[str]) -> list[Tab
 def _main_fit(result: FitResult) -> Table:
     """Return the table of a main fit, "recovered" if it fixes or ties coefficients."""
     table = _table([result])
-    name = "recovered" if fixed(result) or ties(result) else "refit"
+    recovered = bool(fixed(result) or ties(result))
+    name = "recovered" if recovered else "refit"
     column, *others = table.columns
-    return replace(table, columns=(replace(column, name=name, about=""), *others))
+    columns = (replace(column, name=name, about=""), *others)
+    return replace(table, columns=columns, recovered=recovered)
 
 
 def _table(results: Sequence[FitResult]) -> Table:
@@ -124,11 +127,7 @@ def _table(results: Sequence[FitResult]) -> Table:
     alone = len(results) == 1
     rows.pop("published largest |Eq 9|, %", None)
     rows["commit"] = ["", *map(_commit, results), *([""] if alone else [])]
-    units = [_unit(first), *map(_unit, results), *([""] if alone else [])]
-    cells = {
-        row: [_cell(cell, row, unit) for cell, unit in zip(row_cells, units, strict=True)]
-        for row, row_cells in rows.items()
-    }
+    cells = {row: [_cell(cell) for cell in row_cells] for row, row_cells in rows.items()}
     published, *columns = zip(*cells.values(), strict=True)
     differences = [Column("difference, %", "", columns.pop(), ())] if alone else []
     return Table(
@@ -152,12 +151,9 @@ def _table(results: Sequence[FitResult]) -> Table:
     )
 
 
-def _cell(number: str | None, row: str, unit: str) -> str:
-    """Return a number with its unit, or a dash if it does not exist."""
-    if not number:
-        return MISSING
-    with_unit = row == "lower bound" or row.endswith("objective")
-    return f"{number} {unit if with_unit else ''}".rstrip().replace(",", "\u2009")
+def _cell(number: str | None) -> str:
+    """Return a number with thin spaces between thousands, or a dash if it does not exist."""
+    return number.replace(",", "\u2009") if number else MISSING
 
 
 def _commit(result: FitResult) -> str:
@@ -175,8 +171,3 @@ def made_with(results: Mapping[str, FitResult]) -> dict[str, str]:
         for name, values in (("version", versions), ("commit", commits))
         if values
     }
-
-
-def _unit(result: FitResult) -> str:
-    """Return the unit of an objective."""
-    return next((unit for word, unit in _UNITS.items() if word in result.objective.name), "")

@@ -35,8 +35,8 @@ class Figure:
         The recipe's name, the figure's title, and its variant.
     recipe : str
         The recipe's file.
-    caption, problem : str
-        The caption, or the reason why there is no figure.
+    caption, method, problem : str
+        The caption and the note of the method, or the reason why there is no figure.
     picture : str
         The PNG's address on the page.
     width, height : int
@@ -54,6 +54,7 @@ class Figure:
     variant: str
     recipe: str
     caption: str
+    method: str
     problem: str
     picture: str
     width: int
@@ -72,6 +73,16 @@ class Plate:
     title: str
     figures: tuple[Figure, ...]
     problem: str
+
+    @property
+    def page(self) -> str:
+        """The name of its page, which is no other page's whatever the recipe is called."""
+        return f"figure-{self.id}"
+
+    @property
+    def heading(self) -> str:
+        """The title, behind the number that the paper gives it."""
+        return f"Figure {self.number}. {self.title}" if self.number else self.title
 
     @property
     def status(self) -> str:
@@ -102,6 +113,7 @@ def describe(result: FigureResult, recipe: Path, root: Path, page: Path, paper: 
         variant=paper.variants.get(match[2], match[2]) if match else "",
         recipe=recipe.relative_to(root).as_posix(),
         caption=result.caption,
+        method=result.method,
         problem=str(result.problem or ""),
         picture=files["png"].relative_to(page).as_posix() if files else "",
         width=width,

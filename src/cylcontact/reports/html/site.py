@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from importlib.resources import files
@@ -17,7 +17,14 @@ from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, find_recipes
 from cylcontact.reports.claims import Claim, ledger, withdrawn
-from cylcontact.reports.claims_text import MEANINGS, counts, described, grouped, what_stands
+from cylcontact.reports.claims_text import (
+    MEANINGS,
+    counts,
+    described,
+    grouped,
+    what_stands,
+)
+from cylcontact.reports.html.answer import Answer, answers
 from cylcontact.reports.html.campaigns import (
     Campaigns,
     headline,
@@ -25,15 +32,16 @@ from cylcontact.reports.html.campaigns import (
     read_campaigns,
     tables,
 )
+from cylcontact.reports.html.claim_pages import ClaimPage, claim_pages
 from cylcontact.reports.html.explorer import explorer_data
-from cylcontact.reports.html.figures import Figure, describe, plates
+from cylcontact.reports.html.figures import Plate, describe, plates
 from cylcontact.reports.paper import Paper, paper_of
 
 __all__ = ["Site", "build_site"]
 
 # A symbol of one letter with an index; Greek letters and powers may stand beside it.
 SYMBOL = re.compile(r"(?<![A-Za-z0-9_])([^\W\d_])_([A-Za-z]+|\d)(?![A-Za-z0-9_])")
-PAGES = ("index", "claims", "explore")
+PAGES = ("index", "claims", "fits", "explore")
 # The classes that the pages give to the groups of claims.
 MARKS = dict(
     zip(
@@ -81,8 +89,9 @@ class _Ledger:
 def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
     """Draw all figures and write the pages, `figures/` and the claims' `code/` in a folder.
 
-    The pages need no server and no network. Figures, fits and claims that fail are listed as
-    missing, with the reason.
+    The index has the answer and the gallery; each figure, each section's claims, the fits and the
+    explorer have pages of their own. They need no server and no network. Figures, fits and claims
+    that fail are listed as missing, with the reason.
 
     Parameters
     ----------
@@ -108,41 +117,53 @@ def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
     drawn = build(bench, folder=folder / "figures", progress=progress)
     paper = paper_of(bench)
     figures = [describe(each, recipes[each.name], bench.root, folder, paper) for each in drawn]
+    numbered, others = plates(figures, paper)
     campaigns = read_campaigns(bench)
     claims = _claims(bench, progress)
-    common = {
-        "version": version("cylcontact"),
-        "made_with": made_with(campaigns.results),
-        "paper": paper,
-    }
+    parts = list(claim_pages(claims.claims))
+    laws = list(answers(bench)) if paper.fits else []
+    render = _renderer(
+        version=version("cylcontact"),
+        made_with=made_with(campaigns.results),
+        paper=paper,
+        marks=MARKS,
+        page_of={claim.id: part.name for part in parts for claim in part.claims},
+        counts=counts(claims.claims),
+        what_stands=what_stands(claims.claims) if claims.claims else "",
+        claims_problem=claims.problem,
+    )
     pages = {
-        "index": _index(figures, campaigns, claims, paper),
-        "claims": _claims_page(figures, claims, paper, _copied_code(claims, bench, folder)),
-        "explore": _explore(bench, campaigns),
+        "index": render("index", **_index(numbered, others, campaigns, paper, laws)),
+        "claims": render("claims", **_claims_overview(claims, parts, paper)),
+        "fits": render(
+            "fits", tables=tables(campaigns.results), missing_campaigns=campaigns.missing
+        ),
+        "explore": render("explore", **_explore(bench, campaigns)),
+        **_figure_pages(render, [*numbered, *others], claims),
+        **_section_pages(render, parts, [*numbered, *others], _copied_code(claims, bench, folder)),
     }
-    for page, content in pages.items():
-        text = _render(page, common | content)
+    for page, text in pages.items():
         with replacing(folder / f"{page}.html") as temporary:
             temporary.write_text(text, encoding="utf-8")
     missing = [f"{figure.name}: {figure.problem}" for figure in figures if figure.problem]
     missing += [f"{name}: {reason}" for name, reason in campaigns.missing.items()]
+    missing += [f"laws: {law.problem}" for law in laws if law.problem]
     missing += [f"claims: {claims.problem}"] if claims.problem else []
     return Site(folder / "index.html", tuple(missing))
 
 
-def _render(page: str, content: Mapping[str, Any]) -> str:
-    """Return a page's HTML, with its content escaped.
+def _renderer(**common: Any) -> Callable[..., str]:
+    """Return a function that renders a template with its content, escaped.
 
     Parameters
     ----------
-    page : str
-        Of `PAGES`.
-    content : mapping
-        The variables of its template.
+    **common
+        The variables of all pages.
 
     Returns
     -------
-    str
+    function
+        Of the template's name and its own variables.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup, escape
@@ -156,9 +177,14 @@ def _render(page: str, content: Mapping[str, Any]) -> str:
     )
     # Our own styles and scripts are inserted verbatim; everything else is escaped.
     environment.filters["subscripts"] = lambda text: Markup(_subscripts(str(escape(text))))
+    environment.globals |= common
     environment.globals["described"] = described
     environment.globals["asset"] = lambda name: Markup(_asset(name))
-    return environment.get_template(f"{page}.html.j2").render(page=page, **content)
+
+    def render(page: str, **content: Any) -> str:
+        return environment.get_template(f"{page}.html.j2").render(page=page, **content)
+
+    return render
 
 
 def _subscripts(escaped: str) -> str:
@@ -178,43 +204,87 @@ def _asset(name: str) -> str:
 
 
 def _index(
-    figures: list[Figure], campaigns: Campaigns, claims: _Ledger, paper: Paper
+    numbered: list[Plate],
+    others: list[Plate],
+    campaigns: Campaigns,
+    paper: Paper,
+    laws: list[Answer],
 ) -> dict[str, Any]:
-    """Return the content of the report's page."""
-    numbered, others = plates(figures, paper)
+    """Return the content of the report's first page."""
+    main = headline(campaigns.results, paper.fits)
     return {
-        "headline": headline(campaigns.results, paper.fits),
+        "answers": laws,
+        "recovered": [table for table in main if table.recovered],
+        "refitted": [table for table in main if not table.recovered],
         "numbered": numbered,
         "others": others,
-        "tables": tables(campaigns.results),
-        "missing_campaigns": campaigns.missing,
-        "claims": claims.claims,
-        "claims_problem": claims.problem,
-        "counts": counts(claims.claims),
-        "marks": MARKS,
     }
 
 
-def _claims_page(
-    figures: list[Figure], claims: _Ledger, paper: Paper, code: Mapping[str, str]
-) -> dict[str, Any]:
-    """Return the content of the page of claims."""
-    numbered, others = plates(figures, paper)
+def _claims_overview(claims: _Ledger, parts: list[ClaimPage], paper: Paper) -> dict[str, Any]:
+    """Return the content of the page that leads to the claims."""
+    sections: dict[str, list[ClaimPage]] = {}
+    for part in parts:
+        sections.setdefault(part.section, []).append(part)
+    groups = grouped(claims.claims)
     return {
-        "claims": claims.claims,
-        "claims_problem": claims.problem,
-        "what_stands": what_stands(claims.claims),
-        "counts": counts(claims.claims),
-        "groups": grouped(claims.claims),
-        "sections": sorted({claim.section for claim in claims.claims}),
+        "parts": parts,
+        "sections": sections,
+        "groups": groups,
+        "cells": {
+            group: {
+                section: (
+                    sum(claim.section == section for claim in members),
+                    next((p.name for p in pages if group in grouped(p.claims)), ""),
+                )
+                for section, pages in sections.items()
+            }
+            for group, members in groups.items()
+        },
         "meanings": MEANINGS,
         "definitions": paper.definitions,
         "withdrawn": claims.withdrawn,
         "references": paper.references,
-        "plate_of": {f.name: plate.id for plate in (*numbered, *others) for f in plate.figures},
-        "code": code,
-        "marks": MARKS,
-        "place": lambda section: f"Section {section}" if section[:1].isdigit() else section,
+    }
+
+
+def _figure_pages(
+    render: Callable[..., str], shown: list[Plate], claims: _Ledger
+) -> dict[str, str]:
+    """Return the pages of the figures, with the claims that each shows."""
+    pages = {}
+    for at, plate in enumerate(shown):
+        names = {figure.name for figure in plate.figures}
+        pages[plate.page] = render(
+            "figure",
+            plate=plate,
+            before=shown[at - 1] if at else None,
+            after=shown[at + 1] if at + 1 < len(shown) else None,
+            resting=[claim for claim in claims.claims if names & set(claim.figures)],
+        )
+    return pages
+
+
+def _section_pages(
+    render: Callable[..., str],
+    parts: list[ClaimPage],
+    shown: list[Plate],
+    code: Mapping[str, str],
+) -> dict[str, str]:
+    """Return the pages of the claims of each section."""
+    plate_of = {figure.name: plate.page for plate in shown for figure in plate.figures}
+    return {
+        part.name: render(
+            "section",
+            part=part,
+            before=parts[at - 1] if at else None,
+            after=parts[at + 1] if at + 1 < len(parts) else None,
+            groups=grouped(part.claims),
+            meanings=MEANINGS,
+            plate_of=plate_of,
+            code=code,
+        )
+        for at, part in enumerate(parts)
     }
 
 

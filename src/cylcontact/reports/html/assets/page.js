@@ -1,4 +1,4 @@
-// For both pages: switch the theme, open everything for the printer.
+// For all pages: switch the theme, open everything for the printer.
 "use strict";
 
 (() => {

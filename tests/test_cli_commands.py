@@ -1,0 +1,298 @@
+"""The commands as a whole: their groups, options, examples, former names, and tables."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+import typer
+from rich.console import Console
+
+from cylcontact.cli import terminal
+from cylcontact.cli.app import app as program
+from cylcontact.text_tables import joined, pieces_of, text_table
+
+ROOT = Path(__file__).resolve().parents[1]
+GROUPS = {
+    "Data and fits": ("sample", "fit", "choose", "compare"),
+    "Laws": ("laws", "export"),
+    "Mechanism": ("simulate", "finite-element"),
+    "Figures": ("figure",),
+    "The paper": ("report", "claims", "verify"),
+    "The bench": ("init",),
+}
+SPEC = ROOT / "datasets/slider_crank.toml"
+COMMANDS = typer.main.get_command(program).commands
+EXAMPLES = {name: command.epilog.removeprefix("Example: ") for name, command in COMMANDS.items()}
+# Of these commands the example takes a second or two.
+QUICK = ("sample", "fit", "choose", "compare", "laws", "export", "init")
+
+
+# --- help --------------------------------------------------------------------------------------
+
+
+def test_help_shows_the_groups_in_order(run):
+    code, out, errors = run("--help")
+    assert (code, errors) == (0, "")
+    assert max(map(len, out.splitlines())) <= 80
+    panels = re.findall(r"╭─ (.+?) ─+╮\n(.*?)╰", out, flags=re.DOTALL)
+    shown = {title: tuple(re.findall(r"^│ (\S+)", text, re.M)) for title, text in panels}
+    assert shown.pop("Options")
+    assert shown == GROUPS
+    assert list(shown) == list(GROUPS)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_each_command_is_one_plain_sentence_with_an_example(run, name):
+    help_text = COMMANDS[name].help.partition("\n\n")[0]
+    assert re.fullmatch(r"[A-Z][^.]+\.", " ".join(help_text.split())), help_text
+    code, out, _ = run(name, "--help")
+    assert code == 0
+    assert out.split()[-len(EXAMPLES[name].split()) :] == EXAMPLES[name].split()
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_examples_are_understood(name):
+    program_name, first, *arguments = shlex.split(EXAMPLES[name])
+    assert (program_name, first) == ("cylcontact", name)
+    COMMANDS[name].make_context(name, arguments)
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_the_quick_examples_run(run, tmp_path, monkeypatch, name):
+    for folder in ("datasets", "fitting"):
+        (tmp_path / folder).mkdir()
+        for path in (ROOT / folder).iterdir():
+            (tmp_path / folder / path.name).symlink_to(path)
+    (tmp_path / "datasets/examples").unlink()
+    (tmp_path / "datasets/examples").mkdir()
+    table = "datasets/examples/pin-in-hole.csv"
+    (tmp_path / table).write_bytes((ROOT / table).read_bytes())
+    (tmp_path / "fitting/results").unlink()
+    (tmp_path / "fitting/results").mkdir()
+    for path in (ROOT / "fitting/results").iterdir():
+        (tmp_path / "fitting/results" / path.name).write_bytes(path.read_bytes())
+    monkeypatch.chdir(tmp_path)
+    code, out, errors = run(*shlex.split(EXAMPLES[name])[1:])
+    assert (code, errors) == (0, "")
+    assert out
+
+
+# --- options -----------------------------------------------------------------------------------
+
+# A plural that is another thing: a table of materials for a name of one, the kind of the
+# manuscript's tables for a file.
+PLURALS = {"--materials", "--tables"}
+
+
+def options():
+    """Yield each option of each command: the command, the option's names, and its help."""
+    for name, command in COMMANDS.items():
+        for parameter in command.params:
+            if parameter.opts[0].startswith("-"):
+                yield name, tuple(parameter.opts), parameter.help
+
+
+def test_one_option_means_one_thing():
+    """The same help in all commands, up to a semicolon; but each has an output of its own."""
+    meanings = defaultdict(set)
+    for _, names, text in options():
+        meanings[names].add(text.partition(";")[0].rstrip("."))
+    assert {names: texts for names, texts in meanings.items() if len(texts) > 1}.keys() == {
+        ("-o", "--out")
+    }
+
+
+def test_one_meaning_has_one_option():
+    names_of = defaultdict(set)
+    for _, names, text in options():
+        names_of[text].add(names)
+    assert [names for names in names_of.values() if len(names) > 1] == []
+
+
+def test_no_option_has_a_plural_twin():
+    known = {name for _, names, _ in options() for name in names}
+    assert {f"{name}s" for name in known} & known == PLURALS
+
+
+# --- former names ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        *(
+            (
+                (study, "spec.toml", *others),
+                f"{study}: is now simulate --study {new}; write: cylcontact simulate SPEC --study "
+                f"{new} -o TABLE",
+            )
+            for study, new in (
+                ("sweep", "cases"), ("tolerances", "tolerances"), ("bifurcation", "bifurcation")
+            )
+            for others in ((), ("--help",), ("-o", "t.csv", "--clearances", "1"))
+        ),
+        (
+            ("animate", "spec.toml", "-o", "x.gif"),
+            "animate: is now simulate -o FILM.gif; write: cylcontact simulate SPEC -o FILM.gif",
+        ),
+        (
+            ("optimizers", "fitting/internal.toml"),
+            "optimizers: is now fit --optimizer all; write: cylcontact fit CAMPAIGN --optimizer "
+            "all -o TABLE.csv",
+        ),
+        (
+            ("uncertainty", "result.json"),
+            "uncertainty: is now fit RESULT.json; write: cylcontact fit RESULT.json",
+        ),
+        (
+            ("report", "fig10", "fig11"),
+            "report fig10: is now figure; write: cylcontact figure fig10 fig11",
+        ),
+        (("report", "--html"), "report --html: is now report; write: cylcontact report"),
+        *(
+            (
+                ("report", "fig10", option, "9"),
+                f"report {option}: is now figure {option}; write: cylcontact figure NAME {option} "
+                "VALUE",
+            )
+            for option in ("--style", "--format", "--font-size")
+        ),
+        *(
+            (
+                ("simulate", "spec.toml", f"{option}s", "1,2"),
+                f"simulate {option}s: is now {option}; write: cylcontact simulate SPEC --study "
+                f"{study} {option} VALUE,VALUE -o TABLE",
+            )
+            for option, study in (
+                ("--law", "cases"), ("--clearance", "cases"), ("--restitution", "cases"),
+                ("--friction", "cases"), ("--tolerance", "tolerances"),
+                ("--impact-rate", "bifurcation"),
+            )
+        ),
+    ],
+)  # fmt: skip
+def test_a_former_name_answers_with_the_present_one(run, arguments, line):
+    assert run(*arguments) == (2, "", f"cylcontact: {line}\n")
+
+
+# --- one command, several ways to use it -------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (
+            ("simulate", SPEC, "--clearance", "0.5,0.02"),
+            "simulate: --clearance = '0.5,0.02': must be one value; give one, or vary it with "
+            "--study cases",
+        ),
+        (
+            ("simulate", SPEC, "--study", "bifurcation", "-o", "t.csv", "--law", "johnson,liu"),
+            "simulate: --law = 'johnson,liu': must be one value; give one, or vary it with "
+            "--study cases",
+        ),
+        (
+            ("simulate", SPEC, "--last", 3),
+            "simulate: --last: is for --study bifurcation, and this is one run; leave it out",
+        ),
+        (
+            ("simulate", SPEC, "-o", "x.gif", "--resume"),
+            "simulate: --resume: is for one run or --study cases, and this is a film; leave it out",
+        ),
+        (
+            ("simulate", SPEC, "--study", "tolerances", "-o", "t.csv", "--first", 0),
+            "simulate: --first: is for one run, a film or --study cases, and this is --study "
+            "tolerances; leave it out",
+        ),
+        (
+            ("simulate", SPEC, "--study", "cases"),
+            "simulate: --out: is missing for a study; name the table, e.g. -o cases.csv",
+        ),
+        (
+            ("simulate", SPEC, "--study", "chaos"),
+            "simulate: --study = 'chaos': is unknown; choose cases, tolerances or bifurcation",
+        ),
+        (
+            ("simulate", SPEC, "-o", "x.gif", "--revolutions", 2),
+            "simulate: --first = 2: leaves none of 2 revolutions; start earlier, or simulate more",
+        ),
+        (
+            ("fit", "r.json", "--force"),
+            "r.json: --force: is for a calibration, and this is a fit result; leave it out",
+        ),
+        (
+            ("fit", "c.toml", "--optimizer", "all", "--resume"),
+            "c.toml: --resume: is for a calibration, and this is a comparison; leave it out",
+        ),
+        (
+            ("fit", "c.toml", "--bootstrap", 50),
+            "c.toml: --bootstrap: is for a fit result, and this is a calibration; leave it out",
+        ),
+    ],
+)
+def test_what_is_for_another_way_is_refused(run, tmp_path, monkeypatch, arguments, line):
+    monkeypatch.chdir(tmp_path)
+    assert run(*arguments) == (2, "", f"cylcontact: {line}\n")
+    assert not list(tmp_path.iterdir())
+
+
+# --- tables ------------------------------------------------------------------------------------
+
+TABLE = text_table(["", "ΔR, mm", "law"], [("first", "0.5", "[johnson]")])
+
+
+def test_a_table_is_plain_where_nobody_reads_it(capsys):
+    terminal.show(joined(["title", TABLE, "end"]))
+    assert (
+        capsys.readouterr().out
+        == "title\n       ΔR, mm        law\nfirst     0.5  [johnson]\nend\n"
+    )
+
+
+def test_a_terminal_draws_the_table_and_leaves_the_text():
+    drawn = terminal._drawn(TABLE, Console(width=60, markup=False))
+    assert [line[0] for line in drawn.splitlines()] == ["╭", "│", "├", "│", "╰"]
+    for cell in ("ΔR, mm", "first", "0.5", "[johnson]"):
+        assert cell in drawn
+    assert terminal._drawn("text [1]", Console(width=60)) == "text [1]"
+
+
+def test_a_table_wider_than_the_terminal_stays_plain():
+    assert terminal._drawn(TABLE, Console(width=20)) is TABLE
+
+
+def test_reports_hold_the_tables_of_the_reports_in_them():
+    inner = joined(["a", TABLE])
+    assert list(pieces_of(joined([inner, "b"], "\n\n"))) == ["a", "\n", TABLE, "\n\n", "b"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such terminals")
+def test_compare_on_a_terminal_and_elsewhere():
+    results = ROOT / "fitting/results"
+    command = [sys.executable, "-m", "cylcontact.cli", "compare", results / "internal.json"]
+    plain = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert "\na, mm^(1-n) " in plain
+    assert "│" not in plain
+    master, slave = os.openpty()
+    environment = os.environ | {"COLUMNS": "100", "NO_COLOR": "1"}
+    process = subprocess.Popen(command, stdout=slave, stderr=subprocess.DEVNULL, env=environment)
+    os.close(slave)
+    visible = b""
+    while True:
+        try:
+            part = os.read(master, 4096)
+        except OSError:  # the other end is closed
+            break
+        if not part:
+            break
+        visible += part
+    os.close(master)
+    assert process.wait(timeout=60) == 0
+    text = visible.decode().replace("\r\n", "\n")
+    assert "│ a, mm^(1-n) " in text
+    assert text.partition("╯\n")[2] == plain[plain.index("internal: samples") :]
