@@ -77,20 +77,20 @@ def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, **_: ob
         [
             markdown,
             "## Figures of the paper\n",
-            *_shown((f"Fig {plate.number}: {plate.title}", plate) for plate in numbered),
+            *_shown(numbered),
             "## Other figures\n",
-            *_shown((plate.title, plate) for plate in others),
+            *_shown(others),
         ]
     )
 
 
-def _shown(titled: Iterable[tuple[str, Plate]]) -> Iterator[str]:
+def _shown(plates: Iterable[Plate]) -> Iterator[str]:
     """Yield the figures of a section in Markdown."""
     yield '<div class="gallery" markdown>\n'
-    for title, plate in titled:
+    for plate in plates:
         for figure in plate.figures:
-            several = len(plate.figures) > 1
-            yield _card(figure, f"{title}, {figure.variant}" if several else title)
+            variant = f", {figure.variant}" if len(plate.figures) > 1 else ""
+            yield _card(figure, f"{plate.heading}{variant}")
     yield "</div>\n"
 
 
@@ -101,7 +101,8 @@ def _card(figure: Figure, title: str) -> str:
     return (
         f"<div markdown>\n{picture}\n\n"
         f"**{title}**<br>`cylcontact figure {figure.name}` · {source}\n\n"
-        f"<details><summary>Caption</summary>{escape(figure.caption)}</details>\n</div>\n"
+        f"<details><summary>Caption</summary>{escape(figure.caption)}"
+        f"<p>{escape(figure.method)}</p></details>\n</div>\n"
     )
 
 

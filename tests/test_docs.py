@@ -107,7 +107,7 @@ def site(tmp_path_factory):
     config = import_module("mkdocs.config")
     folder = tmp_path_factory.mktemp("site")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("cylcontact.reports.build.chosen_recipes", lambda _: FEW)
+        patch.setattr("cylcontact.reports.build.chosen_recipes", lambda _, names=FEW: names)
         loaded = config.load_config(str(ROOT / "mkdocs.yml"), site_dir=str(folder), strict=True)
         build.build(loaded)
     return folder
@@ -177,7 +177,7 @@ def test_the_gallery_shows_each_figure_with_its_command_and_recipe(site):
         source = (site / "gallery" / f"{recipe}.html").read_text(encoding="utf-8")
         assert f"reports/{recipe}.py" in source
         assert "Drawing" in source
-    assert "Fig 12: Enhanced against Johnson: low-carbon steel, published coefficients" in text
+    assert "Figure 12. Enhanced against Johnson: low-carbon steel, published coefficients" in text
     assert text.count("<summary>Caption</summary>") == len(FEW)
 
 
