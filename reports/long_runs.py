@@ -12,7 +12,7 @@ import copy
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -180,7 +180,7 @@ def planned(design: str, case: Case) -> LongRun:
 # The longest first, so that no worker is left with one at the end.
 PLAN = sorted(
     (planned(design, case) for design in (*SETS, *STEP_CONTROLS) for case in CASES),
-    key=lambda run: (-run.revolutions, run.case.clearance, run.case.restitution),
+    key=lambda run: (-run.revolutions, *astuple(run.case)[1:3]),
 )
 
 
@@ -189,11 +189,11 @@ def key_of(run: LongRun, data: Mapping[str, Any]) -> str:
     model = run.mechanism(data)
     joint = model.clearance
     assert joint.pair is not None
-    law = LAWS[run.case.law]()
+    law = LAWS[vars(run.case)["law"]]()
     depth = np.minimum(np.array(PROBES) * 1e-3, 0.9 * float(law.max_penetration(joint.pair)))
     loads = [f"{load:.9g}" for load in law.load(depth, joint.pair)]
-    told = {k: v for k, v in model.data.items() if k not in ("name", "provenance")}
-    parts = (told, run.revolutions, FIRST, run.allowed, loads, f"{joint.chi:.9g}")
+    described = {k: v for k, v in model.data.items() if k not in ("name", "provenance")}
+    parts = (described, run.revolutions, FIRST, run.allowed, loads, f"{joint.chi:.9g}")
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
 
 
