@@ -167,7 +167,7 @@ def is_lossless(case: Case) -> bool:
 def _whirls(case: Case) -> bool:
     """Whether the journal comes and goes along the wall, which takes long to compute."""
     small = case.clearance == min(JOINT_CLEARANCES)
-    return small and case.restitution == 1.0 and case.friction > 0.0
+    return small and case.restitution == 1.0 and case.friction != 0.0
 
 
 def planned(design: str, case: Case) -> LongRun:
