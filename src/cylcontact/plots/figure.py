@@ -149,10 +149,18 @@ class StyledFigure(Figure):
         return legend
 
     def draw_without_rendering(self) -> None:
-        """Settle the layout; in styles other than the journal's, first make the texts fit."""
-        if self.style == JOURNAL:
+        """Settle the layout, once; in styles other than the journal's, first make texts fit."""
+        if self.get_layout_engine() is None:
             super().draw_without_rendering()
             return
+        if self.style == JOURNAL:
+            super().draw_without_rendering()
+        else:
+            self._fit_texts()
+        self.set_layout_engine(None)
+
+    def _fit_texts(self) -> None:
+        """Settle the layout with texts broken, and if need be smaller, to fit the page."""
         self._settles()
         self._move_legend()
         for axes in self.axes:

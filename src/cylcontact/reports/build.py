@@ -167,8 +167,9 @@ def draw(
     with figure_style(style):
         drawing: Drawing = function(bench, **given)
         # Arranged once, so that each format shows the same and none does it again.
-        drawing.figure.draw_without_rendering()
-        drawing.figure.set_layout_engine(None)
+        if drawing.figure.get_layout_engine() is not None:
+            drawing.figure.draw_without_rendering()
+            drawing.figure.set_layout_engine(None)
         return drawing
 
 
