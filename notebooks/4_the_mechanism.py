@@ -124,13 +124,13 @@ print(repr(cc.mechanism.simulate(endless)))
 # ## What can be reproduced
 #
 # Without friction and dissipation the motion is sensitive. Two runs whose tolerances differ by a
-# factor of ten part after some revolutions. Beyond that point only statistics can be compared.
+# factor of ten separate after some revolutions. Beyond that point only statistics can be compared.
 
 # %%
 free = settings | {"friction": 0.0, "restitution": 1.0}
 flying = cc.mechanism.read_mechanism(spec, revolutions=5, **free)
 runs = [cc.mechanism.simulate(flying, tolerance=tolerance) for tolerance in (1e-8, 1e-9)]
-print(f"the two part after {cc.mechanism.horizon(*runs):.1f} revolutions")
+print(f"the two separate after {cc.mechanism.horizon(*runs):.1f} revolutions")
 
 # %% [markdown]
 # The journal crosses the clearance freely between impacts. This is the last revolution.

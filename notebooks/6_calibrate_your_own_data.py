@@ -36,7 +36,7 @@ rows = pd.read_csv(table, sep=";", decimal=",", comment="#")
 rows.head(6)
 
 # %% [markdown]
-# The table does not have the pair. A material is given by its name, or by E and ν.
+# The table does not contain the pair. A material is given by its name, or by E and ν.
 
 # %%
 bronze, steel = cc.Material.named("bronze"), cc.Material.named("low-carbon steel")
@@ -66,8 +66,8 @@ second = cc.fit(table, "explicit", pair, drift=True, free=["compliance"])
 second
 
 # %% [markdown]
-# Line 24 of the file is 17 standard deviations away, and it decides about the stiffness. The report
-# has the fit without it as well. The line is not left out by itself, since only you can know
+# Line 24 of the file is 17 standard deviations away, and it alone shifts the stiffness. The report
+# also gives the fit without it. The line is not left out automatically, since only you can know
 # whether a reading is wrong. Here its neighbours in the file leave no doubt, so drop it. (A `#` at
 # the start of the line in the file does the same.)
 
@@ -87,15 +87,15 @@ third
 #
 # ## What the data determine
 #
-# The profile is how much worse the fit gets along the factor if all others follow. The vertical
-# lines are the ends of its interval.
+# The profile is how much worse the fit gets along the factor, with all other parameters fitted anew
+# at each value. The vertical lines are the ends of its interval.
 
 # %%
 third.plot_profile("stiffness_factor").figure
 
 # %% [markdown]
-# Move the sliders to see the fit if the others do not follow. The points are the readings less the
-# drift. Above the threshold the data rule the values out.
+# Move the sliders to see the fit if the others are not fitted anew. The points are the
+# readings less the drift. Above the threshold the data rule the values out.
 
 # %%
 cc.reports.fit_explorer.explore_fit(third)
@@ -104,7 +104,7 @@ cc.reports.fit_explorer.explore_fit(third)
 # ## Use it
 #
 # The factor may be 1, so it is set to 1, as the report advises for two numbers that rise together.
-# The rig's compliance is then known to 1 %. The script has 4·10⁻⁶ mm/(N/mm).
+# The rig's compliance is then known to 1 %. The script that made the data has 4·10⁻⁶ mm/(N/mm).
 
 # %%
 last = cc.fit(rows.drop(index=off), "explicit", pair, fixed={"stiffness_factor": 1.0}, **settings)

@@ -27,9 +27,9 @@ table = "../datasets/examples/specimens.csv"
 # %% [markdown]
 # ## The data
 #
-# There are nine specimens with ten loads each. They are steel pins in steel holes, 30 µm smaller in
-# radius. The numbers are **synthetic**: the explicit law, an offset and a gain of each specimen,
-# and scatter.
+# There are nine specimens with ten loads each. They are steel pins, 30 µm smaller in radius
+# than their steel holes. The numbers are **synthetic**: the explicit law, an offset and a gain of
+# each specimen, and scatter.
 
 # %%
 steel = cc.Material.named("high-strength steel")
@@ -47,8 +47,8 @@ rows.pivot(index="load_kN", columns="specimen", values="penetration_um")
 cc.fit(table, "explicit", pair)
 
 # %% [markdown]
-# With the column of the specimens given, no warning is left. The report has how much they differ in
-# the offset and in the gain.
+# With the column of the specimens given, no warning is left. The report says how much they differ
+# in the offset and in the gain.
 
 # %%
 fitted = cc.fit(table, "explicit", pair, group="specimen")
@@ -76,7 +76,7 @@ choice.plot().figure
 # %% [markdown]
 # ## Does it matter?
 #
-# This is how far those that are left lie apart, over the loads of the data and ten times higher.
+# This is how much the undecided laws differ, over the loads of the data and ten times higher.
 
 # %%
 undecided = [name for name in choice.undecided if name in cc.laws.LAWS]
