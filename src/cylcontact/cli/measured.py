@@ -80,15 +80,17 @@ class TableOptions:
 
     contact: Annotated[str | None, _option("--contact", help=f"{listed(CONTACTS)}.")] = None
     material: Annotated[
-        str | None, _option("--material", help="Of both bodies, by name in the table of materials.")
+        str | None, _option("--material", help="Material of both bodies, by its name in the table.")
     ] = None
-    material_i: Annotated[str | None, _option("--material-i", help="Of body i.")] = None
-    material_j: Annotated[str | None, _option("--material-j", help="Of body j.")] = None
+    material_i: Annotated[str | None, _option("--material-i", help="Material of body i.")] = None
+    material_j: Annotated[str | None, _option("--material-j", help="Material of body j.")] = None
     pin: Pin = None
     hole: Hole = None
     materials: Annotated[
         str | None,
-        _option("--materials", help="A table of your own materials; datasets/materials.csv."),
+        _option(
+            "--materials", help="A table of your own materials; datasets/materials.csv by default."
+        ),
     ] = None
     E_MPa: Annotated[
         str | None, _option("--E", help="Young's modulus of both bodies, MPa or e.g. '207 GPa'.")
@@ -99,9 +101,12 @@ class TableOptions:
     R_j_mm: Annotated[float | None, _option("--Rj", help="Radius of body j, mm.")] = None
     length_mm: Annotated[float | None, _option("--length", help="Axial length, mm.")] = None
     objective: Annotated[
-        str | None, _option("--objective", help="rms-log-penetration, rms-load, ...")
+        str | None,
+        _option("--objective", help="What to minimise: rms-log-penetration, rms-load, ..."),
     ] = None
-    loss: Annotated[str | None, _option("--loss", help=f"{listed(LOSSES)}.")] = None
+    loss: Annotated[
+        str | None, _option("--loss", help=f"Weight of large residuals: {listed(LOSSES)}.")
+    ] = None
     ignore: Annotated[
         list[str] | None,
         _option("--ignore", help="A column to leave out; may be repeated.", metavar="COLUMN"),
@@ -119,7 +124,7 @@ class TableOptions:
         _option("--group", help="The column of the groups, e.g. specimens.", metavar="COLUMN"),
     ] = None
     branch: Annotated[
-        str | None, _option("--branch", help=f"Keep the rows of {listed(BRANCHES)} alone.")
+        str | None, _option("--branch", help=f"Use only the rows of {listed(BRANCHES)}.")
     ] = None
     noise: Annotated[
         str | None, _option("--noise", help=f"How readings scatter: {listed(NOISES)}.")
@@ -135,7 +140,7 @@ class TableOptions:
         list[str] | None,
         _option(
             "--free",
-            help="Search a parameter that is held.",
+            help="Fit a parameter that is fixed by default.",
             metavar="NAME[,...]",
             callback=split,
         ),
@@ -144,7 +149,7 @@ class TableOptions:
         list[str] | None,
         _option(
             "--bound",
-            help="Search a parameter between two values.",
+            help="Fit a parameter between two values.",
             metavar="NAME=LOW:HIGH[,...]",
             callback=split,
         ),

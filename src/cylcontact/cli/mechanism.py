@@ -95,9 +95,9 @@ class Options:
             help=f"{listed(METHODS)}; the first is the faster, and taken if it fits.",
         ),
     ] = None
-    tolerance: Annotated[list[str] | None, _list("Of the integrator; the spec's by default.")] = (
-        None
-    )
+    tolerance: Annotated[
+        list[str] | None, _list("Tolerance of the integrator; the spec's by default.")
+    ] = None
     beyond: Annotated[
         choices.Beyond | None,
         typer.Option(
@@ -117,7 +117,7 @@ class Options:
     against: Annotated[
         float | None,
         typer.Option(
-            help="Cases: run at this tolerance too; count only what lies beyond the horizon.",
+            help="Cases: run at this tolerance too; count only revolutions after the two separate.",
             rich_help_panel=_PANEL,
         ),
     ] = None
@@ -125,12 +125,12 @@ class Options:
         int | None, _count(1, "Bifurcation: how many clearances; 40 by default.", _PANEL)
     ] = None
     last: Annotated[
-        int | None, _count(1, "Bifurcation: sections recorded of each; 50 by default.", _PANEL)
+        int | None, _count(1, "Bifurcation: revolutions recorded of each; 50 by default.", _PANEL)
     ] = None
     impact_rate: Annotated[
         list[str] | None,
         _list(
-            "Bifurcation: δ̇⁽⁻⁾ that contact carries, m/s; 0, the default, for that of its onset.",
+            "Bifurcation: impact rate δ̇⁽⁻⁾ of the damping, m/s; 0, the default: that at onset.",
             _PANEL,
         ),
     ] = None

@@ -53,7 +53,7 @@ def figure(
             "--format", callback=split, metavar="FORMAT[,...]", help=f"{listed(FORMATS)}."
         ),
     ] = None,
-    font_size: Annotated[float | None, typer.Option(help="Of the labels, in points.")] = None,
+    font_size: Annotated[float | None, typer.Option(help="Size of the labels, in points.")] = None,
     results: Results = RESULTS,
     jobs: Jobs = None,
 ) -> None:
@@ -142,9 +142,9 @@ def claims(
     results: Results = RESULTS,
     jobs: Jobs = None,
 ) -> None:
-    """Hold what the paper states against computed numbers; a verdict for each statement.
+    """Compare each statement of the paper with a computed number, and give a verdict.
 
-    Long simulations are kept in the bench, by what they depend on, and done once.
+    Long simulations are stored, and repeated only if something that they depend on changes.
     """
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.claims import ledger, withdrawn

@@ -315,7 +315,8 @@ def choose_law(
         except InputError as error:
             if names:
                 raise
-            left_out[name] = f"left out: {error.key} {error.rule}"
+            reason = ": ".join(part for part in (error.key, error.rule) if part)
+            left_out[name] = f"left out: {reason}"
     progress("fitting", len(chosen), len(chosen))
     if not fitted:
         rule, remedy = "no law can be fitted to them", "fit one with `cylcontact fit` to see why"
