@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator
 
 from cylcontact.arrays import FloatArray
@@ -22,8 +23,6 @@ from .paper import FIG7_CLEARANCES, LOADS, RADII
 
 # Where the curves are evaluated, in mm.
 CLEARANCES: FloatArray = limit_clearances(FIG7_CLEARANCES)
-# What the thin part of a line has in common with the thick one.
-SHARED = ("color", "linestyle", "marker")
 BAND: dict[str, Any] = {"color": "0.88", "zorder": 0, "linewidth": 0}
 
 Quantity = Callable[[CylinderPair], FloatArray]
@@ -73,8 +72,11 @@ def draw_materials(axes: Axes, table: pd.DataFrame) -> None:
         every = staggered(number, dR.size)
         (curve,) = axes.plot(dR, thick, label=str(name), markevery=every)
         if line["thin"].any():
-            look = {name: getattr(curve, f"get_{name}")() for name in SHARED}
-            axes.plot(dR, drawn, markevery=every, linewidth=0.45 * curve.get_linewidth(), **look)
+            # Only where thin, as it would fill the gaps of the thick part.
+            fine = Line2D(dR, np.where(line["thin"], drawn, np.nan))
+            fine.update_from(curve)
+            fine.set(label="", linewidth=0.45 * curve.get_linewidth(), markevery=every)
+            axes.add_line(fine)
     plain_log(axes, "x", round_ticks(*FIG7_CLEARANCES))
     axes.set(xlim=FIG7_CLEARANCES, xlabel=r"radial clearance $\Delta R$ (mm)", yscale="log")
     axes.yaxis.set_major_locator(LogLocator(numticks=20))

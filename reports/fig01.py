@@ -38,14 +38,14 @@ FORCE = ARROW | {
 VIEWS = ((-12.9, 13.3, -17.0, 13.6), (-10.0, 14.0, -11.0, 19.6), (-5.0, 18.5, -9.0, 21.6))
 CAPTION = (
     "Symbols. (a) A pin of radius R_j in a hole of radius R_i, ΔR = R_i - R_j, under the load f "
-    "per unit length; dashed, the pin with its axis on the hole's. (b) Two rollers, "
+    "per unit length; dashed: the pin concentric with the hole. (b) Two rollers, "
     "ΔR = R_i + R_j. (c) The contact strip of length L and width 2b under Hertz's "
     "pressure. The penetration δ is exaggerated."
 )
 METHOD = (
-    "The axes are ΔR + δ apart in (a) and ΔR - δ apart in (b). The penetration is drawn as the "
-    "overlap of the undeformed outlines. It and the strip's width are far too large. The table has "
-    "the lengths as drawn, in mm."
+    "The centres are ΔR + δ apart in (a) and ΔR - δ apart in (b). The penetration is drawn as the "
+    "overlap of the undeformed outlines. Both it and the strip's width are exaggerated. The "
+    "table has the lengths as drawn, in mm."
 )
 
 
@@ -120,7 +120,7 @@ def _draw_panels() -> Figure:
     figure = new_figure("full", 72.0)
     widths = [right - left for left, right, _, _ in VIEWS]
     panels = list(figure.subplots(1, 3, width_ratios=widths))
-    titles = ("internal contact", "external contact", "contact area")
+    titles = ("internal contact", "external contact", "contact strip")
     for number, (axes, view, title) in enumerate(zip(panels, VIEWS, titles, strict=True)):
         axes.set(xlim=view[:2], ylim=view[2:], aspect="equal")
         axes.set_axis_off()

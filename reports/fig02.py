@@ -28,10 +28,10 @@ CAPTION = (
     "less Johnson's at equal penetration, in percent of Johnson's."
 )
 METHOD = (
-    "The fit is least squares in ln δ and ln f; R² is of the same fit. The loads fitted to are our "
-    "choice, as the paper names none: (a) 1, 10, 20, … 1000 N/mm, which gives its constants to "
-    "every digit; (b) 1, 100, 200, … 10000 N/mm, which comes close to them. The difference is "
-    "drawn at these loads."
+    "The fit is least squares in ln δ and ln f; R² is of the same fit. The loads fitted to are "
+    "our choice, as the paper names none: (a) 1, 10, 20, … 1000 N/mm, which gives the paper's "
+    "constants to every digit; (b) 1, 100, 200, … 10000 N/mm, which comes close to them. The "
+    "difference is drawn at these loads."
 )
 # The vertical axis of the differences in percent, for both contacts.
 DIFFERENCES, STEP = (-30.0, 10.0), 10.0

@@ -32,15 +32,16 @@ TICKS: Mapping[Contact, tuple[float, ...]] = {
 MODULI_GPA = (20.7, 69.0, 207.0, 600.0, 10000.0)
 RATIOS = (0.1, 0.3, 0.5)
 CAPTION = (
-    "Exponent n, less one, of the power law f = K δⁿ fitted to Johnson's law pair by pair, against "
-    "ΔR (mm). Lines: five values of E, ν = 0.3. Band: ν from 0.1 to 0.5 at E = 207 GPa. Thick grey "
-    "line: the published exponent (Eq 6c)."
+    "Exponent n, less one, of the power law f = K δⁿ fitted to Johnson's law anew for each ΔR, E "
+    "and ν, against ΔR (mm). Lines: five values of E, ν = 0.3. Band: ν from 0.1 to 0.5 at E = 207 "
+    "GPa. Thick grey line: the published exponent (Eq 6c)."
 )
 METHOD = (
     "E and ν act through E* = E/(2(1 - ν²)) alone, and E* and ΔR only through their product. The "
     "fit is least squares in ln δ and ln f over 41 loads from 10 to 1000 N/mm spaced "
     "logarithmically; loads beyond Johnson's limit (Eq 8) are left out. The spacing of the loads, "
-    "the values of E and the fit are our choice, as the paper names none."
+    "the values of E and the fit are our choice, as the paper names none. The published exponent "
+    "for internal contact is defined below ΔR = 10 mm, so its line ends there."
 )
 EXPONENTS = (0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5)  # n - 1 on the vertical axis
 

@@ -22,13 +22,14 @@ CLEARANCE = 0.1  # mm, of the paper's Fig 4
 WINDOWS = (0.8, 0.08)  # widths of the magnified parts in mm
 STEPS = (2.0, 0.2, 0.02)  # between the ticks of the panels in mm
 CAPTION = (
-    "Finite element mesh at ΔR = 0.1 mm: half of a pin in half of a plate, symmetric about "
-    "the line of the load, x = 0; lengths in mm. (a) Whole. (b, c) The top of the hole, where "
-    "the contact is. The frame in (a) is the view of (b), and that in (b) the view of (c)."
+    "Finite element mesh at ΔR = 0.1 mm: half of a pin, pressed upwards, in half of a plate, "
+    "symmetric about the line of the load, x = 0; lengths in mm. (a) Whole mesh. (b, c) The "
+    "top of the hole, where the contact is; the frames mark these views."
 )
 METHOD = (
-    "The cells are quads with four nodes. The smallest are {smallest:.2f} µm long, {cells} to the "
-    "half-width of the contact at 20 N/mm; the paper gives 1.31 to 6.63 µm. {choices}"
+    "The cells are quadrilaterals with four nodes. Those in the contact are {smallest:.2f} µm "
+    "wide, {cells} to the half-width of the contact at 20 N/mm; the paper gives 1.31 to 6.63 µm. "
+    "{choices}"
 )
 # The colours of the cells' fill and of their sides.
 BODIES = {"plate": ("0.85", COLOURS[0]), "pin": ("#cfe4f2", COLOURS[1])}
@@ -94,7 +95,7 @@ def _draw_panels(mesh: Mesh, hole_radius: float) -> Figure:
     for number, (axes, view, step) in enumerate(zip(panels, views, STEPS, strict=True)):
         for name, colours in BODIES.items():
             _draw_body(axes, getattr(mesh, name), name, colours, view)
-        axes.set(xlim=view[:2], ylim=view[2:], aspect="equal", xlabel="x (mm)", ylabel="y (mm)")
+        axes.set(xlim=view[:2], ylim=view[2:], aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MultipleLocator(step))
         panel_title(axes, number, titles[number])

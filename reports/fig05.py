@@ -29,15 +29,15 @@ from .finite_elements import (
 from .paper import FIG5_CLEARANCES
 
 CAPTION = (
-    "Contact stress by finite elements at ΔR = 1 mm and 0.01 mm and a load of 20 N/mm, relative to "
-    "Hertz's peak pressure p₀, against distances relative to his half-width b. (a, b) Stress along "
-    "the load, compression positive, around the contact at y = R_i. (c, d) Pressure on the "
-    "surface, beside Hertz's ellipse and Persson's conformal solution."
+    "Contact stress by finite elements at ΔR = 1 mm and 0.01 mm and a load of 20 N/mm, relative "
+    "to Hertz's peak pressure p₀, against distances relative to Hertz's half-width b. (a, b) "
+    "Stress along the load, compression positive, around the contact at y = R_i. (c, d) Pressure "
+    "on the surface, beside Hertz's ellipse and Persson's conformal solution."
 )
 METHOD = (
-    "Hertz's contact has {sizes}. In (a, b) each cell has one value, at its place before the load; "
-    "in (c, d) the points are pairs of nodes. The table has lengths in mm and pressures in MPa. "
-    "{load_choice} {choices}"
+    "Hertz's contact has {sizes}. In (a, b) each cell has one value, drawn in its place before "
+    "loading; in (c, d) the points are pairs of nodes. The table has lengths in mm and pressures "
+    "in MPa. {load_choice} {choices}"
 )
 # How far the panels reach, in half-widths of Hertz's contact.
 REACH, DEPTH = 2.0, 1.0

@@ -23,8 +23,9 @@ CAPTION = (
     "contact. Yield stresses assumed."
 )
 METHOD = (
-    "Internal contact; below its line a material is elastic. Conformal contact is Persson's "
-    f"solution at the same load. The bound of {CONFORMAL:g} % is our choice. Where lines are thin, "
+    "Internal contact. The criterion is the paper's, not first yield by von Mises; by it a "
+    "material is elastic below its line. Conformal contact is Persson's solution at the same "
+    f"load. The bound of {CONFORMAL:g} % is our choice. Where lines are thin, "
     "the pressure of conformal contact reaches the yield stress at a lower load than drawn. "
     "Grey band: the loads of Figs 10 to 14, 10 to 1000 N/mm. Material values that are not the "
     "paper's: {origins}."
@@ -40,10 +41,10 @@ def draw(bench: Bench) -> Drawing:
     table = tables_by_radius(rows, quantities)
     thin = table["hertz_low_by_percent"] > CONFORMAL
     figure, panels = clearance_panels(table, table["load_N_per_mm"], thin)
-    panels[0].set(ylabel="load at yield (N/mm)", ylim=(1, 1e6))
+    panels[0].set(ylabel="load at yield (N/mm)", ylim=(5, 1e6))
     for axes in panels:
         mark_loads(axes)
-    panels[0].plot([], [], "k-", linewidth=0.5, marker="", label="thin: conformal contact")
+    panels[0].plot([], [], "k-", linewidth=0.5, marker="", label="thin: Hertz's pressure low")
     legend_below(figure, panels[0], 4)
     headline = {
         f"{name}, R_i = {R_i:g} mm, dR = {HEADLINE_DR_MM:g} mm": float(

@@ -25,12 +25,13 @@ BESIDE: dict[str, Any] = {
 DEPARTING = "aluminium alloy"
 CAPTION = (
     "Largest load per unit length (N/mm) of Johnson's law, 4π E* ΔR / e² (Eq 8), against radial "
-    "clearance (mm), for a pin in a hole of one material. Thin lines: loads at which Johnson's "
+    "clearance (mm), for pin and hole of one material. Thin lines: loads at which Johnson's "
     "penetration is {percents} % below conformal contact's, for {departing}. Stars: the three "
     "limits in the paper's text, {limits} N/mm."
 )
 METHOD = (
-    "Internal contact. Grey band: the loads of Figs 10 to 14. The stars are the limits as computed "
+    "Internal contact. Johnson's penetration grows with the load up to this limit and would fall "
+    "beyond it. Grey band: the loads of Figs 10 to 14. The stars are the limits as computed "
     "here. Material values that are not the paper's: {origins}. The moduli are derived from these "
     "limits, so the stars show that they are consistent, no more. Eq 8 bounds the algebra, not the "
     "physics: the thin lines are the loads φ E* ΔR at which Johnson's penetration is {percents} % "
@@ -82,7 +83,7 @@ def draw(bench: Bench) -> Drawing:
 def _draw_departures(axes: Axes, table: pd.DataFrame, numbers: Mapping[float, float]) -> None:
     """Draw a material's loads of departure from conformal contact, labelled at their ends."""
     style: dict[str, Any] = {"color": COLOURS[4], "linewidth": 0.6, "linestyle": "-", "marker": ""}
-    label: str | None = f"Johnson low, {DEPARTING}"
+    label: str | None = f"Johnson's penetration {min(numbers):g} to {max(numbers):g} % low"
     for percent in numbers:
         loads = table[f"johnson_low_by_{percent:g}_percent_load_N_per_mm"]
         axes.plot(table["dR_mm"], loads, **style, label=label)

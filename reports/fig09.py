@@ -11,8 +11,8 @@ from .paper import ELASTIC, MATERIALS, RADII, YIELD, clearance_pair, origins, st
 CAPTION = (
     "Hertz's peak pressure (Eq 7) at the largest load of Johnson's law (Eq 8), relative to the "
     "yield stress, against radial clearance (mm), for a pin in a hole of radius R_i, both of one "
-    "material. In the grey part the material yields before Johnson's law ends; below it, Johnson's "
-    "law ends first. Yield stresses assumed."
+    "material. In the grey part the material yields below that load; elsewhere above "
+    "it. Yield stresses assumed."
 )
 METHOD = (
     "Internal contact. The headline numbers are the clearances at which the pressure equals the "
@@ -30,7 +30,7 @@ def draw(bench: Bench) -> Drawing:
     figure, panels = clearance_panels(table, table["stress_MPa"] / table["yield_stress_MPa"])
     panels[0].set(ylabel="peak pressure / yield stress (-)", ylim=(1e-3, HIGHEST))
     for axes in panels:
-        axes.axhspan(1, HIGHEST, **BAND, label="yields before Johnson's law ends")
+        axes.axhspan(1, HIGHEST, **BAND, label="yields below the largest load")
         axes.axhline(1, color=QUIET, linewidth=0.6, linestyle="-", marker="", zorder=1)
     legend_below(figure, panels[0], 3)
     headline = {}

@@ -19,11 +19,11 @@ FOLDER = Path("datasets", "finite_element")
 # The models compared with finite elements, by their names in the package.
 LAWS_COMPARED = ("johnson", "enhanced", "explicit", "persson")
 CHOICES = (
-    "Set-up: plane strain, the load spread over the pin's section, the upper half of the plate's "
-    "outer boundary held, and its radius, {ratio:g} hole radii, fitted to Johnson's law outside "
-    "the conformal range, where their agreement is therefore in part by construction. All but the "
-    "held boundary are our choice: a plane body has no absolute approach, and the paper does not "
-    "state the radius."
+    "Set-up: plane strain, with the load spread over the pin's section and the upper half of the "
+    "plate's outer boundary held. The radius of that boundary, {ratio:g} hole radii, is fitted to "
+    "Johnson's law outside the conformal range, so their agreement there is in part by "
+    "construction. All but the held boundary is our choice: in plane strain the penetration "
+    "depends on the size of the plate, and the paper does not state it."
 )
 # Load of the contact stress in Fig 5, in N/mm.
 STRESS_LOAD = 20.0

@@ -79,9 +79,9 @@ YIELDING = "; the ticks are on the side where it exceeds it"
 # The fit of each variant of the paper's maps, and its name in the title.
 VARIANTS = {
     "": ("enhanced", ""),
-    "r": ("internal", "refit coefficients"),
-    "p": ("practical", "refit in this window"),
-    "c": ("conformal", "refit to Persson"),
+    "r": ("internal", "refitted coefficients"),
+    "p": ("practical", "refitted over this map's range"),
+    "c": ("conformal", "refitted to Persson's solution"),
 }
 
 
@@ -156,21 +156,23 @@ def _mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") ->
         raise InputError("maps", "reference", reference, "is not a reference of the maps", remedy)
     default = reference_law(reference or "johnson")
     if law == "enhanced":
-        own = "the enhanced law (Eqs 5-6)"
-        fitted_from = TRAINING_DR["internal"][0]
-        return MappedLaw(Enhanced(), default, own, "published coefficients", fitted_from)
+        label, fitted_from = "published coefficients", TRAINING_DR["internal"][0]
+        own = f"the enhanced law (Eqs 5-6; {label})"
+        return MappedLaw(Enhanced(), default, own, label, fitted_from)
     if law in LAWS and not bench.result_file(f"{law}.json").is_file():
         return MappedLaw(LAWS[law](), default, f"the {law} law", f"{law} law")
     result = bench.result(law)
     if result.contact != "internal" or "dataset" not in result.settings:
         rule, remedy = "is not a fit on a grid of internal contacts", "choose one that is"
         raise InputError("maps", "law", law, rule, remedy)
+    label = label or f"fit {result.name!r}"
+    source = f"Eqs 5-6; {label}" if result.law == "enhanced" else label
     values = ", ".join(f"{name} = {value:.6g}" for name, value in result.coefficients.items())
     return MappedLaw(
         law_of(result),
         reference_law(reference or result.reference),
-        "the enhanced law (Eqs 5-6)" if result.law == "enhanced" else f"the {result.law} law",
-        label or f"fit {result.name!r}",
+        f"the {result.law} law ({source})",
+        label,
         float(grid_from(result.settings["dataset"], result.name).dR.min()),
         f"Coefficients of the fit {result.name!r}: {values}.",
     )
@@ -271,7 +273,7 @@ def _caption(row: MaterialRow, mapped: MappedLaw) -> str:
         f"Penetration of {mapped.name} less {REFERENCE_WORDS[mapped.reference.name][1]} at equal "
         "load, in percent of the latter (Eq 9), against radial clearance (mm) and load per unit "
         f"length (N/mm), for a pin in a hole of {row.material.name}. Contours are dashed below "
-        f"zero; arrows of the scale lie beyond its ends.{' Yield stress assumed.' * assumed}"
+        f"zero.{' Yield stress assumed.' * assumed}"
     )
 
 
@@ -283,12 +285,14 @@ def _method(row: MaterialRow, mapped: MappedLaw, criterion: Criterion, table: pd
     sentences = [
         f"Internal contact, both bodies of {material.name}.",
         *_calibration(mapped),
-        "Figs 10 to 14 and all maps like them have the same levels and colours.",
+        "Figs 10 to 14 and all maps like them have the same levels and colours; the arrows of the "
+        "scale are for values beyond its ends.",
         REFERENCE_WORDS[mapped.reference.name][2],
-        f"{'On the ticked line' if yields else 'Outside this map'} "
+        f"{'On the ticked line' if yields else 'Only at loads above this map'} "
         f"{CRITERION_WORDS[criterion][1]}, with a hole of {HOLE_RADIUS:g} mm radius, reaches the "
         f"yield stress of {material.yield_stress:g} MPa{YIELDING * yields}.",
         "The radius is our choice.",
+        "The criterion is the paper's, not first yield by von Mises." * (criterion == "Hertz"),
         f"Material values that are not the paper's: {origin}." if origin else "",
         mapped.coefficients,
     ]

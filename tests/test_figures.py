@@ -221,6 +221,20 @@ class TestLimits:
             1768.91, abs=0.005
         )
 
+    def test_fig07_lines_are_thick_or_thin(self, figures: DrawnFigures) -> None:
+        for axes in figures["fig07"].drawing.figure.axes:
+            lines = [line for line in axes.lines if line.get_xdata().size]
+            for name in MATERIALS:
+                (thick,) = (line for line in lines if line.get_label() == name)
+                (thin,) = (
+                    line
+                    for line in lines
+                    if line.get_color() == thick.get_color() and line is not thick
+                )
+                drawn = [np.isfinite(line.get_ydata()) for line in (thick, thin)]
+                assert (drawn[0] ^ drawn[1]).all()
+                assert thin.get_marker() == thick.get_marker()
+
     def test_fig08_limits(self, figures: DrawnFigures) -> None:
         headline = figures["fig08"].drawing.headline
         limits = {name: round(value) for name, value in headline.items() if "dR" in name}
@@ -317,6 +331,20 @@ class TestMaps:
         assert drawing.caption.endswith("Yield stress assumed.")
         assert re.search(rf"assumed: .*yield stress of {MAPS[name]}", drawing.method)
         assert "The radius is our choice" in drawing.method
+
+    @pytest.mark.parametrize(
+        ("name", "coefficients"),
+        [
+            ("fig12", "published coefficients"),
+            ("fig12r", "refitted coefficients"),
+            ("fig12p", "refitted over this map's range"),
+            ("fig12c", "refitted to Persson's solution"),
+        ],
+    )
+    def test_caption_names_the_coefficients(
+        self, figures: DrawnFigures, name: str, coefficients: str
+    ) -> None:
+        assert f"enhanced law (Eqs 5-6; {coefficients})" in figures[name].drawing.caption
 
     def test_all_maps_have_the_same_place_on_the_page(self, figures: DrawnFigures) -> None:
         maps = [name for name in NAMES if re.match(r"fig1[0-4]", name)]
