@@ -32,15 +32,16 @@ from .slider_crank import assumed, mechanism
 
 REVOLUTION = 1.15
 CAPTION = (
-    "(a) The slider-crank to scale, {revolution:g} revolutions after the start, with the spec's "
-    "names; dots: centres of mass; dashed: circle of the crank pin; orange: the joint with "
-    "clearance. (b) This joint, its clearance of {c:g} mm magnified {scale:g} times against the "
-    "bearing's radius of {R_i:g} mm; dashed: clearance circle. Lengths and masses are assumed."
+    "(a) The slider-crank to scale, {revolution:g} revolutions after the start, with the names of "
+    "its input file (grey: joints); dots: centres of mass; dashed: circle of the crank pin; "
+    "orange: the joint with clearance. (b) This joint, its clearance of {c:g} mm magnified "
+    "{scale:g} times against the bearing's radius of {R_i:g} mm; dashed: clearance circle. "
+    "Lengths and masses are assumed."
 )
 METHOD = (
-    "The mechanism is that of datasets/slider_crank.toml: {bodies}; the crank turns at {speed:.0f} "
-    "rpm, {sense}. All joints are ideal but the one between {bearing} (with the bearing) and "
-    "{journal} (with the journal). Crosses mark the centres of both. {assumed}"
+    "The mechanism is that of datasets/slider_crank.toml: {bodies}; the crank turns at "
+    "{speed:.0f} rpm, {sense}. All joints are ideal but the one between {bearing} (with the "
+    "bearing) and {journal} (with the journal). Crosses mark the centres of both. {assumed}"
 )
 CENTRE: dict[str, Any] = {
     "marker": ".",

@@ -38,10 +38,11 @@ CAPTION = (
 )
 METHOD = (
     "Before the first impact the runs are alike, so that all laws meet the same impact, and it is "
-    "the hardest of the start: {impacts}. Markers are at quarters of the largest penetration. At "
-    "equal penetration Johnson's law is stiffer than the enhanced one {crossed}. The loads, over "
-    "{length:g} mm of length, go up to {top:.0f} N/mm, beyond the {fitted:g} N/mm that the "
-    "enhanced law is fitted to. Which impact to draw is our choice. {ends} {assumed}"
+    "the hardest of the start: {impacts}. Markers, on approach alone, are at the first step "
+    "beyond each quarter of the largest penetration. At equal penetration Johnson's law is "
+    "stiffer than the enhanced one {crossed}. The loads, over {length:g} mm of length, go up to "
+    "{top:.0f} N/mm, beyond the {fitted:g} N/mm that the enhanced law is fitted to. Which impact "
+    "to draw is our choice. {ends} {assumed}"
 )
 
 

@@ -19,17 +19,16 @@ from cylcontact.plots.style import ACCENT, QUIET, current_style, small_text
 from cylcontact.reports.bench import Bench
 
 CAPTION = (
-    "Time that other software takes for the same task with the same answer, in units of the time "
-    "that cylcontact takes (-). Bars: quartiles of the rounds, most of them narrower than the "
-    "marks. Squares are faster because they do only a part of the task. Computed: evaluations "
-    "needed on a small grid times the measured cost of one."
+    "Time that other software takes, in units of the time that cylcontact takes for the same task "
+    "and answer (-). Squares do only part of the task: they are limits. Open circles are "
+    "computed: evaluations needed on a small grid times the measured cost of one. Bars: quartiles "
+    "of the rounds, most of them narrower than the marks."
 )
 METHOD = (
-    "Marks are the median of the rounds, with their quartiles. For the times that are computed, "
-    "the evaluations that the optimiser needed on a small grid are multiplied by the measured cost "
-    "of one on this grid. The power, the logarithm and the objective alone do less than "
-    "cylcontact: they are limits. Measured by `make bench`; docs/speed.md has the numbers, the "
-    "machine and the versions."
+    "Marks are the median of the rounds, with their quartiles. The power, the logarithm and the "
+    "objective alone do less than cylcontact. Candidates and samples are those of one call. The "
+    "calibrations end within 0.1 % of the best objective. Measured by `make bench`; docs/speed.md "
+    "has the numbers, the machine and the versions."
 )
 # Labels longer than this have two lines where the page is narrow.
 LONGEST = 36

@@ -19,21 +19,22 @@ from .slider_crank import assumed, mechanism
 
 FILE = "datasets/mechanism/bifurcation.csv"
 CAPTION = (
-    "Poincaré sections with Johnson's law after revolutions {first} to {last}: eccentricity e_y "
-    "across the slide over the radial clearance c (mm). The rate δ̇⁽⁻⁾ scales the damping: (a) "
-    "that of each onset; (b) held at {rate:g} m/s; (c) at the end (dotted: the held one); (d) "
-    "sections from (b). Mechanism's data assumed."
+    "Is the motion periodic? Slider-crank, Johnson's law, once a revolution from {first} to "
+    "{last}: eccentricity e_y across the slide over the radial clearance c (mm). The impact rate "
+    "δ̇⁽⁻⁾, which scales the damping, is (a) that of each onset of contact, (b) held at {rate:g} "
+    "m/s. (c) Its value at the end. (d) Three runs of (b). Assumed mechanism."
 )
 METHOD = (
-    "The losses are {losses}. The section is taken at the crank's outer dead centre. Sections "
-    "repeat if they agree to {repeats:g} of the clearance, over {held} revolutions; the period is "
-    "their number, up to {longest}. In (b) the contact carries {rate:g} m/s from revolution 11 on, "
-    "and it keeps that rate until a flight ends it; it then has the rate of another onset. In (c) "
-    "are the runs of (a) and, open, those of (b) that have lost their rate, where they end in "
-    "contact. In (d) is one run of each kind from (b) that has kept its rate, the one whose "
-    "sections reach farthest. In contact without end δ̇⁽⁻⁾ scales the damping for good, and which "
-    "one an onset has depends on the start, so that a motion belongs to a clearance and to a rate. "
-    "With one rate, (b) is no smoother than (a). {assumed}"
+    "The losses are {losses}. These Poincaré sections are taken at the crank's outer dead centre. "
+    "A motion has period n if its sections repeat after n revolutions, to {repeats:g} of the "
+    "clearance, over the last {held}; n is sought up to {longest}. In (b) the contact has "
+    "{rate:g} m/s from revolution 11 on, and it keeps that rate until a flight ends it; it then "
+    "has the rate of the next onset. In (c) are the runs of (a) and, open, those of (b) that have "
+    "lost their rate, if they end in contact; dotted: the rate held in (b). In (d) is one run of "
+    "each kind from (b) that has kept its rate, the one with the widest spread of e_y/c. Where "
+    "contact never ends, δ̇⁽⁻⁾ scales the damping for good, and its value depends on the start, "
+    "so that a motion belongs to a clearance and to a rate. With one rate, (b) is no smoother "
+    "than (a). {assumed}"
 )
 # Colour, marker and its size in points by the kind of motion.
 KINDS: dict[str, tuple[str, str, float]] = {
@@ -114,7 +115,7 @@ def _draw_panels(sections: pd.DataFrame, runs: pd.DataFrame, held: float) -> Fig
     for number, rate in enumerate((0.0, held)):
         axes = panels[0, number]
         _draw_kinds(axes, sections[sections["held_m_per_s"] == rate], "e_y_over_clearance")
-        what = f"held at {rate:g} m/s" if rate else "of each onset"
+        what = f"held at {rate:g} m/s" if rate else "of each onset of contact"
         panel_title(axes, number, rf"{RATE} {what}")
         axes.set_ylabel("$e_y/c$ (-)")
     panels[0, 1].sharey(panels[0, 0])

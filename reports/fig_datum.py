@@ -31,17 +31,18 @@ PHI = (0.01, 0.1, 1.0)
 R_O, DR = 1000.0, 0.01  # mm
 MARKED = 20.0  # the ρ of the headline
 CAPTION = (
-    "Pin in a housing held at the radius R_o, against ρ = R_o/R_i (-). (a) Constant C (-) of the "
-    "penetration δ = f L/(π E*); filled, at the right: Johnson's datum, without housing. "
-    "(b-d) Penetration that the housing adds to that by Johnson's datum (%), at loads φ = f/(E* "
-    "ΔR) (-). Grey: narrow rings, not to be trusted."
+    "What a clamped housing adds to a pin's penetration, against ρ = R_o/R_i (-), the clamped "
+    "radius over the hole's. (a) Additive constant C (-) of L in δ = f L/(π E*); filled, at the "
+    "right: Johnson's datum. (b-d) Added penetration (%) at loads φ = f/(E* ΔR) (-). Grey: not to "
+    "be trusted."
 )
 METHOD = (
     "Lines are for a housing clamped at R_o and a pin under a body force, plane strain, no "
-    "friction. Johnson's datum is the convention C = 2 ln 2 - 2 + w_j. Below zero in (b-d) the "
-    "joint is stiffer than by that datum. In narrow rings (ρ < 10) harmonics that C leaves out "
-    "matter: in steel it is too large by 0.05 at ρ = 10 and 0.79 at ρ = 2. The pairs and ρ are our "
-    "choice. Material values that are not the paper's: {origins}."
+    "friction. Johnson's datum has no housing; it is the convention C = 2 ln 2 - 2 + w_j, with "
+    "w_j the pin's share of 1/E*. Below zero in (b-d) the joint is stiffer than by that datum. In "
+    "narrow rings (ρ < 10) harmonics that C leaves out matter: in steel it is too large by 0.05 "
+    "at ρ = 10 and 0.79 at ρ = 2. The pairs and ρ are our choice. Material values that are not "
+    "the paper's: {origins}."
 )
 
 
@@ -103,7 +104,7 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
     low, high = np.transpose([axes.get_ylim() for axes in added])
     for axes in added:
         axes.set_ylim(low.min(), high.max())
-    panel_title(first, 0, "datum")
+    panel_title(first, 0, "constant of the datum")
     first.set_ylabel("constant $C$ (-)")
     _mark_johnson(first, table)
     first.text(

@@ -28,9 +28,9 @@ from .universal import (
 REFITS = {"enhanced fit conformal": "conformal", "enhanced fit internal": "internal"}
 CAPTION = (
     "Largest error (%) of the load at given penetration in each decade of φ = f/(E* ΔR) (-), "
-    "against Persson's conformal solution, internal contact. (a) Laws that are one curve for all "
-    "pairs. (b, c) The enhanced law, which is not dimensionless, for one steel and three "
-    "clearances, with the published coefficients and refitted to Persson's solution."
+    "against Persson's conformal solution, internal contact. (a) Laws with one dimensionless "
+    "curve for all pairs. (b, c) The enhanced law, which is not dimensionless, for one steel and "
+    "three clearances, with the published coefficients and refitted to Persson's solution."
 )
 METHOD = (
     "Persson's datum is matched to Johnson's law at small loads, our choice. Explicit: "

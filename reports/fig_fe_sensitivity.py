@@ -26,9 +26,9 @@ CAPTION = (
     "logarithmic outside."
 )
 METHOD = (
-    "Outer radius, load and clamp shift C alike at every clearance and load; neither the contact "
-    "nor the law that follows from it changes. The cells are those over the contact's half-width. "
-    "The variants are our choice. {choices}"
+    "Outer radius, the load's distribution and clamp shift C alike at every clearance and load; "
+    "neither the contact nor the law that follows from it changes. The cells are those over the "
+    "contact's half-width. The variants are our choice. {choices}"
 )
 
 
@@ -68,7 +68,7 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
         axes.set_xlabel(quantity.label)
         panel_title(axes, number, quantity.title)
     panels[0].set_yticks(range(len(variants)), variants)
-    panels[0].set_ylim(len(variants) - 0.5, -0.5)
+    panels[0].set_ylim(len(variants) - 0.5, -0.7)
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4)
     return figure
@@ -91,7 +91,7 @@ def _draw_changes(
                 markersize=SMALL * rcParams["lines.markersize"],
                 color=COLOURS[place],
                 markerfacecolor="white" if load == lowest else COLOURS[place],
-                label=rf"$\Delta R$ = {dR:g}, {load:g} N/mm",
+                label=rf"$\Delta R$ = {dR:g} mm, {load:g} N/mm",
             )
 
 
@@ -104,4 +104,4 @@ def _signed_log(axes: Axes, smallest: float, largest: float) -> None:
     ticks = [*-decades[-2::-1], 0.0, *decades]
     axes.xaxis.set_major_locator(FixedLocator(ticks))
     axes.xaxis.set_major_formatter(FixedFormatter([signed(tick) for tick in ticks]))
-    axes.set_xlim(-3 * decades[-2], largest)
+    axes.set_xlim(-3 * decades[-2], 1.3 * largest)

@@ -22,18 +22,18 @@ from cylcontact.reports.bench import Bench
 from .universal import PHI_MAX, PHI_MIN, UNIT_PAIR
 
 CAPTION = (
-    "Largest error (%) for 1e-6 ≤ φ ≤ 60 of forms of L in δ/ΔR = (φ/π) L, fitted minimax to "
-    "Persson's conformal solution, with their numbers of constants and logarithms; φ = f/(E* ΔR), "
-    "d = δ/ΔR. (a) Error of the load at given penetration. (b) Error of the penetration at given "
-    "load. Filled: in cylcontact."
+    "Largest error (%) of closed forms of L in δ/ΔR = (φ/π) L for Persson's conformal solution, "
+    "1e-6 ≤ φ ≤ 60; at the right: their numbers of constants and of logarithms. φ = f/(E* ΔR), d "
+    "= δ/ΔR. (a) Error of the load at given penetration. (b) Error of the penetration at given "
+    "load. Filled: the forms in cylcontact."
 )
 METHOD = (
-    "Internal contact, δ and ΔR in mm; the datum of Persson's solution is matched to Johnson's law "
-    "at small loads. With L from d the load is explicit, with L from φ the penetration. Every fit "
-    "is made anew when this is drawn, from stored starting points; another local optimum is not "
-    "excluded. The constants are unrounded here; those of the two forms that the package has are "
-    "rounded there, which costs a little. The forms tried are our choice; each has at most four "
-    "constants."
+    "Internal contact, δ and ΔR in mm; e is Euler's number. The datum of Persson's solution is "
+    "matched to Johnson's law at small loads. With L from d the load is explicit, with L from φ "
+    "the penetration. Every fit, of the least largest error, is made anew when this is drawn, "
+    "from stored starting points; another local optimum is not excluded. The constants are "
+    "unrounded here; those of the two forms that the package has are rounded there, which costs a "
+    "little. The forms tried are our choice; each has at most four constants."
 )
 FIT_POINTS, CHECK_POINTS = 400, 4001
 # The bounds of the constants; D alone may be negative.

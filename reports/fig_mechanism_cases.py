@@ -49,10 +49,10 @@ CAPTION = (
 METHOD = (
     "The means are over {many} revolutions after the first {first}, and their intervals by batch "
     "means; without losses they are over {few} revolutions, and hold for that window only. Runs "
-    "with impacts are sensitive to everything, so that only such statistics can be compared. At "
-    "0.02 mm without dissipation Johnson's law goes on along its tangent from {tangent:g} of its "
-    "largest penetration, in up to {continued:.0%} of the contacts, and its end is passed in up to "
-    "{left:.0%} of the revolutions. {assumed}"
+    "with impacts depend on every detail of the numerics, so that only such statistics can be "
+    "compared. At 0.02 mm without dissipation Johnson's law is continued along its tangent from "
+    "{tangent:g} of its largest penetration, in up to {continued:.0%} of the contacts, and the "
+    "latter is exceeded in up to {left:.0%} of the revolutions. {assumed}"
 )
 LOSSES = [(ce, cf) for ce in RESTITUTIONS for cf in FRICTIONS]
 GROUPS = [(c, *losses) for c in JOINT_CLEARANCES for losses in LOSSES]

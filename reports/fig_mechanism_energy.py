@@ -23,15 +23,17 @@ DRAWN = 3  # revolutions
 BOUND = 1e-5
 CAPTION = (
     "(a, b) Energies of the slider-crank since its start (J): enhanced law, radial clearance c = "
-    "{clearance:g} mm, restitution c_e = {restitution:g}, friction coefficient c_f = {friction:g}. "
-    "(c) Largest error of the energy balance over the peak of the kinetic energy, for three laws "
-    "and eight cases; dotted: the bound set for it. The mechanism's data are assumed."
+    "{clearance:g} mm, restitution c_e = {restitution:g}, friction coefficient c_f = "
+    "{friction:g}. (c) Largest error of the energy balance over the peak of the kinetic energy, "
+    "for three laws and eight cases; dotted: the bound set for it. The mechanism's data are "
+    "assumed."
 )
 METHOD = (
     "The drive's work and both losses are integrated with the motion. The error of the balance is "
     "kinetic and elastic energy, less the drive's work, plus the losses. In (c) it is its largest "
-    "value over {revolutions} revolutions or more at a tolerance of {tolerance:g}, relative to the "
-    "peak of the kinetic energy, in (a) {peak:.3g} J; the bound is {bound:g}. {assumed}"
+    "value over {revolutions} revolutions or more at a tolerance of {tolerance:g}, relative to "
+    "the peak of the kinetic energy: {peak:.3g} J for the run of (a), {start:.3g} J of it at the "
+    "start. The bound is {bound:g}. {assumed}"
 )
 # Rows of the table for each revolution.
 POINTS = 180
@@ -56,6 +58,7 @@ def draw(bench: Bench) -> Drawing:
     method = METHOD.format(
         revolutions=FIRST + FEW,
         peak=run.kinetic_energy.max(),
+        start=run.kinetic_energy[0],
         tolerance=slider_crank.integration.tolerance,
         bound=BOUND,
         assumed=assumed(slider_crank),

@@ -20,8 +20,8 @@ CAMPAIGN = "internal"
 CAPTION = (
     "Objective of every run above the best that any run found (%), best run first, before and "
     "after a local polish, for four optimisers on the calibration for internal contact: {runs} "
-    "runs each, about {evaluations:,.0f} candidates a run. Grey: within 0.1 % of the best, the "
-    "same basin. Excesses below 0.001 % are drawn on the lower edge."
+    "runs each, with a median of {evaluations:,.0f} candidates. Grey: within 0.1 % of the best. "
+    "Excesses below 0.001 % are drawn on the lower edge."
 )
 METHOD = (
     "The campaign is 'internal' and its objective the root mean square of ln(δ/δ_Johnson). All "

@@ -20,20 +20,20 @@ from cylcontact.reports.bench import Bench
 from .searched_readings import FILE, OTHER_SAMPLES, POINTS_CHANGED
 
 CAPTION = (
-    "Recovered coefficients less the published ones (%) under {count} readings of how they were "
-    "fitted. (a-c) Against the number of points on every axis of the samples. (d-f) With another "
-    "choice changed, at 20 points. Internal contact: x1 = a = 10b and x2 = Y_log_scale. The "
-    "readings are ours."
+    "Difference of the recovered coefficients from the published ones (%) under {count} "
+    "assumptions on what the paper does not say about its fit. (a-c) The number of points on each "
+    "axis of the samples. (d-f) Other choices, at 20 points; marks as above. Internal contact: x1 "
+    "= a = 10b and x2 = Y_log_scale. The assumptions are ours."
 )
 METHOD = (
-    "Each reading changes the campaign recovered-internal or recovered-external, which has 20 "
+    "Each assumption changes the campaign recovered-internal or recovered-external, which has 20 "
     "points on every axis, in one respect or two. For external contact the search is made twice, "
     'with n fixed at the published value and with n free. "Spacing" is every other combination '
     'of linear and logarithmic spacing of E, ΔR and the load; "other end of E" combines it with '
     'the other of the two upper ends of E, 1000 and 10 000 GPa. "Samples of the other contact" '
     "has the spacings and the end of E of the other campaign. A lattice over the bounds and local "
     "descents find the coefficients, without a genetic search. The numbers are those of "
-    "datasets/readings.csv, which make readings makes."
+    "datasets/readings.csv, written by `make readings`."
 )
 # What the panels call the searches, and the symbols of the coefficients.
 PANELS: Mapping[str, tuple[str, Mapping[str, str]]] = {
@@ -73,7 +73,7 @@ def readings(bench: Bench) -> pd.DataFrame:
     try:
         return pd.read_csv(file)
     except (OSError, ValueError) as error:
-        remedy = "make readings makes it"
+        remedy = "make readings writes it"
         raise InputError(str(file), "", None, "cannot be read", remedy) from error
 
 

@@ -14,13 +14,14 @@ from cylcontact.reports.fit_figures import runs_table
 
 CAPTION = (
     "Distance (%, absolute) of every coefficient of Eq 6 from the best polished one of its "
-    "campaign, for each run of the genetic search before any polish; distances below 0.001 % are "
-    "drawn on the lower edge. Synthetic: fitted to the published law itself. Recovered and refit: "
-    "to Johnson's law, with two coefficients free and with all."
+    "campaign, for each run of the genetic search before the local polish; distances below 0.001 "
+    "% are drawn on the lower edge. Synthetic: fitted to the published law itself. Recovered and "
+    "refit: to Johnson's law, with two coefficients free and with all."
 )
 METHOD = (
-    "In the campaigns 'recovered' the other coefficients are fixed or tied. The symbols of (a) are "
-    "the package's {symbols}. Populations, generations and bounds are ours."
+    "In the campaigns 'recovered' the other coefficients are fixed or tied. The symbols of (a) "
+    "are the package's {symbols}. Marks are spread sideways only to separate them. Populations, "
+    "generations and bounds are ours."
 )
 SYMBOLS = {
     "Y_log_scale": r"$Y_\mathrm{scale}$",

@@ -30,10 +30,10 @@ from cylcontact.reports.bench import Bench
 
 Heights = list[list[float | None]]
 CAPTION = (
-    "Two coefficients at a time. (a) Fit to synthetic measurements: regions that hold the true "
-    "κ and c at confidence levels of 68 and 95 %. (b) Fit of the enhanced law to Johnson's, "
-    "external contact, which has no noise: best attainable objective 1, 5 and 10 % above the "
-    "optimum. Noise, grid and objective are ours."
+    "How well a fit determines two coefficients. (a) Johnson's law fitted to synthetic "
+    "measurements: regions that hold the true factor κ and constant c at confidence levels of 68 "
+    "and 95 %. (b) The enhanced law fitted to Johnson's, external contact, without noise: best "
+    "attainable objective 1, 5 and 10 % above the optimum. Noise, grid and objective are ours."
 )
 
 # Points of the finer grid along each axis.

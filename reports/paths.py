@@ -45,9 +45,10 @@ CAPTION = (
     "{last:g} revolution. The mechanism's data are assumed."
 )
 METHOD = (
-    "Drawn is -e, the journal's centre relative to the bearing's. During contact it is outside the "
-    "clearance circle by the penetration. The restitution c_e acts through the factor of Lankarani "
-    "and Nikravesh. In {always} of the {cases} cases the journal stays on the bearing's wall. "
+    "The path is that of -e, the journal's centre relative to the bearing's. In contact it is "
+    "outside the clearance circle by the penetration. The restitution c_e acts through the factor "
+    "of Lankarani and Nikravesh. In {always} of the {cases} cases the journal stays in contact "
+    "throughout; the shortest flights of the others cannot be seen at this scale. "
     "{whirls}{horizons} Beyond that a path is one of many, and only its statistics are of use. "
     "Which revolutions the paper draws is not said. {ends} {assumed}"
 )

@@ -106,7 +106,7 @@ def law_ends(runs: list[Trajectory]) -> str:
         return "No law leaves its domain in these runs."
     return (
         f"Where a penetration passes {TANGENT_FROM:g} of the law's largest one (Eq 8), the law "
-        f"goes on along its tangent: {'; '.join(continued)}."
+        f"is continued along its tangent: {'; '.join(continued)}."
     )
 
 
@@ -121,7 +121,7 @@ def _continued_contacts(run: Trajectory) -> str:
     case = f"c_e = {data['restitution']:g}, c_f = {joint.friction:g}"
     left = int((deepest > limit).sum())
     return (
-        f"{data['law']} at {case}, {continued} of {deepest.size} contacts, "
+        f"{JOINT_LAWS[data['law']]} at {case}, {continued} of {deepest.size} contacts, "
         f"{left} of them beyond the limit of {limit * 1e3:.4g} µm"
     )
 
