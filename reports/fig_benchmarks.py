@@ -1,4 +1,4 @@
-"""The workbench against what one would use instead, from datasets/benchmarks.json."""
+"""How fast the package is beside other software, for the same task and answer."""
 
 from __future__ import annotations
 

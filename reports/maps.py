@@ -1,4 +1,4 @@
-"""Figs 10 to 14, and any map like them: a law's penetration against a reference's.
+"""Figs 10 to 14: how far a law's penetration is from a reference's, over clearance and load.
 
 The paper's five materials are drawn with the published coefficients (figNN), refitted over the
 paper's ranges (r), over the practical domain (p), and to conformal contact and judged by it (c).

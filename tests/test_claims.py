@@ -321,8 +321,9 @@ def test_one_sentence_says_what_stands(claims):
     hangs = judged(True, missing="Table 1", alternatives=[reading(False, "Table 1")])
     many = [*[judged(None)] * 3, judged(True), hangs, Claim("1-x", "", "", "", untestable("no"))]
     assert what_stands(many) == (
-        "Of 5 testable statements, 1 is reproduced, and 4 stay open: for 3 the readings or the "
-        "interval of the number stand on both sides; for 1 something that the text lacks decides."
+        "Of 5 testable statements, 1 is reproduced, and 4 stay open: for 3 the readings "
+        "disagree or the uncertainty includes the limit; for 1 the answer depends on "
+        "something that the text lacks."
     )
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.html import build_site
@@ -217,16 +218,6 @@ def test_laws_are_not_compared_without_the_times_of_the_benchmarks(tmp_path):
         assert "benchmarks.json: the measured times do not exist" in answer.problem
 
 
-@pytest.fixture
-def axe():
-    """The checks of axe-core, in the version that its package carries."""
-    package = pytest.importorskip(
-        "axe_playwright_python.sync_playwright",
-        reason="axe-core is not installed (pip install axe-playwright-python)",
-    )
-    return package.Axe()
-
-
 @pytest.mark.parametrize("width", SIZES)
 def test_no_page_is_longer_than_eight_screens(browser, site, texts, width):
     assert set(KINDS) < set(texts)
@@ -257,11 +248,11 @@ def test_layout_holds(browser, site, page, width):
 @pytest.mark.parametrize("page", KINDS)
 @pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("width", SIZES)
-def test_axe_finds_nothing(browser, site, axe, page, theme, width):
+def test_axe_finds_nothing(browser, site, page, theme, width):
     with opened(browser, site.index.parent / f"{page}.html", width, theme) as view:
         view.evaluate(UNFOLD)
         view.wait_for_timeout(200)
-        found = axe.run(view).response["violations"]
+        found = Axe().run(view).response["violations"]
         assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
 
 

@@ -56,8 +56,8 @@ def what_stands(claims: Sequence[Claim]) -> str:
     >>> from cylcontact.reports.claims import Finding
     >>> found = [Finding("1", holds=True), Finding("2", holds=False), Finding("3", holds=None)]
     >>> print(what_stands([Claim(f"1-{f.ours}", "", "", "", f) for f in found]))
-    Of 3 testable statements, 1 is reproduced, 1 is not, and 1 stays open: for 1 the readings or
-    the interval of the number stand on both sides.
+    Of 3 testable statements, 1 is reproduced, 1 is not, and 1 stays open: for 1 the
+    readings disagree or the uncertainty includes the limit.
     """
     number = counts(claims)
     plain, chosen, failed, undecided, hanging, _ = number.values()
@@ -68,9 +68,10 @@ def what_stands(claims: Sequence[Claim]) -> str:
         parts.append(f"{_are(failed)} not")
     if undecided or hanging:
         reasons = [
-            *([f"for {undecided} the readings or the interval of the number stand on both sides"]
+            *([f"for {undecided} the readings disagree or the uncertainty includes the limit"]
               if undecided else []),
-            *([f"for {hanging} something that the text lacks decides"] if hanging else []),
+            *([f"for {hanging} the answer depends on something that the text lacks"]
+              if hanging else []),
         ]  # fmt: skip
         stay = "stays" if undecided + hanging == 1 else "stay"
         parts.append(f"{undecided + hanging} {stay} open: {'; '.join(reasons)}")

@@ -167,11 +167,13 @@ def _plate(number: int, figures: Sequence[Figure], title: str) -> Plate:
 def _title(recipe: Path) -> str:
     """Return the first paragraph of a recipe's docstring, or nothing if it cannot be read.
 
+    The numbers that the paper gives its figures are left out.
+
     Examples
     --------
     >>> import tempfile
     >>> recipe = Path(tempfile.mkdtemp()) / "fig98.py"
-    >>> _ = recipe.write_text("'''Fig 98: a line, drawn.'''")
+    >>> _ = recipe.write_text("'''Figs 98 and 99: a line, drawn.'''")
     >>> _title(recipe)
     'A line, drawn'
     """
@@ -179,7 +181,9 @@ def _title(recipe: Path) -> str:
         text = ast.get_docstring(ast.parse(recipe.read_text(encoding="utf-8"))) or ""
     except (SyntaxError, ValueError, OSError):
         return ""
-    line = re.sub(r"^Figs? \d+\w*:\s*", "", text.split("\n\n", 1)[0].replace("\n", " "))
+    line = re.sub(
+        r"^Figs? \d+\w*(?: (?:and|to) \d+)?:\s*", "", text.split("\n\n", 1)[0].replace("\n", " ")
+    )
     return (line[:1].upper() + line[1:]).rstrip(".")
 
 

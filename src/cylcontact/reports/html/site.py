@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
@@ -13,6 +13,7 @@ from typing import Any
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_writable
 from cylcontact.fitting.result import FitResult
+from cylcontact.laws.enhanced import InternalCoefficients
 from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, find_recipes
@@ -41,6 +42,7 @@ __all__ = ["Site", "build_site"]
 
 # A symbol of one letter with an index; Greek letters and powers may stand beside it.
 SYMBOL = re.compile(r"(?<![A-Za-z0-9_])([^\W\d_])_([A-Za-z]+|\d)(?![A-Za-z0-9_])")
+COEFFICIENTS = {each.name for each in fields(InternalCoefficients)}
 PAGES = ("index", "claims", "fits", "explore")
 # The classes that the pages give to the groups of claims.
 MARKS = dict(
@@ -190,12 +192,17 @@ def _renderer(**common: Any) -> Callable[..., str]:
 def _subscripts(escaped: str) -> str:
     """Return HTML with the indices of symbols such as c_e and R_i as subscripts.
 
+    The names of coefficients stay as the package has them.
+
     Examples
     --------
-    >>> _subscripts("c_e = 0.9, πσ_Y²; dR_mm")
-    'c<sub>e</sub> = 0.9, πσ<sub>Y</sub>²; dR_mm'
+    >>> _subscripts("c_e = 0.9, πσ_Y²; dR_mm; Y_slope")
+    'c<sub>e</sub> = 0.9, πσ<sub>Y</sub>²; dR_mm; Y_slope'
     """
-    return SYMBOL.sub(r"\1<sub>\2</sub>", escaped)
+    return SYMBOL.sub(
+        lambda found: found[0] if found[0] in COEFFICIENTS else f"{found[1]}<sub>{found[2]}</sub>",
+        escaped,
+    )
 
 
 def _asset(name: str) -> str:

@@ -57,19 +57,19 @@ const Advice = (() => {
 
   function ofExplicit({ off, pair, range: [from, to] }, inside) {
     return inside
-      ? `The explicit law is ${percent(off("explicit"))} % from ${truthOf(pair)}, without iteration and without a largest load.`
+      ? `The explicit law differs by ${percent(off("explicit"))} % from ${truthOf(pair)}; it needs no iteration and has no largest load.`
       : `The explicit law was calibrated for f/(E*ΔR) from ${from} to ${to}; here it is extrapolated.`;
   }
 
   function ofJohnson({ off, contact, load, johnsonLoad }) {
     if (contact === "external") return "Johnson's law is the reference for rollers; one Lambert W gives the load.";
     if (load > johnsonLoad) return "Johnson's law has ended: the load is beyond its largest.";
-    return `Johnson's law is ${percent(off("johnson"))} % from conformal contact${Math.abs(off("johnson")) > 5 ? ": leave it" : ""}.`;
+    return `Johnson's law differs by ${percent(off("johnson"))} % from conformal contact${Math.abs(off("johnson")) > 5 ? ": do not use it" : ""}.`;
   }
 
   function ofEnhanced({ off, pair, trained }) {
     if (Number.isNaN(off("enhanced"))) return "The published enhanced law is undefined here.";
-    return `The published enhanced law is ${percent(off("enhanced"))} % from ${truthOf(pair)}${pair.dR < trained ? `; it was fitted from ΔR = ${trained} mm on and is extrapolated` : ""}.`;
+    return `The published enhanced law differs by ${percent(off("enhanced"))} % from ${truthOf(pair)}${pair.dR < trained ? `; it was fitted from ΔR = ${trained} mm on and is extrapolated` : ""}.`;
   }
 
   return { advise, truthOf };

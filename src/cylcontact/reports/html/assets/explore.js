@@ -203,13 +203,13 @@
     const entries = [
       ["E_star", "composite modulus E*", pair.E_star, "MPa"],
       ...(pair.unlike ? ofTwo(pair) : []),
-      ["R_j", "radius of body j", pair.R_j, "mm"],
+      ["R_j", contact === "internal" ? "radius of the pin" : "radius of the second roller", pair.R_j, "mm"],
       ["phi", "load number f/(E*ΔR)", load / (pair.E_star * pair.dR), ""],
       ["yield_load", "first yield, von Mises", now.yields.load, "N/mm"],
       ["johnson_load", "largest load of Johnson's law", now.johnsonLoad, "N/mm"],
       ["johnson_penetration", "penetration there", 1000 * Laws.limits.johnsonPenetration(pair), "µm"],
       ["hertz_stress", "peak pressure, Hertz", Laws.limits.hertzStress(load, pair), "MPa"],
-      ["half_width", "half width of contact", Laws.limits.hertzHalfWidth(load, pair), "mm"],
+      ["half_width", "half-width, Hertz", Laws.limits.hertzHalfWidth(load, pair), "mm"],
     ];
     document.getElementById("numbers").replaceChildren(...entries.map(([key, name, value, unitText]) => {
       const box = document.createElement("div");
@@ -356,6 +356,8 @@
     }
     const words = contact === "internal" ? "Radial clearance ΔR" : "Sum of the radii ΔR";
     document.querySelector('[data-slider="dR"] label').firstChild.textContent = `${words} `;
+    const body = contact === "internal" ? "hole" : "first roller";
+    document.querySelector('[data-slider="R_i"] label').firstChild.textContent = `Radius of the ${body} `;
     document.getElementById("material-of").textContent = contact === "internal" ? "Material of the hole" : "Material of both rollers";
     document.getElementById("pin").hidden = contact === "external";
     fillLaws();
