@@ -112,7 +112,8 @@ class TestFiles:
     ) -> None:
         drawing = figures[name].drawing
         caption = drawing.caption
-        assert "mm" in caption or not drawing.table.columns.str.contains("_mm").any()
+        lengths = drawing.table.columns.str.contains("_mm").any()
+        assert "mm" in f"{caption} {drawing.method}" or not lengths
         assert caption.endswith(".")
         assert "/home" not in caption
         assert str(BENCH.root) not in caption

@@ -10,8 +10,8 @@ made by hand: enhanced law, external contact, fitted to johnson by rms-log-penet
 samples (34 masked by the reference's domain)
 
                      fitted  published  penalty at published      within 1 %  identified
-a                       0.4       0.39                +10.0%    0.399 … 0.41        well
-b                         3       0.85                +10.0%  2.9 … 3, bound  at a bound
+a, mm^(1-n)             0.4       0.39                +10.0%    0.399 … 0.41        well
+b, mm^(2-n)               3       0.85                +10.0%  2.9 … 3, bound  at a bound
 n                       1.1      1.094                                             fixed
 rms-log-penetration    0.05       0.06                            bound 0.04
 max |Eq 9|, %          12.5         15
@@ -135,8 +135,8 @@ def test_comparison_separates_contacts_and_names_every_result():
 
 ALONE = """\
 enhanced, external   published  made by hand  difference, %
-a                         0.39           0.4           +2.6
-b = 7.5*a                 0.85             3         +252.9
+a, mm^(1-n)               0.39           0.4           +2.6
+b = 7.5*a, mm^(2-n)       0.85             3         +252.9
 n (fixed)                1.094           1.1
 rms-log-penetration       0.06          0.05          -16.7
   lower bound                           0.04
