@@ -54,9 +54,8 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
         files.append(File.generated(config, f"gallery/{png.name}", abs_src_path=str(png)))
     for recipe in {recipes[result.name] for result in results}:
         name = recipe.relative_to(ROOT).as_posix()
-        text = (
-            f"---\nsearch:\n  exclude: true\n---\n# {name}\n\n```python\n{recipe.read_text()}```\n"
-        )
+        code = recipe.read_text(encoding="utf-8")
+        text = f"{UNINDEXED}# {name}\n\n```python\n{code}```\n"
         files.append(File.generated(config, f"gallery/{recipe.stem}.md", content=text))
     config.extra["figures"] = results
     return files
@@ -101,8 +100,8 @@ def _card(figure: Figure, title: str) -> str:
     return (
         f"<div markdown>\n{picture}\n\n"
         f"**{title}**<br>`cylcontact figure {figure.name}` · {source}\n\n"
-        f"<details><summary>Caption</summary>{escape(figure.caption)}"
-        f"<p>{escape(figure.method)}</p></details>\n</div>\n"
+        f"<p>{escape(figure.caption)}</p>\n"
+        f"<details><summary>How it was made</summary>{escape(figure.method)}</details>\n</div>\n"
     )
 
 

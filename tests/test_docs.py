@@ -178,7 +178,7 @@ def test_the_gallery_shows_each_figure_with_its_command_and_recipe(site):
         assert f"reports/{recipe}.py" in source
         assert "Drawing" in source
     assert "Figure 12. Enhanced against Johnson: low-carbon steel, published coefficients" in text
-    assert text.count("<summary>Caption</summary>") == len(FEW)
+    assert text.count("<summary>How it was made</summary>") == len(FEW)
 
 
 def test_a_figure_is_drawn_again_when_its_inputs_change(site, monkeypatch):
