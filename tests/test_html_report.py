@@ -140,7 +140,7 @@ def test_every_claim_is_on_one_page_and_in_the_count_of_its_section(texts):
 
 
 def test_every_figure_has_its_caption_method_downloads_and_provenance(texts):
-    assert "Penetration of the enhanced law (Eqs 5-6; published coefficients) less Johnson" in texts["figure-fig12"]
+    assert "(Eqs 5-6; published coefficients) less Johnson" in texts["figure-fig12"]
     assert "<summary>Method</summary>" in texts["figure-fig_evil"]
     assert '<p class="prose">A note.</p>' in texts["figure-fig_evil"]
     for page, name, recipe in (
