@@ -21,6 +21,7 @@ import numpy as np
 import pandas as pd
 from matplotlib import rcParams
 from matplotlib.axes import Axes
+from matplotlib.transforms import blended_transform_factory
 
 from cylcontact.datasets.grid import grid_from
 from cylcontact.errors import InputError
@@ -217,7 +218,9 @@ def _draw_map(row: MaterialRow, mapped: MappedLaw, criterion: Criterion) -> Draw
         **WINDOW,
     )
     below = -KEY_BELOW * rcParams["font.size"] / (axes.bbox.height * 72 / figure.dpi)
-    where = {"bbox_to_anchor": (0.5, below), "bbox_transform": axes.transAxes}
+    # In the middle of the page, not of the axes, beside which the scale is.
+    place = blended_transform_factory(figure.transFigure, axes.transAxes)
+    where = {"bbox_to_anchor": (0.5, below), "bbox_transform": place}
     figure.legend(loc="upper center", ncols=2, borderaxespad=0.0, **where)
     headline = _headline(table, fitted_from, CRITERION_WORDS[criterion][0])
     method = _method(row, mapped, criterion, table)

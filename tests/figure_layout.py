@@ -73,6 +73,9 @@ def layout_faults(figure: Figure, style: FigureStyle = JOURNAL) -> list[str]:
         width = figure.get_size_inches()[0] * MM_PER_INCH
         widths = WIDTHS_MM.values() if style.width_mm is None else [style.width_mm]
         faults = [f"is {width:.1f} mm wide"] if min(abs(width - w) for w in widths) > 0.01 else []
+        drawn, page = figure.get_tightbbox(), figure.bbox_inches
+        if min(drawn.x0, drawn.y0) < 0 or drawn.x1 > page.x1 or drawn.y1 > page.y1:
+            faults.append("something leaves the page")
         faults += [fault for label in labels for fault in _faults_of_one(label, figure.bbox)]
         faults += [f"{a} overlaps {b}" for a, b in combinations(labels, 2) if a.overlaps(b)]
         faults += [fault for axes in figure.axes for fault in _faults_in_panel(axes, labels)]

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.axes import Axes
 
 from cylcontact.plots.figure import StyledFigure, new_figure
-from cylcontact.plots.style import JOURNAL, STYLES, figure_style
+from cylcontact.plots.style import JOURNAL, STYLES, FigureStyle, figure_style
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import chosen_recipes, draw
 from tests.drawn_figures import DrawnFigures
@@ -42,6 +42,13 @@ class TestEveryFigure:
         drawing = figures[name].drawing
         assert len(drawing.caption.split()) <= MOST_WORDS
         assert drawing.method.endswith(".")
+
+
+@pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
+def test_the_longest_key_of_a_map_fits(style: FigureStyle) -> None:
+    """Beyond Johnson's law, the yield line, and the range of the fit."""
+    arguments = {"material": "bronze", "law": "enhanced"}
+    assert layout_faults(draw("maps", BENCH, style, arguments).figure, style) == []
 
 
 def _label_across_contours(axes: Axes) -> None:

@@ -124,11 +124,13 @@ def _move_long_legend(figure: Figure, axes: Axes) -> None:
 
 
 def plot_choice(choice: Choice, ax: Axes | None = None) -> Axes:
-    """Draw the data with the best laws."""
-    data = choice.data.measurements
+    """Draw the data of the first pair with the best laws; a title names it if there are others."""
+    data, (name, rows) = choice.data.measurements, _first_pair(choice)
     with axes_for(ax, "plot", "column", 68.0) as axes:
         draw_curves(axes, list(_of_laws(choice).values()))
-        draw_readings(axes, data.load, data.penetration)
+        draw_readings(axes, data.load[rows], data.penetration[rows])
+        if len(rows) < len(data.load):
+            axes.set_title(name)
         axes.legend()
     return axes
 
@@ -152,8 +154,9 @@ def choice_drawing(choice: Choice) -> Drawing:
     _draw_differences(choice, lower)
     upper.set_xlabel("")
     caption = (
-        f"{choice.data.name}: measurements and the best laws by AICc, each with its offset and "
-        f"stiffness fitted; beneath, all less {choice.best.law}. Of laws that coincide within "
+        f"{choice.data.name}: measurements of one pair, {_first_pair(choice)[0]}, and the best "
+        "laws by AICc, each with its offset and stiffness fitted to all pairs; beneath, "
+        f"all less {choice.best.law}. Of laws that coincide within "
         f"{100 * _APART:g} % of the range one is drawn."
     )
     return Drawing(
@@ -161,10 +164,15 @@ def choice_drawing(choice: Choice) -> Drawing:
     )
 
 
+def _first_pair(choice: Choice) -> tuple[str, Indices]:
+    """Return the name and the rows of the first pair of the data."""
+    names, index = choice.data.measurements.groups("pair")
+    return names[0], np.flatnonzero(index == 0)
+
+
 def _of_laws(choice: Choice) -> dict[str, Curve]:
     """Return the curves of the best laws for the first pair, of those that coincide only one."""
-    data = choice.data.measurements
-    rows = np.flatnonzero(data.groups("pair")[1] == 0)
+    data, (_, rows) = choice.data.measurements, _first_pair(choice)
     loads, pair = data.load[rows], data.take(rows[:1]).pair
     at = np.geomspace(loads.min(), loads.max(), _POINTS)
     curves: dict[str, Curve] = {}
@@ -182,8 +190,7 @@ def _of_laws(choice: Choice) -> dict[str, Curve]:
 def _draw_differences(choice: Choice, axes: Axes) -> None:
     """Draw the readings of the first pair and the other laws, less the best law."""
     data, curves = choice.data.measurements, _of_laws(choice)
-    best = curves[choice.best.law]
-    rows = np.flatnonzero(data.groups("pair")[1] == 0)
+    best, (_, rows) = curves[choice.best.law], _first_pair(choice)
     load, reading = data.load[rows], data.penetration[rows]
     less = [
         Curve(curve.load, curve.reading - best.reading, label=name)
