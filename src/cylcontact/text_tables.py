@@ -129,6 +129,6 @@ def frame_table(frame: pd.DataFrame, form: str = ".5g", index: bool = True) -> T
     text = frame.to_string(
         float_format=lambda number: format(number, form), na_rep="-", index=index
     )
-    shown = frame.reset_index(names="") if index else frame
-    rows = [[formatted(cell) for cell in row] for row in shown.itertuples(index=False)]
-    return TextTable(text, list(map(str, shown.columns)), rows)
+    cells = frame.reset_index(names="") if index else frame
+    rows = [[formatted(cell) for cell in row] for row in cells.itertuples(index=False)]
+    return TextTable(text, list(map(str, cells.columns)), rows)

@@ -386,25 +386,7 @@ def draw_clearance_circle(axes: Axes, radius: float, **style: Any) -> None:
 
 @figure_style()
 def joint_drawing(run: Trajectory, revolutions: float = 2.0) -> Drawing:
-    """Draw the path of the journal's centre in the bearing, and the force in the joint.
-
-    Parameters
-    ----------
-    run : Trajectory
-        The run.
-    revolutions : float, optional
-        How many are drawn, from the end.
-
-    Returns
-    -------
-    Drawing
-        Its table has one row for each step, its headline the largest force in N.
-
-    Raises
-    ------
-    InputError
-        If `revolutions` is not positive.
-    """
+    """Draw the end of a run; see `Trajectory.plot`."""
     require(revolutions > 0, "plot", "revolutions", revolutions, "must be positive", "give e.g. 2")
     last = run.revolution >= run.revolution[-1] - revolutions
     centre = -1e3 * run.eccentricity[last]

@@ -28,7 +28,7 @@ from cylcontact.reports.bench import Bench, MissingInputError
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, johnson_end
 from cylcontact.text_tables import Report, joined, text_table
 
-__all__ = ["laws_to_use", "to_text"]
+__all__ = ["error_text", "laws_to_use", "to_text"]
 
 BENCHMARKS = "datasets/benchmarks.json"
 # The compiled functions whose times `benchmarks` measures; a power law costs as much as another.
@@ -158,8 +158,8 @@ def to_text(contact: Contact, bench: Bench) -> Report:
                 text
                 for name in references
                 for text in (
-                    _error(row[f"rms_{name}"], ".4f"),
-                    _error(row[f"max_{name}_percent"], ".3g"),
+                    error_text(row[f"rms_{name}"], ".4f"),
+                    error_text(row[f"max_{name}_percent"], ".3g"),
                 )
             ),
             f"{row['relative_time']:.1f}",
@@ -181,8 +181,14 @@ def to_text(contact: Contact, bench: Bench) -> Report:
     return joined(lines)
 
 
-def _error(value: float, form: str) -> str:
-    """Format an error, 0 for round-off."""
+def error_text(value: float, form: str) -> str:
+    """Format an error, 0 for round-off.
+
+    Examples
+    --------
+    >>> error_text(0.01874, ".4f"), error_text(1e-15, ".4f")
+    ('0.0187', '0')
+    """
     return "0" if value < _ROUND_OFF else format(value, form)
 
 

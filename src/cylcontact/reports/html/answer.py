@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cylcontact.errors import InputError
 from cylcontact.pair import CONTACTS, Contact
 from cylcontact.reports.bench import Bench
-from cylcontact.reports.laws_to_use import laws_to_use
+from cylcontact.reports.laws_to_use import error_text, laws_to_use
 
 __all__ = ["Answer", "Row", "answers"]
 
@@ -16,7 +16,6 @@ BODIES: dict[Contact, str] = {"internal": "A pin in a hole", "external": "Two ro
 # The references of `laws_to_use`, the better one first.
 REFERENCES = {"conformal": "conformal contact", "johnson": "Johnson's law"}
 TEXTS = ("law", "formula", "constants", "units", "defined")
-ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
@@ -79,8 +78,8 @@ def _answer(contact: Contact, bench: Bench) -> Answer:
     rows = tuple(
         Row(
             each["law"],
-            _error(each[f"rms_{reference}"], ".4f"),
-            _error(each[f"max_{reference}_percent"], ".3g"),
+            error_text(each[f"rms_{reference}"], ".4f"),
+            error_text(each[f"max_{reference}_percent"], ".3g"),
             f"{each['relative_time']:.1f}",
         )
         for each in table.to_dict("records")
@@ -90,8 +89,3 @@ def _answer(contact: Contact, bench: Bench) -> Answer:
     return Answer(
         contact, BODIES[contact], **texts, reference=REFERENCES[reference], best=rows[at], rows=rows
     )
-
-
-def _error(value: float, form: str) -> str:
-    """Format an error, 0 for round-off."""
-    return "0" if value < ROUND_OFF else format(value, form)
