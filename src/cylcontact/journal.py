@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from cylcontact.errors import InputError
+from cylcontact.files import what_else
 
 __all__ = ["Journal"]
 
@@ -27,6 +28,11 @@ class Journal:
         What the key identifies: "campaign", "sweep" or "study".
     key : str
         A hash of everything that the parts depend on.
+
+    Raises
+    ------
+    InputError
+        If the path is that of a folder, a link, a pipe or a device.
 
     Examples
     --------
@@ -46,6 +52,8 @@ class Journal:
         self._kind = kind
         self._header = json.dumps({kind: key})
         self._written: os.stat_result | None = None
+        if problem := what_else(path):
+            raise self._error(f"cannot be used ({problem})", "move it away")
 
     def start(self) -> None:
         """Discard the parts recorded so far; the next part starts a new file.
