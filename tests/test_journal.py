@@ -201,12 +201,10 @@ def test_a_line_that_is_no_table_is_refused(complete, path, small_campaign, line
 
 def test_a_folder_in_its_place_is_an_input_error(path, small_campaign):
     path.mkdir(parents=True)
-    with pytest.raises(InputError) as caught:
-        resume(small_campaign, path)
-    assert_told(caught, path, "", None, "cannot be read (Is a directory)", "move it away")
-    with pytest.raises(InputError) as caught:
-        calibrate(small_campaign, checkpoint=path)
-    assert_told(caught, path, "", None, "cannot be written (", "choose another output")
+    for resumed in (True, False):
+        with pytest.raises(InputError) as caught:
+            calibrate(small_campaign, checkpoint=path, resume=resumed)
+        assert_told(caught, path, "", None, "cannot be used (it is a folder)", "move it away")
 
 
 def test_a_journal_that_cannot_be_written_is_an_input_error(tmp_path):

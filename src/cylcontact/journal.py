@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from cylcontact.errors import InputError
+from cylcontact.files import what_else
 from cylcontact.formats import FORMATS, marked
 
 __all__ = ["Journal"]
@@ -31,6 +32,11 @@ class Journal:
     anew : str
         How the user starts anew.
 
+    Raises
+    ------
+    InputError
+        If the path is that of a folder, a link, a pipe or a device.
+
     Examples
     --------
     >>> import tempfile
@@ -50,6 +56,8 @@ class Journal:
         self._header = json.dumps(marked("journal", {kind: key}))
         self._anew = f"{anew} to start anew"
         self._written: os.stat_result | None = None
+        if problem := what_else(path):
+            raise self._error(f"cannot be used ({problem})", "move it away")
 
     def start(self) -> None:
         """Discard the parts recorded so far; the next part starts a new file.
