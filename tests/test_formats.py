@@ -222,7 +222,7 @@ def test_a_stored_result_saved_again_is_of_todays_format(tmp_path):
     path = tmp_path / "again.json"
     FitResult.read(STORED / "fit-result-0-before-searched.json").save(path)
     again = json.loads(path.read_text(encoding="utf-8"))
-    assert list(again)[0] == "format"
+    assert next(iter(again)) == "format"
     assert again["format"] == FORMATS["fit result"]
     assert {run["coefficients_before_polish"] for run in again["runs"]} == {None}
     assert FitResult.read(path).coefficients == again["coefficients"]
