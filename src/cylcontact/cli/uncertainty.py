@@ -17,6 +17,7 @@ from cylcontact.formats import marked
 from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
+    from cylcontact.cli.measured import LawOption
     from cylcontact.parallel import Workers
 
 __all__ = ["StudyOptions", "study_uncertainty"]
@@ -52,7 +53,7 @@ class StudyOptions:
 def study_uncertainty(
     result: Path,
     options: StudyOptions,
-    law: str | None,
+    law: LawOption,
     seed: int | None,
     where: Workers,
     out: Path | None,
@@ -76,7 +77,8 @@ def study_uncertainty(
                 resampling=Resampling(bootstrap, over or "rows", seed) if bootstrap else None,
                 leave_out=leave_out,
                 with_pairs=options.pairs,
-                law=law,
+                law=law.law,
+                law_timeout=law.law_timeout,
                 jobs=where,
                 progress=progress,
             )
