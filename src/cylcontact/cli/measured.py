@@ -162,10 +162,18 @@ class TableOptions:
 
 @dataclass(frozen=True)
 class LawOption:
-    """The option of `fit` for the law to fit to a table."""
+    """Options of `fit` for the law to fit to a table."""
 
     law: Annotated[
         str | None, _option("--law", help="The law, e.g. johnson; or module:function of your own.")
+    ] = None
+    law_timeout: Annotated[
+        float | None,
+        _option(
+            "--law-timeout",
+            help="Seconds that one call of a law of your own may take; 60 by default.",
+            metavar="SECONDS",
+        ),
     ] = None
 
 

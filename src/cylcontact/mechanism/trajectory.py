@@ -13,6 +13,7 @@ import numpy as np
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
+from cylcontact.formats import marked, upgraded
 from cylcontact.html_repr import table_html
 from cylcontact.limits import yield_load
 from cylcontact.mechanism import contact, derived
@@ -443,7 +444,8 @@ class Trajectory:
                 Path(mechanism.source).parent, {"mechanism": mechanism.data}, _LIBRARIES
             ),
         }
-        table = pa.table(columns).replace_schema_metadata({_METADATA: json.dumps(metadata)})
+        text = json.dumps(marked("trajectory", metadata))
+        table = pa.table(columns).replace_schema_metadata({_METADATA: text})
         with replacing(path) as temporary:
             pq.write_table(table, temporary, compression="zstd")
 
@@ -454,7 +456,7 @@ class Trajectory:
         Raises
         ------
         InputError
-            If the file cannot be read or holds no trajectory.
+            If the file cannot be read, holds no trajectory, or one of a newer format.
         """
         import pyarrow as pa
         import pyarrow.parquet as pq
@@ -471,6 +473,7 @@ class Trajectory:
             raise InputError(
                 str(path), "", None, "holds no trajectory", "give what simulate -o has written"
             ) from error
+        metadata = upgraded("trajectory", metadata, str(path))
         states = [name for name in table.column_names if name.startswith("state_")]
         rows = StepHistory(
             time=table["time_s"].to_numpy(),
@@ -483,6 +486,10 @@ class Trajectory:
         mechanism = mechanism_from(metadata["spec"], metadata["source"])
         settings = Settings(**metadata["settings"])
         system = build(mechanism, settings.method, settings.beyond)
+        if len(states) != system.start.size:
+            rule = f"has {len(states)} states where its mechanism has {system.start.size}"
+            remedy = "an older version of cylcontact wrote it, or another program: simulate anew"
+            raise InputError(str(path), "", None, rule, remedy)
         return cls(mechanism, settings, rows, system.block)
 
     def plot(self, revolutions: float = 2.0) -> Drawing:
