@@ -423,7 +423,7 @@ _KINDS = {
 
 def _instead_of_link(output: Path) -> str:
     """Return what to name instead of a link to a file; nothing if it is no such link."""
-    with suppress(OSError):
+    with suppress(OSError, RuntimeError):  # of a link to itself
         pointed = output.resolve()
         if output.is_symlink() and not what_else(pointed):
             return f"name the file it points to, {pointed}"

@@ -44,6 +44,10 @@ def main() -> None:
         status = _fail(str(stop) or "interrupted; nothing is left half-written", 130)
     except MemoryError:
         status = _fail("memory is short; thin the grid, or use smaller populations or fewer --jobs")
+    except SystemExit as stop:  # rich's way with a reader that has closed
+        if not isinstance(stop.__context__, BrokenPipeError):
+            raise
+        status = 141
     except OSError as error:
         # Errors of files are InputErrors, so this is standard output. Python flushes the rest.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
