@@ -18,10 +18,11 @@ import pytest
 
 from cylcontact import fitting
 from cylcontact.cli import init
+from cylcontact.mechanism import movie
 from tests.counts import counted
 from tests.faults import ERRORS, REMOVING, changed, failing, no_file_above
 from tests.killable import ROOT
-from tests.programs import require_program
+from tests.programs import fake_program, require_program
 from tests.spec_files import ELEMENTS, tree, write_bench, write_toml
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows has other operations on files")
@@ -260,6 +261,20 @@ def test_a_file_that_may_not_grow_leaves_the_old_one(bench, run):
         assert_repeated(command, bench, whole, run)
         restore(bench, files)
     counted("writes stopped by a limit on the size of files", limits)
+
+
+@pytest.mark.parametrize("script", ["exit 3", "cat >/dev/null; exit 3"])
+def test_a_film_that_ffmpeg_cannot_write_leaves_the_old_one(bench, run, monkeypatch, script):
+    ffmpeg = fake_program(bench / "scratch", "ffmpeg", script)
+    monkeypatch.setenv("PATH", f"{ffmpeg.parent}:{os.environ['PATH']}")
+    monkeypatch.setattr(movie, "FRAMES_PER_REVOLUTION", 2)
+    (bench / "film.mp4").write_text("old")
+    before = tree(bench)
+    code, _, errors = run(*SIMULATE, "-o", "film.mp4")
+    assert code == 2
+    assert errors.startswith("cylcontact: film.mp4: cannot be written (")
+    assert len(errors.splitlines()) == 1
+    assert tree(bench) == before
 
 
 # --- where output goes --------------------------------------------------------------------------

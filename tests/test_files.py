@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 from cylcontact import InputError
-from cylcontact.files import replacing, require_writable
+from cylcontact.files import replacing, replacing_all, require_writable
 from tests.spec_files import assert_told, tree
 
 AS_ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
@@ -58,6 +58,56 @@ def test_permissions_are_those_of_any_new_file(tmp_path, mask):
     finally:
         os.umask(before)
     assert stat.S_IMODE((tmp_path / "out.json").stat().st_mode) == 0o666 & ~mask
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such modes")
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o444, 0o666])
+def test_a_replaced_file_keeps_its_permissions(tmp_path, mode):
+    path = tmp_path / "out.json"
+    path.write_text("old")
+    path.chmod(mode)
+    with replacing(path) as temporary:
+        assert stat.S_IMODE(temporary.stat().st_mode) & ~0o200 & ~mode == 0  # nor before
+        temporary.write_text("new")
+    assert (path.read_text(), stat.S_IMODE(path.stat().st_mode)) == ("new", mode)
+
+
+@pytest.mark.skipif(not AS_ROOT, reason="only root may give files away")
+def test_a_replaced_file_keeps_its_owner(tmp_path):
+    path = tmp_path / "out.json"
+    path.write_text("old")
+    os.chown(path, NOBODY, NOBODY)
+    write(path)
+    assert (path.stat().st_uid, path.stat().st_gid) == (NOBODY, NOBODY)
+
+
+def test_a_signal_as_the_temporary_file_is_made_leaves_none(tmp_path, monkeypatch):
+    create = os.open
+
+    def interrupted(path, flags, *mode):
+        os.close(create(path, flags, *mode))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(os, "open", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write(tmp_path / "new/out.json")
+    monkeypatch.undo()
+    assert tree(tmp_path) == {}
+
+
+def test_files_that_belong_together_are_replaced_together(tmp_path):
+    paths = [tmp_path / "out.csv", tmp_path / "new/out.png"]
+    paths[0].write_text("old")
+
+    def fail():
+        with replacing_all(paths) as temporaries:
+            for temporary in temporaries:
+                temporary.write_text("new")
+            temporaries[1].unlink()  # which fails once the first is complete
+
+    with pytest.raises(InputError):
+        fail()
+    assert tree(tmp_path) == {"out.csv": b"old"}
 
 
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, SystemExit, MemoryError])
@@ -127,10 +177,12 @@ def obstacles(root):
         (root / "file/one/two/out.json", f"{root / 'file'} is not a folder"),
         (root / f"{'x' * 300}.json", "File name too long"),
         (root / "x\udcff.json", "its name is not text"),
+        (root / f"{'x' * 245}.json", "File name too long"),
+        (root / "none/../out.json", "it leads through a folder that does not exist"),
     ]
 
 
-@pytest.mark.parametrize("index", range(7))
+@pytest.mark.parametrize("index", range(9))
 @pytest.mark.parametrize("attempt", [write, require_writable])
 def test_what_cannot_be_written_is_said_before_anything_is(tmp_path, attempt, index):
     path, reason = obstacles(tmp_path)[index]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from subprocess import CalledProcessError
 from typing import Any
 
 import numpy as np
@@ -85,11 +86,15 @@ def film(run: Trajectory, path: Path, first: int = 0, progress: Progress = silen
         figure = Figure(figsize=SIZE_INCHES, layout="constrained")
         scene = _Scene(figure, run, path_of)
         writer = writers[WRITERS[path.suffix]](fps=FRAMES_PER_SECOND)
-        with writer.saving(figure, str(temporary), DPI):
-            for number, pose in enumerate(path_of):
-                progress("frames", number, count)
-                scene.draw(pose)
-                writer.grab_frame()
+        try:
+            with writer.saving(figure, str(temporary), DPI):
+                for number, pose in enumerate(path_of):
+                    progress("frames", number, count)
+                    scene.draw(pose)
+                    writer.grab_frame()
+        except CalledProcessError as error:
+            rule = f"cannot be written (ffmpeg ended with code {error.returncode})"
+            raise InputError(str(path), "", None, rule, "make room, or write a .gif") from error
         progress("frames", count, count)
     return count
 
