@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from cylcontact.errors import InputError
+from cylcontact.reading import JOURNAL_BYTES, read_bytes
 
 __all__ = ["Journal"]
 
@@ -79,12 +80,9 @@ class Journal:
         InputError
             If the file cannot be read, has another key or a damaged line.
         """
-        try:
-            contents = self.path.read_bytes()
-        except FileNotFoundError:
+        if not os.path.lexists(self.path):
             return []
-        except OSError as error:
-            raise self._error(f"cannot be read ({error.strerror})", "move it away") from error
+        contents = read_bytes(self.path, JOURNAL_BYTES, "move it away")
         if self._header.encode().startswith(contents):  # killed while the header was written
             self.start()
             return []

@@ -28,6 +28,7 @@ from cylcontact.errors import InputError
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.definition import LawModel, Parameter
 from cylcontact.pair import Contact, CylinderPair
+from cylcontact.reading import SPEC_BYTES, require_file
 
 __all__ = ["UserFunction", "UserLaw", "named_user_model", "user_model"]
 
@@ -233,6 +234,8 @@ def _imported(spec: str, folder: str) -> Callable[..., Any]:
         with _first_on_path(folder):
             module = _module(module_name, Path(folder))
         function = getattr(module, name, None)
+    except InputError:
+        raise
     except Exception as error:  # the user's module may raise anything
         rule = f"cannot be imported ({type(error).__name__}: {error})"
         raise InputError(spec, "law", None, rule, remedy) from error
@@ -251,6 +254,7 @@ def _module(name: str, folder: Path) -> ModuleType:
     path = folder.joinpath(*name.split(".")).with_suffix(".py")
     if not path.is_file():
         return importlib.import_module(name)
+    require_file(path, SPEC_BYTES)
     spec = importlib.util.spec_from_file_location(f"cylcontact_user_{abs(hash(path))}", path)
     if spec is None or spec.loader is None:
         raise ImportError(f"{path} is not a module")
