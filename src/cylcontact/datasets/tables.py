@@ -312,7 +312,7 @@ def _read_parquet(source: str, content: bytes, _steps: list[str]) -> _Rows:
 
     try:
         table = pyarrow.parquet.read_table(pa.BufferReader(content))
-    except pa.ArrowException as error:
+    except (OSError, pa.ArrowException) as error:  # both are raised for damaged contents
         rule = f"is not a Parquet table ({error})"
         raise InputError(source, "", None, rule, "write it anew, or use CSV") from error
     columns = [[_plain(cell) for cell in column.to_pylist()] for column in table.columns]

@@ -462,26 +462,19 @@ class Trajectory:
         try:
             table = pq.read_table(path)
             metadata = json.loads((table.schema.metadata or {})[_METADATA])
-        except (OSError, pa.ArrowException) as error:
-            reason = getattr(error, "strerror", None) or "not a Parquet file"
+            rows = _rows_of(table, metadata["counts"])
+            spec, source = metadata["spec"], str(metadata["source"])
+            settings = Settings(**metadata["settings"])
+        except OSError as error:
+            reason = error.strerror or "not a Parquet file"
             raise InputError(
                 str(path), "", None, f"cannot be read ({reason})", "check the path"
             ) from error
-        except (KeyError, ValueError) as error:
+        except (KeyError, ValueError, TypeError, pa.ArrowException) as error:
             raise InputError(
                 str(path), "", None, "holds no trajectory", "give what simulate -o has written"
             ) from error
-        states = [name for name in table.column_names if name.startswith("state_")]
-        rows = StepHistory(
-            time=table["time_s"].to_numpy(),
-            values=np.column_stack([table[name].to_numpy() for name in states]),
-            in_contact=table["in_contact"].to_numpy(),
-            impact_rate=table["impact_rate_m_per_s"].to_numpy(),
-            revolution=table["revolution"].to_numpy(),
-            counts=np.array(metadata["counts"], dtype=np.float64).reshape(-1, 3),
-        )
-        mechanism = mechanism_from(metadata["spec"], metadata["source"])
-        settings = Settings(**metadata["settings"])
+        mechanism = mechanism_from(spec, source)
         system = build(mechanism, settings.method, settings.beyond)
         return cls(mechanism, settings, rows, system.block)
 
@@ -520,3 +513,26 @@ class Trajectory:
         rows = {"duration (s)": self.time[-1] - self.time[0], **self.statistics().summary}
         picture = "" if self.mechanism.ideal else self.plot()._repr_html_()
         return table_html(f"Trajectory of {self.mechanism.name}", rows) + picture
+
+
+def _rows_of(table: pa.Table, counts: Any) -> StepHistory:
+    """Return the rows that a table holds.
+
+    Raises
+    ------
+    KeyError, ValueError, TypeError
+        If a column is missing or holds no finite numbers, or if there are no rows.
+    """
+    names = [name for name in table.column_names if name.startswith("state_")]
+    columns = [np.asarray(table[name].to_numpy(), float) for name in ("time_s", *names)]
+    values = np.column_stack(columns)
+    if not values.size or not np.isfinite(values).all():
+        raise ValueError("the states are no finite numbers")
+    return StepHistory(
+        time=columns[0],
+        values=values[:, 1:],
+        in_contact=np.asarray(table["in_contact"].to_numpy(), bool),
+        impact_rate=np.asarray(table["impact_rate_m_per_s"].to_numpy(), float),
+        revolution=np.asarray(table["revolution"].to_numpy(), np.int32),
+        counts=np.array(counts, dtype=np.float64).reshape(-1, 3),
+    )
