@@ -478,8 +478,8 @@ class Trajectory:
             settings = Settings(**metadata["settings"])
         except InputError:
             raise
-        except OSError as error:
-            reason = error.strerror or "not a Parquet file"
+        except (OSError, pa.ArrowInvalid) as error:
+            reason = getattr(error, "strerror", None) or "not a Parquet file"
             raise InputError(
                 str(path), "", None, f"cannot be read ({reason})", "check the path"
             ) from error
