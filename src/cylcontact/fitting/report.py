@@ -59,8 +59,11 @@ NUMBERS = {
     "masked": ("  masked", ",d"),
 }
 
-# The axes of a grid, with symbols and units.
-_AXES = {"E": ("E", " GPa"), "nu": ("ν", ""), "dR": ("ΔR", " mm"), "load": ("load", " N/mm")}
+# The axes of grids, with symbols and units.
+_AXES = {
+    **{"E": ("E", " GPa"), "nu": ("ν", ""), "dR": ("ΔR", " mm"), "load": ("load", " N/mm")},
+    **{"alpha": ("α", ""), "beta": ("β", ""), "phi": ("φ", "")},
+}
 
 # The units of objectives that have one, if no deviations are given with the data.
 _OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-load": "N/mm", "rms-standardised": "std. dev."}
@@ -392,7 +395,7 @@ def _samples_text(result: FitResult) -> str:
     if result.uncertainty is not None:
         return f"{result.name}: {result.counts.samples:,} measurements"
     axes = result.settings["dataset"]["axes"]
-    texts = [_axis_text(*_AXES[name], axes[name]) for name in _AXES]
+    texts = [_axis_text(*words, axes[name]) for name, words in _AXES.items() if name in axes]
     return f"{result.name}: samples at {', '.join(texts)}"
 
 
