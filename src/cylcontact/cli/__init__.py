@@ -12,6 +12,7 @@ import io
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import typer
@@ -46,11 +47,7 @@ def main() -> None:
     except MemoryError:
         status = _fail("memory is short; thin the grid, or use smaller populations or fewer --jobs")
     except OSError as error:
-        # Errors of files are InputErrors, so this is standard output. Python flushes the rest.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        status = 141
-        if not isinstance(error, BrokenPipeError):
-            status = _fail(f"standard output: cannot be written ({error.strerror}); make room")
+        status = _unwritten(error)
     except Exception as error:
         if not hasattr(error, "format_message"):
             raise
@@ -84,6 +81,17 @@ def _run(arguments: Sequence[str]) -> int:
     return 0
 
 
+def _unwritten(error: OSError) -> int:
+    """Say what could not be written: a temporary file, or standard output."""
+    if error.filename is not None:
+        return _fail(f"{error.filename}: cannot be written ({error.strerror}); make room")
+    # Errors of other files are InputErrors. Python flushes the rest at its end.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if isinstance(error, BrokenPipeError):
+        return 141
+    return _fail(f"standard output: cannot be written ({error.strerror}); make room")
+
+
 def _usage(error: Exception, message: str) -> str:
     """Return typer's message about a mistake on the command line, and the remedy, on one line."""
     rule = printable(" ".join(message.split()).rstrip("."))
@@ -92,8 +100,9 @@ def _usage(error: Exception, message: str) -> str:
 
 
 def _fail(message: str, status: int = 2) -> int:
-    """Print one line on standard error, long ones without their middle; return the exit code."""
+    """Print one line on standard error, a long one without its middle; return the exit code."""
     if len(message) > _LONGEST:
         message = f"{message[: _LONGEST // 2]}…{message[-_LONGEST // 2 :]}"
-    typer.echo(f"cylcontact: {message}", err=True)
+    with suppress(OSError):  # nobody reads it, and the exit code remains
+        typer.echo(f"cylcontact: {message}", err=True)
     return status

@@ -24,7 +24,7 @@ from cylcontact.cli.options import (
 )
 from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
-from cylcontact.files import owning
+from cylcontact.files import owning, require_writable
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.pair import CONTACTS
 from cylcontact.text_tables import joined
@@ -266,6 +266,7 @@ def choose(
         rule, remedy = f"is not {listed(TABLE_SUFFIXES)}", "name a table of measurements"
         raise InputError(str(data), "", None, rule, remedy)
     folder = out or data.parent / "results" / data.stem
+    require_writable(*(folder / name for name in CHOICE_FILES))
     with owning(folder / CHOICE_FILES[0]):
         first = law[0] if law else "johnson"
         measured = _table(data, {"law": first, **_given(asdict(table))}, SearchOptions())

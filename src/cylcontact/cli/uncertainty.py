@@ -13,6 +13,7 @@ from cylcontact.cli.options import integer_from
 from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix, require_writable
+from cylcontact.formats import marked
 from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
@@ -121,5 +122,6 @@ def _write(study: Any, out: Path | None) -> None:
     if out is None:
         return
     with replacing(out) as temporary:
-        text = json.dumps(study.model_dump(mode="json"), indent=1, ensure_ascii=False)
+        contents = marked("uncertainty", study.model_dump(mode="json"))
+        text = json.dumps(contents, indent=1, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")

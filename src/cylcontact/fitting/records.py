@@ -45,7 +45,9 @@ class RunRecord(Spec):
     population: int = Field(description="the population, which sets the budget of every search")
     crossover: str | None = Field(description="the crossover of a genetic search")
     objective_before_polish: float = Field(description="the best of the search")
-    coefficients_before_polish: dict[str, float] = Field(description="those of the search alone")
+    coefficients_before_polish: dict[str, float] | None = Field(
+        description="those of the search alone; null in old results, which do not have them"
+    )
     objective: float = Field(description="the objective after the polish")
     coefficients: dict[str, float] = Field(description="the coefficients after the polish")
     evaluations: int = Field(description="candidates that the search evaluated")

@@ -13,6 +13,7 @@ import numpy as np
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
+from cylcontact.formats import marked, upgraded
 from cylcontact.html_repr import table_html
 from cylcontact.limits import yield_load
 from cylcontact.mechanism import contact, derived
@@ -443,7 +444,8 @@ class Trajectory:
                 Path(mechanism.source).parent, {"mechanism": mechanism.data}, _LIBRARIES
             ),
         }
-        table = pa.table(columns).replace_schema_metadata({_METADATA: json.dumps(metadata)})
+        text = json.dumps(marked("trajectory", metadata))
+        table = pa.table(columns).replace_schema_metadata({_METADATA: text})
         with replacing(path) as temporary:
             pq.write_table(table, temporary, compression="zstd")
 
@@ -454,7 +456,7 @@ class Trajectory:
         Raises
         ------
         InputError
-            If the file cannot be read or holds no trajectory.
+            If the file cannot be read, holds no trajectory, or one of a newer format.
         """
         import pyarrow as pa
         import pyarrow.parquet as pq
@@ -462,20 +464,28 @@ class Trajectory:
         try:
             table = pq.read_table(path)
             metadata = json.loads((table.schema.metadata or {})[_METADATA])
+            metadata = upgraded("trajectory", metadata, str(path))
             rows = _rows_of(table, metadata["counts"])
             spec, source = metadata["spec"], str(metadata["source"])
             settings = Settings(**metadata["settings"])
+        except InputError:
+            raise
         except OSError as error:
             reason = error.strerror or "not a Parquet file"
             raise InputError(
                 str(path), "", None, f"cannot be read ({reason})", "check the path"
             ) from error
-        except (KeyError, ValueError, TypeError, pa.ArrowException) as error:
+        except (KeyError, ValueError, TypeError, AttributeError, pa.ArrowException) as error:
             raise InputError(
                 str(path), "", None, "holds no trajectory", "give what simulate -o has written"
             ) from error
         mechanism = mechanism_from(spec, source)
         system = build(mechanism, settings.method, settings.beyond)
+        states = rows.values.shape[1]
+        if states != system.start.size:
+            rule = f"has {states} states where its mechanism has {system.start.size}"
+            remedy = "an older version of cylcontact wrote it, or another program: simulate anew"
+            raise InputError(str(path), "", None, rule, remedy)
         return cls(mechanism, settings, rows, system.block)
 
     def plot(self, revolutions: float = 2.0) -> Drawing:
@@ -515,7 +525,7 @@ class Trajectory:
         return table_html(f"Trajectory of {self.mechanism.name}", rows) + picture
 
 
-def _rows_of(table: pa.Table, counts: Any) -> StepHistory:
+def _rows_of(table: Any, counts: Any) -> StepHistory:
     """Return the rows that a table holds.
 
     Raises

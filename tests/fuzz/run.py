@@ -17,7 +17,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from datetime import date
 from multiprocessing import get_context
 from pathlib import Path
-from subprocess import run
+from subprocess import check_output
 
 from rich.progress import MofNCompleteColumn, Progress
 
@@ -135,7 +135,7 @@ def main():
     seconds = round(time.monotonic() - begun)
     print(f"{options.cases:,} inputs of seed {options.seed} in {seconds} s: {len(found)} findings")
     if options.record:
-        commit = run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout
+        commit = check_output(["git", "rev-parse", "--short", "HEAD"], text=True)
         record = {"seed": options.seed, "cases": options.cases, "findings": len(found)}
         record |= {"date": str(date.today()), "commit": commit.strip(), "seconds": seconds}
         LONG_RUN.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
