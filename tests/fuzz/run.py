@@ -30,8 +30,9 @@ CORPUS = HERE / "corpus"
 LONG_RUN = HERE / "long_run.json"
 # How many inputs a process tries before it says so.
 PART = 100
-# Of each worker process.
+# Of each worker process: its judge, and what it has found.
 JUDGE = None
+FOUND = set()
 
 
 def read_case(path):
@@ -98,10 +99,13 @@ def _start(folder):
 
 
 def _findings(seed, numbers):
-    """Return the cases among some numbers that fail, each with what is wrong."""
-    verdicts = [verdict for verdict in JUDGE.verdicts(seed, numbers) if verdict.wrong]
-    first = {_gist(verdict.wrong): verdict for verdict in reversed(verdicts)}
-    return [(shrunk(v.case, JUDGE, v.wrong), v.wrong) for v in first.values()]
+    """Return the cases among some numbers that fail in a new way, each with what is wrong."""
+    findings = []
+    for verdict in JUDGE.verdicts(seed, numbers):
+        if verdict.wrong and _gist(verdict.wrong) not in FOUND:
+            FOUND.add(_gist(verdict.wrong))
+            findings.append((shrunk(verdict.case, JUDGE, verdict.wrong), verdict.wrong))
+    return findings
 
 
 def fuzz(seed, cases, jobs):
