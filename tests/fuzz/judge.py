@@ -186,7 +186,8 @@ class Judge:
 
 def _asked(words):
     """Return the files and folders that a command line may write."""
-    parts = [part for word in words for part in (word, word.partition("=")[2]) if part]
+    forms = ((word, word.partition("=")[2], word[2:]) for word in words)  # --out=x, -ox
+    parts = [part for form in forms for part in form if part]
     paths = [Path(os.path.normpath(part)) for part in parts]
     # C comes with a header. A fit that begins anew discards what an earlier one has kept.
     kept = [path.with_name(f"{path.name}.partial") for path in paths if path.name]
