@@ -100,7 +100,7 @@ def _usage(error: Exception, message: str) -> str:
 
 
 def _fail(message: str, status: int = 2) -> int:
-    """Print one line on standard error, a long one without its middle; return the exit code."""
+    """Print one line on standard error, long ones without their middle; return the exit code."""
     if len(message) > _LONGEST:
         message = f"{message[: _LONGEST // 2]}…{message[-_LONGEST // 2 :]}"
     with suppress(OSError):  # nobody reads it, and the exit code remains

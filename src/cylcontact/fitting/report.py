@@ -196,7 +196,9 @@ def _rows(result: FitResult) -> _Rows:
     bound = f"bound {result.bound:.5g}" if result.bound is not None else ""
     rows.append((_objective(result), f"{optimum:.5g}", paper, "", bound, ""))
     worst = result.max_abs_diff_percent
-    rows.append(("max |Eq 9|, %", f"{worst.fitted:.4g}", _or_dash(worst.published), "", "", ""))
+    rows.append(
+        ("max |Eq 9|, %", _or_dash(worst.fitted, ".4g"), _or_dash(worst.published), "", "", "")
+    )
     return rows
 
 
@@ -223,7 +225,15 @@ def _measured_rows(result: FitResult, uncertainty: Uncertainty) -> _Rows:
     unit = _OBJECTIVE_UNITS.get(result.objective.name, "")
     rows.append((result.objective.name, f"{result.objective.value:.5g}", unit, "", "", paper, ""))
     worst = result.max_abs_diff_percent
-    largest = ("largest |Eq 9|", f"{worst.fitted:.4g}", "%", "", "", _or_dash(worst.published), "")
+    largest = (
+        "largest |Eq 9|",
+        _or_dash(worst.fitted, ".4g"),
+        "%",
+        "",
+        "",
+        _or_dash(worst.published),
+        "",
+    )
     if min(result.settings["measurements"]["numbers"]["penetration"]) > 0:
         rows.append(largest)  # of readings about zero a relative difference says nothing
     return rows if published else [(*row[:5], row[6]) for row in rows]
@@ -536,6 +546,6 @@ def _item(sentence: str, mark: str = "- ") -> str:
     return fill(sentence, _WIDTH, initial_indent=mark, subsequent_indent="  ")
 
 
-def _or_dash(value: float | None) -> str:
+def _or_dash(value: float | None, style: str = ".5g") -> str:
     """Return a number, or a dash for None."""
-    return "-" if value is None else f"{value:.5g}"
+    return "-" if value is None else format(value, style)

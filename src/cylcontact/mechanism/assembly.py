@@ -103,7 +103,8 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     require(
         abs(initial - guessed) < _TURNS * math.tau,
         mechanism.source, f"joints.{name}.angle", math.degrees(initial),
-        f"is more than {_TURNS} turns from the guesses of its bodies", "leave whole turns out",
+        f"is more than {_TURNS} turns from the guessed angles of its bodies",
+        "leave whole turns out",
     )  # fmt: skip
     steps = max(2, math.ceil(abs(initial - guessed) / _DRIVER_STEP) + 1)
     for angle in np.linspace(guessed, initial, steps):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -23,10 +24,13 @@ from cylcontact.mechanism.slider_crank import motion, recognise
 from cylcontact.mechanism.statistics import SECTION, Statistics, described
 from cylcontact.mechanism.step_history import LEDGERS, Settings, State, StepHistory
 from cylcontact.mechanism.system import build
+from cylcontact.memory import require_memory
 from cylcontact.provenance import made_with
+from cylcontact.reading import require_file
 
 if TYPE_CHECKING:
     import pandas as pd
+    import pyarrow as pa
 
     from cylcontact.plots import Drawing
 
@@ -461,8 +465,12 @@ class Trajectory:
         import pyarrow as pa
         import pyarrow.parquet as pq
 
+        require_file(path, sys.maxsize)
         try:
-            table = pq.read_table(path)
+            file = pq.ParquetFile(path)
+            size = 8.0 * file.metadata.num_rows * file.metadata.num_columns
+            require_memory(str(path), "", None, 2 * size, "simulate fewer revolutions")
+            table = file.read()
             metadata = json.loads((table.schema.metadata or {})[_METADATA])
             metadata = upgraded("trajectory", metadata, str(path))
             rows = _rows_of(table, metadata["counts"])
@@ -470,19 +478,19 @@ class Trajectory:
             settings = Settings(**metadata["settings"])
         except InputError:
             raise
-        except OSError as error:
-            reason = error.strerror or "not a Parquet file"
+        except (OSError, pa.ArrowInvalid) as error:
+            reason = getattr(error, "strerror", None) or "not a Parquet file"
             raise InputError(
                 str(path), "", None, f"cannot be read ({reason})", "check the path"
             ) from error
-        except (KeyError, ValueError, TypeError, AttributeError, pa.ArrowException) as error:
+        except (KeyError, ValueError, TypeError, pa.ArrowException) as error:
             raise InputError(
                 str(path), "", None, "holds no trajectory", "give what simulate -o has written"
             ) from error
         mechanism = mechanism_from(spec, source)
         system = build(mechanism, settings.method, settings.beyond)
-        states = rows.values.shape[1]
-        if states != system.start.size:
+        if rows.values.shape[1] != system.start.size:
+            states = rows.values.shape[1]
             rule = f"has {states} states where its mechanism has {system.start.size}"
             remedy = "an older version of cylcontact wrote it, or another program: simulate anew"
             raise InputError(str(path), "", None, rule, remedy)
@@ -525,7 +533,7 @@ class Trajectory:
         return table_html(f"Trajectory of {self.mechanism.name}", rows) + picture
 
 
-def _rows_of(table: Any, counts: Any) -> StepHistory:
+def _rows_of(table: pa.Table, counts: Any) -> StepHistory:
     """Return the rows that a table holds.
 
     Raises
