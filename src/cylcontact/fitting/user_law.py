@@ -8,9 +8,11 @@ if a campaign or a command line names it. Reading a result imports nothing.
 
 from __future__ import annotations
 
+import hashlib
 import importlib
 import importlib.util
 import inspect
+import platform
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -48,10 +50,14 @@ class UserFunction:
     folder : str or None
         Where the module is searched for first. None if a result names the function, which is
         then never run.
+    digest : str
+        The hash of the module's file, so that every process runs this one; empty if Python's path
+        has it.
     """
 
     spec: str
     folder: str | None
+    digest: str = ""
 
     def __call__(self, penetration: FloatArray, pair: CylinderPair, **parameters: float) -> Any:
         """Call the function, importing it in this process first."""
@@ -63,7 +69,7 @@ class UserFunction:
                 "is code of your own, which is not run because a result names it",
                 f"redo the fit from its campaign, or name it: uncertainty --law {self.spec}",
             )
-        return _imported(self.spec, self.folder)(penetration, pair, **parameters)
+        return _imported(self.spec, self.folder, self.digest)(penetration, pair, **parameters)
 
 
 @dataclass(frozen=True)
@@ -181,10 +187,10 @@ def user_model(spec: str, folder: Path, contact: Contact, source: str) -> LawMod
         If the function cannot be imported, or does not take a penetration, a pair and named
         numbers.
     """
-    function = UserFunction(spec, str(folder))
-    _imported.cache_clear()  # the file may have changed since
+    path = _file_of(spec, str(folder))
+    function = UserFunction(spec, str(folder), _digest(path))
     try:
-        parameters = _parameters_of(_imported(spec, str(folder)), spec)
+        parameters = _parameters_of(_imported(spec, str(folder), function.digest), spec)
     except InputError as error:
         raise InputError(source, "law", spec, error.rule, error.remedy) from error
     return named_user_model(function, parameters, contact)
@@ -225,13 +231,22 @@ def _parameters_of(function: Callable[..., Any], spec: str) -> tuple[Parameter, 
 
 
 @lru_cache(maxsize=64)
-def _imported(spec: str, folder: str) -> Callable[..., Any]:
+def _imported(spec: str, folder: str, digest: str) -> Callable[..., Any]:
     """Import a function, from a file in the folder if there is one."""
     module_name, _, name = spec.partition(":")
+    path = _file_of(spec, folder)
+    if _digest(path) != digest:
+        raise InputError(
+            spec,
+            "law",
+            None,
+            f"{path} is missing or changed on {platform.node()}",
+            "leave it alone during a fit; on a cluster, put it at the same place on all machines",
+        )
     remedy = "name it as module:function; the campaign's folder is searched first"
     try:
         with _first_on_path(folder):
-            module = _module(module_name, Path(folder))
+            module = _module(module_name, path)
         function = getattr(module, name, None)
     except Exception as error:  # the user's module may raise anything
         rule = f"cannot be imported ({type(error).__name__}: {error})"
@@ -243,12 +258,21 @@ def _imported(spec: str, folder: str) -> Callable[..., Any]:
     return result
 
 
-def _module(name: str, folder: Path) -> ModuleType:
-    """Return a module from a file in the folder, else by name from Python's path.
+def _file_of(spec: str, folder: str) -> Path:
+    """Return the file of a module in the folder, which may not be there."""
+    return Path(folder, *spec.partition(":")[0].split(".")).with_suffix(".py")
+
+
+def _digest(path: Path) -> str:
+    """Return the hash of a file, empty if there is none."""
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
+
+
+def _module(name: str, path: Path) -> ModuleType:
+    """Return a module from a file if that is there, else by name from Python's path.
 
     A file is loaded under a unique name: another folder may have a module of the same name.
     """
-    path = folder.joinpath(*name.split(".")).with_suffix(".py")
     if not path.is_file():
         return importlib.import_module(name)
     spec = importlib.util.spec_from_file_location(f"cylcontact_user_{abs(hash(path))}", path)
