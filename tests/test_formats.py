@@ -100,6 +100,7 @@ COMMANDS = {
         *("fit", STORED / "fit-result-1.json", "-j", 1),
         *("--leave-out", "dR", "--pairs"),
     ),
+    "tables/claims.csv": ("claims",),
     "tables/samples.csv": ("sample", "datasets/small.toml"),
     "tables/samples.parquet": ("sample", "datasets/small.toml"),
     "tables/samples-of-any-pair.csv": ("sample", "datasets/any.toml"),
@@ -332,6 +333,9 @@ def test_the_tables_beside_a_run_and_a_fit_keep_their_columns(run, bench):
     assert run("fit", table, "--law", "explicit", "--contact", "internal", "-o", "fit")[0] == 0
     assert_same_form("tables/residuals.csv", bench / "fit/residuals.csv")
     assert FitResult.read(bench / "fit/result.json").law == "explicit"
+    laws = ("--law", "explicit", "--law", "johnson")
+    assert run("choose", table, "--contact", "internal", *laws, "-o", "choice")[0] == 0
+    assert_same_form("tables/choice.csv", bench / "choice/choice.csv")
 
 
 @pytest.mark.parametrize("name", COMMITTED)
@@ -412,7 +416,7 @@ def test_a_table_of_materials_once_shipped_is_accepted():
 def test_every_stored_file_is_tried_and_every_format_is_stored():
     stored = {path.relative_to(STORED).as_posix() for path in STORED.rglob("*") if path.is_file()}
     journals = {f"{kind}-{version}.partial" for kind in PARTS for version in (0, 1)}
-    beside = {"tables/revolutions.csv", "tables/residuals.csv"}
+    beside = {"tables/revolutions.csv", "tables/residuals.csv", "tables/choice.csv"}
     specs = {f"specs/{name}" for name in SPEC_FILES}
     needed = {
         "specs/datasets/materials.csv",
