@@ -11,10 +11,14 @@ import json
 import os
 import re
 import shutil
+from functools import partial
 from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
+from _cylcontact_bench.fig_bifurcation import draw as draw_bifurcation
+from _cylcontact_bench.fig_readings import readings
+from _cylcontact_bench.slider_crank import horizons
 
 from benchmarks.page import load, save
 from cylcontact import InputError
@@ -27,6 +31,7 @@ from cylcontact.materials import read_materials
 from cylcontact.mechanism import Plan, Trajectory, cases, read_mechanism, sweep
 from cylcontact.mechanism.clearance_joint import read_joint
 from cylcontact.plots.style import choose
+from cylcontact.reports.bench import Bench
 from cylcontact.reports.fit_figures import runs_table
 from cylcontact.spec import read_toml
 from tests.counts import counted
@@ -311,6 +316,27 @@ def test_commands_tell_a_newer_result(run, bench):
             f"{path}: format = 9: is newer than this version of cylcontact reads (1); "
             "upgrade cylcontact: pip install -U cylcontact\n"
         )
+
+
+@pytest.mark.parametrize(
+    ("name", "read", "column"),
+    [
+        ("readings.csv", readings, "contact"),
+        ("mechanism/bifurcation.csv", draw_bifurcation, "clearance_mm"),
+        ("mechanism/cases.csv", partial(horizons, clearance=0.5), "clearance_mm"),
+    ],
+)
+def test_a_table_that_lacks_a_column_is_told(name, read, column, tmp_path):
+    path = tmp_path / "datasets" / name
+    path.parent.mkdir(parents=True)
+    path.write_text("load_kN\n1.0\n", encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        read(Bench(tmp_path))
+    assert_told(caught, path, column, None, "is a column that it lacks", "make ")
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError) as caught:
+        read(Bench(tmp_path))
+    assert_told(caught, path, "", None, "cannot be read", "make ")
 
 
 # --- today's files keep their form ------------------------------------------------------------
