@@ -19,6 +19,7 @@ import typer
 from cylcontact.cli.app import app
 from cylcontact.cli.renamed import refuse_former_command, refuse_former_option
 from cylcontact.cli.signals import stopped_by_signals
+from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
 
 __all__ = ["main"]
@@ -91,5 +92,5 @@ def _usage(error: Exception, message: str) -> str:
 
 def _fail(message: str, status: int = 2) -> int:
     """Print one line on standard error and return the exit code."""
-    typer.echo(f"cylcontact: {message}", err=True)
+    say(f"cylcontact: {message}", err=True)
     return status

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from cylcontact.choices import TABLE_SUFFIXES
 from cylcontact.errors import InputError
+from cylcontact.plain_text import from_csv
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -337,7 +338,8 @@ def texts(table: Table, k: int) -> list[str]:
         If a cell is empty.
     """
     _require_filled(table, k)
-    return [_text(cell) for cell in table.columns[k]]
+    words = map(_text, table.columns[k])
+    return [from_csv(word) for word in words] if table.separator else list(words)
 
 
 def _text(cell: Any) -> str:
