@@ -26,6 +26,7 @@ from cylcontact.mechanism.drawing import (
     poses,
     set_view,
 )
+from cylcontact.plain_text import as_label
 from cylcontact.plots.style import ACCENT, FigureStyle, figure_style
 from cylcontact.progress import Progress, silent
 
@@ -132,8 +133,9 @@ class _Scene:
         set_view(self.left, self.view)
         draw_circle(self.left, mechanism, pose)
         draw_linkage(self.left, mechanism, pose, self.view[1] - self.view[0], self.path)
+        law = as_label(mechanism.data["clearance"]["law"])
         self.left.set_title(
-            f"{mechanism.name}, {self.joint.radial:g} mm, {mechanism.data['clearance']['law']}: "
+            f"{as_label(mechanism.name)}, {self.joint.radial:g} mm, {law}: "
             f"revolution {pose.time / mechanism.period:.2f}"
         )
         centre = draw_magnified(self.right, self.joint, pose.eccentricity)
