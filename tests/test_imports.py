@@ -17,6 +17,7 @@ LAYERS = (
         "arrays",
         "choices",
         "files",
+        "formats",
         "html_repr",
         "journal",
         "memory",

@@ -93,7 +93,7 @@ def test_an_interrupted_sweep_keeps_its_cases_and_goes_on(table, tmp_path):
 def test_cases_of_another_sweep_are_refused(tmp_path):
     path = tmp_path / "cases.partial"
     sweep(slider_crank(), WANTED[:1], PLAN, checkpoint=path)
-    with pytest.raises(InputError, match="belongs to another sweep or to other settings"):
+    with pytest.raises(InputError, match="belongs to other work: its sweep or settings differ"):
         sweep(slider_crank(), WANTED, Plan(revolutions=3), checkpoint=path, resume=True)
     lines = path.read_text().splitlines()
     path.write_text(f"{lines[0]}\nnonsense\n")

@@ -12,6 +12,7 @@ import io
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import typer
@@ -19,7 +20,7 @@ import typer
 from cylcontact.cli.app import app
 from cylcontact.cli.renamed import refuse_former_command, refuse_former_option
 from cylcontact.cli.signals import stopped_by_signals
-from cylcontact.errors import InputError
+from cylcontact.errors import InputError, printable
 
 __all__ = ["main"]
 
@@ -27,6 +28,8 @@ __all__ = ["main"]
 # Libraries make many objects that live as long as the process. Looking through all of them for
 # garbage again and again, and once more at the end, takes an eighth of a short command's time.
 _OBJECTS_BETWEEN_COLLECTIONS = 50_000
+# Characters of an error, which may quote names and paths of any length.
+_LONGEST = 1200
 atexit.register(gc.freeze)
 
 
@@ -44,11 +47,7 @@ def main() -> None:
     except MemoryError:
         status = _fail("memory is short; thin the grid, or use smaller populations or fewer --jobs")
     except OSError as error:
-        # Errors of files are InputErrors, so this is standard output. Python flushes the rest.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        status = 141
-        if not isinstance(error, BrokenPipeError):
-            status = _fail(f"standard output: cannot be written ({error.strerror}); make room")
+        status = _unwritten(error)
     except Exception as error:
         if not hasattr(error, "format_message"):
             raise
@@ -82,14 +81,28 @@ def _run(arguments: Sequence[str]) -> int:
     return 0
 
 
+def _unwritten(error: OSError) -> int:
+    """Say what could not be written: a temporary file, or standard output."""
+    if error.filename is not None:
+        return _fail(f"{error.filename}: cannot be written ({error.strerror}); make room")
+    # Errors of other files are InputErrors. Python flushes the rest at its end.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if isinstance(error, BrokenPipeError):
+        return 141
+    return _fail(f"standard output: cannot be written ({error.strerror}); make room")
+
+
 def _usage(error: Exception, message: str) -> str:
     """Return typer's message about a mistake on the command line, and the remedy, on one line."""
-    rule = " ".join(message.split()).rstrip(".")
+    rule = printable(" ".join(message.split()).rstrip("."))
     context = getattr(error, "ctx", None)
     return f"{rule}; see {context.command_path if context else 'cylcontact'} --help"
 
 
 def _fail(message: str, status: int = 2) -> int:
-    """Print one line on standard error and return the exit code."""
-    typer.echo(f"cylcontact: {message}", err=True)
+    """Print one line on standard error, long ones without their middle; return the exit code."""
+    if len(message) > _LONGEST:
+        message = f"{message[: _LONGEST // 2]}…{message[-_LONGEST // 2 :]}"
+    with suppress(OSError):  # nobody reads it, and the exit code remains
+        typer.echo(f"cylcontact: {message}", err=True)
     return status

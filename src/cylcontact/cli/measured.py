@@ -24,7 +24,7 @@ from cylcontact.cli.options import (
 )
 from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
-from cylcontact.files import owning
+from cylcontact.files import owning, require_writable
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.pair import CONTACTS
 from cylcontact.reading import plain_number
@@ -163,10 +163,18 @@ class TableOptions:
 
 @dataclass(frozen=True)
 class LawOption:
-    """The option of `fit` for the law to fit to a table."""
+    """Options of `fit` for the law to fit to a table."""
 
     law: Annotated[
         str | None, _option("--law", help="The law, e.g. johnson; or module:function of your own.")
+    ] = None
+    law_timeout: Annotated[
+        float | None,
+        _option(
+            "--law-timeout",
+            help="Seconds that one call of a law of your own may take; 60 by default.",
+            metavar="SECONDS",
+        ),
     ] = None
 
 
@@ -267,6 +275,7 @@ def choose(
         rule, remedy = f"is not {listed(TABLE_SUFFIXES)}", "name a table of measurements"
         raise InputError(str(data), "", None, rule, remedy)
     folder = out or data.parent / "results" / data.stem
+    require_writable(*(folder / name for name in CHOICE_FILES))
     with owning(folder / CHOICE_FILES[0]):
         first = law[0] if law else "johnson"
         measured = _table(data, {"law": first, **_given(asdict(table))}, SearchOptions())

@@ -14,6 +14,7 @@ import typer
 
 from cylcontact.choices import listed
 from cylcontact.errors import InputError
+from cylcontact.files import keeping
 from cylcontact.reading import plain_integer, plain_number
 
 __all__ = [
@@ -33,6 +34,7 @@ __all__ = [
     "Seed",
     "expand_options",
     "integer_from",
+    "keep_inputs",
     "require_internal",
     "resumable",
 ]
@@ -180,11 +182,25 @@ def expand_options(command: Callable[..., None]) -> Callable[..., None]:
     return expanded
 
 
+def keep_inputs(command: Callable[..., None]) -> Callable[..., None]:
+    """Let a command refuse outputs that would replace a file it is given to read."""
+
+    @wraps(command)
+    def keeping_them(**given: Any) -> None:
+        values = [value for name, value in given.items() if name not in ("out", "table")]
+        named = [each for value in values for each in (value if type(value) is list else [value])]
+        with keeping(Path(each) for each in named if isinstance(each, str | Path)):
+            command(**given)
+
+    return keeping_them
+
+
 @contextmanager
 def resumable(out: Path, part: str) -> Iterator[Path]:
     """Give the path of the journal beside an output, and remove the journal in the end.
 
-    If the block fails, the journal stays. An interruption says how many parts it holds.
+    If the block fails, the journal stays. An interruption says how many parts it holds. A journal
+    that cannot be removed is told of, and is no failure, for the output is complete.
 
     Parameters
     ----------
@@ -203,7 +219,11 @@ def resumable(out: Path, part: str) -> Iterator[Path]:
         yield journal
     except KeyboardInterrupt:
         raise KeyboardInterrupt(_interrupted(journal, part)) from None
-    journal.unlink(missing_ok=True)
+    try:
+        journal.unlink(missing_ok=True)
+    except OSError as error:
+        text = f"{journal}: cannot be removed ({error.strerror}), and is no longer needed"
+        typer.echo(f"cylcontact: {text}", err=True)
 
 
 def _interrupted(journal: Path, part: str) -> str:

@@ -29,6 +29,7 @@ from cylcontact.fitting.records import (
 from cylcontact.fitting.uncertainty.estimates import Uncertainty
 from cylcontact.fitting.uncertainty.profiles import Profile
 from cylcontact.fitting.uncertainty.study import problem_of_result
+from cylcontact.formats import marked, upgraded
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reading import RESULT_BYTES, read_text
@@ -75,12 +76,12 @@ class FitResult(Spec):
 
     @classmethod
     def read(cls, path: Path | str) -> FitResult:
-        """Read a result file.
+        """Read a result file, of this version of the program or an older one.
 
         Raises
         ------
         InputError
-            If the file cannot be read, is not a result, or is inconsistent.
+            If the file cannot be read, is not a result, is of a newer format, or is inconsistent.
         """
         source = str(path)
         text = read_text(path, RESULT_BYTES, "name a result, a JSON file")
@@ -92,7 +93,7 @@ class FitResult(Spec):
             raise InputError(source, "", None, rule, "name a result, or redo the fit") from error
         if not isinstance(data, dict):
             raise InputError(source, "", None, "is not a result", "name one that a fit has written")
-        result = parse_spec(cls, data, source)
+        result = parse_spec(cls, upgraded("fit result", data, source), source)
         _require_consistent(result, source)
         return result
 
@@ -103,7 +104,8 @@ class FitResult(Spec):
 
     def write(self, path: Path) -> None:
         """Write the result as JSON to a file that is not yet in its place."""
-        text = json.dumps(self._plain(), indent=1, ensure_ascii=False, allow_nan=False)
+        contents = marked("fit result", self._plain())
+        text = json.dumps(contents, indent=1, ensure_ascii=False, allow_nan=False)
         path.write_text(text + "\n", encoding="utf-8")
 
     def _plain(self) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import hashlib
 import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import ExitStack, closing
+from contextlib import closing
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -22,7 +22,7 @@ from typing import Any
 
 from cylcontact.choices import Format
 from cylcontact.errors import InputError
-from cylcontact.files import remove_leftovers, replacing
+from cylcontact.files import remove_leftovers, replacing_all, require_writable
 from cylcontact.parallel import call, run_calls
 from cylcontact.plots.figure import Drawing
 from cylcontact.plots.style import (
@@ -232,6 +232,12 @@ def build(
     """
     _require_programs(options.formats)
     target, chosen, given = folder or bench.figures_folder, chosen_recipes(bench, names), arguments
+    outputs = [
+        target / f"{_stem(name, given)}.{ending}"
+        for name in chosen
+        for ending in (*options.formats, "csv", "txt")
+    ]
+    require_writable(*outputs)
     work = [call(_attempt, bench, name, target, options, given) for name in chosen]
     results: list[FigureResult] = []
     progress("drawing", 0, len(chosen))
@@ -241,9 +247,8 @@ def build(
                 results.append(result)
                 progress("drawing", len(results), len(chosen))
     except BaseException:  # the workers have been killed, some of them while they were writing
-        for name in chosen:
-            for ending in (*options.formats, "csv", "txt"):
-                remove_leftovers(target / f"{_stem(name, given)}.{ending}")
+        for path in outputs:
+            remove_leftovers(path)
         raise
     return results
 
@@ -293,8 +298,7 @@ def write(
     _require_programs(options.formats)
     paths = [folder / f"{name}.{ending}" for ending in (*options.formats, "csv")]
     paths += [folder / f"{name}.txt"] if drawing.method else []
-    with ExitStack() as stack:
-        files = [stack.enter_context(replacing(path)) for path in paths]
+    with replacing_all(paths) as files:
         for form, picture in zip(options.formats, files, strict=False):
             save_picture(drawing, picture, form, options.style)
         csv = files[len(options.formats)]

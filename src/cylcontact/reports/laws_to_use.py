@@ -20,6 +20,7 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import Form, LawForm, Samples, collect_samples, form_of
+from cylcontact.formats import upgraded
 from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
@@ -262,7 +263,8 @@ def _relative_times(bench: Bench) -> dict[str, float]:
         raise MissingInputError(
             str(path), "", None, "the measured times do not exist", "measure them: make bench"
         )
-    rows = json.loads(read_text(path, SPEC_BYTES, "measure them: make bench"))["rows"]
+    benchmarks = json.loads(read_text(path, SPEC_BYTES, "measure them: make bench"))
+    rows = upgraded("benchmarks", benchmarks, str(path))["rows"]
     compiled = [row for row in rows if row["case"].startswith("compiled scalar")]
     measured = {row["side"]: row["value"] for row in compiled}
     try:
