@@ -28,6 +28,7 @@ from cylcontact.cli.options import (
 from cylcontact.cli.terminal import progress_bars, say, show, workers
 from cylcontact.errors import InputError
 from cylcontact.files import owning, require_suffix, require_writable, write_table
+from cylcontact.memory import require_memory
 from cylcontact.text_tables import frame_table
 
 if TYPE_CHECKING:
@@ -355,12 +356,12 @@ def _film(
     from cylcontact.mechanism import simulate as run
     from cylcontact.mechanism.movie import film, require_film
 
-    require_film(out)
-    require_writable(out)
-    mechanism = read_mechanism(spec, **changes.single())
     first = 2 if options.first is None else options.first
     total = revolutions or first + 1
     _require_left(first, total)
+    require_film(out, total - first)
+    require_writable(out)
+    mechanism = read_mechanism(spec, **changes.single())
     with progress_bars() as progress:
         trajectory = run(mechanism, revolutions=total, progress=progress, **options.integration())
         frames = film(trajectory, out, first, progress)
@@ -446,7 +447,9 @@ def _bifurcation(
         len(ends) == 2 and min(ends) > 0, "--clearance", "", ",".join(changes.clearance or ()),
         "must be two positive numbers, the smallest and the largest", "e.g. 0.01,0.5",
     )  # fmt: skip
-    spaced = np.geomspace(ends[0], ends[1], options.points or 40)
+    points = options.points or 40
+    require_memory("simulate", "--points", points, 1000.0 * points, "give fewer")
+    spaced = np.geomspace(ends[0], ends[1], points)
     values = [float(f"{value:.4g}") for value in spaced]
     where = workers(options.jobs, options.scheduler)
     last, beyond = options.last or 50, options.beyond or "stop"
