@@ -10,6 +10,7 @@ import typer
 
 from cylcontact.choices import FORMATS, listed
 from cylcontact.cli.options import (
+    NUMBER,
     RESULTS,
     STYLES,
     TABLES,
@@ -21,7 +22,7 @@ from cylcontact.cli.options import (
     split,
 )
 from cylcontact.cli.renamed import renamed
-from cylcontact.cli.terminal import cores, progress_bars, show
+from cylcontact.cli.terminal import cores, progress_bars, say, show
 from cylcontact.errors import InputError
 from cylcontact.export import JOINT_TARGETS, TARGETS
 from cylcontact.files import (
@@ -60,7 +61,9 @@ def figure(
             "--format", callback=split, metavar="FORMAT[,...]", help=f"{listed(FORMATS)}."
         ),
     ] = None,
-    font_size: Annotated[float | None, typer.Option(help="Size of the labels, in points.")] = None,
+    font_size: Annotated[
+        float | None, typer.Option(help="Size of the labels, in points.", **NUMBER)
+    ] = None,
     results: Results = RESULTS,
     jobs: Jobs = None,
 ) -> None:
@@ -78,11 +81,11 @@ def figure(
         drawn = build(bench, recipes, folder, choice, progress, arguments)
     problems = [each.problem for each in drawn if each.problem is not None]
     for problem in problems[1:]:
-        typer.echo(f"cylcontact: {problem}", err=True)
+        say(f"cylcontact: {problem}", err=True)
     if problems:
         raise problems[0]
     count = len(drawn)
-    typer.echo(f"{count} {'figure' if count == 1 else 'figures'} in {folder}")
+    say(f"{count} {'figure' if count == 1 else 'figures'} in {folder}")
 
 
 def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
@@ -129,8 +132,8 @@ def _build_site(bench: Bench, folder: Path) -> None:
     with progress_bars() as progress:
         site = build_site(bench, folder, progress)
     for reason in site.missing:
-        typer.echo(f"missing, {reason}", err=True)
-    typer.echo(f"open {site.index}")
+        say(f"missing, {reason}", err=True)
+    say(f"open {site.index}")
 
 
 def _write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -> None:
@@ -139,7 +142,7 @@ def _write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -
 
     written = write_tables(bench, names, kind, folder)
     count = len(written)
-    typer.echo(f"{count} {'file' if count == 1 else 'files'} in {folder}")
+    say(f"{count} {'file' if count == 1 else 'files'} in {folder}")
 
 
 def claims(
@@ -178,7 +181,7 @@ def claims(
         with replacing(out) as temporary:
             temporary.write_text(to_json(computed, terms, gone), encoding="utf-8")
     count = len(computed)
-    typer.echo(f"{count} {'claim' if count == 1 else 'claims'} written to {out}")
+    say(f"{count} {'claim' if count == 1 else 'claims'} written to {out}")
 
 
 def laws(
@@ -191,17 +194,17 @@ def laws(
     ] = None,
     nu: Annotated[
         float | None,
-        typer.Option("--nu", help="Poisson's ratio of both bodies; 0.3 by default."),
+        typer.Option("--nu", help="Poisson's ratio of both bodies; 0.3 by default.", **NUMBER),
     ] = None,
     dR: Annotated[
         float | None,
-        typer.Option("--dR", help="ΔR, mm; by default 0.05 internal, twice Ri external."),
+        typer.Option("--dR", help="ΔR, mm; by default 0.05 internal, twice Ri external.", **NUMBER),
     ] = None,
     R_i: Annotated[
-        float, typer.Option("--Ri", help="Radius of body i, mm; the hole, or a roller.")
+        float, typer.Option("--Ri", help="Radius of body i, mm; the hole, or a roller.", **NUMBER)
     ] = 10.0,
-    length: Annotated[float, typer.Option(help="Axial length, mm.")] = 10.0,
-    load: Annotated[float, typer.Option(help="Load per unit length, N/mm.")] = 100.0,
+    length: Annotated[float, typer.Option(help="Axial length, mm.", **NUMBER)] = 10.0,
+    load: Annotated[float, typer.Option(help="Load per unit length, N/mm.", **NUMBER)] = 100.0,
     contact: Annotated[str, typer.Option(help=f"{listed(CONTACTS)}.")] = "internal",
     pin: Pin = None,
     hole: Hole = None,
@@ -232,7 +235,7 @@ def laws(
     show(joined([advice, to_text(pair, load)], "\n\n"))
     warning = yield_warning(load, pair)
     if warning is not None:
-        typer.echo(f"warning: {warning}", err=True)
+        say(f"warning: {warning}", err=True)
 
 
 def export(
@@ -273,7 +276,7 @@ def export(
         return
     with replacing(out) as temporary:
         temporary.write_text(source, encoding="ascii")
-    typer.echo(f"{what} written to {out}")
+    say(f"{what} written to {out}")
 
 
 def _export_joint(path: Path, target: str, out: Path | None, others: dict[str, str | None]) -> None:
@@ -298,4 +301,4 @@ def _export_joint(path: Path, target: str, out: Path | None, others: dict[str, s
         for file, name in zip(files, texts, strict=True):
             text = texts[name]
             file.write_bytes(text if isinstance(text, bytes) else text.encode("ascii"))
-    typer.echo(f"{joint.name} written to {', '.join(str(out.with_name(name)) for name in texts)}")
+    say(f"{joint.name} written to {', '.join(str(out.with_name(name)) for name in texts)}")

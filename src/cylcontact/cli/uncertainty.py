@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cylcontact.cli.options import integer_from
+from cylcontact.cli.options import NUMBER, integer_from
 from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix, require_writable
@@ -47,7 +47,9 @@ class StudyOptions:
     pairs: Annotated[
         bool, _option("--pairs", help="Map each pair of parameters, into the output.")
     ] = False
-    level: Annotated[float | None, _option(help="Level of the intervals; 0.95 by default.")] = None
+    level: Annotated[
+        float | None, _option(help="Level of the intervals; 0.95 by default.", **NUMBER)
+    ] = None
 
 
 def study_uncertainty(
