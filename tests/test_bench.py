@@ -368,3 +368,17 @@ class TestShippedBench:
         assert naming == {"laws/enhanced.py"}
         assets = (SOURCE / "reports" / "html").rglob("*.[jc]*")
         assert not [path for path in assets if b"Pereira" in path.read_bytes()]
+
+
+def test_a_figure_of_a_file_that_cannot_be_imported_is_told_with_that_file(bench, run):
+    listing = put(bench, "maps.py", TWO_FIGURES)
+    assert run("figure", "fig97", "-j", 1)[0] == 0
+    for line, told in (
+        ("def broken(:", "failed with SyntaxError (invalid syntax (maps.py, line 12))"),
+        ("import absent_module", "failed with ModuleNotFoundError"),
+    ):
+        listing.write_text(f"{TWO_FIGURES}{line}\n")
+        code, said, errors = run("figure", "fig97")
+        assert (code, said, errors.count("\n")) == (2, "", 1)
+        assert f"there is no such recipe, unless in a file that {told}" in errors
+        assert "correct reports/maps.py, or choose among" in errors

@@ -766,3 +766,28 @@ def test_loads_above_first_yield_are_told(run, tmp_path, words, count):
     options = tuple(word for word in options if word not in ("--Ri", "10"))
     _, said, _ = run("fit", tmp_path / "t.csv", *options, *words, "-o", tmp_path / "s.json")
     assert "first yield" not in said
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--length", 0), "line 2: length = 0.0: must be positive"),
+        (("--length", -1), "line 2: length = -1.0: must be positive"),
+        (("--length", "nan"), "'nan' is not a number"),
+        (("--length", 10, "--E", "1e9"), "E_i = 1000000000.0: must be positive, and at most 1e7"),
+        (("--length", 10, "--nu", "nan"), "'nan' is not a number"),
+        (("--length", 10, "--nu", 0.51), "nu_i = 0.51: must lie in [0, 0.5]"),
+        (("--length", 10, "--dR", -1), "dR = -1.0: must be positive"),
+    ],
+)
+def test_a_number_that_is_no_length_or_constant_is_told(tmp_path, run, options, told):
+    (tmp_path / "t.csv").write_text("load_N,penetration_um\n10,0.2\n20,0.4\n40,0.7\n80,1.3\n")
+    given = {"--E": "207 GPa", "--nu": 0.3, "--dR": 0.05}
+    given |= dict(zip(options[::2], options[1::2], strict=True))
+    named = [part for option in given.items() for part in option]
+    code, said, errors = run(
+        *("fit", tmp_path / "t.csv", "--law", "johnson", "--contact", "internal", *named)
+    )
+    assert (code, said, errors.count("\n")) == (2, "", 1)
+    assert told in errors
+    assert not (tmp_path / "results" / "t").exists()

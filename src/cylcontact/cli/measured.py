@@ -173,7 +173,7 @@ class LawOption:
         _option(
             "--law-timeout",
             help="Seconds that one call of a law of your own may take; 60 by default.",
-            metavar="SECONDS",
+            **NUMBER | {"metavar": "SECONDS"},
         ),
     ] = None
 
