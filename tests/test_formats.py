@@ -11,10 +11,14 @@ import json
 import os
 import re
 import shutil
+from functools import partial
 from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
+from _cylcontact_bench.fig_bifurcation import draw as draw_bifurcation
+from _cylcontact_bench.fig_readings import readings
+from _cylcontact_bench.slider_crank import horizons
 
 from benchmarks.page import load, save
 from cylcontact import InputError
@@ -27,6 +31,7 @@ from cylcontact.materials import read_materials
 from cylcontact.mechanism import Plan, Trajectory, cases, read_mechanism, sweep
 from cylcontact.mechanism.clearance_joint import read_joint
 from cylcontact.plots.style import choose
+from cylcontact.reports.bench import Bench
 from cylcontact.reports.fit_figures import runs_table
 from cylcontact.spec import read_toml
 from tests.counts import counted
@@ -100,6 +105,7 @@ COMMANDS = {
         *("fit", STORED / "fit-result-1.json", "-j", 1),
         *("--leave-out", "dR", "--pairs"),
     ),
+    "tables/claims.csv": ("claims",),
     "tables/samples.csv": ("sample", "datasets/small.toml"),
     "tables/samples.parquet": ("sample", "datasets/small.toml"),
     "tables/samples-of-any-pair.csv": ("sample", "datasets/any.toml"),
@@ -312,6 +318,27 @@ def test_commands_tell_a_newer_result(run, bench):
         )
 
 
+@pytest.mark.parametrize(
+    ("name", "read", "column"),
+    [
+        ("readings.csv", readings, "contact"),
+        ("mechanism/bifurcation.csv", draw_bifurcation, "clearance_mm"),
+        ("mechanism/cases.csv", partial(horizons, clearance=0.5), "clearance_mm"),
+    ],
+)
+def test_a_table_that_lacks_a_column_is_told(name, read, column, tmp_path):
+    path = tmp_path / "datasets" / name
+    path.parent.mkdir(parents=True)
+    path.write_text("load_kN\n1.0\n", encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        read(Bench(tmp_path))
+    assert_told(caught, path, column, None, "is a column that it lacks", "make ")
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError) as caught:
+        read(Bench(tmp_path))
+    assert_told(caught, path, "", None, "cannot be read", "make ")
+
+
 # --- today's files keep their form ------------------------------------------------------------
 
 
@@ -332,6 +359,9 @@ def test_the_tables_beside_a_run_and_a_fit_keep_their_columns(run, bench):
     assert run("fit", table, "--law", "explicit", "--contact", "internal", "-o", "fit")[0] == 0
     assert_same_form("tables/residuals.csv", bench / "fit/residuals.csv")
     assert FitResult.read(bench / "fit/result.json").law == "explicit"
+    laws = ("--law", "explicit", "--law", "johnson")
+    assert run("choose", table, "--contact", "internal", *laws, "-o", "choice")[0] == 0
+    assert_same_form("tables/choice.csv", bench / "choice/choice.csv")
 
 
 @pytest.mark.parametrize("name", COMMITTED)
@@ -412,7 +442,7 @@ def test_a_table_of_materials_once_shipped_is_accepted():
 def test_every_stored_file_is_tried_and_every_format_is_stored():
     stored = {path.relative_to(STORED).as_posix() for path in STORED.rglob("*") if path.is_file()}
     journals = {f"{kind}-{version}.partial" for kind in PARTS for version in (0, 1)}
-    beside = {"tables/revolutions.csv", "tables/residuals.csv"}
+    beside = {"tables/revolutions.csv", "tables/residuals.csv", "tables/choice.csv"}
     specs = {f"specs/{name}" for name in SPEC_FILES}
     needed = {
         "specs/datasets/materials.csv",

@@ -46,8 +46,16 @@ def main() -> None:
         status = _fail(str(stop) or "interrupted; nothing is left half-written", 130)
     except MemoryError:
         status = _fail("memory is short; thin the grid, or use smaller populations or fewer --jobs")
+    except SystemExit as stop:  # rich's way with a reader that has closed
+        if not isinstance(stop.__context__, BrokenPipeError):
+            raise
+        status = 141
     except OSError as error:
-        status = _unwritten(error)
+        # Errors of files are InputErrors, so this is standard output. Python flushes the rest.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = 141
+        if not isinstance(error, BrokenPipeError):
+            status = _fail(f"standard output: cannot be written ({error.strerror}); make room")
     except Exception as error:
         if not hasattr(error, "format_message"):
             raise
@@ -79,17 +87,6 @@ def _run(arguments: Sequence[str]) -> int:
             refuse_former_option(arguments[0], error.option_name)
         raise
     return 0
-
-
-def _unwritten(error: OSError) -> int:
-    """Say what could not be written: a temporary file, or standard output."""
-    if error.filename is not None:
-        return _fail(f"{error.filename}: cannot be written ({error.strerror}); make room")
-    # Errors of other files are InputErrors. Python flushes the rest at its end.
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    if isinstance(error, BrokenPipeError):
-        return 141
-    return _fail(f"standard output: cannot be written ({error.strerror}); make room")
 
 
 def _usage(error: Exception, message: str) -> str:

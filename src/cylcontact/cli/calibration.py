@@ -110,8 +110,8 @@ def _calibrate(
     from cylcontact.fitting.result import require_same_inputs
 
     target, folder = _place(source, out)
+    require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
     require_suffix(target, ".json")
-    require_writable(*(target.with_name(name) for name in FIT_FILES if folder))
     with owning(target):
         if out is None and not force:
             require_same_inputs(target, planned)

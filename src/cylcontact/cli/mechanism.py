@@ -384,8 +384,10 @@ def _cases(
         write_table(table, out)
     stopped = table[table["status"] != "complete"]
     typer.echo(f"{out}: {len(table)} cases, {len(stopped)} of them stopped")
-    for message in stopped["message"]:
-        typer.echo(f"  {message}")
+    if len(stopped):
+        counted = f"{len(stopped)} of {len(table)} cases stopped"
+        typer.echo(f"cylcontact: {counted}; first: {stopped['message'].iloc[0]}", err=True)
+        raise typer.Exit(1)
 
 
 def _combinations(changes: Changes) -> list[Case]:
@@ -419,6 +421,11 @@ def _tolerances(
         table = tolerance_table(tables)
         write_table(table, out)
     show(frame_table(table, ".3g", index=False))
+    missing = len(wanted) * len(table) - int(table["cases"].sum())
+    if missing:
+        total = len(wanted) * len(table)
+        typer.echo(f"cylcontact: {missing} of {total} cases stopped, and do not count", err=True)
+        raise typer.Exit(1)
 
 
 def _bifurcation(

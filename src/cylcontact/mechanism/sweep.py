@@ -16,7 +16,7 @@ from cylcontact.choices import Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.journal import Journal
 from cylcontact.mechanism.model import Mechanism, mechanism_from
-from cylcontact.mechanism.simulate import simulate
+from cylcontact.mechanism.simulate import settings_for, simulate
 from cylcontact.mechanism.studies import horizon
 from cylcontact.mechanism.trajectory import Trajectory
 from cylcontact.parallel import Call, Workers, call, call_for, run_recorded
@@ -227,6 +227,8 @@ def _require_possible(mechanism: Mechanism, wanted: Sequence[Case], plan: Plan) 
             "sweep", "first", plan.first, f"leaves none of {plan.revolutions} revolutions",
             "start earlier, or simulate more revolutions",
         )  # fmt: skip
+    for tolerance in {plan.tolerance, plan.against}:
+        settings_for(mechanism, plan.method, tolerance, plan.beyond)
     for case in wanted:
         mechanism_from(mechanism.data, mechanism.source, **asdict(case))
 

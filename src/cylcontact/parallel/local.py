@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from cylcontact.errors import InputError
-from cylcontact.parallel.calls import Call, call
+from cylcontact.parallel.calls import RESUME, Call, call
 
 __all__ = ["SETTLING", "as_generator", "give_up", "in_processes", "in_threads"]
 
@@ -49,7 +49,7 @@ def in_processes(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Gene
             "jobs",
             jobs,
             "the system ended a worker process, probably because memory ran out",
-            "use fewer, or a smaller grid; fit --resume continues from the saved runs",
+            f"use fewer, or a smaller grid; {RESUME}",
         ) from error
     finally:
         give_up(results)

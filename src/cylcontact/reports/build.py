@@ -543,10 +543,12 @@ def _refuse_unknown(name: str, bench: Bench, recipes: Mapping[str, Path]) -> Non
             "a recipe must define this function",
             "give it draw(bench: Bench) -> Drawing",
         )
-    raise InputError(
-        str(bench.recipes_folder),
-        "recipe",
-        name,
-        "there is no such recipe",
-        f"choose among {', '.join(recipes)}",
-    )
+    rule, remedy = "there is no such recipe", f"choose among {', '.join(recipes)}"
+    try:
+        for file in sorted(bench.recipes_folder.glob("*.py")):
+            if _parsed(file) is None or "FIGURES" in _top_level_names(file):
+                bench.module(file.stem)
+    except InputError as error:
+        rule = f"there is no such recipe, unless in a file that {error.rule}"
+        remedy = f"correct {error.source}, or {remedy}"
+    raise InputError(str(bench.recipes_folder), "recipe", name, rule, remedy)
