@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from cylcontact.choices import OUTPUT_SUFFIXES
 from cylcontact.errors import InputError
+from cylcontact.plain_text import csv_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -331,7 +332,7 @@ def write_table(table: pd.DataFrame, path: Path | str) -> None:
     suffix = require_suffix(path, *OUTPUT_SUFFIXES)
     with replacing(path) as temporary:
         if suffix == ".csv":
-            table.to_csv(temporary, index=False, lineterminator="\n")
+            temporary.write_text(csv_text(table), encoding="utf-8")
         else:
             table.to_parquet(temporary, index=False)
 

@@ -20,7 +20,8 @@ import typer
 from cylcontact.cli.app import app
 from cylcontact.cli.renamed import refuse_former_command, refuse_former_option
 from cylcontact.cli.signals import stopped_by_signals
-from cylcontact.errors import InputError, printable
+from cylcontact.cli.terminal import say
+from cylcontact.errors import InputError
 
 __all__ = ["main"]
 
@@ -91,7 +92,7 @@ def _run(arguments: Sequence[str]) -> int:
 
 def _usage(error: Exception, message: str) -> str:
     """Return typer's message about a mistake on the command line, and the remedy, on one line."""
-    rule = printable(" ".join(message.split()).rstrip("."))
+    rule = " ".join(message.split()).rstrip(".")
     context = getattr(error, "ctx", None)
     return f"{rule}; see {context.command_path if context else 'cylcontact'} --help"
 
@@ -101,5 +102,5 @@ def _fail(message: str, status: int = 2) -> int:
     if len(message) > _LONGEST:
         message = f"{message[: _LONGEST // 2]}…{message[-_LONGEST // 2 :]}"
     with suppress(OSError):  # nobody reads it, and the exit code remains
-        typer.echo(f"cylcontact: {message}", err=True)
+        say(f"cylcontact: {message}", err=True)
     return status

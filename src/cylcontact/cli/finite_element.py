@@ -9,7 +9,7 @@ import typer
 
 from cylcontact.choices import ENGINES, listed
 from cylcontact.cli.options import Force, Jobs, Resume, resumable
-from cylcontact.cli.terminal import cores, progress_bars
+from cylcontact.cli.terminal import cores, progress_bars, say
 from cylcontact.errors import InputError
 from cylcontact.files import owning, require_suffix, require_writable
 
@@ -48,17 +48,17 @@ def finite_element(
             require_same_inputs(target, study)
         with resumable(target, "case") as journal:
             if resume and not journal.exists():
-                typer.echo(f"cylcontact: no cases are kept in {journal}; all are solved", err=True)
+                say(f"cylcontact: no cases are kept in {journal}; all are solved", err=True)
             with progress_bars() as progress:
                 rows, failures = run_study(
                     study, chosen, jobs or cores(), progress, journal, resume
                 )
             if failures:
                 for failure in failures:
-                    typer.echo(f"cylcontact: {failure}", err=True)
+                    say(f"cylcontact: {failure}", err=True)
                 raise _incomplete(spec, sum(len(f.loads) for f in failures), len(rows), journal)
             write_table(target, study, solver, rows)
-    typer.echo(f"{target}: {len(rows)} cases by {solver}")
+    say(f"{target}: {len(rows)} cases by {solver}")
 
 
 def _incomplete(spec: Path, failed: int, solved: int, journal: Path) -> InputError:

@@ -13,6 +13,7 @@ from typing import Annotated
 
 import typer
 
+from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
 from cylcontact.files import folder_of, require_writable, shipped_bench, unwritable
 
@@ -35,10 +36,8 @@ def init(
     source = shipped_bench()
     names = shipped_files(source)
     copy_files(source, folder, _missing(source, folder, names))
-    typer.echo(
-        f"{len(names)} files in {folder.resolve()}: {', '.join(FOLDERS)}\n"
-        "in that folder, try: cylcontact figure fig12"
-    )
+    say(f"{len(names)} files in {folder.resolve()}: {', '.join(FOLDERS)}")
+    say("in that folder, try: cylcontact figure fig12")
 
 
 def shipped_files(source: Path) -> list[Path]:

@@ -108,7 +108,11 @@ class FitResult(Spec):
         """Write the result as JSON to a file that is not yet in its place."""
         contents = marked("fit result", self._plain())
         text = json.dumps(contents, indent=1, ensure_ascii=False, allow_nan=False)
-        path.write_text(text + "\n", encoding="utf-8")
+        try:
+            path.write_text(text + "\n", encoding="utf-8")
+        except UnicodeEncodeError as error:
+            source = f"fit result {self.name!r}"
+            raise InputError(source, "", None, "is not text in UTF-8", "rename it") from error
 
     def _plain(self) -> dict[str, Any]:
         """Return the contents of the file; only fits to measurements have the last two keys."""

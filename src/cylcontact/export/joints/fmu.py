@@ -15,10 +15,10 @@ from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
 from cylcontact.errors import InputError
-from cylcontact.export.comments import plain
 from cylcontact.export.joints import c
 from cylcontact.files import scratch_folder
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
+from cylcontact.plain_text import comment
 
 __all__ = ["VARIABLES", "Variable", "source"]
 
@@ -203,8 +203,8 @@ def _description(joint: ClearanceJoint, guid: str) -> str:
     sources = f"    <SourceFiles>\n{files}    </SourceFiles>\n"
     outputs = [k + 1 for k, v in enumerate(VARIABLES) if v.causality == "output"]
     unknowns = "".join(f'      <Unknown index="{index}"/>\n' for index in outputs)
-    title = plain(joint.name)
-    law, clearance = plain(joint.law.name), float(joint.pair.dR)
+    title = comment(joint.name)
+    law, clearance = comment(joint.law.name), float(joint.pair.dR)
     text = f"The clearance joint '{title}': law {law}, clearance {clearance:.6g} mm"
     return f"""\
 <?xml version="1.0" encoding="UTF-8"?>
