@@ -50,6 +50,7 @@ def test_good_files_are_accepted(judge):
         assert (verdict.code, verdict.wrong) == (0, ""), source
 
 
+@pytest.mark.slow
 def test_every_kind_of_file_and_every_command_is_tried(judge):
     cases = [case_of(SEED, n, judge.sources, judge.files) for n in range(CHUNKS * SIZE)]
     kinds = Counter(case.kind if case.files else "command line alone" for case in cases)

@@ -483,7 +483,7 @@ class Trajectory:
             raise InputError(
                 str(path), "", None, f"cannot be read ({reason})", "check the path"
             ) from error
-        except (KeyError, ValueError, TypeError, pa.ArrowException) as error:
+        except (KeyError, ValueError, TypeError, AttributeError, pa.ArrowException) as error:
             raise InputError(
                 str(path), "", None, "holds no trajectory", "give what simulate -o has written"
             ) from error
