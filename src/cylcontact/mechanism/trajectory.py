@@ -271,7 +271,7 @@ class Trajectory:
 
     @property
     def counts(self) -> pd.DataFrame:
-        """Accepted steps, evaluations and seconds, one row for each revolution."""
+        """Accepted steps, evaluations and seconds (NaN from a file), a row for each revolution."""
         import pandas as pd
 
         table = pd.DataFrame(self.rows.counts, columns=["steps", "evaluations", "seconds"])
@@ -417,7 +417,8 @@ class Trajectory:
     def save(self, path: Path | str) -> None:
         """Write to a Parquet file, with the spec, the settings and the provenance.
 
-        One column for each state; the rest is in the schema's metadata.
+        One column for each state; the rest is in the schema's metadata. The same run gives the
+        same bytes.
         """
         import pyarrow as pa
         import pyarrow.parquet as pq
@@ -437,7 +438,7 @@ class Trajectory:
             "spec": mechanism.data,
             "source": mechanism.source,
             "settings": asdict(self.settings),
-            "counts": rows.counts.tolist(),
+            "counts": rows.counts[:, :2].tolist(),  # times would differ from run to run
             "assumptions": mechanism.assumptions,
             "provenance": made_with(
                 Path(mechanism.source).parent, {"mechanism": mechanism.data}, _LIBRARIES
@@ -472,13 +473,14 @@ class Trajectory:
                 str(path), "", None, "holds no trajectory", "give what simulate -o has written"
             ) from error
         states = [name for name in table.column_names if name.startswith("state_")]
+        counts = np.array([row[:2] for row in metadata["counts"]], dtype=np.float64).reshape(-1, 2)
         rows = StepHistory(
             time=table["time_s"].to_numpy(),
             values=np.column_stack([table[name].to_numpy() for name in states]),
             in_contact=table["in_contact"].to_numpy(),
             impact_rate=table["impact_rate_m_per_s"].to_numpy(),
             revolution=table["revolution"].to_numpy(),
-            counts=np.array(metadata["counts"], dtype=np.float64).reshape(-1, 3),
+            counts=np.insert(counts, 2, np.nan, axis=1),
         )
         mechanism = mechanism_from(metadata["spec"], metadata["source"])
         settings = Settings(**metadata["settings"])
