@@ -12,17 +12,20 @@ import cylcontact
 PACKAGE = Path(cylcontact.__file__).parent
 # Each layer may import those before it, and its own.
 LAYERS = (
-    {"errors", "tether"},
+    {"errors", "plain_text", "tether"},
     {
         "arrays",
         "choices",
         "files",
+        "formats",
         "html_repr",
         "journal",
+        "memory",
         "numba_cache",
         "parallel",
         "progress",
         "provenance",
+        "reading",
         "spec",
         "text_tables",
         "units",

@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from cylcontact.errors import InputError
-from cylcontact.files import replacing, require_writable
+from cylcontact.files import replacing, replacing_all, require_writable
 from cylcontact.fitting.result import FitResult
 from cylcontact.laws.enhanced import InternalCoefficients
+from cylcontact.plain_text import html, page_text
 from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, find_recipes
@@ -113,8 +114,7 @@ def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
     InputError
         If there is no recipe at all, or the folder cannot be written to.
     """
-    for page in PAGES:
-        require_writable(folder / f"{page}.html")
+    require_writable(*(folder / f"{page}.html" for page in PAGES))
     recipes = find_recipes(bench)
     drawn = build(bench, folder=folder / "figures", progress=progress)
     paper = paper_of(bench)
@@ -144,9 +144,9 @@ def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
         **_figure_pages(render, [*numbered, *others], claims),
         **_section_pages(render, parts, [*numbered, *others], _copied_code(claims, bench, folder)),
     }
-    for page, text in pages.items():
-        with replacing(folder / f"{page}.html") as temporary:
-            temporary.write_text(text, encoding="utf-8")
+    with replacing_all(folder / f"{page}.html" for page in pages) as files:
+        for file, text in zip(files, pages.values(), strict=True):
+            file.write_text(text, encoding="utf-8")
     missing = [f"{figure.name}: {figure.problem}" for figure in figures if figure.problem]
     missing += [f"{name}: {reason}" for name, reason in campaigns.missing.items()]
     missing += [f"laws: {law.problem}" for law in laws if law.problem]
@@ -168,17 +168,18 @@ def _renderer(**common: Any) -> Callable[..., str]:
         Of the template's name and its own variables.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
-    from markupsafe import Markup, escape
+    from markupsafe import Markup
 
     environment = Environment(
         loader=PackageLoader("cylcontact.reports.html"),
         autoescape=True,
         undefined=StrictUndefined,
+        finalize=lambda value: page_text(value) if type(value) is str else value,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     # Our own styles and scripts are inserted verbatim; everything else is escaped.
-    environment.filters["subscripts"] = lambda text: Markup(_subscripts(str(escape(text))))
+    environment.filters["subscripts"] = lambda text: Markup(_subscripts(html(text)))
     environment.globals |= common
     environment.globals["described"] = described
     environment.globals["asset"] = lambda name: Markup(_asset(name))
