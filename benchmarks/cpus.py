@@ -111,8 +111,7 @@ def numbers(campaigns: tuple[str, ...], revolutions: tuple[int, ...]) -> Numbers
         for count in revolutions:
             last = np.searchsorted(run.rows.revolution, count) - 1
             name = f"`slider_crank`, {clearance:g} mm: place after {count} revolutions"
-            # Beside one, so that differences are relative to the clearance.
-            out[name] = [*(1 + run.eccentricity[last] * 1e3 / clearance)]
+            out[name] = [*(run.eccentricity[last] * 1e3 / clearance)]
     return out
 
 
@@ -121,10 +120,9 @@ def _flat(arrays: Any) -> list[float]:
 
 
 def difference(one: list[float], other: list[float]) -> float:
-    """Return the largest relative difference of two numbers."""
+    """Return the largest difference, relative to the largest number."""
     a, b = np.asarray(one), np.asarray(other)
-    larger = np.maximum(np.abs(a), np.abs(b))
-    return float((np.abs(a - b) / np.where(larger > 0, larger, 1.0)).max())
+    return float(np.abs(a - b).max() / np.abs(a).max())
 
 
 def as_table(results: dict[str, Numbers]) -> str:
