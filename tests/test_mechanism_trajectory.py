@@ -210,3 +210,20 @@ def test_files_that_hold_no_trajectory_are_told(tmp_path):
     for name, rule in rules.items():
         with pytest.raises(InputError, match=rule):
             Trajectory.load(tmp_path / f"{name}.parquet")
+
+
+def test_the_same_run_gives_the_same_bytes(run, tmp_path):
+    files = [tmp_path / name for name in ("one.parquet", "other.parquet", "again.parquet")]
+    run.save(files[0])
+    simulate(slider_crank(), revolutions=3).save(files[1])
+    Trajectory.load(files[0]).save(files[2])
+    assert len({file.read_bytes() for file in files}) == 1
+
+
+def test_a_loaded_run_reports_no_times(run, tmp_path):
+    run.save(tmp_path / "run.parquet")
+    loaded = Trajectory.load(tmp_path / "run.parquet")
+    text = str(run.statistics().to_text())
+    assert "ms of computing" in text
+    without = [line for line in text.split("\n\n") if "ms of computing" not in line]
+    assert str(loaded.statistics().to_text()).split("\n\n") == without

@@ -1,21 +1,9 @@
 """Work that needs more memory or disk than there is, is refused before it begins."""
 
-import importlib
-import subprocess
-import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from cylcontact import InputError, memory
-from cylcontact.datasets.finite_element import Setup, solve
-from cylcontact.datasets.grid import grid_from, read_grid
-from cylcontact.datasets.sampling import reduce_grid, write_samples
-from cylcontact.fitting.calibration import problem_of
-from cylcontact.memory import as_size, available, require_memory, require_space
-from cylcontact.mechanism import cases, long_run, read_mechanism, simulate
-from cylcontact.parallel import call, collect
 from tests import large_input as large
 from tests.counts import counted
 from tests.spec_files import GRID, changed, write_bench, write_toml

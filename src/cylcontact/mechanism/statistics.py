@@ -78,7 +78,7 @@ class Statistics:
           force over the time in contact, from the steps;
         - `drive_work_J`, `normal_dissipation_J`, `friction_dissipation_J`: in that revolution;
         - `mean_step_contact_us`, `mean_step_flight_us`: mean steps of the integrator;
-        - `steps`, `evaluations`, `seconds` of computing;
+        - `steps`, `evaluations`, `seconds` of computing, NaN from a file;
         - `contact_time_s`, `flight_time_s`, `penetration_integral_um_s`, `impulse_N_s`,
           `contact_steps`: the sums of which means are ratios;
         - `impact_rate_m_per_s`: δ̇⁽⁻⁾ of the contact at the revolution's end; 0 out of contact;
@@ -431,15 +431,15 @@ class Statistics:
 
     def to_text(self) -> Report:
         """Return the report that `cylcontact simulate` prints: summary, statistics, assumptions."""
-        milliseconds = float(self.revolutions["seconds"].mean()) * 1e3
+        milliseconds = self.revolutions["seconds"].mean() * 1e3
+        real = f"{self.mechanism.period * 1e3:.3g} ms in real time"
+        speed = f"{milliseconds:.1f} ms of computing for a revolution in the mean, {real}"
         lines = [
             described(f"Run of {self.mechanism.name!r}", self.summary),
             "",
             repr(self),
             "",
-            f"{milliseconds:.1f} ms of computing for a revolution in the mean, "
-            f"{self.mechanism.period * 1e3:.3g} ms in real time",
-            "",
+            *((speed, "") if milliseconds > 0 else ()),  # a file has no times
             "Assumed, not from the paper:",
             *textwrap.wrap(
                 "; ".join(self.assumptions), _WIDTH, initial_indent="  ", subsequent_indent="  "

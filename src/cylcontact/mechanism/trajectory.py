@@ -276,7 +276,7 @@ class Trajectory:
 
     @property
     def counts(self) -> pd.DataFrame:
-        """Accepted steps, evaluations and seconds, one row for each revolution."""
+        """Accepted steps, evaluations and seconds (NaN from a file), a row for each revolution."""
         import pandas as pd
 
         table = pd.DataFrame(self.rows.counts, columns=["steps", "evaluations", "seconds"])
@@ -422,7 +422,8 @@ class Trajectory:
     def save(self, path: Path | str) -> None:
         """Write to a Parquet file, with the spec, the settings and the provenance.
 
-        One column for each state; the rest is in the schema's metadata.
+        One column for each state; the rest is in the schema's metadata. The same run gives the
+        same bytes.
         """
         import pyarrow as pa
         import pyarrow.parquet as pq
@@ -442,7 +443,7 @@ class Trajectory:
             "spec": mechanism.data,
             "source": mechanism.source,
             "settings": asdict(self.settings),
-            "counts": rows.counts.tolist(),
+            "counts": rows.counts[:, :2].tolist(),  # times would differ from run to run
             "assumptions": mechanism.assumptions,
             "provenance": made_with(
                 Path(mechanism.source).parent, {"mechanism": mechanism.data}, _LIBRARIES
@@ -546,11 +547,13 @@ def _rows_of(table: pa.Table, counts: Any) -> StepHistory:
     values = np.column_stack(columns)
     if not values.size or not np.isfinite(values).all():
         raise ValueError("the states are no finite numbers")
+    # Earlier files have the seconds of each revolution too.
+    known = np.array([row[:2] for row in counts], dtype=np.float64).reshape(-1, 2)
     return StepHistory(
         time=columns[0],
         values=values[:, 1:],
         in_contact=np.asarray(table["in_contact"].to_numpy(), bool),
         impact_rate=np.asarray(table["impact_rate_m_per_s"].to_numpy(), float),
         revolution=np.asarray(table["revolution"].to_numpy(), np.int32),
-        counts=np.array(counts, dtype=np.float64).reshape(-1, 3),
+        counts=np.insert(known, 2, np.nan, axis=1),
     )

@@ -1,8 +1,8 @@
-"""Calls in processes, threads or on a Dask cluster, all by joblib, with identical results.
+"""Calls in processes, threads or on a Dask cluster, all by joblib, with the same results.
 
 The result of a call must not depend on where it runs: its random numbers come from a seed among
-its arguments, and its sums have a fixed order. Then one process, many processes and a cluster
-agree to the bit.
+its arguments, and its sums have a fixed order. Then one process, many processes and a cluster of
+like processors agree to the bit.
 """
 
 from cylcontact.parallel.calls import Call, call
