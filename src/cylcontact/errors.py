@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["InputError", "short"]
+__all__ = ["InputError", "printable", "short"]
 
 
 class InputError(ValueError):
@@ -38,7 +38,7 @@ class InputError(ValueError):
         setting = " = ".join(part for part in (key, short(value)) if part)
         where = ": ".join(part for part in (source, setting) if part)
         # Paths and the messages of other programs may contain line breaks or control characters.
-        super().__init__(_printable(" ".join(f"{where}: {rule}; {remedy}".splitlines())))
+        super().__init__(printable(" ".join(f"{where}: {rule}; {remedy}".splitlines())))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str, object, str, str]]:
         """Pickle the five parts, so that worker processes can send the error back."""
@@ -49,7 +49,7 @@ class InputError(ValueError):
         return [str(self)]
 
 
-def _printable(text: str) -> str:
+def printable(text: str) -> str:
     """Escape characters that a terminal would hide or interpret."""
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 

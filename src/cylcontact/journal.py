@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 from cylcontact.errors import InputError
 from cylcontact.files import what_else
 from cylcontact.formats import FORMATS, marked
+from cylcontact.reading import JOURNAL_BYTES, read_bytes
 
 __all__ = ["Journal"]
 
@@ -91,12 +92,9 @@ class Journal:
         InputError
             If the file cannot be read, has another format or key, or a damaged line.
         """
-        try:
-            contents = self.path.read_bytes()
-        except FileNotFoundError:
+        if not os.path.lexists(self.path):
             return []
-        except OSError as error:
-            raise self._error(f"cannot be read ({error.strerror})", "move it away") from error
+        contents = read_bytes(self.path, JOURNAL_BYTES, "move it away")
         if self._header.encode().startswith(contents):  # killed while the header was written
             self.start()
             return []

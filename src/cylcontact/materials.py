@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 from cylcontact.arrays import FloatArray, as_floats, own_arrays, require, same_fields
 from cylcontact.errors import InputError
 from cylcontact.html_repr import table_html
+from cylcontact.reading import SPEC_BYTES, plain_number, read_text
 from cylcontact.units import QUANTITIES
 
 __all__ = [
@@ -238,7 +240,7 @@ def _with_unit(text: str, source: str, key: str) -> tuple[float, str]:
     """Return the number and the unit of a text; no unit for a bare number."""
     match = re.fullmatch(r"\s*(\S+?)\s*([GM]?Pa)?\s*", text)
     try:
-        return float(match[1] if match else text), (match[2] or "" if match else "")
+        return plain_number(match[1] if match else text), (match[2] or "" if match else "")
     except ValueError:
         raise InputError(
             source, key, text, "must be a number with a unit", 'write e.g. "207 GPa" or "200 MPa"'
@@ -352,15 +354,13 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
 
 def _read_csv(source: str) -> list[tuple[int, dict[str, str]]]:
     """Return each row as its line number and its text cells by column."""
+    wanted = "give a CSV table of materials"
+    text = read_text(source, SPEC_BYTES, wanted, wanted)
     try:
-        with Path(source).open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file, strict=True)
-            table = [(reader.line_num, cells) for cells in reader if any(cells)]
-    except (OSError, ValueError, csv.Error) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
-        raise InputError(
-            source, "", None, f"cannot be read ({reason})", "give a CSV table of materials"
-        ) from error
+        reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+        table = [(reader.line_num, cells) for cells in reader if any(cells)]
+    except csv.Error as error:
+        raise InputError(source, "", None, f"cannot be read ({error})", wanted) from error
     columns = table[0][1] if table else []
     if sorted(columns) != sorted(COLUMNS):
         raise InputError(
@@ -414,7 +414,7 @@ def _parse_row(source: str, row: dict[str, str]) -> MaterialRow:
 def _number(source: str, column: str, text: str) -> float:
     """Return the cell as a number."""
     try:
-        return float(text)
+        return plain_number(text)
     except ValueError:
         raise InputError(
             source, column, text, "must be a number", "write it with a decimal point"

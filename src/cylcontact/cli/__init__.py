@@ -20,7 +20,7 @@ import typer
 from cylcontact.cli.app import app
 from cylcontact.cli.renamed import refuse_former_command, refuse_former_option
 from cylcontact.cli.signals import stopped_by_signals
-from cylcontact.errors import InputError
+from cylcontact.errors import InputError, printable
 
 __all__ = ["main"]
 
@@ -28,6 +28,8 @@ __all__ = ["main"]
 # Libraries make many objects that live as long as the process. Looking through all of them for
 # garbage again and again, and once more at the end, takes an eighth of a short command's time.
 _OBJECTS_BETWEEN_COLLECTIONS = 50_000
+# Characters of an error, which may quote names and paths of any length.
+_LONGEST = 1200
 atexit.register(gc.freeze)
 
 
@@ -92,13 +94,15 @@ def _unwritten(error: OSError) -> int:
 
 def _usage(error: Exception, message: str) -> str:
     """Return typer's message about a mistake on the command line, and the remedy, on one line."""
-    rule = " ".join(message.split()).rstrip(".")
+    rule = printable(" ".join(message.split()).rstrip("."))
     context = getattr(error, "ctx", None)
     return f"{rule}; see {context.command_path if context else 'cylcontact'} --help"
 
 
 def _fail(message: str, status: int = 2) -> int:
-    """Print one line on standard error and return the exit code."""
+    """Print one line on standard error, long ones without their middle; return the exit code."""
+    if len(message) > _LONGEST:
+        message = f"{message[: _LONGEST // 2]}…{message[-_LONGEST // 2 :]}"
     with suppress(OSError):  # nobody reads it, and the exit code remains
         typer.echo(f"cylcontact: {message}", err=True)
     return status

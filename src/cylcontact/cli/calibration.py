@@ -93,7 +93,7 @@ def fit(
     require_taken(str(source), way, takes, given)
     where = workers(jobs, scheduler)
     if is_result:
-        study_uncertainty(source, study, law.law, search.seed, where, out)
+        study_uncertainty(source, study, law, search.seed, where, out)
         return
     plans = [measured.plan(source, law, table, search, name) for name in names or (None,)]
     if len(names) > 1:

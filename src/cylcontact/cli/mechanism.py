@@ -14,6 +14,7 @@ from cylcontact import choices
 from cylcontact.arrays import require
 from cylcontact.choices import BEYOND, FILM_SUFFIXES, METHODS, OUTPUT_SUFFIXES, STUDIES, listed
 from cylcontact.cli.options import (
+    NUMBER,
     Jobs,
     Resume,
     Scheduler,
@@ -108,7 +109,7 @@ class Options:
     ] = None
     allowed_penetration: Annotated[
         float | None,
-        typer.Option(help="The paper's step control: how deep contact may begin, µm."),
+        typer.Option(help="The paper's step control: how deep contact may begin, µm.", **NUMBER),
     ] = None
     table: Annotated[
         Path | None, typer.Option(help="Write the numbers by revolution to this .csv or .parquet.")
@@ -118,6 +119,7 @@ class Options:
         float | None,
         typer.Option(
             help="Cases: run at this tolerance too; count only revolutions after the two separate.",
+            **NUMBER,
             rich_help_panel=_PANEL,
         ),
     ] = None

@@ -15,10 +15,12 @@ import typer
 from cylcontact.choices import listed
 from cylcontact.errors import InputError
 from cylcontact.files import keeping
+from cylcontact.reading import plain_integer, plain_number
 
 __all__ = [
     "LOSSES",
     "NOISES",
+    "NUMBER",
     "RESULTS",
     "STYLES",
     "TABLES",
@@ -55,7 +57,7 @@ def integer_from(least: int) -> Callable[[str], int]:
 
     def parse(text: str) -> int:
         try:
-            number = int(text)
+            number = plain_integer(text)
         except ValueError:
             number = least - 1
         if number < least:
@@ -65,10 +67,22 @@ def integer_from(least: int) -> Callable[[str], int]:
     return parse
 
 
+def _number(given: str | float) -> float:
+    """Return the text of an option as a number, or its default."""
+    try:
+        return plain_number(str(given))
+    except ValueError:
+        raise typer.BadParameter(f"{given!r} is not a number") from None
+
+
+# What an option of one number gives to typer, whose own reader takes 1_700 and nan.
+NUMBER: dict[str, Any] = {"parser": _number, "metavar": "FLOAT"}
+
+
 def numbers(option: str, texts: Sequence[str] | None) -> list[float]:
     """Return texts as numbers; none if the option is not given."""
     try:
-        return [float(text) for text in texts or ()]
+        return [plain_number(text) for text in texts or ()]
     except ValueError:
         given, rule = ",".join(texts or ()), "must be numbers separated by commas"
         raise InputError(option, "", given, rule, "e.g. 0.5,0.02") from None

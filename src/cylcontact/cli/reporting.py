@@ -10,6 +10,7 @@ import typer
 
 from cylcontact.choices import FORMATS, listed
 from cylcontact.cli.options import (
+    NUMBER,
     RESULTS,
     STYLES,
     TABLES,
@@ -60,7 +61,9 @@ def figure(
             "--format", callback=split, metavar="FORMAT[,...]", help=f"{listed(FORMATS)}."
         ),
     ] = None,
-    font_size: Annotated[float | None, typer.Option(help="Size of the labels, in points.")] = None,
+    font_size: Annotated[
+        float | None, typer.Option(help="Size of the labels, in points.", **NUMBER)
+    ] = None,
     results: Results = RESULTS,
     jobs: Jobs = None,
 ) -> None:
@@ -191,17 +194,17 @@ def laws(
     ] = None,
     nu: Annotated[
         float | None,
-        typer.Option("--nu", help="Poisson's ratio of both bodies; 0.3 by default."),
+        typer.Option("--nu", help="Poisson's ratio of both bodies; 0.3 by default.", **NUMBER),
     ] = None,
     dR: Annotated[
         float | None,
-        typer.Option("--dR", help="ΔR, mm; by default 0.05 internal, twice Ri external."),
+        typer.Option("--dR", help="ΔR, mm; by default 0.05 internal, twice Ri external.", **NUMBER),
     ] = None,
     R_i: Annotated[
-        float, typer.Option("--Ri", help="Radius of body i, mm; the hole, or a roller.")
+        float, typer.Option("--Ri", help="Radius of body i, mm; the hole, or a roller.", **NUMBER)
     ] = 10.0,
-    length: Annotated[float, typer.Option(help="Axial length, mm.")] = 10.0,
-    load: Annotated[float, typer.Option(help="Load per unit length, N/mm.")] = 100.0,
+    length: Annotated[float, typer.Option(help="Axial length, mm.", **NUMBER)] = 10.0,
+    load: Annotated[float, typer.Option(help="Load per unit length, N/mm.", **NUMBER)] = 100.0,
     contact: Annotated[str, typer.Option(help=f"{listed(CONTACTS)}.")] = "internal",
     pin: Pin = None,
     hole: Hole = None,

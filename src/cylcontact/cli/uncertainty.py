@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cylcontact.cli.options import integer_from
+from cylcontact.cli.options import NUMBER, integer_from
 from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix, require_writable
@@ -17,6 +17,7 @@ from cylcontact.formats import marked
 from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
+    from cylcontact.cli.measured import LawOption
     from cylcontact.parallel import Workers
 
 __all__ = ["StudyOptions", "study_uncertainty"]
@@ -46,13 +47,15 @@ class StudyOptions:
     pairs: Annotated[
         bool, _option("--pairs", help="Map each pair of parameters, into the output.")
     ] = False
-    level: Annotated[float | None, _option(help="Level of the intervals; 0.95 by default.")] = None
+    level: Annotated[
+        float | None, _option(help="Level of the intervals; 0.95 by default.", **NUMBER)
+    ] = None
 
 
 def study_uncertainty(
     result: Path,
     options: StudyOptions,
-    law: str | None,
+    law: LawOption,
     seed: int | None,
     where: Workers,
     out: Path | None,
@@ -76,7 +79,8 @@ def study_uncertainty(
                 resampling=Resampling(bootstrap, over or "rows", seed) if bootstrap else None,
                 leave_out=leave_out,
                 with_pairs=options.pairs,
-                law=law,
+                law=law.law,
+                law_timeout=law.law_timeout,
                 jobs=where,
                 progress=progress,
             )

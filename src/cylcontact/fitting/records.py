@@ -26,7 +26,9 @@ class Published(Spec):
 class MaxDifference(Spec):
     """Largest |Eq 9| over the data, in percent."""
 
-    fitted: float = Field(description="of the fitted coefficients")
+    fitted: float | None = Field(
+        description="of the fitted coefficients; none if undefined at all of the data"
+    )
     published: float | None = Field(description="of the published ones, where there are any")
 
 

@@ -32,7 +32,8 @@ from cylcontact.fitting.uncertainty.study import problem_of_result
 from cylcontact.formats import marked, upgraded
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.spec import Spec, parse_spec, require_other_kind
+from cylcontact.reading import RESULT_BYTES, read_text
+from cylcontact.spec import Spec, parse_spec, parser_reason, require_other_kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,21 +84,13 @@ class FitResult(Spec):
             If the file cannot be read, is not a result, is of a newer format, or is inconsistent.
         """
         source = str(path)
+        text = read_text(path, RESULT_BYTES, "name a result, a JSON file")
         try:
-            data = json.loads(Path(path).read_text(encoding="utf-8"))
-        except OSError as error:
-            raise InputError(
-                source, "", None, f"cannot be read ({error.strerror})", "check the path"
-            ) from error
-        except UnicodeDecodeError as error:
-            raise InputError(
-                source, "", None, "is not a text file", "name a result, a JSON file"
-            ) from error
+            data = json.loads(text)
         except (ValueError, RecursionError) as error:
-            require_other_kind(path, "a fit result")
-            raise InputError(
-                source, "", None, f"is not JSON ({error})", "name a result, or redo the fit"
-            ) from error
+            require_other_kind(path, text, "a fit result")
+            rule = f"is not JSON ({parser_reason(error)})"
+            raise InputError(source, "", None, rule, "name a result, or redo the fit") from error
         if not isinstance(data, dict):
             raise InputError(source, "", None, "is not a result", "name one that a fit has written")
         result = parse_spec(cls, upgraded("fit result", data, source), source)

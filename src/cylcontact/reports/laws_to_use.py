@@ -25,6 +25,7 @@ from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.pair import Contact
+from cylcontact.reading import SPEC_BYTES, read_text
 from cylcontact.reports.bench import Bench, MissingInputError
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, johnson_end
 from cylcontact.text_tables import Report, joined, text_table
@@ -262,17 +263,16 @@ def _relative_times(bench: Bench) -> dict[str, float]:
         raise MissingInputError(
             str(path), "", None, "the measured times do not exist", "measure them: make bench"
         )
+    remedy = "measure them: make bench"
     try:
-        data = dict(json.loads(path.read_text(encoding="utf-8")))
+        data = dict(json.loads(read_text(path, SPEC_BYTES, remedy)))
         rows = upgraded("benchmarks", data, str(path))["rows"]
         compiled = [row for row in rows if row["case"].startswith("compiled scalar")]
         measured = {row["side"]: row["value"] for row in compiled}
     except InputError:
         raise
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise InputError(
-            str(path), "", None, "holds no measured times", "measure them: make bench"
-        ) from error
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise InputError(str(path), "", None, "holds no measured times", remedy) from error
     try:
         times = {key: measured[f"cylcontact: kernel_load, {side}"] for key, side in _TIMED.items()}
     except KeyError as error:

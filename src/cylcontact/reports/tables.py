@@ -88,7 +88,8 @@ def _coefficients_table(bench: Bench) -> pd.DataFrame:
 
 def _claims_table(bench: Bench) -> pd.DataFrame:
     """Return a row for each claim: section, statement, the paper's value, ours, the verdict."""
-    return to_table(ledger(bench))[["section", "statement", "paper", "ours", "verdict"]]
+    columns = ["section", "statement", "paper", "ours", "verdict"]
+    return to_table(ledger(bench)).reindex(columns=columns)
 
 
 def _latex_table(table: pd.DataFrame) -> str:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
 from cylcontact.formats import marked, upgraded
+from cylcontact.reading import TABLE_BYTES, read_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -111,13 +112,8 @@ def read_table(path: Path | str) -> FiniteElementTable:
 
     import pandas as pd
 
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not text"
-        raise InputError(
-            str(path), "", None, f"cannot be read ({reason})", "make finite-element writes it"
-        ) from error
+    remedy = "make finite-element writes it"
+    text = read_text(path, TABLE_BYTES, remedy, remedy)
     lines = text.splitlines(keepends=True)
     head = [line for line in lines if line.startswith("# ")]
     header = {key: value for key, _, value in (line[2:].rstrip().partition(": ") for line in head)}
