@@ -29,6 +29,7 @@ from cylcontact.fitting.law_models import law_of
 from cylcontact.laws import LAWS, ContactLaw, Enhanced, difference_percent, reference_law
 from cylcontact.limits import yield_load
 from cylcontact.materials import MaterialRow
+from cylcontact.plain_text import as_label, brief
 from cylcontact.plots import Drawing, new_figure, plot_map
 from cylcontact.plots.difference_map import map_grid
 from cylcontact.plots.figure import StyledFigure, plain_number
@@ -266,7 +267,7 @@ def _share_below(magnitude: pd.Series[float], bound: float) -> float:
 def _title(row: MaterialRow) -> str:
     """Return the material with its elastic constants."""
     E = plain_number(float(row.material.E) / 1e3)
-    return f"{row.material.name}, $E$ = {E} GPa, $\\nu$ = {row.material.nu:g}"
+    return f"{as_label(row.material.name)}, $E$ = {E} GPa, $\\nu$ = {row.material.nu:g}"
 
 
 def _caption(row: MaterialRow, mapped: MappedLaw) -> str:
@@ -275,8 +276,8 @@ def _caption(row: MaterialRow, mapped: MappedLaw) -> str:
     return (
         f"Penetration of {mapped.name} less {REFERENCE_WORDS[mapped.reference.name][1]} at equal "
         "load, in percent of the latter (Eq 9), against radial clearance (mm) and load per unit "
-        f"length (N/mm), for a pin in a hole of {row.material.name}. Contours are dashed below "
-        f"zero.{' Yield stress assumed.' * assumed}"
+        f"length (N/mm), for a pin in a hole of {brief(row.material.name)}. Contours are dashed "
+        f"below zero.{' Yield stress assumed.' * assumed}"
     )
 
 
@@ -286,7 +287,7 @@ def _method(row: MaterialRow, mapped: MappedLaw, criterion: Criterion, table: pd
     origin = origins({material.name: row}, (material.name,), ELASTIC, YIELD)
     yields = bool((table["yield_load_N_per_mm"] < LOADS[1]).any())
     sentences = [
-        f"Internal contact, both bodies of {material.name}.",
+        f"Internal contact, both bodies of {brief(material.name)}.",
         *_calibration(mapped),
         "Figs 10 to 14 and all maps like them have the same levels and colours; the arrows of the "
         "scale are for values beyond its ends.",

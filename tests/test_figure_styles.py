@@ -14,11 +14,11 @@ from typer.testing import CliRunner
 
 from cylcontact import InputError
 from cylcontact.cli.app import app
+from cylcontact.plain_text import latex
 from cylcontact.plots.figure import StyledFigure, new_figure
 from cylcontact.plots.style import STYLES, FigureOptions, choose, figure_style
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, chosen_recipes, draw, write
-from cylcontact.reports.tables import latex
 from tests.claim_files import STATICS, claims_of
 from tests.figure_files import embedded_fonts, font_sizes_inside, page_mm
 from tests.programs import require_program

@@ -8,9 +8,9 @@ import pytest
 
 from cylcontact import cli
 from tests.counts import counted
-from tests.fuzz.__main__ import CORPUS, read_case, shrunk, write_case
 from tests.fuzz.cases import Case, case_of, options
 from tests.fuzz.judge import Judge
+from tests.fuzz.run import CORPUS, read_case, shrunk, write_case
 
 SEED = 20150101
 # The chunks of each run of the tests, and their size.
@@ -144,7 +144,7 @@ def test_a_finding_is_made_small_and_kept(judge, plant, monkeypatch, tmp_path):
     def deed(words):
         return 1 // 0 if b"nu" in (judge.root / "table.csv").read_bytes() and words[1:] else 0
 
-    monkeypatch.setattr("tests.fuzz.__main__.CORPUS", tmp_path)
+    monkeypatch.setattr("tests.fuzz.run.CORPUS", tmp_path)
     files = {"table.csv": b"dR\nE\nnu\nload\n\xff\n", "steel.csv": b""}
     case = Case("table .csv", ("fit", "table.csv", "--law", "power"), files)
     wrong = plant(deed, case)

@@ -158,7 +158,7 @@ def test_a_hang_in_a_worker_process_is_told_as_well(fit, tmp_path):
 
 def test_no_process_of_a_law_stays_behind(tmp_path):
     (tmp_path / "mine.py").write_text(law("time.sleep(100)"))
-    started = process_of("mine:load", str(tmp_path), 30.0)
+    started = process_of("mine:load", str(tmp_path), "", 30.0)
     pair = CylinderPair.from_dR("internal", 0.3, STEEL)
     with pytest.raises(InputError, match="longer than"):
         started.call((1e-3, pair, {"K": 1.0}), 0.1)

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["InputError", "printable", "short"]
+from cylcontact.plain_text import brief
+
+__all__ = ["InputError", "short"]
+
+
+# The most characters that a message has of the source, the rule and the remedy.
+_PART = 1000
 
 
 class InputError(ValueError):
@@ -37,8 +43,12 @@ class InputError(ValueError):
         self.remedy = remedy
         setting = " = ".join(part for part in (key, short(value)) if part)
         where = ": ".join(part for part in (source, setting) if part)
-        # Paths and the messages of other programs may contain line breaks or control characters.
-        super().__init__(printable(" ".join(f"{where}: {rule}; {remedy}".splitlines())))
+        # Paths and the messages of other programs may contain line breaks or control characters,
+        # and much text.
+        where, rule, remedy = (
+            brief(" ".join(part.splitlines()), _PART) for part in (where, rule, remedy)
+        )
+        super().__init__(f"{where}: {rule}; {remedy}")
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str, object, str, str]]:
         """Pickle the five parts, so that worker processes can send the error back."""
@@ -47,11 +57,6 @@ class InputError(ValueError):
     def _render_traceback_(self) -> list[str]:
         """Return the message without a traceback; IPython calls this in notebooks."""
         return [str(self)]
-
-
-def printable(text: str) -> str:
-    """Escape characters that a terminal would hide or interpret."""
-    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 def short(value: object, width: int = 80) -> str:

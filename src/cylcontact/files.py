@@ -13,10 +13,12 @@ from contextvars import ContextVar
 from functools import partial
 from itertools import takewhile
 from pathlib import Path
+from tempfile import TemporaryDirectory, gettempdir
 from typing import TYPE_CHECKING
 
 from cylcontact.choices import OUTPUT_SUFFIXES
 from cylcontact.errors import InputError
+from cylcontact.plain_text import csv_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,6 +32,7 @@ __all__ = [
     "replacing_all",
     "require_suffix",
     "require_writable",
+    "scratch_folder",
     "shipped_bench",
     "unwritable",
     "what_else",
@@ -150,6 +153,36 @@ def _to_disk(temporary: Path, target: Path) -> None:
 
 
 @contextmanager
+def scratch_folder(within: Path | None = None) -> Iterator[Path]:
+    """Make a folder for temporary files, which is removed in the end.
+
+    Parameters
+    ----------
+    within : path, optional
+        Where to make it; by default where the system keeps temporary files.
+
+    Raises
+    ------
+    InputError
+        If a file in it cannot be written.
+    """
+    try:
+        # Workers that were killed may have left files in it that are still open.
+        with TemporaryDirectory(
+            prefix="cylcontact-", dir=within, ignore_cleanup_errors=True
+        ) as name:
+            yield Path(name)
+    except OSError as error:
+        raise InputError(
+            str(error.filename or within or gettempdir()),
+            "",
+            None,
+            f"cannot be used for temporary files ({error.strerror or error})",
+            "make room, or set TMPDIR to another folder",
+        ) from error
+
+
+@contextmanager
 def owning(path: Path | str) -> Iterator[Path]:
     """Lock an output for this process, from before the work until it is written.
 
@@ -185,8 +218,9 @@ def owning(path: Path | str) -> Iterator[Path]:
     from filelock import FileLock, Timeout
 
     target = Path(path)
+    require_writable(target)
     file = target.with_name(target.name + ".lock")
-    require_writable(target, file)
+    require_writable(file)
     lock = FileLock(file, blocking=False, on_acquired=partial(_write_holder, file))
     with folder_of(target):
         try:
@@ -298,7 +332,7 @@ def write_table(table: pd.DataFrame, path: Path | str) -> None:
     suffix = require_suffix(path, *OUTPUT_SUFFIXES)
     with replacing(path) as temporary:
         if suffix == ".csv":
-            table.to_csv(temporary, index=False, lineterminator="\n")
+            temporary.write_text(csv_text(table), encoding="utf-8")
         else:
             table.to_parquet(temporary, index=False)
 
@@ -390,7 +424,7 @@ _KINDS = {
 
 def _instead_of_link(output: Path) -> str:
     """Return what to name instead of a link to a file; nothing if it is no such link."""
-    with suppress(OSError):
+    with suppress(OSError, RuntimeError):  # of a link to itself
         pointed = output.resolve()
         if output.is_symlink() and not what_else(pointed):
             return f"name the file it points to, {pointed}"

@@ -5,10 +5,11 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping
 from dataclasses import asdict, fields, is_dataclass
-from html import escape
 from typing import Any
 
 import numpy as np
+
+from cylcontact.plain_text import html
 
 __all__ = ["completed_law_html", "law_html", "table_html"]
 
@@ -40,11 +41,11 @@ def table_html(title: str, rows: Mapping[str, object]) -> str:
     </tbody></table>
     """
     lines = "\n".join(
-        f'<tr><th style="text-align:left">{escape(name)}</th><td>{escape(_cell(value))}</td></tr>'
+        f'<tr><th style="text-align:left">{html(name)}</th><td>{html(_cell(value))}</td></tr>'
         for name, value in rows.items()
     )
     style = "text-align:left;white-space:nowrap"
-    caption = f'<caption style="{style}"><b>{escape(title)}</b></caption>'
+    caption = f'<caption style="{style}"><b>{html(title)}</b></caption>'
     return f"<table>{caption}<tbody>\n{lines}\n</tbody></table>"
 
 

@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats, own_arrays, require, same_fields
+from cylcontact.arrays import (
+    FloatArray,
+    as_floats,
+    as_numbers,
+    own_arrays,
+    require,
+    require_one_shape,
+    same_fields,
+)
 from cylcontact.errors import InputError
 from cylcontact.html_repr import table_html
 from cylcontact.reading import SPEC_BYTES, plain_number, read_text
@@ -99,7 +107,8 @@ class Material:
     def _check(self) -> None:
         """Raise `InputError` for a value out of its range; own the arrays."""
         source = f"Material {self.name!r}"
-        ratio = as_floats(self.nu)
+        ratio = as_numbers(self.nu, source, "nu")
+        require_one_shape(source, E=as_numbers(self.E, source, "E"), nu=ratio)
         _require_modulus(self.E, source, "E")
         require(
             (ratio >= 0) & (ratio <= 0.5),
@@ -110,8 +119,9 @@ class Material:
             "give e.g. 0.3 for steel",
         )
         if self.yield_stress is not None:
+            stress = as_numbers(self.yield_stress, source, "yield_stress")
             require(
-                self.yield_stress > 0 and np.isfinite(self.yield_stress),
+                (stress > 0) & np.isfinite(stress),
                 source,
                 "yield_stress",
                 self.yield_stress,
@@ -249,7 +259,7 @@ def _with_unit(text: str, source: str, key: str) -> tuple[float, str]:
 
 def _require_modulus(E: float | FloatArray, source: str, key: str, given: object = None) -> None:
     """Raise `InputError` unless E is positive and finite."""
-    modulus = as_floats(E)
+    modulus = as_numbers(E, source, key)
     require(
         (modulus > 0) & np.isfinite(modulus),
         source,

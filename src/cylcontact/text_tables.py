@@ -5,7 +5,9 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from cylcontact.plain_text import brief, visible
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -50,7 +52,7 @@ class Report(str):
 
 
 def joined(parts: Iterable[str], separator: str = "\n") -> Report:
-    """Return texts, tables and reports as one report.
+    """Return texts, tables and reports as one report; characters that are not seen are escaped.
 
     Examples
     --------
@@ -64,7 +66,8 @@ def joined(parts: Iterable[str], separator: str = "\n") -> Report:
     """
     pieces: list[str] = []
     for part in parts:
-        pieces += [*([separator] if pieces else []), *pieces_of(part)]
+        cleaned = (p if isinstance(p, TextTable) else visible(p, "\n") for p in pieces_of(part))
+        pieces += [*([separator] if pieces else []), *cleaned]
     report = Report("".join(pieces))
     report.pieces = tuple(pieces)
     return report
@@ -91,17 +94,24 @@ def text_table(columns: Sequence[str], rows: Sequence[Sequence[str]]) -> TextTab
     """
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
+    columns, rows = list(map(brief, columns)), [list(map(brief, row)) for row in rows]
     table = Table(box=None, pad_edge=False, header_style="")
     for index, column in enumerate(columns):
-        table.add_column(column, justify="left" if index == 0 else "right", no_wrap=True)
+        table.add_column(Text(column), justify="left" if index == 0 else "right", no_wrap=True)
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*map(Text, row))
     stream = io.StringIO()
     width = max(_WIDTH, _COLUMN_WIDTH * len(columns))
     Console(file=stream, width=width, color_system=None, markup=False, highlight=False).print(table)
     lines = (line.rstrip() for line in stream.getvalue().splitlines())
     return TextTable("\n".join(lines), columns, rows)
+
+
+def _briefly(cell: Any) -> Any:
+    """Return a text as `brief` does, and anything else as it is."""
+    return brief(cell) if isinstance(cell, str) else cell
 
 
 def frame_table(frame: pd.DataFrame, form: str = ".5g", index: bool = True) -> TextTable:
@@ -126,6 +136,7 @@ def frame_table(frame: pd.DataFrame, form: str = ".5g", index: bool = True) -> T
             return "-" if math.isnan(cell) else format(cell, form)
         return str(cell)
 
+    frame = frame.rename(columns=_briefly, index=_briefly).map(_briefly)
     text = frame.to_string(
         float_format=lambda number: format(number, form), na_rep="-", index=index
     )

@@ -37,36 +37,27 @@ def planned(*_, **__):
     raise Planned
 
 
-# Where work begins: workers, samples, descents, steps of a mechanism, a compiler, copies of files.
+# Where work begins: workers, samples, a law of one's own, descents, steps of a mechanism, a
+# compiler, copies of files.
 SEAMS = (
     *(f"cylcontact.parallel.run.{name}" for name in ("in_processes", "in_threads", "on_cluster")),
-    "cylcontact.datasets.sampling.blocks",
+    *("cylcontact.datasets.sampling.blocks", "cylcontact.fitting.user_process.UserProcess"),
     *("cylcontact.fitting.measured_fit.descend", "cylcontact.fitting.choice.descend"),
     *("cylcontact.mechanism.simulate.advance", "cylcontact.mechanism.impact.advance"),
     *("cylcontact.export.joints.fmu._library", "cylcontact.cli.init.copy_files"),
 )
 TABLES = ("datasets/examples/pin-in-hole.csv", "datasets/finite_element/recommended-embedded.csv")
-STUDY = tuple(
-    [
-        "simulate",
-        "mechanism.toml",
-        "--study",
-        "cases",
-        "--restitution",
-        "0.9,0.8",
-        "--revolutions",
-        "1",
-    ]
-)
-# Good files that are no specs, each with its kind and the commands that read it.
+FIT = "fit {} --law power --contact internal -j 1 -o "
+CASES = "simulate mechanism.toml --study cases --restitution 0.9,0.8 --revolutions 1 -o cases.csv"
+# Good files that are no specs: what each is, and a command that reads it.
 FILES = {
-    "table.csv": ("table .csv", "fit {} --law power --contact internal -j 1 -o out.json"),
+    "table.csv": ("table .csv", FIT + "out.json"),
     "semicolons.csv": ("table .csv", " ".join(malformed.READERS["semicolons.csv"])),
-    "table.xlsx": ("table .xlsx", "fit {} --law power --contact internal -j 1 -o out.json"),
+    "table.xlsx": ("table .xlsx", FIT + "out.json"),
     "table.parquet": ("table .parquet", "choose {} --contact internal --law power -o out"),
     "materials.csv": ("table of materials", " ".join(malformed.READERS["materials.csv"])),
     "small.json.partial": ("journal", "fit fitting/small.toml -j 1 -o small.json --resume"),
-    "cases.csv.partial": ("journal", " ".join((*STUDY, "-o cases.csv --resume"))),
+    "cases.csv.partial": ("journal", f"{CASES} --resume"),
     "fe.csv.partial": ("journal", "finite-element fe.toml -o fe.csv --resume"),
     "run.parquet": ("trajectory", "simulate mechanism.toml --revolutions 2 -o {} --resume"),
     "noise.json": ("fit result", "fit {} --bootstrap 5 -j 1 -o study.json"),
@@ -74,23 +65,19 @@ FILES = {
     "pair.json": ("fit result", "compare {}"),
 }
 ALONE = """
-sample datasets/small.toml -o out.parquet; compare good.json good.json; figure;
-laws; laws --E 100000 --dR 0.1; laws --contact external; laws --pin 'low-carbon steel' --hole bronze;
-export johnson --to c; export good.json --to json -o out.json; export --joint datasets/joint.toml --to python -o out.py;
-simulate mechanism.toml --study tolerances --tolerance 1e-5 -o t.csv; simulate mechanism.toml -o film.gif;
-simulate mechanism.toml --study bifurcation --clearance 0.01,0.1 -o b.csv; figure fig99 --format png;
-report -o site; report --tables csv -o tables; claims; claims -o claims.csv; init mine; --version
+sample datasets/small.toml -o out.parquet; compare good.json good.json; verify good.json; laws;
+laws --E 100000 --dR 0.1; laws --contact external; laws --pin "low-carbon steel" --hole bronze;
+export johnson --to c; export good.json --to json -o out.json; figure; figure fig99 --format png;
+export --joint datasets/joint.toml --to python -o out.py; simulate mechanism.toml -o film.gif;
+simulate mechanism.toml --study tolerances --tolerance 1e-5 -o t.csv; init mine; --version;
+simulate mechanism.toml --study bifurcation --clearance 0.01,0.1 -o b.csv; report -o site;
+report --tables csv -o tables; claims; claims -o claims.csv
 """
 KINDS = {
-    "MechanismSpec": "mechanism",
-    "ClearanceJointSpec": "joint",
-    "StudySpec": "finite-element set-up",
-    "DimensionlessGridSpec": "grid",
-    "GridSpec": "grid",
-    "MeasuredSpec": "campaign on measurements",
-    "CampaignSpec": "campaign",
+    **{"MechanismSpec": "mechanism", "ClearanceJointSpec": "joint", "FitResult": "fit result"},
+    **{"DimensionlessGridSpec": "grid", "GridSpec": "grid", "StudySpec": "finite-element set-up"},
+    **{"MeasuredSpec": "campaign on measurements", "CampaignSpec": "campaign"},
     "StyleFile": "style",
-    "FitResult": "fit result",
 }
 
 
@@ -110,26 +97,16 @@ def good_files(folder):
     table = pd.read_csv(folder / "table.csv", comment="#")
     table.to_parquet(folder / "table.parquet")
     table.to_excel(folder / "table.xlsx", index=False)
-    run(
-        *[
-            "fit",
-            "table.csv",
-            "--law",
-            "power",
-            "--contact",
-            "internal",
-            "-j",
-            "1",
-            "-o",
-            "noise.json",
-        ]
-    )
-    run(*["fit", "fitting/small.toml", "-j", "1", "-o", "good.json"])
-    run(*["simulate", "mechanism.toml", "--revolutions", "1", "-o", "run.parquet"])
+    run(shlex.split(FIT.format("table.csv") + "noise.json"))
+    run(shlex.split("fit fitting/small.toml -j 1 -o good.json"))
+    run(shlex.split("simulate mechanism.toml --revolutions 1 -o run.parquet"))
     with mock.patch("cylcontact.parallel.run.in_processes", _interrupted):
-        run(*["fit", "fitting/small.toml", "-j", "1", "-o", "small.json"])
-        run(*STUDY, "-o", "cases.csv")
-        run(*["finite-element", "fe.toml", "-j", "1", "-o", "fe.csv"])
+        for line in (
+            "fit fitting/small.toml -o small.json",
+            CASES,
+            "finite-element fe.toml -o fe.csv",
+        ):
+            run(shlex.split(line))
     names = (path for path in folder.rglob("*") if path.is_file())
     files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in names}
     return {name: _timeless(name, contents) for name, contents in sorted(files.items())}
@@ -138,39 +115,34 @@ def good_files(folder):
 def sources(files):
     """Return by kind the good files with the commands that read them; "none" reads no file."""
     specs = [Source(KINDS[m.__name__], path, words, m) for path, m, words in malformed.specs(files)]
-    specs = [s if s.kind != "style" else s._replace(command=("figure", "fig99")) for s in specs]
     others = [
-        Source(
-            kind,
-            path,
-            tuple(command.format(path).split()),
-            FitResult if path.endswith(".json") else None,
-        )
-        for path, (kind, command) in FILES.items()
+        Source(kind, path, shlex.split(line.format(path)), path.endswith(".json") and FitResult)
+        for path, (kind, line) in FILES.items()
     ]
-    alone = [Source("none", "", tuple(shlex.split(line))) for line in ALONE.split(";")]
+    alone = [Source("none", "", shlex.split(line)) for line in ALONE.split(";")]
     kinds = {}
     for source in specs + others + alone:
-        kinds.setdefault(source.kind, []).append(source)
+        words = ("figure", "fig99") if source.kind == "style" else tuple(source.command)
+        kinds.setdefault(source.kind, []).append(source._replace(command=words))
     return kinds
 
 
-def run(*words):
-    """Run a command line in this process, and return its exit code, output and errors."""
-    streams = [io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in range(2)]
-    try:
-        with (
-            mock.patch.object(sys, "argv", ["cylcontact", *words]),
-            contextlib.redirect_stdout(streams[0]),
-            contextlib.redirect_stderr(streams[1]),
-        ):
+def run(words):
+    """Run a command line in this process, and return its exit code and what it says of errors."""
+    out, errors = (io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in range(2))
+    code = None
+    with (
+        mock.patch.object(sys, "argv", ["cylcontact", *words]),
+        contextlib.redirect_stdout(out),
+        contextlib.redirect_stderr(errors),
+    ):
+        try:
             cli.main()
-    except SystemExit as stop:
-        code = stop.code
-    except Planned:
-        code = 0
-    out, errors = (stream.buffer.getvalue().decode() for stream in streams)
-    return code, out, errors
+        except SystemExit as stop:
+            code = stop.code
+        except Planned:
+            code = 0
+    return code, errors.buffer.getvalue().decode()
 
 
 def _interrupted(calls, *_):
@@ -189,7 +161,7 @@ def _timeless(name, contents):
         (key, text), *_ = table.schema.metadata.items()
         metadata = json.loads(text)
         metadata["counts"] = [[*counts[:2], 0.5] for counts in metadata["counts"]]
-        metadata.pop("provenance")
+        metadata.pop("provenance", None)
         return as_parquet(table.replace_schema_metadata({key: json.dumps(metadata)}))
     if name.endswith(".xlsx"):
         with zipfile.ZipFile(io.BytesIO(contents)) as archive:

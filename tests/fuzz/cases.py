@@ -63,9 +63,9 @@ COLUMNS = (None, "x", "1,5", True, nan, 1e308, 2**62, 0, -1.0, date(2015, 1, 1),
 def case_of(seed, number, sources, files):
     """Return the case of a number, which depends on the seed and on nothing before it."""
     chance = random.Random(f"{seed} {number}")
-    source = chance.choice(sources[chance.choice([*sources])])
+    kind, roll = chance.choice([*sources]), chance.random()
+    source = chance.choice(sources[kind])
     words, changed = [*source.command], {}
-    roll = chance.random()
     if source.path and roll < 0.7:
         contents = files[source.path]
         for _ in range(chance.choice((1, 1, 1, 2, 3))):
@@ -157,27 +157,27 @@ def _schema(model):
 
 def _with_other_value(spec, root, chance):
     """Change one value of a spec: dropped, renamed, moved, scaled or replaced by chance."""
-    places = [*_places(spec)]
-    if not places:
-        return spec
+    places = [*_places(spec)] or [((), spec)]
     keys, value = chance.choice(places)
+    scalable = [place for place in places if type(place[1]) in (int, float)]
     way = chance.choice(("drop", "name", "move", "scale", "scale", "scale", "odd", "odd", "schema"))
-    if way == "scale":
-        numbers = [(k, v) for k, v in places if type(v) in (int, float)] or [(keys, 1)]
-        keys, value = chance.choice(numbers)
-        scale = chance.choice((0.5, 0.9, 1.1, 2, 10.0 ** chance.uniform(-6, 6), -1))
-        factor = value * scale
-        return put(spec, keys, round(factor) if type(value) is int else factor)
+    if not keys:
+        return spec
     if way == "drop":
-        return put(spec, keys, DROP)
-    if way == "name" and isinstance(keys[-1], str):
-        return put(spec, (*keys[:-1], chance.choice((*TEXTS, "colour"))), value)
-    if way == "move":
-        return put(spec, keys, chance.choice(places)[1])
-    if way == "schema":
-        forms = [*root.get("$defs", {}).values(), root]
-        return put(spec, keys, _from_schema(chance.choice(forms), root, chance))
-    return put(spec, keys, _odd(chance))
+        value = DROP
+    elif way == "name" and isinstance(keys[-1], str):
+        keys = (*keys[:-1], chance.choice((*TEXTS, "colour")))
+    elif way == "move":
+        value = chance.choice(places)[1]
+    elif way == "scale" and scalable:
+        keys, value = chance.choice(scalable)
+        scaled = value * chance.choice((0.5, 0.9, 1.1, 2, 10.0 ** chance.uniform(-6, 6), -1))
+        value = round(scaled) if type(value) is int else scaled
+    elif way == "schema":
+        value = _from_schema(chance.choice([*root.get("$defs", {}).values(), root]), root, chance)
+    else:
+        value = _odd(chance)
+    return put(spec, keys, value)
 
 
 def _places(value, keys=()):
@@ -202,25 +202,33 @@ def _from_schema(schema, root, chance):
         return _odd(chance)
     if "const" in form or "enum" in form:
         return chance.choice(form.get("enum", [form.get("const")]))
-    kind = form.get("type")
-    if kind == "object":
-        inner, others = form.get("properties", {}), form.get("additionalProperties")
-        required = form.get("required", ())
-        keys = [key for key in inner if key in required or chance.random() < 0.5]
-        made = {key: _from_schema(inner[key], root, chance) for key in keys}
-        if isinstance(others, dict):
-            made |= {chance.choice(WORDS): _from_schema(others, root, chance) for _ in "ab"}
-        return made
-    if kind == "array":
-        number = chance.choice((form.get("minItems", 1), form.get("maxItems", 3)))
-        items = form.get("prefixItems", [form.get("items", {})] * number)
-        return [_from_schema(item, root, chance) for item in items]
-    if kind in ("number", "integer"):
-        low = max(form.get("minimum", -1), form.get("exclusiveMinimum", -1))
-        value = low + 10.0 ** chance.uniform(-3, 3)
-        value = min(value, form.get("maximum", value), form.get("exclusiveMaximum", value))
-        return value if kind == "number" else int(value)
-    return {"boolean": True, "null": None}.get(kind, chance.choice(WORDS))
+    makers = {"object": _object, "array": _array, "number": _number, "integer": _number}
+    if form.get("type") in makers:
+        return makers[form["type"]](form, root, chance)
+    return {"boolean": True, "null": None}.get(form.get("type"), chance.choice(WORDS))
+
+
+def _object(form, root, chance):
+    inner, others = form.get("properties", {}), form.get("additionalProperties")
+    required = form.get("required", ())
+    keys = [key for key in inner if key in required or chance.random() < 0.5]
+    made = {key: _from_schema(inner[key], root, chance) for key in keys}
+    if isinstance(others, dict):
+        made |= {chance.choice(WORDS): _from_schema(others, root, chance) for _ in "ab"}
+    return made
+
+
+def _array(form, root, chance):
+    number = chance.choice((form.get("minItems", 1), form.get("maxItems", 3)))
+    items = form.get("prefixItems", [form.get("items", {})] * number)
+    return [_from_schema(item, root, chance) for item in items]
+
+
+def _number(form, _root, chance):
+    low = max(form.get("minimum", -1), form.get("exclusiveMinimum", -1))
+    value = low + 10.0 ** chance.uniform(-3, 3)
+    value = min(value, form.get("maximum", value), form.get("exclusiveMaximum", value))
+    return value if form["type"] == "number" else int(value)
 
 
 def _changed_line(contents, chance):
@@ -277,27 +285,31 @@ def zipped(members):
 
 def _broken(contents, files, chance):
     """Break a file in one place, as bytes, as lines or as numbers."""
-    ways = ("cut", "drop", "byte", "junk", "line", "lines", "number", "number", "code", "other")
-    way, where = chance.choice(ways), chance.randrange(len(contents) + 1)
-    if way == "cut":
-        return contents[:where]
-    if way == "drop":
-        return contents[:where] + contents[where + chance.randrange(1, 12) :]
-    if way == "junk":
-        return contents[:where] + chance.choice(JUNK).encode() + contents[where:]
-    if way == "byte":
-        return contents[:where] + bytes([chance.randrange(256)]) + contents[where + 1 :]
-    if way == "other" and files:
-        return chance.choice([*files.values()])[: chance.choice((50, 10**9))] + contents[where:]
-    text = contents.decode(errors="replace")
-    if way == "code":
+    at, text = chance.randrange(len(contents) + 1), contents.decode(errors="replace")
+    others = [*files.values()] or [b"other"]
+
+    def line():
+        lines = text.splitlines(keepends=True) or [""]
+        lines[chance.randrange(len(lines))] = chance.choice(lines) * chance.choice((0, 1, 2, 20))
+        return "".join(lines).encode()
+
+    def number():
+        found = [m.span() for m in re.finditer(r"(?<![\w.])\d+(\.\d+)?(?![\w.])", text)]
+        begin, end = chance.choice(found or [(0, 0)])
+        return (text[:begin] + chance.choice(CELLS) + text[end:]).encode()
+
+    def code():
         coding, ending = chance.choice(("utf-8-sig", "utf-16", "cp1252")), chance.choice("\r\n")
         return text.replace("\n", ending).encode(coding, "replace")
-    if way.startswith("line"):
-        lines = text.splitlines(keepends=True) or [""]
-        part = chance.choice(lines) * chance.choice((1, 1, 20) if way == "lines" else (0, 1))
-        lines[chance.randrange(len(lines))] = part
-        return "".join(lines).encode()
-    numbers = [match.span() for match in re.finditer(r"(?<![\w.])\d+(\.\d+)?(?![\w.])", text)]
-    begin, end = chance.choice(numbers or [(0, 0)])
-    return (text[:begin] + chance.choice(CELLS) + text[end:]).encode()
+
+    def other():
+        return chance.choice(others)[: chance.choice((50, 10**9))] + contents[at:]
+
+    ways = (
+        lambda: contents[:at],
+        lambda: contents[:at] + contents[at + chance.randrange(1, 12) :],
+        lambda: contents[:at] + chance.choice(JUNK).encode() + contents[at:],
+        lambda: contents[:at] + bytes([chance.randrange(256)]) + contents[at + 1 :],
+        *(line, line, number, number, code, other),
+    )
+    return chance.choice(ways)()

@@ -107,7 +107,7 @@ class Judge:
         begun = time.monotonic()
         signal.setitimer(signal.ITIMER_REAL, self.patience)
         try:
-            code, _, errors = bench.run(*case.words)
+            code, errors = bench.run(case.words)
             wrong = _wrong_words(code, errors)
         except (Exception, Hang) as error:
             code, frames = type(error).__name__, traceback.extract_tb(error.__traceback__)
@@ -171,7 +171,7 @@ class Judge:
         """Return what has piled up in this process since the first look."""
         gc.collect()
         numbers = Counter(
-            files=len(os.listdir("/proc/self/fd")),
+            files=sum(1 for _ in Path("/proc/self/fd").iterdir()),
             threads=threading.active_count(),
             processes=sum(parent == os.getpid() for parent, _, _ in processes().values()),
         )
@@ -186,7 +186,8 @@ class Judge:
 
 def _asked(words):
     """Return the files and folders that a command line may write."""
-    parts = [part for word in words for part in (word, word.partition("=")[2]) if part]
+    forms = ((word, word.partition("=")[2], word[2:]) for word in words)  # --out=x, -ox
+    parts = [part for form in forms for part in form if part]
     paths = [Path(os.path.normpath(part)) for part in parts]
     # C comes with a header. A fit that begins anew discards what an earlier one has kept.
     kept = [path.with_name(f"{path.name}.partial") for path in paths if path.name]

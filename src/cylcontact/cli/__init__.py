@@ -20,7 +20,8 @@ import typer
 from cylcontact.cli.app import app
 from cylcontact.cli.renamed import refuse_former_command, refuse_former_option
 from cylcontact.cli.signals import stopped_by_signals
-from cylcontact.errors import InputError, printable
+from cylcontact.cli.terminal import say
+from cylcontact.errors import InputError
 
 __all__ = ["main"]
 
@@ -46,8 +47,16 @@ def main() -> None:
         status = _fail(str(stop) or "interrupted; nothing is left half-written", 130)
     except MemoryError:
         status = _fail("memory is short; thin the grid, or use smaller populations or fewer --jobs")
+    except SystemExit as stop:  # rich's way with a reader that has closed
+        if not isinstance(stop.__context__, BrokenPipeError):
+            raise
+        status = 141
     except OSError as error:
-        status = _unwritten(error)
+        # Errors of files are InputErrors, so this is standard output. Python flushes the rest.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = 141
+        if not isinstance(error, BrokenPipeError):
+            status = _fail(f"standard output: cannot be written ({error.strerror}); make room")
     except Exception as error:
         if not hasattr(error, "format_message"):
             raise
@@ -81,20 +90,9 @@ def _run(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _unwritten(error: OSError) -> int:
-    """Say what could not be written: a temporary file, or standard output."""
-    if error.filename is not None:
-        return _fail(f"{error.filename}: cannot be written ({error.strerror}); make room")
-    # Errors of other files are InputErrors. Python flushes the rest at its end.
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    if isinstance(error, BrokenPipeError):
-        return 141
-    return _fail(f"standard output: cannot be written ({error.strerror}); make room")
-
-
 def _usage(error: Exception, message: str) -> str:
     """Return typer's message about a mistake on the command line, and the remedy, on one line."""
-    rule = printable(" ".join(message.split()).rstrip("."))
+    rule = " ".join(message.split()).rstrip(".")
     context = getattr(error, "ctx", None)
     return f"{rule}; see {context.command_path if context else 'cylcontact'} --help"
 
@@ -104,5 +102,5 @@ def _fail(message: str, status: int = 2) -> int:
     if len(message) > _LONGEST:
         message = f"{message[: _LONGEST // 2]}…{message[-_LONGEST // 2 :]}"
     with suppress(OSError):  # nobody reads it, and the exit code remains
-        typer.echo(f"cylcontact: {message}", err=True)
+        say(f"cylcontact: {message}", err=True)
     return status

@@ -21,7 +21,7 @@ from cylcontact.cli.options import (
     require_taken,
     resumable,
 )
-from cylcontact.cli.terminal import progress_bars, show, workers
+from cylcontact.cli.terminal import progress_bars, say, show, workers
 from cylcontact.cli.uncertainty import StudyOptions, study_uncertainty
 from cylcontact.errors import InputError
 from cylcontact.files import owning, replacing, require_suffix, require_writable
@@ -45,7 +45,7 @@ def sample(
     grid = read_grid(spec)
     with owning(out), progress_bars() as progress:
         counts = write_samples(grid, out, lambda n: progress("sampling", n, grid.dR.size))
-    typer.echo(
+    say(
         f"{out}: {counts.samples:,} samples, {counts.masked:,} masked by the domain of "
         f"{grid.reference}"
     )
@@ -110,14 +110,14 @@ def _calibrate(
     from cylcontact.fitting.result import require_same_inputs
 
     target, folder = _place(source, out)
+    require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
     require_suffix(target, ".json")
-    require_writable(*(target.with_name(name) for name in FIT_FILES if folder))
     with owning(target):
         if out is None and not force:
             require_same_inputs(target, planned)
         with resumable(target, "run") as journal:
             if resume and not journal.exists():
-                typer.echo(f"cylcontact: no runs are kept in {journal}; all are run", err=True)
+                say(f"cylcontact: no runs are kept in {journal}; all are run", err=True)
             with progress_bars() as progress:
                 result = calibrate(planned, where, progress, journal, resume)
             _save(result, target, folder)
@@ -202,6 +202,6 @@ def verify(
             checks = verify_one(path, workers(jobs, scheduler), progress)
         show(checks_table(path.stem, checks))
         failed += sum(not check.holds for check in checks)
-    typer.echo(f"{len(paths)} results verified, {failed} checks do not hold")
+    say(f"{len(paths)} results verified, {failed} checks do not hold")
     if failed:
         raise typer.Exit(1)

@@ -9,9 +9,9 @@ import typer
 
 from cylcontact.choices import ENGINES, listed
 from cylcontact.cli.options import Force, Jobs, Resume, resumable
-from cylcontact.cli.terminal import cores, progress_bars
+from cylcontact.cli.terminal import cores, progress_bars, say
 from cylcontact.errors import InputError
-from cylcontact.files import owning, require_suffix
+from cylcontact.files import owning, require_suffix, require_writable
 
 __all__ = ["finite_element"]
 
@@ -41,23 +41,24 @@ def finite_element(
         raise InputError("--engine", "", engine, "is not an engine", f"choose {listed(ENGINES)}")
     solver = engine_name(chosen)
     target = out or spec.with_name(f"{spec.stem}-{chosen}.csv")
+    require_writable(target)
     require_suffix(target, ".csv")
     with owning(target):
         if out is None and not force:
             require_same_inputs(target, study)
         with resumable(target, "case") as journal:
             if resume and not journal.exists():
-                typer.echo(f"cylcontact: no cases are kept in {journal}; all are solved", err=True)
+                say(f"cylcontact: no cases are kept in {journal}; all are solved", err=True)
             with progress_bars() as progress:
                 rows, failures = run_study(
                     study, chosen, jobs or cores(), progress, journal, resume
                 )
             if failures:
                 for failure in failures:
-                    typer.echo(f"cylcontact: {failure}", err=True)
+                    say(f"cylcontact: {failure}", err=True)
                 raise _incomplete(spec, sum(len(f.loads) for f in failures), len(rows), journal)
             write_table(target, study, solver, rows)
-    typer.echo(f"{target}: {len(rows)} cases by {solver}")
+    say(f"{target}: {len(rows)} cases by {solver}")
 
 
 def _incomplete(spec: Path, failed: int, solved: int, journal: Path) -> InputError:

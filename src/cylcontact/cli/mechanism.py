@@ -25,9 +25,10 @@ from cylcontact.cli.options import (
     resumable,
     split,
 )
-from cylcontact.cli.terminal import progress_bars, show, workers
+from cylcontact.cli.terminal import progress_bars, say, show, workers
 from cylcontact.errors import InputError
 from cylcontact.files import owning, require_suffix, require_writable, write_table
+from cylcontact.memory import require_memory
 from cylcontact.text_tables import frame_table
 
 if TYPE_CHECKING:
@@ -242,11 +243,13 @@ def _one_run(
     show(statistics.to_text())
     for path in (out, table):
         if path is not None:
-            typer.echo(f"\nwritten to {path}")
+            typer.echo()
+            say(f"written to {path}")
     if not mechanism.ideal:
-        typer.echo(f"\n{agreement(mechanism, settings, total)}")
+        typer.echo()
+        show(agreement(mechanism, settings, total))
     for warning in (*mechanism.warnings, *statistics.warnings):
-        typer.echo(f"warning: {warning}", err=True)
+        say(f"warning: {warning}", err=True)
 
 
 def _require_left(first: int, total: int) -> None:
@@ -300,7 +303,7 @@ def _earlier(mechanism: Mechanism, settings: Settings, out: Path) -> Trajectory 
     from cylcontact.mechanism import Trajectory
 
     if not out.exists():
-        typer.echo(f"cylcontact: there is no {out} yet; the run starts anew", err=True)
+        say(f"cylcontact: there is no {out} yet; the run starts anew", err=True)
         return None
     earlier = Trajectory.load(out)
     if (earlier.mechanism.data, earlier.settings) != (mechanism.data, settings):
@@ -353,16 +356,16 @@ def _film(
     from cylcontact.mechanism import simulate as run
     from cylcontact.mechanism.movie import film, require_film
 
-    require_film(out)
-    require_writable(out)
-    mechanism = read_mechanism(spec, **changes.single())
     first = 2 if options.first is None else options.first
     total = revolutions or first + 1
     _require_left(first, total)
+    require_film(out, total - first)
+    require_writable(out)
+    mechanism = read_mechanism(spec, **changes.single())
     with progress_bars() as progress:
         trajectory = run(mechanism, revolutions=total, progress=progress, **options.integration())
         frames = film(trajectory, out, first, progress)
-    typer.echo(f"{frames} frames in {out}; assumed: {'; '.join(trajectory.assumptions)}")
+    say(f"{frames} frames in {out}; assumed: {'; '.join(trajectory.assumptions)}")
 
 
 def _cases(
@@ -383,9 +386,11 @@ def _cases(
             table = sweep(mechanism, wanted, plan, where, progress, journal, options.resume)
         write_table(table, out)
     stopped = table[table["status"] != "complete"]
-    typer.echo(f"{out}: {len(table)} cases, {len(stopped)} of them stopped")
-    for message in stopped["message"]:
-        typer.echo(f"  {message}")
+    say(f"{out}: {len(table)} cases, {len(stopped)} of them stopped")
+    if len(stopped):
+        counted = f"{len(stopped)} of {len(table)} cases stopped"
+        say(f"cylcontact: {counted}; first: {stopped['message'].iloc[0]}", err=True)
+        raise typer.Exit(1)
 
 
 def _combinations(changes: Changes) -> list[Case]:
@@ -419,6 +424,11 @@ def _tolerances(
         table = tolerance_table(tables)
         write_table(table, out)
     show(frame_table(table, ".3g", index=False))
+    missing = len(wanted) * len(table) - int(table["cases"].sum())
+    if missing:
+        total = len(wanted) * len(table)
+        typer.echo(f"cylcontact: {missing} of {total} cases stopped, and do not count", err=True)
+        raise typer.Exit(1)
 
 
 def _bifurcation(
@@ -437,7 +447,9 @@ def _bifurcation(
         len(ends) == 2 and min(ends) > 0, "--clearance", "", ",".join(changes.clearance or ()),
         "must be two positive numbers, the smallest and the largest", "e.g. 0.01,0.5",
     )  # fmt: skip
-    spaced = np.geomspace(ends[0], ends[1], options.points or 40)
+    points = options.points or 40
+    require_memory("simulate", "--points", points, 1000.0 * points, "give fewer")
+    spaced = np.geomspace(ends[0], ends[1], points)
     values = [float(f"{value:.4g}") for value in spaced]
     where = workers(options.jobs, options.scheduler)
     last, beyond = options.last or 50, options.beyond or "stop"
@@ -458,7 +470,7 @@ def _bifurcation(
             ]
         table = pd.concat(tables, ignore_index=True)
         write_table(table, out)
-    typer.echo(f"{out}: {_periods(table)}")
+    say(f"{out}: {_periods(table)}")
 
 
 def _periods(table: pd.DataFrame) -> str:

@@ -22,7 +22,7 @@ from cylcontact.cli.options import (
     split,
 )
 from cylcontact.cli.renamed import renamed
-from cylcontact.cli.terminal import cores, progress_bars, show
+from cylcontact.cli.terminal import cores, progress_bars, say, show
 from cylcontact.errors import InputError
 from cylcontact.export import JOINT_TARGETS, TARGETS
 from cylcontact.files import (
@@ -81,11 +81,11 @@ def figure(
         drawn = build(bench, recipes, folder, choice, progress, arguments)
     problems = [each.problem for each in drawn if each.problem is not None]
     for problem in problems[1:]:
-        typer.echo(f"cylcontact: {problem}", err=True)
+        say(f"cylcontact: {problem}", err=True)
     if problems:
         raise problems[0]
     count = len(drawn)
-    typer.echo(f"{count} {'figure' if count == 1 else 'figures'} in {folder}")
+    say(f"{count} {'figure' if count == 1 else 'figures'} in {folder}")
 
 
 def _names_and_arguments(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
@@ -132,8 +132,8 @@ def _build_site(bench: Bench, folder: Path) -> None:
     with progress_bars() as progress:
         site = build_site(bench, folder, progress)
     for reason in site.missing:
-        typer.echo(f"missing, {reason}", err=True)
-    typer.echo(f"open {site.index}")
+        say(f"missing, {reason}", err=True)
+    say(f"open {site.index}")
 
 
 def _write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -> None:
@@ -142,7 +142,7 @@ def _write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -
 
     written = write_tables(bench, names, kind, folder)
     count = len(written)
-    typer.echo(f"{count} {'file' if count == 1 else 'files'} in {folder}")
+    say(f"{count} {'file' if count == 1 else 'files'} in {folder}")
 
 
 def claims(
@@ -181,7 +181,7 @@ def claims(
         with replacing(out) as temporary:
             temporary.write_text(to_json(computed, terms, gone), encoding="utf-8")
     count = len(computed)
-    typer.echo(f"{count} {'claim' if count == 1 else 'claims'} written to {out}")
+    say(f"{count} {'claim' if count == 1 else 'claims'} written to {out}")
 
 
 def laws(
@@ -235,7 +235,7 @@ def laws(
     show(joined([advice, to_text(pair, load)], "\n\n"))
     warning = yield_warning(load, pair)
     if warning is not None:
-        typer.echo(f"warning: {warning}", err=True)
+        say(f"warning: {warning}", err=True)
 
 
 def export(
@@ -276,7 +276,7 @@ def export(
         return
     with replacing(out) as temporary:
         temporary.write_text(source, encoding="ascii")
-    typer.echo(f"{what} written to {out}")
+    say(f"{what} written to {out}")
 
 
 def _export_joint(path: Path, target: str, out: Path | None, others: dict[str, str | None]) -> None:
@@ -301,4 +301,4 @@ def _export_joint(path: Path, target: str, out: Path | None, others: dict[str, s
         for file, name in zip(files, texts, strict=True):
             text = texts[name]
             file.write_bytes(text if isinstance(text, bytes) else text.encode("ascii"))
-    typer.echo(f"{joint.name} written to {', '.join(str(out.with_name(name)) for name in texts)}")
+    say(f"{joint.name} written to {', '.join(str(out.with_name(name)) for name in texts)}")

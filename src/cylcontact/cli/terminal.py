@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from cylcontact.plain_text import brief, visible
 from cylcontact.progress import Progress
 from cylcontact.text_tables import TextTable, pieces_of
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
     from cylcontact.parallel import Workers
 
-__all__ = ["cores", "progress_bars", "show", "workers"]
+__all__ = ["cores", "progress_bars", "say", "show", "workers"]
 
 
 def cores() -> int:
@@ -38,19 +39,28 @@ def workers(jobs: int | None, scheduler: str | None) -> Workers:
 
 
 def show(text: str) -> None:
-    """Print a report; on a terminal its tables are drawn, if they are not wider than it is."""
+    """Print a report; on a terminal its tables are drawn, if they are not wider than it is.
+
+    Characters that are not seen are escaped: none of a text acts on the terminal.
+    """
     from rich.console import Console
 
     if sys.stdout.isatty():
         console = Console(highlight=False, markup=False)
-        text = "".join(_drawn(piece, console) for piece in pieces_of(text))
-    typer.echo(text)
+        typer.echo("".join(_drawn(piece, console) for piece in pieces_of(text)))
+    else:
+        typer.echo(visible(text, "\n"))
+
+
+def say(line: str, err: bool = False) -> None:
+    """Print a line, on standard error if `err`; characters that are not seen are escaped."""
+    typer.echo(visible(line), err=err)
 
 
 def _drawn(piece: str, console: Console) -> str:
     """Return a table with lines and colours; other text, and a wide table, as it is."""
     if not isinstance(piece, TextTable):
-        return piece
+        return visible(piece, "\n")
     from rich import box
     from rich.measure import Measurement
     from rich.table import Table
@@ -76,7 +86,7 @@ def progress_bars() -> Iterator[Progress]:
 
     terminal = sys.stderr is not None and sys.stderr.isatty()
     columns = (
-        progress.TextColumn("{task.description:>10}"),
+        progress.TextColumn("{task.description:>10}", markup=False),
         progress.BarColumn(),
         progress.MofNCompleteColumn(),
         progress.TimeElapsedColumn(),
@@ -87,7 +97,7 @@ def progress_bars() -> Iterator[Progress]:
 
         def update(stage: str, done: int, total: int) -> None:
             if stage not in tasks:
-                tasks[stage] = bars.add_task(stage, total=total)
+                tasks[stage] = bars.add_task(brief(stage), total=total)
             bars.update(tasks[stage], completed=done)
 
         yield update

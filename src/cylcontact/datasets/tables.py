@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from cylcontact.choices import TABLE_SUFFIXES
 from cylcontact.errors import InputError
 from cylcontact.memory import as_size
+from cylcontact.plain_text import from_csv
 from cylcontact.reading import TABLE_BYTES, plain_number, read_bytes
 
 if TYPE_CHECKING:
@@ -413,7 +414,8 @@ def texts(table: Table, k: int) -> list[str]:
         If a cell is empty.
     """
     _require_filled(table, k)
-    return [_text(cell) for cell in table.columns[k]]
+    words = map(_text, table.columns[k])
+    return [from_csv(word) for word in words] if table.separator else list(words)
 
 
 def _text(cell: Any) -> str:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from importlib.metadata import version
 from textwrap import wrap
 
 from cylcontact.laws.formula import MEANINGS, RESULTS, Formula
+from cylcontact.plain_text import comment
 
-__all__ = ["WIDTH", "comment_lines", "domain", "paragraph", "plain", "table"]
+__all__ = ["WIDTH", "comment_lines", "domain", "paragraph", "table"]
 
 WIDTH = 90
 
@@ -30,23 +30,12 @@ def comment_lines(formula: Formula, mark: str) -> str:
 def _provenance(formula: Formula) -> str:
     """Return the version of the package and the origin of the coefficients."""
     origin = formula.origin or "given by the caller"
-    return f"exported by cylcontact {version('cylcontact')}; coefficients: {plain(origin)}"
+    return f"exported by cylcontact {version('cylcontact')}; coefficients: {comment(origin)}"
 
 
 def domain(formula: Formula) -> str:
     """Return the domain of the law in words."""
     return "; ".join(filter(None, (", ".join(formula.requirements), formula.domain)))
-
-
-def plain(text: str) -> str:
-    """Return text that is safe in a comment of any language: one line of plain ASCII.
-
-    Examples
-    --------
-    >>> plain("fit result 'ΔR */ #1'")
-    "fit result '_R __ _1'"
-    """
-    return re.sub(r"[^\w '.,:;=()+-]", "_", text, flags=re.ASCII)
 
 
 def _description(formula: Formula) -> list[str]:

@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from html import escape
 from textwrap import fill
 from typing import TYPE_CHECKING
 
@@ -41,6 +40,7 @@ from cylcontact.fitting.uncertainty.information import log_likelihood, number_es
 from cylcontact.fitting.uncertainty.residual_model import with_rows
 from cylcontact.laws import DEFINITIONS
 from cylcontact.pair import Contact
+from cylcontact.plain_text import brief, html
 from cylcontact.progress import Progress, silent
 from cylcontact.text_tables import joined, text_table
 
@@ -206,7 +206,7 @@ class Choice:
         notes = [self._conclusion(), *(f"{law}: {why}" for law, why in self.left_out.items())]
         items = (fill(note, 100, initial_indent="- ", subsequent_indent="  ") for note in notes)
         count = len(measured(self.best.problem).data)
-        title = f"{self.data.name}: {len(self.laws)} laws fitted to {count:,} measurements"
+        title = f"{brief(self.data.name)}: {len(self.laws)} laws fitted to {count:,} measurements"
         return joined([title, "", text_table(head, rows), *items])
 
     def _conclusion(self) -> str:
@@ -225,7 +225,7 @@ class Choice:
         )
 
     def _repr_html_(self) -> str:
-        return f"{self.table.round(3).to_html()}<p>{escape(self._conclusion())}</p>"
+        return f"{self.table.round(3).to_html()}<p>{html(self._conclusion())}</p>"
 
 
 def listed_with_and(names: Sequence[str]) -> str:

@@ -16,6 +16,7 @@ from cylcontact.fitting.measured_objective import laws_of, measured
 from cylcontact.fitting.predictions import band_table
 from cylcontact.fitting.uncertainty.profiles import likelihood_profile
 from cylcontact.fitting.uncertainty.residual_model import residual_model_at
+from cylcontact.plain_text import as_label, brief
 from cylcontact.plots.arguments import axes_for
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.measured import Curve, draw_curves, draw_readings, draw_residuals
@@ -81,7 +82,7 @@ def plot_profile(result: FitResult, name: str, ax: Axes | None = None) -> Axes:
         else:
             _draw_profile_of_data(result, name, axes)
         unit = units_of(result.law, result.contact).get(name)
-        axes.set_xlabel(f"{name} ({unit})" if unit else name)
+        axes.set_xlabel(f"{as_label(name)} ({unit})" if unit else as_label(name))
     return axes
 
 
@@ -107,9 +108,9 @@ def fit_drawing(result: FitResult) -> Drawing:
     level = 100 * result._level
     values = ", ".join(f"{name} = {value:.4g}" for name, value in _free(result).items())
     caption = (
-        f"{result.name}: {result.counts.samples} measurements, the {result.law} law fitted to them "
-        f"({values}), and the band of {level:g} % of new readings; beneath, measured less fitted "
-        "in standard deviations."
+        f"{brief(result.name)}: {result.counts.samples} measurements, the {brief(result.law)} law "
+        f"fitted to them ({values}), and the band of {level:g} % of new readings; beneath, "
+        "measured less fitted in standard deviations."
     )
     return Drawing(figure, result.residuals, _free(result), caption)
 
@@ -130,7 +131,7 @@ def plot_choice(choice: Choice, ax: Axes | None = None) -> Axes:
         draw_curves(axes, list(_of_laws(choice).values()))
         draw_readings(axes, data.load[rows], data.penetration[rows])
         if len(rows) < len(data.load):
-            axes.set_title(name)
+            axes.set_title(as_label(name))
         axes.legend()
     return axes
 
@@ -154,9 +155,9 @@ def choice_drawing(choice: Choice) -> Drawing:
     _draw_differences(choice, lower)
     upper.set_xlabel("")
     caption = (
-        f"{choice.data.name}: measurements of one pair, {_first_pair(choice)[0]}, and the best "
-        "laws by AICc, each with its offset and stiffness fitted to all pairs; beneath, "
-        f"all less {choice.best.law}. Of laws that coincide within "
+        f"{brief(choice.data.name)}: measurements of one pair, {brief(_first_pair(choice)[0])}, "
+        "and the best laws by AICc, each with its offset and stiffness fitted to all pairs; "
+        f"beneath, all less {brief(choice.best.law)}. Of laws that coincide within "
         f"{100 * _APART:g} % of the range one is drawn."
     )
     return Drawing(
@@ -198,7 +199,7 @@ def _draw_differences(choice: Choice, axes: Axes) -> None:
     ]
     draw_curves(axes, less)
     draw_readings(axes, load, reading - np.interp(load, best.load, best.reading))
-    axes.set_ylabel(f"less {choice.best.law} (µm)")
+    axes.set_ylabel(f"less {as_label(choice.best.law)} (µm)")
 
 
 def _free(result: FitResult) -> dict[str, float]:
@@ -250,7 +251,7 @@ def _draw_profile_of_law(result: FitResult, name: str, axes: Axes) -> None:
     axes.plot(curve.values, curve.objective, marker="", linestyle="-")
     axes.axhline(1.01 * optimum, color=QUIET, linestyle=":", marker="")
     axes.axvline(result.coefficients[name], color=ACCENT, linestyle="--", marker="")
-    axes.set_ylabel(f"best {result.objective.name}")
+    axes.set_ylabel(f"best {as_label(result.objective.name)}")
 
 
 def _draw_profile_of_data(result: FitResult, name: str, axes: Axes) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from html import escape
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +21,7 @@ from cylcontact.fitting.assessment import (
 )
 from cylcontact.fitting.law_models import units_of
 from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, FEW_REFITS, FEWEST_REFITS
+from cylcontact.plain_text import brief, html
 from cylcontact.text_tables import Report, joined, text_table
 
 if TYPE_CHECKING:
@@ -116,24 +116,24 @@ def _status(result: FitResult) -> str:
 
 def as_html(result: FitResult) -> str:
     """Return the report on one result as an HTML fragment, with all text escaped."""
-    head = "".join(f"<th>{column}</th>" for column in _columns(result))
+    head = "".join(f"<th>{html(column)}</th>" for column in _columns(result))
     body = "".join(
-        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>"
+        "<tr>" + "".join(f"<td>{html(cell)}</td>" for cell in row) + "</tr>"
         for row in _rows(result)
     )
-    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in _unwarned(result))
-    status = f"<p>{escape(_status(result))}</p>" if result.uncertainty is not None else ""
+    items = "".join(f"<li>{html(sentence)}</li>" for sentence in _unwarned(result))
+    status = f"<p>{html(_status(result))}</p>" if result.uncertainty is not None else ""
     style = "border-left: 4px solid #D55E00; padding-left: 0.5em"
-    warned = "".join(f'<p style="{style}">{escape(sentence)}</p>' for sentence in warnings(result))
+    warned = "".join(f'<p style="{style}">{html(sentence)}</p>' for sentence in warnings(result))
     return (
-        f"<p>{escape(_headline(result))}</p>{status}{warned}"
+        f"<p>{html(_headline(result))}</p>{status}{warned}"
         f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table><ul>{items}</ul>"
     )
 
 
 def _headline(result: FitResult) -> str:
     """Return what was fitted to what."""
-    law = f"{result.name}: {result.law} law, {result.contact} contact"
+    law = f"{brief(result.name)}: {brief(result.law)} law, {result.contact} contact"
     if result.uncertainty is not None:
         return f"{law}, fitted to {result.counts.samples:,} measurements by {result.objective.name}"
     return (
@@ -259,7 +259,7 @@ def compare(results: Sequence[FitResult]) -> Report:
     """
     parts: list[str] = [_side_by_side_text(group) for group in by_search(results)]
     for result in results:
-        parts.append("\n".join([f"{result.name}:", *map(_item, verdicts(result))]))
+        parts.append("\n".join([f"{brief(result.name)}:", *map(_item, verdicts(result))]))
     return joined(parts, "\n\n")
 
 
@@ -393,10 +393,10 @@ def _side_by_side_text(results: list[FitResult]) -> Report:
 def _samples_text(result: FitResult) -> str:
     """Return which samples a result was fitted to, in a line."""
     if result.uncertainty is not None:
-        return f"{result.name}: {result.counts.samples:,} measurements"
+        return f"{brief(result.name)}: {result.counts.samples:,} measurements"
     axes = result.settings["dataset"]["axes"]
     texts = [_axis_text(*words, axes[name]) for name, words in _AXES.items() if name in axes]
-    return f"{result.name}: samples at {', '.join(texts)}"
+    return f"{brief(result.name)}: samples at {', '.join(texts)}"
 
 
 def _axis_text(symbol: str, unit: str, axis: Mapping[str, Any]) -> str:
@@ -438,7 +438,7 @@ def noise_text(study: NoiseStudy) -> Report:
     sentences = [each for each in noise_verdicts(uncertainty) if each not in warned]
     if bootstrap is not None:
         sentences.append(_on_bootstrap(bootstrap, level))
-    title = f"{study.name}: uncertainty from the noise of the measurements"
+    title = f"{brief(study.name)}: uncertainty from the noise of the measurements"
     parts = [
         "\n".join([title, *(_item(sentence, "! ") for sentence in warned)]),
         text_table(("", "fitted", "std. error", *intervals), rows),
@@ -463,7 +463,8 @@ def discrepancy_text(study: DiscrepancyStudy, result: FitResult) -> Report:
         f"(median {middle:+.3g} %)",
     ]
     parts = [
-        f"{study.name}: how far each coefficient may move before the best objective rises by 1 %",
+        f"{brief(study.name)}: how far each coefficient may move before the best objective rises "
+        "by 1 %",
         text_table(("", "fitted", "within 1 %"), rows),
         "\n".join(map(_item, sentences)),
         *_left_out(study.left_out, list(study.profiles)),

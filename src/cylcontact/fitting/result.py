@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -26,6 +27,7 @@ from cylcontact.fitting.records import (
     RunRecord,
     SampleCounts,
 )
+from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.fitting.uncertainty.estimates import Uncertainty
 from cylcontact.fitting.uncertainty.profiles import Profile
 from cylcontact.fitting.uncertainty.study import problem_of_result
@@ -106,7 +108,11 @@ class FitResult(Spec):
         """Write the result as JSON to a file that is not yet in its place."""
         contents = marked("fit result", self._plain())
         text = json.dumps(contents, indent=1, ensure_ascii=False, allow_nan=False)
-        path.write_text(text + "\n", encoding="utf-8")
+        try:
+            path.write_text(text + "\n", encoding="utf-8")
+        except UnicodeEncodeError as error:
+            source = f"fit result {self.name!r}"
+            raise InputError(source, "", None, "is not text in UTF-8", "rename it") from error
 
     def _plain(self) -> dict[str, Any]:
         """Return the contents of the file; only fits to measurements have the last two keys."""
@@ -366,6 +372,7 @@ def _require_consistent(result: FitResult, source: str) -> None:
         if set(coefficients) != set(names):
             rule = f"must be the coefficients of its campaign: {', '.join(names)}"
             raise InputError(source, key, sorted(coefficients), rule, "redo the fit")
+    _require_within(result.coefficients, campaign.spec.parameters, source)
     if result.uncertainty is not None and not {*result.uncertainty.estimates} <= {*names}:
         rule = f"must be those of coefficients of its campaign: {', '.join(names)}"
         raise InputError(source, "uncertainty.estimates", None, rule, "redo the fit")
@@ -375,6 +382,19 @@ def _require_consistent(result: FitResult, source: str) -> None:
             raise InputError(source, f"profiles.{name}", None, rule, "redo the fit")
     if not result.runs:
         raise InputError(source, "runs", [], "must hold at least one run", "redo the fit")
+
+
+def _require_within(
+    coefficients: Mapping[str, float], tables: Mapping[str, ParameterSpec], source: str
+) -> None:
+    """Refuse coefficients that the campaign could not have reached."""
+    for name, table in tables.items():
+        value = coefficients[name]
+        rule = f"lies outside the bounds of its campaign, {table.low} to {table.high}"
+        if table.fixed:
+            rule = f"must be the value that its campaign fixes, {table.value}"
+        if not table.allows(value) or (table.fixed and value != table.value):
+            raise InputError(source, f"coefficients.{name}", value, rule, "redo the fit")
 
 
 def _require_of_campaign(result: FitResult, campaign: Campaign, source: str) -> None:

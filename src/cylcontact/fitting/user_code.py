@@ -25,7 +25,6 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.pair import CylinderPair
-from cylcontact.reading import SPEC_BYTES, require_file
 
 __all__: list[str] = []
 
@@ -104,7 +103,6 @@ def _module(name: str, folder: Path) -> ModuleType:
     path = folder.joinpath(*name.split(".")).with_suffix(".py")
     if not path.is_file():
         return importlib.import_module(name)
-    require_file(path, SPEC_BYTES)
     spec = importlib.util.spec_from_file_location("cylcontact_user_law", path)
     if spec is None or spec.loader is None:
         raise ImportError(f"{path} is not a module")

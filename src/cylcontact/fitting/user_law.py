@@ -9,8 +9,11 @@ imports nothing.
 
 from __future__ import annotations
 
+import hashlib
+import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +25,7 @@ from cylcontact.fitting.user_process import LAW_TIMEOUT, process_of
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.definition import LawModel, Parameter
 from cylcontact.pair import Contact, CylinderPair
+from cylcontact.reading import SPEC_BYTES, read_bytes
 
 __all__ = ["UserFunction", "UserLaw", "named_user_model", "user_model"]
 
@@ -42,12 +46,16 @@ class UserFunction:
     folder : str or None
         Where the module is searched for first. None if a result names the function, which is
         then never run.
+    digest : str
+        The hash of the module's file, so that every process runs this one; empty if Python's path
+        has it.
     seconds : float
         How long a call may take.
     """
 
     spec: str
     folder: str | None
+    digest: str = ""
     seconds: float = LAW_TIMEOUT
 
     def __call__(
@@ -62,7 +70,8 @@ class UserFunction:
                 "is code of your own, which is not run because a result names it",
                 f"redo the fit from its campaign, or name it: uncertainty --law {self.spec}",
             )
-        process = process_of(self.spec, self.folder, self.seconds)
+        _require_same_file(self.spec, self.folder, self.digest)
+        process = process_of(self.spec, self.folder, self.digest, self.seconds)
         loads: FloatArray = process.call((penetration, pair, dict(parameters)), self.seconds)
         return loads
 
@@ -160,10 +169,11 @@ def user_model(
         If the function cannot be imported, or does not take a penetration, a pair and named
         numbers.
     """
-    function = UserFunction(spec, str(folder), seconds or LAW_TIMEOUT)
+    path = _file_of(spec, str(folder))
+    function = UserFunction(spec, str(folder), _digest(path), seconds or LAW_TIMEOUT)
     try:
-        # Anew: the file may have changed since.
-        process = process_of(spec, str(folder), function.seconds, anew=True)
+        # Anew: what the module imports may have changed since.
+        process = process_of(spec, str(folder), function.digest, function.seconds, anew=True)
     except InputError as error:
         raise InputError(source, "law", spec, error.rule, error.remedy) from error
     parameters = tuple(
@@ -182,3 +192,29 @@ def named_user_model(
         return UserLaw(function, dict(values))
 
     return LawModel(function.spec, contact, parameters, build, nominal_is_published=False)
+
+
+@lru_cache(maxsize=64)
+def _require_same_file(spec: str, folder: str, digest: str) -> None:
+    """Raise `InputError` if the module's file is not the one that the fit has begun with."""
+    path = _file_of(spec, folder)
+    if _digest(path) != digest:
+        raise InputError(
+            spec,
+            "law",
+            None,
+            f"{path} is missing or changed on {platform.node()}",
+            "leave it alone during a fit; on a cluster, put it at the same place on all machines",
+        )
+
+
+def _file_of(spec: str, folder: str) -> Path:
+    """Return the file of a module in the folder, which may not be there."""
+    return Path(folder, *spec.partition(":")[0].split(".")).with_suffix(".py")
+
+
+def _digest(path: Path) -> str:
+    """Return the hash of a file, empty if there is none."""
+    if not path.is_file():
+        return ""
+    return hashlib.sha256(read_bytes(path, SPEC_BYTES)).hexdigest()

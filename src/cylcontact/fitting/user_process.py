@@ -120,13 +120,18 @@ class UserProcess:
 
 
 # By the id of the parent: after a fork the processes belong to the former one.
-_RUNNING: dict[tuple[int, str, str], UserProcess] = {}
+_RUNNING: dict[tuple[int, str, str, str], UserProcess] = {}
 _STARTING = threading.Lock()
 
 
-def process_of(spec: str, folder: str, seconds: float, anew: bool = False) -> UserProcess:
-    """Return the process of a function; a new one if there is none, or `anew` is true."""
-    key = os.getpid(), spec, folder
+def process_of(
+    spec: str, folder: str, digest: str, seconds: float, anew: bool = False
+) -> UserProcess:
+    """Return the process of a function; a new one if there is none, or `anew` is true.
+
+    The digest tells the versions of the module's file apart.
+    """
+    key = os.getpid(), spec, folder, digest
     with _STARTING:
         running = _RUNNING.get(key)
         if running is not None and running.is_alive and not anew:
@@ -139,6 +144,6 @@ def process_of(spec: str, folder: str, seconds: float, anew: bool = False) -> Us
 
 @atexit.register
 def _end_all() -> None:
-    for (parent, _, _), process in _RUNNING.items():
+    for (parent, *_), process in _RUNNING.items():
         if parent == os.getpid():
             process.end()

@@ -8,7 +8,6 @@ The element has one state, the impact rate δ̇⁽⁻⁾ of the contact under wa
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -29,6 +28,7 @@ from cylcontact.mechanism.joint_spec import BodySpec, ClearanceJointSpec
 from cylcontact.mechanism.system import law_block
 from cylcontact.numba_cache import compiled
 from cylcontact.pair import CylinderPair
+from cylcontact.plain_text import identifier
 from cylcontact.spec import parse_spec, read_toml
 
 __all__ = [
@@ -158,7 +158,7 @@ class ClearanceJoint:
         >>> read_joint("datasets/joint.toml").identifier
         'wrist_pin'
         """
-        return re.sub("[^A-Za-z0-9]+", "_", self.name).strip("_")
+        return identifier(self.name)
 
     @property
     def in_mm(self) -> float:

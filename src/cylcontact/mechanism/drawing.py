@@ -15,6 +15,7 @@ from matplotlib.transforms import Affine2D
 from cylcontact.arrays import FloatArray, require
 from cylcontact.mechanism import Mechanism, Trajectory
 from cylcontact.mechanism.model import Joint
+from cylcontact.plain_text import brief
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.sketch import OUTLINE, POINTER, THIN, Point
 from cylcontact.plots.style import ACCENT, QUIET, figure_style
@@ -407,9 +408,9 @@ def joint_drawing(run: Trajectory, revolutions: float = 2.0) -> Drawing:
     force.plot(table["revolution"], table["normal_force_N"], **plain)
     force.set(xlabel="revolution (-)", ylabel="normal force (N)")
     caption = (
-        f"{run.mechanism.name}, the end of the run. Left: the path of the journal's centre in the "
-        "bearing, and dashed the circle on which it touches the bearing. Right: the normal force "
-        "in the joint."
+        f"{brief(run.mechanism.name)}, the end of the run. Left: the path of the journal's centre "
+        "in the bearing, and dashed the circle on which it touches the bearing. Right: the normal "
+        "force in the joint."
     )
     largest = {"largest normal force, N": float(table["normal_force_N"].max())}
     return Drawing(figure, table, largest, caption)

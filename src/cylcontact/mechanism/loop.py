@@ -183,5 +183,5 @@ def _without_end(run: Run, revolution: int, steps: int) -> InputError:
         run.tolerance,
         f"revolution {revolution} has not ended after {steps:,} steps, at t = "
         f"{run.state.time:.6g} s, where the penetration is {run.penetration * 1e6:.4g} µm",
-        "change the tolerance, or lower the restitution if it is 1",
+        "check masses, inertias and units, change the tolerance, or lower a restitution of 1",
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import textwrap
 from dataclasses import dataclass
 from functools import cached_property
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from cylcontact.mechanism.batch_means import BatchMeans
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.revolution import ENERGIES, FORCE_PERCENTILES, Limits
 from cylcontact.mechanism.step_history import Settings, State
+from cylcontact.plain_text import html
 from cylcontact.text_tables import Report, frame_table, joined
 
 if TYPE_CHECKING:
@@ -425,7 +425,7 @@ class Statistics:
         return joined(lines)
 
     def _repr_html_(self) -> str:
-        notes = "".join(f"<p>{escape(text)}.</p>" for text in (self._method, *self.motion))
+        notes = "".join(f"<p>{html(text)}.</p>" for text in (self._method, *self.motion))
         table: str = self._table().to_html(float_format=lambda number: f"{number:.5g}", na_rep="–")
         return f"<p>Means over {self._counts}.</p>{table}{notes}"
 

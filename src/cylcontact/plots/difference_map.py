@@ -15,6 +15,7 @@ from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.limits import yield_load
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
+from cylcontact.plain_text import as_label
 from cylcontact.plots.arguments import (
     AnyLaw,
     Range,
@@ -123,7 +124,7 @@ def plot_map(
         axes.set(xlim=dR, ylim=load)
         axes.set(xlabel=r"radial clearance $\Delta R$ (mm)", ylabel="load (N/mm)")
         if colorbar:
-            label = f"penetration of {law.name} less {reference.name} (%)"
+            label = f"penetration of {as_label(law.name)} less {as_label(reference.name)} (%)"
             add_scale(axes.figure, axes, label)
         lines = draw_contours(axes, np.broadcast_to(pair.dR, loads.shape), loads, percent)
         ends = np.broadcast_to(reference.max_load(pair), (POINTS[0], 1))[:, 0]

@@ -11,6 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.limits import hertz_stress, johnson_limit_load, yield_load
 from cylcontact.materials import Material
+from cylcontact.plain_text import as_label
 from cylcontact.plots.arguments import Range, add_legend, axes_for, pins_in_hole, require_range
 from cylcontact.plots.figure import plain_log, round_ticks
 from cylcontact.plots.style import staggered
@@ -90,7 +91,8 @@ def plot_limits(
     )
     require_range(dR, "plot_limits", "dR", "mm")
     pair = pins_in_hole(limit_clearances(dR), "plot_limits", material, R_i, material_j)
-    who = f"{material_j.name} in {material.name}" if material_j else material.name
+    bodies = (material_j, material) if material_j else (material,)
+    who = " in ".join(as_label(body.name) for body in bodies)
     loads = {}
     if criterion is not None:
         loads[f"{who}: first yield ({criterion}), $R_i$ = {R_i:g} mm"] = yield_load(pair, criterion)

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
 from cylcontact.arrays import FloatArray
+from cylcontact.plain_text import as_label
 from cylcontact.plots.figure import plain_number
 from cylcontact.plots.style import COLOURS, MARKERS, QUIET
 
@@ -100,7 +101,7 @@ def draw_curves(axes: Axes, curves: Sequence[Curve], level: float = 0.95) -> Non
             linestyle="-" if len(curves) == 1 else None,
             marker="",
             color=colour,
-            label=curve.label,
+            label=as_label(curve.label),
         )
 
 
@@ -160,6 +161,10 @@ def _styles(
         return [(count, slice(size), {"marker": "o", "color": COLOURS[0], **hollow})]
     member = np.asarray(series)
     return [
-        (name, np.flatnonzero(member == name), {"marker": marker, "color": colour, **hollow})
+        (
+            as_label(name),
+            np.flatnonzero(member == name),
+            {"marker": marker, "color": colour, **hollow},
+        )
         for name, marker, colour in zip(names, MARKERS, COLOURS, strict=False)
     ]

@@ -11,7 +11,6 @@ import ast
 import gc
 import hashlib
 import inspect
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -24,7 +23,9 @@ from cylcontact.choices import Format
 from cylcontact.errors import InputError
 from cylcontact.files import remove_leftovers, replacing_all, require_writable
 from cylcontact.parallel import call, run_calls
+from cylcontact.plain_text import csv_text, file_name, page_text
 from cylcontact.plots.figure import Drawing
+from cylcontact.plots.pgf import plain_pgf
 from cylcontact.plots.style import (
     DEFAULT_OPTIONS,
     JOURNAL,
@@ -125,6 +126,10 @@ def find_recipes(bench: Bench) -> dict[str, Path]:
             recipes[file.stem] = file
         if "FIGURES" in defined:
             recipes |= dict.fromkeys(_figures_of(file.stem, bench), file)
+    for name, file in recipes.items():
+        if name != Path(name).name:
+            rule, remedy = "cannot name a file", "take letters, digits and hyphens"
+            raise InputError(str(file), "FIGURES", name, rule, remedy)
     if not recipes:
         raise InputError(
             str(bench.recipes_folder),
@@ -302,9 +307,10 @@ def write(
         for form, picture in zip(options.formats, files, strict=False):
             save_picture(drawing, picture, form, options.style)
         csv = files[len(options.formats)]
-        drawing.table.to_csv(csv, index=False, float_format=NUMBER_FORMAT, lineterminator="\n")
+        csv.write_text(csv_text(drawing.table, float_format=NUMBER_FORMAT), encoding="utf-8")
         for note in files[len(options.formats) + 1 :]:
-            note.write_text(f"{drawing.caption}\n\n{drawing.method}\n", encoding="utf-8")
+            texts = map(page_text, (drawing.caption, drawing.method))
+            note.write_text("\n\n".join(texts) + "\n", encoding="utf-8")
     return tuple(paths)
 
 
@@ -322,19 +328,20 @@ def _require_programs(formats: Iterable[Format]) -> None:
 
 def save_picture(drawing: Drawing, picture: Path, form: Format, style: FigureStyle) -> None:
     """Write one picture, with the caption as metadata where the format allows it."""
+    caption = page_text(drawing.caption)
     # No dates and versions: they would change the bytes.
     metadata: dict[Format, dict[str, str | None]] = {
-        "png": {"Software": None, "Description": drawing.caption},
+        "png": {"Software": None, "Description": caption},
         "pdf": {
             "CreationDate": None,
             "Creator": None,
             "Producer": None,
-            "Subject": drawing.caption,
+            "Subject": caption,
         },
-        "svg": {"Date": None, "Creator": None, "Description": drawing.caption},
+        "svg": {"Date": None, "Creator": None, "Description": caption},
     }
     known: dict[str, Any] = {"metadata": metadata[form]} if form in metadata else {}
-    with figure_style(style):
+    with figure_style(style), plain_pgf():
         drawing.figure.savefig(picture, format=form, dpi=DPI, **known)
 
 
@@ -398,8 +405,7 @@ def _drawn(
 
 def _stem(name: str, arguments: Arguments | None) -> str:
     """Return the name of a figure's files: the recipe's, then the values of its arguments."""
-    values = (re.sub(r"[^\w.+-]+", "-", value) for value in (arguments or {}).values())
-    return "-".join([name, *values])
+    return "-".join([name, *map(file_name, (arguments or {}).values())])
 
 
 def _inputs(bench: _WatchedBench, name: str) -> dict[str, str]:
@@ -543,10 +549,12 @@ def _refuse_unknown(name: str, bench: Bench, recipes: Mapping[str, Path]) -> Non
             "a recipe must define this function",
             "give it draw(bench: Bench) -> Drawing",
         )
-    raise InputError(
-        str(bench.recipes_folder),
-        "recipe",
-        name,
-        "there is no such recipe",
-        f"choose among {', '.join(recipes)}",
-    )
+    rule, remedy = "there is no such recipe", f"choose among {', '.join(recipes)}"
+    try:
+        for file in sorted(bench.recipes_folder.glob("*.py")):
+            if _parsed(file) is None or "FIGURES" in _top_level_names(file):
+                bench.module(file.stem)
+    except InputError as error:
+        rule = f"there is no such recipe, unless in a file that {error.rule}"
+        remedy = f"correct {error.source}, or {remedy}"
+    raise InputError(str(bench.recipes_folder), "recipe", name, rule, remedy)

@@ -9,6 +9,7 @@ import pandas as pd
 from cylcontact.errors import InputError
 from cylcontact.fitting.assessment import basins
 from cylcontact.fitting.result import FitResult
+from cylcontact.plain_text import as_label
 from cylcontact.plots.arguments import add_legend
 from cylcontact.plots.figure import Drawing, new_figure
 from cylcontact.plots.style import ACCENT, COLOURS, QUIET, figure_style
@@ -80,7 +81,7 @@ def runs_drawing(result: FitResult) -> Drawing:
     if result.bound is not None:
         label = "lower bound of any law of this form"
         axes.axhline(result.bound, color="black", linestyle=":", linewidth=0.8, label=label)
-    axes.set(xlabel="run, best first", ylabel=result.objective.name, ylim=0)
+    axes.set(xlabel="run, best first", ylabel=as_label(result.objective.name), ylim=0)
     axes.xaxis.get_major_locator().set_params(integer=True)
     add_legend(axes)
     value, agreeing = basins(result)[0]
@@ -131,8 +132,8 @@ def profile_drawing(result: FitResult, name: str, label: str) -> Drawing:
     if result.published is not None and profile.objective_at_published is not None:
         published = result.published.coefficients[name]
         objective = profile.objective_at_published
-        axes.plot(published, objective, "s", color=COLOURS[1], label=f"published {name}")
-    axes.set(xlabel=label, ylabel=f"least {result.objective.name} (-)")
+        axes.plot(published, objective, "s", color=COLOURS[1], label=f"published {as_label(name)}")
+    axes.set(xlabel=label, ylabel=f"least {as_label(result.objective.name)} (-)")
     axes.margins(y=0.1)
     axes.set_title(f"{result.contact} contact")
     add_legend(axes)

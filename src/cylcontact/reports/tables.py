@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from html import escape
 from pathlib import Path
 
 import pandas as pd
 
 from cylcontact.errors import InputError
 from cylcontact.files import replacing_all, require_writable
+from cylcontact.plain_text import csv_text, html, latex, page_text
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import chosen_recipes, draw
 from cylcontact.reports.claims import ledger
 from cylcontact.reports.claims_text import to_table
 
-__all__ = ["KINDS", "latex", "write_tables"]
+__all__ = ["KINDS", "write_tables"]
 
 
 def write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -> list[Path]:
@@ -108,12 +108,7 @@ def _latex_table(table: pd.DataFrame) -> str:
 
 def _html_table(table: pd.DataFrame) -> str:
     """Return a table as an HTML fragment, all texts escaped."""
-    return table.to_html(index=False, border=0, escape=True) + "\n"
-
-
-def _csv_table(table: pd.DataFrame) -> str:
-    """Return a table as CSV."""
-    return table.to_csv(index=False, lineterminator="\n")
+    return table.map(page_text).to_html(index=False, border=0, escape=True) + "\n"
 
 
 def _latex_captions(captions: Mapping[str, str]) -> dict[str, str]:
@@ -127,7 +122,7 @@ def _latex_captions(captions: Mapping[str, str]) -> dict[str, str]:
 def _html_captions(captions: Mapping[str, str]) -> dict[str, str]:
     """Return one file with all captions."""
     lines = (
-        f'<figcaption id="{escape(name)}">{escape(text)}</figcaption>'
+        f'<figcaption id="{html(name)}">{html(text)}</figcaption>'
         for name, text in captions.items()
     )
     return {"captions": "\n".join(lines) + "\n"}
@@ -136,7 +131,7 @@ def _html_captions(captions: Mapping[str, str]) -> dict[str, str]:
 def _csv_captions(captions: Mapping[str, str]) -> dict[str, str]:
     """Return one file with all captions."""
     return {
-        "captions": _csv_table(
+        "captions": csv_text(
             pd.DataFrame({"figure": list(captions), "caption": list(captions.values())})
         )
     }
@@ -146,56 +141,6 @@ Kind = tuple[str, Callable[[pd.DataFrame], str], Callable[[Mapping[str, str]], d
 # For each kind: the files' ending, and the functions that write a table and the captions.
 KINDS: Mapping[str, Kind] = {
     "latex": ("tex", _latex_table, _latex_captions),
-    "csv": ("csv", _csv_table, _csv_captions),
+    "csv": ("csv", csv_text, _csv_captions),
     "html": ("html", _html_table, _html_captions),
 }
-
-
-# LaTeX's special characters, and the characters beyond ASCII in our texts.
-LATEX = {
-    "\\": r"\textbackslash{}",
-    **{mark: f"\\{mark}" for mark in "&%$#_{}"},
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-    "<": r"\ensuremath{<}",
-    ">": r"\ensuremath{>}",
-    "|": r"\ensuremath{|}",
-    **{
-        letter: rf"\ensuremath{{\{name}}}"
-        for letter, name in {
-            **{"α": "alpha", "β": "beta", "δ": "delta", "Δ": "Delta", "ε": "varepsilon"},
-            **{"κ": "kappa", "Λ": "Lambda", "λ": "lambda", "μ": "mu", "ν": "nu", "π": "pi"},
-            **{"σ": "sigma", "φ": "varphi", "χ": "chi", "θ": "theta", "τ": "tau", "Σ": "Sigma"},
-            **{"ω": "omega", "·": "cdot", "×": "times", "≤": "leq", "≥": "geq", "∞": "infty"},
-            **{"≈": "approx", "→": "to", "±": "pm", "′": "prime", "√": "surd", "∝": "propto"},
-        }.items()
-    },
-    "µ": r"\ensuremath{\mu}",
-    "−": r"\ensuremath{-}",
-    "°": r"\ensuremath{^\circ}",
-    "…": r"\dots{}",
-    "–": "--",
-    "—": "---",
-    "\u2009": r"\,",
-    **{
-        raised: rf"\ensuremath{{^{{{plain}}}}}"
-        for raised, plain in zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻ⁿ⁺", (*"0123456789-n+",), strict=True)
-    },
-    **{
-        lowered: rf"\ensuremath{{_{{{plain}}}}}"
-        for lowered, plain in zip("₀₁₂₃₄₅₆₇₈₉₋ₙᵢⱼ", (*"0123456789-nij",), strict=True)
-    },
-}
-
-
-def latex(text: str) -> str:
-    r"""Escape a text for LaTeX.
-
-    No part of it acts as a command; characters that are not listed stay as they are, in UTF-8.
-
-    Examples
-    --------
-    >>> print(latex("ΔR_i < 50 % of R², {x}"))
-    \ensuremath{\Delta}R\_i \ensuremath{<} 50 \% of R\ensuremath{^{2}}, \{x\}
-    """
-    return "".join(LATEX.get(mark, mark) for mark in text)

@@ -171,8 +171,8 @@ def _variant(data: dict[str, Any], variant: dict[str, Any], source: str) -> tupl
     label = changes.pop("name", None)
     if not isinstance(label, str) or not label:
         raise InputError(source, "name", label, "is required", "give the variant a name")
-    if not label.isprintable() or set(label) & set(',"#'):
-        rule = "must not contain commas, quotes or #"
+    if not label.isprintable() or set(label) & set(',"#') or label[0] in "=+-@":
+        rule = "must not contain commas, quotes or #, or begin with =, +, - or @"
         raise InputError(source, "name", label, rule, "rename it")
     for key in ("dR", "load", "origin", "variants"):
         if key in changes:

@@ -11,14 +11,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
-from keyword import iskeyword
 from textwrap import wrap
 
 import numpy as np
 
 from cylcontact.arrays import FloatArray, require
 from cylcontact.dissipation import RATIO_BEND
-from cylcontact.export.comments import WIDTH, paragraph, plain
+from cylcontact.export.comments import WIDTH, paragraph
 from cylcontact.export.render import Dialect
 from cylcontact.laws.formula import MEANINGS, Step, needed, steps_of
 from cylcontact.laws.kernels import steps_for
@@ -26,6 +25,7 @@ from cylcontact.materials import Material
 from cylcontact.mechanism import contact
 from cylcontact.mechanism.clearance_joint import ClearanceJoint, JointState
 from cylcontact.mechanism.system import TANGENT_FROM
+from cylcontact.plain_text import RESERVED, comment
 
 __all__ = ["RESULTS", "Element", "argument_names", "bodies_of", "require_importable", "rows_of"]
 
@@ -217,7 +217,7 @@ class Element:
         return [
             joint.identifier,
             "",
-            f"A pin in its bearing with clearance as a force element, '{plain(joint.name)}'.",
+            f"A pin in its bearing with clearance as a force element, '{comment(joint.name)}'.",
             f"Written by cylcontact {version('cylcontact')}.",
             "",
             *paragraph("Units", units),
@@ -377,7 +377,7 @@ def rows_of(numbers: FloatArray, number: Callable[[float], str] = repr) -> list[
 def require_importable(stem: str) -> None:
     """Raise `InputError` for a file that no import or call can name."""
     require(
-        stem.isascii() and stem.isidentifier() and not iskeyword(stem), "export", "--out", stem,
+        stem.isascii() and stem.isidentifier() and stem not in RESERVED, "export", "--out", stem,
         "cannot be called by its name", "name the file with letters, digits and underscores",
     )  # fmt: skip
 
@@ -401,14 +401,14 @@ def _law_text(joint: ClearanceJoint) -> str:
     """Return the law and the origin of its coefficients in words."""
     is_table = steps_for(joint.law) is None
     form = "a table, cubic in ln f over ln d" if is_table else "its formula at this pair"
-    origin = f"; {plain(joint.origin)}" if joint.origin else ""
-    return f"'{plain(joint.law.name)}', {form}{origin}"
+    origin = f"; {comment(joint.origin)}" if joint.origin else ""
+    return f"'{comment(joint.law.name)}', {form}{origin}"
 
 
 def _body_text(name: str, material: Material, radius: object) -> str:
     """Return radius and material of a body on one line."""
     stress = "unknown" if material.yield_stress is None else f"{material.yield_stress!r} MPa"
     return (
-        f"{name}: R = {radius!r} mm, {plain(material.name)}, E = {float(material.E)!r} MPa, "
+        f"{name}: R = {radius!r} mm, {comment(material.name)}, E = {float(material.E)!r} MPa, "
         f"nu = {float(material.nu)!r}, yield stress {stress}"
     )

@@ -7,7 +7,6 @@ import io
 import shutil
 import subprocess
 import sys
-import tempfile
 import uuid
 import zipfile
 from importlib.metadata import version
@@ -16,9 +15,10 @@ from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
 from cylcontact.errors import InputError
-from cylcontact.export.comments import plain
 from cylcontact.export.joints import c
+from cylcontact.files import scratch_folder
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
+from cylcontact.plain_text import comment
 
 __all__ = ["VARIABLES", "Variable", "source"]
 
@@ -160,8 +160,7 @@ def _library(sources: dict[str, str], file: str) -> bytes:
             "export", "--to", "fmu", "needs a C compiler, and there is neither cc nor gcc",
             "install one (Debian: apt install gcc libc6-dev; macOS: xcode-select --install)",
         )  # fmt: skip
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    with scratch_folder() as folder:
         for path, text in sources.items():
             (folder / path).write_text(text, encoding="ascii")
         units = [path for path in sources if path.endswith(".c")]
@@ -204,8 +203,8 @@ def _description(joint: ClearanceJoint, guid: str) -> str:
     sources = f"    <SourceFiles>\n{files}    </SourceFiles>\n"
     outputs = [k + 1 for k, v in enumerate(VARIABLES) if v.causality == "output"]
     unknowns = "".join(f'      <Unknown index="{index}"/>\n' for index in outputs)
-    title = plain(joint.name)
-    law, clearance = plain(joint.law.name), float(joint.pair.dR)
+    title = comment(joint.name)
+    law, clearance = comment(joint.law.name), float(joint.pair.dR)
     text = f"The clearance joint '{title}': law {law}, clearance {clearance:.6g} mm"
     return f"""\
 <?xml version="1.0" encoding="UTF-8"?>

@@ -14,6 +14,7 @@ from cylcontact.laws import LAWS, Johnson, Parametric
 from cylcontact.laws.enhanced import PUBLISHED_DR
 from cylcontact.materials import MaterialRow
 from cylcontact.pair import CONTACTS
+from cylcontact.plain_text import brief
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH
 
 __all__ = ["explorer_data"]
@@ -66,7 +67,7 @@ def _material(row: MaterialRow) -> dict[str, Any]:
     """Return a material with its provenance; E and yield stress in MPa."""
     material = row.material
     return {
-        "name": material.name,
+        "name": brief(material.name),
         "E": float(material.E),
         "nu": float(material.nu),
         "yield_stress": material.yield_stress,
@@ -97,7 +98,7 @@ def _fitted_laws(results: Mapping[Path, FitResult]) -> Iterator[dict[str, Any]]:
             text = export_named(str(path), None, "json")
         except InputError:
             continue
-        label = f"{result.law}, fit {result.name!r}"
+        label = brief(f"{result.law}, fit {result.name!r}")
         yield _law(f"fit:{path.stem}", label, result.contact, text)
 
 

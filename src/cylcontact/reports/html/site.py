@@ -14,6 +14,7 @@ from cylcontact.errors import InputError
 from cylcontact.files import replacing, replacing_all, require_writable
 from cylcontact.fitting.result import FitResult
 from cylcontact.laws.enhanced import InternalCoefficients
+from cylcontact.plain_text import html, page_text
 from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, find_recipes
@@ -167,17 +168,18 @@ def _renderer(**common: Any) -> Callable[..., str]:
         Of the template's name and its own variables.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
-    from markupsafe import Markup, escape
+    from markupsafe import Markup
 
     environment = Environment(
         loader=PackageLoader("cylcontact.reports.html"),
         autoescape=True,
         undefined=StrictUndefined,
+        finalize=lambda value: page_text(value) if type(value) is str else value,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     # Our own styles and scripts are inserted verbatim; everything else is escaped.
-    environment.filters["subscripts"] = lambda text: Markup(_subscripts(str(escape(text))))
+    environment.filters["subscripts"] = lambda text: Markup(_subscripts(html(text)))
     environment.globals |= common
     environment.globals["described"] = described
     environment.globals["asset"] = lambda name: Markup(_asset(name))

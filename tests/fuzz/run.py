@@ -17,7 +17,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from datetime import date
 from multiprocessing import get_context
 from pathlib import Path
-from subprocess import run
+from subprocess import check_output
 
 from rich.progress import MofNCompleteColumn, Progress
 
@@ -30,8 +30,9 @@ CORPUS = HERE / "corpus"
 LONG_RUN = HERE / "long_run.json"
 # How many inputs a process tries before it says so.
 PART = 100
-# Of each worker process.
+# Of each worker process: its judge, and what it has found.
 JUDGE = None
+FOUND = set()
 
 
 def read_case(path):
@@ -98,10 +99,13 @@ def _start(folder):
 
 
 def _findings(seed, numbers):
-    """Return the cases among some numbers that fail, each with what is wrong."""
-    verdicts = [verdict for verdict in JUDGE.verdicts(seed, numbers) if verdict.wrong]
-    first = {_gist(verdict.wrong): verdict for verdict in reversed(verdicts)}
-    return [(shrunk(v.case, JUDGE, v.wrong), v.wrong) for v in first.values()]
+    """Return the cases among some numbers that fail in a new way, each with what is wrong."""
+    findings = []
+    for verdict in JUDGE.verdicts(seed, numbers):
+        if verdict.wrong and _gist(verdict.wrong) not in FOUND:
+            FOUND.add(_gist(verdict.wrong))
+            findings.append((shrunk(verdict.case, JUDGE, verdict.wrong), verdict.wrong))
+    return findings
 
 
 def fuzz(seed, cases, jobs):
@@ -135,7 +139,7 @@ def main():
     seconds = round(time.monotonic() - begun)
     print(f"{options.cases:,} inputs of seed {options.seed} in {seconds} s: {len(found)} findings")
     if options.record:
-        commit = run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout
+        commit = check_output(["git", "rev-parse", "--short", "HEAD"], text=True)
         record = {"seed": options.seed, "cases": options.cases, "findings": len(found)}
         record |= {"date": str(date.today()), "commit": commit.strip(), "seconds": seconds}
         LONG_RUN.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
