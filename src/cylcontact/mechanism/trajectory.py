@@ -472,7 +472,7 @@ class Trajectory:
             size = 8.0 * file.metadata.num_rows * file.metadata.num_columns
             require_memory(str(path), "", None, 2 * size, "simulate fewer revolutions")
             table = file.read()
-            metadata = json.loads((table.schema.metadata or {})[_METADATA])
+            metadata = dict(json.loads((table.schema.metadata or {})[_METADATA]))
             metadata = upgraded("trajectory", metadata, str(path))
             rows = _rows_of(table, metadata["counts"])
             spec, source = metadata["spec"], str(metadata["source"])

@@ -263,17 +263,16 @@ def _relative_times(bench: Bench) -> dict[str, float]:
         raise MissingInputError(
             str(path), "", None, "the measured times do not exist", "measure them: make bench"
         )
+    remedy = "measure them: make bench"
     try:
-        data = dict(json.loads(read_text(path, SPEC_BYTES, "measure them: make bench")))
+        data = dict(json.loads(read_text(path, SPEC_BYTES, remedy)))
         rows = upgraded("benchmarks", data, str(path))["rows"]
         compiled = [row for row in rows if row["case"].startswith("compiled scalar")]
         measured = {row["side"]: row["value"] for row in compiled}
     except InputError:
         raise
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise InputError(
-            str(path), "", None, "holds no measured times", "measure them: make bench"
-        ) from error
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise InputError(str(path), "", None, "holds no measured times", remedy) from error
     try:
         times = {key: measured[f"cylcontact: kernel_load, {side}"] for key, side in _TIMED.items()}
     except KeyError as error:
