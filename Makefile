@@ -24,7 +24,7 @@ unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
 .PHONY: all committed env extras fits finite-element mechanism bifurcation readings optimizers figures report claims verify \
-	bench scaling notebooks pair docs test test-skipped test-slow lint format lock clean distclean help FORCE
+	bench scaling notebooks pair docs test test-skipped test-slow fuzz lint format lock clean distclean help FORCE
 
 ##@ The main job
 
@@ -142,6 +142,12 @@ test-skipped: $(VENV)/.extras ## Run the tests that skipped last time; none may 
 
 test-slow: $(VENV)/.extras ## Run what is slow, and the studies of many minutes
 	$(PYTEST) --dist worksteal -m "slow or long"
+
+# RECORD=1 writes tests/fuzz/long_run.json as well.
+fuzz: CASES := 10000
+fuzz: SEED := 1
+fuzz: $(VENV)/.extras ## Try inputs made by chance; make fuzz CASES=100000 SEED=7 for more, or others
+	$(BIN)/python -m tests.fuzz.run --cases $(CASES) --seed $(SEED) $(if $(RECORD),--record)
 
 lint: $(VENV)/.editable ## Check style, formatting and types
 	$(BIN)/ruff check .

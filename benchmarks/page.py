@@ -12,6 +12,7 @@ from typing import Any
 
 from benchmarks.harness import Row
 from cylcontact.files import replacing
+from cylcontact.formats import marked, upgraded
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "datasets" / "benchmarks.json"
@@ -151,13 +152,13 @@ def save(path: Path, results: dict[str, Any]) -> None:
     """Write the results, complete or not at all."""
     data = results | {"rows": [asdict(row) for row in results["rows"]]}
     with replacing(path) as temporary:
-        text = json.dumps(data, indent=1, ensure_ascii=False)
+        text = json.dumps(marked("benchmarks", data), indent=1, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")
 
 
 def load(path: Path) -> dict[str, Any]:
     """Return the results: the machine, why benchmarks were skipped, and the rows as `Row`."""
-    data = json.loads(path.read_text(encoding="utf-8"))
+    data = upgraded("benchmarks", json.loads(path.read_text(encoding="utf-8")), str(path))
     return data | {"rows": [Row(**row) for row in data["rows"]]}
 
 

@@ -1,4 +1,4 @@
-"""What the site needs beyond Markdown: equations as MathML, and the gallery of figures."""
+"""What the site needs beyond Markdown: equations as MathML, the gallery of figures, the changes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,9 @@ def _mathml(match: re.Match[str]) -> str:
 
 
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
-    """Add the figures, and a page with the source of each recipe."""
+    """Add the changes, the figures, and a page with the source of each recipe."""
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").replace("(docs/", "(")
+    files.append(File.generated(config, "changes.md", content=changes))
     bench = Bench(ROOT, jobs=os.cpu_count() or 1)
     results = _drawn(bench)
     recipes = find_recipes(bench)

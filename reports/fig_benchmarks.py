@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from cylcontact.errors import InputError
+from cylcontact.formats import upgraded
 from cylcontact.plots.figure import Drawing, figure_of_lines, plain_log, round_ticks
 from cylcontact.plots.style import ACCENT, QUIET, current_style, small_text
 from cylcontact.reports.bench import Bench
@@ -72,9 +73,12 @@ def draw(bench: Bench) -> Drawing:
 def ratios_of(results: Path) -> pd.DataFrame:
     """Return the ratios of the other sides to ours, without the benchmarks that were skipped."""
     try:
-        data = json.loads(results.read_text(encoding="utf-8"))
+        data = dict(json.loads(results.read_text(encoding="utf-8")))
+        data = upgraded("benchmarks", data, str(results))
         rows, skipped = pd.DataFrame(data["rows"], columns=COLUMNS), data["skipped"]
-    except (OSError, ValueError, KeyError) as error:
+    except InputError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(
             str(results), "", None, "cannot be read", "make bench writes it"
         ) from error

@@ -13,11 +13,15 @@ from matplotlib.lines import Line2D
 from cylcontact.mechanism.statistics import HELD, LONGEST, REPEATS
 from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
 from cylcontact.plots.style import ACCENT, COLOURS, QUIET, current_style
-from cylcontact.reports.bench import Bench, MissingInputError
+from cylcontact.reports.bench import Bench
 
 from .slider_crank import assumed, mechanism
 
 FILE = "datasets/mechanism/bifurcation.csv"
+COLUMNS = (
+    *("clearance_mm", "held_m_per_s", "revolution", "e_y_um", "e_y_rate_m_per_s"),
+    *("impact_rate_m_per_s", "period"),
+)
 CAPTION = (
     "Is the motion periodic? Slider-crank, Johnson's law, once a revolution from {first} to "
     "{last}: eccentricity e_y across the slide over the radial clearance c (mm). The impact rate "
@@ -82,11 +86,7 @@ def draw(bench: Bench) -> Drawing:
 
 def _sections(bench: Bench) -> pd.DataFrame:
     """Return the sections drawn; a rate held of 0 is that of the onset."""
-    file = bench.input(FILE)
-    if not file.is_file():
-        rule, remedy = "this table does not exist", "make bifurcation computes it"
-        raise MissingInputError(str(file), "", None, rule, remedy)
-    table = pd.read_csv(file)
+    table = bench.table(FILE, COLUMNS, "make bifurcation computes it")
     return pd.DataFrame(
         {
             "clearance_mm": table["clearance_mm"],

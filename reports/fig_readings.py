@@ -12,7 +12,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, MultipleLocator, NullLocator
 
-from cylcontact.errors import InputError
 from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title
 from cylcontact.plots.style import COLOURS, MARKERS, QUIET
 from cylcontact.reports.bench import Bench
@@ -34,6 +33,10 @@ METHOD = (
     "has the spacings and the end of E of the other campaign. A lattice over the bounds and local "
     "descents find the coefficients, without a genetic search. The numbers are those of "
     "datasets/readings.csv, written by `make readings`."
+)
+COLUMNS = (
+    *("contact", "search", "changed", "reading", "coefficient", "value"),
+    *("difference_percent", "objective", "objective_published"),
 )
 # What the panels call the searches, and the symbols of the coefficients.
 PANELS: Mapping[str, tuple[str, Mapping[str, str]]] = {
@@ -69,12 +72,7 @@ def readings(bench: Bench) -> pd.DataFrame:
         A row for each reading, search and coefficient: its value, the difference from the published
         one in percent, and the objectives of the search and of the published coefficients.
     """
-    file = bench.input(FILE)
-    try:
-        return pd.read_csv(file)
-    except (OSError, ValueError) as error:
-        remedy = "make readings writes it"
-        raise InputError(str(file), "", None, "cannot be read", remedy) from error
+    return bench.table(FILE, COLUMNS, "make readings writes it")
 
 
 def _draw_panels(table: pd.DataFrame) -> StyledFigure:

@@ -128,10 +128,11 @@ def _continued_contacts(run: Trajectory) -> str:
 
 def horizons(bench: Bench, clearance: float) -> str:
     """Return a sentence on how long two tolerances agree, or on how to find out."""
-    file = bench.input("datasets/mechanism/cases.csv")
-    if not file.is_file():
+    columns = ("clearance_mm", "against", "tolerance", "revolutions", "horizon_revolutions")
+    try:
+        table = bench.table("datasets/mechanism/cases.csv", columns, "make mechanism writes it")
+    except MissingInputError:
         return "How long two tolerances agree, make mechanism finds out."
-    table = pd.read_csv(file)
     rows = table[np.isclose(table["clearance_mm"], clearance)]
     tight, whole = float(rows["against"].iloc[0]), float(rows["revolutions"].iloc[0])
     short = rows.loc[rows["horizon_revolutions"] < whole, "horizon_revolutions"]

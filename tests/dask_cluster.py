@@ -14,26 +14,32 @@ from cylcontact.tether import tethered
 class LoopbackCluster:
     """A scheduler and workers that end with the block, or with this process where it is killed."""
 
-    def __init__(self, folder, workers=2, threads=1, environment=None):
+    def __init__(self, folder, workers=2, threads=1, environment=None, host="127.0.0.1"):
         self.folder = folder
         self.workers = []
-        self._threads = threads
+        self._threads, self._host = threads, host
         self._environment = {**os.environ, **(environment or {})}
         self._file = folder / "scheduler.json"
-        quiet = ("--no-dashboard", "--scheduler-file", str(self._file))
-        self.scheduler = self._start("scheduler", "--host", "127.0.0.1", "--port", "0", *quiet)
-        self.address = self._wait_for_address()
+        self.start_scheduler()
         for _ in range(workers):
             self.add_worker()
 
-    def add_worker(self):
-        """Start one more worker."""
+    def start_scheduler(self, port="0"):
+        """Start the scheduler, by default at any port."""
+        self._file.unlink(missing_ok=True)
+        quiet = ("--no-dashboard", "--scheduler-file", str(self._file))
+        self.scheduler = self._start("scheduler", "--host", self._host, "--port", port, *quiet)
+        self.address = self._wait_for_address()
+
+    def add_worker(self, environment=None):
+        """Start one more worker, with more variables in its environment."""
         self.workers.append(
             self._start(
                 "worker",
                 self.address,
                 *("--no-nanny", "--no-dashboard", "--nthreads", str(self._threads)),
-                *("--host", "127.0.0.1", "--local-directory", str(self.folder)),
+                *("--host", self._host, "--local-directory", str(self.folder)),
+                environment=environment,
             )
         )
 
@@ -44,11 +50,13 @@ class LoopbackCluster:
         for process in (*self.workers, self.scheduler):
             kill(process)
 
-    def _start(self, what, *arguments):
+    def _start(self, what, *arguments, environment=None):
         command = tethered([sys.executable, "-m", f"distributed.cli.dask_{what}", *arguments])
         log = (self.folder / f"{what}-{len(self.workers)}.log").open("w")
         with log:
-            return subprocess.Popen(command, stdout=log, stderr=log, env=self._environment)
+            return subprocess.Popen(
+                command, stdout=log, stderr=log, env=self._environment | (environment or {})
+            )
 
     def _wait_for_address(self):
         end = time.monotonic() + 60

@@ -1,9 +1,8 @@
-"""Malformed inputs: good files broken by schema, by rule and by chance, always the same."""
+"""Malformed inputs: good files broken by schema and by rule, always the same."""
 
 import copy
 import itertools
 import json
-import random
 import re
 import tomllib
 from datetime import date
@@ -384,45 +383,3 @@ def by_rule(files):
         yield Case(f"{path}: {new!r} for {old!r}", READERS[path], path, contents)
     yield Case("table.csv: not text", READERS["table.csv"], "table.csv", NOT_TEXT[1])
     yield from (Case(f"cylcontact {line}", tuple(line.split())) for line in COMMANDS.split(";"))
-
-
-# --- by chance ----------------------------------------------------------------------------------
-
-# Nothing in it is a digit: a number made longer by chance would only make a long calculation.
-JUNK = (
-    *("\0", "\x1b[31m", '"', "'", "[", "]]", "{", "=", ",", ";", "#", "\n", "é", "١", "-", "e"),
-    "x" * 300,
-)
-NUMBERS = ("-1", "1e999", "nan", "inf", "-inf", "''", "1e-300", "true", "0x1F", "--", "1_")
-
-
-def by_chance(files, number, seed=20150101):
-    """Return cases of good files, each broken in one place; a few remain good."""
-    chance = random.Random(seed)
-    return [
-        Case(f"{path} #{count}", arguments, path, _break(files[path], chance))
-        for path, arguments in READERS.items()
-        for count in range(number)
-    ]
-
-
-def _break(contents, chance):
-    """Break a file in one place."""
-    way = chance.choice(("cut", "drop", "line", "junk", "number", "byte"))
-    where = chance.randrange(len(contents))
-    if way == "cut":
-        return contents[:where]
-    if way == "drop":
-        return contents[:where] + contents[where + chance.randrange(1, 12) :]
-    if way == "junk":
-        return contents[:where] + chance.choice(JUNK).encode() + contents[where:]
-    if way == "byte":
-        return contents[:where] + bytes([chance.randrange(128, 256)]) + contents[where + 1 :]
-    text = contents.decode(errors="replace")
-    if way == "line":
-        lines = text.splitlines(keepends=True)
-        lines.insert(chance.randrange(len(lines)), chance.choice(lines))
-        return "".join(lines).encode()
-    numbers = [match.span() for match in re.finditer(r"(?<![\w.])\d+(\.\d+)?(?![\w.])", text)]
-    begin, end = chance.choice(numbers)
-    return (text[:begin] + chance.choice(NUMBERS) + text[end:]).encode()

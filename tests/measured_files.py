@@ -141,9 +141,10 @@ def user_campaign(
     law: str = "mine:load",
     objective: str | None = None,
     parameters: dict[str, Any] | None = None,
+    text: str = USER_LAW,
 ) -> Campaign:
     """Return a campaign on points of a power law for a function of the user's own."""
-    (folder / "mine.py").write_text(USER_LAW)
+    (folder / "mine.py").write_text(text)
     (folder / "bad.py").write_text("def load(:\n")
     table = write_measured(folder / "measured.csv", "power", "internal")
     bounds = {"K_star": {"low": 0.5, "high": 10.0}, "n": {"low": 1.0, "high": 1.5}}

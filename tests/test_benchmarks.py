@@ -362,3 +362,6 @@ def test_the_figure_says_which_results_it_lacks(tmp_path):
     save(tmp_path / "empty.json", {"skipped": {}, "rows": []})
     with pytest.raises(InputError, match="is not in the file; redo make bench"):
         ratios_of(tmp_path / "empty.json")
+    (tmp_path / "list.json").write_text("[1]")
+    with pytest.raises(InputError, match=r"list.json: cannot be read; make bench writes it"):
+        ratios_of(tmp_path / "list.json")

@@ -79,9 +79,9 @@ def test_what_may_be_left_out_has_a_default(tmp_path):
     )
 
 
-def test_a_fixed_parameter_keeps_its_value_whatever_its_bounds(tmp_path):
+def test_a_fixed_parameter_keeps_its_value_within_its_bounds(tmp_path):
     held = {"value": 1.1, "fixed": True}
-    for table in (held, {**held, "low": 2.0, "high": 1.0}):
+    for table in (held, {**held, "low": 1.0, "high": 1.1}):
         campaign = read_campaign(write_bench(tmp_path, {"parameters.n": table}))
         assert (campaign.parameters[1].value, campaign.parameters[1].fixed) == (1.1, True)
 
@@ -200,6 +200,17 @@ BAD_INPUT = [
     ({"parameters.n.high": 0.5}, "parameters.n.low", 1.0, "below high = 0.5", "exchange them"),
     ({"parameters.n.value": 1.1}, "parameters.n.value", 1.1, "only with fixed = true", EITHER),
     ({"parameters.n.fixed": True}, "parameters.n.value", None, "is required when", EITHER),
+    *(
+        (
+            {"parameters.n": {**HELD, **bounds}},
+            *("parameters.n.value", 1.1, "lies outside its own bounds", "leave low and high out"),
+        )
+        for bounds in ({"low": 1.2, "high": 2.0}, {"low": 1.2}, {"high": 1.0})
+    ),
+    (
+        {"parameters.n": {**HELD, "low": 2.0, "high": 1.0}},
+        *("parameters.n.low", 2.0, "must be below high = 1.0", "exchange them"),
+    ),
     (
         {"parameters": {"K_star": HELD, "n": HELD}},
         *("parameters", None, "all are fixed", "free at least one"),

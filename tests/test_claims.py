@@ -359,6 +359,7 @@ def test_text_keeps_to_the_width(claims):
 def test_json_round_trip(claims):
     terms, gone = {"share": "ein Stück"}, {"9-gone": "no statement"}
     assert json.loads(to_json(claims, terms, gone)) == {
+        "format": 1,
         "what_stands": what_stands(claims),
         "definitions": terms,
         "claims": to_records(claims),

@@ -47,7 +47,7 @@ def bench(tmp_path, monkeypatch, small_result):
     (tmp_path / "empty.json").touch()
     (tmp_path / "table.csv").write_text("load_N_per_mm,penetration_um\n10,0.2\n")
     (tmp_path / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n\0\0")
-    (tmp_path / "foreign.partial").write_text('{"campaign": "0"}\n')
+    (tmp_path / "foreign.json.partial").write_text('{"format": 1, "campaign": "0"}\n')
     (tmp_path / "folder").mkdir()
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -318,8 +318,8 @@ BAD_INPUT = [
         for command in (FIT, SAMPLE)
     ),
     (
-        (*FIT, "--resume", "-o", "foreign"),
-        "foreign.partial: belongs to another campaign or to other settings; run without",
+        (*FIT, "--resume", "-o", "foreign.json"),
+        "foreign.json.partial: belongs to other work: its campaign or settings differ; run without",
     ),
 ]
 

@@ -15,11 +15,12 @@ from cylcontact import InputError
 from cylcontact.datasets.sampling import reduce_grid
 from cylcontact.fitting import FitResult, calibrate
 from cylcontact.parallel import Cluster, call, cluster, run_calls
+from cylcontact.parallel.calls import RESUME
 from tests.dask_cluster import LoopbackCluster, kill
 from tests.spec_files import assert_told, tree, write_bench
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="SIGKILL ends the processes")
-RESUME = "start it again; fit --resume continues from the saved runs"
+AGAIN = f"start it again; {RESUME}"
 
 
 @pytest.fixture(scope="module")
@@ -140,20 +141,50 @@ def test_a_cluster_without_workers(tmp_path, monkeypatch):
     assert_told(caught, "--scheduler", "", started.address, "has no workers after 1 s", remedy)
 
 
-def test_workers_of_another_version_are_refused(tmp_path):
-    """A package's version is what the first of its metadata on the path says."""
-    (tmp_path / "cylcontact-0.0.0.dist-info").mkdir()
-    (tmp_path / "cylcontact-0.0.0.dist-info/METADATA").write_text(
-        "Name: cylcontact\nVersion: 0.0.0"
-    )
-    other = {"PYTHONPATH": str(tmp_path)}
+def of_another_version(folder, package="cylcontact"):
+    """The environment of a process that finds another version of a package.
+
+    A package's version is what the first of its metadata on the path says.
+    """
+    metadata = folder / f"{package}-0.0.0.dist-info/METADATA"
+    metadata.parent.mkdir()
+    metadata.write_text(f"Name: {package}\nVersion: 0.0.0")
+    return {"PYTHONPATH": os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")])}
+
+
+@pytest.mark.parametrize("package", ["cylcontact", "numpy"])
+def test_another_version_is_refused_before_any_work(tmp_path, package):
+    with LoopbackCluster(tmp_path, workers=0) as started:
+        started.add_worker(of_another_version(tmp_path, package))
+        with pytest.raises(InputError) as caught:
+            list(run_calls([call(abs, -1)], Cluster(started.address)))
+    remedy = "install the same on all machines"
+    assert caught.value.rule.startswith("its worker tcp://127.0.0.1:")
+    assert_told(caught, "--scheduler", "", started.address, f"has {package} 0.0.0, here", remedy)
+
+
+def test_a_scheduler_of_another_version_is_refused(tmp_path):
+    other = of_another_version(tmp_path)
     with (
         LoopbackCluster(tmp_path, workers=1, environment=other) as started,
         pytest.raises(InputError) as caught,
     ):
         list(run_calls([call(abs, -1)], Cluster(started.address)))
+    rule, remedy = "its scheduler has cylcontact 0.0.0, here", "install the same on all machines"
+    assert_told(caught, "--scheduler", "", started.address, rule, remedy)
+
+
+def test_a_worker_of_another_version_that_joins_later_is_refused(short_lived, tmp_path):
+    calls = [call(time.sleep, 0.2) for _ in range(100)]
+    results = run_calls(calls, Cluster(short_lived.address), ordered=False)
+    next(results)
+    short_lived.add_worker(of_another_version(tmp_path))
+    with pytest.raises(InputError) as caught:
+        list(results)
     remedy = "install the same on all machines"
-    assert_told(caught, "--scheduler", "", started.address, "has cylcontact 0.0.0, here", remedy)
+    assert_told(
+        caught, "--scheduler", "", short_lived.address, "has cylcontact 0.0.0, here", remedy
+    )
 
 
 def test_a_cluster_whose_workers_are_all_gone(short_lived, monkeypatch):
@@ -166,7 +197,7 @@ def test_a_cluster_whose_workers_are_all_gone(short_lived, monkeypatch):
     with pytest.raises(InputError) as caught:
         list(results)
     rule = "has had no scheduler or no workers for 2 s"
-    assert_told(caught, "--scheduler", "", short_lived.address, rule, RESUME)
+    assert_told(caught, "--scheduler", "", short_lived.address, rule, AGAIN)
 
 
 def test_calls_that_end_every_worker_they_meet(tmp_path):
@@ -176,7 +207,14 @@ def test_calls_that_end_every_worker_they_meet(tmp_path):
         calls = [call(_end_this_process), *(call(time.sleep, 0.1) for _ in range(5))]
         with pytest.raises(InputError) as caught:
             list(run_calls(calls, Cluster(started.address)))
-    assert_told(caught, "--scheduler", "", started.address, "was lost during the run (", RESUME)
+    assert_told(
+        caught,
+        "--scheduler",
+        "",
+        started.address,
+        "a call ended 1 workers, probably as memory",
+        RESUME,
+    )
 
 
 def _end_this_process():
@@ -199,7 +237,7 @@ def test_a_scheduler_lost_on_the_way_keeps_the_complete_runs(short_lived, small_
         calibrate(campaign, Cluster(short_lived.address), kill_scheduler, kept)
     assert caught.value.value == short_lived.address
     assert re.match(r"was lost during the run \(|has had no scheduler or no", caught.value.rule)
-    assert caught.value.remedy == RESUME
+    assert caught.value.remedy == AGAIN
     assert len(kept.read_text().splitlines()) >= 2
     resumed = calibrate(campaign, 2, checkpoint=kept, resume=True)
     assert len(resumed.runs) == 12

@@ -13,6 +13,7 @@ from cylcontact import CylinderPair, InputError, laws
 from cylcontact.choices import listed
 from cylcontact.export import EXPORTABLE, TARGETS, export, export_named
 from cylcontact.export.formulas import formula_of
+from cylcontact.export.soundness import require_contact_law
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws.adapters import ScaledLaw
@@ -393,3 +394,42 @@ def test_an_absent_program_skips_but_where_no_test_may(monkeypatch):
         monkeypatch.setattr(programs, "REQUIRED", required)
         with pytest.raises(outcome.Exception, match=r"octave-cli is not .* apt install octave\)"):
             programs.require_program("octave-cli")
+
+
+@pytest.mark.parametrize(
+    ("law", "contact", "coefficients", "rule"),
+    [
+        ("enhanced", "external", {"n": -1.0}, "has no load at any penetration"),
+        ("enhanced", "external", {"a": -1.0, "b": 0.0}, "has no load at any penetration"),
+        ("power", "internal", {"K_star": -2.0}, "positive and finite"),
+        ("power", "internal", {"n": 0.0}, "must be positive and finite"),
+        ("explicit", "internal", {"A": -3.0}, ""),
+        ("winkler", "internal", {"depth": -0.5}, ""),
+        ("lankarani-nikravesh", "internal", {"factor": -1.0}, ""),
+    ],
+)
+@pytest.mark.parametrize("target", TARGETS)
+def test_coefficients_that_define_no_law_are_not_exported(law, contact, coefficients, rule, target):
+    model = MODELS[law, contact]
+    usual = {"power": {"K_star": 2.0, "n": 1.1}}.get(
+        law, {p.name: p.nominal for p in model.parameters}
+    )
+    assert export(model.build(usual), contact, target)
+    with pytest.raises(InputError) as caught:
+        export(model.build({**usual, **coefficients}), contact, target)
+    assert rule in caught.value.rule
+    assert len(str(caught.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("falls", [False, True])
+def test_a_load_that_is_negative_or_falls_is_told_with_its_penetration(falls):
+    class Odd(laws.Johnson):
+        def load(self, penetration, pair):
+            load = super().load(penetration, pair)
+            return np.where(penetration > 0.01, load / 1e3 if falls else -load, load)
+
+    with pytest.raises(InputError) as caught:
+        require_contact_law(Odd(), "internal")
+    assert ("its load decreases at 0.0" if falls else "its load is negative at 0.0") in str(
+        caught.value
+    )

@@ -212,10 +212,10 @@ class TestCommand:
 
     def test_kept_cases_of_another_set_up_are_refused(self, bench, run):
         kept = bench / "small-embedded.csv.partial"
-        kept.write_text(json.dumps({"study": "another"}) + "\n")
+        kept.write_text(json.dumps({"format": 1, "study": "another"}) + "\n")
         code, _, err = run("finite-element", "small.toml", "--resume")
         assert code == 2
-        assert "belongs to another study or to other settings; run without --resume" in err
+        assert "belongs to other work: its study or settings differ; run without --resume" in err
         run_study(read_study("small.toml"), checkpoint=kept)
         kept.write_text(kept.read_text() + "{}\n")
         code, _, err = run("finite-element", "small.toml", "--resume")

@@ -460,8 +460,9 @@ def test_a_lock_file_removed_by_hand_is_nobodys_loss(tmp_path):
 
 
 def test_what_a_killed_process_half_wrote_is_removed_and_nothing_else(tmp_path):
-    others = (".other-abcdefgh.json", ".out-abc.json", ".out-abcdefgh.csv", "out-abcdefgh.json")
-    for name in (*others, ".out-abcdefgh.json"):
+    mark, date = "0123456789abcdef", "20261123"
+    others = (f".other-{mark}.json", f".out-{date}.json", f".out-{mark}.csv", f"out-{mark}.json")
+    for name in (*others, f".out-{mark}.json"):
         (tmp_path / name).touch()
     with owning(tmp_path / "out.json"):
         pass

@@ -136,15 +136,32 @@ def test_nothing_is_written_before_a_run_is_complete(path, tmp_path, small_campa
 
 @pytest.mark.parametrize(
     "contents",
-    ['{"campaign": "0123456789abcdef"}\n', "[axes.E]\nmin = 69\n", "\n", "\x89PNG\n\0", "{}"],
+    ['{"format": 1, "campaign": "0123"}\n', "[axes.E]\nmin = 69\n", "\n", "\x89PNG\n\0", "{}"],
 )
 def test_a_journal_of_another_campaign_is_refused_and_left_alone(path, small_campaign, contents):
     path.parent.mkdir()
     path.write_text(contents)
     with pytest.raises(InputError) as caught:
         resume(small_campaign, path)
-    assert_told(caught, path, "", None, "belongs to another campaign", f"{ANEW} to start")
+    assert_told(caught, path, "", None, "its campaign or settings differ", f"{ANEW} to start")
     assert path.read_text() == contents
+
+
+@pytest.mark.parametrize("version", [None, 0, 2, "1"])
+def test_a_journal_of_another_version_is_refused_and_left_alone(
+    complete, path, small_campaign, version
+):
+    header = json.loads(complete[0]) | {"format": version}
+    if version is None:
+        del header["format"]
+    path.write_text(json.dumps(header) + "\n" + "".join(complete[1:]))
+    before = path.read_bytes()
+    with pytest.raises(InputError) as caught:
+        resume(small_campaign, path)
+    rule = "is that of another version of cylcontact, not 1"
+    remedy = "finish the work with that version, or run without --resume to start anew"
+    assert_told(caught, path, "format", version, rule, remedy)
+    assert path.read_bytes() == before
 
 
 @pytest.mark.parametrize("line", ["{not json}", "", '{"index": 0', "9" * 5000])
@@ -184,12 +201,10 @@ def test_a_line_that_is_no_table_is_refused(complete, path, small_campaign, line
 
 def test_a_folder_in_its_place_is_an_input_error(path, small_campaign):
     path.mkdir(parents=True)
-    with pytest.raises(InputError) as caught:
-        resume(small_campaign, path)
-    assert_told(caught, path, "", None, "cannot be read (Is a directory)", "move it away")
-    with pytest.raises(InputError) as caught:
-        calibrate(small_campaign, checkpoint=path)
-    assert_told(caught, path, "", None, "cannot be written (", "choose another output")
+    for resumed in (True, False):
+        with pytest.raises(InputError) as caught:
+            calibrate(small_campaign, checkpoint=path, resume=resumed)
+        assert_told(caught, path, "", None, "cannot be used (it is a folder)", "move it away")
 
 
 def test_a_journal_that_cannot_be_written_is_an_input_error(tmp_path):

@@ -202,6 +202,13 @@ def test_laws_to_use_name_what_is_missing(tmp_path):
     (tmp_path / "datasets/benchmarks.json").write_text('{"rows": []}')
     with pytest.raises(InputError, match=r"benchmarks\.json: rows: lack the time of .*make bench"):
         laws_to_use("internal", Bench(tmp_path))
+    for contents in ("{", "[1]", "3", '{"rows": 3}', '{"rows": [3]}', "\0"):
+        (tmp_path / "datasets/benchmarks.json").write_text(contents)
+        with pytest.raises(InputError, match="holds no measured times; measure them: make bench"):
+            laws_to_use("internal", Bench(tmp_path))
+    (tmp_path / "datasets/benchmarks.json").write_text('{"format": 2}')
+    with pytest.raises(InputError, match="format = 2: is newer than this version"):
+        laws_to_use("internal", Bench(tmp_path))
 
 
 YIELDING = Material("steel", E=200e3, nu=0.3, yield_stress=250)

@@ -122,22 +122,23 @@ ORIGIN = ("must be one of paper, derived, assumed", "say which")
 UNIT = "mind the unit in the column's name"
 CELLS = 'put a text with commas in "quotes"'
 
+NO_NUMBERS = ("", "steel", "2 07", "2;07", "inf", "nan", "1e999", "2_07", "２０７", "٢٠٧", "0xCF")
 # The second row of a table whose first is good; the key, value, rule and remedy of the error.
 BAD_ROWS = [
-    *((replaced("E_GPa", cell), "E_GPa", cell, *NUMBER) for cell in ("", "steel", "2 07", "2;07")),
+    *((replaced("E_GPa", cell), "E_GPa", cell, *NUMBER) for cell in NO_NUMBERS),
     *((replaced("nu", cell), "nu", cell, *NUMBER) for cell in ("", "x")),
     (replaced("yield_stress_MPa", "high"), "yield_stress_MPa", "high", *NUMBER),
     *(
         (replaced("E_GPa", cell), "E_GPa", cell, "must be positive and finite", UNIT)
-        for cell in ("0", "-207", "inf", "nan")
+        for cell in ("0", "-207")
     ),
     *(
         (replaced("nu", cell), "nu", cell, "must lie in [0, 0.5]", UNIT)
-        for cell in ("-0.1", "0.6", "nan", "30")
+        for cell in ("-0.1", "0.6", "30")
     ),
     *(
         (replaced("yield_stress_MPa", cell), "yield_stress_MPa", cell, "must be positive", UNIT)
-        for cell in ("0", "-250", "nan")
+        for cell in ("0", "-250")
     ),
     *(
         (replaced(column, cell), column, cell, *ORIGIN)
@@ -190,7 +191,7 @@ def test_a_table_without_materials_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("contents", "reason"),
     [
-        (b"\x89PNG\r\n\x1a\n", "can't decode byte 0x89"),
+        (b"\x89PNG\r\n\x1a\n", "is not a text file"),
         (HEADER.encode() + b'\nsteel,207,paper,"0.3', "unexpected end of data"),
         (HEADER.encode() + b"\n" + b"x" * 200_000, "field larger than field limit"),
     ],

@@ -6,7 +6,9 @@ import pytest
 from cylcontact import InputError, dissipation
 from cylcontact.laws import Johnson
 from cylcontact.laws.kernels import kernel_load
-from cylcontact.mechanism import LawDomainError, contact, mechanism_from, simulate
+from cylcontact.mechanism import LawDomainError, contact, loop, mechanism_from, simulate
+from cylcontact.mechanism.simulate import begin, one_revolution, settings_for
+from cylcontact.mechanism.step_history import State
 from cylcontact.mechanism.studies import eccentricity_at, horizon
 from cylcontact.mechanism.system import TANGENT_FROM
 from tests.mechanism_cases import CASES, FOUR_BAR, LAWS, ODD, slider_crank
@@ -182,6 +184,40 @@ def test_steps_that_collapse_are_told():
     with pytest.raises(InputError, match="the steps collapse at t = ") as caught:
         simulate(slider_crank(spec=spec), "minimal", revolutions=1)
     assert caught.value.key == "integration.tolerance"
+
+
+LONG_ROD = {
+    "bodies.rod.mass": 0.35,
+    "bodies.rod.inertia": 1.2e-3,
+    "bodies.rod.points": {"pin": [-0.1, 0.0], "eye": [0.1, 0.0]},
+    "bodies.rod.guess": [0.15, 0.0, 0.0],
+    "bodies.slider.mass": 0.42,
+    "bodies.slider.guess": [0.25, 0.0, 0.0],
+}
+# Where the 782 revolutions before have led to.
+AFTER_782 = (
+    *(2.790042007541264e-05, -2.5060670061824945e-06, 0.05326960759576507, 0.09644491702193313),
+    *(3696.0951019501767, 0.0, 3695.9066341170746, 3.0343558635828955e-05, 37470.84493688622),
+)
+
+
+def test_a_step_that_passes_a_kink_and_turns_back_to_it_is_not_repeated_forever():
+    """v_t passes −v1, where friction bends, and would turn within the step to pass it again."""
+    mechanism = slider_crank("enhanced", 0.02, 1.0, 0.1, LONG_ROD)
+    state = State(9.384, np.array(AFTER_782), True, 0.05485815933107521)
+    run = begin(mechanism, settings_for(mechanism), 783, state)
+    rows = one_revolution(run, 782, mechanism.period)
+    assert rows.time[-1] == pytest.approx(783 * mechanism.period, rel=1e-15)
+    assert rows.counts[0, 0] < 3000
+
+
+def test_a_revolution_has_a_largest_number_of_steps(monkeypatch):
+    for name, value in {"_BUFFER": 64, "_MOST_STEPS": 200, "_MORE_PER_SECOND": 0}.items():
+        monkeypatch.setattr(loop, name, value)
+    with pytest.raises(
+        InputError, match=r"revolution 0 has not ended after 256 steps, at t = 0\.00"
+    ):
+        simulate(slider_crank(), revolutions=2)
 
 
 @pytest.mark.parametrize(

@@ -93,7 +93,7 @@ def test_an_interrupted_sweep_keeps_its_cases_and_goes_on(table, tmp_path):
 def test_cases_of_another_sweep_are_refused(tmp_path):
     path = tmp_path / "cases.partial"
     sweep(slider_crank(), WANTED[:1], PLAN, checkpoint=path)
-    with pytest.raises(InputError, match="belongs to another sweep or to other settings"):
+    with pytest.raises(InputError, match="belongs to other work: its sweep or settings differ"):
         sweep(slider_crank(), WANTED, Plan(revolutions=3), checkpoint=path, resume=True)
     lines = path.read_text().splitlines()
     path.write_text(f"{lines[0]}\nnonsense\n")
@@ -336,6 +336,10 @@ def test_resuming_what_is_not_there_starts_anew(run, tmp_path):
         ((*STUDY, "cases", "-o", "t.csv", "--law", "hooke"), "'hooke': is not a law"),
         ((*STUDY, "cases", "-o", "t.csv", "--clearance", "-1"), "clearance.radial = -1.0"),
         ((*STUDY, "cases", "-o", "t.csv", "--revolutions", 2, "--first", 2), "leaves none of 2"),
+        ((*STUDY, "cases", "-o", "t.csv", "--beyond", "moon"), "beyond = 'moon': is not known"),
+        ((*STUDY, "cases", "-o", "t.csv", "--against", 0), "tolerance = 0.0: must lie in"),
+        ((*STUDY, "cases", "-o", "t.csv", "--tolerance", "nan"), "tolerance = nan: must lie in"),
+        ((*STUDY, "cases", "-o", "t.csv", "--method", "euler"), "method = 'euler': is not known"),
         ((*STUDY, "tolerances", "-o", "t.txt"), "t.txt: is neither .csv nor .parquet"),
     ],
 )  # fmt: skip
@@ -354,10 +358,12 @@ def test_sweep_writes_a_table_and_tells_what_stopped(run, tmp_path):
         *("--law", "johnson,enhanced", "--clearance", 0.02, "--restitution", 1),
         *("--friction", 0.1, "--revolutions", 1, "--jobs", 1),
     )
-    code, sentence, _ = run(*STUDY, "cases", "-o", out, *options)
-    assert code == 0
+    code, sentence, told = run(*STUDY, "cases", "-o", out, *options)
+    assert code == 1
     assert "2 cases, 1 of them stopped" in sentence
-    assert "leaves its domain" in sentence
+    assert "1 of 2 cases stopped; first: " in told
+    assert "leaves its domain" in told
+    assert told.count("\n") == 1
     assert list(pd.read_csv(out)["status"]) == ["stopped", "complete"]
     assert list(tmp_path.iterdir()) == [out]
     run(*STUDY, "cases", "-o", parquet, *options)

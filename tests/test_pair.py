@@ -242,3 +242,37 @@ def test_an_array_that_its_owner_changes_changes_no_pair():
     np.testing.assert_array_equal(pair.material_i.E, [2e5, 1e5])
     with pytest.raises(ValueError, match="read-only"):
         pair.dR[0] = 2.0
+
+
+@pytest.mark.parametrize(
+    ("make", "key"),
+    [
+        (lambda m: CylinderPair.internal([10.0, 11.0, 12.0], [9.0, 9.5], m), ""),
+        (lambda m: CylinderPair.external([10.0, 11.0, 12.0], [9.0, 9.5], m), ""),
+        (lambda m: CylinderPair.from_dR("internal", [0.1, 0.2], m, R_i=[1.0, 2.0, 3.0]), ""),
+        (lambda m: CylinderPair("internal", [0.1, 0.2], m, m, R_i=[1.0, 2.0, 3.0]), ""),
+        (lambda m: CylinderPair.internal("10", 9.0, m), "R_i"),
+        (lambda m: CylinderPair.internal(10.0, None, m), "R_j"),
+        (lambda m: CylinderPair.internal(10.0, 9.0 + 1j, m), "R_j"),
+        (lambda m: CylinderPair.internal([[10.0], [10.0, 11.0]], 9.0, m), "R_i"),
+        (lambda m: CylinderPair.internal(10.0, 9.0, m, length="long"), "length"),
+        (lambda m: CylinderPair.from_dR("internal", None, m), "dR"),
+        (lambda _: Material("m", [207e3, 70e3], [0.3, 0.3, 0.3]), ""),
+        (lambda _: Material("m", 207e3, "0.3"), "nu"),
+        (lambda _: Material("m", 207e3, 0.3, "250"), "yield_stress"),
+    ],
+)
+def test_what_is_no_number_and_lists_of_unlike_lengths_are_refused(steel, make, key):
+    with pytest.raises(InputError) as caught:
+        make(steel)
+    assert caught.value.key == key
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_list_changed_afterwards_changes_no_pair(steel):
+    radii, moduli = [9.0, 9.5], [207e3, 70e3]
+    pair = CylinderPair.internal(10.0, radii, steel)
+    material = Material("two", moduli, 0.3)
+    radii[0], moduli[0] = 1.0, 1.0
+    assert pair.R_j.tolist() == [9.0, 9.5]
+    assert material.E.tolist() == [207e3, 70e3]

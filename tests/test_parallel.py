@@ -12,6 +12,7 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.parallel import call, run_calls
+from cylcontact.parallel.calls import RESUME
 from cylcontact.parallel.local import SETTLING
 from tests.spec_files import assert_told
 
@@ -103,9 +104,7 @@ def test_a_worker_ended_by_the_system_is_told_in_one_line():
 
     with pytest.raises(InputError) as caught:
         list(run_calls(calls(end, 1, 2), 2))
-    assert_told(
-        caught, "workers", "jobs", 2, "probably because memory ran out", "--resume continues"
-    )
+    assert_told(caught, "workers", "jobs", 2, "probably because memory ran out", RESUME)
     assert list(run_calls(calls(abs, -1, -2), 2)) == [1, 2]
 
 

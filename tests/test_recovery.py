@@ -128,7 +128,7 @@ def test_the_table_of_the_readings_is_what_the_searches_give():
 def test_a_bench_without_the_readings_says_how_to_make_them(tmp_path):
     with pytest.raises(InputError) as caught:
         readings(Bench(tmp_path))
-    rule = "cannot be read; make readings writes it"
+    rule = "this table does not exist; make readings writes it"
     assert str(caught.value) == f"{tmp_path / 'datasets/readings.csv'}: {rule}"
 
 

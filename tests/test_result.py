@@ -195,3 +195,24 @@ def test_a_result_that_loads_can_be_reported(tmp_path, small_result):
     result = FitResult.read(tmp_path / "r.json")
     assert verdicts(result) == verdicts(small_result)
     assert "small" in compare([result, FitResult.read(EXTERNAL)])
+
+
+@pytest.mark.parametrize(
+    ("coefficients", "settings", "rule"),
+    [
+        ({"K_star": 50.0}, {}, "lies outside the bounds of its campaign, 0.5 to 10.0"),
+        ({"n": 0.5}, {}, "lies outside the bounds of its campaign, 1.0 to 1.5"),
+        ({}, {"value": 1.4, "fixed": True}, "must be the value that its campaign fixes, 1.4"),
+    ],
+)
+def test_coefficients_outside_the_campaigns_own_bounds_are_refused(
+    small_result, tmp_path, run, coefficients, settings, rule
+):
+    data = small_result.model_dump(exclude={"kind", "uncertainty"})
+    data["coefficients"] |= coefficients
+    data["settings"]["campaign"]["parameters"]["n"] |= settings
+    (tmp_path / "r.json").write_text(json.dumps(data))
+    for command in (("export", "--to", "c"), ("compare",)):
+        code, said, errors = run(command[0], tmp_path / "r.json", *command[1:])
+        assert (code, said, errors.count("\n")) == (2, "", 1)
+        assert rule in errors

@@ -15,9 +15,11 @@ __all__ = [
     "FloatArray",
     "IndexArray",
     "as_floats",
+    "as_numbers",
     "inside_or_nan",
     "own_arrays",
     "require",
+    "require_one_shape",
     "same_fields",
 ]
 
@@ -30,6 +32,31 @@ def as_floats(values: object) -> FloatArray:
     """Return `values` as float64, an array or a NumPy scalar."""
     array: FloatArray = np.asarray(values, dtype=np.float64)[()]
     return array
+
+
+def as_numbers(values: object, source: str, key: str) -> FloatArray:
+    """Return real numbers as `as_floats`; raise `InputError` for anything else."""
+    try:
+        array = np.asarray(values)
+    except ValueError:  # lists of unequal length in a list
+        array = np.array(None)
+    numeric = array.dtype.kind in "iuf"
+    remedy = "give a number, or an array of numbers"
+    require(numeric, source, key, values, "must be a real number or an array of them", remedy)
+    return as_floats(array)
+
+
+def require_one_shape(source: str, **arrays: object) -> None:
+    """Raise `InputError` for arrays that do not broadcast against each other."""
+    shapes = {name: np.shape(as_floats(value)) for name, value in arrays.items()}
+    try:
+        np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        text = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
+        raise InputError(
+            source, "", None, f"the shapes do not go together: {text}",
+            "give arrays of the same length, or single numbers",
+        ) from None  # fmt: skip
 
 
 def inside_or_nan(values: FloatArray, inside: BoolArray) -> FloatArray:
@@ -45,14 +72,14 @@ def inside_or_nan(values: FloatArray, inside: BoolArray) -> FloatArray:
 
 
 def own_arrays(instance: Any) -> None:
-    """Replace the arrays of a frozen dataclass by read-only copies.
+    """Replace the arrays and lists of a frozen dataclass by read-only arrays of its own.
 
     A later change of the caller's arrays then changes no instance.
     """
     for field in fields(instance):
         value = getattr(instance, field.name)
-        if isinstance(value, np.ndarray):
-            own = value.copy()
+        if isinstance(value, np.ndarray | list | tuple):
+            own = np.array(value)
             own.flags.writeable = False
             object.__setattr__(instance, field.name, own)
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 import re
+import secrets
 import socket
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+import stat
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from contextvars import ContextVar
 from functools import partial
 from itertools import takewhile
 from pathlib import Path
+from tempfile import TemporaryDirectory, gettempdir
 from typing import TYPE_CHECKING
 
 from cylcontact.choices import OUTPUT_SUFFIXES
@@ -22,13 +25,17 @@ if TYPE_CHECKING:
 
 __all__ = [
     "folder_of",
+    "keeping",
     "owning",
     "remove_leftovers",
     "replacing",
+    "replacing_all",
     "require_suffix",
     "require_writable",
+    "scratch_folder",
     "shipped_bench",
     "unwritable",
+    "what_else",
     "write_table",
 ]
 
@@ -38,7 +45,8 @@ def replacing(path: Path | str) -> Iterator[Path]:
     """Yield a temporary path next to `path` and rename it to `path` when the block succeeds.
 
     Missing folders are created. If the block fails or is interrupted, `path` is unchanged, and
-    the temporary file and the new folders are removed.
+    the temporary file and the new folders are removed. A file that is replaced keeps its
+    permissions and, where the user may give it away, its owner.
 
     Parameters
     ----------
@@ -57,33 +65,121 @@ def replacing(path: Path | str) -> Iterator[Path]:
 
     Examples
     --------
-    >>> folder = Path(tempfile.mkdtemp())
+    >>> from tempfile import mkdtemp
+    >>> folder = Path(mkdtemp())
     >>> with replacing(folder / "new" / "numbers.txt") as temporary:
     ...     _ = temporary.write_text("1 2 3")
     >>> (folder / "new" / "numbers.txt").read_text()
     '1 2 3'
     """
-    target = Path(path)
-    require_writable(target)
-    temporary = None
-    with folder_of(target):
+    with replacing_all([path]) as (temporary,):
+        yield temporary
+
+
+@contextmanager
+def replacing_all(paths: Iterable[Path | str]) -> Iterator[list[Path]]:
+    """Do what `replacing` does for files that belong together: none appears before all are written.
+
+    Raises
+    ------
+    InputError
+        If one of them cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import mkdtemp
+    >>> folder = Path(mkdtemp())
+    >>> with replacing_all([folder / "law.h", folder / "law.c"]) as temporaries:
+    ...     for temporary in temporaries:
+    ...         _ = temporary.write_text("...")
+    >>> sorted(path.name for path in folder.iterdir())
+    ['law.c', 'law.h']
+    """
+    targets = [Path(path) for path in paths]
+    require_writable(*targets)
+    # They have their names before they are there, so that no interruption leaves one.
+    temporaries = [_temporary(target) for target in targets]
+    with ExitStack() as folders:
+        for target in targets:
+            folders.enter_context(folder_of(target))
+        place = targets[0] if len(targets) == 1 else targets[0].parent
         try:
-            handle, name = tempfile.mkstemp(
-                prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent
-            )
-            os.close(handle)
-            temporary = Path(name)
-            yield temporary
-            _to_disk(temporary)
-            temporary.chmod(0o666 & ~_umask())
-            temporary.replace(target)
-            temporary = None
+            for temporary, target in zip(temporaries, targets, strict=True):
+                _create(temporary, target)
+            yield temporaries
+            for temporary, target in zip(temporaries, targets, strict=True):
+                _to_disk(temporary, target)
+            for temporary, target in zip(temporaries, targets, strict=True):
+                temporary.replace(target)
         except OSError as error:
-            raise unwritable(target, error) from error
+            raise unwritable(place, error) from error
         finally:
-            if temporary is not None:
+            for temporary in temporaries:
                 with suppress(OSError):  # report the first error, not this one
                     temporary.unlink(missing_ok=True)
+
+
+def _temporary(target: Path) -> Path:
+    """Return a new name beside a file, which `remove_leftovers` knows."""
+    return target.with_name(f".{target.stem}-{secrets.token_hex(8)}{target.suffix}")
+
+
+def _create(temporary: Path, target: Path) -> None:
+    """Create an empty file that no more people can read than the one it will replace."""
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL
+    os.close(os.open(temporary, flags, 0o200 | (_mode(target) or 0o666)))
+
+
+def _mode(target: Path) -> int | None:
+    """Return the permissions of a file, None if there is none."""
+    with suppress(FileNotFoundError):
+        return stat.S_IMODE(target.lstat().st_mode)
+    return None
+
+
+def _to_disk(temporary: Path, target: Path) -> None:
+    """Give a file the owner and permissions of the one it replaces, and flush it to disk.
+
+    Otherwise a crash could leave an empty file under the final name.
+    """
+    with temporary.open("rb+") as file:
+        with suppress(FileNotFoundError):
+            before = target.lstat()
+            if hasattr(os, "chown"):
+                with suppress(OSError):  # only root may give files away
+                    os.chown(temporary, before.st_uid, before.st_gid)
+            temporary.chmod(stat.S_IMODE(before.st_mode))
+        os.fsync(file.fileno())
+
+
+@contextmanager
+def scratch_folder(within: Path | None = None) -> Iterator[Path]:
+    """Make a folder for temporary files, which is removed in the end.
+
+    Parameters
+    ----------
+    within : path, optional
+        Where to make it; by default where the system keeps temporary files.
+
+    Raises
+    ------
+    InputError
+        If a file in it cannot be written.
+    """
+    try:
+        # Workers that were killed may have left files in it that are still open.
+        with TemporaryDirectory(
+            prefix="cylcontact-", dir=within, ignore_cleanup_errors=True
+        ) as name:
+            yield Path(name)
+    except OSError as error:
+        raise InputError(
+            str(error.filename or within or gettempdir()),
+            "",
+            None,
+            f"cannot be used for temporary files ({error.strerror or error})",
+            "make room, or set TMPDIR to another folder",
+        ) from error
 
 
 @contextmanager
@@ -110,7 +206,8 @@ def owning(path: Path | str) -> Iterator[Path]:
 
     Examples
     --------
-    >>> path = Path(tempfile.mkdtemp()) / "result.json"
+    >>> from tempfile import mkdtemp
+    >>> path = Path(mkdtemp()) / "result.json"
     >>> with owning(path):
     ...     with owning(path):
     ...         pass
@@ -123,6 +220,7 @@ def owning(path: Path | str) -> Iterator[Path]:
     target = Path(path)
     require_writable(target)
     file = target.with_name(target.name + ".lock")
+    require_writable(file)
     lock = FileLock(file, blocking=False, on_acquired=partial(_write_holder, file))
     with folder_of(target):
         try:
@@ -189,7 +287,7 @@ def folder_of(target: Path) -> Iterator[None]:
 
 def remove_leftovers(target: Path) -> None:
     """Remove the temporary files that a killed process left of the same output."""
-    name = re.compile(rf"\.{re.escape(target.stem)}-[a-z0-9_]{{8}}{re.escape(target.suffix)}")
+    name = re.compile(rf"\.{re.escape(target.stem)}-[0-9a-f]{{16}}{re.escape(target.suffix)}")
     with suppress(OSError):
         for file in target.parent.iterdir():
             if name.fullmatch(file.name):
@@ -205,12 +303,6 @@ def unwritable(path: Path, error: OSError) -> InputError:
         f"cannot be written ({error.strerror or error})",
         "choose a file in a folder you may write to, with room left",
     )
-
-
-def _to_disk(path: Path) -> None:
-    """Flush a file to disk, so that a crash cannot leave an empty file under the final name."""
-    with path.open("rb+") as file:
-        os.fsync(file.fileno())
 
 
 def require_suffix(path: Path | str, *suffixes: str) -> str:
@@ -245,45 +337,107 @@ def write_table(table: pd.DataFrame, path: Path | str) -> None:
             table.to_parquet(temporary, index=False)
 
 
-def require_writable(path: Path | str) -> None:
-    """Raise `InputError` if `path` cannot be written; create nothing.
+@contextmanager
+def keeping(inputs: Iterable[Path]) -> Iterator[None]:
+    """Let no output of the block replace one of its inputs.
+
+    Examples
+    --------
+    >>> from tempfile import mkdtemp
+    >>> path = Path(mkdtemp()) / "result.json"
+    >>> path.touch()
+    >>> with keeping([path]):
+    ...     require_writable(path)
+    Traceback (most recent call last):
+    ...
+    cylcontact.errors.InputError: ...: cannot be written (it is an input); choose another file
+    """
+    before = _inputs.set((*_inputs.get(), *inputs))
+    try:
+        yield
+    finally:
+        _inputs.reset(before)
+
+
+_inputs: ContextVar[tuple[Path, ...]] = ContextVar("inputs", default=())
+
+
+def require_writable(*paths: Path | str) -> None:
+    """Raise `InputError` if one of some files cannot be written; create nothing.
 
     Call it before long computations, so that they do not fail when they write their result.
     """
-    target = Path(path)
-    try:
-        problem = _obstacle(target)
-    except OSError as error:
-        problem = error.strerror or str(error)
-    if problem:
-        raise InputError(
-            str(target),
-            "",
-            None,
-            f"cannot be written ({problem})",
-            "choose a file in a folder you may write to",
-        )
+    for target in map(Path, paths):
+        remedy = "choose a file in a folder you may write to"
+        try:
+            problem = _obstacle(target)
+        except OSError as error:
+            problem = error.strerror or str(error)
+        if not problem and _is_input(target):
+            problem, remedy = "it is an input", "choose another file"
+        if problem:
+            remedy = _instead_of_link(target) or remedy
+            raise InputError(str(target), "", None, f"cannot be written ({problem})", remedy)
 
 
 def _obstacle(target: Path) -> str:
     """Return why a file cannot be written, in a few words; empty if it can be."""
     if any("\ud800" <= character <= "\udfff" for character in str(target)):
         return "its name is not text"
-    if target.is_dir():
-        return "it is a folder"
-    existing = next((folder for folder in target.parents if folder.exists()), Path())
+    existing = next((folder for folder in target.parents if os.path.lexists(folder)), Path())
     if not existing.is_dir():
         return f"{existing} is not a folder"
+    if ".." in target.parts[len(existing.parts) :]:
+        return "it leads through a folder that does not exist"
+    if problem := what_else(target):
+        return problem
     if not os.access(existing, os.W_OK | os.X_OK):
         return f"no permission to write in {existing}"
+    with suppress(FileNotFoundError):
+        _temporary(target).lstat()  # its name may be too long
     return ""
 
 
-def _umask() -> int:
-    """Return the umask of the process, which can only be read by setting it."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+def what_else(path: Path) -> str:
+    """Return what is at a path if it is neither a file nor nothing; otherwise nothing.
+
+    Examples
+    --------
+    >>> what_else(Path("no such file")), what_else(Path("/"))
+    ('', 'it is a folder')
+    """
+    with suppress(FileNotFoundError, NotADirectoryError):
+        kind = stat.S_IFMT(path.lstat().st_mode)
+        return "" if kind == stat.S_IFREG else _KINDS.get(kind, "it is no regular file")
+    return ""
+
+
+_KINDS = {
+    stat.S_IFLNK: "it is a link",
+    stat.S_IFDIR: "it is a folder",
+    stat.S_IFIFO: "it is a named pipe",
+    stat.S_IFSOCK: "it is a socket",
+    stat.S_IFCHR: "it is a device",
+    stat.S_IFBLK: "it is a device",
+}
+
+
+def _instead_of_link(output: Path) -> str:
+    """Return what to name instead of a link to a file; nothing if it is no such link."""
+    with suppress(OSError, RuntimeError):  # of a link to itself
+        pointed = output.resolve()
+        if output.is_symlink() and not what_else(pointed):
+            return f"name the file it points to, {pointed}"
+    return ""
+
+
+def _is_input(target: Path) -> bool:
+    """Return whether a file is one of the inputs, by this or another name."""
+    for file in _inputs.get():
+        with suppress(OSError, ValueError):  # one of them is no file
+            if file.samefile(target):
+                return True
+    return False
 
 
 def shipped_bench() -> Path:

@@ -10,6 +10,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from cylcontact.errors import InputError
+from cylcontact.files import what_else
+from cylcontact.formats import FORMATS, marked
+from cylcontact.reading import JOURNAL_BYTES, read_bytes
 
 __all__ = ["Journal"]
 
@@ -27,6 +30,13 @@ class Journal:
         What the key identifies: "campaign", "sweep" or "study".
     key : str
         A hash of everything that the parts depend on.
+    anew : str
+        How the user starts anew.
+
+    Raises
+    ------
+    InputError
+        If the path is that of a folder, a link, a pipe or a device.
 
     Examples
     --------
@@ -38,14 +48,17 @@ class Journal:
     >>> Journal(path, "campaign", "9c41").load(dict)
     Traceback (most recent call last):
     ...
-    cylcontact.errors.InputError: ...: belongs to another campaign or to other settings; ...
+    cylcontact.errors.InputError: ...: belongs to other work: its campaign or settings differ; ...
     """
 
-    def __init__(self, path: Path, kind: str, key: str) -> None:
+    def __init__(self, path: Path, kind: str, key: str, anew: str = "run without --resume") -> None:
         self.path = path
         self._kind = kind
-        self._header = json.dumps({kind: key})
+        self._header = json.dumps(marked("journal", {kind: key}))
+        self._anew = f"{anew} to start anew"
         self._written: os.stat_result | None = None
+        if problem := what_else(path):
+            raise self._error(f"cannot be used ({problem})", "move it away")
 
     def start(self) -> None:
         """Discard the parts recorded so far; the next part starts a new file.
@@ -77,24 +90,18 @@ class Journal:
         Raises
         ------
         InputError
-            If the file cannot be read, has another key or a damaged line.
+            If the file cannot be read, has another format or key, or a damaged line.
         """
-        try:
-            contents = self.path.read_bytes()
-        except FileNotFoundError:
+        if not os.path.lexists(self.path):
             return []
-        except OSError as error:
-            raise self._error(f"cannot be read ({error.strerror})", "move it away") from error
+        contents = read_bytes(self.path, JOURNAL_BYTES, "move it away")
         if self._header.encode().startswith(contents):  # killed while the header was written
             self.start()
             return []
         complete = contents[: contents.rfind(b"\n") + 1]
         header, *lines = complete.decode(errors="replace").split("\n")[:-1] or [""]
         if header != self._header:
-            raise self._error(
-                f"belongs to another {self._kind} or to other settings",
-                "run without --resume to start anew, restore the settings, or move it away",
-            )
+            raise self._of_other_work(header)
         parts = [self._parsed(line, parse) for line in lines]
         if complete != contents:
             try:
@@ -148,9 +155,21 @@ class Journal:
         except InputError:
             raise
         except (ValueError, TypeError, KeyError, RecursionError) as error:
-            raise self._error(
-                "has a damaged line", "run without --resume, or move it away"
-            ) from error
+            raise self._error("has a damaged line", self._anew) from error
+
+    def _of_other_work(self, header: str) -> InputError:
+        """Return what is wrong with a journal that has another header."""
+        with suppress(ValueError, RecursionError, AttributeError):  # it is no header at all
+            begun = json.loads(header)
+            version, today = begun.get("format"), FORMATS["journal"]
+            if self._kind in begun and version != today:
+                rule = f"is that of another version of cylcontact, not {today}"
+                remedy = f"finish the work with that version, or {self._anew}"
+                return InputError(str(self.path), "format", version, rule, remedy)
+        return self._error(
+            f"belongs to other work: its {self._kind} or settings differ",
+            f"{self._anew}, or restore the settings",
+        )
 
     def _unwritable(self, error: OSError) -> InputError:
         return self._error(

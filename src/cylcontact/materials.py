@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,9 +11,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats, own_arrays, require, same_fields
+from cylcontact.arrays import (
+    FloatArray,
+    as_floats,
+    as_numbers,
+    own_arrays,
+    require,
+    require_one_shape,
+    same_fields,
+)
 from cylcontact.errors import InputError
 from cylcontact.html_repr import table_html
+from cylcontact.reading import SPEC_BYTES, plain_number, read_text
 from cylcontact.units import QUANTITIES
 
 __all__ = [
@@ -97,7 +107,8 @@ class Material:
     def _check(self) -> None:
         """Raise `InputError` for a value out of its range; own the arrays."""
         source = f"Material {self.name!r}"
-        ratio = as_floats(self.nu)
+        ratio = as_numbers(self.nu, source, "nu")
+        require_one_shape(source, E=as_numbers(self.E, source, "E"), nu=ratio)
         _require_modulus(self.E, source, "E")
         require(
             (ratio >= 0) & (ratio <= 0.5),
@@ -108,8 +119,9 @@ class Material:
             "give e.g. 0.3 for steel",
         )
         if self.yield_stress is not None:
+            stress = as_numbers(self.yield_stress, source, "yield_stress")
             require(
-                self.yield_stress > 0 and np.isfinite(self.yield_stress),
+                (stress > 0) & np.isfinite(stress),
                 source,
                 "yield_stress",
                 self.yield_stress,
@@ -238,7 +250,7 @@ def _with_unit(text: str, source: str, key: str) -> tuple[float, str]:
     """Return the number and the unit of a text; no unit for a bare number."""
     match = re.fullmatch(r"\s*(\S+?)\s*([GM]?Pa)?\s*", text)
     try:
-        return float(match[1] if match else text), (match[2] or "" if match else "")
+        return plain_number(match[1] if match else text), (match[2] or "" if match else "")
     except ValueError:
         raise InputError(
             source, key, text, "must be a number with a unit", 'write e.g. "207 GPa" or "200 MPa"'
@@ -247,7 +259,7 @@ def _with_unit(text: str, source: str, key: str) -> tuple[float, str]:
 
 def _require_modulus(E: float | FloatArray, source: str, key: str, given: object = None) -> None:
     """Raise `InputError` unless E is positive and finite."""
-    modulus = as_floats(E)
+    modulus = as_numbers(E, source, key)
     require(
         (modulus > 0) & np.isfinite(modulus),
         source,
@@ -352,15 +364,13 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
 
 def _read_csv(source: str) -> list[tuple[int, dict[str, str]]]:
     """Return each row as its line number and its text cells by column."""
+    wanted = "give a CSV table of materials"
+    text = read_text(source, SPEC_BYTES, wanted, wanted)
     try:
-        with Path(source).open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file, strict=True)
-            table = [(reader.line_num, cells) for cells in reader if any(cells)]
-    except (OSError, ValueError, csv.Error) as error:
-        reason = error.strerror if isinstance(error, OSError) else error
-        raise InputError(
-            source, "", None, f"cannot be read ({reason})", "give a CSV table of materials"
-        ) from error
+        reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+        table = [(reader.line_num, cells) for cells in reader if any(cells)]
+    except csv.Error as error:
+        raise InputError(source, "", None, f"cannot be read ({error})", wanted) from error
     columns = table[0][1] if table else []
     if sorted(columns) != sorted(COLUMNS):
         raise InputError(
@@ -414,7 +424,7 @@ def _parse_row(source: str, row: dict[str, str]) -> MaterialRow:
 def _number(source: str, column: str, text: str) -> float:
     """Return the cell as a number."""
     try:
-        return float(text)
+        return plain_number(text)
     except ValueError:
         raise InputError(
             source, column, text, "must be a number", "write it with a decimal point"

@@ -25,8 +25,8 @@ __all__ = ["PACKAGE", "PARTS", "compiled", "inlined", "source_hash"]
 _SETTINGS: Any = numba.config
 
 PACKAGE = Path(__file__).parent
-# The packages that contain compiled functions and their constants.
-PARTS = ("laws", "mechanism")
+# The packages and modules that contain compiled functions and their constants.
+PARTS = ("dissipation", "laws", "mechanism")
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -106,7 +106,7 @@ def source_hash(package: Path) -> str:
     """
     digest = hashlib.sha256()
     for part in PARTS:
-        for path in sorted((package / part).rglob("*.py")):
+        for path in sorted([*package.glob(f"{part}.py"), *(package / part).rglob("*.py")]):
             content = path.read_bytes()
             digest.update(f"{path.relative_to(package).as_posix()} {len(content)}\n".encode())
             digest.update(content)

@@ -7,7 +7,16 @@ from typing import Literal
 
 import numpy as np
 
-from cylcontact.arrays import BoolArray, FloatArray, as_floats, own_arrays, require, same_fields
+from cylcontact.arrays import (
+    BoolArray,
+    FloatArray,
+    as_floats,
+    as_numbers,
+    own_arrays,
+    require,
+    require_one_shape,
+    same_fields,
+)
 from cylcontact.errors import InputError, short
 from cylcontact.html_repr import table_html
 from cylcontact.materials import Material, material_in_MPa
@@ -97,9 +106,18 @@ class CylinderPair:
                 "must be a Material",
                 "e.g. Material.named('bronze'), or Material(name, E, nu)",
             )
-        for key in ("dR", "R_i", "R_j", "length"):
-            _require_positive(key, getattr(self, key))
+        lengths = ("dR", "R_i", "R_j", "length")
+        for key in lengths:
+            if key == "dR" or getattr(self, key) is not None:
+                _require_positive(key, getattr(self, key))
         own_arrays(self)
+        given = {key: getattr(self, key) for key in lengths}
+        bodies = {"material_i": self.material_i, "material_j": self.material_j}
+        given |= {f"E of {key}": body.E for key, body in bodies.items()}
+        given |= {f"nu of {key}": body.nu for key, body in bodies.items()}
+        if any(isinstance(value, np.ndarray) for value in given.values()):
+            known = {key: value for key, value in given.items() if value is not None}
+            require_one_shape("CylinderPair", **known)
         if self.R_i is not None and self.R_j is not None:
             _require_agreement(self.contact, self.dR, self.R_i, self.R_j)
 
@@ -161,9 +179,7 @@ class CylinderPair:
         InputError
             If the pin does not fit in the hole.
         """
-        outer, inner = as_floats(R_i), as_floats(R_j)
-        _require_positive("R_i", R_i)
-        _require_positive("R_j", R_j)
+        outer, inner = _lengths(R_i=R_i, R_j=R_j)
         require(
             outer > inner,
             "CylinderPair.internal",
@@ -205,10 +221,10 @@ class CylinderPair:
         -------
         CylinderPair
         """
-        _require_positive("R_i", R_i)
-        _require_positive("R_j", R_j)
-        dR = as_floats(R_i) + as_floats(R_j)
-        return cls("external", dR, material, material_j or material, R_i, R_j, length, plane)
+        outer, inner = _lengths(R_i=R_i, R_j=R_j)
+        return cls(
+            "external", outer + inner, material, material_j or material, R_i, R_j, length, plane
+        )
 
     @classmethod
     def from_dR(
@@ -252,10 +268,11 @@ class CylinderPair:
         """
         R_j = None
         _require_contact(contact)
-        _require_positive("dR", dR)
-        _require_positive("R_i", R_i)
-        if R_i is not None:
-            difference = as_floats(R_i) - as_floats(dR)
+        if R_i is None:
+            _require_positive("dR", dR)
+        else:
+            outer, own = _lengths(R_i=R_i, dR=dR)
+            difference = outer - own
             R_j = difference if contact == "internal" else -difference
             require(
                 R_j > 0,
@@ -464,11 +481,16 @@ def _require_agreement(contact: Contact, dR: Length, R_i: Length, R_j: Length) -
     )
 
 
-def _require_positive(key: str, value: object) -> None:
-    """Raise `InputError` for a length that is not positive and finite; None is allowed."""
-    if value is None:
-        return
-    numbers = as_floats(value)
+def _lengths(**given: Length) -> list[FloatArray]:
+    """Return lengths that go together; raise `InputError` for others."""
+    numbers = [_require_positive(key, value) for key, value in given.items()]
+    require_one_shape("CylinderPair", **given)
+    return numbers
+
+
+def _require_positive(key: str, value: object) -> FloatArray:
+    """Return a length; raise `InputError` for one that is not positive and finite."""
+    numbers = as_numbers(value, "CylinderPair", key)
     require(
         (numbers > 0) & np.isfinite(numbers),
         "CylinderPair",
@@ -477,3 +499,4 @@ def _require_positive(key: str, value: object) -> None:
         "must be positive and finite",
         "give it in mm",
     )
+    return numbers

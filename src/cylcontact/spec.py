@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from collections.abc import Container
 from pathlib import Path
@@ -13,8 +14,9 @@ from pydantic_core import PydanticCustomError
 
 from cylcontact.choices import TABLE_SUFFIXES
 from cylcontact.errors import InputError
+from cylcontact.reading import SPEC_BYTES, read_text
 
-__all__ = ["Spec", "broken", "parse_spec", "read_toml", "require_other_kind"]
+__all__ = ["Spec", "broken", "parse_spec", "parser_reason", "read_toml", "require_other_kind"]
 
 
 class Spec(BaseModel):
@@ -27,6 +29,9 @@ class Spec(BaseModel):
 
 
 _SpecType = TypeVar("_SpecType", bound=Spec)
+
+# tomllib takes minutes for a key of 200,000 parts; ours have four at most. This finds 33.
+_LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){32}""")
 
 # Key sets that identify each kind of file, tested in order.
 _KINDS = (
@@ -52,6 +57,9 @@ _PLAIN_RULES = {
     "bool_type": "must be true or false",
     "string_type": "must be a string",
 }
+# Python reads hexadecimal numbers of any length, and cannot print them.
+_LONG_NUMBER = re.compile(r"(?<!\w)[0-9]\w{1000}")
+_TOO_MANY_DIGITS = "a number has too many digits"
 
 
 def broken(key: str, value: object, rule: str, remedy: str) -> PydanticCustomError:
@@ -69,23 +77,35 @@ def read_toml(path: Path | str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the file cannot be read or is not TOML.
+        If the file cannot be read, is too large or is not TOML.
     """
+    text = read_text(path, SPEC_BYTES, "give a TOML file in UTF-8")
+    if _LONG_KEY.search(text):
+        rule = "has a key of more than 32 parts"
+        raise InputError(str(path), "", None, rule, "no spec needs more than four")
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputError(
-            str(path), "", None, f"cannot be read ({error.strerror})", "check the path"
-        ) from error
-    except UnicodeDecodeError as error:
-        raise InputError(
-            str(path), "", None, "is not a text file", "give a TOML file in UTF-8"
-        ) from error
+        if _LONG_NUMBER.search(text):
+            raise ValueError(_TOO_MANY_DIGITS)
+        return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        require_other_kind(path, "a TOML spec")
+        require_other_kind(path, text, "a TOML spec")
+        reason = parser_reason(error)
         raise InputError(
-            str(path), "", None, f"is not valid TOML ({error})", "correct the line it names"
+            str(path), "", None, f"is not valid TOML ({reason})", "correct the line it names"
         ) from error
+
+
+def parser_reason(error: Exception) -> str:
+    """Return why a parser refuses a text, without advice on Python.
+
+    Examples
+    --------
+    >>> parser_reason(RecursionError("maximum recursion depth exceeded"))
+    'it is nested too deeply'
+    """
+    if isinstance(error, RecursionError):
+        return "it is nested too deeply"
+    return _TOO_MANY_DIGITS if "set_int_max_str" in str(error) else str(error)
 
 
 def _kind_of(keys: Container[str]) -> str:
@@ -99,8 +119,8 @@ def _kind_of(keys: Container[str]) -> str:
     return next((kind for kind, marks in _KINDS if all(key in keys for key in marks)), "")
 
 
-def require_other_kind(path: Path | str, wanted: str) -> None:
-    """Raise `InputError` for a file of a known kind that is not `wanted`; ignore other files.
+def require_other_kind(path: Path | str, text: str, wanted: str) -> None:
+    """Raise `InputError` for a text of a known kind that is not `wanted`; ignore other texts.
 
     Raises
     ------
@@ -111,8 +131,8 @@ def require_other_kind(path: Path | str, wanted: str) -> None:
         raise _other_kind(str(path), "a table", wanted)
     for parse in (tomllib.loads, json.loads):
         try:
-            data = parse(Path(path).read_text(encoding="utf-8-sig"))
-        except (OSError, ValueError, RecursionError):
+            data = parse(text)
+        except (ValueError, RecursionError):
             continue
         kind = _kind_of(data) if isinstance(data, dict) else ""
         if kind:

@@ -12,6 +12,7 @@ import io
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import typer
@@ -28,6 +29,8 @@ __all__ = ["main"]
 # Libraries make many objects that live as long as the process. Looking through all of them for
 # garbage again and again, and once more at the end, takes an eighth of a short command's time.
 _OBJECTS_BETWEEN_COLLECTIONS = 50_000
+# Characters of an error, which may quote names and paths of any length.
+_LONGEST = 1200
 atexit.register(gc.freeze)
 
 
@@ -44,6 +47,10 @@ def main() -> None:
         status = _fail(str(stop) or "interrupted; nothing is left half-written", 130)
     except MemoryError:
         status = _fail("memory is short; thin the grid, or use smaller populations or fewer --jobs")
+    except SystemExit as stop:  # rich's way with a reader that has closed
+        if not isinstance(stop.__context__, BrokenPipeError):
+            raise
+        status = 141
     except OSError as error:
         # Errors of files are InputErrors, so this is standard output. Python flushes the rest.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -91,6 +98,9 @@ def _usage(error: Exception, message: str) -> str:
 
 
 def _fail(message: str, status: int = 2) -> int:
-    """Print one line on standard error and return the exit code."""
-    say(f"cylcontact: {message}", err=True)
+    """Print one line on standard error, long ones without their middle; return the exit code."""
+    if len(message) > _LONGEST:
+        message = f"{message[: _LONGEST // 2]}…{message[-_LONGEST // 2 :]}"
+    with suppress(OSError):  # nobody reads it, and the exit code remains
+        say(f"cylcontact: {message}", err=True)
     return status

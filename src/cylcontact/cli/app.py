@@ -14,6 +14,7 @@ from cylcontact.cli import (
     mechanism,
     reporting,
 )
+from cylcontact.cli.options import keep_inputs
 
 __all__ = ["app"]
 
@@ -70,4 +71,5 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
 
 for _group, _examples in _GROUPS.items():
     for _command, _example in _examples.items():
-        app.command(rich_help_panel=_group, epilog=f"Example: cylcontact {_example}")(_command)
+        _example = f"Example: cylcontact {_example}"
+        app.command(rich_help_panel=_group, epilog=_example)(keep_inputs(_command))

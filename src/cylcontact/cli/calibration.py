@@ -24,7 +24,7 @@ from cylcontact.cli.options import (
 from cylcontact.cli.terminal import progress_bars, say, show, workers
 from cylcontact.cli.uncertainty import StudyOptions, study_uncertainty
 from cylcontact.errors import InputError
-from cylcontact.files import owning, replacing, require_suffix
+from cylcontact.files import owning, replacing, require_suffix, require_writable
 from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def fit(
     require_taken(str(source), way, takes, given)
     where = workers(jobs, scheduler)
     if is_result:
-        study_uncertainty(source, study, law.law, search.seed, where, out)
+        study_uncertainty(source, study, law, search.seed, where, out)
         return
     plans = [measured.plan(source, law, table, search, name) for name in names or (None,)]
     if len(names) > 1:
@@ -110,6 +110,8 @@ def _calibrate(
     from cylcontact.fitting.result import require_same_inputs
 
     target, folder = _place(source, out)
+    require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
+    require_suffix(target, ".json")
     with owning(target):
         if out is None and not force:
             require_same_inputs(target, planned)

@@ -11,7 +11,7 @@ from cylcontact.choices import ENGINES, listed
 from cylcontact.cli.options import Force, Jobs, Resume, resumable
 from cylcontact.cli.terminal import cores, progress_bars, say
 from cylcontact.errors import InputError
-from cylcontact.files import owning
+from cylcontact.files import owning, require_suffix, require_writable
 
 __all__ = ["finite_element"]
 
@@ -41,6 +41,8 @@ def finite_element(
         raise InputError("--engine", "", engine, "is not an engine", f"choose {listed(ENGINES)}")
     solver = engine_name(chosen)
     target = out or spec.with_name(f"{spec.stem}-{chosen}.csv")
+    require_writable(target)
+    require_suffix(target, ".csv")
     with owning(target):
         if out is None and not force:
             require_same_inputs(target, study)

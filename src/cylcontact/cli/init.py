@@ -6,6 +6,7 @@ import filecmp
 import os
 import shutil
 from collections.abc import Iterable
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated
@@ -53,7 +54,7 @@ def shipped_files(source: Path) -> list[Path]:
 
 
 def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
-    """Copy files with their folders; none appears before all are copied.
+    """Copy files with their folders; none appears before all are copied, or if one cannot.
 
     Parameters
     ----------
@@ -67,17 +68,24 @@ def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
     InputError
         If they cannot be written.
     """
-    with folder_of(folder / "any"):
+    moved: list[Path] = []
+    with ExitStack() as folders:
+        folders.enter_context(folder_of(folder / "any"))
         try:
             with TemporaryDirectory(prefix=".cylcontact-", dir=folder) as temporary:
                 for name in names:
                     (Path(temporary) / name).parent.mkdir(parents=True, exist_ok=True)
                     shutil.copyfile(source / name, Path(temporary) / name)
                 for name in names:
-                    (folder / name).parent.mkdir(parents=True, exist_ok=True)
-                    (Path(temporary) / name).rename(folder / name)
-        except OSError as error:
-            raise unwritable(folder, error) from error
+                    folders.enter_context(folder_of(folder / name))
+                    moved.append((Path(temporary) / name).rename(folder / name))
+        except BaseException as error:
+            for path in moved:
+                with suppress(OSError):
+                    path.unlink()
+            if isinstance(error, OSError):
+                raise unwritable(folder, error) from error
+            raise
 
 
 def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:
@@ -94,7 +102,9 @@ def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:
             f"has other files named {', '.join(taken[:3])}{more}, and nothing is overwritten",
             "choose an empty folder, or move these away",
         )
-    return [name for name in names if name not in present]
+    missing = [name for name in names if name not in present]
+    require_writable(*(folder / name for name in missing))
+    return missing
 
 
 def _is_copy(file: Path, original: Path) -> bool:

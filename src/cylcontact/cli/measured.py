@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,6 +12,7 @@ from cylcontact.choices import BRANCHES, CHOICE_FILES, TABLE_SUFFIXES, listed
 from cylcontact.cli.options import (
     LOSSES,
     NOISES,
+    NUMBER,
     Hole,
     Pin,
     Runs,
@@ -24,9 +24,10 @@ from cylcontact.cli.options import (
 )
 from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
-from cylcontact.files import owning
+from cylcontact.files import owning, require_writable
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.pair import CONTACTS
+from cylcontact.reading import plain_number
 from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
@@ -44,13 +45,9 @@ __all__ = [
 _PANEL = "For a table of measurements"
 
 
-def _option(
-    *names: str, help: str, metavar: str | None = None, callback: Callable[..., Any] | None = None
-) -> Any:
+def _option(*names: str, help: str, **details: Any) -> Any:
     """Return an option in the help panel for tables."""
-    return typer.Option(
-        *names, help=help, metavar=metavar, callback=callback, rich_help_panel=_PANEL
-    )
+    return typer.Option(*names, help=help, rich_help_panel=_PANEL, **details)
 
 
 @dataclass(frozen=True)
@@ -95,11 +92,15 @@ class TableOptions:
     E_MPa: Annotated[
         str | None, _option("--E", help="Young's modulus of both bodies, MPa or e.g. '207 GPa'.")
     ] = None
-    nu: Annotated[float | None, _option("--nu", help="Poisson's ratio of both bodies.")] = None
-    dR_mm: Annotated[float | None, _option("--dR", help="ΔR, mm.")] = None
-    R_i_mm: Annotated[float | None, _option("--Ri", help="Radius of body i, mm.")] = None
-    R_j_mm: Annotated[float | None, _option("--Rj", help="Radius of body j, mm.")] = None
-    length_mm: Annotated[float | None, _option("--length", help="Axial length, mm.")] = None
+    nu: Annotated[
+        float | None, _option("--nu", help="Poisson's ratio of both bodies.", **NUMBER)
+    ] = None
+    dR_mm: Annotated[float | None, _option("--dR", help="ΔR, mm.", **NUMBER)] = None
+    R_i_mm: Annotated[float | None, _option("--Ri", help="Radius of body i, mm.", **NUMBER)] = None
+    R_j_mm: Annotated[float | None, _option("--Rj", help="Radius of body j, mm.", **NUMBER)] = None
+    length_mm: Annotated[float | None, _option("--length", help="Axial length, mm.", **NUMBER)] = (
+        None
+    )
     objective: Annotated[
         str | None,
         _option("--objective", help="What to minimise: rms-log-penetration, rms-load, ..."),
@@ -162,10 +163,18 @@ class TableOptions:
 
 @dataclass(frozen=True)
 class LawOption:
-    """The option of `fit` for the law to fit to a table."""
+    """Options of `fit` for the law to fit to a table."""
 
     law: Annotated[
         str | None, _option("--law", help="The law, e.g. johnson; or module:function of your own.")
+    ] = None
+    law_timeout: Annotated[
+        float | None,
+        _option(
+            "--law-timeout",
+            help="Seconds that one call of a law of your own may take; 60 by default.",
+            metavar="SECONDS",
+        ),
     ] = None
 
 
@@ -266,6 +275,7 @@ def choose(
         rule, remedy = f"is not {listed(TABLE_SUFFIXES)}", "name a table of measurements"
         raise InputError(str(data), "", None, rule, remedy)
     folder = out or data.parent / "results" / data.stem
+    require_writable(*(folder / name for name in CHOICE_FILES))
     with owning(folder / CHOICE_FILES[0]):
         first = law[0] if law else "johnson"
         measured = _table(data, {"law": first, **_given(asdict(table))}, SearchOptions())
@@ -335,6 +345,6 @@ def _share(source: str, key: str, text: str) -> float:
 def _numbers(texts: list[str]) -> list[float] | None:
     """Return texts as numbers; None if one is not a number."""
     try:
-        return [float(text) for text in texts]
+        return [plain_number(text) for text in texts]
     except ValueError:
         return None

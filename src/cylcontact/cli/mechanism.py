@@ -14,6 +14,7 @@ from cylcontact import choices
 from cylcontact.arrays import require
 from cylcontact.choices import BEYOND, FILM_SUFFIXES, METHODS, OUTPUT_SUFFIXES, STUDIES, listed
 from cylcontact.cli.options import (
+    NUMBER,
     Jobs,
     Resume,
     Scheduler,
@@ -27,6 +28,7 @@ from cylcontact.cli.options import (
 from cylcontact.cli.terminal import progress_bars, say, show, workers
 from cylcontact.errors import InputError
 from cylcontact.files import owning, require_suffix, require_writable, write_table
+from cylcontact.memory import require_memory
 from cylcontact.text_tables import frame_table
 
 if TYPE_CHECKING:
@@ -108,7 +110,7 @@ class Options:
     ] = None
     allowed_penetration: Annotated[
         float | None,
-        typer.Option(help="The paper's step control: how deep contact may begin, µm."),
+        typer.Option(help="The paper's step control: how deep contact may begin, µm.", **NUMBER),
     ] = None
     table: Annotated[
         Path | None, typer.Option(help="Write the numbers by revolution to this .csv or .parquet.")
@@ -118,6 +120,7 @@ class Options:
         float | None,
         typer.Option(
             help="Cases: run at this tolerance too; count only revolutions after the two separate.",
+            **NUMBER,
             rich_help_panel=_PANEL,
         ),
     ] = None
@@ -353,12 +356,12 @@ def _film(
     from cylcontact.mechanism import simulate as run
     from cylcontact.mechanism.movie import film, require_film
 
-    require_film(out)
-    require_writable(out)
-    mechanism = read_mechanism(spec, **changes.single())
     first = 2 if options.first is None else options.first
     total = revolutions or first + 1
     _require_left(first, total)
+    require_film(out, total - first)
+    require_writable(out)
+    mechanism = read_mechanism(spec, **changes.single())
     with progress_bars() as progress:
         trajectory = run(mechanism, revolutions=total, progress=progress, **options.integration())
         frames = film(trajectory, out, first, progress)
@@ -384,8 +387,10 @@ def _cases(
         write_table(table, out)
     stopped = table[table["status"] != "complete"]
     say(f"{out}: {len(table)} cases, {len(stopped)} of them stopped")
-    for message in stopped["message"]:
-        say(f"  {message}")
+    if len(stopped):
+        counted = f"{len(stopped)} of {len(table)} cases stopped"
+        say(f"cylcontact: {counted}; first: {stopped['message'].iloc[0]}", err=True)
+        raise typer.Exit(1)
 
 
 def _combinations(changes: Changes) -> list[Case]:
@@ -419,6 +424,11 @@ def _tolerances(
         table = tolerance_table(tables)
         write_table(table, out)
     show(frame_table(table, ".3g", index=False))
+    missing = len(wanted) * len(table) - int(table["cases"].sum())
+    if missing:
+        total = len(wanted) * len(table)
+        typer.echo(f"cylcontact: {missing} of {total} cases stopped, and do not count", err=True)
+        raise typer.Exit(1)
 
 
 def _bifurcation(
@@ -437,7 +447,9 @@ def _bifurcation(
         len(ends) == 2 and min(ends) > 0, "--clearance", "", ",".join(changes.clearance or ()),
         "must be two positive numbers, the smallest and the largest", "e.g. 0.01,0.5",
     )  # fmt: skip
-    spaced = np.geomspace(ends[0], ends[1], options.points or 40)
+    points = options.points or 40
+    require_memory("simulate", "--points", points, 1000.0 * points, "give fewer")
+    spaced = np.geomspace(ends[0], ends[1], points)
     values = [float(f"{value:.4g}") for value in spaced]
     where = workers(options.jobs, options.scheduler)
     last, beyond = options.last or 50, options.beyond or "stop"

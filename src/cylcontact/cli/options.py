@@ -14,10 +14,13 @@ import typer
 
 from cylcontact.choices import listed
 from cylcontact.errors import InputError
+from cylcontact.files import keeping
+from cylcontact.reading import plain_integer, plain_number
 
 __all__ = [
     "LOSSES",
     "NOISES",
+    "NUMBER",
     "RESULTS",
     "STYLES",
     "TABLES",
@@ -31,6 +34,7 @@ __all__ = [
     "Seed",
     "expand_options",
     "integer_from",
+    "keep_inputs",
     "require_internal",
     "resumable",
 ]
@@ -53,7 +57,7 @@ def integer_from(least: int) -> Callable[[str], int]:
 
     def parse(text: str) -> int:
         try:
-            number = int(text)
+            number = plain_integer(text)
         except ValueError:
             number = least - 1
         if number < least:
@@ -63,10 +67,22 @@ def integer_from(least: int) -> Callable[[str], int]:
     return parse
 
 
+def _number(given: str | float) -> float:
+    """Return the text of an option as a number, or its default."""
+    try:
+        return plain_number(str(given))
+    except ValueError:
+        raise typer.BadParameter(f"{given!r} is not a number") from None
+
+
+# What an option of one number gives to typer, whose own reader takes 1_700 and nan.
+NUMBER: dict[str, Any] = {"parser": _number, "metavar": "FLOAT"}
+
+
 def numbers(option: str, texts: Sequence[str] | None) -> list[float]:
     """Return texts as numbers; none if the option is not given."""
     try:
-        return [float(text) for text in texts or ()]
+        return [plain_number(text) for text in texts or ()]
     except ValueError:
         given, rule = ",".join(texts or ()), "must be numbers separated by commas"
         raise InputError(option, "", given, rule, "e.g. 0.5,0.02") from None
@@ -166,11 +182,25 @@ def expand_options(command: Callable[..., None]) -> Callable[..., None]:
     return expanded
 
 
+def keep_inputs(command: Callable[..., None]) -> Callable[..., None]:
+    """Let a command refuse outputs that would replace a file it is given to read."""
+
+    @wraps(command)
+    def keeping_them(**given: Any) -> None:
+        values = [value for name, value in given.items() if name not in ("out", "table")]
+        named = [each for value in values for each in (value if type(value) is list else [value])]
+        with keeping(Path(each) for each in named if isinstance(each, str | Path)):
+            command(**given)
+
+    return keeping_them
+
+
 @contextmanager
 def resumable(out: Path, part: str) -> Iterator[Path]:
     """Give the path of the journal beside an output, and remove the journal in the end.
 
-    If the block fails, the journal stays. An interruption says how many parts it holds.
+    If the block fails, the journal stays. An interruption says how many parts it holds. A journal
+    that cannot be removed is told of, and is no failure, for the output is complete.
 
     Parameters
     ----------
@@ -189,7 +219,11 @@ def resumable(out: Path, part: str) -> Iterator[Path]:
         yield journal
     except KeyboardInterrupt:
         raise KeyboardInterrupt(_interrupted(journal, part)) from None
-    journal.unlink(missing_ok=True)
+    try:
+        journal.unlink(missing_ok=True)
+    except OSError as error:
+        text = f"{journal}: cannot be removed ({error.strerror}), and is no longer needed"
+        typer.echo(f"cylcontact: {text}", err=True)
 
 
 def _interrupted(journal: Path, part: str) -> str:

@@ -10,6 +10,7 @@ import typer
 
 from cylcontact.choices import FORMATS, listed
 from cylcontact.cli.options import (
+    NUMBER,
     RESULTS,
     STYLES,
     TABLES,
@@ -24,7 +25,14 @@ from cylcontact.cli.renamed import renamed
 from cylcontact.cli.terminal import cores, progress_bars, say, show
 from cylcontact.errors import InputError
 from cylcontact.export import JOINT_TARGETS, TARGETS
-from cylcontact.files import replacing, require_suffix, shipped_bench, write_table
+from cylcontact.files import (
+    replacing,
+    replacing_all,
+    require_suffix,
+    require_writable,
+    shipped_bench,
+    write_table,
+)
 from cylcontact.limits import yield_warning
 from cylcontact.pair import CONTACTS
 from cylcontact.text_tables import joined
@@ -53,7 +61,9 @@ def figure(
             "--format", callback=split, metavar="FORMAT[,...]", help=f"{listed(FORMATS)}."
         ),
     ] = None,
-    font_size: Annotated[float | None, typer.Option(help="Size of the labels, in points.")] = None,
+    font_size: Annotated[
+        float | None, typer.Option(help="Size of the labels, in points.", **NUMBER)
+    ] = None,
     results: Results = RESULTS,
     jobs: Jobs = None,
 ) -> None:
@@ -154,6 +164,7 @@ def claims(
     bench = Bench(Path(), results, jobs or cores())
     if out is not None:
         require_suffix(out, ".csv", ".json")
+        require_writable(out)
     try:
         with progress_bars() as progress:
             computed = ledger(bench, progress)
@@ -183,17 +194,17 @@ def laws(
     ] = None,
     nu: Annotated[
         float | None,
-        typer.Option("--nu", help="Poisson's ratio of both bodies; 0.3 by default."),
+        typer.Option("--nu", help="Poisson's ratio of both bodies; 0.3 by default.", **NUMBER),
     ] = None,
     dR: Annotated[
         float | None,
-        typer.Option("--dR", help="ΔR, mm; by default 0.05 internal, twice Ri external."),
+        typer.Option("--dR", help="ΔR, mm; by default 0.05 internal, twice Ri external.", **NUMBER),
     ] = None,
     R_i: Annotated[
-        float, typer.Option("--Ri", help="Radius of body i, mm; the hole, or a roller.")
+        float, typer.Option("--Ri", help="Radius of body i, mm; the hole, or a roller.", **NUMBER)
     ] = 10.0,
-    length: Annotated[float, typer.Option(help="Axial length, mm.")] = 10.0,
-    load: Annotated[float, typer.Option(help="Load per unit length, N/mm.")] = 100.0,
+    length: Annotated[float, typer.Option(help="Axial length, mm.", **NUMBER)] = 10.0,
+    load: Annotated[float, typer.Option(help="Load per unit length, N/mm.", **NUMBER)] = 100.0,
     contact: Annotated[str, typer.Option(help=f"{listed(CONTACTS)}.")] = "internal",
     pin: Pin = None,
     hole: Hole = None,
@@ -257,6 +268,8 @@ def export(
     if what is None:
         remedy = "name one, e.g. explicit, or a joint with --joint"
         raise InputError("export", "RESULT|LAW", None, "is missing", remedy)
+    if out is not None:
+        require_writable(out)
     source = export_named(what, contact, target)
     if out is None:
         typer.echo(source, nl=False)
@@ -275,6 +288,8 @@ def _export_joint(path: Path, target: str, out: Path | None, others: dict[str, s
         if value is not None:
             rule = "is in the file of the joint already"
             raise InputError("export", key, value, rule, "leave it out, or --joint")
+    if out is not None:
+        require_writable(out)
     joint = read_joint(path)
     texts = export_joint(joint, target, out.stem if out else "")
     suffix = JOINT_TARGETS[target]
@@ -282,7 +297,8 @@ def _export_joint(path: Path, target: str, out: Path | None, others: dict[str, s
         remedy = f"name the file, e.g. -o {joint.identifier}{suffix}"
         raise InputError("export", "--out", None, "is missing for a joint", remedy)
     require_suffix(out, suffix)
-    for name, text in texts.items():
-        with replacing(out.with_name(name)) as temporary:
-            temporary.write_bytes(text if isinstance(text, bytes) else text.encode("ascii"))
+    with replacing_all(out.with_name(name) for name in texts) as files:
+        for file, name in zip(files, texts, strict=True):
+            text = texts[name]
+            file.write_bytes(text if isinstance(text, bytes) else text.encode("ascii"))
     say(f"{joint.name} written to {', '.join(str(out.with_name(name)) for name in texts)}")

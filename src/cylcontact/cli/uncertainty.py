@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cylcontact.cli.options import integer_from
+from cylcontact.cli.options import NUMBER, integer_from
 from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix, require_writable
+from cylcontact.formats import marked
 from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
+    from cylcontact.cli.measured import LawOption
     from cylcontact.parallel import Workers
 
 __all__ = ["StudyOptions", "study_uncertainty"]
@@ -45,13 +47,15 @@ class StudyOptions:
     pairs: Annotated[
         bool, _option("--pairs", help="Map each pair of parameters, into the output.")
     ] = False
-    level: Annotated[float | None, _option(help="Level of the intervals; 0.95 by default.")] = None
+    level: Annotated[
+        float | None, _option(help="Level of the intervals; 0.95 by default.", **NUMBER)
+    ] = None
 
 
 def study_uncertainty(
     result: Path,
     options: StudyOptions,
-    law: str | None,
+    law: LawOption,
     seed: int | None,
     where: Workers,
     out: Path | None,
@@ -75,7 +79,8 @@ def study_uncertainty(
                 resampling=Resampling(bootstrap, over or "rows", seed) if bootstrap else None,
                 leave_out=leave_out,
                 with_pairs=options.pairs,
-                law=law,
+                law=law.law,
+                law_timeout=law.law_timeout,
                 jobs=where,
                 progress=progress,
             )
@@ -121,5 +126,6 @@ def _write(study: Any, out: Path | None) -> None:
     if out is None:
         return
     with replacing(out) as temporary:
-        text = json.dumps(study.model_dump(mode="json"), indent=1, ensure_ascii=False)
+        contents = marked("uncertainty", study.model_dump(mode="json"))
+        text = json.dumps(contents, indent=1, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")

@@ -75,18 +75,22 @@ class _Range(NamedTuple):
 
 
 _POSITIVE = _Range("must be positive and finite", lambda values: values > 0)
+# Ten times the modulus of diamond is one given in MPa that was meant in GPa or in Pa.
+_MODULUS = _Range(
+    "must be positive, and at most 1e7 MPa", lambda values: (values > 0) & (values <= 1e7)
+)
 _FINITE = _Range("must be finite", np.isfinite)
 _RATIO = _Range("must lie in [0, 0.5]", lambda values: (values >= 0) & (values <= 0.5))
 # What a row may have of each quantity, in the unit in which it is kept, in the order of checks.
 _RANGES = {
+    "length": _POSITIVE,  # mm; before the loads that it has divided
     "load": _POSITIVE,  # N/mm
     "penetration": _FINITE,  # mm; a reading that is not zeroed may be negative
-    "E_i": _POSITIVE,  # MPa
-    "E_j": _POSITIVE,  # MPa
+    "E_i": _MODULUS,  # MPa
+    "E_j": _MODULUS,  # MPa
     "dR": _POSITIVE,  # mm
     "R_i": _POSITIVE,  # mm
     "R_j": _POSITIVE,  # mm
-    "length": _POSITIVE,  # mm
     "load_std": _POSITIVE,  # N/mm
     "penetration_std": _POSITIVE,  # mm
     "weight": _POSITIVE,
@@ -522,8 +526,9 @@ def _divide_by_length(source: str, numbers: _Numbers, totals: Sequence[str]) -> 
                 f"{spellings('length')}, or give the load per unit length"
             )
             raise InputError(source, quantity, None, rule, remedy)
-        with np.errstate(divide="ignore", invalid="ignore"):  # the length may be 0
-            numbers[quantity] = numbers[quantity] / numbers["length"]
+        # A length of 0 is refused later, with the row that has it.
+        length = np.where(numbers["length"] == 0, 1.0, numbers["length"])
+        numbers[quantity] = numbers[quantity] / length
 
 
 # --- from columns to checked arrays -------------------------------------------------------------

@@ -25,6 +25,7 @@ from cylcontact.datasets.moments import Moments, concatenate, merge
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix
 from cylcontact.laws import LogarithmicLaw
+from cylcontact.memory import require_memory, require_space
 from cylcontact.parallel import Workers, call, run_calls
 
 __all__ = [
@@ -41,6 +42,10 @@ __all__ = [
 BLOCK = 1 << 16
 # Least number of samples per call of a worker, if a clearance has that many.
 PIECE = 1 << 21
+# Of each call of a worker in the list of all.
+_CALL_BYTES = 400
+# Of each sample in a Parquet file, where most columns repeat, and in a CSV file.
+_SAMPLE_BYTES = (8, 60)
 
 
 @dataclass(frozen=True)
@@ -179,6 +184,8 @@ def reduce_grid(
     """
     height = max(1, PIECE // grid.load.size)
     starts = range(0, grid.rows, height)
+    calls = grid.dR.size * len(starts)
+    require_memory(grid.source, "axes", None, _CALL_BYTES * calls, "thin the axes")
     work = [
         call(_reduce_rows, grid, float(dR), first, min(first + height, grid.rows))
         for dR in grid.dR
@@ -242,8 +249,10 @@ def write_samples(
     Raises
     ------
     InputError
-        If the suffix is neither, the file cannot be written, or every sample is masked.
+        If the suffix is neither, the disk has no room for the file, it cannot be written, or every
+        sample is masked.
     """
+    require_space(path, _SAMPLE_BYTES[Path(path).suffix == ".csv"] * grid.size, "thin the axes")
     schema = pa.schema([(name, pa.float64()) for name in grid.columns])
     samples = masked = 0
     with replacing(path) as temporary, _table_writer(path, temporary, schema) as writer:

@@ -8,22 +8,30 @@ import io
 import math
 import re
 import warnings
-from collections.abc import Iterator, Sequence
+import zipfile
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cylcontact.choices import TABLE_SUFFIXES
 from cylcontact.errors import InputError
+from cylcontact.memory import as_size
 from cylcontact.plain_text import from_csv
+from cylcontact.reading import TABLE_BYTES, plain_number, read_bytes
 
 if TYPE_CHECKING:
     import pandas as pd
+    import pyarrow as pa
 
 __all__ = ["MAX_ROWS", "Table", "finite_numbers", "read_table", "table_of_frame", "texts"]
 
 # All rows are held in memory and stored in the result.
 MAX_ROWS = 200_000
+# As many columns as a data logger may have, and what a gigabyte of memory holds.
+MAX_COLUMNS, MAX_CELLS = 1000, 10_000_000
+# What is compressed in a workbook, or repeated in Parquet, may grow to this when it is read.
+_UNPACKED_BYTES = 400_000_000
 # Of each row its position in the file and its cells.
 _Rows = list[tuple[int, list[Any]]]
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
@@ -87,7 +95,7 @@ def read_table(path: Path | str) -> Table:
     Raises
     ------
     InputError
-        If the file cannot be read, is of another kind, or has no rows or too many.
+        If the file cannot be read, is of another kind or too large, or has no rows or too many.
 
     Examples
     --------
@@ -105,11 +113,7 @@ def read_table(path: Path | str) -> Table:
         raise InputError(
             source, "", None, f"is neither {', '.join(most)} nor {last}", "name a table"
         )
-    try:
-        content = Path(source).read_bytes()
-    except OSError as error:
-        rule = f"cannot be read ({error.strerror or error})"
-        raise InputError(source, "", None, rule, "check the path") from error
+    content = read_bytes(path, TABLE_BYTES)
     steps: list[str] = []
     separator = ""
     if suffix == ".csv":
@@ -151,9 +155,29 @@ def require_rows(table: Table) -> None:
     if not table.lines:
         rule, remedy = "holds no rows", "give it at least one below the names"
         raise InputError(table.source, "", None, rule, remedy)
-    if len(table.lines) > MAX_ROWS:
-        rule = f"has {len(table.lines)} rows (at most {MAX_ROWS})"
-        raise InputError(table.source, "", None, rule, "thin or average them")
+    _require_size(table.source, len(table.lines), len(table.names))
+
+
+def _require_size(source: str, rows: int, columns: int, or_more: str = "") -> None:
+    """Raise `InputError` for a table with too many rows, columns or cells."""
+    for number, most, of, remedy in (
+        (rows, MAX_ROWS, "rows", "thin or average them"),
+        (columns, MAX_COLUMNS, "columns", "leave out those that are not needed"),
+        (rows * columns, MAX_CELLS, "cells", "thin the rows, or leave out columns"),
+    ):
+        if number > most:
+            rule = f"has {number} {of}{or_more} (at most {most})"
+            raise InputError(source, "", None, rule, remedy)
+
+
+def _bounded(source: str, rows: Iterable[tuple[int, list[Any]]]) -> _Rows:
+    """Return rows without empty ones, that of names first; stop at the first too many."""
+    kept: _Rows = []
+    for line, cells in rows:
+        if any(cell is not None for cell in cells):
+            kept.append((line, cells))
+            _require_size(source, len(kept) - 1, len(cells), " or more")
+    return kept
 
 
 def _require_rectangular(source: str, row_word: str, rows: _Rows, separator: str) -> None:
@@ -180,7 +204,7 @@ def _read_csv(source: str, content: bytes, steps: list[str]) -> tuple[str, _Rows
     try:
         text = _decoded(content, steps)
         separator = _separator(text)
-        rows = list(_rows(text, separator, strict=True))
+        rows = _bounded(source, _rows(text, separator, strict=True))
     except (UnicodeError, csv.Error) as error:
         rule = f"is not a CSV table ({error})"
         raise InputError(source, "", None, rule, "save it as CSV in UTF-8") from error
@@ -221,7 +245,8 @@ def _separator(text: str) -> str:
 
 def _header(text: str, separator: str) -> list[str | None]:
     """Return the names of columns for a separator; None for an empty one."""
-    return next(_rows(text, separator, strict=False), (0, []))[1]
+    rows = (cells for _, cells in _rows(text, separator, strict=False))
+    return next(filter(any, rows), [])
 
 
 def _rows(text: str, separator: str, strict: bool) -> Iterator[tuple[int, list[Any]]]:
@@ -230,9 +255,7 @@ def _rows(text: str, separator: str, strict: bool) -> Iterator[tuple[int, list[A
     lines = ("\n" if x.startswith(("#", "sep=")) else x for x in io.StringIO(text, newline=""))
     reader = csv.reader(lines, delimiter=separator, strict=strict)
     for row in reader:
-        cells = [cell.strip() or None for cell in row]
-        if any(cells):
-            yield reader.line_num, cells
+        yield reader.line_num, [cell.strip() or None for cell in row]
 
 
 # --- workbooks and Parquet ----------------------------------------------------------------------
@@ -241,9 +264,13 @@ def _rows(text: str, separator: str, strict: bool) -> Iterator[tuple[int, list[A
 def _read_workbook(source: str, content: bytes, steps: list[str]) -> _Rows:
     """Return the rows of the first sheet with cells, that of names first."""
     try:
-        title, sheets, rows = _first_sheet(content, data_only=False)
+        _require_unpacked(source, sum(part.file_size for part in _parts(content)))
+        title, sheets, rows = _first_sheet(source, content, data_only=False)
         if any(_is_formula(cell) for _, cells in rows for cell in cells):
-            rows = _with_values(rows, _first_sheet(content, data_only=True, title=title)[2])
+            values = _first_sheet(source, content, data_only=True, title=title)[2]
+            rows = _with_values(rows, values)
+    except InputError:
+        raise
     except Exception as error:  # openpyxl raises whatever a damaged file makes it stumble over
         reason = (str(error) or type(error).__name__)[:80]  # they may quote the file
         rule = f"is not an Excel workbook ({reason})"
@@ -259,7 +286,22 @@ def _read_workbook(source: str, content: bytes, steps: list[str]) -> _Rows:
     return [(line, [cells[k] if k < len(cells) else None for k in used]) for line, cells in rows]
 
 
-def _first_sheet(content: bytes, data_only: bool, title: str = "") -> tuple[str, int, _Rows]:
+def _parts(content: bytes) -> list[zipfile.ZipInfo]:
+    """Return the files in a workbook, with the sizes to which they are unpacked at most."""
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        return archive.infolist()
+
+
+def _require_unpacked(source: str, size: int) -> None:
+    """Raise `InputError` for a file that grows too large when it is read."""
+    if size > _UNPACKED_BYTES:
+        rule = f"is unpacked to {as_size(size)} (at most {as_size(_UNPACKED_BYTES)})"
+        raise InputError(source, "", None, rule, "keep only the rows and columns that are needed")
+
+
+def _first_sheet(
+    source: str, content: bytes, data_only: bool, title: str = ""
+) -> tuple[str, int, _Rows]:
     """Return the title of the first sheet with cells, or a given one, how many there are, its rows.
 
     Of a formula they hold the text, or with `data_only` the value that was last computed.
@@ -272,14 +314,22 @@ def _first_sheet(content: bytes, data_only: bool, title: str = "") -> tuple[str,
     try:
         sheets = [sheet for sheet in book.worksheets if title in ("", sheet.title)]
         for sheet in sheets:
+            sheet.reset_dimensions()  # the file may state any, and short rows would be filled
             found = enumerate(sheet.iter_rows(values_only=True), start=1)
-            plain = ((line, [_plain(cell) for cell in cells]) for line, cells in found)
-            rows = [(line, cells) for line, cells in plain if any(c is not None for c in cells)]
+            rows = _bounded(source, ((line, _without_end(cells)) for line, cells in found))
             if rows:
                 return sheet.title, len(sheets), rows
     finally:
         book.close()
     return "", 0, []
+
+
+def _without_end(row: Iterable[Any]) -> list[Any]:
+    """Return the cells of a row up to the last that is not empty."""
+    cells = [_plain(cell) for cell in row]
+    while cells and cells[-1] is None:
+        cells.pop()
+    return cells
 
 
 def _with_values(formulas: _Rows, values: _Rows) -> _Rows:
@@ -312,12 +362,38 @@ def _read_parquet(source: str, content: bytes, _steps: list[str]) -> _Rows:
     import pyarrow.parquet
 
     try:
-        table = pyarrow.parquet.read_table(pa.BufferReader(content))
-    except pa.ArrowException as error:
+        file = pyarrow.parquet.ParquetFile(pa.BufferReader(content))
+        metadata = file.metadata
+        _require_size(source, metadata.num_rows, metadata.num_columns)
+        groups = range(metadata.num_row_groups)
+        _require_unpacked(source, sum(metadata.row_group(k).total_byte_size for k in groups))
+        schema = file.schema_arrow
+        for column in schema:
+            if pa.types.is_nested(column.type):
+                rule, remedy = "holds lists or tables in its cells", "give a cell one value"
+                raise InputError(source, column.name, None, rule, remedy)
+        # A text that repeats is kept once: a few bytes could be gigabytes of cells otherwise.
+        texts = [c.name for c in schema if pa.types.is_string(c.type) or pa.types.is_binary(c.type)]
+        file = pyarrow.parquet.ParquetFile(pa.BufferReader(content), read_dictionary=texts)
+        table = file.read(use_threads=False)
+    except (OSError, pa.ArrowException) as error:  # both are raised for damaged contents
         rule = f"is not a Parquet table ({error})"
         raise InputError(source, "", None, rule, "write it anew, or use CSV") from error
-    columns = [[_plain(cell) for cell in column.to_pylist()] for column in table.columns]
+    columns = [_parquet_cells(column) for column in table.columns]
     return [(0, table.column_names), *enumerate(map(list, zip(*columns, strict=True)), start=1)]
+
+
+def _parquet_cells(column: pa.ChunkedArray) -> list[Any]:
+    """Return the cells of a column; equal texts of a dictionary are one object."""
+    import pyarrow as pa
+
+    if not pa.types.is_dictionary(column.type):
+        return [_plain(cell) for cell in column.to_pylist()]
+    cells: list[Any] = []
+    for chunk in column.chunks:
+        words = [_plain(word) for word in chunk.dictionary.to_pylist()]
+        cells += [None if k is None else words[k] for k in chunk.indices.to_pylist()]
+    return cells
 
 
 def _plain(cell: Any) -> Any:
@@ -421,7 +497,7 @@ def _numbers(table: Table, k: int, has_commas: bool) -> list[float]:
     if has_commas:
         cells = [c.replace(",", ".") if isinstance(c, str) else c for c in cells]
     try:
-        numbers = [float(cell) for cell in cells]
+        numbers = [_number(cell) for cell in cells]
         if all(map(math.isfinite, numbers)) and bool not in set(map(type, cells)):
             return numbers
     except (TypeError, ValueError):
@@ -438,10 +514,15 @@ def _numbers(table: Table, k: int, has_commas: bool) -> list[float]:
     raise _cell_error(table, row, k, rule, remedy)
 
 
+def _number(cell: Any) -> float:
+    """Return a cell as a number, which may be NaN in Parquet."""
+    return plain_number(cell) if isinstance(cell, str) else float(cell)
+
+
 def _is_number(cell: Any) -> bool:
     """Return whether a cell is a finite number."""
     try:
-        return not isinstance(cell, bool) and math.isfinite(float(cell))
+        return not isinstance(cell, bool) and math.isfinite(_number(cell))
     except (TypeError, ValueError):
         return False
 

@@ -65,8 +65,8 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     Raises
     ------
     InputError
-        If the target or contact is unknown, the law has no closed form, or the law is not for
-        the contact.
+        If the target or contact is unknown, the law has no closed form or is not for the
+        contact, or its load is negative or decreases for some pair.
 
     Examples
     --------
@@ -77,9 +77,11 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     """
     # The command line reads the names of the targets, so the rest is imported here.
     from cylcontact.export.formulas import formula_of
+    from cylcontact.export.soundness import require_contact_law
 
     _require_target(target)
     formula = formula_of(law, _contact(contact))
+    require_contact_law(law, formula.contact)
     formula = replace(formula, origin=origin or formula.origin)
     text: str = import_module(f"{__name__}.{target}").source(formula)
     return text

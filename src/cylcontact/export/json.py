@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from cylcontact.export.comments import domain
+from cylcontact.formats import marked
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.formula import MEANINGS, RESULTS, Formula
 from cylcontact.materials import Material
@@ -72,7 +73,7 @@ def source(formula: Formula) -> str:
         "provenance": {"cylcontact": version("cylcontact"), "coefficients": formula.origin},
         "check_values": {name: [row[name] for row in rows] for name in rows[0]},
     }
-    return json.dumps(document, indent=1, allow_nan=False) + "\n"
+    return json.dumps(marked("law", document), indent=1, allow_nan=False) + "\n"
 
 
 def _check_values(formula: Formula) -> Iterator[dict[str, float | str]]:

@@ -7,7 +7,7 @@ coefficients are worth; a table also in its searches, if no optimiser is named.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -21,7 +21,12 @@ from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import Counts, reduce_grid
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import Campaign, TableData, grid_of
-from cylcontact.fitting.measured_fit import descents, largest_percent, measured_problem
+from cylcontact.fitting.measured_fit import (
+    descents,
+    largest_percent,
+    measured_problem,
+    require_increasing,
+)
 from cylcontact.fitting.measured_objective import measured
 from cylcontact.fitting.noise_fit import at_best
 from cylcontact.fitting.objectives import (
@@ -201,7 +206,9 @@ class _Way:
     # From the campaign, workers and progress to the problem and the number of samples.
     problem: Callable[[Campaign, Workers, Progress], tuple[Problem, Counts]]
     # The largest |Eq 9| over the data in percent for each of several sets of coefficients.
-    largest_percent: Callable[[Campaign, list[dict[str, float]], Workers, Progress], list[float]]
+    largest_percent: Callable[
+        [Campaign, list[dict[str, float]], Workers, Progress], Sequence[float | None]
+    ]
     # The quality of the first of several sets of coefficients, the second being the published.
     quality: Callable[[Campaign, Problem, list[dict[str, float]], Workers, Progress], _Quality]
 
@@ -301,7 +308,7 @@ def _problem_on_table(campaign: Campaign, *_: object) -> tuple[Problem, Counts]:
 
 def _largest_on_table(
     campaign: Campaign, compared: list[dict[str, float]], *_: object
-) -> list[float]:
+) -> list[float | None]:
     """Compare with every row."""
     return [largest_percent(campaign, campaign.model.build(each)) for each in compared]
 
@@ -315,6 +322,7 @@ def _quality_on_table(
 ) -> _Quality:
     """Estimate the uncertainty from the noise."""
     progress("profiling", 0, 1)
+    require_increasing(problem, compared[0])
     uncertainty = uncertainty_of(problem, compared[0], jobs=jobs)
     progress("profiling", 1, 1)
     return _Quality(uncertainty=uncertainty)

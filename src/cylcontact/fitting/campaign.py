@@ -173,7 +173,7 @@ class Campaign:
     @property
     def settings(self) -> dict[str, Any]:
         """Everything that the result depends on, as plain data."""
-        campaign = self.spec.model_dump(mode="json", exclude_none=True)
+        campaign = self.spec.model_dump(mode="json", exclude_none=True, exclude={"law_timeout"})
         return {"campaign": campaign, **self.data.settings}
 
     @property
@@ -225,7 +225,7 @@ class MeasuredTable:
         InputError
             If the law is unknown, or the settings are not for it.
         """
-        model = _law_model(law, self.spec.contact, self.folder, self.source)
+        model = _law_model(law, self.spec, self.folder, self.source)
         wanted = tuple(dict.fromkeys((*(self.spec.free or ()), *free))) or None
         spec = self.spec.model_copy(update={"law": law, "free": wanted})
         model = _freed(model, spec, self.measurements, self.source)
@@ -455,15 +455,15 @@ def _of_table(
     name: str, spec: MeasuredSpec, table: Path | pd.DataFrame, folder: Path, source: str
 ) -> Campaign:
     """Read the law and the data of a campaign."""
-    _law_model(spec.law, spec.contact, folder, source)  # refuses an unknown one before any data
+    _law_model(spec.law, spec, folder, source)  # refuses an unknown one before any data
     return _read_table(name, spec, table, folder, source).campaign(spec.law)
 
 
-def _law_model(law: str, contact: Contact, folder: Path, source: str) -> LawModel:
+def _law_model(law: str, spec: MeasuredSpec, folder: Path, source: str) -> LawModel:
     """Return the model of a law of the package, or of a function of the user's own."""
     if is_user_law(law):
-        return user_model(law, folder.resolve(), contact, source)
-    return model_of(law, contact, source)
+        return user_model(law, folder.resolve(), spec.contact, source, spec.law_timeout)
+    return model_of(law, spec.contact, source)
 
 
 def _read_table(

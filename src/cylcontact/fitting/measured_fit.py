@@ -18,7 +18,10 @@ from cylcontact.fitting.noise_model import NoiseModel
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.records import RunRecord
 from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA
+from cylcontact.fitting.user_law import UserLaw
+from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.definition import Coefficients
 from cylcontact.parallel import Call, call
 
 __all__ = [
@@ -27,11 +30,14 @@ __all__ = [
     "measured_problem",
     "noise_model_of",
     "plain_problem",
+    "require_increasing",
     "with_loss",
 ]
 
 # Iterations for the scale of a robust loss.
 _SCALE_ROUNDS = 5
+# Penetrations at which a function of the user's own is looked at.
+_LOOKS = 101
 # Points evaluated before data are refused as outside a law's domain.
 _TRIALS = 256
 
@@ -79,16 +85,52 @@ def descents(campaign: Campaign, problem: Problem) -> list[Call]:
     return [call(_run_from, problem, start, k, spec.seed) for k, start in enumerate(starts)]
 
 
-def largest_percent(campaign: Campaign, law: ContactLaw) -> float:
-    """Return the largest |Eq 9| against the measurements of a campaign, in percent."""
+def largest_percent(campaign: Campaign, law: ContactLaw) -> float | None:
+    """Return the largest |Eq 9| against the measurements of a campaign, in percent.
+
+    None if the law has no penetration at any of the loads.
+    """
     measurements, _ = measured_of(campaign)
     ratio = law.penetration(measurements.load, measurements.pair) / measurements.penetration - 1
-    return float(100 * np.nanmax(np.abs(ratio))) if np.isfinite(ratio).any() else 0.0
+    return float(100 * np.nanmax(np.abs(ratio))) if np.isfinite(ratio).any() else None
 
 
 def with_loss(problem: Problem, loss: Loss) -> Problem:
     """Return a problem on measurements with another loss."""
     return replace(problem, objective=replace(measured(problem), loss=loss))
+
+
+def require_increasing(problem: Problem, coefficients: Coefficients) -> None:
+    """Refuse a function of the user's own that is no contact law at some coefficients.
+
+    Raises
+    ------
+    InputError
+        With the penetration where the load decreases, or is negative.
+    """
+    law, data = problem.model.build(coefficients), measured(problem).data
+    if isinstance(law, RigCompliance):
+        law = law.base
+    function = law.base if isinstance(law, ScaledLaw) else law
+    if not isinstance(function, UserLaw):
+        return
+    at = ", ".join(f"{name} = {value:.6g}" for name, value in function.parameters.items())
+    with np.errstate(all="ignore"):
+        deepest = np.fmax(data.penetration, law.penetration(data.load, data.pair))
+    deepest = np.where(deepest > 0, deepest, np.abs(data.penetration).max())
+    before = np.full(len(data), -np.inf)
+    for share in np.linspace(0.0, 1.0, _LOOKS):
+        loads = function.load(share * deepest, data.pair)
+        wrong = np.flatnonzero((loads <= before) | ((loads < 0) & (share > 0)))
+        if wrong.size:
+            row = int(wrong[0])
+            what = "decreases with" if loads[row] < before[row] else "does not grow with"
+            if loads[row] < 0:
+                what = f"is negative, {loads[row]:.6g} N/mm, at"
+            rule = f"{what} the penetration at {share * deepest[row]:.6g} mm, with {at}"
+            remedy = "the load of a contact grows from 0; correct the function, or move the bounds"
+            raise InputError(function.name, "load", None, rule, remedy)
+        before = np.where(np.isfinite(loads), loads, before)
 
 
 def _run_from(problem: Problem, start: FloatArray, index: int, seed: int) -> RunRecord:
@@ -143,11 +185,12 @@ def _require_defined(problem: Problem, campaign: Campaign) -> None:
             return
         defined += inside
     row = int(np.argmin(defined))
+    others = ", and other rows at the rest" if defined[row] else ""
     raise InputError(
         f"{campaign.source}, {data.data.row_word} {data.line(row)}",
         "load, penetration, dR",
         [float(data.columns[name][row]) for name in ("load", "penetration", "dR")],
-        f"lies outside the domain of {campaign.model.law} for all coefficients tried within the "
-        "bounds",
+        f"lies outside the domain of {campaign.model.law} at {len(points) - defined[row]} of "
+        f"{len(points)} sets of coefficients tried within the bounds{others}",
         "move the bounds, remove the row, or choose a law that reaches that far",
     )

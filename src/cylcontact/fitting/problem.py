@@ -16,6 +16,9 @@ from cylcontact.laws.definition import LawModel, Parameter
 
 __all__ = ["Problem"]
 
+# Numbers in an array of candidates by data; of more candidates some at a time are evaluated.
+_AT_ONCE = 1 << 22
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -52,7 +55,11 @@ class Problem:
 
     def values(self, points: FloatArray) -> FloatArray:
         """Return the objective of P points of the free parameters, shape (P, k) to (P,)."""
-        return self.objective.values(self.form(points))
+        at_once = max(1, _AT_ONCE // self.objective.dR.size)
+        if len(points) <= at_once:
+            return self.objective.values(self.form(points))
+        parts = [points[first : first + at_once] for first in range(0, len(points), at_once)]
+        return np.concatenate([self.values(part) for part in parts])
 
     def value(self, point: FloatArray) -> float:
         """Return the objective of one point, shape (k,)."""

@@ -26,7 +26,9 @@ class Published(Spec):
 class MaxDifference(Spec):
     """Largest |Eq 9| over the data, in percent."""
 
-    fitted: float = Field(description="of the fitted coefficients")
+    fitted: float | None = Field(
+        description="of the fitted coefficients; none if undefined at all of the data"
+    )
     published: float | None = Field(description="of the published ones, where there are any")
 
 
@@ -45,7 +47,9 @@ class RunRecord(Spec):
     population: int = Field(description="the population, which sets the budget of every search")
     crossover: str | None = Field(description="the crossover of a genetic search")
     objective_before_polish: float = Field(description="the best of the search")
-    coefficients_before_polish: dict[str, float] = Field(description="those of the search alone")
+    coefficients_before_polish: dict[str, float] | None = Field(
+        description="those of the search alone; null in old results, which do not have them"
+    )
     objective: float = Field(description="the objective after the polish")
     coefficients: dict[str, float] = Field(description="the coefficients after the polish")
     evaluations: int = Field(description="candidates that the search evaluated")

@@ -59,8 +59,11 @@ NUMBERS = {
     "masked": ("  masked", ",d"),
 }
 
-# The axes of a grid, with symbols and units.
-_AXES = {"E": ("E", " GPa"), "nu": ("ν", ""), "dR": ("ΔR", " mm"), "load": ("load", " N/mm")}
+# The axes of grids, with symbols and units.
+_AXES = {
+    **{"E": ("E", " GPa"), "nu": ("ν", ""), "dR": ("ΔR", " mm"), "load": ("load", " N/mm")},
+    **{"alpha": ("α", ""), "beta": ("β", ""), "phi": ("φ", "")},
+}
 
 # The units of objectives that have one, if no deviations are given with the data.
 _OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-load": "N/mm", "rms-standardised": "std. dev."}
@@ -193,7 +196,9 @@ def _rows(result: FitResult) -> _Rows:
     bound = f"bound {result.bound:.5g}" if result.bound is not None else ""
     rows.append((_objective(result), f"{optimum:.5g}", paper, "", bound, ""))
     worst = result.max_abs_diff_percent
-    rows.append(("max |Eq 9|, %", f"{worst.fitted:.4g}", _or_dash(worst.published), "", "", ""))
+    rows.append(
+        ("max |Eq 9|, %", _or_dash(worst.fitted, ".4g"), _or_dash(worst.published), "", "", "")
+    )
     return rows
 
 
@@ -220,7 +225,15 @@ def _measured_rows(result: FitResult, uncertainty: Uncertainty) -> _Rows:
     unit = _OBJECTIVE_UNITS.get(result.objective.name, "")
     rows.append((result.objective.name, f"{result.objective.value:.5g}", unit, "", "", paper, ""))
     worst = result.max_abs_diff_percent
-    largest = ("largest |Eq 9|", f"{worst.fitted:.4g}", "%", "", "", _or_dash(worst.published), "")
+    largest = (
+        "largest |Eq 9|",
+        _or_dash(worst.fitted, ".4g"),
+        "%",
+        "",
+        "",
+        _or_dash(worst.published),
+        "",
+    )
     if min(result.settings["measurements"]["numbers"]["penetration"]) > 0:
         rows.append(largest)  # of readings about zero a relative difference says nothing
     return rows if published else [(*row[:5], row[6]) for row in rows]
@@ -382,7 +395,7 @@ def _samples_text(result: FitResult) -> str:
     if result.uncertainty is not None:
         return f"{brief(result.name)}: {result.counts.samples:,} measurements"
     axes = result.settings["dataset"]["axes"]
-    texts = [_axis_text(*_AXES[name], axes[name]) for name in _AXES]
+    texts = [_axis_text(*words, axes[name]) for name, words in _AXES.items() if name in axes]
     return f"{brief(result.name)}: samples at {', '.join(texts)}"
 
 
@@ -534,6 +547,6 @@ def _item(sentence: str, mark: str = "- ") -> str:
     return fill(sentence, _WIDTH, initial_indent=mark, subsequent_indent="  ")
 
 
-def _or_dash(value: float | None) -> str:
+def _or_dash(value: float | None, style: str = ".5g") -> str:
     """Return a number, or a dash for None."""
-    return "-" if value is None else f"{value:.5g}"
+    return "-" if value is None else format(value, style)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -26,12 +27,15 @@ from cylcontact.fitting.records import (
     RunRecord,
     SampleCounts,
 )
+from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.fitting.uncertainty.estimates import Uncertainty
 from cylcontact.fitting.uncertainty.profiles import Profile
 from cylcontact.fitting.uncertainty.study import problem_of_result
+from cylcontact.formats import marked, upgraded
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.spec import Spec, parse_spec, require_other_kind
+from cylcontact.reading import RESULT_BYTES, read_text
+from cylcontact.spec import Spec, parse_spec, parser_reason, require_other_kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -74,32 +78,24 @@ class FitResult(Spec):
 
     @classmethod
     def read(cls, path: Path | str) -> FitResult:
-        """Read a result file.
+        """Read a result file, of this version of the program or an older one.
 
         Raises
         ------
         InputError
-            If the file cannot be read, is not a result, or is inconsistent.
+            If the file cannot be read, is not a result, is of a newer format, or is inconsistent.
         """
         source = str(path)
+        text = read_text(path, RESULT_BYTES, "name a result, a JSON file")
         try:
-            data = json.loads(Path(path).read_text(encoding="utf-8"))
-        except OSError as error:
-            raise InputError(
-                source, "", None, f"cannot be read ({error.strerror})", "check the path"
-            ) from error
-        except UnicodeDecodeError as error:
-            raise InputError(
-                source, "", None, "is not a text file", "name a result, a JSON file"
-            ) from error
+            data = json.loads(text)
         except (ValueError, RecursionError) as error:
-            require_other_kind(path, "a fit result")
-            raise InputError(
-                source, "", None, f"is not JSON ({error})", "name a result, or redo the fit"
-            ) from error
+            require_other_kind(path, text, "a fit result")
+            rule = f"is not JSON ({parser_reason(error)})"
+            raise InputError(source, "", None, rule, "name a result, or redo the fit") from error
         if not isinstance(data, dict):
             raise InputError(source, "", None, "is not a result", "name one that a fit has written")
-        result = parse_spec(cls, data, source)
+        result = parse_spec(cls, upgraded("fit result", data, source), source)
         _require_consistent(result, source)
         return result
 
@@ -110,7 +106,8 @@ class FitResult(Spec):
 
     def write(self, path: Path) -> None:
         """Write the result as JSON to a file that is not yet in its place."""
-        text = json.dumps(self._plain(), indent=1, ensure_ascii=False, allow_nan=False)
+        contents = marked("fit result", self._plain())
+        text = json.dumps(contents, indent=1, ensure_ascii=False, allow_nan=False)
         try:
             path.write_text(text + "\n", encoding="utf-8")
         except UnicodeEncodeError as error:
@@ -375,6 +372,7 @@ def _require_consistent(result: FitResult, source: str) -> None:
         if set(coefficients) != set(names):
             rule = f"must be the coefficients of its campaign: {', '.join(names)}"
             raise InputError(source, key, sorted(coefficients), rule, "redo the fit")
+    _require_within(result.coefficients, campaign.spec.parameters, source)
     if result.uncertainty is not None and not {*result.uncertainty.estimates} <= {*names}:
         rule = f"must be those of coefficients of its campaign: {', '.join(names)}"
         raise InputError(source, "uncertainty.estimates", None, rule, "redo the fit")
@@ -384,6 +382,19 @@ def _require_consistent(result: FitResult, source: str) -> None:
             raise InputError(source, f"profiles.{name}", None, rule, "redo the fit")
     if not result.runs:
         raise InputError(source, "runs", [], "must hold at least one run", "redo the fit")
+
+
+def _require_within(
+    coefficients: Mapping[str, float], tables: Mapping[str, ParameterSpec], source: str
+) -> None:
+    """Refuse coefficients that the campaign could not have reached."""
+    for name, table in tables.items():
+        value = coefficients[name]
+        rule = f"lies outside the bounds of its campaign, {table.low} to {table.high}"
+        if table.fixed:
+            rule = f"must be the value that its campaign fixes, {table.value}"
+        if not table.allows(value) or (table.fixed and value != table.value):
+            raise InputError(source, f"coefficients.{name}", value, rule, "redo the fit")
 
 
 def _require_of_campaign(result: FitResult, campaign: Campaign, source: str) -> None:

@@ -49,23 +49,32 @@ class ParameterSpec(Spec):
 
     @model_validator(mode="after")
     def _check(self) -> ParameterSpec:
-        if self.fixed:
-            if self.value is None:
-                raise broken("value", None, "is required when fixed = true", _PARAMETER_REMEDY)
-            return self
-        if self.value is not None:
-            raise broken("value", self.value, "is used only with fixed = true", _PARAMETER_REMEDY)
-        if self.low is None or self.high is None:
-            missing = "low" if self.low is None else "high"
-            raise broken(missing, None, "is required", _PARAMETER_REMEDY)
-        if self.low >= self.high:
+        if self.low is not None and self.high is not None and self.low >= self.high:
             raise broken(
                 "low",
                 self.low,
                 f"must be below high = {self.high}",
                 "exchange them, or give value with fixed = true",
             )
+        if self.fixed:
+            if self.value is None:
+                raise broken("value", None, "is required when fixed = true", _PARAMETER_REMEDY)
+            if not self.allows(self.value):
+                rule = f"lies outside its own bounds, {self.low} to {self.high}"
+                raise broken("value", self.value, rule, "move it, or leave low and high out")
+            return self
+        if self.value is not None:
+            raise broken("value", self.value, "is used only with fixed = true", _PARAMETER_REMEDY)
+        if self.low is None or self.high is None:
+            missing = "low" if self.low is None else "high"
+            raise broken(missing, None, "is required", _PARAMETER_REMEDY)
         return self
+
+    def allows(self, value: float) -> bool:
+        """Return whether a value is within the bounds, as far as there are any."""
+        low = -math.inf if self.low is None else self.low
+        high = math.inf if self.high is None else self.high
+        return low <= value <= high
 
     def applied_to(self, parameter: Parameter) -> Parameter:
         """Return a parameter with the table's bounds, or its value."""
@@ -150,6 +159,12 @@ class MeasuredSpec(Spec):
     )
     contact: Contact = Field(description='"internal" or "external"')
     law: str = Field(description="the law to fit, or module:function for one of your own")
+    law_timeout: float | None = Field(
+        None,
+        gt=0,
+        le=86400,
+        description="seconds that one call of a law of your own may take, 60 by default",
+    )
     objective: str | None = Field(None, description="an objective for measurements")
     noise: str | None = Field(
         None, description=f"how the scatter of the readings grows, one of {', '.join(NOISES)}"

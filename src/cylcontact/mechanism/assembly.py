@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.errors import InputError
 from cylcontact.mechanism import constraints
 from cylcontact.mechanism.model import Joint, Mechanism
@@ -27,6 +27,8 @@ _ASSEMBLED = 1e-13
 
 # Rotation of the driver between two solutions, in rad.
 _DRIVER_STEP = 0.1
+# The longest way of the driver to its initial angle; each turn takes a few milliseconds.
+_TURNS = 100
 
 _KINDS = {
     "revolute": constraints.REVOLUTE,
@@ -97,6 +99,13 @@ def assemble(mechanism: Mechanism, t: float = 0.0) -> tuple[FloatArray, FloatArr
     guessed = q[3 * int(driver[2]) + 2] - (q[3 * int(driver[1]) + 2] if driver[1] >= 0 else 0.0)
     initial, speed = driver[7] + driver[8] * t, driver[8]
     driver[8] = 0.0
+    name = next(joint.name for joint in mechanism.joints if joint.kind == "driver")
+    require(
+        abs(initial - guessed) < _TURNS * math.tau,
+        mechanism.source, f"joints.{name}.angle", math.degrees(initial),
+        f"is more than {_TURNS} turns from the guessed angles of its bodies",
+        "leave whole turns out",
+    )  # fmt: skip
     steps = max(2, math.ceil(abs(initial - guessed) / _DRIVER_STEP) + 1)
     for angle in np.linspace(guessed, initial, steps):
         driver[7] = angle

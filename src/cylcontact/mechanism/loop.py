@@ -20,6 +20,10 @@ __all__ = ["LawDomainError", "Run", "advance", "one_row"]
 _NOT_RELATIVE = 1e-15
 # Steps between two checks for Ctrl-C.
 _BUFFER = 4096
+# Most steps of one revolution, and how many more for each second of it. Joints of restitution .5 to
+# .9 take 500 to 15,000, at tolerances down to 1e-14; the most seen are 290,000, without any loss at
+# 1e-12. In contact a step takes about 8 µs however slow the driver is.
+_MOST_STEPS, _MORE_PER_SECOND = 3_000_000, 1_000_000
 
 
 class LawDomainError(InputError):
@@ -78,7 +82,7 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[StepHistory, int]:
     LawDomainError
         If the penetration reaches the end of the law's domain.
     InputError
-        If the steps collapse.
+        If the steps collapse, or there is no end to them.
     """
     system, state = run.system, run.state
     split = state.values.size - len(LEDGERS)
@@ -92,8 +96,10 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[StepHistory, int]:
         run.tolerance * system.scale,
         run.max_step,
     )
-    parts, status = [], integrate.FULL
-    while status == integrate.FULL:
+    most = _MOST_STEPS + _MORE_PER_SECOND * (end - state.time)
+    parts: list[StepHistory] = []
+    status = integrate.FULL
+    while status == integrate.FULL and len(parts) * _BUFFER < most:
         times, impact_rates = np.empty(_BUFFER), np.empty(_BUFFER)
         values, in_contact = np.empty((_BUFFER, state.values.size)), np.empty(_BUFFER, np.bool_)
         buffers = times, values, in_contact, impact_rates
@@ -109,6 +115,8 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[StepHistory, int]:
     )
     if status == integrate.LAW_LEFT:
         raise _law_left(run)
+    if status == integrate.FULL:
+        raise _without_end(run, label, len(parts) * _BUFFER)
     if status == integrate.COLLAPSED or not np.isfinite(run.state.values).all():
         raise _collapsed(run)
     return concatenate(parts), int(now[integrate.EVALUATIONS])
@@ -165,4 +173,15 @@ def _collapsed(run: Run) -> InputError:
         f"the steps collapse at t = {run.state.time:.6g} s, where the penetration is "
         f"{run.penetration * 1e6:.4g} µm",
         "loosen the tolerance, or look for a dead centre of the mechanism there",
+    )
+
+
+def _without_end(run: Run, revolution: int, steps: int) -> InputError:
+    return InputError(
+        run.system.source,
+        "integration.tolerance",
+        run.tolerance,
+        f"revolution {revolution} has not ended after {steps:,} steps, at t = "
+        f"{run.state.time:.6g} s, where the penetration is {run.penetration * 1e6:.4g} µm",
+        "check masses, inertias and units, change the tolerance, or lower a restitution of 1",
     )

@@ -7,7 +7,7 @@ on the state at its start, and a resumed run equals an uninterrupted one to the 
 from __future__ import annotations
 
 import time
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from cylcontact.mechanism.statistics import Statistics
 from cylcontact.mechanism.step_history import Settings, State, StepHistory, concatenate
 from cylcontact.mechanism.system import build
 from cylcontact.mechanism.trajectory import Trajectory
+from cylcontact.memory import require_memory
 from cylcontact.progress import Progress, silent
 
 __all__ = ["Interrupted", "begin", "one_revolution", "settings_for", "simulate"]
@@ -86,8 +87,8 @@ def simulate(
     ------
     InputError
         If the mechanism cannot be assembled, the law is undefined for the joint, the penetration
-        leaves the domain of the law (`LawDomainError`, with time, penetration and limit), or the
-        steps collapse.
+        leaves the domain of the law (`LawDomainError`, with time, penetration and limit), the
+        steps collapse, or after the first revolution if the steps of all need too much memory.
     Interrupted
         After Ctrl-C, with the complete revolutions.
 
@@ -111,6 +112,8 @@ def simulate(
         for index in range(done, total):
             progress("revolutions", index, total)
             parts.append(one_revolution(run, index, mechanism.period))
+            if index == done:
+                _require_room(parts[-1], total - done)
     except KeyboardInterrupt:
         rows = concatenate(parts)
         block = run.system.block.copy()
@@ -118,6 +121,14 @@ def simulate(
         raise Interrupted(complete) from None
     progress("revolutions", total, total)
     return Trajectory(mechanism, settings, concatenate(parts), run.system.block.copy())
+
+
+def _require_room(steps: StepHistory, revolutions: int) -> None:
+    """Raise `InputError` if the steps of all revolutions, like these of one, find no memory."""
+    each = sum(getattr(steps, field.name).nbytes for field in fields(steps))
+    remedy = "simulate fewer at a time, or write no trajectory: statistics need none"
+    # Twice: as they come, and joined.
+    require_memory("simulate", "revolutions", revolutions, 2.0 * each * revolutions, remedy)
 
 
 def begin(

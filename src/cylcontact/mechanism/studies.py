@@ -274,7 +274,8 @@ def tolerance_table(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     for table in tables:
         complete = table[table["status"] == "complete"]
         if complete.empty:
-            raise InputError("tolerance_table", "tables", None, "no case is complete", "see why")
+            rule = f"no case is complete; the first: {table['message'].iloc[0]}"
+            raise InputError("tolerance_table", "tables", None, rule, "choose other cases")
         rows.append(
             {
                 "method": complete["method"].iloc[0],

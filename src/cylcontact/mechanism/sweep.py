@@ -16,9 +16,10 @@ from cylcontact.choices import Beyond, Method
 from cylcontact.errors import InputError
 from cylcontact.journal import Journal
 from cylcontact.mechanism.model import Mechanism, mechanism_from
-from cylcontact.mechanism.simulate import simulate
+from cylcontact.mechanism.simulate import settings_for, simulate
 from cylcontact.mechanism.studies import horizon
 from cylcontact.mechanism.trajectory import Trajectory
+from cylcontact.memory import require_memory
 from cylcontact.parallel import Call, Workers, call, call_for, run_recorded
 from cylcontact.progress import Progress, silent
 from cylcontact.provenance import spec_hash
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 __all__ = ["Case", "Plan", "cases", "run_case", "sweep"]
+
+# Of a case in the list of all, with its call and its row.
+_CASE_BYTES = 3000
 
 
 @dataclass(frozen=True)
@@ -72,7 +76,10 @@ def cases(
     >>> [case.friction for case in cases(["johnson"], [0.5], [0.9], [0.0, 0.1])]
     [0.0, 0.1]
     """
-    combined = itertools.product(laws, clearances, restitutions, frictions)
+    varied: list[list[Any]] = [[*laws], [*clearances], [*restitutions], [*frictions]]
+    count = math.prod(map(len, varied))
+    require_memory("simulate", "cases", count, _CASE_BYTES * count, "vary fewer values at a time")
+    combined = itertools.product(*varied)
     return [Case(*values) for values in combined]
 
 
@@ -227,6 +234,8 @@ def _require_possible(mechanism: Mechanism, wanted: Sequence[Case], plan: Plan) 
             "sweep", "first", plan.first, f"leaves none of {plan.revolutions} revolutions",
             "start earlier, or simulate more revolutions",
         )  # fmt: skip
+    for tolerance in {plan.tolerance, plan.against}:
+        settings_for(mechanism, plan.method, tolerance, plan.beyond)
     for case in wanted:
         mechanism_from(mechanism.data, mechanism.source, **asdict(case))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
+from cylcontact.formats import marked, upgraded
 from cylcontact.html_repr import table_html
 from cylcontact.limits import yield_load
 from cylcontact.mechanism import contact, derived
@@ -22,10 +24,13 @@ from cylcontact.mechanism.slider_crank import motion, recognise
 from cylcontact.mechanism.statistics import SECTION, Statistics, described
 from cylcontact.mechanism.step_history import LEDGERS, Settings, State, StepHistory
 from cylcontact.mechanism.system import build
+from cylcontact.memory import require_memory
 from cylcontact.provenance import made_with
+from cylcontact.reading import require_file
 
 if TYPE_CHECKING:
     import pandas as pd
+    import pyarrow as pa
 
     from cylcontact.plots import Drawing
 
@@ -443,7 +448,8 @@ class Trajectory:
                 Path(mechanism.source).parent, {"mechanism": mechanism.data}, _LIBRARIES
             ),
         }
-        table = pa.table(columns).replace_schema_metadata({_METADATA: json.dumps(metadata)})
+        text = json.dumps(marked("trajectory", metadata))
+        table = pa.table(columns).replace_schema_metadata({_METADATA: text})
         with replacing(path) as temporary:
             pq.write_table(table, temporary, compression="zstd")
 
@@ -454,35 +460,40 @@ class Trajectory:
         Raises
         ------
         InputError
-            If the file cannot be read or holds no trajectory.
+            If the file cannot be read, holds no trajectory, or one of a newer format.
         """
         import pyarrow as pa
         import pyarrow.parquet as pq
 
+        require_file(path, sys.maxsize)
         try:
-            table = pq.read_table(path)
+            file = pq.ParquetFile(path)
+            size = 8.0 * file.metadata.num_rows * file.metadata.num_columns
+            require_memory(str(path), "", None, 2 * size, "simulate fewer revolutions")
+            table = file.read()
             metadata = json.loads((table.schema.metadata or {})[_METADATA])
-        except (OSError, pa.ArrowException) as error:
+            metadata = upgraded("trajectory", metadata, str(path))
+            rows = _rows_of(table, metadata["counts"])
+            spec, source = metadata["spec"], str(metadata["source"])
+            settings = Settings(**metadata["settings"])
+        except InputError:
+            raise
+        except (OSError, pa.ArrowInvalid) as error:
             reason = getattr(error, "strerror", None) or "not a Parquet file"
             raise InputError(
                 str(path), "", None, f"cannot be read ({reason})", "check the path"
             ) from error
-        except (KeyError, ValueError) as error:
+        except (KeyError, ValueError, TypeError, pa.ArrowException) as error:
             raise InputError(
                 str(path), "", None, "holds no trajectory", "give what simulate -o has written"
             ) from error
-        states = [name for name in table.column_names if name.startswith("state_")]
-        rows = StepHistory(
-            time=table["time_s"].to_numpy(),
-            values=np.column_stack([table[name].to_numpy() for name in states]),
-            in_contact=table["in_contact"].to_numpy(),
-            impact_rate=table["impact_rate_m_per_s"].to_numpy(),
-            revolution=table["revolution"].to_numpy(),
-            counts=np.array(metadata["counts"], dtype=np.float64).reshape(-1, 3),
-        )
-        mechanism = mechanism_from(metadata["spec"], metadata["source"])
-        settings = Settings(**metadata["settings"])
+        mechanism = mechanism_from(spec, source)
         system = build(mechanism, settings.method, settings.beyond)
+        if rows.values.shape[1] != system.start.size:
+            states = rows.values.shape[1]
+            rule = f"has {states} states where its mechanism has {system.start.size}"
+            remedy = "an older version of cylcontact wrote it, or another program: simulate anew"
+            raise InputError(str(path), "", None, rule, remedy)
         return cls(mechanism, settings, rows, system.block)
 
     def plot(self, revolutions: float = 2.0) -> Drawing:
@@ -520,3 +531,26 @@ class Trajectory:
         rows = {"duration (s)": self.time[-1] - self.time[0], **self.statistics().summary}
         picture = "" if self.mechanism.ideal else self.plot()._repr_html_()
         return table_html(f"Trajectory of {self.mechanism.name}", rows) + picture
+
+
+def _rows_of(table: pa.Table, counts: Any) -> StepHistory:
+    """Return the rows that a table holds.
+
+    Raises
+    ------
+    KeyError, ValueError, TypeError
+        If a column is missing or holds no finite numbers, or if there are no rows.
+    """
+    names = [name for name in table.column_names if name.startswith("state_")]
+    columns = [np.asarray(table[name].to_numpy(), float) for name in ("time_s", *names)]
+    values = np.column_stack(columns)
+    if not values.size or not np.isfinite(values).all():
+        raise ValueError("the states are no finite numbers")
+    return StepHistory(
+        time=columns[0],
+        values=values[:, 1:],
+        in_contact=np.asarray(table["in_contact"].to_numpy(), bool),
+        impact_rate=np.asarray(table["impact_rate_m_per_s"].to_numpy(), float),
+        revolution=np.asarray(table["revolution"].to_numpy(), np.int32),
+        counts=np.array(counts, dtype=np.float64).reshape(-1, 3),
+    )

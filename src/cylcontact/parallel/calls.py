@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["Call", "call"]
+__all__ = ["RESUME", "Call", "call"]
 
 # A function with its arguments, as joblib takes it.
 Call = tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]
+# What to do once workers are lost.
+RESUME = "a command that has --resume goes on with it from what is complete"
 
 
 def call(function: Callable[..., Any], *arguments: Any, **named: Any) -> Call:

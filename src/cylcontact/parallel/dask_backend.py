@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from concurrent.futures import Future, InvalidStateError
 from contextlib import suppress
@@ -85,18 +86,21 @@ class Watch:
 
     def _watch(self) -> None:
         period = min(1.0, self._patience / 2)
-        alone = 0.0
+        seen = time.monotonic()
         while not self._ended.wait(period):
-            alone = 0.0 if self._has_workers() else alone + period
-            if alone >= self._patience:
+            if self._has_workers():
+                seen = time.monotonic()
+            elif time.monotonic() - seen >= self._patience:
                 self.deserted = True
                 self._backend.fail(TimeoutError())
                 return
 
     def _has_workers(self) -> bool:
+        """Ask the scheduler, which may have stopped answering without closing the connection."""
         client = self._backend.client
         with suppress(Exception):  # many kinds are raised while the scheduler is away
-            return client.status == "running" and bool(client.scheduler_info()["workers"])
+            known = client.sync(client.scheduler.identity, callback_timeout=self._patience / 2)
+            return bool(known["workers"])
         return False
 
     def stop(self) -> None:

@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from cylcontact.errors import InputError
-from cylcontact.parallel.calls import Call, call
+from cylcontact.memory import require_memory
+from cylcontact.parallel.calls import RESUME, Call, call
 
 __all__ = ["SETTLING", "as_generator", "give_up", "in_processes", "in_threads"]
 
@@ -23,6 +24,8 @@ __all__ = ["SETTLING", "as_generator", "give_up", "in_processes", "in_threads"]
 SETTLING = 0.2
 # Seconds between two checks by a worker that its parent is alive.
 _POLLING = 0.2
+# Of a worker process that has imported the package and not worked yet.
+_WORKER_BYTES = 100e6
 
 
 def in_processes(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Generator[Any]:
@@ -31,6 +34,8 @@ def in_processes(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Gene
 
     _expect_new_workers()
     workers = max(1, min(jobs, len(calls)))
+    if workers > 1:
+        require_memory("workers", "jobs", jobs, _WORKER_BYTES * workers, "use fewer: --jobs")
     parallel = joblib.Parallel(
         n_jobs=workers,
         return_as=as_generator(ordered),
@@ -49,7 +54,7 @@ def in_processes(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Gene
             "jobs",
             jobs,
             "the system ended a worker process, probably because memory ran out",
-            "use fewer, or a smaller grid; fit --resume continues from the saved runs",
+            f"use fewer, or a smaller grid; {RESUME}",
         ) from error
     finally:
         give_up(results)

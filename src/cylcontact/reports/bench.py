@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cylcontact.errors import InputError
 from cylcontact.fitting.result import FitResult
 from cylcontact.materials import SHIPPED, MaterialRow, known_materials, shipped_materials
 from cylcontact.parallel import Workers
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["Bench", "MissingInputError", "call_in_bench"]
 
@@ -79,6 +82,42 @@ class Bench:
         'bench/datasets/benchmarks.json'
         """
         return self.noted(self.root / name)
+
+    def table(self, name: str, columns: Sequence[str], remedy: str) -> pd.DataFrame:
+        """Read a table that an earlier version may have written, with other columns.
+
+        Parameters
+        ----------
+        name : str
+            Its path below the root.
+        columns : sequence of str
+            What is read of it.
+        remedy : str
+            What writes it.
+
+        Returns
+        -------
+        pandas.DataFrame
+            These columns.
+
+        Raises
+        ------
+        InputError
+            If there is no such table, it cannot be read, or lacks a column.
+        """
+        import pandas as pd
+
+        file = self.input(name)
+        if not file.is_file():
+            raise MissingInputError(str(file), "", None, "this table does not exist", remedy)
+        try:
+            table = pd.read_csv(file)
+        except (OSError, ValueError) as error:
+            raise InputError(str(file), "", None, "cannot be read", remedy) from error
+        lacking = [column for column in columns if column not in table]
+        if lacking:
+            raise InputError(str(file), lacking[0], None, "is a column that it lacks", remedy)
+        return table[list(columns)]
 
     @property
     def materials_file(self) -> Path:

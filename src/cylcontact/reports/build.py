@@ -12,7 +12,7 @@ import gc
 import hashlib
 import inspect
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import ExitStack, closing
+from contextlib import closing
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -21,7 +21,7 @@ from typing import Any
 
 from cylcontact.choices import Format
 from cylcontact.errors import InputError
-from cylcontact.files import remove_leftovers, replacing
+from cylcontact.files import remove_leftovers, replacing_all, require_writable
 from cylcontact.parallel import call, run_calls
 from cylcontact.plain_text import csv_text, file_name, page_text
 from cylcontact.plots.figure import Drawing
@@ -237,6 +237,12 @@ def build(
     """
     _require_programs(options.formats)
     target, chosen, given = folder or bench.figures_folder, chosen_recipes(bench, names), arguments
+    outputs = [
+        target / f"{_stem(name, given)}.{ending}"
+        for name in chosen
+        for ending in (*options.formats, "csv", "txt")
+    ]
+    require_writable(*outputs)
     work = [call(_attempt, bench, name, target, options, given) for name in chosen]
     results: list[FigureResult] = []
     progress("drawing", 0, len(chosen))
@@ -246,9 +252,8 @@ def build(
                 results.append(result)
                 progress("drawing", len(results), len(chosen))
     except BaseException:  # the workers have been killed, some of them while they were writing
-        for name in chosen:
-            for ending in (*options.formats, "csv", "txt"):
-                remove_leftovers(target / f"{_stem(name, given)}.{ending}")
+        for path in outputs:
+            remove_leftovers(path)
         raise
     return results
 
@@ -298,8 +303,7 @@ def write(
     _require_programs(options.formats)
     paths = [folder / f"{name}.{ending}" for ending in (*options.formats, "csv")]
     paths += [folder / f"{name}.txt"] if drawing.method else []
-    with ExitStack() as stack:
-        files = [stack.enter_context(replacing(path)) for path in paths]
+    with replacing_all(paths) as files:
         for form, picture in zip(options.formats, files, strict=False):
             save_picture(drawing, picture, form, options.style)
         csv = files[len(options.formats)]
@@ -545,10 +549,12 @@ def _refuse_unknown(name: str, bench: Bench, recipes: Mapping[str, Path]) -> Non
             "a recipe must define this function",
             "give it draw(bench: Bench) -> Drawing",
         )
-    raise InputError(
-        str(bench.recipes_folder),
-        "recipe",
-        name,
-        "there is no such recipe",
-        f"choose among {', '.join(recipes)}",
-    )
+    rule, remedy = "there is no such recipe", f"choose among {', '.join(recipes)}"
+    try:
+        for file in sorted(bench.recipes_folder.glob("*.py")):
+            if _parsed(file) is None or "FIGURES" in _top_level_names(file):
+                bench.module(file.stem)
+    except InputError as error:
+        rule = f"there is no such recipe, unless in a file that {error.rule}"
+        remedy = f"correct {error.source}, or {remedy}"
+    raise InputError(str(bench.recipes_folder), "recipe", name, rule, remedy)

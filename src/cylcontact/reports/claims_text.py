@@ -10,6 +10,7 @@ from typing import Any
 
 import pandas as pd
 
+from cylcontact.formats import marked
 from cylcontact.reports.claims import VERDICTS, Alternative, Claim, Verdict
 from cylcontact.text_tables import Report, TextTable, joined
 
@@ -215,4 +216,4 @@ def to_json(
         "counts": counts(claims),
         "withdrawn": dict(gone or {}),
     }
-    return json.dumps(document, ensure_ascii=False, indent=2) + "\n"
+    return json.dumps(marked("claims", document), ensure_ascii=False, indent=2) + "\n"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pandas as pd
 
 from cylcontact.errors import InputError
@@ -47,7 +49,9 @@ def runs_table(result: FitResult) -> pd.DataFrame:
             "seconds": [run.seconds for run in ordered],
         }
         | {
-            f"{name}_searched": [run.coefficients_before_polish[name] for run in ordered]
+            f"{name}_searched": [
+                (run.coefficients_before_polish or {}).get(name, math.nan) for run in ordered
+            ]
             for name in result.profiles
         }
     )

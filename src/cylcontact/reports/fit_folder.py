@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
 from pathlib import Path
 
 from cylcontact.choices import CHOICE_FILES, FIT_FILES
-from cylcontact.files import replacing
+from cylcontact.files import replacing_all
 from cylcontact.fitting.choice import Choice
 from cylcontact.fitting.drawings import choice_drawing, fit_drawing
 from cylcontact.fitting.result import FitResult
@@ -66,9 +65,8 @@ def _write(
     rest: Callable[[Mapping[str, Path]], None],
 ) -> None:
     """Write a drawing's pictures and table, and by suffix whatever else there is."""
-    with ExitStack() as stack:
-        files = {Path(name).suffix: replacing(folder / name) for name in names}
-        paths = {suffix: stack.enter_context(file) for suffix, file in files.items()}
+    with replacing_all(folder / name for name in names) as files:
+        paths = {file.suffix: file for file in files}
         save_picture(drawing, paths[".png"], "png", JOURNAL)
         save_picture(drawing, paths[".pdf"], "pdf", JOURNAL)
         text = csv_text(drawing.table, float_format=NUMBER_FORMAT)

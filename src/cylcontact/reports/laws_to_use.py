@@ -20,10 +20,12 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import Form, LawForm, Samples, collect_samples, form_of
+from cylcontact.formats import upgraded
 from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.pair import Contact
+from cylcontact.reading import SPEC_BYTES, read_text
 from cylcontact.reports.bench import Bench, MissingInputError
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, johnson_end
 from cylcontact.text_tables import Report, joined, text_table
@@ -261,9 +263,17 @@ def _relative_times(bench: Bench) -> dict[str, float]:
         raise MissingInputError(
             str(path), "", None, "the measured times do not exist", "measure them: make bench"
         )
-    rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
-    compiled = [row for row in rows if row["case"].startswith("compiled scalar")]
-    measured = {row["side"]: row["value"] for row in compiled}
+    try:
+        data = dict(json.loads(read_text(path, SPEC_BYTES, "measure them: make bench")))
+        rows = upgraded("benchmarks", data, str(path))["rows"]
+        compiled = [row for row in rows if row["case"].startswith("compiled scalar")]
+        measured = {row["side"]: row["value"] for row in compiled}
+    except InputError:
+        raise
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(
+            str(path), "", None, "holds no measured times", "measure them: make bench"
+        ) from error
     try:
         times = {key: measured[f"cylcontact: kernel_load, {side}"] for key, side in _TIMED.items()}
     except KeyError as error:

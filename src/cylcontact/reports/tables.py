@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
 from pathlib import Path
 
 import pandas as pd
 
 from cylcontact.errors import InputError
-from cylcontact.files import replacing
+from cylcontact.files import replacing_all, require_writable
 from cylcontact.plain_text import csv_text, html, latex, page_text
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import chosen_recipes, draw
@@ -53,15 +52,17 @@ def write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) ->
         rule, remedy = "is unknown", f"choose {', '.join(KINDS)}"
         raise InputError("report", "--tables", kind, rule, remedy)
     ending, table, captions = KINDS[kind]
-    caption_of = {name: draw(name, bench).caption for name in chosen_recipes(bench, names)}
+    chosen = chosen_recipes(bench, names)
+    files = ("coefficients", "claims", *captions(dict.fromkeys(chosen, "")))
+    paths = [folder / f"{name}.{ending}" for name in files]
+    require_writable(*paths)
+    caption_of = {name: draw(name, bench).caption for name in chosen}
     texts = {
         "coefficients": table(_coefficients_table(bench)),
         "claims": table(_claims_table(bench)),
     } | captions(caption_of)
-    paths = [folder / f"{name}.{ending}" for name in texts]
-    with ExitStack() as stack:
-        for path, text in zip(paths, texts.values(), strict=True):
-            temporary = stack.enter_context(replacing(path))
+    with replacing_all(paths) as temporaries:
+        for temporary, text in zip(temporaries, texts.values(), strict=True):
             temporary.write_text(text, encoding="utf-8")
     return paths
 
@@ -87,7 +88,8 @@ def _coefficients_table(bench: Bench) -> pd.DataFrame:
 
 def _claims_table(bench: Bench) -> pd.DataFrame:
     """Return a row for each claim: section, statement, the paper's value, ours, the verdict."""
-    return to_table(ledger(bench))[["section", "statement", "paper", "ours", "verdict"]]
+    columns = ["section", "statement", "paper", "ours", "verdict"]
+    return to_table(ledger(bench)).reindex(columns=columns)
 
 
 def _latex_table(table: pd.DataFrame) -> str:

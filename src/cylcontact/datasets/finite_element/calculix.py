@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import subprocess
-import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from cylcontact.datasets.finite_element.calculix_deck import Deck, make_deck
 from cylcontact.datasets.finite_element.cases import Case
 from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.errors import InputError
+from cylcontact.files import scratch_folder
 from cylcontact.tether import tethered
 
 __all__ = ["SolverError", "find_program", "read_results", "run_case", "version"]
@@ -80,7 +80,7 @@ def run_case(
     load: float,
     loads: FloatArray,
     program: str,
-    scratch: str | None = None,
+    scratch: Path | None = None,
 ) -> Case:
     """Solve one case with CalculiX.
 
@@ -94,7 +94,7 @@ def run_case(
         All loads at this clearance, to which the mesh is adapted.
     program : str
         The path of CalculiX.
-    scratch : str, optional
+    scratch : path, optional
         Parent of its working folder; by default the folder for temporary files.
 
     Returns
@@ -112,7 +112,7 @@ def run_case(
     return Case(dR, load, penetration, np.nan, peak, mesh.cells)
 
 
-def _run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
+def _run_deck(deck: Deck, program: str, scratch: Path | None = None) -> str:
     """Run a deck in a temporary folder and return the text of its results.
 
     Raises
@@ -120,8 +120,7 @@ def _run_deck(deck: Deck, program: str, scratch: str | None = None) -> str:
     SolverError
         If the program ends with an error, is killed, or writes no results.
     """
-    with tempfile.TemporaryDirectory(prefix="cylcontact-ccx-", dir=scratch) as name:
-        folder = Path(name)
+    with scratch_folder(scratch) as folder:
         (folder / "case.inp").write_text(deck.text, encoding="ascii")
         # One thread: cases run in parallel, and the result does not depend on the machine.
         done = subprocess.run(

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cylcontact.arrays import FloatArray
+from cylcontact.errors import InputError
 
 __all__ = ["Body", "Grading", "IntArray", "Mesh", "Pairs", "make_mesh"]
 
@@ -23,6 +24,8 @@ IntArray = NDArray[np.intp]
 # Half-width of the pin's square core, in radii.
 _CORE = 0.35
 _QUARTER = np.pi / 4
+# 200 cells over the half-width of the narrowest real contact need some 3000.
+_MOST_CELLS = 5000
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +155,10 @@ def _graded(length: float, grading: Grading, radius: float = 1.0) -> FloatArray:
     """
     points, size = [0.0], grading.size
     while points[-1] < length:
+        if len(points) > _MOST_CELLS:
+            rule = f"more than {_MOST_CELLS} cells lie side by side"
+            remedy = "give fewer cells, or a larger size or contact_size"
+            raise InputError("finite elements", "mesh", None, rule, remedy)
         points.append(points[-1] + size)
         if points[-1] >= grading.even:
             cap = grading.fine if points[-1] < grading.reach else np.inf

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from threadpoolctl import threadpool_limits
@@ -18,6 +17,7 @@ from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.datasets.finite_element.solve import solve
 from cylcontact.datasets.finite_element.spec import Study
 from cylcontact.errors import InputError
+from cylcontact.files import scratch_folder
 from cylcontact.journal import Journal
 from cylcontact.parallel import call, run_recorded
 from cylcontact.progress import Progress, silent
@@ -130,7 +130,7 @@ def run_study(
         Journal(checkpoint, "study", f"{study.key} {engine_name(engine)}") if checkpoint else None
     )
     # An interruption ends the workers, which cannot remove what they have written then.
-    with TemporaryDirectory(prefix="cylcontact-", ignore_cleanup_errors=True) as scratch:
+    with scratch_folder() as scratch:
         calls = {
             task.places: call(_solve_task, task, study.load, program, scratch)
             for task in _tasks(study, engine)
@@ -169,7 +169,7 @@ def _tasks(study: Study, engine: Engine) -> list[_Task]:
 
 
 def _solve_task(
-    task: _Task, loads: tuple[float, ...], program: str, scratch: str
+    task: _Task, loads: tuple[float, ...], program: str, scratch: Path
 ) -> Mapping[_Place, Row | Failure]:
     """Solve one task in a worker and return what came of each case."""
     import numpy as np

@@ -2,19 +2,22 @@
 
 The lines of the header begin with "# " and hold, as KEY: VALUE, the study, a hash of its set-up
 file, the engine and its version, the calibrated constant, and a hash of the rows. A table edited by
-hand does not match the hash and is refused.
+hand does not match the hash and is refused. The first line is the version of this format.
 """
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
+from cylcontact.formats import marked, upgraded
+from cylcontact.reading import TABLE_BYTES, read_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,7 +55,7 @@ class FiniteElementTable:
     rows : pandas.DataFrame
         Columns `COLUMNS`, and `PIN_COLUMNS` if a pin has its own material.
     header : dict
-        The lines of the header, by the keys `KEYS`.
+        The lines of the header but the version, by the keys `KEYS`.
     """
 
     rows: pd.DataFrame
@@ -90,7 +93,8 @@ def write_table(path: Path | str, study: Study, engine: str, rows: Sequence[Row]
         f"{study.origin['outer_ratio']}); it sets the additive constant of the penetration"
     )
     values = (study.name, study.key, engine, calibrated, _hash(body))
-    header = "".join(f"# {key}: {value}\n" for key, value in zip(KEYS, values, strict=True))
+    contents = marked("table of finite elements", dict(zip(KEYS, values, strict=True)))
+    header = "".join(f"# {key}: {value}\n" for key, value in contents.items())
     with replacing(path) as temporary:
         temporary.write_text(header + body, encoding="utf-8", newline="\n")
 
@@ -101,22 +105,22 @@ def read_table(path: Path | str) -> FiniteElementTable:
     Raises
     ------
     InputError
-        If the file cannot be read, is not such a table, or does not match its hash.
+        If the file cannot be read, is not such a table or one of a newer format, or does not match
+        its hash.
     """
     import io
 
     import pandas as pd
 
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not text"
-        raise InputError(
-            str(path), "", None, f"cannot be read ({reason})", "make finite-element writes it"
-        ) from error
+    remedy = "make finite-element writes it"
+    text = read_text(path, TABLE_BYTES, remedy, remedy)
     lines = text.splitlines(keepends=True)
     head = [line for line in lines if line.startswith("# ")]
     header = {key: value for key, _, value in (line[2:].rstrip().partition(": ") for line in head)}
+    version: int | str = header.get("format", "0")
+    with suppress(ValueError):
+        version = int(version)
+    header = upgraded("table of finite elements", {**header, "format": version}, str(path))
     body = "".join(lines[len(head) :])
     columns = tuple(body.partition("\n")[0].split(","))
     if tuple(header) != KEYS or columns not in (COLUMNS, (*COLUMNS, *PIN_COLUMNS)):

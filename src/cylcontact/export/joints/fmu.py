@@ -7,7 +7,6 @@ import io
 import shutil
 import subprocess
 import sys
-import tempfile
 import uuid
 import zipfile
 from importlib.metadata import version
@@ -17,6 +16,7 @@ from xml.sax.saxutils import quoteattr
 
 from cylcontact.errors import InputError
 from cylcontact.export.joints import c
+from cylcontact.files import scratch_folder
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
 from cylcontact.plain_text import comment
 
@@ -160,8 +160,7 @@ def _library(sources: dict[str, str], file: str) -> bytes:
             "export", "--to", "fmu", "needs a C compiler, and there is neither cc nor gcc",
             "install one (Debian: apt install gcc libc6-dev; macOS: xcode-select --install)",
         )  # fmt: skip
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    with scratch_folder() as folder:
         for path, text in sources.items():
             (folder / path).write_text(text, encoding="ascii")
         units = [path for path in sources if path.endswith(".c")]

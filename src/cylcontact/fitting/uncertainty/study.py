@@ -13,7 +13,12 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.law_models import with_rig
 from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.measured_fit import noise_model_of, plain_problem, with_loss
+from cylcontact.fitting.measured_fit import (
+    noise_model_of,
+    plain_problem,
+    require_increasing,
+    with_loss,
+)
 from cylcontact.fitting.noise_fit import with_noise
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.bands import Band, bands_of_data
@@ -66,7 +71,9 @@ class NoiseStudy(Spec):
     bands: list[Band] = Field(description="predictions with their bands")
 
 
-def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
+def problem_of_result(
+    result: FitResult, law: str | None = None, law_timeout: float | None = None
+) -> Problem:
     """Return the problem of a fit to measurements, from the result alone.
 
     Parameters
@@ -76,6 +83,8 @@ def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
     law : str, optional
         The user's function, which is run only if it is named again. The current folder is
         searched first.
+    law_timeout : float, optional
+        Seconds that one call of it may take.
 
     Returns
     -------
@@ -105,7 +114,9 @@ def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
                 f"is not its law, {result.law}",
                 "leave --law out, or name that one",
             )
-        model = user_model(law, Path.cwd(), result.contact, f"fit result {result.name!r}")
+        model = user_model(
+            law, Path.cwd(), result.contact, f"fit result {result.name!r}", law_timeout
+        )
         campaign = replace(campaign, model=with_rig(model, campaign.spec.parameters))
     problem = plain_problem(campaign)
     noise = noise_model_of(campaign)
@@ -115,6 +126,7 @@ def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
     if result.uncertainty.loss_scale is not None:
         loss = Loss(result.settings["campaign"]["loss"], result.uncertainty.loss_scale)
         problem = with_loss(problem, loss)
+    require_increasing(problem, result.coefficients)
     if not np.isfinite(problem.value_of(result.coefficients)):
         raise InputError(
             f"fit result {result.name!r}",
@@ -134,6 +146,7 @@ def study_noise(
     leave_out: str | None = None,
     with_pairs: bool = False,
     law: str | None = None,
+    law_timeout: float | None = None,
     jobs: Workers = 1,
     progress: Progress = silent,
 ) -> NoiseStudy:
@@ -151,7 +164,7 @@ def study_noise(
         The kind of group to leave out one after the other.
     with_pairs : bool
         Whether to map the likelihood over each pair of free parameters.
-    law : str, optional
+    law, law_timeout : optional
         As for `problem_of_result`.
     jobs : int or Cluster
         Worker processes, or a Dask cluster; the result does not depend on it.
@@ -167,7 +180,7 @@ def study_noise(
     InputError
         If the result is not of measurements, or a grouping has one group only.
     """
-    problem, best = problem_of_result(result, law), result.coefficients
+    problem, best = problem_of_result(result, law, law_timeout), result.coefficients
     noise = residual_model_at(problem, problem.point(best))
     uncertainty = uncertainty_of(problem, best, level, jobs)
     pairs: list[PairMap] = []

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from cylcontact.errors import InputError
-from cylcontact.files import replacing, require_writable
+from cylcontact.files import replacing, replacing_all, require_writable
 from cylcontact.fitting.result import FitResult
 from cylcontact.laws.enhanced import InternalCoefficients
 from cylcontact.plain_text import html, page_text
@@ -114,8 +114,7 @@ def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
     InputError
         If there is no recipe at all, or the folder cannot be written to.
     """
-    for page in PAGES:
-        require_writable(folder / f"{page}.html")
+    require_writable(*(folder / f"{page}.html" for page in PAGES))
     recipes = find_recipes(bench)
     drawn = build(bench, folder=folder / "figures", progress=progress)
     paper = paper_of(bench)
@@ -145,9 +144,9 @@ def build_site(bench: Bench, folder: Path, progress: Progress = silent) -> Site:
         **_figure_pages(render, [*numbered, *others], claims),
         **_section_pages(render, parts, [*numbered, *others], _copied_code(claims, bench, folder)),
     }
-    for page, text in pages.items():
-        with replacing(folder / f"{page}.html") as temporary:
-            temporary.write_text(text, encoding="utf-8")
+    with replacing_all(folder / f"{page}.html" for page in pages) as files:
+        for file, text in zip(files, pages.values(), strict=True):
+            file.write_text(text, encoding="utf-8")
     missing = [f"{figure.name}: {figure.problem}" for figure in figures if figure.problem]
     missing += [f"{name}: {reason}" for name, reason in campaigns.missing.items()]
     missing += [f"laws: {law.problem}" for law in laws if law.problem]
