@@ -427,7 +427,7 @@ def _tolerances(
     missing = len(wanted) * len(table) - int(table["cases"].sum())
     if missing:
         total = len(wanted) * len(table)
-        typer.echo(f"cylcontact: {missing} of {total} cases stopped, and do not count", err=True)
+        say(f"cylcontact: {missing} of {total} cases stopped, and do not count", err=True)
         raise typer.Exit(1)
 
 

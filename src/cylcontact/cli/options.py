@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from cylcontact.choices import listed
+from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
 from cylcontact.files import keeping
 from cylcontact.reading import plain_integer, plain_number
@@ -223,7 +224,7 @@ def resumable(out: Path, part: str) -> Iterator[Path]:
         journal.unlink(missing_ok=True)
     except OSError as error:
         text = f"{journal}: cannot be removed ({error.strerror}), and is no longer needed"
-        typer.echo(f"cylcontact: {text}", err=True)
+        say(f"cylcontact: {text}", err=True)
 
 
 def _interrupted(journal: Path, part: str) -> str:
