@@ -2,15 +2,20 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from cylcontact import InputError
+from cylcontact.datasets.finite_element.setup import Setup
+from cylcontact.memory import available, require_memory, require_space
+from cylcontact.parallel import call, collect
 from tests import large_input as large
 from tests.counts import counted
-from tests.spec_files import GRID, changed, write_bench, write_toml
+from tests.spec_files import CAMPAIGN, GRID, changed, write_toml
 
 ROOT = Path(__file__).resolve().parents[1]
 CRANK = str(ROOT / "datasets/slider_crank.toml")
-MANY = 10**7
+MANY = 10**6
 # Grids whose samples, pairs or calls would not fit.
 AXIS = {"min": 1.0, "max": 2.0, "points": MANY, "spacing": "linear"}
 SIGNED = {"min": -0.4, "max": 0.4, "points": MANY, "spacing": "linear"}
@@ -20,13 +25,7 @@ PAIRS = {
     "reference": "conformal",
     "axes": {"alpha": SIGNED, "beta": SIGNED, "phi": {"values": [1.0]}},
 }
-FINE = {
-    **{"hole_radius": 10.0, "outer_ratio": 5.0, "E": 207.0, "nu": 0.3, "dR": [0.1]},
-    **{"load": [10.0], "size": 1e-3, "contact_size": 1e-6},
-}
-FINE["origin"] = dict.fromkeys(FINE, "assumed")
 NUMBERS = ",".join(map(str, range(1, 3000)))
-FREE = "are free"
 # A name, the command and what it says.
 REQUESTS = [
     ("samples on a disk", ("sample", "huge.toml", "-o", "out.parquet"), "of disk space"),
@@ -34,11 +33,6 @@ REQUESTS = [
     ("pairs of a grid", ("sample", "pairs.toml", "-o", "out.parquet"), "thin alpha or beta"),
     ("moments of a grid", ("fit", "huge-fit.toml", "-j", "1", "-o", "out.json"), "thin the axes"),
     ("revolutions", ("simulate", CRANK, "--revolutions", "1000000000"), "revolutions = 1000000000"),
-    (
-        "a trajectory",
-        ("simulate", CRANK, "--revolutions", "1000000000", "-o", "out.parquet"),
-        "or write no trajectory: statistics need none",
-    ),
     (
         "frames",
         ("simulate", CRANK, "--revolutions", "1000000", "-o", "out.gif"),
@@ -62,27 +56,17 @@ REQUESTS = [
         ),
         "--points = 1000000000000: needs about",
     ),
-    (
-        "cells",
-        ("finite-element", "fine.toml", "-j", "1", "-o", "out.csv"),
-        "more than 5000 cells lie side by side",
-    ),
     ("width", ("figure", "fig12"), "width_mm = 1000000000.0: must be"),
-    ("workers", ("fit", "many.toml", "-j", "100000", "-o", "out.json"), "use fewer: --jobs"),
 ]
 
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bench")
-    runs = {"genetic.runs": 100_000, "genetic.generations": 1}
-    write_bench(folder, runs).rename(folder / "many.toml")
     write_toml(folder / "huge.toml", HUGE)
     write_toml(folder / "pairs.toml", PAIRS)
-    write_toml(folder / "fine.toml", FINE)
     write_toml(folder / "reports/style.toml", {"width_mm": 1e9})
-    text = (folder / "many.toml").read_text()
-    (folder / "huge-fit.toml").write_text(text.replace("datasets/small.toml", "huge.toml"))
+    write_toml(folder / "huge-fit.toml", {**CAMPAIGN, "dataset": "huge.toml"})
     return folder
 
 
@@ -93,9 +77,8 @@ def test_a_request_beyond_the_machine_is_refused(request_, run, bench, monkeypat
     before = {path for path in bench.rglob("*") if not path.name.endswith(".lock")}
     with large.frugally():
         status, _, err = run(*command)
-    lines = [line for line in err.splitlines() if line.startswith("cylcontact:")]
-    assert status in (1, 2)
-    assert len(lines) == 1
+    assert status == 2
+    assert len([line for line in err.splitlines() if line.startswith("cylcontact:")]) == 1
     assert said in err
     assert "Traceback" not in err
     assert {path for path in bench.rglob("*") if not path.name.endswith(".lock")} == before
@@ -103,3 +86,27 @@ def test_a_request_beyond_the_machine_is_refused(request_, run, bench, monkeypat
 
 def test_the_requests_are_counted():
     counted("requests beyond the machine", len(REQUESTS))
+
+
+def test_what_is_available_is_less_than_the_machine_has():
+    assert 0 < available() < 1e15
+    require_memory("example", "", None, available() / 2, "any")
+    with pytest.raises(InputError, match=r"needs about .* of memory, and .* are free; use less"):
+        require_memory("example", "rows", 1, 2 * available(), "use less")
+
+
+def test_the_disk_is_that_of_a_folder_to_come(tmp_path):
+    require_space(tmp_path / "new/folder/file.csv", 1.0, "any")
+    with pytest.raises(InputError, match=r"needs about 1.0e\+06 TB of disk space, .*; thin it"):
+        require_space(tmp_path / "new/folder/file.csv", 1e18, "thin it")
+
+
+def test_workers_beyond_the_memory_are_not_started():
+    with large.frugally(), pytest.raises(InputError, match=r"jobs = 1000000: .*use fewer: --jobs"):
+        collect([call(abs, -1)] * 1_000_000, 1_000_000)
+
+
+def test_cells_too_small_for_any_memory_are_refused():
+    setup = Setup(10.0, 5.0, 207e3, 0.3, size=1e-6, contact_size=1e-6)
+    with large.frugally(), pytest.raises(InputError, match="more than 5000 cells lie side by side"):
+        setup.mesh(0.1, np.array([10.0]))
