@@ -28,13 +28,7 @@ GROWTH, MEMORY = 300 << 20, 4 << 30
 # Inputs between two looks at open files, threads and processes.
 INTERVAL = 250
 # How lines of standard error begin that do not say that the input is wrong.
-NOTES = (
-    "warning: ",
-    "missing, ",
-    "cylcontact: no runs",
-    "cylcontact: no cases",
-    "cylcontact: there is",
-)
+NOTES = ("warning: ", "missing, ")
 
 
 class Verdict(NamedTuple):

@@ -21,7 +21,7 @@ from typing import Any
 
 from cylcontact.choices import Format
 from cylcontact.errors import InputError
-from cylcontact.files import remove_leftovers, replacing_all, require_writable
+from cylcontact.files import keeping, remove_leftovers, replacing_all, require_writable
 from cylcontact.parallel import call, run_calls
 from cylcontact.plain_text import csv_text, file_name, page_text
 from cylcontact.plots.figure import Drawing
@@ -378,7 +378,8 @@ def _drawn(
     watched = _WatchedBench(bench.root, bench.results)
     try:
         drawing = draw(name, watched, options.style, arguments)
-        paths = write(drawing, _stem(name, arguments), folder, options)
+        with keeping(watched.read):
+            paths = write(drawing, _stem(name, arguments), folder, options)
     except InputError as error:
         return FigureResult(name, inputs=_inputs(watched, name), problem=error)
     except Exception as error:
