@@ -167,6 +167,15 @@ def parse_spec(model: type[_SpecType], data: dict[str, Any], source: str) -> _Sp
         a misspelt key is often the reason why another is missing.
     """
     try:
+        return _validated(model, data, source)
+    except UnicodeEncodeError as error:  # pydantic cannot take it, nor tell of it
+        rule = f"holds a character that is not text ({error.object[error.start]!a})"
+        raise InputError(source, "", None, rule, "remove it") from None
+
+
+def _validated(model: type[_SpecType], data: dict[str, Any], source: str) -> _SpecType:
+    """Return the spec that data hold; raise `InputError` with the first mistake."""
+    try:
         return model.model_validate(data)
     except ValidationError as error:
         kind = _kind_of(data) if isinstance(data, dict) else ""

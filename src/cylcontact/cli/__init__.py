@@ -52,16 +52,23 @@ def main() -> None:
             raise
         status = 141
     except OSError as error:
-        # Errors of files are InputErrors, so this is standard output. Python flushes the rest.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        status = 141
-        if not isinstance(error, BrokenPipeError):
-            status = _fail(f"standard output: cannot be written ({error.strerror}); make room")
+        status = _unwritten(error)
     except Exception as error:
         if not hasattr(error, "format_message"):
             raise
         status = _fail(_usage(error, error.format_message()))
     sys.exit(status)
+
+
+def _unwritten(error: OSError) -> int:
+    """Say what is wrong with a path or with standard output, and return the exit code."""
+    if error.filename is not None:  # such as a name that is too long for any file
+        return _fail(f"{error.filename}: {error.strerror}; check the path")
+    # Errors of other files are InputErrors: this is standard output. Python flushes the rest.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if isinstance(error, BrokenPipeError):
+        return 141
+    return _fail(f"standard output: cannot be written ({error.strerror}); make room")
 
 
 def _prepare_streams() -> None:

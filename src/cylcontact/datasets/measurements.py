@@ -24,6 +24,7 @@ from cylcontact.datasets.branches import PAIR_COLUMNS, equal_rows, kept_rows
 from cylcontact.datasets.columns import Mapped, mapped, require_found
 from cylcontact.datasets.tables import (
     MAX_ROWS,
+    Table,
     finite_numbers,
     read_table,
     table_of_frame,
@@ -387,6 +388,7 @@ def _measured_data(
     }
     notes = _add_moduli(source, numbers, labels, materials)
     _divide_by_length(source, numbers, sorted(c.quantity for c in columns if c.is_total))
+    _require_finite(table, numbers)
     table.steps.extend(_readings(found, numbers))
     kept = kept_rows(table, numbers, labels, branch)
     return MeasuredData(
@@ -402,6 +404,16 @@ def _measured_data(
         notes=notes,
         steps=table.steps,
     )
+
+
+def _require_finite(table: Table, numbers: _Numbers) -> None:
+    """Raise `InputError` for the first number that is too large in the unit in which it is kept."""
+    for name, column in numbers.items():
+        wrong = np.flatnonzero(~np.isfinite(column))
+        if wrong.size:
+            line = f", {table.row_word} {table.lines[wrong[0]]}" if column.size > 1 else ""
+            remedy = "correct it; mind the unit in the column's name"
+            raise InputError(f"{table.source}{line}", name, None, "is too large", remedy)
 
 
 def _readings(found: Mapped, numbers: _Numbers) -> list[str]:

@@ -376,7 +376,7 @@ def _read_parquet(source: str, content: bytes, _steps: list[str]) -> _Rows:
         texts = [c.name for c in schema if pa.types.is_string(c.type) or pa.types.is_binary(c.type)]
         file = pyarrow.parquet.ParquetFile(pa.BufferReader(content), read_dictionary=texts)
         table = file.read(use_threads=False)
-    except (OSError, pa.ArrowException) as error:  # both are raised for damaged contents
+    except (OSError, UnicodeDecodeError, pa.ArrowException) as error:  # of damaged contents
         rule = f"is not a Parquet table ({error})"
         raise InputError(source, "", None, rule, "write it anew, or use CSV") from error
     columns = [_parquet_cells(column) for column in table.columns]

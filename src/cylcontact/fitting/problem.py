@@ -75,7 +75,8 @@ class Problem:
 
     def form(self, points: FloatArray) -> Form:
         """Return the laws at P points of the free parameters, shape (P, k)."""
-        return self.objective.form(self.model, self._complete(points))
+        with np.errstate(all="ignore"):  # what is not finite lies outside the law
+            return self.objective.form(self.model, self._complete(points))
 
     def coefficients(self, point: FloatArray) -> dict[str, float]:
         """Return all coefficients by name, including the fixed and the tied ones."""

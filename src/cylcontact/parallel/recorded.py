@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
 from contextlib import closing
+from functools import partial
 from itertools import chain
 from typing import Any, TypeVar
 
@@ -67,7 +68,7 @@ def run_recorded(
     {'a': 1, 'b': 2, 'c': 3}
     """
     cases = list(chain.from_iterable(calls))
-    recorded = dict(journal.load(parse)) if journal and resume else {}
+    recorded = dict(journal.load(partial(_hashable, parse))) if journal and resume else {}
     if journal and not resume:
         journal.start()
     results = {case: recorded[case] for case in cases if case in recorded}
@@ -86,6 +87,13 @@ def run_recorded(
 def call_for(case: Hashable, deferred: Call) -> Call:
     """Return a call that returns the result of another in a dict, by its case."""
     return call(_by_case, case, *deferred)
+
+
+def _hashable(parse: Callable[[Any], tuple[Case, Result]], part: Any) -> tuple[Case, Result]:
+    """Return a case and its result; raise `TypeError`, as for other damage, if it is no case."""
+    case, result = parse(part)
+    hash(case)
+    return case, result
 
 
 def _by_case(
