@@ -1,10 +1,19 @@
-"""How many cases the tests of faults and hostile input try, as docs/reliability.md states it."""
+"""How many cases the tests of faults and hostile input try, as docs/reliability.md states it.
+
+python -m tests.counts writes the counts into the page.
+"""
 
 import json
 import os
+import re
 from pathlib import Path
 
-COUNTS = Path(__file__).parent / "golden/counts.json"
+ROOT = Path(__file__).parents[1]
+COUNTS = ROOT / "tests/golden/counts.json"
+LONG_RUN = ROOT / "tests/fuzz/long_run.json"
+PAGE = ROOT / "docs/reliability.md"
+# What stands between two comments of the page is written here.
+_WRITTEN = re.compile(r"(<!-- (\w+) -->\n).*?(\n<!-- end -->)", re.DOTALL)
 
 
 def recorded():
@@ -23,3 +32,38 @@ def counted(name, number):
         COUNTS.write_text(text + "\n", encoding="utf-8")
     else:
         assert counts.get(name) == number, f"{name}: WRITE_COUNTS=1 records another number"
+
+
+def table():
+    """Return the counts as rows of a table; the fuzzer's kinds of input have one of their own."""
+    return _rows({name: count for name, count in recorded().items() if ": " not in name})
+
+
+def kinds():
+    """Return the fuzzer's inputs by kind as rows of a table."""
+    parts = {name.partition(": ")[2]: count for name, count in recorded().items() if ": " in name}
+    return _rows(dict(sorted(parts.items(), key=lambda part: -part[1])))
+
+
+def longest():
+    """Return the fuzzer's longest run in a sentence."""
+    run = json.loads(LONG_RUN.read_text(encoding="utf-8"))
+    found = f"{run['findings']} of them" if run["findings"] else "none"
+    return (
+        f"The longest run on record tried {run['cases']:,} inputs of seed {run['seed']} in "
+        f"{run['seconds'] / 60:.0f} minutes on two cores, on {run['date']}: {found} failed."
+    )
+
+
+def written(page):
+    """Return the text of the page with the counts of today."""
+    parts = {"table": table, "kinds": kinds, "longest": longest}
+    return _WRITTEN.sub(lambda found: f"{found[1]}{parts[found[2]]()}{found[3]}", page)
+
+
+def _rows(counts):
+    return "\n".join(f"| {name} | {count:,} |" for name, count in counts.items())
+
+
+if __name__ == "__main__":
+    PAGE.write_text(written(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

@@ -188,7 +188,7 @@ def test_an_interrupted_simulation_keeps_its_revolutions(tmp_path):
     out.parent.mkdir()
     seconds = 0.5
     while not out.exists():  # until a revolution was complete
-        process = killable.start(out.parent, *simulate, 100_000)
+        process = killable.start(out.parent, *simulate, 5000)
         wait_until(out.with_name("run.parquet.lock").exists)
         time.sleep(seconds)
         os.kill(process.pid, signal.SIGINT)
@@ -431,18 +431,20 @@ def test_the_second_of_two_fits_of_one_output_says_so_and_stops(tmp_path):
     "arguments",
     [
         ("sample", "datasets/small.toml", "-o", "held.csv"),
-        ("fit", "fitting/small.toml", "-o", "held.csv"),
+        ("fit", "fitting/small.toml", "-o", "held.json"),
         ("fit", "fitting/small.toml", "--optimizer", "all", "-o", "held.csv"),
     ],
     ids=lambda arguments: " ".join(arguments[:-2:2]),
 )
 def test_every_long_command_respects_the_lock(tmp_path, arguments):
     folder = bench(tmp_path)
-    with owning(folder / "held.csv"):
+    with owning(folder / arguments[-1]):
         before = tree(folder)
         assert killable.run(folder, *arguments) == 2
         assert tree(folder) == before
-    assert f"held.csv: is being written by process {os.getpid()} on " in killable.said(folder)
+    assert f"{arguments[-1]}: is being written by process {os.getpid()} on " in killable.said(
+        folder
+    )
 
 
 def test_a_lock_ends_with_the_block_and_leaves_nothing(tmp_path):

@@ -1,5 +1,8 @@
 """Work that needs more memory or disk than there is, is refused before it begins."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +14,11 @@ from cylcontact.memory import available, require_memory, require_space
 from cylcontact.parallel import call, collect
 from tests import large_input as large
 from tests.counts import counted
-from tests.spec_files import CAMPAIGN, GRID, changed, write_toml
+from tests.spec_files import CAMPAIGN, GRID, changed, write_bench, write_toml
 
 ROOT = Path(__file__).resolve().parents[1]
 CRANK = str(ROOT / "datasets/slider_crank.toml")
-MANY = 10**6
+MANY = 10**7
 # Grids whose samples, pairs or calls would not fit.
 AXIS = {"min": 1.0, "max": 2.0, "points": MANY, "spacing": "linear"}
 SIGNED = {"min": -0.4, "max": 0.4, "points": MANY, "spacing": "linear"}
@@ -32,7 +35,13 @@ REQUESTS = [
     ("samples as text", ("sample", "huge.toml", "-o", "out.csv"), "of disk space"),
     ("pairs of a grid", ("sample", "pairs.toml", "-o", "out.parquet"), "thin alpha or beta"),
     ("moments of a grid", ("fit", "huge-fit.toml", "-j", "1", "-o", "out.json"), "thin the axes"),
+    ("workers", ("fit", "fitting/small.toml", "-j", "100000", "-o", "out.json"), "jobs = 100000"),
     ("revolutions", ("simulate", CRANK, "--revolutions", "1000000000"), "revolutions = 1000000000"),
+    (
+        "revolutions of a trajectory",
+        ("simulate", CRANK, "--revolutions", "1000000000", "-o", "out.parquet"),
+        "revolutions = 1000000000",
+    ),
     (
         "frames",
         ("simulate", CRANK, "--revolutions", "1000000", "-o", "out.gif"),
@@ -67,6 +76,7 @@ def bench(tmp_path_factory):
     write_toml(folder / "pairs.toml", PAIRS)
     write_toml(folder / "reports/style.toml", {"width_mm": 1e9})
     write_toml(folder / "huge-fit.toml", {**CAMPAIGN, "dataset": "huge.toml"})
+    write_bench(folder, {"genetic.runs": 100_000})
     return folder
 
 
@@ -93,6 +103,18 @@ def test_what_is_available_is_less_than_the_machine_has():
     require_memory("example", "", None, available() / 2, "any")
     with pytest.raises(InputError, match=r"needs about .* of memory, and .* are free; use less"):
         require_memory("example", "rows", 1, 2 * available(), "use less")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="Linux tells how much a process has taken")
+def test_a_limit_of_the_process_counts():
+    code = "from cylcontact.memory import available; print(available())"
+    command = ["sh", "-c", 'ulimit -v 2000000 && exec "$0" -c "$1"', sys.executable, code]
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+    told = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert 0 < float(told.stdout) < 2e6 * 1024
+    with Path("/proc/meminfo").open() as file:
+        free = next(int(line.split()[1]) for line in file if line.startswith("MemAvailable"))
+    assert free > 2e6, "this machine has too little memory to tell the limit from it"
 
 
 def test_the_disk_is_that_of_a_folder_to_come(tmp_path):

@@ -48,7 +48,8 @@ def test_no_more_workers_are_started_than_there_are_calls(monkeypatch):
     monkeypatch.setattr(joblib, "Parallel", Recorded)
     for jobs, count in ((5000, 3), (2, 3), (2, 0)):
         list(run_calls(calls(abs, *range(count)), jobs))
-    assert asked == [3, 2, 1]
+    list(run_calls(calls(abs, *range(5000)), 5000, threads=True))
+    assert asked == [3, 2, 1, os.cpu_count()]
 
 
 @posix

@@ -29,8 +29,12 @@ IndexArray = NDArray[np.intp]
 
 
 def as_floats(values: object) -> FloatArray:
-    """Return `values` as float64, an array or a NumPy scalar."""
-    array: FloatArray = np.asarray(values, dtype=np.float64)[()]
+    """Return `values` as float64, an array or a NumPy scalar; refuse what is no such array."""
+    try:
+        array: FloatArray = np.asarray(values, dtype=np.float64)[()]
+    except (TypeError, ValueError):  # text, or lists of unequal length in a list
+        rule, remedy = "must be a number or an array of them", "give numbers"
+        raise InputError("", "", values, rule, remedy) from None
     return array
 
 

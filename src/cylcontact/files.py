@@ -406,7 +406,8 @@ def what_else(path: Path) -> str:
     >>> what_else(Path("no such file")), what_else(Path("/"))
     ('', 'it is a folder')
     """
-    with suppress(FileNotFoundError, NotADirectoryError):
+    # Whoever may not look into the folder is told that he may not write there either.
+    with suppress(FileNotFoundError, NotADirectoryError, PermissionError):
         kind = stat.S_IFMT(path.lstat().st_mode)
         return "" if kind == stat.S_IFREG else _KINDS.get(kind, "it is no regular file")
     return ""

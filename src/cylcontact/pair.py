@@ -120,6 +120,10 @@ class CylinderPair:
             require_one_shape("CylinderPair", **known)
         if self.R_i is not None and self.R_j is not None:
             _require_agreement(self.contact, self.dR, self.R_i, self.R_j)
+        elif self.R_i is not None:
+            _other_radius("CylinderPair", self.contact, self.dR, R_i=self.R_i)
+        elif self.R_j is not None and self.contact == "external":
+            _other_radius("CylinderPair", self.contact, self.dR, R_j=self.R_j)
 
     def __eq__(self, other: object) -> bool:
         return same_fields(self, other)
@@ -271,17 +275,7 @@ class CylinderPair:
         if R_i is None:
             _require_positive("dR", dR)
         else:
-            outer, own = _lengths(R_i=R_i, dR=dR)
-            difference = outer - own
-            R_j = difference if contact == "internal" else -difference
-            require(
-                R_j > 0,
-                "CylinderPair.from_dR",
-                "dR",
-                dR,
-                f"leaves body j a radius that is not positive (R_i = {short(R_i)})",
-                "internal contact needs dR < R_i, external contact dR > R_i",
-            )
+            R_j = _other_radius("CylinderPair.from_dR", contact, dR, R_i=R_i)
         return cls(contact, dR, material, material_j or material, R_i, R_j, length, plane)
 
     @classmethod
@@ -479,6 +473,29 @@ def _require_agreement(contact: Contact, dR: Length, R_i: Length, R_j: Length) -
         f"contradicts R_i = {short(R_i)} and R_j = {short(R_j)}, which give {short(own)}",
         "change the radii with it, or leave them out",
     )
+
+
+def _other_radius(source: str, contact: Contact, dR: Length, **given: Length) -> FloatArray:
+    """Return what ΔR leaves of R_j if R_i is given, or of R_i for a roller; refuse what is not > 0.
+
+    Raises
+    ------
+    InputError
+        If it is not positive.
+    """
+    ((key, radius),) = given.items()
+    own, distance = _lengths(**given, dR=dR)
+    other = own - distance if contact == "internal" else distance - own
+    body = "j" if key == "R_i" else "i"
+    require(
+        other > 0,
+        source,
+        "dR",
+        dR,
+        f"leaves body {body} a radius that is not positive ({key} = {short(radius)})",
+        f"internal contact needs dR < R_i, external contact dR > {key}",
+    )
+    return other
 
 
 def _lengths(**given: Length) -> list[FloatArray]:

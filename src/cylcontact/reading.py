@@ -26,7 +26,7 @@ __all__ = [
 
 # Written by hand; the longest that ships has 4 kB.
 SPEC_BYTES = 1_000_000
-# A fit to the 200,000 rows that a table may have writes some 50 MB.
+# A fit to the 200,000 rows that a table may have writes some 10 MB.
 RESULT_BYTES = 100_000_000
 # 200,000 rows of 500 characters.
 TABLE_BYTES = 100_000_000

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
-from pydantic_core import PydanticCustomError
+from pydantic_core import ErrorDetails, PydanticCustomError
 
 from cylcontact.choices import TABLE_SUFFIXES
 from cylcontact.errors import InputError
@@ -173,15 +173,18 @@ def parse_spec(model: type[_SpecType], data: dict[str, Any], source: str) -> _Sp
         wanted = _kind_of(model.model_fields)
         if kind and wanted and kind != wanted:
             raise _other_kind(source, kind, wanted) from None
-        raise _as_input_error(error, model, source) from None
+        raise _as_input_error(error, model, data, source) from None
 
 
-def _as_input_error(error: ValidationError, model: type[Spec], source: str) -> InputError:
+def _as_input_error(
+    error: ValidationError, model: type[Spec], data: Any, source: str
+) -> InputError:
     """Return pydantic's list of mistakes as one line about the first."""
     mistakes = error.errors(include_url=False)
     first = min(mistakes, key=lambda mistake: mistake["type"] != "extra_forbidden")
-    location = [str(part) for part in first["loc"]]
-    further = len(mistakes) - 1
+    location = _place(first, data)
+    # A value that may be of several types has a mistake for each.
+    further = len({tuple(_place(mistake, data)) for mistake in mistakes}) - 1
     more = f" ({further} more {'mistakes' if further > 1 else 'mistake'})" if further else ""
     context = first.get("ctx", {})
     if first["type"] == "broken_rule":
@@ -192,6 +195,27 @@ def _as_input_error(error: ValidationError, model: type[Spec], source: str) -> I
         rule, remedy = _explain(first["type"], first["msg"], model, location)
         value = None if first["type"] == "missing" else value
     return InputError(source, key, value, rule, remedy + more)
+
+
+def _place(mistake: ErrorDetails, data: Any) -> list[str]:
+    """Return where a mistake is in the data, without pydantic's names of the types tried there.
+
+    Examples
+    --------
+    >>> mistake = {"type": "float_type", "loc": ("constants", "nu", "float")}
+    >>> _place(mistake, {"constants": {"nu": [1]}})
+    ['constants', 'nu']
+    """
+    place = []
+    for part in mistake["loc"]:
+        if isinstance(part, int) and isinstance(data, list | tuple):
+            data = data[part] if part < len(data) else None
+        elif isinstance(data, dict) and part in data:
+            data = data[part]
+        elif mistake["type"] != "missing" or part != mistake["loc"][-1]:
+            continue
+        place.append(str(part))
+    return place
 
 
 def _explain(kind: str, message: str, model: type[Spec], location: list[str]) -> tuple[str, str]:

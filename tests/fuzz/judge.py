@@ -27,14 +27,10 @@ PATIENCE = 20.0
 GROWTH, MEMORY = 300 << 20, 4 << 30
 # Inputs between two looks at open files, threads and processes.
 INTERVAL = 250
+# Where commands write that are not told where.
+BY_DEFAULT = {Path("reports/tables")}
 # How lines of standard error begin that do not say that the input is wrong.
-NOTES = (
-    "warning: ",
-    "missing, ",
-    "cylcontact: no runs",
-    "cylcontact: no cases",
-    "cylcontact: there is",
-)
+NOTES = ("warning: ", "missing, ")
 
 
 class Verdict(NamedTuple):
@@ -191,7 +187,8 @@ def _asked(words):
     paths = [Path(os.path.normpath(part)) for part in parts]
     # C comes with a header. A fit that begins anew discards what an earlier one has kept.
     kept = [path.with_name(f"{path.name}.partial") for path in paths if path.name]
-    return {*paths, *kept, *(path.with_suffix(".h") for path in paths if path.name)} - {Path()}
+    headers = [path.with_suffix(".h") for path in paths if path.name]
+    return {*paths, *kept, *headers, *BY_DEFAULT} - {Path()}
 
 
 def _wrong_words(code, errors):

@@ -21,7 +21,7 @@ from cylcontact.cli.options import (
     require_taken,
     resumable,
 )
-from cylcontact.cli.terminal import progress_bars, say, show, workers
+from cylcontact.cli.terminal import noting, progress_bars, say, show, workers
 from cylcontact.cli.uncertainty import StudyOptions, study_uncertainty
 from cylcontact.errors import InputError
 from cylcontact.files import owning, replacing, require_suffix, require_writable
@@ -116,9 +116,10 @@ def _calibrate(
         if out is None and not force:
             require_same_inputs(target, planned)
         with resumable(target, "run") as journal:
-            if resume and not journal.exists():
-                say(f"cylcontact: no runs are kept in {journal}; all are run", err=True)
-            with progress_bars() as progress:
+            anew = resume and not journal.exists()
+            note = f"no runs are kept in {journal}; all are run" if anew else ""
+            with progress_bars() as bars:
+                progress = noting(bars, "searching", note)
                 result = calibrate(planned, where, progress, journal, resume)
             _save(result, target, folder)
     names = f": {', '.join(FIT_FILES)}" if folder else ""

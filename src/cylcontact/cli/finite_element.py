@@ -9,7 +9,7 @@ import typer
 
 from cylcontact.choices import ENGINES, listed
 from cylcontact.cli.options import Force, Jobs, Resume, resumable
-from cylcontact.cli.terminal import cores, progress_bars, say
+from cylcontact.cli.terminal import cores, noting, progress_bars, say
 from cylcontact.errors import InputError
 from cylcontact.files import owning, require_suffix, require_writable
 
@@ -47,9 +47,10 @@ def finite_element(
         if out is None and not force:
             require_same_inputs(target, study)
         with resumable(target, "case") as journal:
-            if resume and not journal.exists():
-                say(f"cylcontact: no cases are kept in {journal}; all are solved", err=True)
-            with progress_bars() as progress:
+            anew = resume and not journal.exists()
+            note = f"no cases are kept in {journal}; all are solved" if anew else ""
+            with progress_bars() as bars:
+                progress = noting(bars, "solving", note)
                 rows, failures = run_study(
                     study, chosen, jobs or cores(), progress, journal, resume
                 )

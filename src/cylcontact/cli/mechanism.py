@@ -25,7 +25,7 @@ from cylcontact.cli.options import (
     resumable,
     split,
 )
-from cylcontact.cli.terminal import progress_bars, say, show, workers
+from cylcontact.cli.terminal import noting, progress_bars, say, show, workers
 from cylcontact.errors import InputError
 from cylcontact.files import owning, require_suffix, require_writable, write_table
 from cylcontact.memory import require_memory
@@ -293,17 +293,18 @@ def _kept(
 ) -> Trajectory:
     """Simulate and save the trajectory."""
     earlier = _earlier(mechanism, settings, out) if resume else None
-    run = _run(mechanism, settings, revolutions, earlier, out)
+    anew = resume and earlier is None
+    note = f"there is no {out} yet; the run starts anew" if anew else ""
+    run = _run(mechanism, settings, revolutions, earlier, out, note)
     run.save(out)
     return run
 
 
 def _earlier(mechanism: Mechanism, settings: Settings, out: Path) -> Trajectory | None:
-    """Return the run to resume; refuse one of another mechanism or other options."""
+    """Return the run to resume, if any; refuse one of another mechanism or other options."""
     from cylcontact.mechanism import Trajectory
 
     if not out.exists():
-        say(f"cylcontact: there is no {out} yet; the run starts anew", err=True)
         return None
     earlier = Trajectory.load(out)
     if (earlier.mechanism.data, earlier.settings) != (mechanism.data, settings):
@@ -320,20 +321,21 @@ def _run(
     revolutions: int,
     earlier: Trajectory | None,
     out: Path,
+    note: str,
 ) -> Trajectory:
-    """Simulate; save the complete revolutions of an interrupted run."""
-    from cylcontact.mechanism import Interrupted
+    """Simulate; save the complete revolutions of a run that is interrupted, or cannot go on."""
+    from cylcontact.mechanism import Interrupted, RunError
     from cylcontact.mechanism import simulate as run
 
     try:
-        with progress_bars() as progress:
+        with progress_bars() as bars:
             return run(
                 mechanism,
                 settings.method,
                 revolutions,
                 settings.tolerance,
                 settings.beyond,
-                progress,
+                noting(bars, "revolutions", note),
                 earlier,
                 settings.allowed_penetration,
             )
@@ -346,6 +348,14 @@ def _run(
             f"interrupted; {count} complete revolutions are kept in {out}; "
             "the same command with --resume goes on from there"
         ) from None
+    except RunError as error:
+        if error.trajectory is None:
+            raise
+        error.trajectory.save(out)
+        kept = f"; {error.trajectory.revolutions} complete revolutions are kept in {out}"
+        raise InputError(
+            error.source, error.key, error.value, error.rule, error.remedy + kept
+        ) from error
 
 
 def _film(

@@ -26,6 +26,7 @@ from cylcontact.cli.terminal import cores, progress_bars, say, show
 from cylcontact.errors import InputError
 from cylcontact.export import JOINT_TARGETS, TARGETS
 from cylcontact.files import (
+    keeping,
     replacing,
     replacing_all,
     require_suffix,
@@ -140,7 +141,8 @@ def _write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -
     """Write the tables for a paper and the captions of the figures."""
     from cylcontact.reports.tables import write_tables
 
-    written = write_tables(bench, names, kind, folder)
+    with keeping(bench.inputs):
+        written = write_tables(bench, names, kind, folder)
     count = len(written)
     say(f"{count} {'file' if count == 1 else 'files'} in {folder}")
 
@@ -164,7 +166,8 @@ def claims(
     bench = Bench(Path(), results, jobs or cores())
     if out is not None:
         require_suffix(out, ".csv", ".json")
-        require_writable(out)
+        with keeping(bench.inputs):
+            require_writable(out)
     try:
         with progress_bars() as progress:
             computed = ledger(bench, progress)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from cylcontact.parallel import Workers
 
-__all__ = ["cores", "progress_bars", "say", "show", "workers"]
+__all__ = ["cores", "noting", "progress_bars", "say", "show", "workers"]
 
 
 def cores() -> int:
@@ -101,3 +101,18 @@ def progress_bars() -> Iterator[Progress]:
             bars.update(tasks[stage], completed=done)
 
         yield update
+
+
+def noting(progress: Progress, stage: str, note: str) -> Progress:
+    """Return a callback that says a note, unless it is empty, when a stage begins.
+
+    By then the input is checked, so that an error in it is the only line.
+    """
+    notes = [note] if note else []
+
+    def update(now: str, done: int, total: int) -> None:
+        if now == stage and notes:
+            say(f"cylcontact: {notes.pop()}", err=True)
+        progress(now, done, total)
+
+    return update

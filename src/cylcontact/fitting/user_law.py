@@ -191,7 +191,14 @@ def named_user_model(
     def build(values: Mapping[str, float]) -> ContactLaw:
         return UserLaw(function, dict(values))
 
-    return LawModel(function.spec, contact, parameters, build, nominal_is_published=False)
+    return LawModel(
+        function.spec,
+        contact,
+        parameters,
+        build,
+        nominal_is_published=False,
+        digest=function.digest,
+    )
 
 
 @lru_cache(maxsize=64)

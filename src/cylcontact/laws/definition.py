@@ -97,6 +97,8 @@ class LawModel:
     dR_min, dR_max : float
         The range of ΔR in mm, both ends included: calibration may use the open end of [0.005, 10[,
         which the law itself excludes.
+    digest : str
+        The hash of the file of a user's own law; empty for others.
     """
 
     law: str
@@ -109,6 +111,7 @@ class LawModel:
     nominal_is_published: bool = True
     dR_min: float = 0.0
     dR_max: float = math.inf
+    digest: str = ""
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from cylcontact.mechanism.clearance_joint import (
 )
 from cylcontact.mechanism.impact import Impact, isolated_impact
 from cylcontact.mechanism.long_run import long_run
-from cylcontact.mechanism.loop import LawDomainError
+from cylcontact.mechanism.loop import LawDomainError, RunError
 from cylcontact.mechanism.model import Mechanism, mechanism_from, read_mechanism
 from cylcontact.mechanism.simulate import Interrupted, simulate
 from cylcontact.mechanism.statistics import Statistics
@@ -28,6 +28,7 @@ __all__ = [
     "LawDomainError",
     "Mechanism",
     "Plan",
+    "RunError",
     "Settings",
     "Statistics",
     "Trajectory",

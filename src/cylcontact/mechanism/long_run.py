@@ -15,15 +15,12 @@ from cylcontact.mechanism.simulate import Interrupted, begin, one_revolution, se
 from cylcontact.mechanism.statistics import Statistics
 from cylcontact.mechanism.step_history import concatenate
 from cylcontact.mechanism.trajectory import Trajectory
-from cylcontact.memory import require_memory
 from cylcontact.progress import Progress, silent
 
 __all__ = ["FIRST", "first_of", "long_run"]
 
 # Revolutions left out at the start of a run, unless it is short: then a fifth of it.
 FIRST = 10
-# Of the numbers of one revolution.
-_ROW_BYTES = 2000
 
 
 def first_of(revolutions: int) -> int:
@@ -94,9 +91,6 @@ def long_run(
         0 <= first < max(revolutions, 1), "long_run", "first", first,
         f"leaves none of {revolutions} revolutions", "start earlier, or simulate more revolutions",
     )  # fmt: skip
-    require_memory(
-        "long_run", "revolutions", revolutions, _ROW_BYTES * revolutions, "simulate fewer"
-    )
     run = begin(mechanism, settings, revolutions)
     block = run.system.block.copy()
     last = one_row(run.state, 0)

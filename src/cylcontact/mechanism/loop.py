@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,7 +15,10 @@ from cylcontact.mechanism import contact, dop853, integrate
 from cylcontact.mechanism.step_history import LEDGERS, State, StepHistory, concatenate
 from cylcontact.mechanism.system import System
 
-__all__ = ["LawDomainError", "Run", "advance", "one_row"]
+if TYPE_CHECKING:
+    from cylcontact.mechanism.trajectory import Trajectory
+
+__all__ = ["LawDomainError", "Run", "RunError", "advance", "one_row"]
 
 # Relative tolerance where only the absolute one shall apply: absolute positions and angles.
 _NOT_RELATIVE = 1e-15
@@ -26,7 +30,16 @@ _BUFFER = 4096
 _MOST_STEPS, _MORE_PER_SECOND = 3_000_000, 1_000_000
 
 
-class LawDomainError(InputError):
+class RunError(InputError):
+    """A run cannot go on.
+
+    `simulate` leaves what its complete revolutions give in `trajectory`; None before the first one.
+    """
+
+    trajectory: Trajectory | None = None
+
+
+class LawDomainError(RunError):
     """The penetration has reached the end of the contact law's domain during a run."""
 
 
@@ -81,7 +94,7 @@ def advance(run: Run, end: float, label: int = 0) -> tuple[StepHistory, int]:
     ------
     LawDomainError
         If the penetration reaches the end of the law's domain.
-    InputError
+    RunError
         If the steps collapse, or there is no end to them.
     """
     system, state = run.system, run.state
@@ -165,8 +178,8 @@ def _law_left(run: Run) -> LawDomainError:
     )
 
 
-def _collapsed(run: Run) -> InputError:
-    return InputError(
+def _collapsed(run: Run) -> RunError:
+    return RunError(
         run.system.source,
         "integration.tolerance",
         run.tolerance,
@@ -176,8 +189,8 @@ def _collapsed(run: Run) -> InputError:
     )
 
 
-def _without_end(run: Run, revolution: int, steps: int) -> InputError:
-    return InputError(
+def _without_end(run: Run, revolution: int, steps: int) -> RunError:
+    return RunError(
         run.system.source,
         "integration.tolerance",
         run.tolerance,

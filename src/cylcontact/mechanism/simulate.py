@@ -14,7 +14,7 @@ import numpy as np
 from cylcontact.arrays import require
 from cylcontact.choices import BEYOND, METHODS, Beyond, Method
 from cylcontact.errors import InputError
-from cylcontact.mechanism.loop import Run, advance, one_row
+from cylcontact.mechanism.loop import Run, RunError, advance, one_row
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.slider_crank import recognise
 from cylcontact.mechanism.statistics import Statistics
@@ -25,6 +25,9 @@ from cylcontact.memory import require_memory
 from cylcontact.progress import Progress, silent
 
 __all__ = ["Interrupted", "begin", "one_revolution", "settings_for", "simulate"]
+
+# The least that is kept of a revolution: its numbers, if not its steps.
+_LEAST_BYTES = 2000
 
 
 class Interrupted(KeyboardInterrupt):
@@ -89,6 +92,7 @@ def simulate(
         If the mechanism cannot be assembled, the law is undefined for the joint, the penetration
         leaves the domain of the law (`LawDomainError`, with time, penetration and limit), the
         steps collapse, or after the first revolution if the steps of all need too much memory.
+        The first two are a `RunError`, with the complete revolutions.
     Interrupted
         After Ctrl-C, with the complete revolutions.
 
@@ -114,10 +118,13 @@ def simulate(
             parts.append(one_revolution(run, index, mechanism.period))
             if index == done:
                 _require_room(parts[-1], total - done)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, RunError) as error:
         rows = concatenate(parts)
         block = run.system.block.copy()
         complete = Trajectory(mechanism, settings, rows, block) if rows.counts.size else None
+        if isinstance(error, RunError):
+            error.trajectory = complete
+            raise
         raise Interrupted(complete) from None
     progress("revolutions", total, total)
     return Trajectory(mechanism, settings, concatenate(parts), run.system.block.copy())
@@ -139,6 +146,8 @@ def begin(
         revolutions >= 1, "simulate", "revolutions", revolutions, "must be at least 1",
         "give e.g. 10",
     )  # fmt: skip
+    needed = _LEAST_BYTES * revolutions
+    require_memory("simulate", "revolutions", revolutions, needed, "simulate fewer")
     system = build(mechanism, settings.method, settings.beyond, settings.allowed_penetration)
     return Run.start(system, settings.tolerance, settings.max_step, state)
 

@@ -547,6 +547,9 @@ def _rows_of(table: pa.Table, counts: Any) -> StepHistory:
     values = np.column_stack(columns)
     if not values.size or not np.isfinite(values).all():
         raise ValueError("the states are no finite numbers")
+    revolution = table["revolution"].to_numpy()
+    if revolution.dtype.kind != "i":  # an empty cell makes them floats
+        raise ValueError("the revolutions are no integers")
     # Earlier files have the seconds of each revolution too.
     known = np.array([row[:2] for row in counts], dtype=np.float64).reshape(-1, 2)
     return StepHistory(
@@ -554,6 +557,6 @@ def _rows_of(table: pa.Table, counts: Any) -> StepHistory:
         values=values[:, 1:],
         in_contact=np.asarray(table["in_contact"].to_numpy(), bool),
         impact_rate=np.asarray(table["impact_rate_m_per_s"].to_numpy(), float),
-        revolution=np.asarray(table["revolution"].to_numpy(), np.int32),
+        revolution=revolution.astype(np.int32),
         counts=np.insert(known, 2, np.nan, axis=1),
     )

@@ -69,6 +69,12 @@ class Bench:
         """The default folder for figures."""
         return self.recipes_folder / "figures"
 
+    @property
+    def inputs(self) -> list[Path]:
+        """The files of `datasets`, and the fit results."""
+        data = (path for path in (self.root / "datasets").rglob("*") if path.is_file())
+        return [*data, *self.results_folder.glob("*.json")]
+
     def noted(self, path: Path) -> Path:
         """Return a file that is about to be read; a subclass can record it."""
         return path

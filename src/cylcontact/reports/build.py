@@ -22,7 +22,7 @@ from typing import Any
 
 from cylcontact.choices import Format
 from cylcontact.errors import InputError
-from cylcontact.files import remove_leftovers, replacing_all, require_writable
+from cylcontact.files import keeping, remove_leftovers, replacing_all, require_writable
 from cylcontact.parallel import call, run_calls
 from cylcontact.plain_text import csv_text, file_name, page_text
 from cylcontact.plots.figure import Drawing
@@ -386,7 +386,8 @@ def _drawn(
     try:
         drawing = draw(name, watched, options.style, arguments)
         drawn = True
-        paths = write(drawing, _stem(name, arguments), folder, options)
+        with keeping(watched.read):
+            paths = write(drawing, _stem(name, arguments), folder, options)
     except InputError as error:
         if drawn:  # the next would fail too
             raise

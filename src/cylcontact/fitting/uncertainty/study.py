@@ -126,7 +126,6 @@ def problem_of_result(
     if result.uncertainty.loss_scale is not None:
         loss = Loss(result.settings["campaign"]["loss"], result.uncertainty.loss_scale)
         problem = with_loss(problem, loss)
-    require_increasing(problem, result.coefficients)
     if not np.isfinite(problem.value_of(result.coefficients)):
         raise InputError(
             f"fit result {result.name!r}",
@@ -135,6 +134,7 @@ def problem_of_result(
             "leave the law undefined for some of the data",
             "redo the fit",
         )
+    require_increasing(problem, result.coefficients)
     return problem
 
 
