@@ -6,6 +6,7 @@ it as a user does, with everything that descends from it.
 
 import contextlib
 import multiprocessing
+import multiprocessing.util
 import os
 import signal
 import subprocess
@@ -73,8 +74,12 @@ def wait_until(holds, why=lambda: ""):
 
 
 def _run(folder, arguments, kill_at, file_size):
+    from joblib.externals.loky import process_executor
+
     from cylcontact import cli
 
+    # Otherwise multiprocessing waits for joblib's workers, which nobody tells to end before that.
+    multiprocessing.util.Finalize(None, process_executor._python_exit, exitpriority=20)
     threading.Thread(target=_end_with_the_tests, daemon=True).start()
     os.chdir(folder)
     sys.argv = ["cylcontact", *map(str, arguments)]

@@ -17,6 +17,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from cylcontact import fitting
+from cylcontact.choices import CHOICE_FILES
 from cylcontact.cli import init
 from cylcontact.mechanism import movie
 from tests.counts import counted
@@ -35,6 +36,13 @@ from cylcontact.plots import Drawing, new_figure
 def draw(bench):
     figure = new_figure("column", 60)
     return Drawing(figure, pd.DataFrame({"load": [10.0]}), {"load, N/mm": 10.0}, "A load.", "So.")
+"""
+CLAIM = """
+from cylcontact.reports.claims import Finding, claim
+
+@claim("2-load", "there is a load", paper="10 N/mm", rule="it is positive")
+def load():
+    return Finding("10 N/mm", True)
 """
 MECHANISM = f"{ROOT}/datasets/slider_crank.toml"
 JOINT = f"{ROOT}/datasets/joint.toml"
@@ -65,13 +73,17 @@ def untimed(contents):
 
 
 class Command(NamedTuple):
-    """A command in a bench, the files it writes there, and what another run gives again."""
+    """A command in a bench, the files it writes there, and what another run gives again.
+
+    Its files appear together, unless it writes them one after another.
+    """
 
     arguments: tuple[object, ...]
     outputs: tuple[str, ...]
     resumes: bool = False
     same: Callable[[bytes], object] = bytes
     program: str = ""
+    in_turn: bool = False
 
 
 def exported(target, *names, program=""):
@@ -81,6 +93,7 @@ def exported(target, *names, program=""):
 
 
 SIMULATE = ("simulate", MECHANISM, "--revolutions", "1", "--first", "0")
+STUDY = ("simulate", MECHANISM, "--law", "explicit", "--jobs", "1", "--study")
 COMMANDS = {
     "sample, csv": Command(("sample", "datasets/small.toml", "-o", "s.csv"), ("s.csv",)),
     "sample, parquet": Command(
@@ -94,6 +107,15 @@ COMMANDS = {
         tuple(f"folder/{name}" for name in ("result.json", "residuals.csv", "fit.png", "fit.pdf")),
         True,
         lambda contents: repeatable(contents) if contents[:1] == b"{" else contents,
+    ),
+    "fit with each optimizer": Command(
+        ("fit", "fitting/small.toml", "--optimizer", "all", "-o", "o.csv", "--jobs", "1"),
+        ("o.csv",),
+        same=untimed,
+    ),
+    "choose": Command(
+        ("choose", "t.csv", *OF_TABLE, "--law", "winkler,johnson", "-o", "chosen"),
+        tuple(f"chosen/{name}" for name in CHOICE_FILES),
     ),
     "study a result": Command(
         ("fit", "good.json", "-o", "study.json", "--jobs", "1"), ("study.json",)
@@ -115,6 +137,15 @@ COMMANDS = {
         ("cases.csv",),
         True,
     ),
+    "simulate tolerances": Command(
+        (*STUDY, "tolerances", "-o", "a.csv", "--tolerance", "1e-5", "--revolutions", "1"),
+        ("a.csv",),
+    ),
+    "simulate bifurcation": Command(
+        (*STUDY, "bifurcation", "-o", "b.csv", "--points", "1", "--last", "1", "--revolutions", 2),
+        ("b.csv",),
+    ),
+    "film": Command((*SIMULATE, "-o", "film.gif"), ("film.gif",)),
     "finite-element": Command(
         ("finite-element", "elements.toml", "-o", "e.csv", "--jobs", "1"), ("e.csv",), True
     ),
@@ -122,10 +153,20 @@ COMMANDS = {
         ("figure", "fig99", "-o", "figures", "--jobs", "1", "--format", "png,svg"),
         tuple(f"figures/fig99.{ending}" for ending in ("png", "svg", "csv", "txt")),
     ),
+    "report": Command(
+        ("report", "-o", "html", "--jobs", "1"),
+        tuple(f"html/{name}" for name in ("index.html", "explore.html", "figures/fig99.png")),
+        in_turn=True,
+    ),
+    "report, tables": Command(
+        ("report", "--tables", "latex", "-o", "tables", "--jobs", "1"),
+        tuple(f"tables/{name}.tex" for name in ("coefficients", "claims", "fig99-caption")),
+    ),
+    "claims": Command(("claims", "-o", "claims.json", "--jobs", "1"), ("claims.json",)),
     "init": Command(("init", "new"), ()),
 }
 # These need a program, or their pictures take long to draw.
-APART = ("export fmu", "fit a table")
+APART = ("export fmu", "fit a table", "choose")
 
 
 @pytest.fixture
@@ -137,11 +178,14 @@ def bench(tmp_path, monkeypatch, small_result):
     (folder / "t.csv").write_text(TABLE)
     (folder / "reports").mkdir()
     (folder / "reports/fig99.py").write_text(RECIPE)
+    (folder / "reports/claims").mkdir()
+    (folder / "reports/claims/section2.py").write_text(CLAIM)
     (folder / "scratch").mkdir()
     small_result.save(folder / "good.json")
     monkeypatch.chdir(folder)
     monkeypatch.setattr(tempfile, "tempdir", str(folder / "scratch"))
     monkeypatch.setattr(init, "FOLDERS", ("datasets/examples",))
+    monkeypatch.setattr(movie, "FRAMES_PER_REVOLUTION", 2)
     return folder
 
 
@@ -175,7 +219,7 @@ def ready(command, bench, run):
     return whole, old
 
 
-def assert_kept(command, bench, old, done, failed=""):
+def assert_kept(command, bench, whole, old, done, failed=""):
     """One line, the old files whole, and nothing half-written beside them."""
     code, _, errors = done
     if code == 0:  # what failed can be done without, or was done by then
@@ -184,11 +228,19 @@ def assert_kept(command, bench, old, done, failed=""):
     assert code == 2, (failed, errors)
     assert len(errors.splitlines()) == 1, (failed, errors)
     assert errors.startswith("cylcontact: "), (failed, errors)
-    differ = changed(old, tree(bench)) - {f"{name}.partial" for name in command.outputs}
-    if failed == "replace":  # of files that belong together, each is whole
-        differ -= set(command.outputs[:-1])
+    now = tree(bench)
+    differ = changed(old, now) - {f"{name}.partial" for name in command.outputs}
+    if failed == "replace" or command.in_turn:  # each is the old one or the new one, whole
+        differ = {name for name in differ if not is_new(command, now.get(name), whole.get(name))}
     if failed not in REMOVING:  # or a temporary file cannot be removed
         assert differ == set(), (failed, errors)
+
+
+def is_new(command, contents, new):
+    """Whether a file, or a folder, is as it is without a fault."""
+    if contents is None or new is None:
+        return contents is new
+    return command.same(contents) == command.same(new)
 
 
 def assert_repeated(command, bench, whole, run):
@@ -214,7 +266,7 @@ def inject(name, bench, run, monkeypatch, errors_of):
                 assert done[0] == 0
                 return injected
             injected += 1
-            assert_kept(command, bench, old, done, faults.failed)
+            assert_kept(command, bench, whole, old, done, faults.failed)
             if command.resumes and done[0]:
                 assert_repeated(command, bench, whole, run)
             restore(bench, old)
@@ -225,10 +277,15 @@ def each_once(number):
     return [ERRORS[number % len(ERRORS)]]
 
 
+def all_at_first(number):
+    """Every error for the first operations, which are alike in all commands; later one each."""
+    return ERRORS if number <= 3 else each_once(number)
+
+
 def test_whatever_operation_on_a_file_fails_nothing_is_lost(bench, run, monkeypatch):
     """Each command in turn; in its last run nothing fails, after all those that failed."""
     files, faults = tree(bench), 0
-    for name in COMMANDS.keys() - set(APART):
+    for name in COMMANDS.keys() - {*APART, "report"}:  # of very many operations
         faults += inject(name, bench, run, monkeypatch, each_once)
         restore(bench, files)
     counted("faults injected at writes, renames and other operations on files", faults)
@@ -241,7 +298,7 @@ def test_whatever_operation_fails_in_whatever_way_nothing_is_lost(name, bench, r
         run(*COMMANDS[name].arguments)
         result = fitting.FitResult.read(bench / "folder/result.json")
         monkeypatch.setattr(fitting, "calibrate", lambda *_: result)
-    assert inject(name, bench, run, monkeypatch, lambda _: ERRORS) > 0
+    assert inject(name, bench, run, monkeypatch, all_at_first) > 0
 
 
 def test_a_file_that_may_not_grow_leaves_the_old_one(bench, run):
@@ -255,7 +312,7 @@ def test_a_file_that_may_not_grow_leaves_the_old_one(bench, run):
             with no_file_above(limit):
                 done = run(*command.arguments)
             assert done[0] == 2, (name, limit)
-            assert_kept(command, bench, old, done)
+            assert_kept(command, bench, whole, old, done)
             restore(bench, old)
             limits += 1
         assert_repeated(command, bench, whole, run)
@@ -267,7 +324,6 @@ def test_a_file_that_may_not_grow_leaves_the_old_one(bench, run):
 def test_a_film_that_ffmpeg_cannot_write_leaves_the_old_one(bench, run, monkeypatch, script):
     ffmpeg = fake_program(bench / "scratch", "ffmpeg", script)
     monkeypatch.setenv("PATH", f"{ffmpeg.parent}:{os.environ['PATH']}")
-    monkeypatch.setattr(movie, "FRAMES_PER_REVOLUTION", 2)
     (bench / "film.mp4").write_text("old")
     before = tree(bench)
     code, _, errors = run(*SIMULATE, "-o", "film.mp4")
@@ -314,7 +370,7 @@ def test_a_path_that_is_no_file_is_refused_before_any_work(bench, run, monkeypat
         beside = [f"{name}{suffix}" for name in locked for suffix in (".lock", ".partial")]
         for name in (*command.outputs, *beside):
             for kind, make in KINDS.items():
-                (bench / name).parent.mkdir(exist_ok=True)
+                (bench / name).parent.mkdir(parents=True, exist_ok=True)
                 make(bench / name)
                 before = tree(bench)
                 code, out, errors = run(*command.arguments)
@@ -387,6 +443,7 @@ PRINTING = {name: command.arguments for name, command in COMMANDS.items() if nam
     "export, printed": ("export", "johnson", "--to", "c"),
     "study, printed": ("fit", "good.json", "--jobs", "1"),
     "simulate, printed": SIMULATE,
+    "verify": ("verify", "good.json", "--jobs", "1"),
     "version": ("--version",),
     "help": ("--help",),
     "help of a command": ("fit", "--help"),

@@ -253,6 +253,10 @@ def longer(tmp_path_factory):
     return folder
 
 
+def test_a_fit_with_worker_processes_ends_in_a_forked_process_too(tmp_path):
+    assert killable.run(bench(tmp_path), *FIT[:2], "--jobs", "2") == 0
+
+
 @in_proc
 @pytest.mark.parametrize("how", ["SIGKILL", "SIGINT"])
 def test_stopped_with_worker_processes_under_way_it_resumes(longer, tmp_path, how):

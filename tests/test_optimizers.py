@@ -55,6 +55,13 @@ def test_every_optimiser_finds_the_optimum_that_is_known(problem, optimizer):
     )
 
 
+def test_every_optimiser_searches_for_a_single_parameter(tmp_path, optimizer):
+    alone = {"parameters.n": {"value": 1.2, "fixed": True}}
+    problem, _ = problem_of(read_campaign(write_bench(tmp_path, alone)), 1, lambda *_: None)
+    values = [search(problem, optimizer, 20, 20, "blend", seed=seed).value for seed in range(4)]
+    assert values == pytest.approx([min(values)] * 4, rel=1e-2)
+
+
 def test_every_optimiser_keeps_to_the_budget(problem, optimizer):
     spent = search(problem, optimizer, 20, 30, "blend", seed=3).evaluations
     budget = budget_of(20, 30)

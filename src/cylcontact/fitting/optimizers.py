@@ -289,6 +289,8 @@ def _cma_es(budget: EvaluationBudget, _: int, rng: np.random.Generator) -> None:
             "tolx": _CMA_CONVERGED,
             "verbose": -9,
         }
+        if budget.size == 1:  # pycma fails where it would lower the deviation of one variable
+            options["maxstd"] = np.inf
         strategy = cma.CMAEvolutionStrategy(rng.uniform(size=budget.size), _CMA_STEP, options)
         while not strategy.stop():
             candidates = strategy.ask()

@@ -11,6 +11,7 @@ import ast
 import gc
 import hashlib
 import inspect
+import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -214,8 +215,8 @@ def build(
     Raises
     ------
     InputError
-        If a name is unknown, a format needs a program that is absent, or the system ended
-        a worker.
+        If a name is unknown, a format needs a program that is absent, a file cannot be written, or
+        the system ended a worker.
 
     Examples
     --------
@@ -341,8 +342,13 @@ def save_picture(drawing: Drawing, picture: Path, form: Format, style: FigureSty
         "svg": {"Date": None, "Creator": None, "Description": caption},
     }
     known: dict[str, Any] = {"metadata": metadata[form]} if form in metadata else {}
+    # Drawn in memory first: where the disk is full, matplotlib's PDF fails with another error. PGF
+    # names its images after its file.
+    target = picture if form == "pgf" else io.BytesIO()
     with figure_style(style), plain_pgf():
-        drawing.figure.savefig(picture, format=form, dpi=DPI, **known)
+        drawing.figure.savefig(target, format=form, dpi=DPI, **known)
+    if isinstance(target, io.BytesIO):
+        picture.write_bytes(target.getvalue())
 
 
 @dataclass(frozen=True)
@@ -374,13 +380,17 @@ def _attempt(
 def _drawn(
     bench: Bench, name: str, folder: Path, options: FigureOptions, arguments: Arguments | None
 ) -> FigureResult:
-    """Draw and write one figure; return any error, including one raised by the recipe."""
+    """Draw and write one figure; return any error of the recipe, raise those of the disk."""
     watched = _WatchedBench(bench.root, bench.results)
+    drawn = False
     try:
         drawing = draw(name, watched, options.style, arguments)
+        drawn = True
         with keeping(watched.read):
             paths = write(drawing, _stem(name, arguments), folder, options)
     except InputError as error:
+        if drawn:  # the next would fail too
+            raise
         return FigureResult(name, inputs=_inputs(watched, name), problem=error)
     except Exception as error:
         file = find_recipes(bench).get(name, bench.recipes_folder / f"{name}.py")
