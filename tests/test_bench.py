@@ -19,6 +19,7 @@ from cylcontact.plots.style import JOURNAL, FigureOptions
 from cylcontact.reports.bench import Bench, call_in_bench
 from cylcontact.reports.build import build, chosen_recipes, draw, find_recipes
 from tests.drawn_figures import BENCH, DrawnFigures
+from tests.spec_files import tree
 
 ROOT = BENCH.root
 SOURCE = Path(cylcontact.__file__).parent
@@ -309,6 +310,25 @@ class TestAdditions:
         for drawn in build(maps_bench, ["fig07", "fig10", "fig12p", "fig14"], options=SVG):
             assert drawn.paths[-1].read_bytes() == figures[drawn.name].paths[-1].read_bytes()
             assert "datasets/materials.csv" not in drawn.inputs
+
+    def test_no_output_replaces_an_input(self, bench: Bench, run) -> None:
+        text = RECIPE.replace(
+            "    figure =", "    bench.input('datasets/loads.csv').read_text()\n    figure ="
+        )
+        put(bench, "loads.py", text)
+        for name in ("materials", "loads", "claims"):
+            put(bench, f"../datasets/{name}.csv", "mine\n")
+        before = tree(bench.root)
+        for command, name in (
+            (("claims", "-o", "datasets/materials.csv"), "materials"),
+            (("report", "--tables", "csv", "-o", "datasets"), "claims"),
+            (("figure", "loads", "-o", "datasets", "--jobs", 2), "loads"),
+        ):
+            code, out, errors = run(*command)
+            assert (code, out) == (2, "")
+            assert f"datasets/{name}.csv: cannot be written (it is an input)" in errors
+            assert errors.count("\n") == 1
+        assert tree(bench.root) == before
 
     def test_a_claim_is_one_function(self, bench: Bench, run) -> None:
         put(bench, "claims/mine.py", CLAIM)

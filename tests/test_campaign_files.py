@@ -11,6 +11,7 @@ from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import OBJECTIVES
+from cylcontact.provenance import spec_hash
 from tests.spec_files import (
     CAMPAIGN,
     DROP,
@@ -312,3 +313,18 @@ def test_settings_that_are_no_campaign_are_refused(tmp_path, changes, source, ke
     with pytest.raises(InputError) as caught:
         campaign_from_settings("small", changed(settings, changes), "r.json")
     assert_told(caught, source, key, DROP, rule, caught.value.remedy)
+
+
+def test_the_key_of_a_shipped_law_is_that_of_the_settings(small_campaign):
+    assert small_campaign.key == spec_hash(small_campaign.settings)
+
+
+def test_a_value_of_several_types_is_named_by_its_own_key(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text(
+        'data = "m.csv"\nlaw = "johnson"\ncontact = "internal"\nconstants = {nu = [1]}\n'
+    )
+    with pytest.raises(InputError) as caught:
+        read_campaign(path)
+    assert_told(caught, path, "constants.nu", [1], "must be a number", "[constants]")
+    assert "more mistake" not in str(caught.value)

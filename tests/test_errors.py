@@ -96,6 +96,16 @@ BAD_INPUT = {
         lambda dR: from_dR("external" if dR < 10 else "internal", dR, R_i=10.0),
         (10.0, 11.0, 9.0),
     ),
+    "CylinderPair: dR = {!r}: leaves body j a radius that is not positive (R_i = 10.0); "
+    "internal contact needs dR < R_i, external contact dR > R_i": (
+        lambda dR: CylinderPair("internal", dR, STEEL, STEEL, R_i=10.0),
+        (10.0, 11.0),
+    ),
+    "CylinderPair: dR = {!r}: leaves body i a radius that is not positive (R_j = 10.0); "
+    "internal contact needs dR < R_i, external contact dR > R_j": (
+        lambda dR: CylinderPair("external", dR, STEEL, STEEL, R_j=10.0),
+        (10.0, 9.0),
+    ),
     "CylinderPair: R_i, R_j: the effective radius needs both radii and this pair knows only ΔR; "
     "build it with CylinderPair.internal or .external, or pass R_i to from_dR": (
         lambda _: BARE.R,
@@ -197,6 +207,14 @@ def test_bad_input_is_told_by_source_key_value_rule_and_remedy(said, act, value)
     )
     assert repr(error.value) == repr(value)  # so that NaN equals itself
     assert str(error) == (said.format(value) if value is not None else said.replace(" = {!r}", ""))
+
+
+@pytest.mark.parametrize("value", ["much", ["1 N"], [[1.0], [1.0, 2.0]], 1j, {}])
+def test_what_is_no_number_is_refused_by_laws(value):
+    for act in (laws.Johnson().load, laws.Johnson().penetration, laws.Johnson().stiffness):
+        with pytest.raises(InputError) as caught:
+            act(value, BARE)
+        assert str(caught.value) == f"{value!r}: must be a number or an array of them; give numbers"
 
 
 # --- the message itself -----------------------------------------------------------------------

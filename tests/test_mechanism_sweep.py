@@ -282,6 +282,26 @@ def test_simulate_writes_what_a_later_one_goes_on_from(run, tmp_path):
     assert "is of another mechanism or other options" in err
 
 
+def test_a_run_that_cannot_go_on_keeps_its_revolutions(run, tmp_path):
+    out = tmp_path / "run.parquet"
+    options = ("--law", "johnson", "--clearance", 0.028, "--restitution", 1, "--revolutions", 3)
+    code, said, err = run("simulate", SPEC, *options, "-o", out, "--resume")
+    note, error = err.splitlines()
+    assert (code, said) == (2, "")
+    assert note == f"cylcontact: there is no {out} yet; the run starts anew"
+    assert "leaves its domain at t = 0.02" in error
+    assert error.endswith(f"; 1 complete revolutions are kept in {out}")
+    assert Trajectory.load(out).revolutions == 1
+    assert [*tmp_path.iterdir()] == [out]
+
+
+def test_resuming_is_noted_once_the_input_is_checked(run, tmp_path):
+    options = ("-o", tmp_path / "run.parquet", "--resume", "--revolutions", 1_000_000_000)
+    code, _, err = run("simulate", SPEC, *options)
+    assert (code, err.count("\n")) == (2, 1)
+    assert "of memory" in err
+
+
 def test_resuming_what_is_not_there_starts_anew(run, tmp_path):
     out = tmp_path / "run.parquet"
     code, _, err = run("simulate", SPEC, "--revolutions", 1, "-o", out, "--resume")

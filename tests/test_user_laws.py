@@ -166,6 +166,21 @@ def test_no_process_of_a_law_stays_behind(tmp_path):
     assert not any(str(tmp_path) in line for _, line, _ in processes().values())
 
 
+def test_runs_of_a_law_that_was_changed_are_not_resumed(fit, tmp_path, monkeypatch):
+    def full(*_):
+        raise InputError("disk", "", None, "is full", "make room")
+
+    monkeypatch.setattr("cylcontact.fitting.result.FitResult.save", full)
+    assert fit(law(f"return {POWER}"))[0] == 2
+    kept = (tmp_path / "r.json.partial").read_bytes()
+    monkeypatch.undo()
+    changed = law(f"return 2 * {POWER}")
+    code, _, errors = fit(changed, "mine:load", "rms-log-load", "--resume")
+    assert (code, len(errors.splitlines())) == (2, 1)
+    assert "belongs to other work: its campaign or settings differ" in errors
+    assert (tmp_path / "r.json.partial").read_bytes() == kept
+
+
 def test_a_campaign_file_sets_the_patience(tmp_path, run):
     write_measured(tmp_path / "measured.csv", "power", "internal")
     (tmp_path / "mine.py").write_text(law("time.sleep(100)"))

@@ -31,8 +31,8 @@ INTERVAL = 250
 BY_DEFAULT = {Path("reports/tables")}
 # How lines of standard error begin that do not say that the input is wrong.
 NOTES = ("warning: ", "missing, ")
-# The same, of a command that does its work.
-BEGINNINGS = ("cylcontact: no runs", "cylcontact: no cases", "cylcontact: there is")
+# And of those that --resume says of good input when nothing is kept.
+ANEW = ("cylcontact: no runs", "cylcontact: no cases", "cylcontact: there is")
 
 
 class Verdict(NamedTuple):
@@ -198,7 +198,7 @@ def _wrong_words(code, errors):
     lines = errors.split("\n")
     if lines.pop():
         return f"the last line has no end: {errors[-300:]!r}"
-    notes = NOTES if code else NOTES + BEGINNINGS
+    notes = NOTES if code == 2 else (*NOTES, *ANEW)
     others = [line for line in lines if not line.startswith(notes)]
     if code not in (0, 1, 2):
         return f"exit code {code}: {errors!r}"
