@@ -13,7 +13,7 @@ COUNTS = ROOT / "tests/golden/counts.json"
 LONG_RUN = ROOT / "tests/fuzz/long_run.json"
 PAGE = ROOT / "docs/reliability.md"
 # What stands between two comments of the page is written here.
-_WRITTEN = re.compile(r"(<!-- (\w+) -->\n).*?(\n<!-- end -->)", re.DOTALL)
+_WRITTEN = re.compile(r"(<!-- (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def recorded():
@@ -35,14 +35,15 @@ def counted(name, number):
 
 
 def table():
-    """Return the counts as rows of a table; the fuzzer's kinds of input have one of their own."""
-    return _rows({name: count for name, count in recorded().items() if ": " not in name})
+    """Return the counts as a table; the fuzzer's kinds of input have one of their own."""
+    counts = {name: count for name, count in recorded().items() if ": " not in name}
+    return _table("cases | number", counts)
 
 
 def kinds():
-    """Return the fuzzer's inputs by kind as rows of a table."""
+    """Return the fuzzer's inputs by kind as a table."""
     parts = {name.partition(": ")[2]: count for name, count in recorded().items() if ": " in name}
-    return _rows(dict(sorted(parts.items(), key=lambda part: -part[1])))
+    return _table("input | of 10,000", dict(sorted(parts.items(), key=lambda part: -part[1])))
 
 
 def longest():
@@ -58,11 +59,12 @@ def longest():
 def written(page):
     """Return the text of the page with the counts of today."""
     parts = {"table": table, "kinds": kinds, "longest": longest}
-    return _WRITTEN.sub(lambda found: f"{found[1]}{parts[found[2]]()}{found[3]}", page)
+    return _WRITTEN.sub(lambda found: f"{found[1]}\n{parts[found[2]]()}\n\n{found[3]}", page)
 
 
-def _rows(counts):
-    return "\n".join(f"| {name} | {count:,} |" for name, count in counts.items())
+def _table(head, counts):
+    rows = (f"| {name} | {count:,} |" for name, count in counts.items())
+    return "\n".join([f"| {head} |", "|---|---:|", *rows])
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ import gc
 import io
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -29,6 +30,8 @@ __all__ = ["main"]
 # Libraries make many objects that live as long as the process. Looking through all of them for
 # garbage again and again, and once more at the end, takes an eighth of a short command's time.
 _OBJECTS_BETWEEN_COLLECTIONS = 50_000
+# How numpy's warnings of numbers beyond all others begin. The commands tell what is not finite.
+_NOT_FINITE = "(overflow|underflow|invalid value|divide by zero) encountered"
 # Characters of an error, which may quote names and paths of any length.
 _LONGEST = 1200
 atexit.register(gc.freeze)
@@ -37,6 +40,7 @@ atexit.register(gc.freeze)
 def main() -> None:
     """Run the command line; expected failures become one line and an exit code."""
     gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)
+    warnings.filterwarnings("ignore", _NOT_FINITE, RuntimeWarning)
     _prepare_streams()
     try:
         with stopped_by_signals():

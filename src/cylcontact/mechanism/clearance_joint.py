@@ -364,17 +364,25 @@ def joint_from(data: dict[str, Any], source: str = "joint") -> ClearanceJoint:
     )
     pair = CylinderPair.internal(spec.bearing.R, spec.pin.R, hole, spec.length, pin)
     law, origin = _law(spec.law, source)
+    deepest = np.asarray(law.max_penetration(pair))
+    load = law.load(np.minimum(1e-3 * float(pair.dR), 0.5 * deepest), pair)
     require(
-        np.asarray(law.max_penetration(pair)) > 0, source, "law", spec.law,
+        (deepest > 0) & (load > 0) & np.isfinite(load), source, "law", spec.law,
         f"is undefined for this pair, with its clearance of {float(pair.dR):.4g} mm",
         "choose another law",
+    )  # fmt: skip
+    damping = spec.dissipation
+    chi = float(hysteresis_factor(damping.factor)(damping.restitution))
+    require(
+        np.isfinite(chi), source, "dissipation.restitution", damping.restitution,
+        f"leaves the hysteresis factor {damping.factor!r} no finite value", "give a larger one",
     )  # fmt: skip
     return ClearanceJoint(
         name=spec.name,
         units=spec.units,
         pair=pair,
         law=law,
-        chi=float(hysteresis_factor(spec.dissipation.factor)(spec.dissipation.restitution)),
+        chi=chi,
         friction=spec.friction.coefficient,
         v0=spec.friction.v0,
         v1=spec.friction.v1,
