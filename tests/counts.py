@@ -49,10 +49,11 @@ def kinds():
 def longest():
     """Return the fuzzer's longest run in a sentence."""
     run = json.loads(LONG_RUN.read_text(encoding="utf-8"))
-    found = f"{run['findings']} of them" if run["findings"] else "none"
+    kinds = "one kind" if run["findings"] == 1 else f"{run['findings']} kinds"
+    found = f"{kinds} of failure, since mended" if run["findings"] else "no failure"
     return (
         f"The longest run on record tried {run['cases']:,} inputs of seed {run['seed']} in "
-        f"{run['seconds'] / 60:.0f} minutes on two cores, on {run['date']}: {found} failed."
+        f"{run['seconds'] / 60:.0f} minutes on two cores, on {run['date']}, and found {found}."
     )
 
 

@@ -87,6 +87,9 @@ def _prepare_streams() -> None:
 
 def _run(arguments: Sequence[str]) -> int:
     """Run one command and return its exit code; errors propagate."""
+    if "" in arguments:  # typer takes an empty path for the current folder
+        rule, remedy = "an argument is empty", "fill it in; a variable of the shell may be unset"
+        raise InputError("command line", "", None, rule, remedy)
     refuse_former_command(arguments)
     command = typer.main.get_command(app)
     try:
