@@ -196,7 +196,7 @@ def test_an_interrupted_simulation_keeps_its_revolutions(tmp_path):
         assert process.exitcode == 130
         seconds *= 2
     revolutions = Trajectory.load(out).revolutions
-    line = f"interrupted; {revolutions} complete revolutions are kept in {out}"
+    line = f"interrupted; complete revolutions kept in {out}: {revolutions}; "
     assert line in killable.said(out.parent)
     assert revolutions >= 1
     assert list(tree(out.parent)) == ["run.parquet"]

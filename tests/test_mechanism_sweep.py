@@ -290,7 +290,7 @@ def test_a_run_that_cannot_go_on_keeps_its_revolutions(run, tmp_path):
     assert (code, said) == (2, "")
     assert note == f"cylcontact: there is no {out} yet; the run starts anew"
     assert "leaves its domain at t = 0.02" in error
-    assert error.endswith(f"; 1 complete revolutions are kept in {out}")
+    assert error.endswith(f"; complete revolutions kept in {out}: 1")
     assert Trajectory.load(out).revolutions == 1
     assert [*tmp_path.iterdir()] == [out]
 

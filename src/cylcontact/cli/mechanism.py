@@ -345,14 +345,14 @@ def _run(
         interruption.trajectory.save(out)
         count = interruption.trajectory.revolutions
         raise KeyboardInterrupt(
-            f"interrupted; {count} complete revolutions are kept in {out}; "
+            f"interrupted; complete revolutions kept in {out}: {count}; "
             "the same command with --resume goes on from there"
         ) from None
     except RunError as error:
         if error.trajectory is None:
             raise
         error.trajectory.save(out)
-        kept = f"; {error.trajectory.revolutions} complete revolutions are kept in {out}"
+        kept = f"; complete revolutions kept in {out}: {error.trajectory.revolutions}"
         raise InputError(
             error.source, error.key, error.value, error.rule, error.remedy + kept
         ) from error

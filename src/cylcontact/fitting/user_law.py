@@ -68,7 +68,7 @@ class UserFunction:
                 "law",
                 None,
                 "is code of your own, which is not run because a result names it",
-                f"redo the fit from its campaign, or name it: uncertainty --law {self.spec}",
+                f"redo the fit from its campaign, or name it: fit RESULT.json --law {self.spec}",
             )
         _require_same_file(self.spec, self.folder, self.digest)
         process = process_of(self.spec, self.folder, self.digest, self.seconds)
