@@ -243,7 +243,7 @@ BAD_INPUT = [
     ((*FIT, "--runs"), "Option '--runs' requires an argument; see cylcontact"),
     *(
         ((*FIT, "--runs", text), f"'--runs': '{text}' must be an integer of at least 1; see")
-        for text in ("0", "-3", "x", "1.5", "")
+        for text in ("0", "-3", "x", "1.5")
     ),
     *(
         ((*FIT, "--seed", text), f"'--seed': '{text}' must be an integer of at least 0; see")
@@ -257,7 +257,10 @@ BAD_INPUT = [
     # what is read
     (("fit", "no.toml"), f"no.toml: cannot be read ({NO_FILE}); check the path"),
     (("fit", "folder"), f"folder: cannot be read ({IS_FOLDER}); check the path"),
-    (("fit", ""), f".: cannot be read ({IS_FOLDER}); check the path"),
+    *(
+        (command, "command line: an argument is empty; fill it in; a variable of the shell may be")
+        for command in (("fit", ""), (*FIT, "--runs", ""), (*FIT, "-o", ""), (*SAMPLE, "-o", ""))
+    ),
     (("fit", "no\nsuch.toml"), f"no such.toml: cannot be read ({NO_FILE}); check the path"),
     (("fit", "picture.png"), "picture.png: is not a text file; give a TOML file in UTF-8"),
     (("fit", "fitting/nodata.toml"), "dataset = 'datasets/none.toml': no such file beside the"),
@@ -306,7 +309,7 @@ BAD_INPUT = [
     *(
         ((*command, "-o", out), f"{Path(out)}: {FOLDER}")
         for command in (FIT, SAMPLE)
-        for out in ("folder", "folder/", ".", "", "/")
+        for out in ("folder", "folder/", ".", "/")
     ),
     *(
         ((*command, "-o", out), f"{out}: cannot be written (good.json is not a folder); choose")

@@ -49,7 +49,7 @@ class UserProcess:
         self._replies: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
         self._process = subprocess.Popen(
-            tethered([sys.executable, "-P", str(_PROGRAM), folder, spec]),
+            tethered([sys.executable, "-PB", str(_PROGRAM), folder, spec]),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env={**os.environ, "PYTHONPATH": path},
