@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 import numpy as np
@@ -347,7 +348,7 @@ def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
         "must be positive and finite",
         "give it in mm",
     )
-    m = (np.e * min(_yield_stresses(pair, None)) / (2 * pair.E_star)) ** 2
+    m = (math.e * min(_yield_stresses(pair, None)) / (2 * pair.E_star)) ** 2
     return as_floats(2 * radius / (1 + np.sqrt(1 + 4 / m)))
 
 

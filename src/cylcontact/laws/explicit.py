@@ -15,6 +15,7 @@ constants are calibrated by this package: for internal contact to Persson's solu
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -85,7 +86,7 @@ def is_defined(c: float, A: float, B: float) -> bool:
     The innermost 1 + (A/d)·ln(B/d) has its minimum 1 − A/(e·B) at d = e·B. If c + ln of this
     minimum is positive, so are the arguments of the other logarithms.
     """
-    least = 1 - A / (np.e * B) if B > 0 else 0.0
+    least = 1 - A / (math.e * B) if B > 0 else 0.0
     return bool(min(c, A, B, least) > 0 and c + np.log(least) > 0)
 
 

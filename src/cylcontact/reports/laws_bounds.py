@@ -5,6 +5,7 @@ Both depend on φ = f/(E*·ΔR) only.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import cache
 
@@ -88,7 +89,7 @@ def departure_number(percent: float) -> float:
 
 def johnson_end() -> float:
     """Return the largest φ of Johnson's law, 4π/e² (Eq 8)."""
-    return float(4 * np.pi / np.e**2)
+    return float(4 * np.pi / math.e**2)
 
 
 def johnson_shortfall(number: float) -> float:
