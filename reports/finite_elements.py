@@ -12,7 +12,7 @@ from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair
-from cylcontact.reports.bench import Bench, MissingInputError
+from cylcontact.reports.bench import Bench
 
 # Set-ups and tables of a bench.
 FOLDER = Path("datasets", "finite_element")
@@ -32,11 +32,8 @@ STRESS_LOAD_CHOICE = "The load of the contact stress is our choice, as the paper
 
 def study(bench: Bench, name: str) -> Study:
     """Read the set-up file `NAME.toml` of the bench."""
-    file = bench.input(FOLDER / f"{name}.toml")
-    if not file.is_file():
-        rule, remedy = "this set-up does not exist", "cylcontact init lays out a bench that has it"
-        raise MissingInputError(str(file), "", None, rule, remedy)
-    return read_study(file)
+    rule, remedy = "this set-up does not exist", "cylcontact init lays out a bench that has it"
+    return read_study(bench.required(FOLDER / f"{name}.toml", rule, remedy))
 
 
 def table(bench: Bench, name: str, engine: Engine = "embedded") -> pd.DataFrame:

@@ -18,7 +18,7 @@ from cylcontact.laws import PUBLISHED
 from cylcontact.laws.definition import Parameter
 from cylcontact.pair import CONTACTS, Contact
 from cylcontact.progress import silent
-from cylcontact.reports.bench import Bench, MissingInputError
+from cylcontact.reports.bench import Bench
 
 Problems = dict[str, Problem]
 BORROWED = "the samples of the other contact"
@@ -121,13 +121,8 @@ def searched_exponents(bench: Bench) -> dict[str, float]:
     """
     settings: dict[Contact, dict[str, Any]] = {}
     for each in CONTACTS:
-        file = bench.input(f"fitting/recovered-{each}.toml")
-        if not file.is_file():
-            rule, remedy = (
-                "this campaign does not exist",
-                "cylcontact init lays out a bench with it",
-            )
-            raise MissingInputError(str(file), "", None, rule, remedy)
+        rule, remedy = "this campaign does not exist", "cylcontact init lays out a bench with it"
+        file = bench.required(f"fitting/recovered-{each}.toml", rule, remedy)
         settings[each] = read_campaign(file).settings
     samples = {"20 points an axis": problem_from(settings["external"])}
     samples |= other_samples(settings, "external")

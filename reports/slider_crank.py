@@ -44,10 +44,8 @@ DRAWN_STEP = 4e-6
 
 def mechanism(bench: Bench, case: Case | None = None) -> Mechanism:
     """Return the mechanism of the bench's spec, or a case of it."""
-    file = bench.input(SPEC)
-    if not file.is_file():
-        rule, remedy = "this spec does not exist", "cylcontact init lays out a bench that has it"
-        raise MissingInputError(str(file), "", None, rule, remedy)
+    rule, remedy = "this spec does not exist", "cylcontact init lays out a bench that has it"
+    file = bench.required(SPEC, rule, remedy)
     return read_mechanism(file, **({} if case is None else vars(case)))
 
 

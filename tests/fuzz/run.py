@@ -22,12 +22,12 @@ from subprocess import check_output
 from rich.progress import MofNCompleteColumn, Progress
 
 from cylcontact.cli.terminal import cores
+from tests.counts import LONG_RUN
 from tests.fuzz.cases import Case
 from tests.fuzz.judge import Judge
 
 HERE = Path(__file__).parent
 CORPUS = HERE / "corpus"
-LONG_RUN = HERE / "long_run.json"
 # How many inputs a process tries before it says so.
 PART = 100
 # Of each worker process: its judge, and what it has found.

@@ -34,7 +34,7 @@ def require_contact_law(law: ContactLaw, contact: Contact | None) -> None:
     InputError
         With the penetration and the pair where it fails.
     """
-    found = False
+    has_load = False
     for each in CONTACTS if contact is None else (contact,):
         pair = _pairs(each)
         depth = _DEPTHS * np.asarray(pair.dR)
@@ -53,8 +53,8 @@ def require_contact_law(law: ContactLaw, contact: Contact | None) -> None:
                 f"for ΔR = {dR:.3g} mm and E = {E:g} MPa"
             )
             raise InputError("export", "law", law.name, rule, "correct them, or redo the fit")
-        found = found or bool(((loads > 0) & np.isfinite(loads)).any())
-    if not found:
+        has_load = has_load or bool(((loads > 0) & np.isfinite(loads)).any())
+    if not has_load:
         rule = "has no load at any penetration with these coefficients"
         raise InputError("export", "law", law.name, rule, "correct them, or redo the fit")
 

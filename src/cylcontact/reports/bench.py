@@ -89,6 +89,19 @@ class Bench:
         """
         return self.noted(self.root / name)
 
+    def required(self, name: Path | str, rule: str, remedy: str) -> Path:
+        """Return an input file that is there.
+
+        Raises
+        ------
+        MissingInputError
+            If it is not, with this rule and remedy.
+        """
+        file = self.input(name)
+        if not file.is_file():
+            raise MissingInputError(str(file), "", None, rule, remedy)
+        return file
+
     def table(self, name: str, columns: Sequence[str], remedy: str) -> pd.DataFrame:
         """Read a table that an earlier version may have written, with other columns.
 
@@ -113,9 +126,7 @@ class Bench:
         """
         import pandas as pd
 
-        file = self.input(name)
-        if not file.is_file():
-            raise MissingInputError(str(file), "", None, "this table does not exist", remedy)
+        file = self.required(name, "this table does not exist", remedy)
         try:
             table = pd.read_csv(file)
         except (OSError, ValueError) as error:

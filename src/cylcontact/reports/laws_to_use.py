@@ -26,7 +26,7 @@ from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.pair import Contact
 from cylcontact.reading import SPEC_BYTES, read_text
-from cylcontact.reports.bench import Bench, MissingInputError
+from cylcontact.reports.bench import Bench
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, johnson_end
 from cylcontact.text_tables import Report, joined, text_table
 
@@ -258,12 +258,8 @@ def _relative_times(bench: Bench) -> dict[str, float]:
     InputError
         If there are no benchmarks, or they lack one.
     """
-    path = bench.input(BENCHMARKS)
-    if not path.is_file():
-        raise MissingInputError(
-            str(path), "", None, "the measured times do not exist", "measure them: make bench"
-        )
     remedy = "measure them: make bench"
+    path = bench.required(BENCHMARKS, "the measured times do not exist", remedy)
     try:
         data = dict(json.loads(read_text(path, SPEC_BYTES, remedy)))
         rows = upgraded("benchmarks", data, str(path))["rows"]
