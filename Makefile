@@ -23,7 +23,7 @@ MAIN_FIGURES := $(foreach number,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16
 unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
-.PHONY: all committed env extras fits finite-element mechanism bifurcation readings optimizers figures report claims verify \
+.PHONY: all committed env extras fits finite-element mechanism bifurcation readings optimizers figures report paper claims verify \
 	bench scaling notebooks pair docs test test-skipped test-slow fuzz lint format lock clean distclean help FORCE
 
 ##@ The main job
@@ -97,6 +97,9 @@ figures: build/.figures ## Draw the figures from this machine's fits, in build
 
 report: $(VENV)/.editable ## Build the report, reports/html/index.html, from the committed fits
 	$(CYLCONTACT) report
+
+paper: $(VENV)/.paper ## Typeset the manuscript, reports/typeset/contact-laws, from the committed results
+	$(CYLCONTACT) manuscript
 
 claims: $(VENV)/.editable ## Hold every number the paper states against ours
 	$(CYLCONTACT) claims
@@ -193,6 +196,14 @@ $(VENV)/.extras: requirements-extras.lock $(VENV)/.dependencies | $(VENV)/.edita
 		--require-hashes -r requirements-extras.lock
 	@touch $@
 
+# Pandoc and Typst, of all extras: that takes seconds.
+$(VENV)/.paper: requirements-extras.lock $(VENV)/.dependencies | $(VENV)/.editable
+	@mkdir -p build
+	@awk '/^[^ ]/ { wanted = /^(pypandoc-binary|typst)==/ } wanted' requirements-extras.lock > build/paper.lock
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+		--require-hashes -r build/paper.lock
+	@touch $@
+
 # The build backend is in the lock, so this step needs no network.
 $(VENV)/.editable: pyproject.toml $(VENV)/.dependencies
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
@@ -214,7 +225,7 @@ lock: ## Pin the dependencies anew in both locks; make lock UPGRADE=--upgrade fo
 	@mv build/requirements.lock build/requirements-extras.lock .
 
 clean: ## Remove what the commands above made: fits, figures, tables, caches
-	rm -rf build dist datasets/generated reports/figures reports/html reports/tables
+	rm -rf build dist datasets/generated reports/figures reports/html reports/tables reports/typeset
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find src tests reports -name __pycache__ -type d -prune -exec rm -rf {} +
 

@@ -24,7 +24,7 @@ from tests.programs import require_program
 ROOT = Path(__file__).resolve().parents[1]
 BENCH = ("datasets", "fitting", "reports")
 FENCE = re.compile(r'^( *)```(\w*)(?: title="([^"]+)")?\n(.*?)^\1```$', re.DOTALL | re.MULTILINE)
-TOOLS = ("cp", "echo", "sed", "gcc", "cat", "ls", "head", "tail", "./")
+TOOLS = ("cp", "mkdir", "echo", "sed", "gcc", "cat", "ls", "head", "tail", "./")
 NEEDED = {"gcc": "gcc"}
 # They take minutes or a cluster, or the tutorial runs the like: only that they parse is checked.
 LONG = re.compile(

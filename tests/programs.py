@@ -4,6 +4,7 @@
 """
 
 import shutil
+import subprocess
 
 import pytest
 
@@ -16,6 +17,7 @@ PACKAGES = {
     "ccx": "calculix-ccx",
     "chromium": "chromium",
     "xelatex": "texlive-xetex",
+    "elsarticle.cls": "texlive-publishers",
 }
 # Set by `--last-skipped`.
 REQUIRED = False
@@ -23,14 +25,25 @@ CACHED = "cylcontact/skipped"
 
 
 def require_program(name):
-    """Return the path of a program; without it, skip, or fail where no test may skip."""
-    path = shutil.which(name)
+    """Return the path of a program, or of a class of LaTeX.
+
+    Without it, skip, or fail where no test may skip.
+    """
+    path = _class_of_latex(name) if name.endswith(".cls") else shutil.which(name)
     if path is None:
         absent = f"{name} is not installed (Debian: apt install {PACKAGES[name]})"
         if REQUIRED:
             pytest.fail(absent)
         pytest.skip(absent)
     return path
+
+
+def _class_of_latex(name):
+    """Return where LaTeX finds a class, None if it does not or is not there itself."""
+    if shutil.which("pdflatex") is None:
+        return None
+    found = subprocess.run(["kpsewhich", name], capture_output=True, text=True, check=False)
+    return found.stdout.strip() or None
 
 
 def fake_program(folder, name, script):

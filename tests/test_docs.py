@@ -69,7 +69,7 @@ def test_a_material_of_ones_own_changes_no_figure_of_the_paper(tmp_path, figures
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_every_block_says_what_it_is(page):
-    known = {"python", "bash", "text", "toml", "csv", "c", "cpp"}
+    known = {"python", "bash", "text", "markdown", "toml", "csv", "c", "cpp"}
     assert {block.language for block in blocks(page)} <= known
 
 

@@ -2,8 +2,8 @@
 
 Names, labels, notes and messages come from files that others wrote, and from other programs. They
 may hold markup, formulas, commands of a terminal, or a million characters. Here is one function for
-each place: a terminal or a message, a page, LaTeX, a figure, a CSV file, source code, a file's
-name. Results store texts unchanged.
+each place: a terminal or a message, a page, LaTeX, Markdown, a figure, a CSV file, source code, a
+file's name. Results store texts unchanged.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from html import escape
 from keyword import kwlist
+from string import punctuation
 from typing import TYPE_CHECKING, Any
 from unicodedata import category
 
@@ -28,6 +29,7 @@ __all__ = [
     "html",
     "identifier",
     "latex",
+    "markdown",
     "page_text",
     "visible",
 ]
@@ -158,6 +160,36 @@ def latex(text: str) -> str:
     parts = re.split("(?<=-)(?=-)", visible(" ".join(text.split("\n"))))
     escaped = "{}".join("".join(_LATEX.get(mark, mark) for mark in part) for part in parts)
     return f"{{{escaped[0]}}}{escaped[1:]}" if escaped.startswith(("[", "*")) else escaped
+
+
+# --- Markdown -----------------------------------------------------------------------------------
+
+_MATH = re.compile(r"\\ensuremath\{(.*)\}")
+_MARKDOWN = {
+    mark: f"${found[1]}$"
+    for mark, text in _LATEX.items()
+    if not mark.isascii() and (found := _MATH.fullmatch(text))
+}
+
+
+def markdown(text: str) -> str:
+    r"""Escape a text for pandoc's Markdown, from which LaTeX and Typst are made.
+
+    No part of it acts as markup or ends a paragraph. Greek letters and signs become formulas, which
+    every font of a journal has.
+
+    Examples
+    --------
+    >>> print(markdown("ΔR_i < 50 % of *R*²"))
+    $\Delta$R\_i \< 50 \% of \*R\*$^{2}$
+    """
+    shown = visible(" ".join(text.split("\n")))
+    escaped = "".join(
+        _MARKDOWN.get(mark, f"\\{mark}" if mark.isascii() and mark in punctuation else mark)
+        for mark in shown
+    )
+    # Before a digit, a dollar sign does not end a formula.
+    return re.sub(r"(?<=\$)[0-9]", lambda digit: f"&#{ord(digit[0])};", escaped)
 
 
 # --- CSV ----------------------------------------------------------------------------------------

@@ -64,6 +64,7 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
     "The paper": {
         reporting.report: "report -o build/report",
         reporting.claims: "claims -o build/claims.csv",
+        reporting.manuscript: "manuscript reports/manuscript/template.md",
         calibration.verify: "verify fitting/results/external-E1000.json",
     },
     "The bench": {init.init: "init mine"},

@@ -22,7 +22,7 @@ __all__ = ["FOLDERS", "copy_files", "init", "shipped_files"]
 FOLDERS = ("datasets", "fitting", "notebooks", "reports")
 # Files that commands and users add to a checkout; a wheel has none of them.
 _NOT_SHIPPED = (
-    *("__pycache__", ".*", "figures", "generated", "html", "tables"),
+    *("__pycache__", ".*", "figures", "generated", "html", "tables", "typeset"),
     *("mine*", "materials.csv", "*.lock", "*.partial"),
 )
 

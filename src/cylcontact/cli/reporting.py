@@ -1,4 +1,4 @@
-"""The commands `figure`, `report`, `claims`, `laws` and `export`."""
+"""The commands `figure`, `report`, `claims`, `manuscript`, `laws` and `export`."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ from cylcontact.text_tables import joined
 if TYPE_CHECKING:
     from cylcontact.reports.bench import Bench
 
-__all__ = ["claims", "export", "figure", "laws", "report"]
+__all__ = ["claims", "export", "figure", "laws", "manuscript", "report"]
 
 
 def figure(
@@ -185,6 +185,33 @@ def claims(
             temporary.write_text(to_json(computed, terms, gone), encoding="utf-8")
     count = len(computed)
     say(f"{count} {'claim' if count == 1 else 'claims'} written to {out}")
+
+
+def manuscript(
+    source: Annotated[
+        Path,
+        typer.Argument(help="The manuscript, Markdown with placeholders for numbers and figures."),
+    ] = Path("reports/manuscript/contact-laws.md"),
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="The folder; reports/typeset/NAME.")
+    ] = None,
+    results: Results = RESULTS,
+    jobs: Jobs = None,
+) -> None:
+    """Typeset a paper whose numbers and figures come from results, as PDF and as LaTeX.
+
+    Notes numbers that are typed, and figures and tables that the text does not mention.
+    """
+    from cylcontact.reports.bench import Bench
+    from cylcontact.reports.typeset import typeset
+
+    bench = Bench(Path(), results, jobs or cores())
+    folder = out or bench.recipes_folder / "typeset" / source.stem
+    with progress_bars() as progress:
+        made = typeset(bench, source, folder, progress)
+    for note in made.notes:
+        say(f"note: {note}", err=True)
+    say(f"{made.pdf}; sources for a journal in {made.sources}")
 
 
 def laws(

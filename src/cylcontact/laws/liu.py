@@ -23,12 +23,12 @@ __all__ = ["DEFINITION", "Liu"]
 class Liu(Unlimited):
     """f = ½·π·E*·δ·√(δ/(2(ΔR + δ))), from an elastic foundation of the pin's size.
 
-    Liu, Zhang, Yang and Chen, *An approximate contact model for a cylindrical joint with
-    clearances* (2007). The law is explicit, dimensionless in δ/ΔR and f/(E*·ΔR), without a largest
-    load, and for internal contact only. As printed and with the E* of this package it carries
-    about half the load of conformal contact (`Persson`) from f/(E*·ΔR) = 0.1 on. A factor of two
-    in the source's E* would explain that (its convention is unverified). At smaller loads it
-    carries still less, because f ∝ δ^1.5 there.
+    Liu, Zhang and Yang, *The FEM analysis and approximate model for cylindrical joints with
+    clearances*, Mechanism and Machine Theory 42 (2007) 183–197. The law is explicit, dimensionless
+    in δ/ΔR and f/(E*·ΔR), without a largest load, and for internal contact only. As printed and
+    with the E* of this package it carries about half the load of conformal contact (`Persson`) from
+    f/(E*·ΔR) = 0.1 on. A factor of two in the source's E* would explain that (its convention is
+    unverified). At smaller loads it carries still less, because f ∝ δ^1.5 there.
 
     Examples
     --------

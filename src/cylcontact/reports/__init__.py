@@ -16,9 +16,12 @@ __all__ = [
     "fit_figures",
     "laws_bounds",
     "laws_table",
+    "manuscript",
     "notebook",
     "paper",
+    "quantity",
     "tables",
+    "typeset",
 ]
 
 

@@ -1,0 +1,117 @@
+"""Numbers with units as a manuscript prints them, in pandoc's Markdown."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+
+from cylcontact.plain_text import markdown
+
+__all__ = ["FORMAT", "Quantity"]
+
+# What may stand behind the colon of a placeholder.
+FORMAT = re.compile(r"\+?\.[0-9]{1,2}[efg]|words")
+# Numbers from here on, and below the inverse of this, are printed with a power of ten.
+_LARGE, _SMALL = 10**6, 1e-4
+_WORDS = (
+    *("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"),
+    *("ten", "eleven", "twelve"),
+)
+_SPACE = "\\ "  # between a number and its unit, where a line does not break
+
+
+@dataclass(frozen=True)
+class Quantity:
+    r"""A number of a manuscript, or a range, with its unit.
+
+    Attributes
+    ----------
+    value : float, int or tuple of float
+        Integers are printed in full. Two numbers are the ends of a range.
+    unit : str
+        The unit, empty for a number without one.
+    digits : int
+        The significant digits to print, unless a placeholder has a format of its own.
+
+    Examples
+    --------
+    >>> print(Quantity(0.96609, "mm").text(), Quantity((-2.04, 1.31), "%", digits=2).text())
+    0.966\ mm $-2.0$ to 1.3\ \%
+    >>> print(Quantity(3.1e-7).text(".2g"), Quantity(8).text("words"))
+    $3.1 \times 10^{-7}$ eight
+    """
+
+    value: float | int | tuple[float, float]
+    unit: str = ""
+    digits: int = 3
+
+    def text(self, form: str = "") -> str:
+        """Return it as Markdown.
+
+        Parameters
+        ----------
+        form : str, optional
+            A format of Python such as ".2g", "+.1f" or ".2e"; or "words" for a small integer.
+
+        Raises
+        ------
+        ValueError
+            If the format is none of these, or does not suit the number.
+        """
+        if form and not FORMAT.fullmatch(form):
+            raise ValueError("is no format; write .3g, .1f, .2e or words")
+        if form == "words":
+            return self._in_words()
+        ends = self.value if isinstance(self.value, tuple) else (self.value,)
+        numbers = " to ".join(self._number(end, form) for end in ends)
+        return f"{numbers}{unit_text(self.unit)}"
+
+    def _in_words(self) -> str:
+        """Return a small integer as a word, and a larger one in digits, as usual in print."""
+        if not isinstance(self.value, int):
+            raise ValueError("is not an integer, so it has no word")
+        small = 0 <= self.value < len(_WORDS)
+        number = _WORDS[self.value] if small else str(self.value)
+        return f"{number}{unit_text(self.unit)}"
+
+    def _number(self, number: float, form: str) -> str:
+        """Return a number with a true minus sign and, where it needs one, a power of ten."""
+        if isinstance(number, int) and not form:
+            return signed(str(number))
+        plain = format(number, (form or f".{self.digits}g").replace(".", "#.", 1))
+        if form.endswith("e") or not (number == 0 or _SMALL <= abs(number) < _LARGE):
+            mantissa, _, exponent = format(float(plain), f"#.{_decimals(plain)}e").partition("e")
+            return rf"${mantissa.rstrip('.')} \times 10^{{{int(exponent)}}}$"
+        sign = "+" if plain.startswith("+") else ""
+        return signed(sign + format(Decimal(plain), "f").rstrip("."))
+
+
+def unit_text(unit: str) -> str:
+    r"""Return a unit as it follows a number.
+
+    Examples
+    --------
+    >>> print("1" + unit_text("mm^(1-n)"), "2" + unit_text("°"))
+    1\ mm$^{1-n}$ 2$^\circ$
+    """
+    if not unit:
+        return ""
+    parts = re.split(r"\^(?:\(([^()]*)\)|(-?\w+))", unit)
+    texts = [
+        markdown(part) if place % 3 == 0 else f"$^{{{part}}}$"
+        for place, part in enumerate(parts)
+        if part
+    ]
+    return ("" if unit.startswith("°") else _SPACE) + "".join(texts)
+
+
+def signed(number: str) -> str:
+    """Return a number with a minus sign in place of a hyphen."""
+    return f"${number}$" if number.startswith("-") else number
+
+
+def _decimals(number: str) -> int:
+    """Return how many digits a number in text has behind the first significant one."""
+    digits = number.partition("e")[0].replace(".", "").lstrip("+-0")
+    return max(len(digits) - 1, 0)

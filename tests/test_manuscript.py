@@ -1,0 +1,452 @@
+"""Manuscripts: numbers come from results, references lead somewhere, and LaTeX sets them."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cylcontact import InputError
+from cylcontact.plain_text import markdown, visible
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.manuscript import PLACEHOLDER, Values, fill, own_values, table_text
+from cylcontact.reports.quantity import Quantity
+from cylcontact.reports.typeset import typed_numbers, typeset
+from tests.drawn_figures import BENCH
+from tests.hostile import HOSTILE
+from tests.programs import require_program
+from tests.spec_files import tree
+from tests.test_bench import RECIPE
+
+ROOT = BENCH.root
+FOLDER = ROOT / "reports/manuscript"
+OURS = FOLDER / "contact-laws.md"
+SHARED = ("article.tex", "article.typ", "references.bib")
+
+HEAD = """---
+title: A test
+author: [{name: A. Author}]
+abstract: Nothing.
+bibliography: references.bib
+---
+
+"""
+VALUES = """
+import pandas as pd
+
+from cylcontact.reports.quantity import Quantity
+
+DEPTH = 2.5
+
+
+def wear(bench):
+    table = pd.DataFrame({"load, N/mm": ["20", "50"], "law": ["a_b", "*c*"]})
+    return {"depth": Quantity(DEPTH, "µm"), "count": Quantity(3), "who": "A & B_c", "table": table}
+
+
+def deep(bench):
+    return DEPTH > 2
+
+
+HOLDS = {"more than two": deep}
+"""
+BODY = """Deep are {{wear.depth}}, more than
+two, and {{ wear.count:words }} of {{wear.who}} [@johnson1985, Sect. 4.2];
+see @fig:one, @tbl:one, @eq:one.
+
+$$ a = 1.5 b $$ {#eq:one}
+
+![A line in {{figure.fig99.largest load, N/mm:.1f}}.](fig99){#fig:one}
+
+{{wear.table}}
+
+: Two loads. {#tbl:one}
+"""
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch):
+    """A small bench with a manuscript, the current folder."""
+    own = tmp_path / "reports/mine"
+    own.mkdir(parents=True)
+    for name in SHARED:
+        shutil.copy(FOLDER / name, own)
+    (tmp_path / "reports/paper.py").write_text("LOADS = (10.0, 1000.0)\n")
+    (tmp_path / "reports/fig99.py").write_text(RECIPE)
+    (own / "values.py").write_text(VALUES)
+    (own / "a.md").write_text(HEAD + BODY)
+    results = tmp_path / "fitting/results"
+    results.mkdir(parents=True)
+    shutil.copy(ROOT / "fitting/results/internal.json", results)
+    monkeypatch.chdir(tmp_path)
+    return Bench(tmp_path)
+
+
+@pytest.fixture
+def filled(bench):
+    """A function that fills a text in the bench."""
+    source = bench.root / "reports/mine/a.md"
+    return lambda text: fill(text, Values(Bench(bench.root), source)).text
+
+
+def typeset_text(bench, text):
+    """Typeset a text in the bench; return what was written and the LaTeX."""
+    source = bench.root / "reports/mine/a.md"
+    source.write_text(HEAD + text, encoding="utf-8")
+    made = typeset(bench, source, bench.root / "out")
+    return made, (made.sources / "a.tex").read_text("utf-8")
+
+
+# --- numbers ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("quantity", "form", "text"),
+    [
+        (Quantity(0.96609), "", "0.966"),
+        (Quantity(0.95), "", "0.950"),
+        (Quantity(5.0, digits=1), "", "5"),
+        (Quantity(0.0, "mm"), "", r"0.00\ mm"),
+        (Quantity(12345.6), "", "12300"),
+        (Quantity(1234567), "", "1234567"),
+        (Quantity(1234567.0), "", r"$1.23 \times 10^{6}$"),
+        (Quantity(-0.00001), "", r"$-1.00 \times 10^{-5}$"),
+        (Quantity(9.996e-5), "", r"0.000100"),
+        (Quantity(-1.5, "%"), ".2g", r"$-1.5$\ \%"),
+        (Quantity(1.5, "%"), "+.1f", r"+1.5\ \%"),
+        (Quantity(-1.5), "+.1f", r"$-1.5$"),
+        (Quantity(1500.0), ".1e", r"$1.5 \times 10^{3}$"),
+        (Quantity(2e6), ".0f", r"$2 \times 10^{6}$"),
+        (Quantity((-1.0, 2.5), "%", 2), "", r"$-1.0$ to 2.5\ \%"),
+        (Quantity(7, "runs"), "words", r"seven\ runs"),
+        (Quantity(13), "words", "13"),
+        (Quantity(1.0, "mm^(1-n)"), ".1f", r"1.0\ mm$^{1-n}$"),
+        (Quantity(1.0, "N/mm²"), ".1f", r"1.0\ N\/mm$^{2}$"),
+        (Quantity(30.0, "°"), ".0f", r"30$^\circ$"),
+    ],
+)
+def test_numbers_are_printed_as_journals_want_them(quantity, form, text):
+    assert quantity.text(form) == text
+
+
+@given(st.floats(-1e12, 1e12, allow_nan=False), st.integers(1, 7))
+def test_a_printed_number_is_the_number_to_its_digits(value, digits):
+    text = Quantity(value, digits=digits).text().strip("$")
+    mantissa, _, power = text.replace(" \\times 10^{", "e").rstrip("}").partition("e")
+    printed = float(mantissa) * 10.0 ** int(power or 0)
+    assert printed == pytest.approx(value, rel=0.500001 * 10 ** (1 - digits), abs=1e-300)
+
+
+def test_a_fit_gives_its_coefficients_with_units_and_digits(filled):
+    result = json.loads(Path("fitting/results/internal.json").read_text("utf-8"))
+    a = result["coefficients"]["a"]
+    assert filled("{{fit.internal.a}}") == rf"{a:.4g}\ mm$^{{1-n}}$"
+    assert filled("{{fit.internal.objective:.2g}}") == f"{result['objective']['value']:.2g}"
+    published = result["published"]["objective"]
+    assert filled("{{ fit.internal.published:.3f }}") == f"{published:.3f}"
+    assert filled("{{fit.internal.samples}}") == str(result["counts"]["samples"])
+
+
+def test_a_fit_to_a_table_gives_intervals(bench, filled, run):
+    shutil.copytree(ROOT / "datasets/examples", bench.root / "datasets/examples")
+    shape = (
+        "--contact",
+        "internal",
+        "--E",
+        "207 GPa",
+        "--nu",
+        0.3,
+        "--Ri",
+        10,
+        "--Rj",
+        9.97,
+        "--length",
+        20,
+    )
+    code, _, err = run("fit", "datasets/examples/specimens.csv", "--law", "explicit", *shape)
+    assert code == 0, err
+    folder = bench.root / "datasets/examples/results/specimens"
+    estimates = json.loads((folder / "result.json").read_text("utf-8"))["uncertainty"]["estimates"]
+    name, estimate = next(iter(estimates.items()))
+    low, high = estimate["profile"]["low"], estimate["profile"]["high"]
+    text = filled(f"{{{{fit.specimens.{name}.interval:.6g}}}}").replace("$", "")
+    printed = re.match(r"(\S+) to ([-\d.]+)", text)
+    assert [float(end) for end in printed.groups()] == pytest.approx([low, high], rel=1e-5)
+    assert filled("{{fit.specimens.level}}") == r"95\ \%"
+
+
+def test_claims_are_counted_as_the_ledger_counts_them(filled, bench):
+    (bench.root / "reports/claims").mkdir()
+    assert filled("{{claims.testable}} {{claims.reproduced:words}}") == "0 zero"
+
+
+def test_a_changed_result_changes_the_text_and_nothing_else(bench, filled):
+    text = "With a = {{fit.internal.a:.3g}} and an error of {{fit.internal.objective:.2g}}."
+    before = filled(text)
+    file = bench.root / "fitting/results/internal.json"
+    result = json.loads(file.read_text("utf-8"))
+    result["coefficients"]["a"] *= 1.1
+    file.write_text(json.dumps(result), encoding="utf-8")
+    after = filled(text)
+    changed = [
+        pair for pair in zip(before.split(), after.split(), strict=True) if len(set(pair)) > 1
+    ]
+    ((old, new),) = changed
+    assert float(new.split("\\")[0]) == pytest.approx(1.1 * float(old.split("\\")[0]), rel=0.01)
+
+
+# --- what is written ----------------------------------------------------------------------------
+
+
+def test_a_manuscript_is_typeset(bench, run):
+    code, out, err = run("manuscript", "reports/mine/a.md", "-j", 1)
+    assert (code, err) == (0, ""), err
+    assert out == ("reports/typeset/a/a.pdf; sources for a journal in reports/typeset/a/latex\n")
+    made = bench.root / "reports/typeset/a"
+    assert sorted(name for name in tree(made) if (made / name).is_file()) == [
+        "a.pdf",
+        "latex/a.tex",
+        *(f"latex/figures/fig99.{ending}" for ending in ("csv", "pdf")),
+        "latex/references.bib",
+        "numbers.csv",
+    ]
+    latex = (made / "latex/a.tex").read_text("utf-8")
+    for part in (
+        r"Deep are 2.50~\(\mu\)m, more than two, and three of A \& B\_c",
+        r"\citep[Sect. 4.2]{johnson1985}",
+        r"see Fig.~\ref{fig:one},",
+        r"Table~\ref{tbl:one}, Eq.~(\ref{eq:one}).",
+        "\\begin{equation}\\label{eq:one}\n a = 1.5 b \n\\end{equation}",
+        r"{figures/fig99.pdf}",
+        r"\caption{A line in 1000.0~N/mm.}\label{fig:one}",
+        r"\caption{Two loads.}\label{tbl:one}",
+        r"20 & a\_b \\",
+        r"50 & *c* \\",
+    ):
+        assert part in " ".join(latex.split()) or part in latex, part
+    numbers = pd.read_csv(made / "numbers.csv", keep_default_na=False)
+    assert list(numbers["placeholder"])[:3] == ["wear.depth", "wear.count:words", "wear.who"]
+    assert numbers.loc[0].to_dict() == {
+        "line": 8, "placeholder": "wear.depth", "value": "2.5", "unit": "µm"
+    }  # fmt: skip
+
+
+def test_the_same_inputs_give_the_same_bytes(bench):
+    first = typeset(bench, bench.root / "reports/mine/a.md", bench.root / "one")
+    typeset(bench, bench.root / "reports/mine/a.md", bench.root / "two")
+    files = {name: text for name, text in tree(first.pdf.parent).items() if text is not None}
+    assert files == {n: t for n, t in tree(bench.root / "two").items() if t is not None}
+
+
+def test_a_referee_is_told_what_is_typed_and_what_nothing_refers_to(bench):
+    figure = "![A line.](fig99){#fig:one}\n"
+    made, _ = typeset_text(
+        bench, f"In 2015 it was 12 %, $x = 3$, [@pereira2015, p. 4], H2.\n\n{figure}"
+    )
+    typed, unmentioned = made.notes
+    assert typed == "typed, and not from a result: 12, H2."
+    assert unmentioned == "not referred to in the text: fig:one"
+
+
+def test_a_recipe_with_arguments_and_a_picture_are_figures(bench):
+    recipe = RECIPE.replace("def draw(bench)", "def draw(bench, *, load='7')").replace(
+        "max(LOADS)}", "float(load)}"
+    )
+    (bench.root / "reports/fig99.py").write_text(recipe)
+    shutil.copy(ROOT / "docs/fig12.png", bench.root / "reports/mine/my map.png")
+    text = "![A.](<fig99 load=8>)\n\n![B.](<my map.png>)\n\n{{figure.fig99.largest load, N/mm:.0f}}"
+    made, latex = typeset_text(bench, text)
+    assert [part in latex for part in ("{figures/fig99-8.pdf}", "{figures/my map.png}")]
+    assert sorted(path.name for path in (made.sources / "figures").glob("*.p*")) == [
+        "fig99-8.pdf", "fig99.pdf", "my map.png"
+    ]  # fmt: skip
+    assert "7~N/mm" in latex
+
+
+@pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)
+def test_a_text_of_others_stays_text(text):
+    pypandoc = pytest.importorskip("pypandoc")
+    cut = text[:1000]
+    plain = pypandoc.convert_text(
+        markdown(cut), "plain", "markdown", extra_args=["--wrap=none"]
+    ).strip("\n")
+    shown = visible(" ".join(cut.split("\n")))
+    assert "".join(plain.split()) == "".join(shown.split())
+    table = pypandoc.convert_text(table_text(pd.DataFrame({cut: [cut]})), "json", "markdown")
+    (block,) = json.loads(table)["blocks"]
+    assert block["t"] == "Table"
+
+
+# --- what is refused ----------------------------------------------------------------------------
+
+LINE = "reports/mine/a.md, line 8"
+REFUSED = {
+    "no group": ("{{wera.depth}}", rf"{LINE}: '{{{{wera.depth}}}}': names no group of values; "
+                 "choose fit, figure, claims, wear, deep, or add it to values.py"),
+    "no value": ("{{wear.deep}}", rf"{LINE}: .*: names no value; wear has depth, count, who, t"),
+    "no name": ("{{}}", rf"{LINE}: '{{{{}}}}': names no group"),
+    "no fit": ("{{fit.none.a}}", r"results/none.json: this fit result does not exist; make it"),
+    "no recipe": ("{{figure.fig00.caption}}", "fig00"),
+    "no figure": ("![a](fig00)", "fig00"),
+    "no picture": ("![a](none.png)", r"reports/mine/none.png: cannot be read"),
+    "a word of no integer": ("{{wear.depth:words}}", rf"{LINE}: .*: is not an integer"),
+    "a format of a text": ("{{wear.who:.2g}}", rf"{LINE}: .*: is no number; leave out :.2g"),
+    "no label": ("See @fig:two.", r"'@fig:two': is no label, and references.bib has no such entry; "
+                 r"label it as \{#fig:two\}"),
+    "no entry": ("See [@nobody].", "'@nobody': is no label, and references.bib"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "message"), REFUSED.values(), ids=REFUSED)
+def test_what_cannot_be_typeset_is_told_in_one_line(bench, run, text, message):
+    (bench.root / "reports/mine/a.md").write_text(f"{HEAD}{text}\n")
+    refused(bench, run, message)
+
+
+def refused(bench, run, message, status=2):
+    """Typeset the manuscript and see it refused, with nothing left."""
+    before = tree(bench.root)
+    code, out, err = run("manuscript", "reports/mine/a.md", "-j", 1)
+    assert (code, out, len(err.splitlines())) == (status, "", 1), err
+    assert re.search(message, err), err
+    assert tree(bench.root) == before
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "message"),
+    [
+        (
+            "values.py",
+            "2.5",
+            "1.5",
+            "reports/mine/a.md: 'more than two': is not what the results say",
+        ),
+        ("values.py", "def wear(bench):", "def wear(bench):\n    1 / 0", "wear.*ZeroDivisionError"),
+        ("values.py", "import pandas", "import pandsa", "values.py.*pandsa"),
+        ("values.py", "return {", "return [] or {1: 2} and 3, {", "wear"),
+        (
+            "a.md",
+            "bibliography: references.bib\n",
+            "",
+            "bibliography: is missing; name it at the top",
+        ),
+        ("a.md", "references.bib", "mine.bib", r"mine.bib: cannot be read"),
+        ("a.md", "title: A test", "title: [", "cannot set|pandoc"),
+        ("article.typ", "#set page(", "#set pgae(", "cannot be set by Typst"),
+        ("article.tex", "$title$", "$title", "pandoc"),
+    ],
+)
+def test_a_broken_part_is_told_in_one_line(bench, run, name, old, new, message):
+    file = bench.root / "reports/mine" / name
+    text = file.read_text("utf-8")
+    assert old in text
+    file.write_text(text.replace(old, new, 1), encoding="utf-8")
+    refused(bench, run, message)
+
+
+@pytest.mark.parametrize("name", SHARED)
+def test_a_missing_part_is_told_in_one_line(bench, run, name):
+    (bench.root / "reports/mine" / name).unlink()
+    refused(bench, run, f"{name}: cannot be read")
+
+
+@pytest.mark.parametrize("name", ["pypandoc", "typst"])
+def test_without_its_packages_the_command_names_the_extra(bench, run, monkeypatch, name):
+    monkeypatch.setitem(sys.modules, name, None)
+    refused(
+        bench, run, rf"manuscript: needs {name}; make paper, or pip install 'cylcontact\[paper\]'"
+    )
+
+
+def test_values_of_a_folder_outside_of_the_bench_are_refused(bench, tmp_path):
+    shutil.move(tmp_path / "reports/mine", tmp_path / "elsewhere")
+    with pytest.raises(InputError, match=r"is not in .*reports, so its values.py cannot import"):
+        own_values(bench, tmp_path / "elsewhere/a.md")
+
+
+def test_inputs_are_not_written_over(bench, run):
+    refused_out = ("manuscript", "reports/mine/a.md", "-o", "reports/mine")
+    (bench.root / "reports/mine/a.pdf").write_text("mine")
+    before = tree(bench.root)
+    code, _, err = run(*refused_out)
+    assert code == 2
+    assert "it is an input" in err
+    assert tree(bench.root) == before
+
+
+# --- our own manuscript -------------------------------------------------------------------------
+
+
+def test_the_template_is_typeset_where_init_lays_it_out(tmp_path, monkeypatch, run):
+    assert run("init", tmp_path)[0] == 0
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run("manuscript", "reports/manuscript/template.md")
+    assert (code, out[:39]) == (0, "reports/typeset/template/template.pdf; "), err
+    assert not re.search("typed|not referred to", err)
+    text = (FOLDER / "template.md").read_text("utf-8")
+    assert len(PLACEHOLDER.findall(text)) >= 3
+
+
+@pytest.fixture(scope="session")
+def ours(tmp_path_factory):
+    """Our manuscript, typeset."""
+    return typeset(BENCH, OURS, tmp_path_factory.mktemp("ours"))
+
+
+def test_no_digit_is_typed_in_our_manuscript():
+    text = OURS.read_text("utf-8")
+    assert typed_numbers(text, OURS) == []
+    assert len(PLACEHOLDER.findall(text)) > 100
+
+
+def test_every_figure_table_and_reference_is_mentioned(ours):
+    assert ours.notes == ()
+
+
+def test_every_phrase_that_results_must_support_is_in_the_text():
+    words = " ".join(OURS.read_text("utf-8").split())
+    holds = own_values(BENCH, OURS).HOLDS
+    assert [phrase for phrase in holds if " ".join(phrase.split()) not in words] == []
+
+
+def test_references_have_the_dois_of_the_documentation():
+    library = (FOLDER / "references.bib").read_text("utf-8")
+    page = (ROOT / "docs/references.md").read_text("utf-8")
+    listed = set(re.findall(r"doi:(10\.[^\]]+)\]", page))
+    assert listed
+    known = set(re.findall(r"doi\s*=\s*\{(.+?)\}", library))
+    both = [doi for doi in listed if doi in known]
+    assert len(both) >= 8
+
+
+def test_it_has_six_to_ten_pages(ours):
+    pages = len(re.findall(rb"/Type\s*/Page\b", ours.pdf.read_bytes()))
+    assert 6 <= pages <= 10
+
+
+@pytest.mark.parametrize("which", ["ours", "template"])
+def test_a_class_of_a_journal_sets_it(which, ours, tmp_path):
+    require_program("elsarticle.cls")
+    if which == "template":
+        made = typeset(BENCH, FOLDER / "template.md", tmp_path / "template")
+        folder, name = made.sources, "template"
+    else:
+        folder, name = shutil.copytree(ours.sources, tmp_path / "latex"), OURS.stem
+    latex = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", name]
+    for command in (latex, ["bibtex", name], latex, latex):
+        done = subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, check=False, errors="replace"
+        )
+        assert done.returncode == 0, done.stdout[-2000:]
+    log = (folder / f"{name}.log").read_text("utf-8", errors="replace")
+    assert "undefined" not in log
+    assert "Missing character" not in log
+    # A line that sticks out by more than 2 mm.
+    wide = [float(width) for width in re.findall(r"Overfull \\hbox \(([\d.]+)pt too wide", log)]
+    assert max(wide, default=0.0) < 6.0
