@@ -1,0 +1,762 @@
+"""Values of the manuscript: finite elements, restitution, the slider-crank and the ledger."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from cylcontact.arrays import FloatArray
+from cylcontact.dissipation import FACTORS, achieved_restitution, exact_factor, hysteresis_factor
+from cylcontact.mechanism import Case
+from cylcontact.mechanism.batch_means import BATCHES
+from cylcontact.mechanism.studies import AGREEMENT
+from cylcontact.mechanism.system import TANGENT_FROM
+from cylcontact.reports.bench import Bench
+from cylcontact.reports.claims import Claim, Verdict
+from cylcontact.reports.claims import ledger as claims_of
+from cylcontact.reports.claims_text import counts
+
+from ..claims.section32 import (
+    BOUNDS,
+    LOADS,
+    change_percent,
+    compared,
+    largest,
+    law_differences,
+    suited_difference,
+    to_elements,
+)
+from ..fig_bifurcation import COLUMNS as SECTIONS
+from ..fig_bifurcation import FILE as BIFURCATION
+from ..fig_restitution import LABELS
+from ..finite_elements import penetrations, sensitivity_table, study, table
+from ..long_runs import (
+    FEW,
+    FIRST,
+    LEVEL,
+    LIGHT_SET,
+    LONG_SET,
+    MANY,
+    SETS,
+    SPEC_SET,
+    LongRun,
+    is_lossless,
+    long_runs,
+    statistics_table,
+)
+from ..paper import FIG6_WIDE, FRICTIONS, JOINT_CLEARANCES, JOINT_LAWS, RESTITUTIONS
+from ..slider_crank import CASES, law_limit, mechanism
+
+
+# stand-in
+@dataclass(frozen=True)
+class Quantity:
+    """A number of the text, with its unit."""
+
+    value: float | int | tuple[float, float]
+    unit: str = ""
+    digits: int = 3
+
+
+Value = Quantity | str | pd.DataFrame
+Group = dict[str, Value]
+LARGE, SMALL = JOINT_CLEARANCES
+SPHERE, JOHNSON, ENHANCED = JOINT_LAWS
+
+
+def spread(values: Iterable[float], unit: str = "", digits: int = 3) -> Quantity:
+    """Return the least and the largest of some values."""
+    found = list(values)
+    return Quantity((float(min(found)), float(max(found))), unit, digits)
+
+
+# Finite elements.
+
+
+def elements(bench: Bench) -> Group:
+    """Return the check by finite elements: the set-up, the solvers, the laws and the bounds."""
+    setup = study(bench, "recommended").setups["base"]
+    rows = table(bench, "recommended")
+    other = table(bench, "recommended", "calculix")
+    clearance = rows["dR_mm"]
+    solvers = 100 * (other["penetration_mm"] / rows["penetration_mm"] - 1)
+    return {
+        "smallest": Quantity(float(1e3 * clearance.min()), "µm", 1),
+        "widest": Quantity(float(clearance.max()), "mm", 2),
+        "lightest": Quantity(float(rows["load_N_per_mm"].min()), "N/mm", 2),
+        "middle": Quantity(LOADS[1], "N/mm", 2),
+        "heaviest": Quantity(float(rows["load_N_per_mm"].max()), "N/mm", 3),
+        "hole": Quantity(setup.hole_radius, "mm", 4),
+        "E": Quantity(setup.E / 1e3, "GPa", 3),
+        "nu": Quantity(setup.nu, "", 1),
+        "ratio": Quantity(setup.outer_ratio, "", 2),
+        "solvers": Quantity(float(solvers.abs().max()), "%", 2),
+        **_sensitivity(bench),
+        **_laws_to_elements(bench),
+        **_bounds(bench),
+    }
+
+
+def _sensitivity(bench: Bench) -> Group:
+    """Return what the choices of the set-up change."""
+    rows = table(bench, "sensitivity")
+    setups = study(bench, "sensitivity").setups
+    wide = "outer radius 10 hole radii"
+    found = sensitivity_table(rows).groupby("variant")
+    change, constant = found["change_percent"], found["constant"]
+    nodes = ("the same on 32 cells", "load at the centre node")
+    plane = change.get_group("plane stress")
+    return {
+        "wide_ratio": Quantity(setups[wide].outer_ratio, "", 2),
+        "wide_change": spread(change.get_group(wide), "%", 2),
+        "wide_constant": spread(constant.get_group(wide), "", 2),
+        "mesh": Quantity(float(change.get_group("32 cells instead of 16").abs().max()), "%", 1),
+        "node": Quantity(change_percent(rows, "penetration_mm", *nodes), "%", 2),
+        "plane_stress": spread(plane, "%", 2),
+        "moduli": Quantity(100 / (1 - setups["base"].nu ** 2) - 100, "%", 2),
+    }
+
+
+def _laws_to_elements(bench: Bench) -> Group:
+    """Return how far the laws are from finite elements, in our set-up and in the paper's."""
+    found: Group = {}
+    rows = penetrations(table(bench, "recommended"))
+    wide = rows[rows["dR_mm"] >= LARGE_ENOUGH]
+    found["johnson_wide"] = Quantity(abs(largest(to_elements(wide, JOHNSON))), "%", 1)
+    for law in (JOHNSON, "persson"):
+        found[law] = Quantity(abs(largest(to_elements(rows, law))), "%", 2)
+    for name, load in zip(("lightest", "middle", "heaviest"), LOADS, strict=True):
+        off = largest(to_elements(compared(bench, "recommended", 0.0, (load,)), ENHANCED))
+        found[f"enhanced_{name}"] = Quantity(abs(off), "%", 3)
+    setup = study(bench, "recommended").setups["base"]
+    worst = rows.iloc[int(np.abs(to_elements(rows, JOHNSON)).argmax())]
+    pair = setup.pair(float(worst["dR_mm"]))
+    printed = np.abs(to_elements(penetrations(table(bench, "paper")), *CYLINDRICAL))
+    return found | {
+        "from": Quantity(LARGE_ENOUGH, "mm", 1),
+        "johnson_phi": Quantity(float(worst["load_N_per_mm"] / (pair.E_star * pair.dR)), "", 2),
+        "printed": spread(printed.ravel(), "%", 2),
+    }
+
+
+CYLINDRICAL = (JOHNSON, ENHANCED)
+# From this ΔR in mm on Johnson's law and finite elements agree; ours, for the text.
+LARGE_ENOUGH = 0.05
+
+
+def _bounds(bench: Bench) -> Group:
+    """Return the paper's two bounds, and what keeps them."""
+    found: Group = {"switch": Quantity(FIG6_WIDE, "mm", 3)}
+    for name, bound in zip(("everywhere", "above"), BOUNDS, strict=True):
+        percent, lowest = float(str(bound["percent"])), float(str(bound["lowest"]))
+        off = law_differences(lowest)
+        free = suited_difference(compared(bench, "recommended", lowest, LOADS[:1]), *CYLINDRICAL)
+        every = suited_difference(compared(bench, "recommended", lowest, LOADS), *CYLINDRICAL)
+        found |= {
+            f"bound_{name}": Quantity(percent, "%", 2),
+            f"free_{name}": Quantity(free, "%", 2),
+            f"every_{name}": Quantity(every, "%", 2),
+        }
+        for load, label in zip(LOADS, ("lightest", "middle", "heaviest"), strict=True):
+            found[f"apart_{name}_{label}"] = Quantity(abs(off[load]), "%", 3)
+    return found
+
+
+# Restitution.
+
+WANTED = (0.1, 0.3, 0.5, 0.7, 0.9)
+PAPER_FACTOR = "lankarani-nikravesh"
+
+
+def restitution(bench: Bench) -> Group:
+    """Return what a restitution becomes under the published factors."""
+    wanted = float(mechanism(bench).data["clearance"]["restitution"])
+    chi = float(hysteresis_factor(PAPER_FACTOR)(wanted))
+    achieved = float(achieved_restitution(chi))
+    largest_chi = float(hysteresis_factor(PAPER_FACTOR)(np.nextafter(0.0, 1.0)))
+    return {
+        "wanted": Quantity(wanted, "", 1),
+        "factor": Quantity(chi, "", 4),
+        "achieved": Quantity(achieved, "", 4),
+        "exact": Quantity(float(exact_factor(wanted)), "", 4),
+        "loss": Quantity(100 - 100 * _lost(achieved) / _lost(wanted), "%", 2),
+        "least": Quantity(float(achieved_restitution(largest_chi)), "", 3),
+        "table": _restitution_table(),
+    }
+
+
+def _lost(e: float) -> float:
+    """Return the share of the energy that an impact of restitution e loses."""
+    return 1 - e**2
+
+
+def _achieved(name: str) -> FloatArray:
+    """Return the restitutions that a factor achieves for those of `WANTED`."""
+    return achieved_restitution(hysteresis_factor(name)(np.array(WANTED)))
+
+
+def _restitution_table() -> pd.DataFrame:
+    """Return the restitution achieved, a row for each published factor."""
+    published = [name for name in FACTORS if name != "exact"]
+    rows = [[LABELS[name], *(f"{e:.3f}" for e in _achieved(name))] for name in published]
+    return pd.DataFrame(rows, columns=["factor", *(f"e = {e:g}" for e in WANTED)])
+
+
+# The slider-crank.
+
+
+def crank(bench: Bench) -> Group:
+    """Return the slider-crank: what is assumed, how it is computed, and what it does."""
+    return {
+        **_assumed(bench),
+        **_computed(bench),
+        **_contacts(bench),
+        **_limit(bench),
+        **_kept_rates(bench),
+        "table": _force_table(bench),
+    }
+
+
+def _assumed(bench: Bench) -> Group:
+    """Return the numbers of the mechanism, the paper's and the assumed ones."""
+    own = mechanism(bench).data
+    longer = LongRun(LONG_SET, CASES[0], 1).mechanism(own).data["bodies"]
+    lighter = LongRun(LIGHT_SET, CASES[0], 1).mechanism(own).data["bodies"]
+    joint, bodies = own["clearance"], own["bodies"]
+    found: Group = {
+        "speed": Quantity(abs(own["joints"]["drive"]["speed"]), "rpm", 4),
+        "radius": Quantity(joint["R_bearing"], "mm", 2),
+        "large": Quantity(LARGE, "mm", 1),
+        "small": Quantity(SMALL, "mm", 1),
+        "elastic": Quantity(max(RESTITUTIONS), "", 1),
+        "restitution": Quantity(min(RESTITUTIONS), "", 1),
+        "dry": Quantity(min(FRICTIONS), "", 1),
+        "friction": Quantity(max(FRICTIONS), "", 1),
+        "cases": Quantity(len(CASES)),
+        "v0": Quantity(joint["v0"], "mm/s", 1),
+        "v1": Quantity(joint["v1"], "mm/s", 2),
+        "lighter": Quantity(100 * lighter["rod"]["mass"] / bodies["rod"]["mass"], "%", 2),
+    }
+    for prefix, parts in (("", bodies), ("longer_", longer)):
+        found[f"{prefix}rod"] = Quantity(_length(parts["rod"]), "mm", 3)
+        for name in ("rod", "slider"):
+            found[f"{prefix}{name}_mass"] = Quantity(parts[name]["mass"], "kg", 2)
+    found["crank"] = Quantity(_length(bodies["crank"]), "mm", 2)
+    return found | {"crank_mass": Quantity(bodies["crank"]["mass"], "kg", 2)}
+
+
+def _length(body: Mapping[str, Mapping[str, list[float]]]) -> float:
+    """Return the distance between the two points of a body in mm."""
+    one, other = body["points"].values()
+    return 1e3 * math.dist(one, other)
+
+
+def _tolerances(bench: Bench) -> pd.DataFrame:
+    """Return the cases, how many revolutions two tolerances agree for, and how many were run."""
+    columns = (
+        *("law", "clearance_mm", "restitution", "friction"),
+        *("tolerance", "against", "revolutions", "horizon_revolutions"),
+    )
+    return bench.table("datasets/mechanism/cases.csv", columns, "make mechanism writes it")
+
+
+def _parted(bench: Bench) -> pd.DataFrame:
+    """Return the cases in which two tolerances part."""
+    rows = _tolerances(bench)
+    return rows[rows["horizon_revolutions"] < rows["revolutions"]]
+
+
+def _computed(bench: Bench) -> Group:
+    """Return tolerances, the balance of energy, and the lengths of the runs."""
+    rows, parted = _tolerances(bench), _parted(bench)
+    runs = long_runs(bench)
+    runs = runs[runs["design"].isin(SETS)]
+    return {
+        "tolerance": _power_of_ten(rows["tolerance"].iloc[0]),
+        "tighter": _power_of_ten(rows["against"].iloc[0]),
+        "together": Quantity(len(rows) - len(parted)),
+        "parted": Quantity(len(parted)),
+        "compared": Quantity(int(rows["revolutions"].iloc[0])),
+        "horizon": spread(parted["horizon_revolutions"], "", 2),
+        "agreement": Quantity(100 * AGREEMENT, "%", 1),
+        "runs": Quantity(len(runs)),
+        "balance": _scientific(float(runs["energy_error"].max())),
+        "many": Quantity(MANY),
+        "few": Quantity(FEW),
+        "first": Quantity(FIRST),
+        "batches": Quantity(BATCHES),
+        "level": Quantity(100 * LEVEL, "%", 2),
+    }
+
+
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _power_of_ten(value: float) -> str:
+    """Return a power of ten as text."""
+    return "10" + f"{math.log10(value):.0f}".translate(SUPERSCRIPT)
+
+
+def _scientific(value: float) -> str:
+    """Return a small number to one digit, as a multiple of a power of ten."""
+    digit, _, exponent = f"{value:.0e}".partition("e")
+    return f"{digit}·10" + str(int(exponent)).translate(SUPERSCRIPT)
+
+
+def _rows(bench: Bench, design: str = SPEC_SET, **chosen: float | str) -> pd.DataFrame:
+    """Return the numbers of the cases with some conditions."""
+    rows = statistics_table(bench, design)
+    for name, value in chosen.items():
+        rows = rows[rows[name] == value]
+    return rows
+
+
+def _shares(rows: pd.DataFrame, digits: int = 2) -> Quantity:
+    """Return the range of the shares of the time in contact, in percent."""
+    return spread(100 * rows["contact_fraction"], "%", digits)
+
+
+def _ratios(after: pd.DataFrame, before: pd.DataFrame, column: str) -> Quantity:
+    """Return the range of the ratios of a number in two groups of cases, law by law."""
+    keys = ["law", "clearance"]
+    both = after.set_index(keys)[column] / before.set_index(keys)[column]
+    return spread(both, "", 2)
+
+
+def _contacts(bench: Bench) -> Group:
+    """Return shares of the time in contact and forces, and the verdicts on the mechanism."""
+    lossy = _rows(bench, restitution=0.9, friction=0.0)
+    elastic = _rows(bench, restitution=1.0, friction=0.0)
+    claims = _of_mechanism(bench)
+    number = counts(claims)
+    return {
+        "rough_share": _shares(_rows(bench, clearance=LARGE, restitution=1.0, friction=0.1)),
+        "wall_force": spread(_wall_force(bench) / 1e3, "kN", 3),
+        "elastic_force": _ratios(elastic, lossy, "mean_force_N"),
+        "whirl": Quantity(100 * _widest(bench), "%", 2),
+        "open": Quantity(number["undecided"]),
+        "stands": Quantity(number["reproduced"] + number["reproduced with a stated choice"]),
+        "judged": Quantity(len(claims)),
+    }
+
+
+def _wall_force(bench: Bench) -> pd.Series[float]:
+    """Return the mean forces in N in permanent contact at the large clearance, by law."""
+    rows = _rows(bench, clearance=LARGE, restitution=0.9, friction=0.1)
+    return rows["mean_force_N"]
+
+
+def _widest(bench: Bench) -> float:
+    """Return the largest half-width of a force of the table, relative, of runs with losses."""
+    rows = _rows(bench)
+    rows = rows[(rows["restitution"] < 1) | (rows["friction"] > 0)]
+    return max(float((rows[f"{name}_half_width"] / rows[name]).max()) for name in FORCES)
+
+
+def _limit(bench: Bench) -> Group:
+    """Return the largest penetrations at the small clearance against the end of Johnson's law."""
+    found: Group = {
+        "limit": Quantity(_johnson_limit(bench), "µm", 4),
+        "tangent": Quantity(100 * TANGENT_FROM, "%", 2),
+    }
+    for name, friction in (("lossless", 0.0), ("elastic", 0.1)):
+        row = _deep(bench, SPEC_SET, restitution=1.0, friction=friction).iloc[0]
+        found[f"deepest_{name}"] = Quantity(float(row["deepest_um"]), "µm", 3)
+        found[f"passed_{name}"] = Quantity(float(100 * row["left"]), "%", 2)
+    for name, design, digits in (("lossy", SPEC_SET, 3), ("longer", LONG_SET, 4)):
+        deepest = float(_deep(bench, design, restitution=0.9)["deepest_um"].max())
+        found[f"deepest_{name}"] = Quantity(deepest, "µm", digits)
+    return found
+
+
+def _johnson_limit(bench: Bench) -> float:
+    """Return the largest penetration of Johnson's law in µm at the small clearance."""
+    return 1e3 * law_limit(mechanism(bench, Case(JOHNSON, SMALL, 0.9, 0.0)))
+
+
+def _deep(bench: Bench, design: str, **chosen: float) -> pd.DataFrame:
+    """Return runs with Johnson's law at the small clearance."""
+    return _rows(bench, design, law=JOHNSON, clearance=SMALL, **chosen)
+
+
+def _kept_rates(bench: Bench) -> Group:
+    """Return the motions of the bifurcation study: by the rate of the onset and by one held."""
+    rows = bench.table(BIFURCATION, SECTIONS, "make bifurcation computes it")
+    rows = rows.fillna({"held_m_per_s": 0.0})
+    runs = rows.drop_duplicates(["held_m_per_s", "clearance_mm"], keep="last")
+    held = float(runs["held_m_per_s"].max())
+    periods = runs.pivot(index="clearance_mm", columns="held_m_per_s", values="period")
+    rates = runs[(runs["held_m_per_s"] == 0.0) & (runs["impact_rate_m_per_s"] > 0)]
+    return {
+        "motions": Quantity(len(periods)),
+        "held": Quantity(held, "m/s", 1),
+        "single": Quantity(int((periods[0.0] == 1).sum())),
+        "changed": Quantity(int((periods[0.0] != periods[held]).sum())),
+        "rates": spread(rates["impact_rate_m_per_s"], "m/s", 1),
+    }
+
+
+SHORT_LAWS = {SPHERE: "L–N", JOHNSON: "Johnson", ENHANCED: "enhanced"}
+FORCES = {"mean_force_N": "mean", "max_force_N": "peak"}
+# Half-widths below this share of the mean are not printed.
+NARROW = 5e-4
+
+
+def _force_table(bench: Bench) -> pd.DataFrame:
+    """Return mean and largest forces in kN with their intervals, a row for each joint."""
+    rows = []
+    for joint in product(JOINT_CLEARANCES, RESTITUTIONS, FRICTIONS):
+        cells = {"c, mm": f"{joint[0]:g}", "c_e": f"{joint[1]:g}", "c_f": f"{joint[2]:g}"}
+        c, e, friction = joint
+        found = _rows(bench, clearance=c, restitution=e, friction=friction).to_dict("records")
+        numbers = {row["law"]: row for row in found}
+        for column, word in FORCES.items():
+            for law, short in SHORT_LAWS.items():
+                row = numbers[law]
+                half = row[f"{column}_half_width"] / 1e3
+                steady = not is_lossless(Case(law, *joint))
+                cells[f"{word}, {short}"] = _interval(row[column] / 1e3, half, steady)
+        rows.append(cells)
+    return pd.DataFrame(rows)
+
+
+def _interval(mean: float, half: float, steady: bool) -> str:
+    """Return a mean with its half-width to two digits; a star where nothing is steady."""
+    if not steady:
+        return f"{mean:#.2g}*".replace(".*", "*")
+    if half < NARROW * mean:
+        return f"{mean:#.3g}"
+    decimals = max(0, 1 - math.floor(math.log10(half)))
+    return f"{mean:.{decimals}f} ± {half:.{decimals}f}"
+
+
+# The ledger.
+
+VERDICT_COLUMNS: Mapping[str, Verdict] = {
+    "as printed": "reproduced",
+    "with a choice": "reproduced with a stated choice",
+    "not": "not reproduced",
+    "undecided": "undecided",
+    "missing input": "depends on a missing input",
+}
+# Files of claims → what their statements are about.
+TOPICS = {
+    "section1": "range of the existing laws",
+    "section2": "Johnson's and other laws",
+    "section31": "power-law fits, exponents",
+    "section31_law": "form and range of the enhanced law",
+    "section31_search": "search for its coefficients",
+    "section32": "finite elements",
+    "section33": "limits by yield and by algebra",
+    "section34": "limits by material",
+    "section34_differences": "difference of the two laws",
+    "section4": "stiffness of the laws in the joint",
+    "section4_runs": "contacts, forces and steps in it",
+}
+
+
+@lru_cache(maxsize=1)
+def _ledger(bench: Bench) -> tuple[Claim, ...]:
+    """Return all claims, misprints among them."""
+    return tuple(claims_of(bench))
+
+
+def _claims(bench: Bench) -> list[Claim]:
+    """Return the testable claims; misprints are left out."""
+    return [c for c in _ledger(bench) if not c.misprint and c.finding.readings]
+
+
+def _of_mechanism(bench: Bench) -> list[Claim]:
+    """Return the claims on the runs of the slider-crank and its joint."""
+    return [c for c in _claims(bench) if _topic(c) in ("section4", "section4_runs")]
+
+
+def _values(bench: Bench, name: str) -> Mapping[str, float]:
+    """Return the numbers of a claim."""
+    return next(c for c in _ledger(bench) if c.id == name).finding.values
+
+
+def _verdict(bench: Bench, name: str) -> Verdict:
+    """Return the verdict of a claim."""
+    return next(c for c in _ledger(bench) if c.id == name).verdict
+
+
+def _topic(claim: Claim) -> str:
+    """Return the file of a claim, or that of its section."""
+    stem = Path(claim.code.partition(":")[0]).stem
+    return stem if stem in TOPICS else "section" + claim.section.replace(".", "")
+
+
+def ledger(bench: Bench) -> Group:
+    """Return the ledger: counts, a table by section, and what is not reproduced."""
+    claims = _claims(bench)
+    number = counts(claims)
+    readings = [len(c.finding.readings) for c in claims]
+    misprints = sum(c.misprint for c in _ledger(bench))
+    return {
+        "statements": Quantity(len(claims)),
+        "stand": Quantity(number["reproduced"] + number["reproduced with a stated choice"]),
+        "untestable": Quantity(len(_ledger(bench)) - len(claims) - misprints),
+        "misprints": Quantity(misprints),
+        "readings": Quantity(sum(readings)),
+        "most": Quantity(max(readings)),
+        **{name.replace(" ", "_"): Quantity(number[v]) for name, v in VERDICT_COLUMNS.items()},
+        "table": _ledger_table(claims),
+        "failed": _failed_table(claims),
+    }
+
+
+def _ledger_table(claims: list[Claim]) -> pd.DataFrame:
+    """Return the counts of the verdicts by section and topic, and their sums."""
+    rows = [
+        [", ".join(dict.fromkeys(c.section for c in group)), topic, *_counted(group)]
+        for stem, topic in TOPICS.items()
+        if (group := [c for c in claims if _topic(c) == stem])
+    ]
+    names = ["Sect.", "topic", "statements", *VERDICT_COLUMNS]
+    return pd.DataFrame([*rows, ["all", "", *_counted(claims)]], columns=names)
+
+
+def _counted(claims: list[Claim]) -> list[str]:
+    """Return the number of claims, and of those with each verdict, as text."""
+    number = counts(claims)
+    found = [len(claims), *(number[verdict] for verdict in VERDICT_COLUMNS.values())]
+    return [str(count) if count else "–" for count in found]
+
+
+def _failed_table(claims: list[Claim]) -> pd.DataFrame:
+    """Return the statements that no reading reproduces: the paper's number, ours, and why."""
+    rows = []
+    for c in claims:
+        if c.verdict == "not reproduced":
+            ours, reason = FAILED.get(c.id, (_as_found, ""))
+            rows.append([f"{c.statement} ({c.section})", c.paper, ours(c), reason])
+    return pd.DataFrame(rows, columns=["statement (section)", "paper", "ours", "reason"])
+
+
+def _as_found(claim: Claim) -> str:
+    """Return our value as the ledger has it."""
+    return claim.finding.ours
+
+
+def _first_part(claim: Claim) -> str:
+    """Return our value up to its first semicolon."""
+    return claim.finding.ours.partition(";")[0]
+
+
+def _iteration(claim: Claim) -> str:
+    """Return how near a closed form comes."""
+    error = claim.finding.values["round trip error with Lambert's W, -"]
+    return f"closed form, right to {_scientific(error)}"
+
+
+def _extrapolated(claim: Claim) -> str:
+    """Return the largest difference below the clearances of the fit and within them."""
+    values = claim.finding.values
+    below, within = values["below 50 um, percent"], values["50 um to the switch, percent"]
+    return f"off by up to {below:.0f} % below the fitted clearances, {within:.0f} % within"
+
+
+def _free_search(claim: Claim) -> str:
+    """Return the published deviation over the least, with all coefficients searched."""
+    names = [name for name in claim.finding.values if name.startswith("objective ratio, all")]
+    ratios = [claim.finding.values[name] for name in names]
+    return f"{min(ratios):.1f} to {max(ratios):.1f} times the least deviation, by the samples"
+
+
+def _one_branch(claim: Claim) -> str:
+    """Return the deviation with one branch, and as published."""
+    return claim.finding.ours.partition(": ")[2]
+
+
+FAILED: Mapping[str, tuple[Callable[[Claim], str], str]] = {
+    "2-johnson-needs-iteration": (_iteration, "the law inverts by Lambert's function"),
+    "3.1-Y-below-the-fit": (_extrapolated, "the branch is used outside the range of its fit"),
+    "3.1-best-correlation-internal": (
+        _free_search,
+        "the printed coefficients are tied; a free search goes further",
+    ),
+    "3.1-no-single-Y": (_one_branch, "a fitted law with one branch is nearer than the printed one"),
+    "3.4-allowable-load-against-modulus": (
+        _as_found,
+        "true of the end of Johnson's law, not of yield",
+    ),
+    "3.4-limit-load-against-young": (
+        _as_found,
+        "true of the end of Johnson's law, not of yield",
+    ),
+    "3.4-below-8-percent": (
+        _first_part,
+        "largest where Johnson's law ends; above the bound elsewhere too",
+    ),
+    "3.4-below-4-percent": (_first_part, "a ridge where Y changes branch, for every material"),
+    "4.3-small-clearance-larger-steps": (_first_part, "without dissipation the steps shrink"),
+}
+
+
+# What the text says in words.
+
+
+def _no_load_keeps_both(_bench: Bench) -> bool:
+    """Whether at each load the two laws alone break one of the bounds."""
+    pairs = [(float(str(b["percent"])), law_differences(float(str(b["lowest"])))) for b in BOUNDS]
+    return all(any(abs(off[load]) >= percent for percent, off in pairs) for load in LOADS)
+
+
+def _free_datum_keeps(bench: Bench, keeps: bool, loads: tuple[float, ...]) -> bool:
+    """Whether both bounds are kept, or both are broken, with the constant chosen for the laws."""
+    return all(
+        (
+            suited_difference(
+                compared(bench, "recommended", float(str(bound["lowest"])), loads), *CYLINDRICAL
+            )
+            < float(str(bound["percent"]))
+        )
+        is keeps
+        for bound in BOUNDS
+    )
+
+
+def _johnson_falls_short(bench: Bench) -> bool:
+    """Whether Johnson's law is furthest from the elements where φ is largest, and below them."""
+    rows = penetrations(table(bench, "recommended"))
+    error = to_elements(rows, JOHNSON).ravel()
+    phi = (rows["load_N_per_mm"] / rows["dR_mm"]).to_numpy()
+    worst = int(np.abs(error).argmax())
+    return bool(error[worst] < 0 and phi.argmax() == worst)
+
+
+def _walled(bench: Bench) -> bool:
+    """Whether all cases that two tolerances agree on dissipate and end in permanent contact."""
+    rows = _tolerances(bench)
+    kept = rows[rows["horizon_revolutions"] >= rows["revolutions"]]
+    keys = ["law", "clearance", "restitution", "friction"]
+    names = kept[["law", "clearance_mm", "restitution", "friction"]].to_numpy().tolist()
+    shares = statistics_table(bench).set_index(keys).loc[list(map(tuple, names))]
+    always = (shares["contact_fraction"] == 1.0).all()
+    return bool((kept["restitution"] < 1).all() and always)
+
+
+def _stand(bench: Bench, *names: str) -> bool:
+    """Whether claims are reproduced, and by every reading of them."""
+    found = [c for c in _ledger(bench) if c.id in names]
+    return len(found) == len(names) and all(
+        c.verdict.startswith("reproduced") and all(r.holds for r in c.finding.readings)
+        for c in found
+    )
+
+
+def _settled(bench: Bench) -> bool:
+    """Whether friction added to c_e = 0.9 keeps contact always, in every set of inertias."""
+    rows = [_rows(bench, design, restitution=0.9, friction=0.1) for design in SETS]
+    return all(bool((each["contact_fraction"] == 1).all()) for each in rows)
+
+
+def _first_impact_only(bench: Bench) -> bool:
+    """Whether with c_e = 0.9 only the longer rod passes the limit, in one revolution."""
+    limit = _johnson_limit(bench)
+    others = [_deep(bench, design, restitution=0.9) for design in (SPEC_SET, LIGHT_SET)]
+    longer = _deep(bench, LONG_SET, restitution=0.9)
+    once = (longer["left"] * (longer["counted"] + FIRST)).round() == 1
+    short = all(bool((each["deepest_um"] < limit).all()) for each in others)
+    return short and bool(once.all())
+
+
+def _on_the_wall(bench: Bench) -> bool:
+    """Whether the laws give the same mean force in permanent contact, within 1 %."""
+    force = _wall_force(bench)
+    return bool(force.max() / force.min() < 1.01)
+
+
+def _half(bench: Bench) -> bool:
+    """Whether the steps shrink in half of the comparisons of the clearances."""
+    steps = _values(bench, "4.3-small-clearance-larger-steps")
+    before = {k: v for k, v in steps.items() if k.endswith(", before, us")}
+    after = {k: steps[k.replace("before", "after")] for k in before}
+    return 2 * sum(after[k] < before[k] for k in before) == len(before)
+
+
+def _both_below(bench: Bench) -> bool:
+    """Whether both laws are below the elements of the paper's set-up in every case."""
+    return bool((to_elements(penetrations(table(bench, "paper")), *CYLINDRICAL) < 0).all())
+
+
+def _one_constant(bench: Bench) -> bool:
+    """Whether a wider plate changes C by the same in all cases, within 10 %."""
+    found = _sensitivity(bench)["wide_constant"]
+    assert isinstance(found, Quantity)
+    assert isinstance(found.value, tuple)
+    return found.value[1] < 1.1 * found.value[0]
+
+
+def _moduli(bench: Bench) -> bool:
+    """Whether plane stress deepens the penetration by the ratio of the moduli, within a tenth."""
+    found = _sensitivity(bench)
+    change, moduli = found["plane_stress"], found["moduli"]
+    assert isinstance(change, Quantity)
+    assert isinstance(moduli, Quantity)
+    return bool(np.allclose(change.value, moduli.value, rtol=0.1))
+
+
+def _one_failure(bench: Bench) -> bool:
+    """Whether the steps' statement is the only one on the mechanism that is not reproduced."""
+    failed = [c.id for c in _of_mechanism(bench) if c.verdict == "not reproduced"]
+    return failed == ["4.3-small-clearance-larger-steps"]
+
+
+def _older_too_elastic(_bench: Bench) -> bool:
+    """Whether the four oldest factors lose too little energy at every restitution shown."""
+    oldest = ("hunt-crossley", "herbert-mcwhannell", "lee-wang", PAPER_FACTOR)
+    return all(bool((_achieved(name) > np.array(WANTED)).all()) for name in oldest)
+
+
+def _later_closer(_bench: Bench) -> bool:
+    """Whether the largest error of each later factor is below that of every older one."""
+    wanted = np.array(WANTED)
+    oldest = ("hunt-crossley", "herbert-mcwhannell", "lee-wang", PAPER_FACTOR)
+    later = [name for name in FACTORS if name not in (*oldest, "exact")]
+    error = {name: float(np.abs(_achieved(name) - wanted).max()) for name in (*oldest, *later)}
+    return max(error[name] for name in later) < min(error[name] for name in oldest)
+
+
+HOLDS: dict[str, Callable[[Bench], bool]] = {
+    "no one of the three loads keeps both bounds": _no_load_keeps_both,
+    "both bounds can be kept": lambda bench: _free_datum_keeps(bench, True, LOADS[:1]),
+    "neither can": lambda bench: _free_datum_keeps(bench, False, LOADS),
+    "falls short as the contact widens": _johnson_falls_short,
+    "All of them have the smaller restitution and end in permanent contact": _walled,
+    "holds for every reading and every set of masses": lambda bench: _stand(
+        bench,
+        "4.3-longer-flights",
+        "4.3-friction-fewer-flights",
+        "4.3-friction-lowers-forces",
+        "5-elastic-forces-are-large",
+        "4.3-sphere-softest",
+    ),
+    "the journal never leaves the wall": _settled,
+    "passes it in one revolution only": _first_impact_only,
+    "all three laws give the same mean force": _on_the_wall,
+    "in half of the comparisons": _half,
+    "both laws are below the elements": _both_below,
+    "nearly the same in all cases": _one_constant,
+    "nearly what the two moduli differ by": _moduli,
+    "less energy than intended": lambda _bench: (
+        _lost(float(_achieved(PAPER_FACTOR)[-1])) < _lost(WANTED[-1])
+    ),
+    "One statement fails": _one_failure,
+    "The text does not say which is meant": lambda bench: (
+        _verdict(bench, "4.3-friction-keeps-contact") == "undecided"
+    ),
+    "lose too little energy at every restitution shown": _older_too_elastic,
+    "have smaller largest errors than any of them": _later_closer,
+    "depends on the missing masses": lambda bench: (
+        _verdict(bench, "4.3-johnson-and-enhanced-alike") == "depends on a missing input"
+    ),
+}
