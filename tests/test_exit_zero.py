@@ -17,6 +17,7 @@ from tests.conftest import build_command
 from tests.measured_files import write_measured
 from tests.spec_files import ELEMENTS, write_bench, write_toml
 from tests.test_bench import CLAIM, RECIPE
+from tests.test_manuscript import write_manuscript
 
 ROOT = Path(__file__).parents[1]
 CRANK = ROOT / "datasets/slider_crank.toml"
@@ -80,6 +81,8 @@ CASES = [
     (("figure", "fig99", "-j", 1), "reports/figures/fig99.png", drawn),
     (("figure", "fig99", "-j", 1, "-o", "fig"), "fig/fig99.csv", rows),
     (("claims", "-o", "claims.csv", "-j", 1), "claims.csv", rows),
+    (("manuscript", "reports/mine/a.md", "-j", 1), "reports/typeset/a/numbers.csv", rows),
+    (("manuscript", "reports/mine/a.md", "-j", 1, "-o", "set"), "set", of_folder("a.pdf")),
     (("report", "-o", "site", "-j", 1), "site/index.html", text),
     (("init", "mine"), "mine/fitting/external.toml", read_campaign),
     (("init", "mine2"), "mine2/datasets/joint.toml", read_joint),
@@ -99,6 +102,7 @@ def folder(tmp_path_factory, small_result):
     (root / "reports/paper.py").write_text("LOADS = (10.0, 1000.0)\n")
     (root / "reports/fig99.py").write_text(RECIPE)
     (root / "reports/claims/mine.py").write_text(CLAIM)
+    write_manuscript(root / "reports/mine")
     return root
 
 

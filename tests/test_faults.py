@@ -25,6 +25,7 @@ from tests.faults import ERRORS, REMOVING, changed, failing, no_file_above
 from tests.killable import ROOT
 from tests.programs import fake_program, require_program
 from tests.spec_files import ELEMENTS, tree, write_bench, write_toml
+from tests.test_manuscript import write_manuscript
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows has other operations on files")
 
@@ -35,7 +36,8 @@ from cylcontact.plots import Drawing, new_figure
 
 def draw(bench):
     figure = new_figure("column", 60)
-    return Drawing(figure, pd.DataFrame({"load": [10.0]}), {"load, N/mm": 10.0}, "A load.", "So.")
+    table = pd.DataFrame({"load": [10.0]})
+    return Drawing(figure, table, {"largest load, N/mm": 10.0}, "A load.", "So.")
 """
 CLAIM = """
 from cylcontact.reports.claims import Finding, claim
@@ -162,6 +164,10 @@ COMMANDS = {
         ("report", "--tables", "latex", "-o", "tables", "--jobs", "1"),
         tuple(f"tables/{name}.tex" for name in ("coefficients", "claims", "fig99-caption")),
     ),
+    "manuscript": Command(
+        ("manuscript", "reports/mine/a.md", "-o", "set", "--jobs", "1"),
+        ("set/a.pdf", "set/numbers.csv", "set/latex/a.tex", "set/latex/figures/fig99.pdf"),
+    ),
     "claims": Command(("claims", "-o", "claims.json", "--jobs", "1"), ("claims.json",)),
     "init": Command(("init", "new"), ()),
 }
@@ -179,6 +185,7 @@ def bench(tmp_path, monkeypatch, small_result):
     (folder / "reports").mkdir()
     (folder / "reports/fig99.py").write_text(RECIPE)
     (folder / "reports/claims").mkdir()
+    write_manuscript(folder / "reports/mine")
     (folder / "reports/claims/section2.py").write_text(CLAIM)
     (folder / "scratch").mkdir()
     small_result.save(folder / "good.json")

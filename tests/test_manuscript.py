@@ -70,17 +70,21 @@ $$ a = 1.5 b $$ {#eq:one}
 """
 
 
+def write_manuscript(folder):
+    """Write a manuscript, `a.md`, with its values, which has the figure fig99."""
+    folder.mkdir(parents=True)
+    for name in SHARED:
+        shutil.copy(FOLDER / name, folder)
+    (folder / "values.py").write_text(VALUES)
+    (folder / "a.md").write_text(HEAD + BODY)
+
+
 @pytest.fixture
 def bench(tmp_path, monkeypatch):
     """A small bench with a manuscript, the current folder."""
-    own = tmp_path / "reports/mine"
-    own.mkdir(parents=True)
-    for name in SHARED:
-        shutil.copy(FOLDER / name, own)
+    write_manuscript(tmp_path / "reports/mine")
     (tmp_path / "reports/paper.py").write_text("LOADS = (10.0, 1000.0)\n")
     (tmp_path / "reports/fig99.py").write_text(RECIPE)
-    (own / "values.py").write_text(VALUES)
-    (own / "a.md").write_text(HEAD + BODY)
     results = tmp_path / "fitting/results"
     results.mkdir(parents=True)
     shutil.copy(ROOT / "fitting/results/internal.json", results)

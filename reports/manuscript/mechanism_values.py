@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
@@ -22,6 +21,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Claim, Verdict
 from cylcontact.reports.claims import ledger as claims_of
 from cylcontact.reports.claims_text import counts
+from cylcontact.reports.quantity import Formula, Quantity
 
 from ..claims.section32 import (
     BOUNDS,
@@ -53,17 +53,6 @@ from ..long_runs import (
 )
 from ..paper import FIG6_WIDE, FRICTIONS, JOINT_CLEARANCES, JOINT_LAWS, RESTITUTIONS
 from ..slider_crank import CASES, law_limit, mechanism
-
-
-# stand-in
-@dataclass(frozen=True)
-class Quantity:
-    """A number of the text, with its unit."""
-
-    value: float | int | tuple[float, float]
-    unit: str = ""
-    digits: int = 3
-
 
 Value = Quantity | str | pd.DataFrame
 Group = dict[str, Value]
@@ -279,15 +268,15 @@ def _computed(bench: Bench) -> Group:
     runs = long_runs(bench)
     runs = runs[runs["design"].isin(SETS)]
     return {
-        "tolerance": _power_of_ten(rows["tolerance"].iloc[0]),
-        "tighter": _power_of_ten(rows["against"].iloc[0]),
+        "tolerance": Quantity(float(rows["tolerance"].iloc[0]), "", 1),
+        "tighter": Quantity(float(rows["against"].iloc[0]), "", 1),
         "together": Quantity(len(rows) - len(parted)),
         "parted": Quantity(len(parted)),
         "compared": Quantity(int(rows["revolutions"].iloc[0])),
         "horizon": spread(parted["horizon_revolutions"], "", 2),
         "agreement": Quantity(100 * AGREEMENT, "%", 1),
         "runs": Quantity(len(runs)),
-        "balance": _scientific(float(runs["energy_error"].max())),
+        "balance": Quantity(float(runs["energy_error"].max()), "", 1),
         "many": Quantity(MANY),
         "few": Quantity(FEW),
         "first": Quantity(FIRST),
@@ -297,11 +286,6 @@ def _computed(bench: Bench) -> Group:
 
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def _power_of_ten(value: float) -> str:
-    """Return a power of ten as text."""
-    return "10" + f"{math.log10(value):.0f}".translate(SUPERSCRIPT)
 
 
 def _scientific(value: float) -> str:
@@ -409,11 +393,14 @@ FORCES = {"mean_force_N": "mean", "max_force_N": "peak"}
 NARROW = 5e-4
 
 
+JOINT_COLUMNS = ("ΔR, mm", Formula("c_e"), Formula("c_f"))
+
+
 def _force_table(bench: Bench) -> pd.DataFrame:
     """Return mean and largest forces in kN with their intervals, a row for each joint."""
     rows = []
     for joint in product(JOINT_CLEARANCES, RESTITUTIONS, FRICTIONS):
-        cells = {"c, mm": f"{joint[0]:g}", "c_e": f"{joint[1]:g}", "c_f": f"{joint[2]:g}"}
+        cells: dict[str, str] = dict(zip(JOINT_COLUMNS, map("{:g}".format, joint), strict=True))
         c, e, friction = joint
         found = _rows(bench, clearance=c, restitution=e, friction=friction).to_dict("records")
         numbers = {row["law"]: row for row in found}
@@ -424,7 +411,8 @@ def _force_table(bench: Bench) -> pd.DataFrame:
                 steady = not is_lossless(Case(law, *joint))
                 cells[f"{word}, {short}"] = _interval(row[column] / 1e3, half, steady)
         rows.append(cells)
-    return pd.DataFrame(rows)
+    forces = pd.DataFrame(rows)
+    return forces.set_axis(pd.Index(list(rows[0]), dtype=object), axis=1)
 
 
 def _interval(mean: float, half: float, steady: bool) -> str:

@@ -34,7 +34,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import FigureResult
 from cylcontact.reports.claims import ledger
 from cylcontact.reports.claims_text import counts
-from cylcontact.reports.quantity import FORMAT, Quantity
+from cylcontact.reports.quantity import FORMAT, Formula, Quantity
 
 __all__ = ["PLACEHOLDER", "Filled", "Values", "figures_named", "fill", "require_holds"]
 
@@ -279,21 +279,29 @@ def table_text(table: pd.DataFrame) -> str:
     |:------------|--------------:|
     | Johnson | 1.5 |
     """
-    rows = [list(map(str, table.columns)), *(list(map(str, row)) for row in table.to_numpy())]
-    widths = [min(max(map(len, column)), _WIDEST) for column in zip(*rows, strict=True)]
+    rows = [list(table.columns), *(list(row) for row in table.astype(object).to_numpy())]
+    widths = [
+        min(max(len(str(cell)) for cell in column), _WIDEST) for column in zip(*rows, strict=True)
+    ]
     right = [all(map(_is_number, column)) for column in zip(*rows[1:], strict=True)]
     # Pandoc takes the share of a column from the hyphens below its heading.
     rules = [
         f"{'-' * (width + 5)}:" if end else f":{'-' * (width + 5)}"
         for width, end in zip(widths, right or [False] * len(widths), strict=True)
     ]
-    lines = [f"| {' | '.join(map(markdown, row))} |" for row in rows]
+    lines = [f"| {' | '.join(map(_cell, row))} |" for row in rows]
     return "\n".join([lines[0], f"|{'|'.join(rules)}|", *lines[1:]])
 
 
-def _is_number(cell: str) -> bool:
-    """Return whether a cell is a number, a share in percent, or empty."""
-    return re.fullmatch(r"([+−-]?[\d.,]+([eE][+−-]?\d+)?\s*%?)?", cell) is not None
+def _cell(cell: object) -> str:
+    """Return a cell of a table as Markdown."""
+    return f"${cell}$" if isinstance(cell, Formula) else markdown(str(cell))
+
+
+def _is_number(cell: object) -> bool:
+    """Return whether a cell is a number, maybe with its error or a star, or stands for none."""
+    number = r"[+−-]?[\d.]+"
+    return re.fullmatch(rf"({number}( ± {number})?\*?|–)?", str(cell)) is not None
 
 
 def _result(bench: Bench, name: str) -> FitResult:

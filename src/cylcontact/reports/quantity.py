@@ -8,7 +8,7 @@ from decimal import Decimal
 
 from cylcontact.plain_text import markdown
 
-__all__ = ["FORMAT", "Quantity"]
+__all__ = ["FORMAT", "Formula", "Quantity"]
 
 # What may stand behind the colon of a placeholder.
 FORMAT = re.compile(r"\+?\.[0-9]{1,2}[efg]|words")
@@ -19,6 +19,15 @@ _WORDS = (
     *("ten", "eleven", "twelve"),
 )
 _SPACE = "\\ "  # between a number and its unit, where a line does not break
+
+
+class Formula(str):
+    """A formula in LaTeX, without dollar signs, as a cell or a heading of a table.
+
+    Give the table and its columns `dtype=object`, so that pandas keeps it.
+    """
+
+    __slots__ = ()
 
 
 @dataclass(frozen=True)
@@ -82,7 +91,8 @@ class Quantity:
         plain = format(number, (form or f".{self.digits}g").replace(".", "#.", 1))
         if form.endswith("e") or not (number == 0 or _SMALL <= abs(number) < _LARGE):
             mantissa, _, exponent = format(float(plain), f"#.{_decimals(plain)}e").partition("e")
-            return rf"${mantissa.rstrip('.')} \times 10^{{{int(exponent)}}}$"
+            factor = "" if mantissa == "1." else rf"{mantissa.rstrip('.')} \times "
+            return rf"${factor}10^{{{int(exponent)}}}$"
         sign = "+" if plain.startswith("+") else ""
         return signed(sign + format(Decimal(plain), "f").rstrip("."))
 
@@ -92,18 +102,25 @@ def unit_text(unit: str) -> str:
 
     Examples
     --------
-    >>> print("1" + unit_text("mm^(1-n)"), "2" + unit_text("°"))
-    1\ mm$^{1-n}$ 2$^\circ$
+    >>> print("1" + unit_text("mm^(1-n)"), "2" + unit_text("N/mm"), "3" + unit_text("°"))
+    1\ mm$^{1-n}$ 2\ $\mathrm{N/mm}$ 3$^\circ$
     """
     if not unit:
         return ""
     parts = re.split(r"\^(?:\(([^()]*)\)|(-?\w+))", unit)
     texts = [
-        markdown(part) if place % 3 == 0 else f"$^{{{part}}}$"
+        _upright(part) if place % 3 == 0 else f"$^{{{part}}}$"
         for place, part in enumerate(parts)
         if part
     ]
     return ("" if unit.startswith("°") else _SPACE) + "".join(texts)
+
+
+def _upright(unit: str) -> str:
+    """Return a unit with an upright µ, and as a formula where a line could break at a slash."""
+    if re.fullmatch("[A-Za-z]+/[A-Za-z]+", unit):
+        return rf"$\mathrm{{{unit}}}$"
+    return markdown(unit.replace("μ", "µ")).replace(r"$\mu$", "µ")
 
 
 def signed(number: str) -> str:
