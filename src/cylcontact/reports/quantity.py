@@ -89,7 +89,10 @@ class Quantity:
         if isinstance(number, int) and not form:
             return signed(str(number))
         plain = format(number, (form or f".{self.digits}g").replace(".", "#.", 1))
-        if form.endswith("e") or not (number == 0 or _SMALL <= abs(number) < _LARGE):
+        rounded = abs(float(plain))
+        if form.endswith("e") or (
+            not form.endswith("f") and rounded and not _SMALL <= rounded < _LARGE
+        ):
             mantissa, _, exponent = format(float(plain), f"#.{_decimals(plain)}e").partition("e")
             factor = "" if mantissa == "1." else rf"{mantissa.rstrip('.')} \times "
             return rf"${factor}10^{{{int(exponent)}}}$"

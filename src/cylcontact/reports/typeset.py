@@ -278,7 +278,7 @@ def _label_equation(nodes: list[Node], label: str, kind: str) -> None:
         numbered = '#[#set math.equation(numbering: "(1)")\n'
         nodes[-1:] = [_raw(kind, numbered), nodes[-1], _raw(kind, f" <{label}>]")]
         return
-    formula = nodes.pop()["c"][1]
+    formula = nodes.pop()["c"][1].strip()
     nodes.append(_raw(kind, f"\\begin{{equation}}\\label{{{label}}}\n{formula}\n\\end{{equation}}"))
 
 
