@@ -32,7 +32,7 @@ from cylcontact.reports.laws_bounds import (
     johnson_shortfall,
 )
 from cylcontact.reports.laws_to_use import laws_to_use
-from cylcontact.reports.quantity import Formula, Quantity
+from cylcontact.reports.quantity import Quantity, Symbol
 
 from .. import paper
 from ..extremes import Extreme, largest_difference, share_below
@@ -208,7 +208,7 @@ def _coefficient_table(
             rows.append(
                 {
                     "contact": CONTACT_NAMES[contact],
-                    "symbol": Formula(SYMBOLS[name]),
+                    "symbol": Symbol(SYMBOLS[name]),
                     "published": _cell(printed, "g"),
                     "set by": _rule(result, name),
                     "recovered": _cell(found, "g" if is_held else "#.4g"),
@@ -223,7 +223,7 @@ def _rule(result: FitResult, name: str) -> str:
     """Return how a coefficient is set in a search: searched, held, or by its tie."""
     how = identification(result, name)
     if how.startswith("="):
-        return Formula(how[2:].replace("Y_log_scale", SYMBOLS["Y_log_scale"]))
+        return Symbol(how[2:].replace("Y_log_scale", SYMBOLS["Y_log_scale"]))
     return "held" if how == "fixed" else "search"
 
 
@@ -651,8 +651,8 @@ def _yield_table() -> pd.DataFrame:
         at, tresca = _yield(dR), _yield(dR, "Tresca")
         rows.append(
             {
-                Formula(r"\Delta R,\ \mathrm{mm}"): f"{dR:g}",
-                Formula(r"\varphi"): f"{at.phi:.2g}",
+                Symbol(r"\Delta R,\ \mathrm{mm}"): f"{dR:g}",
+                Symbol(r"\varphi"): f"{at.phi:.2g}",
                 "von Mises, N/mm": f"{at.load:.0f}",
                 "Tresca, N/mm": f"{tresca.load:.0f}",
                 "Hertz, N/mm": f"{at.load / at.ratio:.0f}",

@@ -21,7 +21,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Claim, Verdict
 from cylcontact.reports.claims import ledger as claims_of
 from cylcontact.reports.claims_text import counts
-from cylcontact.reports.quantity import Formula, Quantity
+from cylcontact.reports.quantity import Quantity, Symbol
 
 from ..claims.section32 import (
     BOUNDS,
@@ -332,7 +332,7 @@ FORCES = {"mean_force_N": "mean", "max_force_N": "peak"}
 NARROW = 5e-4
 
 
-JOINT_COLUMNS = (Formula(r"\Delta R,\ \mathrm{mm}"), Formula("c_e"), Formula("c_f"))
+JOINT_COLUMNS = (Symbol(r"\Delta R,\ \mathrm{mm}"), Symbol("c_e"), Symbol("c_f"))
 
 
 def _force_table(bench: Bench) -> pd.DataFrame:

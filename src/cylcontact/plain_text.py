@@ -183,7 +183,7 @@ def markdown(text: str) -> str:
     >>> print(markdown("ΔR_i < 50 % of *R*²"))
     $\Delta$R\_i \< 50 \% of \*R\*$^{2}$
     """
-    shown = visible(" ".join(text.split("\n")))
+    shown = visible(" ".join(text.split("\n"))).strip(" ")
     escaped = "".join(
         _MARKDOWN.get(mark, f"\\{mark}" if mark.isascii() and mark in punctuation else mark)
         for mark in shown

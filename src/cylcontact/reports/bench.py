@@ -167,7 +167,7 @@ class Bench:
                 return importlib.import_module(f"{PACKAGE}.{name}")
         except InputError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             file = self.recipes_folder.joinpath(*name.split(".")).with_suffix(".py")
             rule = f"failed with {type(error).__name__} ({error})"
             raise InputError(str(file), "", None, rule, "correct the file") from error

@@ -1,19 +1,23 @@
-"""Numbers with units as a manuscript prints them, in pandoc's Markdown."""
+"""Numbers with units, and symbols, as a manuscript prints them, in pandoc's Markdown."""
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from decimal import Decimal
 
+import numpy as np
+
+from cylcontact.errors import InputError
 from cylcontact.plain_text import markdown
 
-__all__ = ["FORMAT", "Formula", "Quantity"]
+__all__ = ["FORMAT", "Quantity", "Symbol", "unit_text"]
 
 # What may stand behind the colon of a placeholder.
 FORMAT = re.compile(r"\+?\.[0-9]{1,2}[efg]|words")
 # Numbers from here on, and below the inverse of this, are printed with a power of ten.
-_LARGE, _SMALL = 10**6, 1e-4
+_LARGE, _SMALL = 10**6, Decimal("1e-4")
 _WORDS = (
     *("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"),
     *("ten", "eleven", "twelve"),
@@ -21,7 +25,7 @@ _WORDS = (
 _SPACE = "\\ "  # between a number and its unit, where a line does not break
 
 
-class Formula(str):
+class Symbol(str):
     """A formula in LaTeX, without dollar signs, as a cell or a heading of a table.
 
     Give the table and its columns `dtype=object`, so that pandas keeps it.
@@ -34,7 +38,7 @@ class Formula(str):
 class Quantity:
     r"""A number of a manuscript, or a range, with its unit.
 
-    Attributes
+    Parameters
     ----------
     value : float, int or tuple of float
         Integers are printed in full. Two numbers are the ends of a range.
@@ -42,6 +46,11 @@ class Quantity:
         The unit, empty for a number without one.
     digits : int
         The significant digits to print, unless a placeholder has a format of its own.
+
+    Raises
+    ------
+    InputError
+        If the value is no finite number or range, or there are no digits to print.
 
     Examples
     --------
@@ -54,6 +63,23 @@ class Quantity:
     value: float | int | tuple[float, float]
     unit: str = ""
     digits: int = 3
+
+    def __post_init__(self) -> None:
+        ends = self.value if isinstance(self.value, tuple) else (self.value,)
+        plain = [end.item() if isinstance(end, np.generic) else end for end in ends]
+        is_range = isinstance(self.value, tuple)
+        if len(plain) != 1 + is_range or not all(map(_is_finite, plain)):
+            rule = "is neither a finite number nor the two ends of a range"
+            raise InputError("Quantity", "value", self.value, rule, "give one")
+        if not 1 <= self.digits <= 17:
+            rule = "must be from 1 to 17"
+            raise InputError("Quantity", "digits", self.digits, rule, "3 is the default")
+        object.__setattr__(self, "value", tuple(plain) if is_range else plain[0])
+
+    @property
+    def ends(self) -> tuple[float, ...]:
+        """The number, or the two ends of the range."""
+        return self.value if isinstance(self.value, tuple) else (self.value,)
 
     def text(self, form: str = "") -> str:
         """Return it as Markdown.
@@ -71,33 +97,32 @@ class Quantity:
         if form and not FORMAT.fullmatch(form):
             raise ValueError("is no format; write .3g, .1f, .2e or words")
         if form == "words":
-            return self._in_words()
-        ends = self.value if isinstance(self.value, tuple) else (self.value,)
-        numbers = " to ".join(self._number(end, form) for end in ends)
+            numbers = self._in_words()
+        else:
+            numbers = " to ".join(self._number(end, form) for end in self.ends)
         return f"{numbers}{unit_text(self.unit)}"
 
     def _in_words(self) -> str:
         """Return a small integer as a word, and a larger one in digits, as usual in print."""
         if not isinstance(self.value, int):
-            raise ValueError("is not an integer, so it has no word")
-        small = 0 <= self.value < len(_WORDS)
-        number = _WORDS[self.value] if small else str(self.value)
-        return f"{number}{unit_text(self.unit)}"
+            raise ValueError("is no integer, so it has no word; leave out :words")
+        return _WORDS[self.value] if 0 <= self.value < len(_WORDS) else signed(str(self.value))
 
     def _number(self, number: float, form: str) -> str:
         """Return a number with a true minus sign and, where it needs one, a power of ten."""
         if isinstance(number, int) and not form:
             return signed(str(number))
         plain = format(number, (form or f".{self.digits}g").replace(".", "#.", 1))
-        rounded = abs(float(plain))
-        if form.endswith("e") or (
-            not form.endswith("f") and rounded and not _SMALL <= rounded < _LARGE
-        ):
-            mantissa, _, exponent = format(float(plain), f"#.{_decimals(plain)}e").partition("e")
-            factor = "" if mantissa == "1." else rf"{mantissa.rstrip('.')} \times "
+        shown = Decimal(plain)
+        if not shown:
+            return format(abs(shown), "f").rstrip(".")
+        is_usual = _SMALL <= abs(shown) < _LARGE
+        if form.endswith("e") or not (is_usual or form.endswith("f")):
+            mantissa, _, exponent = format(shown, f".{_decimals(plain)}e").partition("e")
+            factor = "" if mantissa == "1" else rf"{mantissa} \times "
             return rf"${factor}10^{{{int(exponent)}}}$"
         sign = "+" if plain.startswith("+") else ""
-        return signed(sign + format(Decimal(plain), "f").rstrip("."))
+        return signed(sign + format(shown, "f").rstrip("."))
 
 
 def unit_text(unit: str) -> str:
@@ -110,7 +135,7 @@ def unit_text(unit: str) -> str:
     """
     if not unit:
         return ""
-    parts = re.split(r"\^(?:\(([^()]*)\)|(-?\w+))", unit)
+    parts = re.split(r"\^(?:\(([^(){}]*)\)|(-?\w+))", unit)
     texts = [
         _upright(part) if place % 3 == 0 else f"$^{{{part}}}$"
         for place, part in enumerate(parts)
@@ -123,12 +148,17 @@ def _upright(unit: str) -> str:
     """Return a unit with an upright µ, and as a formula where a line could break at a slash."""
     if re.fullmatch("[A-Za-z]+/[A-Za-z]+", unit):
         return rf"$\mathrm{{{unit}}}$"
-    return markdown(unit.replace("μ", "µ")).replace(r"$\mu$", "µ")
+    return markdown(unit).replace(r"$\mu$", "µ")
 
 
 def signed(number: str) -> str:
     """Return a number with a minus sign in place of a hyphen."""
     return f"${number}$" if number.startswith("-") else number
+
+
+def _is_finite(number: object) -> bool:
+    """Return whether this is an integer or a finite number."""
+    return type(number) is int or (type(number) is float and math.isfinite(number))
 
 
 def _decimals(number: str) -> int:

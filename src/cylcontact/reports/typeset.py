@@ -9,7 +9,8 @@ from __future__ import annotations
 import importlib
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import copyfile
@@ -28,6 +29,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import FigureResult, build
 from cylcontact.reports.manuscript import (
     PLACEHOLDER,
+    Filled,
     Values,
     figures_named,
     fill,
@@ -36,7 +38,7 @@ from cylcontact.reports.manuscript import (
 
 __all__ = ["TypesetManuscript", "typed_numbers", "typeset"]
 
-# Pandoc's Markdown, without what would take a text with digits or @ for something else.
+# Pandoc's Markdown, without what would take a text with digits, @ or < for something else.
 _READER = "markdown-example_lists-implicit_header_references-raw_html"
 # The folder of the sources for a journal.
 JOURNAL = "latex"
@@ -45,9 +47,13 @@ _TEMPLATES = {"latex": "article.tex", "typst": "article.typ"}
 _KINDS = {"fig": "Fig.", "tbl": "Table", "eq": "Eq.", "sec": "Sect."}
 _LABEL = re.compile(r"\{#(eq:[\w:.-]+)\}")
 # An entry of a file in BibTeX.
-_KEY = re.compile(r"^\s*@\w+\s*\{\s*([^\s,]+)\s*,", re.MULTILINE)
+_KEY = re.compile(
+    r"^\s*@(?!(?:comment|string|preamble)\b)\w+\s*\{\s*([^\s,]+)\s*,", re.MULTILINE | re.IGNORECASE
+)
 _PICTURES = (".pdf", ".png", ".jpg", ".jpeg")
 _YEAR = re.compile(r"\b(?:1[89]|20)\d\d\b")
+# What stands for a number before there is one.
+_WORD = "VALUE"
 
 Node = dict[str, Any]
 
@@ -64,7 +70,7 @@ class TypesetManuscript:
         The folder with LaTeX, references and figures.
     notes : tuple of str
         What a referee would ask about: numbers that are typed, figures and tables that the text
-        does not mention.
+        does not mention, phrases of `HOLDS` that are not in it.
     """
 
     pdf: Path
@@ -100,24 +106,40 @@ def typeset(
         reference leads nowhere. Nothing is written then.
     """
     text = read_text(source, SPEC_BYTES, "name a manuscript, a Markdown file")
+    if folder.resolve() == source.resolve().parent:
+        rule, remedy = "is the manuscript's own folder", "choose another"
+        raise InputError("manuscript", "--out", str(folder), rule, remedy)
     pdf = folder / f"{source.stem}.pdf"
     require_writable(pdf)
-    tree = _read(text, source)
-    require_holds(text, bench, source)
+    try:
+        notes = _typeset(bench, source, text, folder, progress)
+    except RecursionError:
+        raise InputError(str(source), "", None, "is nested too deeply", "flatten it") from None
+    return TypesetManuscript(pdf, folder / JOURNAL, tuple(notes))
+
+
+def _typeset(bench: Bench, source: Path, text: str, folder: Path, progress: Progress) -> list[str]:
+    """Do the work of `typeset`; return the notes."""
+    tree = _read(PLACEHOLDER.sub(_WORD, text), source)
+    _require_places(tree, text, source)
+    absent = require_holds(text, bench, source)
     inputs = [source, *source.parent.glob("*.*"), *bench.inputs]
     with scratch_folder() as scratch, keeping(inputs):
         figures, pictures = _draw(bench, source, text, tree, scratch / JOURNAL, progress)
         progress("typesetting", 0, 1)
-        filled = fill(text, Values(bench, source, figures))
+        values = Values(bench, source, figures)
+        filled = fill(text, values)
         notes = _set(filled.text, source, pictures, scratch)
-        numbers = pd.DataFrame(filled.numbers, columns=["line", "placeholder", "value", "unit"])
-        (scratch / "numbers.csv").write_text(csv_text(numbers), encoding="utf-8")
+        _write_numbers(filled, scratch)
         _move(scratch, folder)
         progress("typesetting", 1, 1)
     typed = typed_numbers(text, source)
-    if typed:
-        notes = [f"typed, and not from a result: {', '.join(typed)}", *notes]
-    return TypesetManuscript(pdf, folder / JOURNAL, tuple(notes))
+    own = values.names_own
+    return [
+        *([f"typed, and not from a result: {', '.join(typed)}"] if typed else []),
+        *notes,
+        *(f"HOLDS guards a phrase that is not in the text: {one}" for one in absent if own),
+    ]
 
 
 def typed_numbers(text: str, source: Path) -> list[str]:
@@ -136,10 +158,10 @@ def typed_numbers(text: str, source: Path) -> list[str]:
     -------
     list of str
     """
-    tree = _read(PLACEHOLDER.sub("", text), source)
+    tree = _read(PLACEHOLDER.sub(_WORD, text), source)
     prose = [tree["meta"].get(key) for key in ("title", "abstract", "keywords")]
     words = (node["c"] for node in _nodes([prose, tree["blocks"]], "Str", without=("Cite",)))
-    return [word for word in words if re.search(r"\d", _YEAR.sub("", word))]
+    return list(dict.fromkeys(w for w in words if re.search(r"\d", _YEAR.sub("", w))))
 
 
 def _set(text: str, source: Path, pictures: Mapping[str, str], folder: Path) -> list[str]:
@@ -160,6 +182,15 @@ def _set(text: str, source: Path, pictures: Mapping[str, str], folder: Path) -> 
     return notes
 
 
+def _write_numbers(filled: Filled, folder: Path) -> None:
+    """Write the list of numbers, and each table as CSV."""
+    numbers = pd.DataFrame(filled.numbers, columns=["line", "placeholder", "value", "unit"])
+    (folder / "numbers.csv").write_text(csv_text(numbers), encoding="utf-8")
+    for name, table in filled.tables.items():
+        (folder / "tables").mkdir(exist_ok=True)
+        (folder / "tables" / f"{name}.csv").write_text(csv_text(table), encoding="utf-8")
+
+
 def _move(scratch: Path, folder: Path) -> None:
     """Copy all files of one folder to another, all of them or none."""
     made = sorted(path for path in scratch.rglob("*") if path.is_file())
@@ -178,29 +209,55 @@ def _draw(
 
     A target is a recipe, with arguments as on the command line, or a picture beside the manuscript.
     """
-    targets = dict.fromkeys(map(_target, _nodes(tree, "Image")))
-    given: dict[str, tuple[str, dict[str, str]]] = {}
-    pictures: dict[str, str] = {}
-    (folder / "figures").mkdir(parents=True)
-    for target in targets:
-        if Path(target).suffix in _PICTURES:
-            pictures[target] = _copied(source, target, folder / "figures")
-        else:
-            name, *pairs = re.split(r"\s+(?=\w+=)", target)
-            given[target] = name, dict(pair.split("=", 1) for pair in pairs)
-    plain = {name for name, arguments in given.values() if not arguments}
-    names = sorted({*plain, *figures_named(text)})
+    targets = list(dict.fromkeys(map(_target, _nodes(tree, "Image"))))
+    files = [target for target in targets if Path(target).suffix.lower() in _PICTURES]
+    recipes = {target: _recipe(target, source) for target in targets if target not in files}
+    plain = _without_arguments(recipes.values(), figures_named(text), source)
+    place = folder / "figures"
+    place.mkdir(parents=True)
+    for target in files:
+        _copy_picture(source, target, place)
     options = choose(bench.recipes_folder / "style.toml", formats=("pdf",))
-    drawn = build(bench, names, folder / "figures", options, progress) if names else []
+    drawn = build(bench, plain, place, options, progress) if plain else []
     figures = {figure.name: figure for figure in map(_complete, drawn)}
-    for target, (name, arguments) in given.items():
+    pictures = {target: f"figures/{Path(target).name}" for target in files}
+    for target, (name, arguments) in recipes.items():
         figure = figures.get(name)
         if arguments or figure is None:
-            (figure,) = map(
-                _complete, build(bench, [name], folder / "figures", options, silent, arguments)
-            )
+            (variant,) = build(bench, [name], place, options, silent, arguments)
+            figure = _complete(variant)
+            figures.setdefault(name, figure)
         pictures[target] = f"figures/{figure.paths[0].name}"
+    _require_apart(pictures, source)
     return figures, pictures
+
+
+def _without_arguments(
+    recipes: Collection[tuple[str, Mapping[str, str]]], named: Sequence[str], source: Path
+) -> list[str]:
+    """Return the recipes to draw without arguments: of images, and of numbers that are named.
+
+    The numbers of a recipe that is drawn with arguments are that figure's, so there is one.
+    """
+    of = {name: [arguments for one, arguments in recipes if one == name] for name, _ in recipes}
+    for name in named:
+        if len(of.get(name, ())) > 1:
+            rule = "is drawn with several arguments, so its numbers are not those of one figure"
+            raise InputError(str(source), "", f"figure.{name}", rule, "name a value of your own")
+    plain = {name for name, each in of.items() if {} in each}
+    return sorted(plain | {name for name in named if name not in of})
+
+
+def _recipe(target: str, source: Path) -> tuple[str, dict[str, str]]:
+    """Return the recipe that an image names, and its arguments."""
+    name, *pairs = re.split(r"\s+(?=\w+=)", target)
+    arguments = dict(pair.split("=", 1) for pair in pairs)
+    if len(arguments) < len(pairs):
+        raise InputError(str(source), "", target, "has an argument twice", "leave one out")
+    if "/" in name or Path(name).suffix or not name:
+        rule = f"is neither a recipe nor a picture ({', '.join(_PICTURES)})"
+        raise InputError(str(source), "", target, rule, "name a file beside it, or a recipe")
+    return name, arguments
 
 
 def _target(image: Node) -> str:
@@ -208,12 +265,20 @@ def _target(image: Node) -> str:
     return unquote(image["c"][2][0])
 
 
-def _copied(source: Path, target: str, folder: Path) -> str:
-    """Copy a picture that is beside the manuscript; return its name for the typeset one."""
+def _copy_picture(source: Path, target: str, folder: Path) -> None:
+    """Copy a picture that is beside the manuscript."""
     picture = source.parent / target
     require_file(picture, TABLE_BYTES, "name a picture beside the manuscript, or a recipe")
     copyfile(picture, folder / picture.name)
-    return f"figures/{picture.name}"
+
+
+def _require_apart(pictures: Mapping[str, str], source: Path) -> None:
+    """Refuse two images whose pictures would have one name."""
+    taken = Counter(pictures.values())
+    for target, picture in pictures.items():
+        if taken[picture] > 1:
+            rule = f"would be {picture}, and so would another figure"
+            raise InputError(str(source), "", target, rule, "rename the picture")
 
 
 def _complete(figure: FigureResult) -> FigureResult:
@@ -223,31 +288,97 @@ def _complete(figure: FigureResult) -> FigureResult:
     return figure
 
 
-# --- references ---------------------------------------------------------------------------------
+# --- what may stand where -----------------------------------------------------------------------
+
+
+def _require_places(tree: Node, text: str, source: Path) -> None:
+    """Refuse a missing title, TeX, which one of the outputs would leave out, and misplaced values.
+
+    In a formula, in code and in an address a value would be something else than its text.
+    """
+    if not tree["meta"].get("title"):
+        rule, remedy = "is missing", "name it at the top, e.g. title: On rollers"
+        raise InputError(str(source), "title", None, rule, remedy)
+    for node in _nodes(tree, "RawInline", "RawBlock"):
+        rule = "is TeX or HTML, which the PDF would leave out"
+        raise InputError(str(source), "", node["c"][1], rule, "write it in Markdown")
+    if _WORD in PLACEHOLDER.sub("", text):  # it may stand anywhere then
+        rule = "stands for numbers while the text is read"
+        raise InputError(str(source), "", _WORD, rule, "take another word")
+    for node in _nodes(tree, "Math", "Code", "CodeBlock"):
+        if _WORD in node["c"][1]:
+            _refuse_place(source, node["c"][1], "a formula or code")
+    for node in _nodes(tree, "Link", "Image"):
+        if _WORD in node["c"][2][0]:
+            _refuse_place(source, node["c"][2][0], "an address")
+
+
+def _refuse_place(source: Path, near: str, where: str) -> None:
+    """Raise the error for a placeholder where it cannot stand."""
+    rule = f"is {where}, where no number can be put in ({_WORD} is where it would be)"
+    remedy = "end it before the number, as in $x$ = {{fit.NAME.a}}"
+    raise InputError(str(source), "", near, rule, remedy)
 
 
 def _checked(tree: Node, library: Path, source: Path) -> list[str]:
-    """Refuse references that lead nowhere; return what the text does not refer to."""
-    labels, keys = set(_labels(tree)), set(_KEY.findall(library.read_text(encoding="utf-8")))
-    named = [cited["citationId"] for cite in _nodes(tree, "Cite") for cited in cite["c"][0]]
+    """Refuse labels and references that cannot be set; return what the text does not refer to."""
+    labels, keys = list(_labels(tree, source)), set(_KEY.findall(library.read_text("utf-8")))
+    for label, times in Counter(labels).items():
+        if times > 1:
+            rule = f"labels {times} things"
+            raise InputError(str(source), "", f"{{#{label}}}", rule, "rename one")
+    named = [one for cite in _nodes(tree, "Cite") for one in _cited(cite, source)]
     for name in named:
-        if name not in labels | keys:
-            where, kinds = f"no label, and {library.name} has no such entry", ", ".join(_KINDS)
-            remedy = f"label it as {{#{name}}} (the kinds are {kinds}), or add the entry"
-            raise InputError(str(source), "", f"@{name}", f"is {where}", remedy)
-    shown = sorted(label for label in labels - set(named) if label.startswith(("fig:", "tbl:")))
-    return [f"not referred to in the text: {', '.join(shown)}"] if shown else []
+        if name not in (labels if _is_label(name) else keys):
+            kinds = ", ".join(_KINDS)
+            rule = f"is no label, and {library.name} has no such entry"
+            remedy = f"label it, as in {{#fig:map}} (the kinds are {kinds}), or add the entry"
+            raise InputError(str(source), "", f"@{name}", rule, remedy)
+    shown = [label for label in labels if label.startswith(("fig:", "tbl:"))]
+    missing = sorted(set(shown) - set(named))
+    return [f"not referred to in the text: {', '.join(missing)}"] if missing else []
 
 
-def _labels(tree: Node) -> Iterator[str]:
+def _cited(cite: Node, source: Path) -> list[str]:
+    """Return what a citation names: labels, or entries of the bibliography."""
+    cited = cite["c"][0]
+    names = [one["citationId"] for one in cited]
+    if any(map(_is_label, names)):
+        has_words = any(one["citationPrefix"] or one["citationSuffix"] for one in cited)
+        if has_words or not all(map(_is_label, names)):
+            rule = "stands in brackets with something else"
+            label = next(name for name in names if _is_label(name))
+            raise InputError(str(source), "", f"@{label}", rule, "write it without brackets")
+    return names
+
+
+def _labels(tree: Node, source: Path) -> Iterator[str]:
     """Yield the labels of figures, tables, sections and equations."""
     for node in _nodes(tree, "Figure", "Table", "Header"):
         identifier = node["c"][1 if node["t"] == "Header" else 0][0]
         if identifier:
             yield identifier
-    for node in _nodes(tree, "Str"):
-        if found := _LABEL.fullmatch(node["c"]):
-            yield found[1]
+    equations = [found[1] for nodes in _lists(tree) for found in _equations(nodes)]
+    texts = [node["c"] for node in _nodes(tree, "Str") if "{#eq:" in node["c"]]
+    if len(texts) > len(equations):
+        stray = next((one for one in texts if not _LABEL.fullmatch(one)), texts[-1])
+        rule = "stands behind no displayed equation"
+        remedy = "write $$ … $$ {#eq:one}, any full stop before the dollars"
+        raise InputError(str(source), "", stray, rule, remedy)
+    yield from equations
+
+
+def _equations(nodes: list[Any]) -> Iterator[re.Match[str]]:
+    """Yield the labels of the displayed equations in a list of nodes."""
+    for place, node in enumerate(nodes):
+        before = [one for one in nodes[:place] if _type(one) not in ("Space", "SoftBreak")]
+        found = _LABEL.fullmatch(node["c"]) if _type(node) == "Str" else None
+        formula = before[-1] if before and _type(before[-1]) == "Math" else None
+        if found and formula and formula["c"][0]["t"] == "DisplayMath":
+            yield found
+
+
+# --- references ---------------------------------------------------------------------------------
 
 
 def _resolved(tree: Any, kind: str) -> Any:
@@ -258,11 +389,10 @@ def _resolved(tree: Any, kind: str) -> Any:
         return tree
     nodes: list[Any] = []
     for node in tree:
-        of = node.get("t") if isinstance(node, dict) else None
-        found = _LABEL.fullmatch(node["c"]) if of == "Str" else None
-        if found and nodes:
+        found = _LABEL.fullmatch(node["c"]) if _type(node) == "Str" else None
+        if found:
             _label_equation(nodes, found[1], kind)
-        elif of == "Cite" and _is_label(node["c"][0][0]["citationId"]):
+        elif _type(node) == "Cite" and _is_label(node["c"][0][0]["citationId"]):
             nodes += _reference(node, kind)
         else:
             nodes.append(_resolved(node, kind))
@@ -279,7 +409,8 @@ def _label_equation(nodes: list[Node], label: str, kind: str) -> None:
         nodes[-1:] = [_raw(kind, numbered), nodes[-1], _raw(kind, f" <{label}>]")]
         return
     formula = nodes.pop()["c"][1].strip()
-    nodes.append(_raw(kind, f"\\begin{{equation}}\\label{{{label}}}\n{formula}\n\\end{{equation}}"))
+    labelled = f"\\begin{{equation}}\\label{{{label}}}\n{formula}\n\\end{{equation}}"
+    nodes.append(_raw(kind, labelled))
 
 
 def _is_label(name: str) -> bool:
@@ -306,18 +437,31 @@ def _raw(kind: str, text: str) -> Node:
 # --- pandoc and Typst ---------------------------------------------------------------------------
 
 
+def _type(node: object) -> str:
+    """Return the type of a node; empty for what is none."""
+    return str(node.get("t", "")) if isinstance(node, dict) else ""
+
+
 def _nodes(tree: Any, *kinds: str, without: Sequence[str] = ()) -> Iterator[Node]:
     """Yield the nodes of some kinds, in the order of the text, and none below others."""
     if isinstance(tree, list):
         for node in tree:
             yield from _nodes(node, *kinds, without=without)
-    elif isinstance(tree, dict):
-        if tree.get("t") in without:
-            return
+    elif isinstance(tree, dict) and tree.get("t") not in without:
         if tree.get("t") in kinds:
             yield tree
         for value in tree.values():
             yield from _nodes(value, *kinds, without=without)
+
+
+def _lists(tree: Any) -> Iterator[list[Any]]:
+    """Yield all lists of a tree."""
+    if isinstance(tree, list):
+        yield tree
+    for value in (
+        tree.values() if isinstance(tree, dict) else tree if isinstance(tree, list) else ()
+    ):
+        yield from _lists(value)
 
 
 def _read(text: str, source: Path) -> Node:
@@ -335,13 +479,18 @@ def _write(tree: Node, kind: str, source: Path) -> str:
 
 
 def _pandoc(source: Path, text: str, to: str, form: str, options: Sequence[str] = ()) -> str:
-    """Return what pandoc makes of a text."""
+    """Return what pandoc makes of a text; what it warns of is an error."""
     pypandoc = _extra("pypandoc")
     try:
-        made: str = pypandoc.convert_text(text, to, form, extra_args=options)
+        made: str = pypandoc.convert_text(
+            text, to, form, extra_args=["--fail-if-warnings", *options]
+        )
     except RuntimeError as error:
-        rule = f"is not what pandoc can set ({error})"
+        reasons = str(error).partition("conversion: ")[2] or str(error)
+        rule = f"is not what pandoc can set ({' '.join(reasons.split())})"
         raise InputError(str(source), "", None, rule, "correct it") from error
+    except OSError as error:
+        raise _without("pandoc") from error
     return made
 
 
@@ -360,17 +509,25 @@ def _extra(name: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        rule, remedy = f"needs {name}", "make paper, or pip install 'cylcontact[paper]'"
-        raise InputError("manuscript", "", None, rule, remedy) from error
+        raise _without(name) from error
+
+
+def _without(name: str) -> InputError:
+    """Return the error for a package that is not installed."""
+    remedy = "pip install 'cylcontact[paper]', or make extras"
+    return InputError("manuscript", "", None, f"needs {name}", remedy)
 
 
 def _bibliography(tree: Node, source: Path) -> Path:
     """Return the file of references that a manuscript names, beside it."""
     given = tree["meta"].get("bibliography")
-    if given is None:
-        rule, remedy = "is missing", "name it at the top, e.g. bibliography: references.bib"
-        raise InputError(str(source), "bibliography", None, rule, remedy)
-    name = "".join(node["c"] for node in _nodes(given, "Str"))
+    parts = _nodes(given if _type(given) == "MetaInlines" else None, "Str", "Space")
+    name = "".join(part.get("c", " ") for part in parts)
+    if not name or Path(name).name != name:
+        rule = "must name one file beside the manuscript"
+        raise InputError(
+            str(source), "bibliography", name or None, rule, "e.g. bibliography: references.bib"
+        )
     library = source.with_name(name)
     read_text(library, SPEC_BYTES, "name a file in BibTeX")
     return library
