@@ -49,7 +49,7 @@ METHOD = (
 LABELS = {
     "explicit": "explicit (3 constants)",
     FORMULA: "explicit, one-line penetration",
-    "johnson": "Johnson (Eq 1)",
+    "johnson": "Johnson",
     "liu": "Liu et al.",
     "winkler": "Winkler",
 }
@@ -110,7 +110,7 @@ def _draw_panels(table: pd.DataFrame) -> Figure:
         for number, (pair, curve) in enumerate(curves):
             clearance = str(pair).split("; ")[-1].replace("dR", r"$\Delta R$")
             _draw_curve(axes, curve, number, clearance)
-    titles = ("one curve for all pairs", *ENHANCED.values())
+    titles = ("one curve for like materials", *ENHANCED.values())
     for number, (axes, title) in enumerate(zip(panels, titles, strict=True)):
         axes.set(xscale="log", xlim=(PHI_MIN, PHI_MAX))
         plain_log(axes, "y", (0.01, 0.1, 1, 10, 100))

@@ -42,7 +42,7 @@ COLUMNS = [
 ]
 CAPTION = (
     "Share of time in contact, impacts per revolution and the integrator's mean step (µs) of the "
-    "slider-crank, by radial clearance c (mm), restitution c_e and friction coefficient c_f, for "
+    "slider-crank, by radial clearance ΔR (mm), restitution c_e and friction coefficient c_f, for "
     "three laws: means with 95 % intervals. Grey: no losses, hence no steady state; bars show the "
     "scatter within the window. The mechanism's data are assumed."
 )
@@ -142,7 +142,7 @@ def _label_groups(axes: Axes) -> None:
     axes.set(xlim=(-0.5, len(GROUPS) - 0.5), xlabel="$c_e$ (first row), $c_f$ (second row)")
     axes.set_xticks(range(len(GROUPS)), LABELS)
     middles = (np.arange(len(JOINT_CLEARANCES)) + 0.5) * len(LOSSES) - 0.5
-    clearances = [f"$c$ = {clearance:g} mm" for clearance in JOINT_CLEARANCES]
+    clearances = [f"$\\Delta R$ = {clearance:g} mm" for clearance in JOINT_CLEARANCES]
     axes.set_xticks(middles, clearances, minor=True)
     axes.tick_params(axis="x", which="both", length=0)
     axes.tick_params(axis="x", which="minor", pad=ROWS * small_text())

@@ -184,12 +184,18 @@ def markdown(text: str) -> str:
     $\Delta$R\_i \< 50 \% of \*R\*$^{2}$
     """
     shown = visible(" ".join(text.split("\n"))).strip(" ")
+    parts = re.split(r"(−[0-9]+(?:\.[0-9]+)?)", shown)  # a line does not break in a negative number
     escaped = "".join(
-        _MARKDOWN.get(mark, f"\\{mark}" if mark.isascii() and mark in punctuation else mark)
-        for mark in shown
+        f"$-{part[1:]}$" if place % 2 else "".join(map(_in_markdown, part))
+        for place, part in enumerate(parts)
     )
     # Before a digit, a dollar sign does not end a formula.
-    return re.sub(r"(?<=\$)[0-9]", lambda digit: f"&#{ord(digit[0])};", escaped)
+    return re.sub(r"(?<=[^ ]\$)[0-9]", lambda digit: f"&#{ord(digit[0])};", escaped)
+
+
+def _in_markdown(mark: str) -> str:
+    """Return one character for pandoc's Markdown."""
+    return _MARKDOWN.get(mark, f"\\{mark}" if mark in punctuation else mark)
 
 
 # --- CSV ----------------------------------------------------------------------------------------

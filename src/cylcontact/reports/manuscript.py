@@ -372,12 +372,12 @@ def table_text(table: pd.DataFrame) -> str:
     --------
     >>> print(table_text(pd.DataFrame({"law": ["Johnson"], "error, %": ["1.5"]})))
     | law | error\, \% |
-    |:------------|-------------:|
-    | Johnson | 1.5 |
+    |:------------|-----------:|
+    | Johnson | 1\.5 |
     """
     rows = [list(table.columns), *(list(row) for row in table.astype(object).to_numpy())]
     columns = list(zip(*rows, strict=True))
-    widths = [min(max(len(str(cell)) for cell in column), _WIDEST) for column in columns]
+    widths = [min(max(_width(head), *map(_length, cells)), _WIDEST) for head, *cells in columns]
     right = [all(map(_is_number, column[1:])) for column in columns]
     # Pandoc takes the share of a column from the hyphens below its heading.
     rules = [
@@ -386,6 +386,18 @@ def table_text(table: pd.DataFrame) -> str:
     ]
     lines = [f"| {' | '.join(map(_cell, row))} |" for row in rows]
     return "\n".join([lines[0], f"|{'|'.join(rules)}|", *lines[1:]])
+
+
+def _length(cell: object) -> int:
+    """Return about how many characters of a cell are seen."""
+    return len(re.sub(r"\\[a-z]+|[{}\s\\]", "", cell) if isinstance(cell, Symbol) else str(cell))
+
+
+def _width(head: object) -> int:
+    """Return the characters of the longest word of a heading, which may have several lines."""
+    return (
+        _length(head) if isinstance(head, Symbol) else max(map(len, str(head).split()), default=0)
+    )
 
 
 def _cell(cell: object) -> str:
