@@ -168,8 +168,8 @@ def fill(text: str, values: Values) -> Filled:
     --------
     >>> from cylcontact.files import shipped_bench
     >>> values = Values(Bench(shipped_bench()), Path("mine.md"))
-    >>> print(fill("We find a = {{fit.external.a:.3g}}.", values).text)
-    We find a = 0.378.
+    >>> print(fill("The error is {{fit.internal.objective:.2g}}.", values).text)
+    The error is 0.064.
     """
     filled = Filled("", [], {})
 
@@ -372,7 +372,7 @@ def table_text(table: pd.DataFrame) -> str:
     --------
     >>> print(table_text(pd.DataFrame({"law": ["Johnson"], "error, %": ["1.5"]})))
     | law | error\, \% |
-    |:------------|-----------:|
+    |:------------|------------:|
     | Johnson | 1\.5 |
     """
     rows = [list(table.columns), *(list(row) for row in table.astype(object).to_numpy())]
@@ -394,10 +394,10 @@ def _length(cell: object) -> int:
 
 
 def _width(head: object) -> int:
-    """Return the characters of the longest word of a heading, which may have several lines."""
-    return (
-        _length(head) if isinstance(head, Symbol) else max(map(len, str(head).split()), default=0)
-    )
+    """Return the characters that a heading needs, whose words may be on several lines."""
+    if isinstance(head, Symbol):
+        return _length(head)
+    return max(map(len, str(head).split()), default=0) + 1
 
 
 def _cell(cell: object) -> str:
