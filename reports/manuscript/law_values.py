@@ -32,9 +32,11 @@ from cylcontact.reports.laws_bounds import (
     johnson_shortfall,
 )
 from cylcontact.reports.laws_to_use import laws_to_use
+from cylcontact.reports.manuscript import Value
 from cylcontact.reports.quantity import Quantity, Symbol
 
 from .. import paper
+from ..claims.section34_differences import in_corner, largest_by_material
 from ..extremes import Extreme, largest_difference, share_below
 from ..fig_any_pair import EDGE, PHI, possible_pairs
 from ..fig_readings import readings as read_readings
@@ -55,7 +57,7 @@ __all__ = [
 ]
 
 
-Values = dict[str, Quantity | str | pd.DataFrame]
+Values = dict[str, Value]
 
 # The symbols of the manuscript, by the names that the coefficients have in results.
 SYMBOLS: Mapping[str, str] = {
@@ -291,7 +293,7 @@ def _poor(result: FitResult) -> list[str]:
 def readings(bench: Bench) -> Values:
     """Return how far the recovered coefficients depend on what the paper does not say."""
     rows = read_readings(bench)
-    inside, held, _ = (_differences(bench, name) for name in _searches(bench))
+    inside, held, free = (_differences(bench, name) for name in _searches(bench))
     refined = [part.xs("points per axis") for part in (inside, held)]
     points = sorted(int(label) for label in refined[0].index)
     p_close = _close(inside[["Y_log_scale"]])
@@ -302,6 +304,8 @@ def readings(bench: Bench) -> Values:
         "internal_refined": _at_most(float(refined[0].abs().to_numpy().max()), "%", 2),
         "a_refined": _at_most(float(refined[1]["a"].abs().max()), "%", 2),
         "b_refined": Quantity(float(refined[1]["b"].loc[str(points[-1])]), "%", 2),
+        "a_free": _span(free["a"]),
+        "n_free": _span(free["n"]),
         "close": Quantity(round(CLOSE), "%"),
         "internal_close": Quantity(_close(inside)),
         "p_close": Quantity(p_close),
@@ -337,6 +341,11 @@ def _differences(bench: Bench, search: str) -> pd.DataFrame:
 def _even_clearances(differences: pd.DataFrame) -> pd.DataFrame:
     """Return the readings whose clearances are evenly spaced."""
     return differences[differences.index.get_level_values("reading").str.contains("dR linear")]
+
+
+def _span(differences: pd.Series[float]) -> Quantity:
+    """Return the least and the largest difference, in percent."""
+    return Quantity((float(differences.min()), float(differences.max())), "%", 2)
 
 
 def _highest_even(differences: pd.DataFrame) -> float:
@@ -439,6 +448,7 @@ def pairs(bench: Bench) -> Values:
         "explicit_constants": Quantity(len(fields(explicit_pair.CALIBRATED))),
         "metals": Quantity((float(metals.min()), float(metals.max())), "%", 2),
         "plane_phi": Quantity(1),
+        "highest_phi": Quantity(round(JOINT_PHI[-1])),
         "grid": Quantity(possible_pairs()[0].size),
         "any": Quantity(_any_pair(), "%", 2),
     }
@@ -518,6 +528,7 @@ def ranges(bench: Bench) -> Values:
         for domain in (paper.PRACTICAL, WIDE)
     )
     worst, worst_moderate = _worst(largest), _worst(moderate)
+    left = largest_by_material(materials, paper.PRACTICAL, in_corner)
     shares = [share_below(BOUND, m, paper.PRACTICAL) for m in materials.values()]
     return {
         "table": _laws_table(bench),
@@ -530,6 +541,8 @@ def ranges(bench: Bench) -> Values:
         "tight": Quantity(round(TIGHT), "%"),
         "largest": Quantity(largest[worst].percent, "%", 2),
         "largest_material": _without_kind(worst),
+        "excluded": Quantity(left[_worst(left)].percent, "%", 2),
+        "near": Quantity(25, "µm"),
         "shares": Quantity((min(shares), max(shares)), "%", 2),
         "from": Quantity(FROM_WIDE, "mm", 1),
         "moderate": Quantity(abs(moderate[worst_moderate].percent), "%", 2),

@@ -21,6 +21,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Claim, Verdict
 from cylcontact.reports.claims import ledger as claims_of
 from cylcontact.reports.claims_text import counts
+from cylcontact.reports.manuscript import Value
 from cylcontact.reports.quantity import Quantity, Symbol
 
 from ..claims.section32 import (
@@ -52,7 +53,6 @@ from ..paper import FIG6_WIDE, FRICTIONS, JOINT_CLEARANCES, JOINT_LAWS, RESTITUT
 from ..slider_crank import CASES, law_limit, mechanism
 from .law_values import with_formulas
 
-Value = Quantity | str | pd.DataFrame
 Group = dict[str, Value]
 LARGE, SMALL = JOINT_CLEARANCES
 SPHERE, JOHNSON, ENHANCED = JOINT_LAWS
@@ -74,6 +74,7 @@ def elements(bench: Bench) -> Group:
     other = table(bench, "recommended", "calculix")
     solvers = 100 * (other["penetration_mm"] / rows["penetration_mm"] - 1)
     return {
+        "clearances": spread(rows["dR_mm"], "mm", 1),
         "lightest": Quantity(float(rows["load_N_per_mm"].min()), "N/mm", 2),
         "middle": Quantity(LOADS[1], "N/mm", 2),
         "heaviest": Quantity(float(rows["load_N_per_mm"].max()), "N/mm", 3),
@@ -434,6 +435,7 @@ def ledger(bench: Bench) -> Group:
     misprints = sum(c.misprint for c in _ledger(bench))
     return {
         "statements": Quantity(len(claims)),
+        "one_branch": Quantity(next(iter(_values(bench, "3.1-no-single-Y").values()))),
         "stand": Quantity(number["reproduced"] + number["reproduced with a stated choice"]),
         "untestable": Quantity(len(_ledger(bench)) - len(claims) - misprints),
         "misprints": Quantity(misprints),
@@ -539,18 +541,18 @@ FAILED: Mapping[str, tuple[Callable[[Claim], str], str]] = {
     "3.1-no-single-Y": (_one_branch, "a fitted law with one branch is nearer than the printed one"),
     "3.4-allowable-load-against-modulus": (
         _as_found,
-        "true of the end of Johnson's law, not of yield",
+        "true of the end of Johnson's law, but not with the yield stress, which it also names",
     ),
     "3.4-limit-load-against-young": (
         _as_found,
-        "true of the end of Johnson's law, not of yield",
+        "the end of Johnson's law depends on the modulus so, and not on yielding",
     ),
     "3.4-below-8-percent": (
         _first_part,
         "largest where Johnson's law ends; above the bound elsewhere too",
     ),
     "3.4-below-4-percent": (_first_part, "a ridge where Y changes branch, for every material"),
-    "4.3-small-clearance-larger-steps": (_first_part, "without dissipation the steps shrink"),
+    "4.3-small-clearance-larger-steps": (_first_part, "with a restitution of one the steps shrink"),
 }
 
 
@@ -604,12 +606,13 @@ def _on_the_wall(bench: Bench) -> bool:
     return bool(force.max() / force.min() < 1.01)
 
 
-def _half(bench: Bench) -> bool:
-    """Whether the steps shrink in half of the comparisons of the clearances."""
+def _elastic_steps_shrink(bench: Bench) -> bool:
+    """Whether a smaller clearance shrinks the steps where c_e = 1, half of the cases, only."""
     steps = _values(bench, "4.3-small-clearance-larger-steps")
     before = {k: v for k, v in steps.items() if k.endswith(", before, us")}
-    after = {k: steps[k.replace("before", "after")] for k in before}
-    return 2 * sum(after[k] < before[k] for k in before) == len(before)
+    shrinks = {k: steps[k.replace("before", "after")] < before[k] for k in before}
+    elastic = {k: "c_e = 1 " in k for k in before}
+    return shrinks == elastic and 2 * sum(elastic.values()) == len(elastic)
 
 
 def _one_failure(bench: Bench) -> bool:
@@ -627,6 +630,16 @@ def _later_closer(_bench: Bench) -> bool:
     return max(error[name] for name in later) < min(error[name] for name in oldest)
 
 
+def _first_impact_only(bench: Bench) -> bool:
+    """Whether with c_e = 0.9 the longer rod alone passes the limit, in one revolution."""
+    limit = _johnson_limit(bench)
+    others = [_deep(bench, design, restitution=0.9) for design in (SPEC_SET, LIGHT_SET)]
+    longer = _deep(bench, LONG_SET, restitution=0.9)
+    once = (longer["left"] * (longer["counted"] + FIRST)).round() == 1
+    short = all(bool((each["deepest_um"] < limit).all()) for each in others)
+    return short and bool(once.all())
+
+
 HOLDS: dict[str, Callable[[Bench], bool]] = {
     "at each of the three loads the two laws alone": _no_load_keeps_both,
     "falls short as the contact widens": _johnson_falls_short,
@@ -640,8 +653,9 @@ HOLDS: dict[str, Callable[[Bench], bool]] = {
         "4.3-sphere-softest",
     ),
     "the journal never leaves the wall": _settled,
+    "passes it in one revolution only": _first_impact_only,
     "all three laws give the same mean force": _on_the_wall,
-    "in half of the comparisons": _half,
+    "in half of the comparisons they shrink, those with": _elastic_steps_shrink,
     "less energy than intended": lambda _bench: (
         _lost(float(_achieved(PAPER_FACTOR)[-1])) < _lost(WANTED[-1])
     ),

@@ -135,7 +135,7 @@ def glauert(b: FloatArray, beta: float, terms: int = _TERMS) -> Solution:
     b : array of float, shape (k,)
         tan(ε/2) of each arc.
     beta : float
-        Dundurs' β, positive when the pin is the softer.
+        Dundurs' β, as `CylinderPair.beta`.
     terms : int
         The number of terms of the series.
 

@@ -75,7 +75,7 @@ class Bodies:
     w_i, w_j : float or array
         Shares of hole and pin in the compliance.
     beta : float
-        Dundurs' β, positive when the pin is the softer.
+        Dundurs' β, as `CylinderPair.beta`.
     C : float or array
         The datum's constant.
     """
