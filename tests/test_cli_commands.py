@@ -22,7 +22,7 @@ GROUPS = {
     "Laws": ("laws", "export"),
     "Mechanism": ("simulate", "finite-element"),
     "Figures": ("figure",),
-    "The paper": ("report", "claims", "verify"),
+    "The paper": ("report", "claims", "manuscript", "verify"),
     "The bench": ("init",),
 }
 SPEC = ROOT / "datasets/slider_crank.toml"

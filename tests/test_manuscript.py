@@ -128,7 +128,7 @@ def typeset_text(bench, text):
         (Quantity(1234567), "", "1234567"),
         (Quantity(1234567.0), "", r"$1.23 \times 10^{6}$"),
         (Quantity(-0.00001), "", r"$-1.00 \times 10^{-5}$"),
-        (Quantity(9.996e-5), "", r"0.00010"),
+        (Quantity(9.996e-5), "", r"0.000100"),
         (Quantity(-1.5, "%"), ".2g", r"$-1.5$\ \%"),
         (Quantity(1.5, "%"), "+.1f", r"+1.5\ \%"),
         (Quantity(-1.5), "+.1f", r"$-1.5$"),

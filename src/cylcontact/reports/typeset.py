@@ -110,7 +110,7 @@ def typeset(
         rule, remedy = "is the manuscript's own folder", "choose another"
         raise InputError("manuscript", "--out", str(folder), rule, remedy)
     pdf = folder / f"{source.stem}.pdf"
-    require_writable(pdf)
+    require_writable(pdf, folder / "numbers.csv", folder / JOURNAL / f"{source.stem}.tex")
     try:
         notes = _typeset(bench, source, text, folder, progress)
     except RecursionError:
