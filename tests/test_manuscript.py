@@ -1,5 +1,6 @@
 """Manuscripts: numbers come from results, references lead somewhere, and LaTeX sets them."""
 
+import io
 import json
 import re
 import shutil
@@ -22,6 +23,7 @@ from cylcontact.reports.quantity import Quantity
 from cylcontact.reports.typeset import typed_numbers, typeset
 from tests.drawn_figures import BENCH
 from tests.hostile import HOSTILE
+from tests.html_bench import CACHES
 from tests.programs import require_program
 from tests.spec_files import tree
 from tests.test_bench import RECIPE
@@ -550,3 +552,70 @@ def test_a_class_of_a_journal_sets_it(which, ours, tmp_path):
     # A line that sticks out by more than 2 mm.
     wide = [float(width) for width in re.findall(r"Overfull \\hbox \(([\d.]+)pt too wide", log)]
     assert max(wide, default=0.0) < 6.0
+
+
+def scaled(column, factor):
+    """A change of a table: one of its columns times a factor."""
+
+    def change(text):
+        table = pd.read_csv(io.StringIO(text))
+        table[column] *= factor
+        return table.to_csv(index=False)
+
+    return change
+
+
+def coefficient(name, factor):
+    """A change of a result: one of its coefficients times a factor."""
+
+    def change(text):
+        result = json.loads(text)
+        result["coefficients"][name] *= factor
+        return json.dumps(result)
+
+    return change
+
+
+def objective(factor):
+    """A change of a result: its objective times a factor."""
+
+    def change(text):
+        result = json.loads(text)
+        result["objective"]["value"] *= factor
+        return json.dumps(result)
+
+    return change
+
+
+# Tables of finite elements are not among them: a changed one is refused.
+CHANGES = {
+    "fitting/results/recovered-internal.json": ("made.off", coefficient("a", 1.05)),
+    "fitting/results/recovered-external.json": ("made.coefficients", coefficient("b", 1.05)),
+    "datasets/readings.csv": ("readings.a_refined", scaled("difference_percent", 1.5)),
+    "fitting/results/internal.json": ("made.internal_ratio", objective(1.1)),
+    "datasets/mechanism/cases.csv": ("crank.together", scaled("horizon_revolutions", 0.99)),
+}
+SLOW = {"datasets/mechanism/cases.csv"}  # with the claims
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n in SLOW else n for n in CHANGES]
+)
+def test_a_changed_result_changes_a_sentence_of_our_manuscript(name, tmp_path):
+    placeholder, change = CHANGES[name]
+    paragraphs = OURS.read_text("utf-8").split("\n\n")
+    # With its group alone, because the others would take long.
+    group = placeholder.partition(".")[0]
+    sentences = [part for text in paragraphs for part in re.split(r"(?<=\.)\s", text)]
+    (sentence, *_) = [part for part in sentences if f"{{{{{placeholder}" in part]
+    sentence = re.sub(rf"\{{\{{(?!{group}\.)[^}}]*\}}\}}", "", sentence)
+    for folder in ("datasets", "fitting", "reports"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=CACHES)
+    source = tmp_path / "reports/manuscript" / OURS.name
+    text = f"\n\n{sentence}\n\n"
+    before = fill(text, Values(Bench(tmp_path), source)).text
+    file = tmp_path / name
+    file.write_text(change(file.read_text("utf-8")), encoding="utf-8")
+    after = fill(text, Values(Bench(tmp_path), source)).text
+    assert before != after
+    assert len(before.split()) == len(after.split())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cache
 from typing import Any, Literal
@@ -114,6 +114,12 @@ def law(bench: Bench) -> Values:
         "moduli": _exact((paper.TRAINING_E[0] / 1e3, paper.TRAINING_E[1] / 1e3), "GPa"),
         "ratios": Quantity((grid["nu"]["min"], grid["nu"]["max"]), "", 1),
     }
+
+
+def spread(values: Iterable[float], unit: str = "", digits: int = 3) -> Quantity:
+    """Return the least and the largest of some values."""
+    found = list(values)
+    return Quantity((float(min(found)), float(max(found))), unit, digits)
 
 
 def _at_most(value: float, unit: str, digits: int) -> Quantity:
@@ -304,8 +310,8 @@ def readings(bench: Bench) -> Values:
         "internal_refined": _at_most(float(refined[0].abs().to_numpy().max()), "%", 2),
         "a_refined": _at_most(float(refined[1]["a"].abs().max()), "%", 2),
         "b_refined": Quantity(float(refined[1]["b"].loc[str(points[-1])]), "%", 2),
-        "a_free": _span(free["a"]),
-        "n_free": _span(free["n"]),
+        "a_free": spread(free["a"], "%", 2),
+        "n_free": spread(free["n"], "%", 2),
         "close": Quantity(round(CLOSE), "%"),
         "internal_close": Quantity(_close(inside)),
         "p_close": Quantity(p_close),
@@ -341,11 +347,6 @@ def _differences(bench: Bench, search: str) -> pd.DataFrame:
 def _even_clearances(differences: pd.DataFrame) -> pd.DataFrame:
     """Return the readings whose clearances are evenly spaced."""
     return differences[differences.index.get_level_values("reading").str.contains("dR linear")]
-
-
-def _span(differences: pd.Series[float]) -> Quantity:
-    """Return the least and the largest difference, in percent."""
-    return Quantity((float(differences.min()), float(differences.max())), "%", 2)
 
 
 def _highest_even(differences: pd.DataFrame) -> float:
@@ -543,7 +544,7 @@ def ranges(bench: Bench) -> Values:
         "largest_material": _without_kind(worst),
         "excluded": Quantity(left[_worst(left)].percent, "%", 2),
         "near": Quantity(25, "µm"),
-        "shares": Quantity((min(shares), max(shares)), "%", 2),
+        "shares": spread(shares, "%", 2),
         "from": Quantity(FROM_WIDE, "mm", 1),
         "moderate": Quantity(abs(moderate[worst_moderate].percent), "%", 2),
         "moderate_material": _without_kind(worst_moderate),
@@ -610,7 +611,7 @@ def yielding(bench: Bench) -> Values:  # noqa: ARG001
         "mises_phi": Quantity(_yield(_even()).phi, "", 2),
         "tresca_phi": Quantity(_yield(_even("Tresca"), "Tresca").phi, "", 2),
         "wide": Quantity(far.ratio, "", 2),
-        "snug": Quantity((min(_snug()), max(_snug())), "", 3),
+        "snug": spread(_snug(), "", 3),
         "closest": Quantity(YIELD_DR[-1], "mm", 1),
         "too_much": Quantity(1 / _yield(YIELD_DR[-1]).ratio, "", 2),
     }

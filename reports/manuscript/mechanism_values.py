@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
@@ -51,17 +51,11 @@ from ..long_runs import (
 )
 from ..paper import FIG6_WIDE, FRICTIONS, JOINT_CLEARANCES, JOINT_LAWS, RESTITUTIONS
 from ..slider_crank import CASES, law_limit, mechanism
-from .law_values import with_formulas
+from .law_values import spread, with_formulas
 
 Group = dict[str, Value]
 LARGE, SMALL = JOINT_CLEARANCES
 SPHERE, JOHNSON, ENHANCED = JOINT_LAWS
-
-
-def spread(values: Iterable[float], unit: str = "", digits: int = 3) -> Quantity:
-    """Return the least and the largest of some values."""
-    found = list(values)
-    return Quantity((float(min(found)), float(max(found))), unit, digits)
 
 
 # Finite elements.

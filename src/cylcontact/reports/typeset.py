@@ -133,8 +133,7 @@ def _typeset(bench: Bench, source: Path, text: str, folder: Path, progress: Prog
         _write_numbers(filled, scratch)
         _move(scratch, folder)
         progress("typesetting", 1, 1)
-    typed = typed_numbers(text, source)
-    own = values.names_own
+    typed, own = _typed(tree), values.names_own
     return [
         *([f"typed, and not from a result: {', '.join(typed)}"] if typed else []),
         *notes,
@@ -158,7 +157,11 @@ def typed_numbers(text: str, source: Path) -> list[str]:
     -------
     list of str
     """
-    tree = _read(PLACEHOLDER.sub(_WORD, text), source)
+    return _typed(_read(PLACEHOLDER.sub(_WORD, text), source))
+
+
+def _typed(tree: Node) -> list[str]:
+    """Return the words of a tree in which a digit is typed."""
     prose = [tree["meta"].get(key) for key in ("title", "abstract", "keywords")]
     words = (node["c"] for node in _nodes([prose, tree["blocks"]], "Str", without=("Cite",)))
     return list(dict.fromkeys(w for w in words if re.search(r"\d", _YEAR.sub("", w))))
