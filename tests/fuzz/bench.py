@@ -18,6 +18,7 @@ from tests import malformed
 from tests.fuzz.cases import Source, as_parquet, zipped
 from tests.malformed import QUICK, ROOT
 from tests.spec_files import ELEMENTS, changed
+from tests.test_manuscript import write_manuscript
 
 RECIPE = """\
 import pandas as pd
@@ -25,7 +26,7 @@ from cylcontact.plots import Drawing, new_figure
 
 def draw(bench):
     table = pd.DataFrame({"load_N_per_mm": [10.0]})
-    return Drawing(new_figure("column", 60), table, {"load, N/mm": 10.0}, "A load.")
+    return Drawing(new_figure("column", 60), table, {"largest load, N/mm": 10.0}, "A load.")
 """
 
 
@@ -63,6 +64,8 @@ FILES = {
     "noise.json": ("fit result", "fit {} --bootstrap 5 -j 1 -o study.json"),
     "good.json": ("fit result", "verify {} -j 1"),
     "pair.json": ("fit result", "compare {}"),
+    "reports/mine/a.md": ("manuscript", "manuscript {} -o set -j 1"),
+    "reports/mine/references.bib": ("manuscript", "manuscript reports/mine/a.md -o set -j 1"),
 }
 ALONE = """
 sample datasets/small.toml -o out.parquet; compare good.json good.json; verify good.json; laws;
@@ -71,7 +74,7 @@ export johnson --to c; export good.json --to json -o out.json; figure; figure fi
 export --joint datasets/joint.toml --to python -o out.py; simulate mechanism.toml -o film.gif;
 simulate mechanism.toml --study tolerances --tolerance 1e-5 -o t.csv; init mine; --version;
 simulate mechanism.toml --study bifurcation --clearance 0.01,0.1 -o b.csv; report -o site;
-report --tables csv -o tables; claims; claims -o claims.csv
+report --tables csv -o tables; claims; claims -o claims.csv; manuscript reports/mine/a.md -o set
 """
 KINDS = {
     **{"MechanismSpec": "mechanism", "ClearanceJointSpec": "joint", "FitResult": "fit result"},
@@ -93,6 +96,7 @@ def good_files(folder):
     for name, contents in files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(contents)
+    write_manuscript(folder / "reports/mine")
     (folder / "loop.toml").symlink_to("loop.toml")
     table = pd.read_csv(folder / "table.csv", comment="#")
     table.to_parquet(folder / "table.parquet")

@@ -36,12 +36,16 @@ from cylcontact.files import (
 )
 from cylcontact.limits import yield_warning
 from cylcontact.pair import CONTACTS
+from cylcontact.plain_text import brief
 from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
     from cylcontact.reports.bench import Bench
 
 __all__ = ["claims", "export", "figure", "laws", "manuscript", "report"]
+
+# Characters of a warning, which may list many words of a text.
+LONGEST_NOTE = 500
 
 
 def figure(
@@ -200,7 +204,7 @@ def manuscript(
 ) -> None:
     """Typeset a paper whose numbers and figures come from results, as PDF and as LaTeX.
 
-    Notes numbers that are typed, and figures and tables that the text does not mention.
+    Warns of numbers that are typed, and of figures and tables that the text does not mention.
     """
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.typeset import typeset
@@ -210,7 +214,7 @@ def manuscript(
     with progress_bars() as progress:
         made = typeset(bench, source, folder, progress)
     for note in made.notes:
-        say(f"note: {note}", err=True)
+        say(f"warning: {brief(note, LONGEST_NOTE)}", err=True)
     say(f"{made.pdf}; sources for a journal in {made.sources}")
 
 
