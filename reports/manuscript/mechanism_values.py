@@ -68,7 +68,7 @@ def elements(bench: Bench) -> Group:
     other = table(bench, "recommended", "calculix")
     solvers = 100 * (other["penetration_mm"] / rows["penetration_mm"] - 1)
     return {
-        "clearances": spread(rows["dR_mm"], "mm", 1),
+        "clearances": spread(rows["dR_mm"], "mm", 2),
         "lightest": Quantity(float(rows["load_N_per_mm"].min()), "N/mm", 2),
         "middle": Quantity(LOADS[1], "N/mm", 2),
         "heaviest": Quantity(float(rows["load_N_per_mm"].max()), "N/mm", 3),
