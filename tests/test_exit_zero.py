@@ -14,10 +14,10 @@ from cylcontact.export import TARGETS
 from cylcontact.fitting import FitResult, read_campaign
 from cylcontact.mechanism import Trajectory, read_joint, read_mechanism
 from tests.conftest import build_command
+from tests.manuscript_files import write_manuscript
 from tests.measured_files import write_measured
 from tests.spec_files import ELEMENTS, write_bench, write_toml
 from tests.test_bench import CLAIM, RECIPE
-from tests.test_manuscript import write_manuscript
 
 ROOT = Path(__file__).parents[1]
 CRANK = ROOT / "datasets/slider_crank.toml"

@@ -23,9 +23,9 @@ from cylcontact.mechanism import movie
 from tests.counts import counted
 from tests.faults import ERRORS, REMOVING, changed, failing, no_file_above
 from tests.killable import ROOT
+from tests.manuscript_files import write_manuscript
 from tests.programs import fake_program, require_program
 from tests.spec_files import ELEMENTS, tree, write_bench, write_toml
-from tests.test_manuscript import write_manuscript
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows has other operations on files")
 

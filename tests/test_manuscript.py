@@ -24,63 +24,13 @@ from cylcontact.reports.typeset import typed_numbers, typeset
 from tests.drawn_figures import BENCH
 from tests.hostile import HOSTILE
 from tests.html_bench import CACHES
+from tests.manuscript_files import FOLDER, HEAD, SHARED, write_manuscript
 from tests.programs import require_program
 from tests.spec_files import tree
 from tests.test_bench import RECIPE
 
 ROOT = BENCH.root
-FOLDER = ROOT / "reports/manuscript"
 OURS = FOLDER / "contact-laws.md"
-SHARED = ("article.tex", "article.typ", "references.bib")
-
-HEAD = """---
-title: A test
-author: [{name: A. Author}]
-abstract: Nothing.
-bibliography: references.bib
----
-
-"""
-VALUES = """
-import pandas as pd
-
-from cylcontact.reports.quantity import Quantity
-
-DEPTH = 2.5
-
-
-def wear(bench):
-    table = pd.DataFrame({"load, N/mm": ["20", "50"], "law": ["a_b", "*c*"]})
-    return {"depth": Quantity(DEPTH, "µm"), "count": Quantity(3), "who": "A & B_c", "table": table}
-
-
-def deep(bench):
-    return DEPTH > 2
-
-
-HOLDS = {"more than two": deep}
-"""
-BODY = """Deep are {{wear.depth}}, more than
-two, and {{ wear.count:words }} of {{wear.who}} [@johnson1985, Sect. 4.2];
-see @fig:one, @tbl:one, @eq:one.
-
-$$ a = 1.5 b $$ {#eq:one}
-
-![A line in {{figure.fig99.largest load, N/mm:.1f}}.](fig99){#fig:one}
-
-{{wear.table}}
-
-: Two loads. {#tbl:one}
-"""
-
-
-def write_manuscript(folder):
-    """Write a manuscript, `a.md`, with its values, which has the figure fig99."""
-    folder.mkdir(parents=True)
-    for name in SHARED:
-        shutil.copy(FOLDER / name, folder)
-    (folder / "values.py").write_text(VALUES)
-    (folder / "a.md").write_text(HEAD + BODY)
 
 
 @pytest.fixture

@@ -256,6 +256,11 @@ def y_branches(dR: float) -> tuple[float, float]:
     )
 
 
+def y_crossing() -> float:
+    """Return the ΔR in mm at which the published branches of Y meet."""
+    return float(brentq(lambda dR: np.subtract(*y_branches(dR)), 0.05, 2.0, xtol=1e-15))
+
+
 @claim(
     "3.1-Y-switch",
     "Y passes from its logarithmic to its linear branch at this clearance (Eq 6d)",
@@ -266,7 +271,7 @@ def y_branches(dR: float) -> tuple[float, float]:
 )
 def y_switch() -> Finding:
     """Return the clearance in mm at which the two branches of Y cross."""
-    crossing = float(brentq(lambda dR: np.subtract(*y_branches(dR)), 0.05, 2.0, xtol=1e-15))
+    crossing = y_crossing()
     return Finding(
         f"the branches cross at {crossing:.7f} mm",
         holds=agrees_as_printed(crossing, paper.Y_SWITCH),

@@ -32,10 +32,11 @@ from cylcontact.reports.laws_bounds import (
     johnson_shortfall,
 )
 from cylcontact.reports.laws_to_use import laws_to_use
-from cylcontact.reports.manuscript import Value
+from cylcontact.reports.manuscript import Group, Value
 from cylcontact.reports.quantity import Quantity, Symbol
 
 from .. import paper
+from ..claims.section31_law import y_crossing
 from ..claims.section34_differences import in_corner, largest_by_material
 from ..extremes import Extreme, largest_difference, share_below
 from ..fig_any_pair import EDGE, PHI, possible_pairs
@@ -56,8 +57,6 @@ __all__ = [
     "yielding",
 ]
 
-
-Values = dict[str, Value]
 
 # The symbols of the manuscript, by the names that the coefficients have in results.
 SYMBOLS: Mapping[str, str] = {
@@ -98,16 +97,16 @@ METALS = ((STEEL, ALUMINIUM), (ALUMINIUM, STEEL), (STEEL, "bronze"), ("bronze", 
 JOINT_PHI = (0.01, 0.1, 1.0, 10.0)
 
 
-# --- the 2015 law ----------------------------------------------------------------------------
+# --- the 2015 law -------------------------------------------------------------------------------
 
 
-def law(bench: Bench) -> Values:
+def law(bench: Bench) -> Group:
     """Return the ranges of the 2015 law, and where the branches of Y meet."""
     grid = bench.result("internal").settings["dataset"]["axes"]
     return {
         "defined_from": Quantity(INTERNAL_DR_MIN, "mm", 1),
         "defined_to": Quantity(int(INTERNAL_DR_MAX), "mm"),
-        "switch": Quantity(_switch(), "mm", 5),
+        "switch": Quantity(y_crossing(), "mm", 5),
         "clearances": _exact(PUBLISHED_DR["internal"], "mm", 1),
         "sums": _exact(PUBLISHED_DR["external"], "mm"),
         "loads": _exact(paper.LOADS, "N/mm"),
@@ -118,20 +117,25 @@ def law(bench: Bench) -> Values:
 
 def spread(values: Iterable[float], unit: str = "", digits: int = 3) -> Quantity:
     """Return the least and the largest of some values."""
-    found = list(values)
-    return Quantity((float(min(found)), float(max(found))), unit, digits)
+    least, *_, most = sorted(map(float, values))
+    return Quantity((least, most), unit, digits)
 
 
 def _at_most(value: float, unit: str, digits: int) -> Quantity:
     """Return a bound, rounded up."""
-    step = 10.0 ** (math.floor(math.log10(value)) + 1 - digits)
+    step = _step(value, digits)
     return Quantity(step * math.ceil(value / step - 1e-9), unit, digits)
 
 
 def _at_least(value: float, unit: str, digits: int) -> Quantity:
     """Return a lower bound, rounded down."""
-    step = 10.0 ** (math.floor(math.log10(value)) + 1 - digits)
+    step = _step(value, digits)
     return Quantity(step * math.floor(value / step + 1e-9), unit, digits)
+
+
+def _step(value: float, digits: int) -> float:
+    """Return the unit of the last of a number's digits."""
+    return float(10.0 ** (math.floor(math.log10(value)) + 1 - digits))
 
 
 def _exact(ends: tuple[float, float], unit: str, digits: int = 3) -> Quantity:
@@ -140,31 +144,14 @@ def _exact(ends: tuple[float, float], unit: str, digits: int = 3) -> Quantity:
     return Quantity((low, high), unit, digits)
 
 
-def _coefficients_of_Y() -> dict[str, float]:
-    """Return the published coefficients of n for a pin in a hole."""
-    own = asdict(PUBLISHED["internal"])
-    return {name: value for name, value in own.items() if name not in ("a", "b")}
-
-
-def _switch() -> float:
-    """Return the ΔR in mm at which the published branches of Y meet."""
-    own = _coefficients_of_Y()
-
-    def gap(dR: float) -> float:
-        left = own["Y_log_scale"] * np.log(1000 * dR) ** own["Y_log_exponent"]
-        return float(left - own["Y_slope"] * dR - own["Y_offset"])
-
-    return float(brentq(gap, 0.2, 0.6, xtol=1e-13))
-
-
 # --- how its coefficients were made -------------------------------------------------------------
 
 
-def made(bench: Bench) -> Values:
+def made(bench: Bench) -> Group:
     """Return the coefficients searched anew, and how the search went."""
     recovered = {contact: bench.result(f"recovered-{contact}") for contact in CONTACTS}
     free = {contact: bench.result(contact) for contact in CONTACTS}
-    values: Values = {
+    values: dict[str, Value] = {
         "coefficients": _coefficient_table(recovered, free),
         "objectives": _objective_table(bench),
         "points": _one_of_all([axes["E"]["points"] for axes in map(_axes, recovered.values())]),
@@ -210,16 +197,16 @@ def _coefficient_table(
     rows = []
     for contact, result in recovered.items():
         for name, printed in asdict(PUBLISHED[contact]).items():
-            found = result.coefficients[name]
+            fitted = result.coefficients[name]
             is_held = identification(result, name) == "fixed"
-            off = "" if is_held else _cell(100 * (found / printed - 1), "+.1f")
+            off = "" if is_held else _cell(100 * (fitted / printed - 1), "+.1f")
             rows.append(
                 {
                     "contact": CONTACT_NAMES[contact],
                     "symbol": Symbol(SYMBOLS[name]),
                     "published": _cell(printed, "g"),
                     "set by": _rule(result, name),
-                    "recovered": _cell(found, "g" if is_held else "#.4g"),
+                    "recovered": _cell(fitted, "g" if is_held else "#.4g"),
                     "difference, %": off,
                     "all free": _cell(free[contact].coefficients[name], "#.4g"),
                 }
@@ -296,7 +283,7 @@ def _poor(result: FitResult) -> list[str]:
 # --- the readings of how the paper fitted -------------------------------------------------------
 
 
-def readings(bench: Bench) -> Values:
+def readings(bench: Bench) -> Group:
     """Return how far the recovered coefficients depend on what the paper does not say."""
     rows = read_readings(bench)
     inside, held, free = (_differences(bench, name) for name in _searches(bench))
@@ -379,7 +366,7 @@ def _common(bench: Bench) -> tuple[int, float]:
 # --- Johnson's law, conformal contact and the explicit law --------------------------------------
 
 
-def johnson(bench: Bench) -> Values:  # noqa: ARG001
+def johnson(bench: Bench) -> Group:  # noqa: ARG001
     """Return the end of Johnson's law, how exact its inverse is, and where it departs."""
     return {
         "end": Quantity(johnson_end()),
@@ -415,10 +402,10 @@ def _closed_form_error() -> float:
     return float(np.abs(laws.Persson().penetration(phi, UNIT_PAIR) / d - 1).max())
 
 
-def explicit_law(bench: Bench) -> Values:  # noqa: ARG001
+def explicit_law(bench: Bench) -> Group:  # noqa: ARG001
     """Return the constants of the explicit law and its largest errors."""
     errors = explicit_error()
-    values: Values = {}
+    values: dict[str, Value] = {}
     values |= {
         "example_E": Quantity(round(float(EXAMPLE.E) / 1e3), "GPa"),
         "example_nu": Quantity(float(EXAMPLE.nu), "", 1),
@@ -436,7 +423,7 @@ def explicit_law(bench: Bench) -> Values:  # noqa: ARG001
 # --- any two materials --------------------------------------------------------------------------
 
 
-def pairs(bench: Bench) -> Values:
+def pairs(bench: Bench) -> Group:
     """Return what two materials change, and how near the fast laws are."""
     metals = np.array([_of_E_star(bench, joint) for joint in METALS])
     of_parametric, of_explicit = map(_largest_error, (laws.Parametric(), laws.ExplicitPair()))
@@ -493,7 +480,7 @@ def _alpha_alone_is_worse(bench: Bench) -> bool:
     return True
 
 
-def pins(bench: Bench) -> Values:  # noqa: ARG001
+def pins(bench: Bench) -> Group:  # noqa: ARG001
     """Return how far finite elements of two materials are from the solution by series."""
     return {
         "unlike": _at_most(_unlike_by_elements(), "%", 2),
@@ -521,7 +508,7 @@ def _unlike_by_elements() -> float:
 # --- where each law holds -----------------------------------------------------------------------
 
 
-def ranges(bench: Bench) -> Values:
+def ranges(bench: Bench) -> Group:
     """Return the table of laws, and how far the 2015 law is from Johnson's."""
     materials = paper.five_materials(bench)
     largest, moderate = (
@@ -599,7 +586,7 @@ def _error(rms: float) -> str:
 Ductile = Literal["von Mises", "Tresca"]
 
 
-def yielding(bench: Bench) -> Values:  # noqa: ARG001
+def yielding(bench: Bench) -> Group:  # noqa: ARG001
     """Return the load at first yield of a steel pin in a steel hole, against the estimate."""
     far = _yield(YIELD_DR[0])
     return {
@@ -736,7 +723,7 @@ def _excess_is_of_stiffness(bench: Bench) -> bool:
 
 HOLDS: dict[str, Callable[[Bench], bool]] = {
     "The printed switch is the point where the two branches meet": lambda _: (
-        abs(_switch() - float(paper.Y_SWITCH)) < 1e-6
+        abs(y_crossing() - float(paper.Y_SWITCH)) < 1e-6
     ),
     "The printed digits are linked": lambda _: _digits_are_linked(),
     "readings that space them evenly end in another minimum": lambda bench: (

@@ -21,7 +21,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.claims import Claim, Verdict
 from cylcontact.reports.claims import ledger as claims_of
 from cylcontact.reports.claims_text import counts
-from cylcontact.reports.manuscript import Value
+from cylcontact.reports.manuscript import Group, Value
 from cylcontact.reports.quantity import Quantity, Symbol
 
 from ..claims.section32 import (
@@ -53,7 +53,6 @@ from ..paper import FIG6_WIDE, FRICTIONS, JOINT_CLEARANCES, JOINT_LAWS, RESTITUT
 from ..slider_crank import CASES, law_limit, mechanism
 from .law_values import spread, with_formulas
 
-Group = dict[str, Value]
 LARGE, SMALL = JOINT_CLEARANCES
 SPHERE, JOHNSON, ENHANCED = JOINT_LAWS
 
@@ -84,26 +83,26 @@ def elements(bench: Bench) -> Group:
 
 def _of_the_mesh(bench: Bench) -> Quantity:
     """Return what elements of half the size change."""
-    found = sensitivity_table(table(bench, "sensitivity")).groupby("variant")["change_percent"]
-    halved = found.get_group("32 cells instead of 16").abs()
+    changes = sensitivity_table(table(bench, "sensitivity")).groupby("variant")["change_percent"]
+    halved = changes.get_group("32 cells instead of 16").abs()
     return Quantity(float(halved.max()), "%", 1)
 
 
 def _laws_to_elements(bench: Bench) -> Group:
     """Return how far the laws are from finite elements."""
-    found: Group = {}
+    values: dict[str, Value] = {}
     rows = penetrations(table(bench, "recommended"))
     wide = rows[rows["dR_mm"] >= LARGE_ENOUGH]
-    found["johnson_wide"] = Quantity(abs(largest(to_elements(wide, JOHNSON))), "%", 1)
+    values["johnson_wide"] = Quantity(abs(largest(to_elements(wide, JOHNSON))), "%", 1)
     for law in (JOHNSON, "persson"):
-        found[law] = Quantity(abs(largest(to_elements(rows, law))), "%", 2)
+        values[law] = Quantity(abs(largest(to_elements(rows, law))), "%", 2)
     for name, load in zip(("lightest", "middle", "heaviest"), LOADS, strict=True):
         off = largest(to_elements(compared(bench, "recommended", 0.0, (load,)), ENHANCED))
-        found[f"enhanced_{name}"] = Quantity(abs(off), "%", 3)
+        values[f"enhanced_{name}"] = Quantity(abs(off), "%", 3)
     setup = study(bench, "recommended").setups["base"]
     worst = rows.iloc[int(np.abs(to_elements(rows, JOHNSON)).argmax())]
     pair = setup.pair(float(worst["dR_mm"]))
-    return found | {
+    return values | {
         "from": Quantity(LARGE_ENOUGH, "mm", 1),
         "johnson_phi": Quantity(float(worst["load_N_per_mm"] / (pair.E_star * pair.dR)), "", 2),
     }
@@ -166,7 +165,7 @@ def _assumed(bench: Bench) -> Group:
     longer = LongRun(LONG_SET, CASES[0], 1).mechanism(own).data["bodies"]
     lighter = LongRun(LIGHT_SET, CASES[0], 1).mechanism(own).data["bodies"]
     joint, bodies = own["clearance"], own["bodies"]
-    found: Group = {
+    values: dict[str, Value] = {
         "speed": Quantity(abs(own["joints"]["drive"]["speed"]), "rpm", 4),
         "radius": Quantity(joint["R_bearing"], "mm", 2),
         "large": Quantity(LARGE, "mm", 1),
@@ -179,11 +178,11 @@ def _assumed(bench: Bench) -> Group:
         "lighter": Quantity(100 * lighter["rod"]["mass"] / bodies["rod"]["mass"], "%", 2),
     }
     for prefix, parts in (("", bodies), ("longer_", longer)):
-        found[f"{prefix}rod"] = Quantity(_length(parts["rod"]), "mm", 3)
+        values[f"{prefix}rod"] = Quantity(_length(parts["rod"]), "mm", 3)
         for name in ("rod", "slider"):
-            found[f"{prefix}{name}_mass"] = Quantity(parts[name]["mass"], "kg", 2)
-    found["crank"] = Quantity(_length(bodies["crank"]), "mm", 2)
-    return found | {"crank_mass": Quantity(bodies["crank"]["mass"], "kg", 2)}
+            values[f"{prefix}{name}_mass"] = Quantity(parts[name]["mass"], "kg", 2)
+    values["crank"] = Quantity(_length(bodies["crank"]), "mm", 2)
+    return values | {"crank_mass": Quantity(bodies["crank"]["mass"], "kg", 2)}
 
 
 def _length(body: Mapping[str, Mapping[str, list[float]]]) -> float:
@@ -283,17 +282,17 @@ def _widest(bench: Bench) -> float:
 
 def _limit(bench: Bench) -> Group:
     """Return the largest penetrations at the small clearance against the end of Johnson's law."""
-    found: Group = {
+    values: dict[str, Value] = {
         "limit": Quantity(_johnson_limit(bench), "µm", 4),
         "tangent": Quantity(100 * TANGENT_FROM, "%", 2),
     }
     for name, friction in (("lossless", 0.0), ("elastic", 0.1)):
         row = _deep(bench, SPEC_SET, restitution=1.0, friction=friction).iloc[0]
-        found[f"deepest_{name}"] = Quantity(float(row["deepest_um"]), "µm", 3)
-        found[f"passed_{name}"] = Quantity(float(100 * row["left"]), "%", 2)
+        values[f"deepest_{name}"] = Quantity(float(row["deepest_um"]), "µm", 3)
+        values[f"passed_{name}"] = Quantity(float(100 * row["left"]), "%", 2)
     lossy = float(_deep(bench, SPEC_SET, restitution=0.9)["deepest_um"].max())
-    found["deepest_lossy"] = Quantity(lossy, "µm", 3)
-    return found
+    values["deepest_lossy"] = Quantity(lossy, "µm", 3)
+    return values
 
 
 def _johnson_limit(bench: Bench) -> float:
@@ -336,8 +335,8 @@ def _force_table(bench: Bench) -> pd.DataFrame:
     for joint in product(JOINT_CLEARANCES, RESTITUTIONS, FRICTIONS):
         cells: dict[str, str] = dict(zip(JOINT_COLUMNS, map("{:g}".format, joint), strict=True))
         c, e, friction = joint
-        found = _rows(bench, clearance=c, restitution=e, friction=friction).to_dict("records")
-        numbers = {row["law"]: row for row in found}
+        cases = _rows(bench, clearance=c, restitution=e, friction=friction).to_dict("records")
+        numbers = {row["law"]: row for row in cases}
         for column, word in FORCES.items():
             for law, short in SHORT_LAWS.items():
                 row = numbers[law]
@@ -389,9 +388,15 @@ TOPICS = {
 }
 
 
-@lru_cache(maxsize=1)
 def _ledger(bench: Bench) -> tuple[Claim, ...]:
-    """Return all claims, misprints among them."""
+    """Return all claims, misprints among them; computed anew if an input has changed."""
+    status = ((file, file.stat()) for file in bench.inputs)
+    return _ledger_of(bench, frozenset((file, at.st_mtime_ns, at.st_size) for file, at in status))
+
+
+@lru_cache(maxsize=1)
+def _ledger_of(bench: Bench, _inputs: frozenset[tuple[Path, int, int]]) -> tuple[Claim, ...]:
+    """Return all claims for inputs in one state."""
     return tuple(claims_of(bench))
 
 
@@ -455,8 +460,8 @@ def _ledger_table(claims: list[Claim]) -> pd.DataFrame:
 def _counted(claims: list[Claim]) -> list[str]:
     """Return the number of claims, and of those with each verdict, as text."""
     number = counts(claims)
-    found = [len(claims), *(number[verdict] for verdict in VERDICT_COLUMNS.values())]
-    return [str(count) if count else "–" for count in found]
+    columns = [len(claims), *(number[verdict] for verdict in VERDICT_COLUMNS.values())]
+    return [str(count) if count else "–" for count in columns]
 
 
 def _failed_table(claims: list[Claim]) -> pd.DataFrame:
@@ -571,20 +576,20 @@ def _johnson_falls_short(bench: Bench) -> bool:
 def _walled(bench: Bench) -> bool:
     """Whether all cases that two tolerances agree on dissipate and end in permanent contact."""
     rows = _tolerances(bench)
-    kept = rows[rows["horizon_revolutions"] >= rows["revolutions"]]
+    agreeing = rows[rows["horizon_revolutions"] >= rows["revolutions"]]
     keys = ["law", "clearance", "restitution", "friction"]
-    names = kept[["law", "clearance_mm", "restitution", "friction"]].to_numpy().tolist()
+    names = agreeing[["law", "clearance_mm", "restitution", "friction"]].to_numpy().tolist()
     shares = statistics_table(bench).set_index(keys).loc[list(map(tuple, names))]
     always = (shares["contact_fraction"] == 1.0).all()
-    return bool((kept["restitution"] < 1).all() and always)
+    return bool((agreeing["restitution"] < 1).all() and always)
 
 
 def _stand(bench: Bench, *names: str) -> bool:
     """Whether claims are reproduced, and by every reading of them."""
-    found = [c for c in _ledger(bench) if c.id in names]
-    return len(found) == len(names) and all(
+    stated = [c for c in _ledger(bench) if c.id in names]
+    return len(stated) == len(names) and all(
         c.verdict.startswith("reproduced") and all(r.holds for r in c.finding.readings)
-        for c in found
+        for c in stated
     )
 
 

@@ -23,6 +23,7 @@ __all__ = [
     "Format",
     "Method",
     "Study",
+    "first_of",
     "listed",
 ]
 
@@ -59,3 +60,16 @@ def listed(names: Iterable[str]) -> str:
     """
     *others, last = names
     return f"{', '.join(others)} or {last}" if others else last
+
+
+def first_of(names: Iterable[str], most: int) -> str:
+    """Return names for a message, the first ones if they are many.
+
+    Examples
+    --------
+    >>> first_of("abc", 3), first_of("abcde", 3)
+    ('a, b, c', 'a, b, c and 2 more')
+    """
+    every = list(names)
+    more = f" and {len(every) - most} more" if len(every) > most else ""
+    return ", ".join(every[:most]) + more

@@ -17,8 +17,8 @@ from cylcontact.fitting import FitResult
 from tests import malformed
 from tests.fuzz.cases import Source, as_parquet, zipped
 from tests.malformed import QUICK, ROOT
+from tests.manuscript_files import write_manuscript
 from tests.spec_files import ELEMENTS, changed
-from tests.test_manuscript import write_manuscript
 
 RECIPE = """\
 import pandas as pd

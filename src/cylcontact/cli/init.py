@@ -13,6 +13,7 @@ from typing import Annotated
 
 import typer
 
+from cylcontact.choices import first_of
 from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
 from cylcontact.files import folder_of, require_writable, shipped_bench, unwritable
@@ -94,12 +95,11 @@ def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:
     present = [name for name in names if os.path.lexists(folder / name)]
     taken = [str(name) for name in present if not _is_copy(folder / name, source / name)]
     if taken:
-        more = f" and {len(taken) - 3} more" if len(taken) > 3 else ""
         raise InputError(
             str(folder),
             "",
             None,
-            f"has other files named {', '.join(taken[:3])}{more}, and nothing is overwritten",
+            f"has other files named {first_of(taken, 3)}, and nothing is overwritten",
             "choose an empty folder, or move these away",
         )
     missing = [name for name in names if name not in present]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from cylcontact.choices import first_of
 from cylcontact.datasets.tables import Table, require_rows
 from cylcontact.errors import InputError
 from cylcontact.units import (
@@ -105,7 +106,7 @@ def mapped(
             left_out.append(name)
     if left_out:
         count = "1 column" if len(left_out) == 1 else f"{len(left_out)} columns"
-        table.steps.append(f"{count} left out: {_listed(left_out)}")
+        table.steps.append(f"{count} left out: {first_of(map(repr, left_out), _LISTED)}")
     return Mapped(table, columns, None if group is None else table.names.index(group), left_out)
 
 
@@ -113,7 +114,9 @@ def require_found(found: Mapped, quantity: str) -> None:
     """Raise `InputError` if no column is of a quantity, and list those left out."""
     if quantity in {column.quantity for column in found.columns.values()}:
         return
-    others = f", or name one of {_listed(found.left_out)} with {_option(quantity)}"
+    others = (
+        f", or name one of {first_of(map(repr, found.left_out), _LISTED)} with {_option(quantity)}"
+    )
     remedy = f"add {spellings(quantity)}{others if found.left_out else ''}"
     raise InputError(found.table.source, quantity, None, "is required", remedy)
 
@@ -224,9 +227,3 @@ def _require_once(table: Table, column: Column, columns: Mapping[int, Column]) -
             if other.name == column.name:
                 remedy = "give each column a name of its own"
             raise InputError(table.source, "columns", column.name, rule, remedy)
-
-
-def _listed(names: Sequence[str]) -> str:
-    """Return names in quotes, the first few of many."""
-    more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
-    return ", ".join(repr(name) for name in names[:_LISTED]) + more

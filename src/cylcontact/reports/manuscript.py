@@ -18,7 +18,7 @@ from __future__ import annotations
 import inspect
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from cylcontact.choices import first_of
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import units_of
 from cylcontact.fitting.result import FitResult
@@ -57,6 +58,8 @@ PLACEHOLDER = re.compile(r"\{\{\s*([^{}\n]*?)\s*\}\}")
 # The kinds of groups of which there are many: `fit.internal`, `figure.fig12`.
 _OF_MANY = ("fit", "figure")
 _GIVEN = (*_OF_MANY, "claims")
+# Names that a message lists.
+_NAMED = 12
 # Characters of the widest column of a table, relative to which the others are shortened.
 _WIDEST = 40
 
@@ -115,7 +118,7 @@ class Values:
             self._groups[group] = self._compute(group)
         values = self._groups[group]
         if key not in values:
-            raise _NoValueError("names no value", f"{group} has {_some(values)}")
+            raise _NoValueError("names no value", f"{group} has {first_of(values, _NAMED)}")
         return values[key]
 
     @staticmethod
@@ -142,7 +145,7 @@ class Values:
         file = self.source.with_name("values.py")
         functions = _functions(own, file) if own else {}
         if group not in functions:
-            known = _some([*_GIVEN, *functions])
+            known = first_of([*_GIVEN, *functions], _NAMED)
             rule, remedy = "names no group of values", f"choose {known}, or add it to values.py"
             raise _NoValueError(rule, remedy)
         return _as_group(_called(functions[group], group, self.bench, file), group, file)
@@ -490,10 +493,3 @@ def _of_claims(bench: Bench) -> Group:
         "not_testable": number["not testable"],
     }
     return {name: Quantity(count) for name, count in named.items()}
-
-
-def _some(names: Iterable[str], most: int = 12) -> str:
-    """Return names for a message, the first ones if they are many."""
-    every = list(names)
-    more = f" and {len(every) - most} more" if len(every) > most else ""
-    return ", ".join(every[:most]) + more

@@ -106,12 +106,12 @@ class Quantity:
         """Return a small integer as a word, and a larger one in digits, as usual in print."""
         if not isinstance(self.value, int):
             raise ValueError("is no integer, so it has no word; leave out :words")
-        return _WORDS[self.value] if 0 <= self.value < len(_WORDS) else signed(str(self.value))
+        return _WORDS[self.value] if 0 <= self.value < len(_WORDS) else _signed(str(self.value))
 
     def _number(self, number: float, form: str) -> str:
         """Return a number with a true minus sign and, where it needs one, a power of ten."""
         if isinstance(number, int) and not form:
-            return signed(str(number))
+            return _signed(str(number))
         plain = format(number, (form or f".{self.digits}g").replace(".", "#.", 1))
         shown = Decimal(plain)
         if not shown:
@@ -122,7 +122,7 @@ class Quantity:
             factor = "" if mantissa == "1" else rf"{mantissa} \times "
             return rf"${factor}10^{{{int(exponent)}}}$"
         sign = "+" if plain.startswith("+") else ""
-        return signed(sign + format(shown, "f").rstrip("."))
+        return _signed(sign + format(shown, "f").rstrip("."))
 
 
 def unit_text(unit: str) -> str:
@@ -151,7 +151,7 @@ def _upright(unit: str) -> str:
     return markdown(unit).replace(r"$\mu$", "µ")
 
 
-def signed(number: str) -> str:
+def _signed(number: str) -> str:
     """Return a number with a minus sign in place of a hyphen."""
     return f"${number}$" if number.startswith("-") else number
 

@@ -225,11 +225,10 @@ def _draw(
     figures = {figure.name: figure for figure in map(_complete, drawn)}
     pictures = {target: f"figures/{Path(target).name}" for target in files}
     for target, (name, arguments) in recipes.items():
-        figure = figures.get(name)
-        if arguments or figure is None:
-            (variant,) = build(bench, [name], place, options, silent, arguments)
-            figure = _complete(variant)
-            figures.setdefault(name, figure)
+        if arguments:
+            (variant,) = map(_complete, build(bench, [name], place, options, silent, arguments))
+            figures.setdefault(name, variant)
+        figure = variant if arguments else figures[name]
         pictures[target] = f"figures/{figure.paths[0].name}"
     _require_apart(pictures, source)
     return figures, pictures
