@@ -6,14 +6,12 @@ law is not dimensionless: every clearance has its own curve, drawn for a stated 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import BoolArray, FloatArray, as_floats
+from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.fitting.result import FitResult
 from cylcontact.laws import (
     ContactLaw,
@@ -120,32 +118,6 @@ def external_curve() -> Curve:
     return _law_curve(Explicit(), "explicit", Johnson(), UNIT_ROLLERS, EXTERNAL_PHI)
 
 
-def error_table(curves: list[Curve], contact: str, reference: str) -> pd.DataFrame:
-    """List each curve's errors, decade by decade and over the whole of its range."""
-    rows = []
-    for curve in curves:
-        errors = {"load": curve.load_error, "penetration": curve.penetration_error}
-        for quantity, error in errors.items():
-            known = np.isfinite(error)
-            phi, size = curve.phi[known], np.abs(error[known])
-            for label, part in _decades(phi):
-                rows.append(
-                    {
-                        "law": curve.law,
-                        "contact": contact,
-                        "reference": reference,
-                        "pair": curve.pair,
-                        "error_of": quantity,
-                        "range": label,
-                        "phi_from": phi[part].min(),
-                        "phi_to": phi[part].max(),
-                        "largest_error_percent": size[part].max(),
-                        "rms_error_percent": np.sqrt(np.mean(size[part] ** 2)),
-                    }
-                )
-    return pd.DataFrame(rows)
-
-
 def _example_curve(law: ContactLaw, label: str, dR: float) -> Curve:
     """Return a law for one example pair, between the example's loads."""
     pair = CylinderPair.from_dR("internal", dR, EXAMPLE)
@@ -167,13 +139,3 @@ def _loads(ends: tuple[float, float], more: ArrayLike = ()) -> FloatArray:
     count = round(PER_DECADE * np.log10(ends[1] / ends[0])) + 1
     inside = [phi for phi in np.atleast_1d(more) if ends[0] < phi < ends[1]]
     return np.unique([*np.geomspace(*ends, count), *inside])
-
-
-def _decades(phi: FloatArray) -> Iterator[tuple[str, BoolArray]]:
-    """Yield the whole range and then each decade, by name, as a mask of the loads in it."""
-    yield "all", np.ones(phi.shape, dtype=bool)
-    exponents = np.log10(phi)
-    # The upper end belongs to the last decade even where it is a power of ten.
-    powers = np.minimum(np.floor(exponents + 1e-9), np.ceil(exponents[-1] - 1e-9) - 1)
-    for power in np.unique(powers):
-        yield f"1e{power:+03.0f}", np.asarray(powers == power)

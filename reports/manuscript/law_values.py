@@ -15,8 +15,11 @@ from scipy.optimize import brentq
 from cylcontact import laws
 from cylcontact.arrays import FloatArray
 from cylcontact.datasets.finite_element import Setup, solve
+from cylcontact.datasets.grid import grid_from
 from cylcontact.fitting.assessment import SAME_BASIN, basins, identification
+from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.samples import collect_samples, form_of
 from cylcontact.fitting.uncertainty.profiles import FAIRLY, TOLERANCE
 from cylcontact.laws import PUBLISHED, explicit, explicit_pair, parametric, persson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN, PUBLISHED_DR
@@ -40,6 +43,7 @@ from ..claims.section31_law import y_crossing
 from ..claims.section34_differences import in_corner, largest_by_material
 from ..extremes import Extreme, largest_difference, share_below
 from ..fig_any_pair import EDGE, PHI, possible_pairs
+from ..fig_explicit import CLAMPED, added_by_housing
 from ..fig_readings import readings as read_readings
 from ..joints import ALUMINIUM, STEEL, pair_of
 from ..universal import EXAMPLE, UNIT_PAIR
@@ -47,6 +51,7 @@ from ..universal import EXAMPLE, UNIT_PAIR
 __all__ = [
     "HOLDS",
     "explicit_law",
+    "housing",
     "johnson",
     "law",
     "made",
@@ -95,6 +100,7 @@ FE_JOINTS = ((FE_STEEL, FE_ALUMINIUM), (FE_ALUMINIUM, FE_STEEL), (FE_PEEK, FE_ST
 FE_RATIO, FE_PHI = 80.0, (0.03, 0.3, 3.0)
 METALS = ((STEEL, ALUMINIUM), (ALUMINIUM, STEEL), (STEEL, "bronze"), ("bronze", STEEL))
 JOINT_PHI = (0.01, 0.1, 1.0, 10.0)
+HOUSING_PHI = 0.1
 
 
 # --- the 2015 law -------------------------------------------------------------------------------
@@ -167,6 +173,15 @@ def made(bench: Bench) -> Group:
         "poor_count": Quantity(len(_poor(free["internal"]))),
         "internal_free": Quantity(len(free["internal"].coefficients)),
     }
+    practical = bench.result("practical")
+    clearances = _axes(practical)["dR"]
+    assert practical.published is not None
+    values |= {
+        "practical_dR": _exact((clearances["min"], clearances["max"]), "mm"),
+        "practical_published": Quantity(practical.published.objective),
+        "practical_fitted": Quantity(practical.objective.value),
+        "practical_refit": Quantity(_rms_over(practical, free["internal"])),
+    }
     for contact, result in free.items():
         (_, agreeing), *_ = basins(result)
         values |= {
@@ -176,6 +191,14 @@ def made(bench: Bench) -> Group:
             f"{contact}_above": Quantity(_above_bound(result), "%", 3),
         }
     return values
+
+
+def _rms_over(samples_of: FitResult, fit: FitResult) -> float:
+    """Return the objective of the coefficients of one fit on the samples of another."""
+    samples, _ = collect_samples(grid_from(samples_of.settings["dataset"], samples_of.name))
+    model = grid_model_of(fit.law, fit.contact, fit.name)
+    form = form_of(model, model.candidates(fit.coefficients), samples.dR)
+    return float(np.sqrt(np.mean(form.log_penetration_ratio(0, samples) ** 2)))
 
 
 def _axes(result: FitResult) -> dict[str, Any]:
@@ -559,7 +582,7 @@ LAW_NAMES: Mapping[str, str] = {
 
 def _laws_table(bench: Bench) -> pd.DataFrame:
     """Return the errors of five laws over the paper's ranges."""
-    holes, rollers = (laws_to_use(contact, bench) for contact in ("internal", "external"))
+    holes, rollers = (laws_to_use(contact, bench, "paper") for contact in ("internal", "external"))
     rows = []
     for hole, roller in zip(holes.to_dict("records"), rollers.to_dict("records"), strict=True):
         rows.append(
@@ -579,6 +602,16 @@ def _laws_table(bench: Bench) -> pd.DataFrame:
 def _error(rms: float) -> str:
     """Return an error for a cell, 0 where the law is the reference itself."""
     return "0" if rms < 1e-9 else f"{rms:.4f}"
+
+
+def housing(bench: Bench) -> Group:  # noqa: ARG001
+    """Return what a clamped housing adds to the penetration by Johnson's datum."""
+    added = sorted(float(added_by_housing(ratio, HOUSING_PHI)) for ratio in CLAMPED)
+    return {
+        "ratios": _exact(CLAMPED, ""),
+        "phi": Quantity(HOUSING_PHI, "", 1),
+        "added": Quantity((added[0], added[1]), "%", 2),
+    }
 
 
 # --- first yield --------------------------------------------------------------------------------
@@ -696,7 +729,7 @@ def _no_reading_meets(bench: Bench) -> bool:
 
 def _errors_of(bench: Bench, name: str) -> tuple[float, float]:
     """Return the errors of a law for a pin in a hole, to Johnson's law and to conformal contact."""
-    rows = laws_to_use("internal", bench).to_dict("records")
+    rows = laws_to_use("internal", bench, "paper").to_dict("records")
     (row,) = (row for row in rows if row["law"] == name)
     return float(row["rms_johnson"]), float(row["rms_conformal"])
 

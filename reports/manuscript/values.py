@@ -5,7 +5,18 @@ from cylcontact.reports import Bench
 from cylcontact.reports.manuscript import Group
 
 from . import law_values, mechanism_values
-from .law_values import explicit_law, johnson, law, made, pairs, pins, ranges, readings, yielding
+from .law_values import (
+    explicit_law,
+    housing,
+    johnson,
+    law,
+    made,
+    pairs,
+    pins,
+    ranges,
+    readings,
+    yielding,
+)
 from .mechanism_values import crank, elements, ledger, restitution
 
 __all__ = [
@@ -13,6 +24,7 @@ __all__ = [
     "crank",
     "elements",
     "explicit_law",
+    "housing",
     "johnson",
     "law",
     "ledger",

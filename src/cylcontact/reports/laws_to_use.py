@@ -1,7 +1,8 @@
 """Five laws for each contact, from the published one to Johnson's, to choose one from.
 
-All are compared on the samples of the campaigns `internal` and `external`: the paper's ranges of E,
-ν, ΔR and load, as far as Johnson's law reaches (Eq 8).
+Those for a pin in a hole are compared over practical clearances, with the enhanced law refitted
+there, or over the paper's ranges of E, ν, ΔR and load, those for rollers over the latter; both as
+far as Johnson's law reaches (Eq 8).
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -40,6 +42,20 @@ _ENHANCED = "f = (a·ΔR + b)·E*/ΔR·δⁿ"
 _POWER = "f = C·E*·ΔR·(δ/ΔR)ⁿ"
 _EXPLICIT = "f = π·E*·δ/(c + ln(1 + A/d·(c + ln(1 + A/d·ln(B/d))))), d = δ/ΔR"
 _JOHNSON = "f = π·E*·δ/(−W₋₁(−e·δ/(4ΔR)))"
+
+# The campaigns of the enhanced and of the power law, by contact and ranges.
+Ranges = Literal["practical", "paper"]
+_REFITS: dict[tuple[Contact, Ranges], tuple[str, str]] = {
+    ("internal", "practical"): ("practical", "power-practical"),
+    ("internal", "paper"): ("internal", "power-internal"),
+    ("external", "practical"): ("external", "power-external"),
+    ("external", "paper"): ("external", "power-external"),
+}
+_PLACES = {
+    "practical": "practical clearances",
+    "internal": "the paper's ranges",
+    "external": "the paper's ranges",
+}
 
 
 @dataclass(frozen=True)
@@ -72,15 +88,17 @@ class _Candidate:
     timed: str
 
 
-def laws_to_use(contact: Contact, bench: Bench) -> pd.DataFrame:
-    """Compare five laws on the samples that the main campaign was fitted to.
+def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") -> pd.DataFrame:
+    """Compare five laws on the samples that the enhanced one was refitted to.
 
     Parameters
     ----------
     contact : {"internal", "external"}
         Pin in a hole, or two rollers.
     bench : Bench
-        With the results of the campaigns named after the contact and power-CONTACT.
+        With the results of the campaigns.
+    ranges : {"practical", "paper"}
+        For a pin in a hole: materials of machines with ΔR from 0.0075 to 2 mm, or the paper's.
 
     Returns
     -------
@@ -107,7 +125,8 @@ def laws_to_use(contact: Contact, bench: Bench) -> pd.DataFrame:
     explicit               0.0005
     johnson                0.0000
     """
-    result = bench.result(contact)
+    enhanced, power = _REFITS[contact, ranges]
+    result = bench.result(enhanced)
     samples, _ = collect_samples(grid_from(result.settings["dataset"], result.name))
     # What to add to ln(δ/δ_Johnson) for another reference.
     references: dict[str, FloatArray] = {"johnson": np.zeros_like(samples.j)}
@@ -116,7 +135,7 @@ def laws_to_use(contact: Contact, bench: Bench) -> pd.DataFrame:
         references["conformal"] = as_floats(samples.j - np.log(truth))
     times = _relative_times(bench)
     rows = []
-    for candidate in _candidates(result, bench.result(f"power-{contact}"), samples):
+    for candidate in _candidates(result, bench.result(power), samples):
         ratio = candidate.form.log_penetration_ratio(0, samples)
         errors: dict[str, float] = {}
         for reference, shift in references.items():
@@ -151,6 +170,7 @@ def to_text(contact: Contact, bench: Bench) -> Report:
     Report
     """
     table = laws_to_use(contact, bench).to_dict("records")
+    place = _PLACES[_REFITS[contact, "practical"][0]]
     references = [name for name in ("johnson", "conformal") if f"rms_{name}" in table[0]]
     columns = ["law", *(f"{what}, {name}" for name in references for what in ("RMS", "max %"))]
     rows = [
@@ -172,8 +192,9 @@ def to_text(contact: Contact, bench: Bench) -> Report:
         for row in table
     ]
     lines = [
-        f"laws for {contact} contact: error of the penetration at equal load, on the samples of "
-        f"the fit '{contact}',\nand the time of a compiled load relative to that of a power law",
+        f"laws for {contact} contact: error of the penetration at equal load, over {place}, both "
+        "by Johnson's datum,\nwhich no housing has; and the time of a compiled load relative to "
+        "that of a power law",
         text_table([*columns, "time", "units", "defined for", "fitted over"], rows),
         *(
             ", ".join(filter(None, (f"{row['law']}: {row['formula']}", row["constants"])))
@@ -212,7 +233,10 @@ def _candidates(refit: FitResult, power: FitResult, samples: Samples) -> list[_C
     return [
         enhanced("published", _ENHANCED, published, _fitted(refit, published, samples)),
         enhanced(
-            "refit", _ENHANCED, refit.coefficients, _fitted(refit, refit.coefficients, samples)
+            refit.name if refit.name == "practical" else "refit",
+            _ENHANCED,
+            refit.coefficients,
+            _fitted(refit, refit.coefficients, samples),
         ),
         dimensionless(
             power.law,

@@ -21,7 +21,7 @@ __all__ = ["explorer_data"]
 
 # The parts of an exported law that the page computes it from.
 NEEDED = ("constants", "steps", "conditions")
-INITIAL_LAWS = ("johnson", "persson", "enhanced", "explicit", "fit:internal", "fit:external")
+INITIAL_LAWS = ("johnson", "persson", "enhanced", "explicit", "fit:practical", "fit:external")
 # For each slider: its ends and its initial value.
 CONTROLS: Mapping[str, Mapping[str, Any]] = {
     "internal": {"dR": (0.001, 10.0, 0.05), "load": (1.0, 10000.0, 100.0)},
