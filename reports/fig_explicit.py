@@ -147,7 +147,7 @@ def _headline(laws: dict[str, Curve], rollers: Curve, housing: pd.DataFrame) -> 
 
 def _draw_errors(table: pd.DataFrame) -> Figure:
     """Draw each law's largest error within a quarter decade of φ, and the band of the housings."""
-    figure = new_figure("full", 92.0)
+    figure = new_figure("full", 72.0)
     axes = figure.subplots()
     inside = table[table["contact"] == "internal"]
     for law, (label, colour, line) in LAWS.items():
@@ -171,5 +171,5 @@ def _draw_errors(table: pd.DataFrame) -> Figure:
     plain_log(axes, "y", (0.01, 0.1, 1, 10, 100))
     axes.set(ylim=(0.005, 300), xlabel=r"load $\varphi = f/(E^*\Delta R)$ (-)")
     axes.set_ylabel("error of the penetration (%)")
-    figure.legend(loc="outside lower center", ncols=2)
+    figure.legend(loc="outside lower center", ncols=3)
     return figure

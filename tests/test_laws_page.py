@@ -193,9 +193,9 @@ def test_explicit_is_the_law_to_use_for_a_pin_in_a_hole():
 
 
 def test_laws_to_use_name_what_is_missing(tmp_path):
-    with pytest.raises(InputError, match=r"internal\.json.*make it with"):
+    with pytest.raises(InputError, match=r"practical\.json.*make it with"):
         laws_to_use("internal", Bench(tmp_path))
-    for name in ("internal", "power-internal"):
+    for name in ("practical", "power-practical"):
         (tmp_path / "fitting/results").mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / f"fitting/results/{name}.json", tmp_path / "fitting/results")
     (tmp_path / "datasets").mkdir()
@@ -232,9 +232,32 @@ def snug_yield():
     return float(limits.yield_load(pair)) / (250 * 10.0)
 
 
+def rms_over(samples_of, fit):
+    """The objective of one fit's coefficients on another's samples, clearance by clearance."""
+    axes = samples_of.settings["dataset"]["axes"]
+    E, nu, dR, f = (axis_values(axes[name]) for name in ("E", "nu", "dR", "load"))
+    E, nu, f = 1e3 * E[:, None, None], nu[:, None], f
+    law, squares = laws.Enhanced(fit.coefficients), []
+    for gap in dR:
+        pair = CylinderPair.from_dR("internal", gap, Material("any", E=E, nu=nu))
+        truth = laws.Johnson().penetration(f, pair)
+        r = np.log(law.penetration(f, pair) / truth)
+        squares.append(r[np.isfinite(r)] ** 2)
+    return float(np.sqrt(np.mean(np.concatenate(squares))))
+
+
+def axis_values(axis):
+    make = np.geomspace if axis["spacing"] == "log" else np.linspace
+    return make(axis["min"], axis["max"], axis["points"])
+
+
 def test_numbers_between_the_tables():
     error = laws_bounds.explicit_error()
     assert error["one-line penetration"] <= 0.37
+    practical = Bench(ROOT).result("practical")
+    steel = Material("steel", E=207e3, nu=0.3)
+    snug = CylinderPair.internal(R_i=10.0, R_j=9.98, material=steel)
+    angle = laws.Conformal().contact_angle(22.7e3 / 10.0, snug)
     known = {
         f"{laws_bounds.johnson_shortfall(laws_bounds.johnson_end()):.1f}": "is 47.8 % low",
         f"{float(achieved_restitution(0.75)):.3f}": "less than 0.663",
@@ -256,6 +279,11 @@ def test_numbers_between_the_tables():
         "0.01": "φ = 0.01, 0.1,",
         "0.1": "φ = 0.01, 0.1,",
         "0.999": "|α| ≤ 0.999",
+        "0.0075": "0.0075 to 2 mm",
+        f"{practical.published.objective:.4f}": "0.0809 against 0.0638",
+        f"{rms_over(practical, Bench(ROOT).result('internal')):.4f}": "0.0809 against 0.0638",
+        "22.7": "under 22.7 kN",
+        f"{2 * 10 * math.radians(float(angle)):.1f}": "an arc of 17.6 mm",
     }
     for number, where in known.items():
         assert number in where

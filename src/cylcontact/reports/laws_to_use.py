@@ -192,15 +192,19 @@ def to_text(contact: Contact, bench: Bench) -> Report:
         for row in table
     ]
     lines = [
-        f"laws for {contact} contact: error of the penetration at equal load, over {place}, both "
-        "by Johnson's datum,\nwhich no housing has; and the time of a compiled load relative to "
-        "that of a power law",
+        f"laws for {contact} contact: error of the penetration at equal load, over {place},\n"
+        "and the time of a compiled load relative to that of a power law",
         text_table([*columns, "time", "units", "defined for", "fitted over"], rows),
         *(
             ", ".join(filter(None, (f"{row['law']}: {row['formula']}", row["constants"])))
             for row in table
         ),
     ]
+    if contact == "internal":
+        lines.append(
+            "all by Johnson's datum: a real housing changes the penetration by more than most of "
+            "these laws differ"
+        )
     return joined(lines)
 
 
