@@ -60,7 +60,7 @@ def test_what_is_missing_is_told_and_is_on_its_page_with_the_reason(site, texts)
     assert set(reasons) == {"fig03", "fig12p", "broken"}
     for name, page, reason in (
         ("fig03", "figure-fig03", "failed with ZeroDivisionError (division by zero)"),
-        ("fig12p", "figure-fig12", "practical.json: this fit result does not exist"),
+        ("fig12p", "figure-fig12", "missing.json: this fit result does not exist"),
     ):
         assert reason in reasons[name]
         assert reason in texts[page]
@@ -208,7 +208,7 @@ def test_a_bench_with_a_broken_table_of_materials_still_has_a_report(tmp_path):
     index = site.index.read_text(encoding="utf-8")
     assert "none of the main fits exists" in index
     (reason, _) = [line for line in site.missing if line.startswith("laws: ")]
-    assert "internal.json: this fit result does not exist" in reason
+    assert "practical.json: this fit result does not exist" in reason
     assert index.count("Missing: ") == 3
 
 
