@@ -31,12 +31,11 @@ from cylcontact.fitting.measured_objective import measured
 from cylcontact.fitting.noise_fit import at_best
 from cylcontact.fitting.objectives import (
     ON_ROWS,
-    RmsLogPenetration,
     make_objective,
     max_abs_difference_percent,
 )
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed, search
-from cylcontact.fitting.polish import polish_across_basins, polish_across_kinks
+from cylcontact.fitting.polish import minimise
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.records import (
     MaxDifference,
@@ -473,11 +472,7 @@ def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRec
         best = search(
             problem, plan.optimizer, plan.population, plan.generations, plan.crossover, plan.seed
         )
-        # From moments a descent takes milliseconds; from samples only a few hops are affordable.
-        if isinstance(problem.objective, RmsLogPenetration):
-            point, value = polish_across_basins(problem, best.point, plan.seed)
-        else:
-            point, value = polish_across_kinks(problem, best.point)
+        point, value = minimise(problem, best.point, plan.seed)
     if not np.isfinite(value):
         raise InputError(
             source,

@@ -44,6 +44,8 @@ __all__ = [
 
 # The polish of a largest magnitude sees the extremes of at least this many groups of samples.
 _GROUPS = 400
+# Step of the log ratio for the derivative of a deviation.
+_STEP = 1e-6
 
 
 class Objective(Protocol):
@@ -52,6 +54,11 @@ class Objective(Protocol):
     @property
     def dR(self) -> FloatArray:
         """The clearances in mm, shape (m,)."""
+        ...
+
+    @property
+    def size(self) -> int:
+        """The number of residuals, q."""
         ...
 
     def form(self, model: LawModel, candidates: FloatArray) -> Form:
@@ -83,6 +90,11 @@ class RmsLogPenetration:
         """The clearances in mm, shape (m,)."""
         return self.moments.dR
 
+    @property
+    def size(self) -> int:
+        """The number of residuals, q."""
+        return 2 * self.dR.size
+
     def form(self, model: LawModel, candidates: FloatArray) -> Form:
         """Return P candidates of a law at the clearances."""
         return form_of(model, candidates, self.dR)
@@ -98,6 +110,17 @@ class RmsLogPenetration:
         """Return residuals whose squares add up to those of the objective less the bound."""
         level, tilt = self._parts(form)
         return np.concatenate([level, tilt], axis=1)
+
+    def slopes(self, form: PowerForm, dc: FloatArray, dn: FloatArray) -> FloatArray:
+        """Return the derivatives of the residuals by k parameters from those of c and n.
+
+        Shape (P, k, m) to (P, k, q).
+        """
+        level_weight, tilt_weight, _ = self._constants
+        u = (1 / form.n)[:, None]
+        du = -(u**2) * dn
+        level = level_weight * (dc * u + (self.moments.mean_s + form.c)[:, None] * du)
+        return np.concatenate([level, tilt_weight * du], axis=-1)
 
     @cached_property
     def bound(self) -> float:
@@ -133,6 +156,11 @@ class _RowObjective(ABC):
     def dR(self) -> FloatArray:
         """The clearances in mm, shape (m,)."""
         return self.rows.dR
+
+    @property
+    def size(self) -> int:
+        """The number of residuals, q."""
+        return self.rows.s.size
 
     def form(self, model: LawModel, candidates: FloatArray) -> Form:
         """Return P candidates of a law at the clearances."""
@@ -188,6 +216,19 @@ class _RootMeanSquare(_RowObjective):
     def _residuals(self, log_ratio: FloatArray) -> FloatArray:
         # Over √N, their squares add up to the objective's.
         return as_floats(self.deviation(log_ratio) / np.sqrt(log_ratio.size))
+
+    def slopes(self, form: PowerForm, dc: FloatArray, dn: FloatArray) -> FloatArray:
+        """Return the derivatives of the residuals by k parameters from those of c and n."""
+        rows, u = self.rows, 1 / form.n
+        du = -((u**2)[:, None]) * dn
+        if self.of_load:
+            level, tilt, at = -dc, dn, rows.j
+        else:
+            level, tilt, at = dc * u[:, None] + form.c[:, None] * du, du, rows.s
+        log_ratio = np.array([self._log_ratio(form, k) for k in _all(form)])
+        ahead, behind = (self.deviation(log_ratio + step) for step in (_STEP, -_STEP))
+        weight = (ahead - behind) / (2 * _STEP * np.sqrt(at.size))
+        return weight[:, None] * (level[..., rows.index] + tilt[..., rows.index] * at)
 
     def _best_line(self, s: FloatArray, j: FloatArray) -> float:
         """Return the least sum of squares of one K* and n on the samples of one clearance."""

@@ -262,7 +262,7 @@ def _least_squares(budget: EvaluationBudget, _: int, rng: np.random.Generator) -
         return as_floats(budget.residuals(unit[None, :])[0])
 
     def jacobian(unit: FloatArray) -> FloatArray:
-        return central_differences(budget.residuals, low, high, unit)
+        return as_floats(central_differences(budget.residuals, low, high, unit[None, :])[0].T)
 
     while True:
         start = rng.uniform(size=budget.size)
