@@ -109,12 +109,11 @@ def minimise(problem: Problem, start: FloatArray, seed: int = 0) -> tuple[FloatA
     """
     rng = np.random.default_rng(seed)
     starts = np.vstack([start, scatter(problem, rng, _affordable(problem))])
-    ends, values = climb_down(problem, starts)
-    straight, value = descend(problem, start[None, :], _FINER)
-    ends, values = np.vstack([ends, straight]), np.append(values, value)
+    starts = np.vstack([start, climb_down(problem, starts)])
+    ends, values = descend(problem, starts, _FINER)
     point, value = ends[values.argmin()], values.min()
     if not np.isfinite(value) or not point.size:
-        return start, float(values[-1])
+        return start, float(value)
     while True:
         step = rng.normal(size=(_SHORT_HOPS, point.size)) * _SHORT_HOP
         beside = np.clip(
@@ -142,17 +141,15 @@ def _affordable(problem: Problem) -> int:
 
 
 def climb_down(
-    problem: Problem, starts: FloatArray, held: Collection[int] = ()
-) -> tuple[FloatArray, FloatArray]:
-    """Descend the ladder of smoothed maxima from P points, and return rough ends with objectives.
+    problem: Problem, points: FloatArray, held: Collection[int] = ()
+) -> FloatArray:
+    """Descend the ladder of smoothed maxima from P points, and return where it ends.
 
     A law without a maximum has no ladder. The columns `held` stay as they are.
     """
-    points = starts
-    if _has_formula(problem):
-        for smooth in _LADDER:
-            points = _descend_squares(problem, points, _ROUGH, held, smooth, _ROUGH_STEPS)
-    return descend(problem, points, _FINER, held)
+    for smooth in _LADDER if _has_formula(problem) else ():
+        points = _descend_squares(problem, points, _ROUGH, held, smooth, _ROUGH_STEPS)
+    return points
 
 
 def descend(
@@ -242,7 +239,7 @@ def _descend_squares(
         candidate = t + step
         reached, A_there, g_there = expanded(candidate)
         predicted = -(2 * g * step).sum(axis=1) - (step * (A @ step[..., None])[..., 0]).sum(axis=1)
-        gain = cost - np.where(np.isfinite(reached), reached, np.inf)
+        gain = cost - reached
         better = gain > 0
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             cubed = (2 * gain / predicted - 1) ** 3
@@ -269,9 +266,14 @@ def _normal_equations(
         cost, A, g = (np.concatenate(each) for each in zip(*parts, strict=True))
         return cost, A, g
     residuals, slopes = _linearised(problem, points, smooth)
-    slopes = slopes[:, free] * (problem.high - problem.low)[free][:, None]
-    g = (slopes @ residuals[..., None])[..., 0]
-    return (residuals**2).sum(axis=1), slopes @ slopes.transpose(0, 2, 1), g
+    if len(free) < len(problem.free):
+        slopes = slopes[:, free]
+    span = (problem.high - problem.low)[free]
+    with np.errstate(all="ignore"):
+        g = span * (slopes @ residuals[..., None])[..., 0]
+        A = span[:, None] * (slopes @ slopes.transpose(0, 2, 1)) * span
+        cost = (residuals**2).sum(axis=1)
+    return np.where(np.isfinite(cost + A.sum(axis=(1, 2))), cost, np.inf), A, g
 
 
 def _linearised(
@@ -291,7 +293,7 @@ def _linearised(
         form = PowerForm(np.log(dR) - np.log(K_star), np.where(n > 0, n, np.nan))
         by_all = -K_slopes / K_star[:, None], n_slopes
         slopes = objective.slopes(form, *(_by_free(problem, points, each) for each in by_all))
-        return objective.residuals(form), np.nan_to_num(slopes, nan=0.0, posinf=0.0, neginf=0.0)
+        return objective.residuals(form), slopes
 
 
 def _by_free(problem: Problem, points: FloatArray, slopes: FloatArray) -> FloatArray:
@@ -299,6 +301,8 @@ def _by_free(problem: Problem, points: FloatArray, slopes: FloatArray) -> FloatA
     if any(p.tie for p in problem.parameters):
         ties = central_differences(problem.complete, problem.low, problem.high, points)
         return as_floats(ties @ slopes)
+    if len(problem.free) == len(problem.parameters):
+        return slopes
     return slopes[:, [p.is_free for p in problem.parameters]]
 
 

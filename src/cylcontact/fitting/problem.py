@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,17 +39,17 @@ class Problem:
     parameters: tuple[Parameter, ...]
     objective: Objective
 
-    @property
+    @cached_property
     def free(self) -> tuple[Parameter, ...]:
         """The parameters that are searched."""
         return tuple(p for p in self.parameters if p.is_free)
 
-    @property
+    @cached_property
     def low(self) -> FloatArray:
         """Lower bounds of the free parameters, shape (k,)."""
         return np.array([p.low for p in self.free])
 
-    @property
+    @cached_property
     def high(self) -> FloatArray:
         """Upper bounds of the free parameters, shape (k,)."""
         return np.array([p.high for p in self.free])
