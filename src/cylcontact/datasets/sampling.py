@@ -44,9 +44,11 @@ BLOCK = 1 << 16
 # Least number of samples per call of a worker, if a clearance has that many.
 PIECE = 1 << 21
 # Clearances whose moments are formed together.
-_AT_ONCE = 64
+_AT_ONCE = 256
 # Of each call of a worker in the list of all.
 _CALL_BYTES = 400
+# So few need no look at what memory is free, which takes a millisecond.
+_FEW_CALLS = 1000
 # Of each sample in a Parquet file, where most columns repeat, and in a CSV file.
 _SAMPLE_BYTES = (8, 60)
 
@@ -190,7 +192,8 @@ def reduce_grid(
     height = max(1, PIECE // grid.load.size)
     starts = range(0, grid.rows, height)
     calls = masked.size * len(starts)
-    require_memory(grid.source, "axes", None, _CALL_BYTES * calls, "thin the axes")
+    if calls > _FEW_CALLS:
+        require_memory(grid.source, "axes", None, _CALL_BYTES * calls, "thin the axes")
     work = [
         call(_reduce_rows, grid, float(dR), first, min(first + height, grid.rows))
         for dR in grid.dR[masked]

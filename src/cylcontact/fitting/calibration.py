@@ -31,6 +31,7 @@ from cylcontact.fitting.measured_objective import measured
 from cylcontact.fitting.noise_fit import at_best
 from cylcontact.fitting.objectives import (
     ON_ROWS,
+    RmsLogPenetration,
     make_objective,
     max_abs_difference_percent,
 )
@@ -295,6 +296,8 @@ def _quality_on_grid(
         call(profile, problem, name, best, value) for name, value in zip(names, values, strict=True)
     ]
     progress("profiling", 0, len(names))
+    if isinstance(problem.objective, RmsLogPenetration):
+        jobs = 1  # starting the workers would take longer
     profiles = dict(zip(names, collect(calls, jobs, progress, "profiling"), strict=True))
     return _Quality(problem.objective.bound if problem.model.power_form else None, profiles)
 

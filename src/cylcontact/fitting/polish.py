@@ -108,7 +108,7 @@ def minimise(problem: Problem, start: FloatArray, seed: int = 0) -> tuple[FloatA
     random starts or none.
     """
     rng = np.random.default_rng(seed)
-    starts = np.vstack([start, scatter(problem, rng, _affordable(problem))])
+    starts = np.vstack([start, scatter(problem, rng, affordable_starts(problem))])
     starts = np.vstack([start, climb_down(problem, starts)])
     ends, values = descend(problem, starts, _FINER)
     point, value = ends[values.argmin()], values.min()
@@ -132,7 +132,7 @@ def scatter(problem: Problem, rng: np.random.Generator, number: int) -> FloatArr
     return rng.uniform(problem.low, problem.high, (number, len(problem.free)))
 
 
-def _affordable(problem: Problem) -> int:
+def affordable_starts(problem: Problem) -> int:
     """Return how many random starts a polish can afford."""
     if problem.model.power_form is None or isinstance(problem.objective, Largest):
         return 0
