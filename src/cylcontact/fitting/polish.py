@@ -28,6 +28,8 @@ _MIN_GAIN = 1e-10
 _MAX_RESTARTS = 20
 # Starts beside that of a search, and the numbers in their slopes, which limit the starts.
 _STARTS, _SLOPES = 31, 1 << 22
+# Numbers in the slopes that are formed together: they stay in the cache of a core.
+_AT_ONCE = 1 << 15
 # The maximum in a law is smoothed over this much, in units of Y, and then less and less.
 _LADDER = (0.3, 0.15, 0.07, 0.035, 0.018, 0.009, 0.004)
 # Relative gain at the end of a rough descent, as on the ladder, and of a finer one.
@@ -257,7 +259,7 @@ def _normal_equations(
     problem: Problem, points: FloatArray, free: list[int], smooth: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the sum of squares, JᵀJ and Jᵀr at P points, in coordinates from 0 to 1."""
-    at_once = max(1, _SLOPES // (len(problem.free) * problem.objective.size))
+    at_once = max(1, _AT_ONCE // (len(problem.free) * problem.objective.size))
     if len(points) > at_once:
         parts = [
             _normal_equations(problem, points[first : first + at_once], free, smooth)

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 from pydantic import Field
@@ -69,9 +69,9 @@ _PAIR_POINTS, _CURVE_POINTS = 21, 41
 _FAR = 1e6
 # Below this ratio the profile found a better optimum; it is not round-off.
 BETTER = -1e-6
-# Random starts for each refit of a law, the relative gain for which its neighbours are refitted,
-# and those of the descents and of the last one.
-_LADDERS, _GAIN, _FINER, _PRECISE = 3, 1e-6, 1e-6, 1e-10
+# Random starts for each refit of a law, the steps to the neighbours that are refitted from it, the
+# relative gain for which they are, and those of the descents and of the last one.
+_LADDERS, _NEIGHBOURS, _GAIN, _FINER, _PRECISE = 4, (1, 4), 1e-6, 1e-6, 1e-10
 # The rise of the objective at the ends of the interval of a law.
 TOLERANCE = 0.01
 
@@ -527,12 +527,13 @@ class _Minima:
 
 
 def _neighbours(places: IndexArray) -> IndexArray:
-    """Return the pairs of places that are neighbours along an axis, shape (pairs, 2)."""
-    pairs = [
-        np.stack([np.delete(places, end, axis).ravel(), np.delete(places, other, axis).ravel()], 1)
-        for axis in range(places.ndim)
-        for end, other in ((0, -1), (-1, 0))
-    ]
+    """Return the pairs of places so many steps apart along an axis, shape (pairs, 2)."""
+    pairs = []
+    for axis, step in product(range(places.ndim), _NEIGHBOURS):
+        size = places.shape[axis]
+        here = places.take(range(size - step), axis).ravel()
+        there = places.take(range(step, size), axis).ravel()
+        pairs += [np.stack([here, there], axis=1), np.stack([there, here], axis=1)]
     return np.concatenate(pairs)
 
 
