@@ -19,9 +19,9 @@ from cylcontact.reports.bench import Bench
 CAMPAIGN = "internal"
 CAPTION = (
     "Objective of every run above the best that any run found (%), best run first, before and "
-    "after a local polish, for {optimizers} optimisers on the calibration for internal contact: {runs} "
-    "runs each, with a median of {evaluations:,.0f} candidates. Grey: within 0.1 % of the best. "
-    "Excesses below 0.001 % are drawn on the lower edge."
+    "after a local polish, for {optimizers} optimisers on the calibration for internal contact: "
+    "{runs} runs each, with a median of {evaluations:,.0f} candidates. Grey: within 0.1 % of the "
+    "best. Excesses below 0.001 % are drawn on the lower edge."
 )
 METHOD = (
     "The campaign is 'internal' and its objective the root mean square of ln(δ/δ_Johnson). All "
@@ -52,7 +52,8 @@ def draw(bench: Bench) -> Drawing:
         headline[f"{optimizer}: share of runs in the best basin"] = share
     caption = CAPTION.format(
         optimizers=runs["optimizer"].nunique(),
-        runs=runs["run"].nunique(), evaluations=float(runs["evaluations"].median())
+        runs=runs["run"].nunique(),
+        evaluations=float(runs["evaluations"].median()),
     )
     return Drawing(_draw_panels(table), table, headline, caption, METHOD)
 

@@ -205,7 +205,8 @@ def reduce_grid(
         merged = (merge(islice(reduced, len(starts))) for _ in masked)
         for part in chain(_reduce_whole(grid, grid.dR[inside]), merged):
             parts.append(part)
-            for done in range(done + 1, done + 1 + part.dR.size):
+            for _ in part.dR:
+                done += 1
                 if progress is not None:
                     progress(done)
     moments = concatenate(parts)

@@ -38,6 +38,7 @@ __all__ = [
     "RmsLogPenetration",
     "RmsLogPenetrationOnRows",
     "RmsRelativeForce",
+    "RootMeanSquare",
     "make_objective",
     "max_abs_difference_percent",
 ]
@@ -54,11 +55,6 @@ class Objective(Protocol):
     @property
     def dR(self) -> FloatArray:
         """The clearances in mm, shape (m,)."""
-        ...
-
-    @property
-    def size(self) -> int:
-        """The number of residuals, q."""
         ...
 
     def form(self, model: LawModel, candidates: FloatArray) -> Form:
@@ -112,10 +108,7 @@ class RmsLogPenetration:
         return np.concatenate([level, tilt], axis=1)
 
     def slopes(self, form: PowerForm, dc: FloatArray, dn: FloatArray) -> FloatArray:
-        """Return the derivatives of the residuals by k parameters from those of c and n.
-
-        Shape (P, k, m) to (P, k, q).
-        """
+        """Return the derivatives of the residuals by k parameters from those of c and n."""
         level_weight, tilt_weight, _ = self._constants
         u = (1 / form.n)[:, None]
         du = -(u**2) * dn
@@ -157,11 +150,6 @@ class _RowObjective(ABC):
         """The clearances in mm, shape (m,)."""
         return self.rows.dR
 
-    @property
-    def size(self) -> int:
-        """The number of residuals, q."""
-        return self.rows.s.size
-
     def form(self, model: LawModel, candidates: FloatArray) -> Form:
         """Return P candidates of a law at the clearances."""
         return form_of(model, candidates, self.dR)
@@ -196,8 +184,13 @@ class _RowObjective(ABC):
 
 
 @dataclass(frozen=True)
-class _RootMeanSquare(_RowObjective):
+class RootMeanSquare(_RowObjective):
     """Root mean square of a deviation."""
+
+    @property
+    def size(self) -> int:
+        """The number of residuals, q."""
+        return self.rows.s.size
 
     @staticmethod
     @abstractmethod
@@ -228,7 +221,7 @@ class _RootMeanSquare(_RowObjective):
         log_ratio = np.array([self._log_ratio(form, k) for k in _all(form)])
         ahead, behind = (self.deviation(log_ratio + step) for step in (_STEP, -_STEP))
         weight = (ahead - behind) / (2 * _STEP * np.sqrt(at.size))
-        return weight[:, None] * (level[..., rows.index] + tilt[..., rows.index] * at)
+        return as_floats(weight[:, None] * (level[..., rows.index] + tilt[..., rows.index] * at))
 
     def _best_line(self, s: FloatArray, j: FloatArray) -> float:
         """Return the least sum of squares of one K* and n on the samples of one clearance."""
@@ -245,7 +238,7 @@ class _RootMeanSquare(_RowObjective):
 
 
 @dataclass(frozen=True)
-class RmsLogPenetrationOnRows(_RootMeanSquare):
+class RmsLogPenetrationOnRows(RootMeanSquare):
     """Root mean square of ln(δ_law/δ_reference), for laws other than power laws."""
 
     @staticmethod
@@ -255,7 +248,7 @@ class RmsLogPenetrationOnRows(_RootMeanSquare):
 
 
 @dataclass(frozen=True)
-class RmsDifference(_RootMeanSquare):
+class RmsDifference(RootMeanSquare):
     """Root mean square of Eq 9, in percent."""
 
     @staticmethod
@@ -265,7 +258,7 @@ class RmsDifference(_RootMeanSquare):
 
 
 @dataclass(frozen=True)
-class RmsRelativeForce(_RootMeanSquare):
+class RmsRelativeForce(RootMeanSquare):
     """Root mean square of (f_law − f_reference)/f_reference at equal penetration."""
 
     of_load: ClassVar[bool] = True

@@ -16,8 +16,8 @@ from collections.abc import Callable, Collection
 import numpy as np
 from scipy.optimize import linprog
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.fitting.objectives import Largest
+from cylcontact.arrays import FloatArray, IndexArray, as_floats
+from cylcontact.fitting.objectives import Largest, RmsLogPenetration, RootMeanSquare
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.samples import PowerForm
 
@@ -42,6 +42,8 @@ _SHORT_HOPS, _SHORT_HOP, _MIN_HOP_GAIN = 16, 0.005, 1e-4
 _SMALL_GAINS, _MOST_DAMPING = 3, 1e10
 # The first damping, the share of the way to a bound, and the nearest to it of a start.
 _FIRST_DAMPING, _WAY, _MARGIN = 1e-3, 0.995, 1e-12
+# The objectives with a formula for the slopes of power laws.
+_SLOPED = (RmsLogPenetration, RootMeanSquare)
 # Step of the central differences, relative to the interval between the bounds.
 _DIFFERENCE = 1e-6
 # First and last radius of the trust region, relative to the same interval.
@@ -118,9 +120,7 @@ def minimise(problem: Problem, start: FloatArray, seed: int = 0) -> tuple[FloatA
         return start, float(value)
     while True:
         step = rng.normal(size=(_SHORT_HOPS, point.size)) * _SHORT_HOP
-        beside = np.clip(
-            point + step * (problem.high - problem.low), problem.low, problem.high
-        )
+        beside = np.clip(point + step * (problem.high - problem.low), problem.low, problem.high)
         ends, values = descend(problem, beside, _FINER)
         enough = not values.min() < value * (1 - _MIN_HOP_GAIN)
         if values.min() < value:
@@ -136,15 +136,13 @@ def scatter(problem: Problem, rng: np.random.Generator, number: int) -> FloatArr
 
 def affordable_starts(problem: Problem) -> int:
     """Return how many random starts a polish can afford."""
-    if problem.model.power_form is None or isinstance(problem.objective, Largest):
+    objective = problem.objective
+    if problem.model.power_form is None or not isinstance(objective, _SLOPED):
         return 0
-    slopes = max(1, len(problem.free) * problem.objective.size)
-    return min(_STARTS, _SLOPES // slopes)
+    return min(_STARTS, _SLOPES // (len(problem.free) * objective.size))
 
 
-def climb_down(
-    problem: Problem, points: FloatArray, held: Collection[int] = ()
-) -> FloatArray:
+def climb_down(problem: Problem, points: FloatArray, held: Collection[int] = ()) -> FloatArray:
     """Descend the ladder of smoothed maxima from P points, and return where it ends.
 
     A law without a maximum has no ladder. The columns `held` stay as they are.
@@ -184,6 +182,8 @@ def descend(
         ends = np.array([_descend_largest(problem, start, precision, held) for start in starts])
     else:
         ends = _descend_squares(problem, starts, precision, held)
+    columns = list(held)
+    ends[:, columns] = starts[:, columns]
     after = problem.values(ends)
     lower = after < before
     return np.where(lower[:, None], ends, starts), np.where(lower, after, before)
@@ -205,7 +205,7 @@ def _descend_squares(
         (A + diag(|g|/v) + λ·(tr A/k)·diag(1/v))·step = −g.
     """
     low, span = problem.low, problem.high - problem.low
-    free = [column for column in range(low.size) if column not in held]
+    free = np.setdiff1d(np.arange(low.size), list(held))
 
     def expanded(t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return r², A and g of points that differ in the free columns."""
@@ -224,9 +224,8 @@ def _descend_squares(
         on = (small < _SMALL_GAINS) & (damping < _MOST_DAMPING) & np.isfinite(cost)
         if not on.all():
             ends[np.ix_(here[~on], free)] = t[~on]
-            here, t, cost, A, g, damping, growth, small = (
-                each[on] for each in (here, t, cost, A, g, damping, growth, small)
-            )
+            here, t, cost, A, g = here[on], t[on], cost[on], A[on], g[on]
+            damping, growth, small = damping[on], growth[on], small[on]
             if not here.size:
                 break
         # In the unknowns step/√v the matrix is well conditioned up to the bounds.
@@ -256,10 +255,12 @@ def _descend_squares(
 
 
 def _normal_equations(
-    problem: Problem, points: FloatArray, free: list[int], smooth: float
+    problem: Problem, points: FloatArray, free: IndexArray, smooth: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the sum of squares, JᵀJ and Jᵀr at P points, in coordinates from 0 to 1."""
-    at_once = max(1, _AT_ONCE // (len(problem.free) * problem.objective.size))
+    objective = problem.objective
+    size = len(problem.free) * objective.size if isinstance(objective, _SLOPED) else 1
+    at_once = max(1, _AT_ONCE // size)
     if len(points) > at_once:
         parts = [
             _normal_equations(problem, points[first : first + at_once], free, smooth)
@@ -282,17 +283,14 @@ def _linearised(
     problem: Problem, points: FloatArray, smooth: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return the residuals of P points and their derivatives, shapes (P, q) and (P, k, q)."""
-    if not _has_formula(problem):
-        residuals = problem.finite_residuals
-        return residuals(points), central_differences(
-            residuals, problem.low, problem.high, points
-        )
-    objective, dR = problem.objective, problem.objective.dR
+    form_of_law, objective = problem.model.smooth_form, problem.objective
+    if form_of_law is None or not isinstance(objective, _SLOPED):
+        residuals, low, high = problem.finite_residuals, problem.low, problem.high
+        return residuals(points), central_differences(residuals, low, high, points)
+    log_dR = np.log(objective.dR)
     with np.errstate(all="ignore"):
-        K_star, n, K_slopes, n_slopes = problem.model.smooth_form(
-            problem.complete(points), dR, smooth
-        )
-        form = PowerForm(np.log(dR) - np.log(K_star), np.where(n > 0, n, np.nan))
+        K_star, n, K_slopes, n_slopes = form_of_law(problem.complete(points), objective.dR, smooth)
+        form = PowerForm(log_dR - np.log(K_star), np.where(n > 0, n, np.nan))
         by_all = -K_slopes / K_star[:, None], n_slopes
         slopes = objective.slopes(form, *(_by_free(problem, points, each) for each in by_all))
         return objective.residuals(form), slopes
@@ -310,7 +308,7 @@ def _by_free(problem: Problem, points: FloatArray, slopes: FloatArray) -> FloatA
 
 def _has_formula(problem: Problem) -> bool:
     """Return whether the law has a formula for its slopes, and the objective can use it."""
-    return problem.model.smooth_form is not None and hasattr(problem.objective, "slopes")
+    return problem.model.smooth_form is not None and isinstance(problem.objective, _SLOPED)
 
 
 def central_differences(

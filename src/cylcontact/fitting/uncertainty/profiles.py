@@ -430,9 +430,7 @@ def pair_map(
     PairMap
     """
     refits = _Refits(problem, best, partial(fixed_ratio, problem, noise))
-    x, y = (
-        around(problem, best, name, intervals[name], _REACH_OF_NOISE, points) for name in names
-    )
+    x, y = (around(problem, best, name, intervals[name], _REACH_OF_NOISE, points) for name in names)
     free = [p.name for p in problem.free]
     places = [free.index(name) for name in names]
     return PairMap(
