@@ -45,9 +45,8 @@ GRIDS = {
 
 def main() -> None:
     """Print the table."""
-    print(
-        "| grid | one descent | s | as it is | s | descents alone | s |\n|---|---:|---:|---:|---:|---:|---:|"
-    )
+    print("| grid | one descent | s | as it is | s | descents alone | s |")
+    print("|---|---:|---:|---:|---:|---:|---:|")
     for name in GRIDS:
         best, columns = _columns(campaign_of(name))
         cells = [f"{_at(best, values)} of {len(values)} | {cpu:.1f}" for values, cpu in columns]

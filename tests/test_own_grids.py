@@ -1,13 +1,14 @@
 """Grids that a user might make: the runs agree on the best, and a warning says if they do not."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
 from benchmarks.own_grids import GRIDS, campaign_of
-from cylcontact.fitting import calibrate, polish, verdicts
+from cylcontact.fitting import calibrate, polish, read_campaign, verdicts
 from cylcontact.fitting.assessment import SAME_BASIN
 from cylcontact.fitting.calibration import problem_of, search_all
 from cylcontact.fitting.problem import Problem
@@ -15,6 +16,7 @@ from cylcontact.fitting.report import as_html
 from cylcontact.fitting.uncertainty.profiles import profile
 from cylcontact.progress import silent
 
+ROOT = Path(__file__).resolve().parents[1]
 # The runs of sixteen that reach the best.
 ENOUGH = 14
 FEW_POINTS = "the same, few points"
@@ -155,7 +157,7 @@ def test_descents_alone_agree_on_other_grids(axes, monkeypatch):
 
 
 def test_a_profile_is_as_low_as_many_restarts_find():
-    problem, _ = problem_of(campaign_of("light alloys and steel"), 1, silent)
+    problem, _ = problem_of(read_campaign(ROOT / "fitting/internal.toml"), 1, silent)
     point, value = polish.minimise(problem, problem.low)
     best = problem.coefficients(point)
     curve = profile(problem, "a", best, None)
