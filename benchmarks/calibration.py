@@ -20,6 +20,7 @@ CLOSE = 1.001
 # Runs of ours, one after the other, before a seed counts as having failed.
 MOST_RUNS = 200
 OURS = "cylcontact: sampling, genetic search and polish"
+ALONE = "cylcontact: sampling and descents alone"
 # All peers run to the end on the first grid; on the others, that have more samples, their time
 # follows from the evaluations that they needed there.
 SMALL = (5, 3, 61, 5)
@@ -49,17 +50,18 @@ def _on_the_small_grid(short: bool) -> tuple[list[Row], dict[str, tuple[float, b
     best = _best_known(problem, 4 if short else 16)
     samples = rows_of(grid_of(*shape), problem, CLOSE * best)
     require_same_objective(problem, samples)
-    rounds, seconds = 1 if short else 3, {OURS: []}
+    rounds, seconds = 1 if short else 3, {OURS: [], ALONE: []}
     reached: dict[str, list[tuple[float, int]]] = {name: [] for name in PEERS}
     seconds |= {name: [] for name in PEERS}
     for seed in range(rounds):
         seconds[OURS].append(_ours(shape, CLOSE * best, seed))
+        seconds[ALONE].append(_ours(shape, CLOSE * best, seed, "descents"))
         for name in list(PEERS)[:1] if short else PEERS:
             started = time.perf_counter()
             reached[name].append(reach(name, samples, seed))
             seconds[name].append(time.perf_counter() - started)
     ran = {name: times for name, times in seconds.items() if times}
-    notes = {name: _note(reached[name], best) for name in ran if name != OURS}
+    notes = {name: _note(reached[name], best) for name in ran if name in PEERS}
     case = f"{samples.load.size:,} samples"
     needed = {
         name: (
@@ -78,7 +80,10 @@ def _on_a_larger_grid(
     """Run ours, and multiply the peers' evaluations by the measured cost of one."""
     problem, size = problem_of(*shape), int(np.prod(shape))
     best = _best_known(problem, 16)
-    seconds = {OURS: [_ours(shape, CLOSE * best, seed) for seed in range(3)]}
+    seconds = {
+        side: [_ours(shape, CLOSE * best, seed, optimizer) for seed in range(3)]
+        for side, optimizer in ((OURS, "genetic"), (ALONE, "descents"))
+    }
     notes = {}
     if size <= MOST_ROWS:
         samples = rows_of(grid_of(*shape), problem, 0.0)
@@ -92,11 +97,12 @@ def _on_a_larger_grid(
     return rows("calibration", case, seconds, "s", 1.0, notes)
 
 
-def _ours(shape: tuple[int, ...], target: float, seed: int) -> float:
+def _ours(shape: tuple[int, ...], target: float, seed: int, optimizer: str = "genetic") -> float:
     """Return the seconds until a campaign's runs, in their order, arrive."""
     started = time.perf_counter()
     problem = problem_of(*shape)
-    for plan in plan_runs(MOST_RUNS, (60, 120), ("single_point", "uniform", "blend"), 300, seed):
+    crossovers = ("single_point", "uniform", "blend")
+    for plan in plan_runs(MOST_RUNS, (60, 120), crossovers, 300, seed, optimizer):
         if execute(problem, plan).objective <= target:
             return time.perf_counter() - started
     raise AssertionError(f"seed {seed}: none of {MOST_RUNS} runs came within {CLOSE}")

@@ -1,4 +1,4 @@
-"""How many runs reach the best on grids that a user might make, with and without the hops.
+"""How many runs reach the best on grids that a user might make, by way of ending the search.
 
 `python -m benchmarks.own_grids` prints the table of docs/fitter.md (some minutes). All settings
 of the search are the defaults, and the seconds are those of the processor, for all sixteen runs.
@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 from cylcontact.fitting.assessment import SAME_BASIN
-from cylcontact.fitting.calibration import execute, plan_runs, problem_of
+from cylcontact.fitting.calibration import RunPlan, execute, plan_runs, problem_of
 from cylcontact.fitting.campaign import Campaign, campaign_from_settings
 from cylcontact.fitting.genetic import search
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.polish import polish
+from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.progress import silent
 
@@ -43,7 +45,8 @@ GRIDS = {
 
 def main() -> None:
     """Print the table."""
-    print("| grid | one descent | s | with hops | s |\n|---|---:|---:|---:|---:|")
+    print("| grid | one descent | s | as it is | s | descents alone | s |")
+    print("|---|---:|---:|---:|---:|---:|---:|")
     for name in GRIDS:
         best, columns = _columns(campaign_of(name))
         cells = [f"{_at(best, values)} of {len(values)} | {cpu:.1f}" for values, cpu in columns]
@@ -83,12 +86,9 @@ def _columns(campaign: Campaign) -> tuple[float, list[tuple[list[float], float]]
     """Return the best objective; by way of polishing the runs' objectives and the seconds."""
     problem, _ = problem_of(campaign, 1, silent)
     genetic = campaign.spec.genetic
-    plans = plan_runs(
-        genetic.runs,
-        genetic.populations,
-        genetic.crossovers,
-        genetic.generations,
-        campaign.spec.seed,
+    settings = (genetic.runs, genetic.populations, genetic.crossovers, genetic.generations)
+    plans, alone = (
+        plan_runs(*settings, campaign.spec.seed, optimizer) for optimizer in ("genetic", "descents")
     )
 
     def one_descent(plan):
@@ -97,9 +97,14 @@ def _columns(campaign: Campaign) -> tuple[float, list[tuple[list[float], float]]
 
     columns = [
         _timed(lambda: [one_descent(plan) for plan in plans]),
-        _timed(lambda: [execute(problem, plan).objective for plan in plans]),
+        *(_timed(partial(_ends, problem, each)) for each in (plans, alone)),
     ]
     return min(min(values) for values, _ in columns), columns
+
+
+def _ends(problem: Problem, plans: list[RunPlan]) -> list[float]:
+    """Return the objectives of runs."""
+    return [execute(problem, plan).objective for plan in plans]
 
 
 def _timed(ends: Callable[[], list[float]]) -> tuple[list[float], float]:

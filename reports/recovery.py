@@ -12,7 +12,7 @@ import numpy as np
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import campaign_from_settings, read_campaign
-from cylcontact.fitting.polish import polish, polish_across_kinks
+from cylcontact.fitting.polish import minimise, polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.laws import PUBLISHED
 from cylcontact.laws.definition import Parameter
@@ -70,7 +70,7 @@ def best(problem: Problem) -> tuple[FloatArray, float]:
     beside = np.pad(values.min(axis=1), 1, constant_values=np.inf)
     low = np.flatnonzero(beside[1:-1] <= np.minimum(beside[:-2], beside[2:]))
     # Only the internal law has kinks, where the branches of Y meet.
-    descend = polish_across_kinks if problem.model.contact == "internal" else polish
+    descend = minimise if problem.model.contact == "internal" else polish
     ends = [descend(problem, rows[row, values[row].argmin()]) for row in low]
     return min(ends, key=lambda end: end[1])
 
@@ -111,7 +111,7 @@ def searched(problem: Problem, contact: Contact) -> dict[str, float]:
     if len(problem.free) < len(WIDE):
         return problem.coefficients(best(problem)[0])
     start = problem.point(asdict(PUBLISHED[contact]))
-    return problem.coefficients(polish_across_kinks(problem, start)[0])
+    return problem.coefficients(minimise(problem, start)[0])
 
 
 def searched_exponents(bench: Bench) -> dict[str, float]:

@@ -8,7 +8,7 @@ from mpmath import mp
 
 from cylcontact import CylinderPair, Material, laws
 from cylcontact.datasets import Grid, Moments, merge, reduce_grid
-from cylcontact.datasets.logarithmic_moments import TILE, row_moments
+from cylcontact.datasets.logarithmic_moments import row_moments
 from cylcontact.datasets.sampling import PIECE, blocks
 
 LOGARITHMIC = [name for name in laws.REFERENCES if issubclass(laws.LAWS[name], laws.LogarithmicLaw)]
@@ -43,8 +43,8 @@ def test_rows_give_the_moments_of_their_samples(name, rows, loads):
     assert_same(row_moments(law, pair, load), by_samples(law, pair, load))
 
 
-@pytest.mark.parametrize(("rows", "loads"), [(3, TILE + 5), (TILE // 50 + 3, 50), (400, 400)])
-def test_rows_of_more_than_one_tile(rows, loads):
+@pytest.mark.parametrize(("rows", "loads"), [(3, 65541), (1313, 50), (400, 400)])
+def test_many_rows_and_loads_are_interpolated(rows, loads):
     law, pair, load = laws.Johnson(), pairs(rows), np.geomspace(0.1, 300.0, loads)
     assert_same(row_moments(law, pair, load), by_samples(law, pair, load))
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import Any
 
-from cylcontact.fitting.polish import polish, polish_across_kinks
+from cylcontact.fitting.polish import minimise, polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.laws import PUBLISHED
 from cylcontact.pair import CONTACTS, Contact
@@ -311,4 +311,4 @@ def one_branch(problem: Problem) -> float:
         problem.fixing("Y_slope", 0.0).fixing("Y_offset", 0.0),
         problem.fixing("Y_log_scale", 0.0).fixing("Y_log_exponent", 0.0),
     )
-    return min(polish_across_kinks(way, way.point(start))[1] for way in ways)
+    return min(minimise(way, way.point(start))[1] for way in ways)

@@ -314,8 +314,8 @@ class Grid:
         """Return E in GPa and ν of rows, with E varying slowest."""
         return self.E[rows // self.nu.size], self.nu[rows % self.nu.size]
 
-    def pairs(self, dR: float, rows: IndexArray) -> CylinderPair:
-        """Return the pairs of rows at one ΔR in mm, in the shape of `rows`."""
+    def pairs(self, dR: float | FloatArray, rows: IndexArray) -> CylinderPair:
+        """Return the pairs of rows at ΔR in mm, in the shape of both."""
         E, nu = self.row_values(rows)
         return CylinderPair.from_dR(self.contact, dR, material_in_MPa("grid", E * 1e3, nu))
 
@@ -382,7 +382,7 @@ class DimensionlessGrid:
         alpha, beta = self._possible
         return alpha[rows], beta[rows]
 
-    def pairs(self, _: float, rows: IndexArray) -> CylinderPair:
+    def pairs(self, _: float | FloatArray, rows: IndexArray) -> CylinderPair:
         """Return the pairs of rows in the shape of `rows`."""
         return CylinderPair.from_dundurs(*self.row_values(rows))
 

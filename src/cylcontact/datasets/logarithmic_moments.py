@@ -1,32 +1,41 @@
-"""Moments of a logarithmic reference law over whole rows of a grid, one logarithm per sample.
+"""Moments of a logarithmic reference law over whole rows of a grid, without its samples.
 
 At fixed E, ν and ΔR, a logarithmic law is δ = A·f·z with z = 1 + ln(f_max/f), so that
 
-    s = ln f − ln E*,    j = s + ln(κ/π) + ln z.
+    s = ln f − ln E*,    j = s + ln(κ/π) + ln z,    z = x − y + t,
 
-s and z are differences of a term of the row (E and ν) and a term of the load. So only ln z is
-evaluated at each sample, and the moments need its sums along rows and along loads and the sum of
-its squares:
+with a term x of the row (E and ν), y = ln f of the load and t of the clearance. In the domain
+z ≥ 1, so ln z is smooth and interpolated from a few Chebyshev nodes in x and y, with matrices U
+and V of barycentric weights (Berrut and Trefethen 2004) that are the same at every clearance.
+With C = ln z at the nodes the samples are U·C·Vᵀ, and their sums are bilinear in C:
 
-    Σ(s − s̄)·ln z = Σ_k (ln f_k − mean)·Σ_r ln z − Σ_r (ln E*_r − mean)·Σ_k ln z.
+    Σ a·ln z·b = (Uᵀa)ᵀ·C·(Vᵀb),    Σ ln² z = Σ (UᵀU·C·VᵀV)∘C.
+
+That takes some thousand logarithms a clearance, however many samples there are.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.moments import Moments
 from cylcontact.laws.logarithmic import LogarithmicLaw
 from cylcontact.pair import CylinderPair
 
-__all__ = ["TILE", "row_moments"]
+__all__ = ["row_moments"]
 
-# Samples per tile: their logarithms, half a MiB, stay in the cache of a core.
-TILE = 1 << 16
+# The interpolation converges as ρ⁻ᵠ; the error left, which the sums reduce further.
+_LEFT = 1e-13
 
 
-def row_moments(law: LogarithmicLaw, pair: CylinderPair, load: FloatArray) -> Moments:
+def row_moments(
+    law: LogarithmicLaw,
+    pair: CylinderPair,
+    load: FloatArray,
+    dR: FloatArray | None = None,
+    shift: FloatArray | None = None,
+) -> Moments:
     """Return the moments of every load on every pair, all inside the law's domain.
 
     Parameters
@@ -37,11 +46,14 @@ def row_moments(law: LogarithmicLaw, pair: CylinderPair, load: FloatArray) -> Mo
         Pairs of one ΔR, E and ν in arrays of shape (r,).
     load : array of float, shape (k,)
         Loads in N/mm, none above the law's largest for any of the pairs.
+    dR, shift : array of float, shape (m,), optional
+        The clearances in mm, and the logarithm of Λ over that of the pairs; by default that of the
+        pairs alone.
 
     Returns
     -------
     Moments
-        At the one clearance; equal to `Moments.of_samples` of the r·k samples up to rounding.
+        At the clearances; equal to `Moments.of_samples` of the r·k samples up to rounding.
 
     Examples
     --------
@@ -57,41 +69,50 @@ def row_moments(law: LogarithmicLaw, pair: CylinderPair, load: FloatArray) -> Mo
     >>> bool(np.isclose(whole.jj, by_row.jj, rtol=1e-13))
     True
     """
+    dR = np.atleast_1d(as_floats(pair.dR)) if dR is None else dR
+    t = np.zeros(1) if shift is None else shift
     log_E, log_load = np.log(pair.E_star), np.log(load)
     reach = np.broadcast_to(1 + np.log(law.max_load(pair)), log_E.shape)
+    (x, by_row), (y, by_load) = _interpolation(reach), _interpolation(log_load)
     # Logarithms of z over its mean are small, so subtracting their mean loses no digits.
-    middle = reach.mean() - log_load.mean()
-    rows, loads = reach / middle, -log_load / middle
-    if rows.size > loads.size:
-        by_load, by_row, squares = _sums(loads, rows)
-    else:
-        by_row, by_load, squares = _sums(rows, loads)
-    count = float(log_E.size * log_load.size)
-    mean = by_row.sum() / count
+    middle = reach.mean() - log_load.mean() + t
+    C = np.log((x[:, None] - y + t[:, None, None]) / middle[:, None, None])
     b, a = log_E - log_E.mean(), log_load - log_load.mean()
+    # Sums instead of dot products, whose result depends on the number of BLAS threads.
+    rows, loads = by_row.sum(axis=0), by_load.sum(axis=0)
+    rows_b, loads_a = (b[:, None] * by_row).sum(axis=0), (a[:, None] * by_load).sum(axis=0)
+    count = float(log_E.size * log_load.size)
+    mean = np.einsum("i,mij,j->m", rows, C, loads, optimize=False) / count
+    C -= mean[:, None, None]
+    sz = (C * (rows[:, None] * loads_a - rows_b[:, None] * loads)).sum(axis=(1, 2))
+    zz = ((_gram(by_row) @ C @ _gram(by_load)) * C).sum(axis=(1, 2))
     ss = log_E.size * (a * a).sum() + log_load.size * (b * b).sum()
-    sz = (a * by_load).sum() - (b * by_row).sum()
-    zz = max(squares - count * mean**2, 0.0)
     mean_s = log_load.mean() - log_E.mean()
     mean_j = mean_s + np.log(law.kappa / np.pi) + np.log(middle) + mean
-    numbers = (pair.dR, count, mean_s, mean_j, ss, ss + sz, ss + 2 * sz + zz)
-    return Moments(*(np.array([float(number)]) for number in numbers))
+    numbers = (count, mean_s, mean_j, ss, ss + sz, ss + 2 * sz + np.maximum(zz, 0.0))
+    return Moments(dR, *(np.broadcast_to(as_floats(number), dR.shape) for number in numbers))
 
 
-def _sums(few: FloatArray, many: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-    """Return the sums of ln(few + many) by element of `few` and `many`, and of its squares."""
-    by_few, by_many, squares = np.zeros(few.size), np.zeros(many.size), 0.0
-    width = min(many.size, TILE)
-    height = min(few.size, max(1, TILE // width))
-    room = np.empty((height, width))
-    for top in range(0, few.size, height):
-        for left in range(0, many.size, width):
-            down, across = slice(top, top + height), slice(left, left + width)
-            x, y = few[down, None], many[across]
-            z = np.add(x, y, out=room[: x.size, : y.size])
-            np.log(z, out=z)
-            by_few[down] += z.sum(axis=1)
-            by_many[across] += z.sum(axis=0)
-            # Sums instead of dot products, whose result depends on the number of BLAS threads.
-            squares += float(np.square(z, out=z).sum())
-    return by_few, by_many, squares
+def _gram(weights: FloatArray) -> FloatArray:
+    """Return WᵀW, summed in the order of the samples."""
+    return as_floats(np.einsum("ki,kj->ij", weights, weights, optimize=False))
+
+
+def _interpolation(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return nodes and the weights, shape (n, q), that interpolate ln z from them at n values.
+
+    Few values are nodes themselves. The singularity z = 0 is at least 1 away from the values, which
+    sets the rate ρ.
+    """
+    low, extent = values.min(), np.ptp(values)
+    reach = 1 + 2 / max(extent, 1e-6)
+    q = int(np.ceil(-np.log(_LEFT) / np.log(reach + np.sqrt(reach**2 - 1))))
+    if values.size <= q:
+        return values, np.eye(values.size)
+    angle = np.pi * (np.arange(q) + 0.5) / q
+    nodes = low + extent * (1 + np.cos(angle)) / 2
+    distance = values[:, None] - nodes
+    at_node = distance == 0
+    weights = (-1.0) ** np.arange(q) * np.sin(angle) / np.where(at_node, 1.0, distance)
+    weights = np.where(at_node.any(axis=1, keepdims=True), at_node / 1.0, weights)
+    return nodes, weights / weights.sum(axis=1, keepdims=True)

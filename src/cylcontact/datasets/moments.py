@@ -18,7 +18,7 @@ from functools import reduce
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, require
+from cylcontact.arrays import FloatArray, IndexArray, require
 
 __all__ = ["Moments", "concatenate", "merge"]
 
@@ -66,6 +66,10 @@ class Moments:
         # Sums instead of dot products, whose result depends on the number of BLAS threads.
         sums = ((s0 * s0).sum(), (s0 * j0).sum(), (j0 * j0).sum())
         return cls(*(np.array([value]) for value in (dR, float(s.size), mean_s, mean_j, *sums)))
+
+    def at(self, places: IndexArray) -> Moments:
+        """Return the moments at some of the clearances."""
+        return Moments(*(getattr(self, field.name)[places] for field in _FIELDS))
 
     @property
     def total(self) -> float:

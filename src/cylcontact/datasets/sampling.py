@@ -10,16 +10,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
 
-from cylcontact.arrays import FloatArray, IndexArray
-from cylcontact.datasets.grid import AnyGrid
+from cylcontact.arrays import BoolArray, FloatArray, IndexArray
+from cylcontact.datasets.grid import AnyGrid, Grid
 from cylcontact.datasets.logarithmic_moments import row_moments
 from cylcontact.datasets.moments import Moments, concatenate, merge
 from cylcontact.errors import InputError
@@ -42,8 +43,12 @@ __all__ = [
 BLOCK = 1 << 16
 # Least number of samples per call of a worker, if a clearance has that many.
 PIECE = 1 << 21
+# Clearances whose moments are formed together.
+_AT_ONCE = 256
 # Of each call of a worker in the list of all.
 _CALL_BYTES = 400
+# So few need no look at what memory is free, which takes a millisecond.
+_FEW_CALLS = 1000
 # Of each sample in a Parquet file, where most columns repeat, and in a CSV file.
 _SAMPLE_BYTES = (8, 60)
 
@@ -182,24 +187,32 @@ def reduce_grid(
     >>> counts
     Counts(samples=3, masked=1)
     """
+    inside = _clearances_inside(grid)
+    masked = np.flatnonzero(~inside)
     height = max(1, PIECE // grid.load.size)
     starts = range(0, grid.rows, height)
-    calls = grid.dR.size * len(starts)
-    require_memory(grid.source, "axes", None, _CALL_BYTES * calls, "thin the axes")
+    calls = masked.size * len(starts)
+    if calls > _FEW_CALLS:
+        require_memory(grid.source, "axes", None, _CALL_BYTES * calls, "thin the axes")
     work = [
         call(_reduce_rows, grid, float(dR), first, min(first + height, grid.rows))
-        for dR in grid.dR
+        for dR in grid.dR[masked]
         for first in starts
     ]
     parts: list[Moments] = []
+    done = 0
     with closing(run_calls(work, jobs, threads=True)) as reduced:
-        for done in range(1, grid.dR.size + 1):
-            moments = merge(islice(reduced, len(starts)))
-            if moments.total:
-                parts.append(moments)
-            if progress is not None:
-                progress(done)
-    if not parts:
+        merged = (merge(islice(reduced, len(starts))) for _ in masked)
+        for part in chain(_reduce_whole(grid, grid.dR[inside]), merged):
+            parts.append(part)
+            for _ in part.dR:
+                done += 1
+                if progress is not None:
+                    progress(done)
+    moments = concatenate(parts)
+    order = np.argsort(moments.dR)
+    moments = moments.at(order[moments.count[order] > 0])
+    if not moments.total:
         raise InputError(
             grid.source,
             "axes",
@@ -207,21 +220,40 @@ def reduce_grid(
             f"all {grid.size} samples lie outside the domain of {grid.reference}",
             "lower the loads, or raise E or dR",
         )
-    moments = concatenate(parts)
     return moments, Counts(int(moments.total), grid.size - int(moments.total))
+
+
+def _clearances_inside(grid: AnyGrid) -> BoolArray:
+    """Return the clearances at which every sample lies in the domain of a logarithmic law."""
+    law = grid.law
+    if not isinstance(law, LogarithmicLaw) or not isinstance(grid, Grid):
+        return np.zeros(grid.dR.shape, dtype=bool)
+    # The domain ends at a largest load, which is the least for the softest pair.
+    softest = int(grid.pairs(grid.dR[0], np.arange(grid.rows)).E_star.argmin())
+    pairs = grid.pairs(grid.dR, np.array(softest))
+    return np.asarray(np.isfinite(law.penetration(grid.load.max(), pairs)))
+
+
+def _reduce_whole(grid: AnyGrid, dR: FloatArray) -> Iterator[Moments]:
+    """Yield the moments at clearances that are whole, some at a time."""
+    if not dR.size:
+        return
+    law, rows = cast(LogarithmicLaw, grid.law), np.arange(grid.rows)
+    pair, some = grid.pairs(dR[0], rows), grid.pairs(dR, rows[0])
+    shift = np.log(law.reach(some) / law.reach(pair))
+    for first in range(0, dR.size, _AT_ONCE):
+        here = slice(first, first + _AT_ONCE)
+        yield row_moments(law, pair, grid.load, dR[here], shift[here])
 
 
 def _reduce_rows(grid: AnyGrid, dR: float, first: int, last: int) -> Moments:
     """Return the moments of some rows, combinations of E and ν, at one ΔR."""
     law, rows, parts = grid.law, np.arange(first, last), []
     if isinstance(law, LogarithmicLaw):
-        # Its domain ends at a largest load: if the largest load of the grid is inside, all are.
         pair = grid.pairs(dR, rows)
         whole = np.isfinite(law.penetration(grid.load.max(), pair))
-        if not whole.all():
-            pair = grid.pairs(dR, rows[whole])
         if whole.any():
-            parts.append(row_moments(law, pair, grid.load))
+            parts.append(row_moments(law, grid.pairs(dR, rows[whole]), grid.load))
         rows = rows[~whole]
     parts += [Moments.of_samples(dR, b.s, b.j) for b in _blocks_of_rows(grid, dR, rows)]
     return merge(parts)

@@ -36,7 +36,7 @@ from cylcontact.fitting.objectives import (
     max_abs_difference_percent,
 )
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed, search
-from cylcontact.fitting.polish import polish_across_basins, polish_across_kinks
+from cylcontact.fitting.polish import minimise
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.records import (
     MaxDifference,
@@ -296,6 +296,8 @@ def _quality_on_grid(
         call(profile, problem, name, best, value) for name, value in zip(names, values, strict=True)
     ]
     progress("profiling", 0, len(names))
+    if isinstance(problem.objective, RmsLogPenetration):
+        jobs = 1  # starting the workers would take longer
     profiles = dict(zip(names, collect(calls, jobs, progress, "profiling"), strict=True))
     return _Quality(problem.objective.bound if problem.model.power_form else None, profiles)
 
@@ -473,11 +475,7 @@ def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRec
         best = search(
             problem, plan.optimizer, plan.population, plan.generations, plan.crossover, plan.seed
         )
-        # From moments a descent takes milliseconds; from samples only a few hops are affordable.
-        if isinstance(problem.objective, RmsLogPenetration):
-            point, value = polish_across_basins(problem, best.point, plan.seed)
-        else:
-            point, value = polish_across_kinks(problem, best.point)
+        point, value = minimise(problem, best.point, plan.seed)
     if not np.isfinite(value):
         raise InputError(
             source,

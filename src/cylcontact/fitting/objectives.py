@@ -38,12 +38,15 @@ __all__ = [
     "RmsLogPenetration",
     "RmsLogPenetrationOnRows",
     "RmsRelativeForce",
+    "RootMeanSquare",
     "make_objective",
     "max_abs_difference_percent",
 ]
 
 # The polish of a largest magnitude sees the extremes of at least this many groups of samples.
 _GROUPS = 400
+# Step of the log ratio for the derivative of a deviation.
+_STEP = 1e-6
 
 
 class Objective(Protocol):
@@ -83,6 +86,11 @@ class RmsLogPenetration:
         """The clearances in mm, shape (m,)."""
         return self.moments.dR
 
+    @property
+    def size(self) -> int:
+        """The number of residuals, q."""
+        return 2 * self.dR.size
+
     def form(self, model: LawModel, candidates: FloatArray) -> Form:
         """Return P candidates of a law at the clearances."""
         return form_of(model, candidates, self.dR)
@@ -98,6 +106,14 @@ class RmsLogPenetration:
         """Return residuals whose squares add up to those of the objective less the bound."""
         level, tilt = self._parts(form)
         return np.concatenate([level, tilt], axis=1)
+
+    def slopes(self, form: PowerForm, dc: FloatArray, dn: FloatArray) -> FloatArray:
+        """Return the derivatives of the residuals by k parameters from those of c and n."""
+        level_weight, tilt_weight, _ = self._constants
+        u = (1 / form.n)[:, None]
+        du = -(u**2) * dn
+        level = level_weight * (dc * u + (self.moments.mean_s + form.c)[:, None] * du)
+        return np.concatenate([level, tilt_weight * du], axis=-1)
 
     @cached_property
     def bound(self) -> float:
@@ -168,8 +184,13 @@ class _RowObjective(ABC):
 
 
 @dataclass(frozen=True)
-class _RootMeanSquare(_RowObjective):
+class RootMeanSquare(_RowObjective):
     """Root mean square of a deviation."""
+
+    @property
+    def size(self) -> int:
+        """The number of residuals, q."""
+        return self.rows.s.size
 
     @staticmethod
     @abstractmethod
@@ -189,6 +210,19 @@ class _RootMeanSquare(_RowObjective):
         # Over √N, their squares add up to the objective's.
         return as_floats(self.deviation(log_ratio) / np.sqrt(log_ratio.size))
 
+    def slopes(self, form: PowerForm, dc: FloatArray, dn: FloatArray) -> FloatArray:
+        """Return the derivatives of the residuals by k parameters from those of c and n."""
+        rows, u = self.rows, 1 / form.n
+        du = -((u**2)[:, None]) * dn
+        if self.of_load:
+            level, tilt, at = -dc, dn, rows.j
+        else:
+            level, tilt, at = dc * u[:, None] + form.c[:, None] * du, du, rows.s
+        log_ratio = np.array([self._log_ratio(form, k) for k in _all(form)])
+        ahead, behind = (self.deviation(log_ratio + step) for step in (_STEP, -_STEP))
+        weight = (ahead - behind) / (2 * _STEP * np.sqrt(at.size))
+        return as_floats(weight[:, None] * (level[..., rows.index] + tilt[..., rows.index] * at))
+
     def _best_line(self, s: FloatArray, j: FloatArray) -> float:
         """Return the least sum of squares of one K* and n on the samples of one clearance."""
         if np.ptp(s) == 0:
@@ -204,7 +238,7 @@ class _RootMeanSquare(_RowObjective):
 
 
 @dataclass(frozen=True)
-class RmsLogPenetrationOnRows(_RootMeanSquare):
+class RmsLogPenetrationOnRows(RootMeanSquare):
     """Root mean square of ln(δ_law/δ_reference), for laws other than power laws."""
 
     @staticmethod
@@ -214,7 +248,7 @@ class RmsLogPenetrationOnRows(_RootMeanSquare):
 
 
 @dataclass(frozen=True)
-class RmsDifference(_RootMeanSquare):
+class RmsDifference(RootMeanSquare):
     """Root mean square of Eq 9, in percent."""
 
     @staticmethod
@@ -224,7 +258,7 @@ class RmsDifference(_RootMeanSquare):
 
 
 @dataclass(frozen=True)
-class RmsRelativeForce(_RootMeanSquare):
+class RmsRelativeForce(RootMeanSquare):
     """Root mean square of (f_law − f_reference)/f_reference at equal penetration."""
 
     of_load: ClassVar[bool] = True

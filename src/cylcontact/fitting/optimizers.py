@@ -1,7 +1,8 @@
-"""The optimisers of a campaign, with the same budget of evaluations.
+"""The optimisers of a campaign, with the same budget of evaluations and the same polish.
 
 The genetic search brings its own stopping rule. The others restart from random points until the
-budget is spent, and the best candidate is the result. All random numbers come from a generator
+budget is spent, and the best candidate is the result. "descents" does not search: the polish, which
+descends from many points at once, does all the work. All random numbers come from a generator
 with the run's seed.
 
 The command line reads the names, so slow and optional libraries are imported in the functions.
@@ -59,12 +60,15 @@ class Optimizer:
         Returns the `Search` of a problem, given population, generations, crossover and seed.
     has_crossover : bool
         Whether the runs of a campaign take turns with its crossovers.
+    spends_budget : bool
+        Whether it searches; if not, the polish does all the work.
     library, extra : str
         The optional library that it needs, if any, and the package's extra that has it.
     """
 
     search: _Search
     has_crossover: bool = False
+    spends_budget: bool = True
     library: str = ""
     extra: str = ""
 
@@ -142,6 +146,16 @@ def _genetic(
     from cylcontact.fitting import genetic
 
     return genetic.search(problem, population, generations, crossover or "blend", seed)
+
+
+def _random(problem: Problem, population: int, _: int, __: str | None, seed: int) -> Search:
+    """Return the best of a population of random points, from which the polish descends."""
+    from cylcontact.fitting.genetic import Search
+    from cylcontact.fitting.polish import scatter
+
+    points = scatter(problem, np.random.default_rng(seed), population)
+    values = problem.values(points)
+    return Search(points[values.argmin()], float(values.min()), population)
 
 
 class BudgetSpentError(Exception):
@@ -262,7 +276,7 @@ def _least_squares(budget: EvaluationBudget, _: int, rng: np.random.Generator) -
         return as_floats(budget.residuals(unit[None, :])[0])
 
     def jacobian(unit: FloatArray) -> FloatArray:
-        return central_differences(budget.residuals, low, high, unit)
+        return as_floats(central_differences(budget.residuals, low, high, unit[None, :])[0].T)
 
     while True:
         start = rng.uniform(size=budget.size)
@@ -307,5 +321,6 @@ OPTIMIZERS: Mapping[str, Optimizer] = {
     "genetic": Optimizer(_genetic, has_crossover=True),
     "differential-evolution": Optimizer(_differential_evolution),
     "least-squares": Optimizer(_least_squares),
+    "descents": Optimizer(_random, spends_budget=False),
     "cma": Optimizer(_cma_es, library="cma", extra="peers"),
 }

@@ -1,40 +1,49 @@
-"""Polish: descend to the minimum of the basin that a search ended in, and try other basins.
+"""Polish: descend to the minimum of the basin that a search ended in, and look for a lower one.
 
-A sum of squares is minimised by least squares, a largest residual by linear programmes.
+One descent serves all: an interior Levenberg-Marquardt iteration on a batch of candidates at once,
+with the scaling of Coleman and Li (1996) at the bounds and the damping of Nielsen (1999). A largest
+residual is minimised by linear programmes instead.
+
+A law with a maximum, such as Y with its two branches, has a minimum for each way of dividing the
+clearances between them, and a branch that serves none stays out of use. So the maximum is first
+smoothed, which gives both branches a gradient, and sharpened in steps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from itertools import cycle
+from collections.abc import Callable, Collection
 
 import numpy as np
-from scipy.optimize import least_squares, linprog
+from scipy.optimize import linprog
 
-from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.fitting.objectives import Largest
+from cylcontact.arrays import FloatArray, IndexArray, as_floats
+from cylcontact.fitting.objectives import Largest, RmsLogPenetration, RootMeanSquare
 from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.samples import PowerForm
 
-__all__ = [
-    "central_differences",
-    "minimise_largest",
-    "polish",
-    "polish_across_basins",
-    "polish_across_kinks",
-]
+__all__ = ["central_differences", "descend", "minimise", "minimise_largest", "polish", "scatter"]
 
 # A restart that gains less than this, relatively, ends the polish.
 _MIN_GAIN = 1e-10
 _MAX_RESTARTS = 20
-# Short hops to points beside a minimum.
-_SHORT_HOPS = 12
-# The hops to other basins end when so many in a row gained nothing, or less than this, relatively.
-_PATIENCE, _MIN_HOP_GAIN = 72, 1e-4
-# Standard deviations relative to the bounds: of a hop across a kink, and, as powers of ten, of
-# each coefficient in a hop to another basin.
-_SHORT_HOP, _LONG_HOP_DECADES = 0.005, (-3.0, -0.3)
-# A hop is followed by a rough descent, and by a finer one if that ends this near the best.
-_ROUGH, _FINER, _NEAR = 1e-4, 1e-7, 1.1
+# Starts beside that of a search, and the numbers in their slopes, which limit the starts.
+_STARTS, _SLOPES = 31, 1 << 22
+# Numbers in the slopes that are formed together: they stay in the cache of a core.
+_AT_ONCE = 1 << 15
+# The maximum in a law is smoothed over this much, in units of Y, and then less and less.
+_LADDER = (0.3, 0.15, 0.07, 0.035, 0.018, 0.009, 0.004)
+# Relative gain at the end of a rough descent, as on the ladder, and of a finer one.
+_ROUGH, _FINER = 1e-2, 1e-6
+_ROUGH_STEPS, _STEPS = 10, 400
+# Short hops to points beside the best: how many at once, their standard deviation relative to the
+# bounds, and the relative gain below which they end.
+_SHORT_HOPS, _SHORT_HOP, _MIN_HOP_GAIN = 16, 0.005, 1e-4
+# A descent ends after so many small gains, or at this damping.
+_SMALL_GAINS, _MOST_DAMPING = 3, 1e10
+# The first damping, the share of the way to a bound, and the nearest to it of a start.
+_FIRST_DAMPING, _WAY, _MARGIN = 1e-3, 0.995, 1e-12
+# The objectives with a formula for the slopes of power laws.
+_SLOPED = (RmsLogPenetration, RootMeanSquare)
 # Step of the central differences, relative to the interval between the bounds.
 _DIFFERENCE = 1e-6
 # First and last radius of the trust region, relative to the same interval.
@@ -48,7 +57,7 @@ _Residuals = Callable[[FloatArray], FloatArray]
 def polish(
     problem: Problem, start: FloatArray, precision: float = 1e-14
 ) -> tuple[FloatArray, float]:
-    """Descend from a point to a local minimum.
+    """Descend from a point to a local minimum, and restart until that gains nothing.
 
     Parameters
     ----------
@@ -66,59 +75,20 @@ def polish(
         The minimum; the start itself if nothing better was found.
     value : float
         Its objective.
-
-    Notes
-    -----
-    Y is the larger of two branches, so the objective has kinks at which a least-squares
-    iteration can stop early. It is restarted until that gains nothing.
     """
     point, value = start, problem.value(start)
-    if point.size == 0 or not np.isfinite(value):
-        return point, value
     for _ in range(_MAX_RESTARTS):
-        candidate, reached = _descended(problem, point, precision)
-        if not reached < value * (1 - _MIN_GAIN):
+        (candidate,), (reached,) = descend(problem, point[None, :], precision)
+        gained = reached < value * (1 - _MIN_GAIN)
+        if reached < value:
+            point, value = candidate, float(reached)
+        if not gained:
             break
-        point, value = candidate, reached
     return point, value
 
 
-def polish_across_kinks(problem: Problem, start: FloatArray) -> tuple[FloatArray, float]:
-    """Descend to a local minimum, then from points beside it, and return the lowest.
-
-    Y's two branches meet between two clearances of the grid, and each such pair has a minimum of
-    its own, a few hundredths of a percent apart. A descent ends in the nearest; short hops reach
-    the lowest.
-
-    Parameters
-    ----------
-    problem : Problem
-        What to minimise.
-    start : array of float, shape (k,)
-        Free parameters within their bounds.
-
-    Returns
-    -------
-    point : array of float, shape (k,)
-        The lowest minimum found.
-    value : float
-        Its objective.
-    """
-    point, value = polish(problem, start)
-    if point.size == 0 or not np.isfinite(value):
-        return point, value
-    rng = np.random.default_rng(0)  # the same hops for every run: only the search is random
-    for _ in range(_SHORT_HOPS):
-        candidate, reached = polish(problem, _beside(problem, point, rng))
-        if reached < value * (1 - _MIN_GAIN):
-            point, value = candidate, reached
-    return point, value
-
-
-def polish_across_basins(
-    problem: Problem, start: FloatArray, seed: int
-) -> tuple[FloatArray, float]:
-    """Descend to a local minimum, hop on from it and descend again, and return the lowest.
+def minimise(problem: Problem, start: FloatArray, seed: int = 0) -> tuple[FloatArray, float]:
+    """Descend from a point and from random ones, then from beside the lowest, and return it.
 
     Parameters
     ----------
@@ -127,7 +97,7 @@ def polish_across_basins(
     start : array of float, shape (k,)
         Free parameters within their bounds.
     seed : int
-        Of the hops.
+        Of the other starts.
 
     Returns
     -------
@@ -138,98 +108,241 @@ def polish_across_basins(
 
     Notes
     -----
-    Y is the larger of two branches. Each way of dividing the clearances of the grid between them
-    has a minimum of its own, and one branch may serve a single clearance or none. Hops in turn
-    start anywhere, move each coefficient by a step of its own size, and move all a little, to
-    where the branches meet between other clearances. This is basin hopping (Wales and Doye 1997)
-    that only ever goes down.
+    Where a descent needs every sample, or a law has no formula for its slopes, there are fewer
+    random starts or none.
     """
-    value = problem.value(start)
-    if start.size == 0 or not np.isfinite(value):
-        return start, value
-    point, value = _descended(problem, start, _FINER)
     rng = np.random.default_rng(seed)
-    hops = 0  # in a row that gained nothing
-    for hop in cycle((_anywhere, _far, _beside)):
-        if hops == _PATIENCE:
-            break
-        hops += 1
-        candidate, reached = _descended(problem, hop(problem, point, rng), _ROUGH)
-        if reached < _NEAR * value:
-            candidate, reached = _descended(problem, candidate, _FINER)
-        if reached < value:
-            hops = 0 if reached < value * (1 - _MIN_HOP_GAIN) else hops
-            point, value = candidate, reached
-    return polish(problem, point)
+    starts = np.vstack([start, scatter(problem, rng, affordable_starts(problem))])
+    starts = np.vstack([start, climb_down(problem, starts)])
+    ends, values = descend(problem, starts, _FINER)
+    point, value = ends[values.argmin()], values.min()
+    if not np.isfinite(value) or not point.size:
+        return start, float(value)
+    while True:
+        step = rng.normal(size=(_SHORT_HOPS, point.size)) * _SHORT_HOP
+        beside = np.clip(point + step * (problem.high - problem.low), problem.low, problem.high)
+        ends, values = descend(problem, beside, _FINER)
+        enough = not values.min() < value * (1 - _MIN_HOP_GAIN)
+        if values.min() < value:
+            point, value = ends[values.argmin()], values.min()
+        if enough:
+            return polish(problem, point)
 
 
-def _anywhere(problem: Problem, _: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return a point anywhere between the bounds."""
-    return rng.uniform(problem.low, problem.high)
+def scatter(problem: Problem, rng: np.random.Generator, number: int) -> FloatArray:
+    """Return random points between the bounds, shape (number, k)."""
+    return rng.uniform(problem.low, problem.high, (number, len(problem.free)))
 
 
-def _far(problem: Problem, point: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return a point that differs in each coefficient on a scale of its own."""
-    return _moved(problem, point, rng, 10 ** rng.uniform(*_LONG_HOP_DECADES, point.size))
+def affordable_starts(problem: Problem) -> int:
+    """Return how many random starts a polish can afford."""
+    objective = problem.objective
+    if problem.model.power_form is None or not isinstance(objective, _SLOPED):
+        return 0
+    return min(_STARTS, _SLOPES // (len(problem.free) * objective.size))
 
 
-def _beside(problem: Problem, point: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return a point far enough away to cross a kink, near enough to stay in the basin."""
-    return _moved(problem, point, rng, np.full(point.size, _SHORT_HOP))
+def climb_down(problem: Problem, points: FloatArray, held: Collection[int] = ()) -> FloatArray:
+    """Descend the ladder of smoothed maxima from P points, and return where it ends.
+
+    A law without a maximum has no ladder. The columns `held` stay as they are.
+    """
+    for smooth in _LADDER if _has_formula(problem) else ():
+        points = _descend_squares(problem, points, _ROUGH, held, smooth, _ROUGH_STEPS)
+    return points
 
 
-def _moved(
-    problem: Problem, point: FloatArray, rng: np.random.Generator, scale: FloatArray
+def descend(
+    problem: Problem, starts: FloatArray, precision: float, held: Collection[int] = ()
+) -> tuple[FloatArray, FloatArray]:
+    """Descend once from each of P points.
+
+    Parameters
+    ----------
+    problem : Problem
+        What to minimise.
+    starts : array of float, shape (P, k)
+        Free parameters within their bounds.
+    precision : float
+        Relative gain below which a descent ends.
+    held : collection of int
+        Columns that stay as they are.
+
+    Returns
+    -------
+    points : array of float, shape (P, k)
+        The ends; a start itself if nothing better was found.
+    values : array of float, shape (P,)
+        Their objectives.
+    """
+    before = problem.values(starts)
+    if starts.shape[1] == len(held) or not np.isfinite(before).any():
+        return starts, before
+    if isinstance(problem.objective, Largest):
+        ends = np.array([_descend_largest(problem, start, precision, held) for start in starts])
+    else:
+        ends = _descend_squares(problem, starts, precision, held)
+    columns = list(held)
+    ends[:, columns] = starts[:, columns]
+    after = problem.values(ends)
+    lower = after < before
+    return np.where(lower[:, None], ends, starts), np.where(lower, after, before)
+
+
+def _descend_squares(
+    problem: Problem,
+    starts: FloatArray,
+    precision: float,
+    held: Collection[int],
+    smooth: float = 0.0,
+    most_steps: int = _STEPS,
 ) -> FloatArray:
-    """Return a point moved by normal steps of these scales, within the bounds."""
-    step = rng.normal(size=point.size) * scale * (problem.high - problem.low)
-    return as_floats(np.clip(point + step, problem.low, problem.high))
+    """Minimise sums of squares within the bounds.
+
+    In coordinates t from 0 to 1, with residuals r, slopes J, A = JᵀJ, g = Jᵀr and v the distance to
+    the bound that −g points to, a step solves
+
+        (A + diag(|g|/v) + λ·(tr A/k)·diag(1/v))·step = −g.
+    """
+    low, span = problem.low, problem.high - problem.low
+    free = np.setdiff1d(np.arange(low.size), list(held))
+
+    def expanded(t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return r², A and g of points that differ in the free columns."""
+        points = ends[here]
+        points[:, free] = t
+        return _normal_equations(problem, low + points * span, free, smooth)
+
+    ends = (starts - low) / span
+    here = np.arange(len(ends))
+    t = np.clip(ends[:, free], _MARGIN, 1 - _MARGIN)
+    cost, A, g = expanded(t)
+    damping, growth = np.full(here.size, _FIRST_DAMPING), np.full(here.size, 2.0)
+    small = np.zeros(here.size)
+    eye = np.eye(len(free))
+    for _ in range(most_steps):
+        on = (small < _SMALL_GAINS) & (damping < _MOST_DAMPING) & np.isfinite(cost)
+        if not on.all():
+            ends[np.ix_(here[~on], free)] = t[~on]
+            here, t, cost, A, g = here[on], t[on], cost[on], A[on], g[on]
+            damping, growth, small = damping[on], growth[on], small[on]
+            if not here.size:
+                break
+        # In the unknowns step/√v the matrix is well conditioned up to the bounds.
+        root = np.sqrt(np.where(g < 0, 1 - t, t))
+        scale = damping * np.trace(A, axis1=1, axis2=2) / len(free) + np.finfo(float).tiny
+        matrix = root[:, :, None] * A * root[:, None, :]
+        matrix += eye * (np.abs(g) + scale[:, None])[:, None, :]
+        step = root * np.linalg.solve(matrix, -(root * g)[..., None])[..., 0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            room = np.where(step > 0, (1 - t) / step, np.where(step < 0, -t / step, np.inf))
+        step *= np.minimum(1, _WAY * room.min(axis=1))[:, None]
+        candidate = t + step
+        reached, A_there, g_there = expanded(candidate)
+        predicted = -(2 * g * step).sum(axis=1) - (step * (A @ step[..., None])[..., 0]).sum(axis=1)
+        gain = cost - reached
+        better = gain > 0
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            cubed = (2 * gain / predicted - 1) ** 3
+        damping *= np.where(better, np.maximum(1 / 3, 1 - np.fmax(cubed, -1)), growth)
+        growth = np.where(better, 2.0, 2 * growth)
+        small = np.where(better, np.where(gain < precision * cost, small + 1, 0), small)
+        t, cost = np.where(better[:, None], candidate, t), np.where(better, reached, cost)
+        A = np.where(better[:, None, None], A_there, A)
+        g = np.where(better[:, None], g_there, g)
+    ends[np.ix_(here, free)] = t
+    return as_floats(low + ends * span)
 
 
-def _descended(problem: Problem, start: FloatArray, precision: float) -> tuple[FloatArray, float]:
-    """Descend once; return the lower of both ends, and its objective."""
-    value = problem.value(start)
-    if not np.isfinite(value):
-        return start, value
-    candidate = _descend(problem, start, precision)
-    reached = problem.value(candidate)
-    return (candidate, reached) if reached < value else (start, value)
+def _normal_equations(
+    problem: Problem, points: FloatArray, free: IndexArray, smooth: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the sum of squares, JᵀJ and Jᵀr at P points, in coordinates from 0 to 1."""
+    objective = problem.objective
+    size = len(problem.free) * objective.size if isinstance(objective, _SLOPED) else 1
+    at_once = max(1, _AT_ONCE // size)
+    if len(points) > at_once:
+        parts = [
+            _normal_equations(problem, points[first : first + at_once], free, smooth)
+            for first in range(0, len(points), at_once)
+        ]
+        cost, A, g = (np.concatenate(each) for each in zip(*parts, strict=True))
+        return cost, A, g
+    residuals, slopes = _linearised(problem, points, smooth)
+    if len(free) < len(problem.free):
+        slopes = slopes[:, free]
+    span = (problem.high - problem.low)[free]
+    with np.errstate(all="ignore"):
+        g = span * (slopes @ residuals[..., None])[..., 0]
+        A = span[:, None] * (slopes @ slopes.transpose(0, 2, 1)) * span
+        cost = (residuals**2).sum(axis=1)
+    return np.where(np.isfinite(cost + A.sum(axis=(1, 2))), cost, np.inf), A, g
 
 
-def _descend(problem: Problem, start: FloatArray, precision: float) -> FloatArray:
-    """Minimise the objective by the method for its kind."""
-    descend = _descend_largest if isinstance(problem.objective, Largest) else _descend_squares
-    return descend(problem, start, precision)
+def _linearised(
+    problem: Problem, points: FloatArray, smooth: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the residuals of P points and their derivatives, shapes (P, q) and (P, k, q)."""
+    form_of_law, objective = problem.model.smooth_form, problem.objective
+    if form_of_law is None or not isinstance(objective, _SLOPED):
+        residuals, low, high = problem.finite_residuals, problem.low, problem.high
+        return residuals(points), central_differences(residuals, low, high, points)
+    log_dR = np.log(objective.dR)
+    with np.errstate(all="ignore"):
+        K_star, n, K_slopes, n_slopes = form_of_law(problem.complete(points), objective.dR, smooth)
+        form = PowerForm(log_dR - np.log(K_star), np.where(n > 0, n, np.nan))
+        by_all = -K_slopes / K_star[:, None], n_slopes
+        slopes = objective.slopes(form, *(_by_free(problem, points, each) for each in by_all))
+        return objective.residuals(form), slopes
 
 
-def _descend_squares(problem: Problem, start: FloatArray, precision: float) -> FloatArray:
-    """Minimise a sum of squares within the bounds."""
-    span = problem.high - problem.low
-    margin = 1e-12 * span
-
-    def residuals(point: FloatArray) -> FloatArray:
-        return as_floats(problem.finite_residuals(point[None, :])[0])
-
-    def jacobian(point: FloatArray) -> FloatArray:
-        return central_differences(problem.finite_residuals, problem.low, problem.high, point)
-
-    solution = least_squares(
-        residuals,
-        np.clip(start, problem.low + margin, problem.high - margin),
-        jac=jacobian,
-        bounds=(problem.low, problem.high),
-        x_scale=span,
-        xtol=precision,
-        ftol=precision,
-        gtol=precision,
-        max_nfev=2000,
-    )
-    return np.asarray(solution.x)
+def _by_free(problem: Problem, points: FloatArray, slopes: FloatArray) -> FloatArray:
+    """Return derivatives by the free parameters from those by all, shape (P, all, m)."""
+    if any(p.tie for p in problem.parameters):
+        ties = central_differences(problem.complete, problem.low, problem.high, points)
+        return as_floats(ties @ slopes)
+    if len(problem.free) == len(problem.parameters):
+        return slopes
+    return slopes[:, [p.is_free for p in problem.parameters]]
 
 
-def _descend_largest(problem: Problem, start: FloatArray, precision: float) -> FloatArray:
+def _has_formula(problem: Problem) -> bool:
+    """Return whether the law has a formula for its slopes, and the objective can use it."""
+    return problem.model.smooth_form is not None and isinstance(problem.objective, _SLOPED)
+
+
+def central_differences(
+    residuals: _Residuals, low: FloatArray, high: FloatArray, points: FloatArray
+) -> FloatArray:
+    """Return the derivatives of the residuals at P points, shape (P, k, q).
+
+    `residuals` is called once. At a bound the differences are one-sided.
+    """
+    steps = np.diag(_DIFFERENCE * (high - low))
+    ahead = np.minimum(points[:, None] + steps, high)
+    behind = np.maximum(points[:, None] - steps, low)
+    moved = np.concatenate([ahead, behind]).reshape(-1, low.size)
+    there = residuals(moved).reshape(2, *ahead.shape[:2], -1)
+    width = np.diagonal(ahead - behind, axis1=1, axis2=2)
+    return as_floats((there[0] - there[1]) / width[..., None])
+
+
+def _descend_largest(
+    problem: Problem, start: FloatArray, precision: float, held: Collection[int]
+) -> FloatArray:
     """Minimise the largest magnitude of the residuals within the bounds."""
-    return minimise_largest(problem.finite_residuals, problem.low, problem.high, start, precision)
+    free = [column for column in range(start.size) if column not in held]
+
+    def residuals(points: FloatArray) -> FloatArray:
+        whole = np.tile(start, (len(points), 1))
+        whole[:, free] = points
+        return problem.finite_residuals(whole)
+
+    end = start.copy()
+    end[free] = minimise_largest(
+        residuals, problem.low[free], problem.high[free], start[free], precision
+    )
+    return end
 
 
 def minimise_largest(
@@ -276,7 +389,7 @@ def minimise_largest(
     point, radius = start, _FIRST_RADIUS
     reached = residuals(point[None, :])[0]
     for _ in range(_MAX_PROGRAMMES):
-        slopes = central_differences(residuals, low, high, point) * span
+        slopes = central_differences(residuals, low, high, point[None, :])[0].T * span
         unit = (point - low) / span
         step, predicted = _linear_programme(reached, slopes, unit, radius)
         largest = np.abs(reached).max()
@@ -289,18 +402,6 @@ def minimise_largest(
             point, reached = candidate, trial
         radius *= 2.0 if share > 0.75 else 0.25 if share < 0.25 else 1.0
     return point
-
-
-def central_differences(
-    residuals: _Residuals, low: FloatArray, high: FloatArray, point: FloatArray
-) -> FloatArray:
-    """Return the derivatives of the residuals at one point, shape (q, k).
-
-    `residuals` is called once.
-    """
-    steps = np.diag(_DIFFERENCE * (high - low))
-    ahead, behind = np.split(residuals(np.vstack([point + steps, point - steps])), 2)
-    return as_floats(((ahead - behind) / (2 * steps.diagonal())[:, None]).T)
 
 
 def _linear_programme(

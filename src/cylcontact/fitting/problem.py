@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,17 +39,17 @@ class Problem:
     parameters: tuple[Parameter, ...]
     objective: Objective
 
-    @property
+    @cached_property
     def free(self) -> tuple[Parameter, ...]:
         """The parameters that are searched."""
         return tuple(p for p in self.parameters if p.is_free)
 
-    @property
+    @cached_property
     def low(self) -> FloatArray:
         """Lower bounds of the free parameters, shape (k,)."""
         return np.array([p.low for p in self.free])
 
-    @property
+    @cached_property
     def high(self) -> FloatArray:
         """Upper bounds of the free parameters, shape (k,)."""
         return np.array([p.high for p in self.free])
@@ -76,11 +77,11 @@ class Problem:
     def form(self, points: FloatArray) -> Form:
         """Return the laws at P points of the free parameters, shape (P, k)."""
         with np.errstate(all="ignore"):  # what is not finite lies outside the law
-            return self.objective.form(self.model, self._complete(points))
+            return self.objective.form(self.model, self.complete(points))
 
     def coefficients(self, point: FloatArray) -> dict[str, float]:
         """Return all coefficients by name, including the fixed and the tied ones."""
-        complete = self._complete(point[None, :])[0]
+        complete = self.complete(point[None, :])[0]
         return {p.name: float(v) for p, v in zip(self.parameters, complete, strict=True)}
 
     def point(self, coefficients: Mapping[str, float]) -> FloatArray:
@@ -99,7 +100,7 @@ class Problem:
         )
         return replace(self, parameters=parameters)
 
-    def _complete(self, points: FloatArray) -> FloatArray:
+    def complete(self, points: FloatArray) -> FloatArray:
         """Add the fixed and the tied parameters to P points, shape (P, k) to (P, all)."""
         columns: dict[str, ArrayLike] = {
             p.name: points[:, column] for column, p in enumerate(self.free)

@@ -88,6 +88,9 @@ class LawModel:
         For power laws at each clearance: from candidates, shape (P, k), and clearances ΔR in mm,
         shape (m,), to K* and n in f = K*·E*/ΔR·δⁿ, shape (P, m) each. Such a law can be evaluated
         from moments and has a lower bound.
+    smooth_form : callable, optional
+        From candidates, clearances and ε to K*, n and their derivatives by the parameters, shape
+        (P, k, m), with every maximum in the law smoothed over ε. At ε = 0 it is `power_form`.
     on_grid : bool
         Whether the law can be fitted on a grid, where a sample has ΔR and f/E* only.
     dimensionless : bool
@@ -106,6 +109,7 @@ class LawModel:
     parameters: tuple[Parameter, ...]
     build: Callable[[Coefficients], ContactLaw]
     power_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
+    smooth_form: Callable[[FloatArray, FloatArray, float], tuple[FloatArray, ...]] | None = None
     on_grid: bool = False
     dimensionless: bool = False
     nominal_is_published: bool = True

@@ -300,6 +300,25 @@ def _external_form(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, 
     return stiffness_factor(dR, a, b), as_floats(n + np.zeros_like(dR))
 
 
+def _smooth_internal_form(
+    candidates: FloatArray, dR: FloatArray, smooth: float
+) -> tuple[FloatArray, ...]:
+    """Return K*, n and their derivatives, with Y = ½(Y₁ + Y₂ + √((Y₁ − Y₂)² + ε²))."""
+    a, b, scale, exponent, slope, offset, n_exponent = candidates.T[:, :, None]
+    power, reach = np.log(1000 * dR) ** exponent, dR**n_exponent
+    first, second = scale * power, slope * dR + offset
+    gap = np.hypot(first - second, smooth)
+    share = 0.5 + 0.5 * np.divide(first - second, gap, out=np.zeros_like(gap), where=gap > 0)
+    n = 0.5 * (first + second + gap) * reach
+    logarithmic, linear = share * reach, (1 - share) * reach
+    K_slopes, n_slopes = np.zeros((2, *candidates.shape, dR.size))
+    K_slopes[:, 0], K_slopes[:, 1] = dR, 1.0
+    n_slopes[:, 2] = logarithmic * power
+    n_slopes[:, 3] = logarithmic * first * np.log(np.log(1000 * dR))
+    n_slopes[:, 4], n_slopes[:, 5], n_slopes[:, 6] = linear * dR, linear, n * np.log(dR)
+    return stiffness_factor(dR, a, b), n, K_slopes, n_slopes
+
+
 def _fitted(values: Values) -> ContactLaw:
     """Return the law with these coefficients."""
     return Enhanced(coefficients=values)
@@ -332,6 +351,7 @@ def _model(contact: Contact) -> LawModel:
         tuple(replace(p, nominal=getattr(published, p.name)) for p in _PARAMETERS[contact]),
         _fitted,
         power_form=_internal_form if is_internal else _external_form,
+        smooth_form=_smooth_internal_form if is_internal else None,
         on_grid=True,
         dR_min=INTERNAL_DR_MIN if is_internal else 0.0,
         dR_max=INTERNAL_DR_MAX if is_internal else math.inf,

@@ -62,10 +62,14 @@ def in_processes(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Gene
 
 def in_threads(calls: Sequence[Call], jobs: int, ordered: bool = True) -> Generator[Any]:
     """Run calls in at most `jobs` threads of this process, one for each core; see `run_calls`."""
-    import joblib
-
     # More would not be faster, and the system has no room for 100,000.
     workers = max(1, min(jobs, len(calls), os.cpu_count() or 1))
+    if workers == 1:
+        for function, arguments, named in calls:
+            yield function(*arguments, **named)
+        return
+    import joblib
+
     results = joblib.Parallel(workers, prefer="threads", return_as=as_generator(ordered))(calls)
     try:
         for result in results:  # noqa: UP028 - as above

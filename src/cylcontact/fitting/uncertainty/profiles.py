@@ -13,21 +13,21 @@ residuals are:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 from pydantic import Field
 from scipy.optimize import brentq
 
-from cylcontact.arrays import FloatArray
-from cylcontact.fitting.least_squares import descend
-from cylcontact.fitting.polish import polish
+from cylcontact.arrays import FloatArray, IndexArray
+from cylcontact.fitting.least_squares import descend as descend_to_data
+from cylcontact.fitting.polish import affordable_starts, climb_down, descend, polish, scatter
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.residual_model import ResidualModel, residual_model_at
-from cylcontact.laws.definition import Coefficients, Parameter
+from cylcontact.laws.definition import Coefficients
 from cylcontact.spec import Spec
 
 __all__ = [
@@ -60,7 +60,7 @@ _EDGE_PRECISION = 1e-4
 # Closer to a bound than this, relative to its interval, a parameter is at it.
 _AT_BOUND = 1e-9
 # The first step towards an end, relative to the distance to the bound.
-_FIRST_STEP_OF_NOISE, _FIRST_STEP_OF_LAWS = 1e-6, 1e-4
+_FIRST_STEP = 1e-6
 # Half-widths of the intervals on either side of the optimum in a map of a pair. The contour of 10 %
 # is at about 3.2 half-widths of the 1 % interval.
 _REACH_OF_NOISE, _REACH_OF_LAWS = 1.6, 4.0
@@ -69,6 +69,9 @@ _PAIR_POINTS, _CURVE_POINTS = 21, 41
 _FAR = 1e6
 # Below this ratio the profile found a better optimum; it is not round-off.
 BETTER = -1e-6
+# Random starts for each refit of a law, the steps to the neighbours that are refitted from it, the
+# relative gain for which they are, and those of the descents and of the last one.
+_LADDERS, _NEIGHBOURS, _GAIN, _FINER, _PRECISE = 4, (1, 4), 1e-6, 1e-6, 1e-10
 # The rise of the objective at the ends of the interval of a law.
 TOLERANCE = 0.01
 
@@ -156,6 +159,21 @@ def pairs_of(problem: Problem) -> list[tuple[str, str]]:
     return list(combinations([p.name for p in problem.free], 2))
 
 
+def around(
+    problem: Problem,
+    best: Coefficients,
+    name: str,
+    ends: Interval | Profile,
+    reach: float,
+    points: int = _PAIR_POINTS,
+) -> list[float]:
+    """Return values within the bounds, up to so many half-widths of an interval away."""
+    parameter = next(p for p in problem.free if p.name == name)
+    low = max(parameter.low, best[name] - reach * (best[name] - ends.low))
+    high = min(parameter.high, best[name] + reach * (ends.high - best[name]))
+    return [float(value) for value in np.linspace(low, high, points)]
+
+
 # --- refits with fixed parameters -------------------------------------------------------------
 
 
@@ -166,11 +184,8 @@ class _Criterion:
     # From the cost to a number that is positive outside, and the largest that counts.
     excess: Callable[[float], float]
     most: float
-    # The least first step relative to the distance to the bound, and where to expect the end.
-    first_step: float
+    # Where to expect the end.
     distance: float = 0.0
-    # Whether a refit starts from the one before, rather than from the last one inside.
-    follows: bool = False
 
 
 @dataclass(frozen=True)
@@ -178,7 +193,7 @@ class _Refits:
     """Refits with some parameters fixed, around an optimum.
 
     `refit` returns the cost of fixed parameters, given a start for the others, and all
-    coefficients. The cost is the likelihood ratio on measurements, the objective on a grid.
+    coefficients. The cost is the likelihood ratio.
     """
 
     problem: Problem
@@ -208,15 +223,6 @@ class _Refits:
                     row[column] = cost
         return rows
 
-    def around(
-        self, name: str, ends: Interval | Profile, reach: float, points: int = _PAIR_POINTS
-    ) -> list[float]:
-        """Return values within the bounds, up to so many half-widths of an interval away."""
-        best, parameter = self.best[name], self.parameter(name)
-        low = max(parameter.low, best - reach * (best - ends.low))
-        high = min(parameter.high, best + reach * (ends.high - best))
-        return [float(value) for value in np.linspace(low, high, points)]
-
     def edge(self, name: str, bound: float, criterion: _Criterion) -> tuple[float, bool, float]:
         """Return the end of an interval towards a bound.
 
@@ -225,15 +231,15 @@ class _Refits:
         best, reach, lowest = self.best[name], bound - self.best[name], np.inf
         if reach == 0:
             return bound, True, lowest
-        step = max(criterion.distance / abs(reach), criterion.first_step)
+        step = max(criterion.distance / abs(reach), _FIRST_STEP)
         inner, outer = 0.0, min(1.0, step)
         start = last = self.best
 
         def excess(share: float) -> float:
             nonlocal last, lowest
             # A descent that starts at a bound may stay there.
-            follows = criterion.follows and not self._is_at_bound(last)
-            origin, fixed = last if follows else start, {name: best + share * reach}
+            origin = start if self._is_at_bound(last) else last
+            fixed = {name: best + share * reach}
             cost, last = self.refit(fixed, origin)
             if not np.isfinite(cost) and origin is not start:  # undefined with the others of last
                 cost, last = self.refit(fixed, start)
@@ -253,10 +259,6 @@ class _Refits:
         )
         return best + float(share) * reach, False, lowest
 
-    def parameter(self, name: str) -> Parameter:
-        """Return a free parameter."""
-        return next(p for p in self.problem.free if p.name == name)
-
     def _is_at_bound(self, coefficients: Coefficients) -> bool:
         """Return whether a free parameter is at a bound, to the precision of a descent."""
         return any(
@@ -268,22 +270,12 @@ class _Refits:
 
 def refit_to_data(problem: Problem, start: FloatArray) -> tuple[FloatArray, float]:
     """Return the minimum of a problem on measurements, and its objective."""
-    return descend(problem, start)[:2]
+    return descend_to_data(problem, start)[:2]
 
 
 def refit_to_law(problem: Problem, start: FloatArray) -> tuple[FloatArray, float]:
     """Return the minimum of a problem on a grid, less precise than a run's, and its objective."""
     return polish(problem, start, precision=1e-10)
-
-
-def _refitted(
-    problem: Problem, fixed: Coefficients, start: Coefficients, descent: Descent
-) -> tuple[float, dict[str, float]]:
-    """Return the objective and all coefficients of a refit with some of them fixed."""
-    for name, value in fixed.items():
-        problem = problem.fixing(name, value)
-    point, reached = descent(problem, problem.point(start))
-    return reached, problem.coefficients(point)
 
 
 # --- noise of measurements --------------------------------------------------------------------
@@ -312,8 +304,11 @@ def fixed_ratio(
     coefficients : dict
         The refitted ones, and the fixed ones.
     """
-    reached, coefficients = _refitted(problem, fixed, start, refit_to_data)
-    return float((noise.rows * reached**2 - noise.sum_of_squares) / noise.unit), coefficients
+    for name, value in fixed.items():
+        problem = problem.fixing(name, value)
+    point, reached = refit_to_data(problem, problem.point(start))
+    ratio = (noise.rows * reached**2 - noise.sum_of_squares) / noise.unit
+    return float(ratio), problem.coefficients(point)
 
 
 def interval(
@@ -349,11 +344,9 @@ def interval(
     criterion = _Criterion(
         excess,
         most=_FAR * limit - limit,
-        first_step=_FIRST_STEP_OF_NOISE,
         distance=_guess(noise, place, limit),
-        follows=True,
     )
-    parameter = refits.parameter(name)
+    parameter = next(p for p in problem.free if p.name == name)
     low, low_is_bound, below = refits.edge(name, parameter.low, criterion)
     high, high_is_bound, above = refits.edge(name, parameter.high, criterion)
     return Interval(
@@ -394,7 +387,7 @@ def likelihood_profile(
     """
     noise = residual_model_at(problem, problem.point(best))
     refits = _Refits(problem, best, partial(fixed_ratio, problem, noise))
-    x = refits.around(name, ends, _REACH_OF_NOISE)
+    x = around(problem, best, name, ends, _REACH_OF_NOISE)
     values = np.union1d(x, [best[name]])
     place = [p.name for p in problem.free].index(name)
     rise = np.sqrt(np.maximum(refits.along(name, values), 0.0))
@@ -437,7 +430,7 @@ def pair_map(
     PairMap
     """
     refits = _Refits(problem, best, partial(fixed_ratio, problem, noise))
-    x, y = (refits.around(name, intervals[name], _REACH_OF_NOISE, points) for name in names)
+    x, y = (around(problem, best, name, intervals[name], _REACH_OF_NOISE, points) for name in names)
     free = [p.name for p in problem.free]
     places = [free.index(name) for name in names]
     return PairMap(
@@ -450,6 +443,96 @@ def pair_map(
 
 
 # --- discrepancy of laws ----------------------------------------------------------------------
+
+
+class _Minima:
+    """The lowest minima of a law with some parameters fixed at each of a lattice of values.
+
+    All refits are one batch, from the best coefficients and from random points. Then each is
+    repeated from the minima of its neighbours, until that gains nothing. If only few descents are
+    affordable, they spread from the values that are nearest to the best.
+    """
+
+    def __init__(
+        self, problem: Problem, best: Coefficients, names: Sequence[str], axes: Sequence[FloatArray]
+    ) -> None:
+        self._problem = problem
+        self._held = [[p.name for p in problem.free].index(name) for name in names]
+        lattice = np.meshgrid(*axes, indexing="ij")
+        self._fixed = np.stack([axis.ravel() for axis in lattice], axis=1)
+        places = np.arange(len(self._fixed))
+        self.points = np.tile(problem.point(best), (places.size, 1))
+        self.points[:, self._held] = self._fixed
+        self.values = np.full(places.size, np.inf)
+        if affordable_starts(problem):
+            random = scatter(problem, np.random.default_rng(0), _LADDERS * places.size)
+            many = np.tile(places, 1 + _LADDERS)
+            random[:, self._held] = self._fixed[many[places.size :]]
+            random = climb_down(problem, random, self._held)
+            changed = self._refit(np.vstack([self.points, random]), many)
+        else:
+            span = (problem.high - problem.low)[self._held]
+            away = np.abs(self._fixed - problem.point(best)[self._held]) / span
+            nearest = places[[away.sum(axis=1).argmin()]]
+            changed = self._refit(self.points[nearest], nearest)
+        beside = _neighbours(places.reshape(lattice[0].shape))
+        while changed.size:
+            here, there = beside[np.isin(beside[:, 0], changed)].T
+            changed = self._refit(self.points[here], there)
+        self._refit(self.points, places, precision=_PRECISE)
+
+    def _refit(
+        self, starts: FloatArray, places: IndexArray, precision: float = _FINER
+    ) -> IndexArray:
+        """Refit from starts at some places, and return those where that is noticeably lower."""
+        starts = starts.copy()
+        starts[:, self._held] = self._fixed[places]
+        ends, values = descend(self._problem, starts, precision, self._held)
+        before = self.values.copy()
+        for end, value, place in zip(ends, values, places, strict=True):
+            if value < self.values[place]:
+                self.points[place], self.values[place] = end, value
+        return np.flatnonzero(self.values < before * (1 - _GAIN))
+
+    def end(self, best: float, optimum: float, bound: float) -> tuple[float, bool]:
+        """Return the end towards a bound of the 1 % interval, and whether it is the bound.
+
+        For a lattice of one parameter, with the optimum among its values.
+        """
+        values, way = self._fixed[:, 0], 1 if bound > best else -1
+        (middle,) = np.flatnonzero(values == best)
+        limit = np.sqrt(TOLERANCE * optimum)
+
+        def excess(objective: float) -> float:
+            # This root is nearly linear in the parameter.
+            return float(min(np.sqrt(max(objective - optimum, 0.0)) / limit, _FAR) - 1)
+
+        towards = range(middle, values.size) if way > 0 else range(middle, -1, -1)
+        outer = next((k for k in towards if excess(self.values[k]) > 0), None)
+        if outer is None:
+            return bound, True
+        inner = outer - way
+
+        def excess_at(distance: float) -> float:
+            starts = self.points[[inner, outer]]
+            starts[:, self._held] = best + distance
+            return excess(descend(self._problem, starts, _PRECISE, self._held)[1].min())
+
+        distance = brentq(
+            excess_at, values[inner] - best, values[outer] - best, rtol=_EDGE_PRECISION, xtol=1e-14
+        )
+        return best + float(distance), False
+
+
+def _neighbours(places: IndexArray) -> IndexArray:
+    """Return the pairs of places so many steps apart along an axis, shape (pairs, 2)."""
+    pairs = []
+    for axis, step in product(range(places.ndim), _NEIGHBOURS):
+        size = places.shape[axis]
+        here = places.take(range(size - step), axis).ravel()
+        there = places.take(range(step, size), axis).ravel()
+        pairs += [np.stack([here, there], axis=1), np.stack([there, here], axis=1)]
+    return np.concatenate(pairs)
 
 
 def profile(problem: Problem, name: str, best: Coefficients, published: float | None) -> Profile:
@@ -472,16 +555,15 @@ def profile(problem: Problem, name: str, best: Coefficients, published: float | 
         At 41 equidistant values between the bounds, the optimum and the published value, except
         where the law is undefined.
     """
-    refits = _Refits(problem, best, partial(_refitted, problem, descent=refit_to_law))
-    parameter = refits.parameter(name)
+    parameter = next(p for p in problem.free if p.name == name)
     extra = [best[name]] + ([published] if published is not None else [])
     grid = np.union1d(np.linspace(parameter.low, parameter.high, _CURVE_POINTS), extra)
-    objective = refits.along(name, grid)
+    minima = _Minima(problem, best, [name], [grid])
+    objective = minima.values
     defined = np.isfinite(objective)
-    limit = problem.value_of(best) * (1 + TOLERANCE)
-    criterion = _Criterion(lambda objective: objective - limit, limit, _FIRST_STEP_OF_LAWS)
-    low, low_is_bound, _ = refits.edge(name, parameter.low, criterion)
-    high, high_is_bound, _ = refits.edge(name, parameter.high, criterion)
+    optimum = problem.value_of(best)
+    low, low_is_bound = minima.end(best[name], optimum, parameter.low)
+    high, high_is_bound = minima.end(best[name], optimum, parameter.high)
     return Profile(
         values=[float(v) for v in grid[defined]],
         objective=[float(v) for v in objective[defined]],
@@ -516,9 +598,8 @@ def discrepancy_pair(
     -------
     DiscrepancyPair
     """
-    refits = _Refits(problem, best, partial(_refitted, problem, descent=refit_to_law))
-    optimum = problem.value_of(best)
-    x, y = (refits.around(name, profiles[name], _REACH_OF_LAWS) for name in names)
-    objective = refits.over(names, x, y)
-    rise = [[None if v is None else v / optimum - 1 for v in row] for row in objective]
-    return DiscrepancyPair(names=names, x=x, y=y, rise=rise)
+    x, y = (around(problem, best, name, profiles[name], _REACH_OF_LAWS) for name in names)
+    minima = _Minima(problem, best, names[::-1], [np.array(y), np.array(x)])
+    rise = minima.values.reshape(len(y), len(x)) / problem.value_of(best) - 1
+    rows = [[float(v) if np.isfinite(v) else None for v in row] for row in rise]
+    return DiscrepancyPair(names=names, x=x, y=y, rise=rows)
