@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 import cylcontact as cc
 from cylcontact import InputError, Material, laws
 from cylcontact.cli import terminal
-from cylcontact.datasets.tables import read_table, texts
+from cylcontact.tables import read_table, texts
 from cylcontact.export import export
 from cylcontact.export.joints import fmu
 from cylcontact.export.joints.element import Element

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from cylcontact import InputError
-from cylcontact.datasets.tables import MAX_CELLS, MAX_COLUMNS, MAX_ROWS, finite_numbers, read_table
+from cylcontact.tables import MAX_CELLS, MAX_COLUMNS, MAX_ROWS, finite_numbers, read_table
 from cylcontact.journal import Journal
 from cylcontact.mechanism import Trajectory
 from cylcontact.reading import SPEC_BYTES, TABLE_BYTES, plain_integer, plain_number

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, Strict, model_validator
+from pydantic import Field, Strict, model_validator
 
 from cylcontact.dissipation import FACTORS
-from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
-from cylcontact.materials import modulus_in_MPa
 from cylcontact.mechanism.assumptions import check_provenance
+from cylcontact.modulus import Modulus
 from cylcontact.spec import Spec, broken
 
 __all__ = [
@@ -20,30 +19,11 @@ __all__ = [
     "IntegrationSpec",
     "JointSpec",
     "MechanismSpec",
-    "Modulus",
     "ProvenanceSpec",
 ]
 
-# In GPa, above diamond's 1200: a larger bare number was probably meant in MPa.
-_LARGEST_BARE = 1500.0
 # TOML has lists, not tuples.
 _Pair = Annotated[tuple[float, float], Strict(False)]
-
-
-def _in_GPa(E: object) -> object:
-    """Return a modulus with a unit as a number of GPa; pydantic judges what has none."""
-    if isinstance(E, str) and E.rstrip().endswith("Pa"):
-        try:
-            return float(modulus_in_MPa(E, "", "")) * 1e-3
-        except InputError as error:
-            raise broken("", E, error.rule, error.remedy) from None
-    if isinstance(E, int | float) and _LARGEST_BARE < E < 1e300:
-        remedy = f'did you mean {E * 1e-3:g}? Or write "{E:g} GPa"'
-        raise broken("", E, "a bare number is in GPa, and diamond has 1200", remedy)
-    return E
-
-
-Modulus = Annotated[float, BeforeValidator(_in_GPa)]
 
 
 class BodySpec(Spec):
