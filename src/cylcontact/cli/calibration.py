@@ -57,7 +57,7 @@ def fit(
         Path,
         typer.Argument(
             metavar="CAMPAIGN|TABLE|RESULT",
-            help="A campaign, e.g. fitting/internal.toml, a table (.csv, .txt, .xlsx, .parquet), or "
+            help="A campaign, e.g. fitting/internal.toml, a table (.csv, .txt, .xlsx, …), or "
             "a fit result, whose uncertainty is studied.",
         ),
     ],

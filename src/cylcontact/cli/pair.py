@@ -137,10 +137,11 @@ def blaming_options(options: Mapping[str, str], source: str = "") -> Iterator[No
             raise
         names = [by_key[key] for key in keys]
         value = error.value
-        if names[0].endswith("diameter") and isinstance(value, int | float):
-            value = 2 * value
-        where = source or error.source
-        raise InputError(where, ", ".join(names), value, error.rule, error.remedy) from None
+        where, remedy = source or error.source, error.remedy
+        if any(name.endswith("diameter") for name in names):  # the radii are halves of these
+            value = 2 * value if isinstance(value, int | float) else None
+            remedy = "correct it, or exchange hole and pin"
+        raise InputError(where, ", ".join(names), value, error.rule, remedy) from None
 
 
 def pair_of(
@@ -167,7 +168,7 @@ def pair_of(
                 raise InputError(source, "dR", dR, "follows from the radii", "leave it out")
             build = CylinderPair.internal if kind == "internal" else CylinderPair.external
             return build(R_i, R_j, first, length, second)
-        known = R_i or R_j or default.R_i
+        known = float(R_i or R_j or default.radii("the default")[0])
         if dR is None:
             dR = default.dR if kind == "internal" else 2 * known
         if R_j is not None:

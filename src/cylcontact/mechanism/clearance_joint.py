@@ -8,7 +8,7 @@ The element has one state, the impact rate δ̇⁽⁻⁾ of the contact under wa
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -411,7 +411,7 @@ def _material(source: str, key: str, body: BodySpec, own: Path | None) -> Materi
         ", or give E and nu",
     ).material  # fmt: skip
     stress = body.yield_stress or named.yield_stress
-    return replace(named, E=f"{float(named.E)!r} MPa", yield_stress=stress)
+    return Material(named.name, f"{float(named.E)!r} MPa", named.nu, stress)
 
 
 def _law(what: str, source: str) -> tuple[ContactLaw, str]:
