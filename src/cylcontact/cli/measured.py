@@ -30,7 +30,7 @@ from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
 from cylcontact.files import owning, require_writable
 from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.reading import plain_number
+from cylcontact.reading import TABLE_BYTES, plain_number, require_file
 from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
@@ -190,6 +190,7 @@ def _table(
     """Return a table with the options for it."""
     from cylcontact.fitting.campaign import read_table
 
+    require_file(path, TABLE_BYTES)
     if "contact" not in given and OF_PIN_AND_HOLE & {*given}:
         given["contact"] = "internal"
     for name, example in (("law", "explicit"), ("contact", "internal")):

@@ -155,7 +155,8 @@ def pair_of(
     """Return the pair of some options; what they leave out is that of another pair."""
     kind = next((each for each in CONTACTS if each == contact), None)
     if kind is None:
-        raise InputError(source, "--contact", contact, "is unknown", f"choose {listed(CONTACTS)}")
+        rule, remedy = "must be 'internal' or 'external'", "a pin in a hole, or two rollers"
+        raise InputError(source, "--contact", contact, rule, remedy)
     first, second = (
         _body(body, role, constants, options, rows, source, default.material_i)
         for body, role in zip("ij", roles(kind), strict=True)

@@ -170,13 +170,13 @@ def claims(
     from cylcontact.reports.paper import paper_of
 
     bench = Bench(Path(), results, jobs or cores())
-    folder = bench.recipes_folder / "claims"
-    remedy = "run it in a folder that has them; cylcontact init FOLDER lays one out"
-    require(folder.is_dir(), str(folder), "", None, "there are no claims here", remedy)
     if out is not None:
         require_suffix(out, ".csv", ".json")
         with keeping(bench.inputs):
             require_writable(out)
+    folder = bench.recipes_folder / "claims"
+    remedy = "run it in a folder that has them; cylcontact init FOLDER lays one out"
+    require(folder.is_dir(), str(folder), "", None, "there are no claims here", remedy)
     try:
         with progress_bars() as progress:
             computed = ledger(bench, progress)
