@@ -107,7 +107,8 @@ BAD_INPUT = {
         (10.0, 9.5),
     ),
     "CylinderPair.internal: R_j = {!r}: the pin must be smaller than the hole "
-    "(R_i = [10.0, 9.0]); give R_i, the radius of the hole, the larger value": (
+    "(R_i = [10.0, 9.0]); give R_i, the radius of the hole, the larger value; both are radii, not "
+    "diameters": (
         lambda R_j: CylinderPair.internal([10.0, 9.0], R_j, STEEL),
         (9.5,),
     ),

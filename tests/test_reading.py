@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from cylcontact import InputError
-from cylcontact.tables import MAX_CELLS, MAX_COLUMNS, MAX_ROWS, finite_numbers, read_table
 from cylcontact.journal import Journal
 from cylcontact.mechanism import Trajectory
 from cylcontact.reading import SPEC_BYTES, TABLE_BYTES, plain_integer, plain_number
 from cylcontact.spec import read_toml
+from cylcontact.tables import MAX_CELLS, MAX_COLUMNS, MAX_ROWS, finite_numbers, read_table
 from tests import large_input as large
 from tests.counts import counted
 from tests.spec_files import write_bench

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from cylcontact.arrays import require
 from cylcontact.choices import listed
 from cylcontact.cli.options import NUMBER, Materials, option_of, require_internal
 from cylcontact.errors import InputError
@@ -163,6 +164,10 @@ def pair_of(
     )
     dR, R_i, R_j = (constants.get(f"{name}_mm") for name in ("dR", "R_i", "R_j"))
     length = constants.get("length_mm", default.length)
+    for name in ("dR_mm", "R_i_mm", "R_j_mm", "length_mm"):
+        value = constants.get(name, 1.0)
+        rule, remedy = "must be positive", "give it in mm"
+        require(value > 0, source, options.get(name, ""), value, rule, remedy)
     with blaming_options(options, source):
         if R_i is not None and R_j is not None:
             if dR is not None:
@@ -172,7 +177,7 @@ def pair_of(
         known = float(R_i or R_j or default.radii("the default")[0])
         if dR is None:
             dR = default.dR if kind == "internal" else 2 * known
-        if R_j is not None:
+        if R_i is None and R_j is not None:
             R_i = dR + R_j if kind == "internal" else dR - R_j
         return CylinderPair.from_dR(kind, dR, first, length, R_i or known, second)
 
