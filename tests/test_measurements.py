@@ -201,8 +201,8 @@ BAD_TABLES = [
     ("load\n1\n", "", "columns", "load", "has no unit", "--columns load_N=load"),
     (
         *("load_N,gap_um\n1,2\n", "", "columns", None),
-        "lacks the penetration, ΔR or both radii, the material of the hole, the material of the pin",
-        "add columns, e.g. penetration_um, dR_um, material_i, material_j, or options, e.g. --dR; name "
+        "lacks the penetration, ΔR or both radii, the material of the hole, the material of the",
+        "columns, e.g. penetration_um, dR_um, material_i, material_j, or options, e.g. --dR; name "
         "one of 'gap_um' with --columns penetration_um=COLUMN",
     ),
     (
