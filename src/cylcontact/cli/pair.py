@@ -109,7 +109,8 @@ def constants_of(
     options = {name: option_of(name) for name in values}
     for name in given:
         if name in OF_PIN_AND_HOLE:
-            require_internal(source, contact, f"leave out {option_of(name)}")
+            remedy = f"leave out {option_of(name)}; rollers have --material-i and --material-j"
+            require_internal(source, contact, remedy)
     for name, (constant, factor) in _OTHERS.items():
         if name not in given:
             continue
