@@ -602,7 +602,7 @@ def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):
         ),
         (
             ("--law", "johnson", "--contact", "external", "--pin", "PEEK", "--hole", "bronze"),
-            "--contact = 'external': has no pin and no hole; leave out --pin; rollers have --material-i",
+            "--contact = 'external': has no pin and no hole; leave out --pin; rollers have",
         ),
         (
             (*JOHNSON, "--pin", "PEEK"),
