@@ -57,9 +57,11 @@ def simulated(
     The longest step in s is that of the spec if `max_step` is None.
     """
     model = mechanism(bench, case)
+    integration = model.data["integration"]
     if max_step is not None:
-        model.data["integration"]["max_step"] = max_step
-    return _simulated(json.dumps(model.data), model.source, revolutions)
+        integration = {**integration, "max_step": max_step}
+    data = {**model.data, "integration": integration}
+    return _simulated(json.dumps(data), model.source, revolutions)
 
 
 @lru_cache(maxsize=12)

@@ -330,6 +330,12 @@ class TestAdditions:
             assert errors.count("\n") == 1
         assert tree(bench.root) == before
 
+    def test_without_claims_there_is_no_ledger(self, run, tmp_path, monkeypatch) -> None:
+        monkeypatch.chdir(tmp_path)
+        code, out, errors = run("claims")
+        assert (code, out, errors.count("\n")) == (2, "", 1)
+        assert "reports/claims: there are no claims here" in errors
+
     def test_a_claim_is_one_function(self, bench: Bench, run) -> None:
         put(bench, "claims/mine.py", CLAIM)
         code, out, errors = run("claims", "--jobs", 1)

@@ -533,8 +533,7 @@ MISTAKES = {
     "both": ({"bearing.nu": 0.3}, "bearing.nu = 0.3: is that of the material already; remove nu"),
     "unknown material": (
         {"bearing.material": "cheese"},
-        "bearing.material = 'cheese': is not in the package's table; give E and nu, or choose "
-        "ceramics,",
+        "bearing.material = 'cheese': is not in the tables of materials; choose ceramics,",
     ),
     "large pin": ({"pin.R": 10.0}, "pin.R = 10.0: does not fit in the hole; keep it below 10.0"),
     "units": ({"units": "inch"}, "units = 'inch': must be 'SI' or 'mm'; give \"SI\""),
@@ -584,6 +583,32 @@ def test_export_writes_the_files_of_a_joint(run, tmp_path, target, suffix):
         printed == f"wrist-pin written to {', '.join(str(out.parent / name) for name in texts)}\n"
     )
     assert {p.name: p.read_text(encoding="ascii") for p in out.parent.iterdir()} == texts
+
+
+def test_export_takes_a_name_with_a_space_materials_of_ones_own_and_warns_of_metres(
+    run, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / "datasets/joint.toml").read_text(encoding="utf-8")
+    Path("mine.toml").write_text(text.replace('"bronze"', '"Brass"'), encoding="utf-8")
+    Path("own.csv").write_text("name;E_GPa;nu\nbrass;102,5;0,34\n", encoding="utf-8")
+    export = ("export", "--joint", "mine.toml", "--to", "c", "-o", "my joint.c")
+    assert run(*export)[0] == 2
+    code, _, err = run(*export, "--materials", "own.csv")
+    assert (code, err) == (0, "")
+    assert "brass, E = 102500.0 MPa" in Path("my joint.h").read_text(encoding="ascii")
+    assert '#include "my joint.h"' in Path("my joint.c").read_text(encoding="ascii")
+    metres = text.replace("R = 10.0", "R = 0.01").replace("R = 9.95", "R = 0.00995")
+    Path("metres.toml").write_text(metres, encoding="utf-8")
+    code, _, err = run("export", "--joint", "metres.toml", "--to", "c", "-o", "m.c")
+    assert code == 0
+    assert "warning: metres.toml: the radius of the hole in mm is 0.01: lengths are in mm" in err
+
+
+def test_an_exported_module_may_be_named_joint():
+    joint = read_joint(ROOT / "datasets/joint.toml")
+    assert "import joint as" not in export_joint(joint, "python", "joint")["joint.py"]
+    assert "import pin as joint" in export_joint(joint, "python", "pin")["pin.py"]
 
 
 REFUSALS = {

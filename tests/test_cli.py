@@ -213,17 +213,23 @@ def test_a_result_from_other_inputs_is_replaced_only_when_asked(bench, run):
     assert run(*fit, "-o", path)[0] == 0  # named, so meant
 
 
-def test_a_second_law_on_the_same_table_needs_a_name_of_its_own(bench, run):
+def test_a_second_law_on_the_same_table_has_a_folder_of_its_own(bench, run):
     (bench / "table.csv").write_text(
         "load_N_per_mm,penetration_um,dR_um,E_GPa,nu\n10,.21,50,207,.3\n100,1.7,50,207,.3\n"
         "500,7.2,50,207,.3\n1000,13.2,50,207,.3\n"
     )
     fit = ("fit", "table.csv", "--contact", "internal", "--law")
     assert run(*fit, "power")[0] == 0
-    code, _, err = run(*fit, "hertz-cylinder")
+    assert run(*fit, "hertz-cylinder")[0] == 0
+    assert run(*fit, "power")[0] == 0  # the first one again
+    laws = {
+        folder.name: json.loads((folder / "result.json").read_text("utf-8"))["law"]
+        for folder in (bench / "results").iterdir()
+    }
+    assert laws == {"table": "power", "table-hertz-cylinder": "hertz-cylinder"}
+    code, _, err = run(*fit, "hertz-cylinder", "--seed", 3)
     assert code == 2
-    assert "came from other inputs (campaign.law: 'power' there, 'hertz-cylinder' now" in err
-    assert run(*fit, "hertz-cylinder", "-o", "hertz.json")[0] == 0
+    assert "hertz-cylinder/result.json: holds a result that came from other inputs" in err
 
 
 OUT = ("-o", "out.csv")
@@ -262,7 +268,7 @@ BAD_INPUT = [
         for command in (("fit", ""), (*FIT, "--runs", ""), (*FIT, "-o", ""), (*SAMPLE, "-o", ""))
     ),
     (("fit", "no\nsuch.toml"), f"no such.toml: cannot be read ({NO_FILE}); check the path"),
-    (("fit", "picture.png"), "picture.png: is not a text file; give a TOML file in UTF-8"),
+    (("fit", "picture.png"), "picture.png: --law: is required for a table; add --law explicit"),
     (("fit", "fitting/nodata.toml"), "dataset = 'datasets/none.toml': no such file beside the"),
     (("fit", "fitting/unknown.toml"), "parameters.m: is not a parameter of power for internal"),
     (("fit", "fitting/badgrid.toml"), "datasets/badgrid.toml: axes.nu = [0.6, 0.6]: Poisson's"),

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, laws, limits
+from cylcontact.datasets.finite_element import Setup
 
 STEEL = Material("steel", E=207e3, nu=0.3, yield_stress=250.0)
 BRASS = Material("brass", E=100e3, nu=0.34)
@@ -41,6 +42,25 @@ BAD_INPUT = {
     'For a material as soft as that write "3.5 MPa", one Material each': (
         lambda E: material("E", E),
         ([207e3, 3.5],),
+    ),
+    "Material 'clay': E = {!r}: is beyond any material, diamond has 1.2e6 MPa; "
+    'did you mean "207 GPa"? Give it in MPa': (
+        lambda E: material("E", E),
+        (207e9, "207e9", [2e5, 207e9]),
+    ),
+    "Material 'clay': E = {!r}: is beyond any material, diamond has 1.2e6 MPa; mind the unit": (
+        lambda E: material("E", E),
+        ("207000 GPa",),
+    ),
+    "Material 'plate': E = {!r}: a bare number is in MPa; did you mean \"207 GPa\"? "
+    'For a material as soft as that write "207 MPa"': (
+        lambda E: Setup(hole_radius=10.0, outer_ratio=5.0, E=E, nu=0.3),
+        (207.0,),
+    ),
+    "Material 'pin': E = {!r}: is beyond any material, diamond has 1.2e6 MPa; "
+    'did you mean "70 GPa"? Give it in MPa': (
+        lambda E: Setup(hole_radius=10.0, outer_ratio=5.0, E=207e3, nu=0.3, pin_E=E),
+        (70e9,),
     ),
     "Material 'clay': E = {!r}: must be a number with a unit; "
     'write e.g. "207 GPa" or "200 MPa"': (
@@ -82,26 +102,48 @@ BAD_INPUT = {
         (0.0,),
     ),
     "CylinderPair.internal: R_j = {!r}: the pin must be smaller than the hole (R_i = 9.5); "
-    "give R_i, the radius of the hole, the larger value": (
+    "give R_i, the radius of the hole, the larger value; both are radii, not diameters": (
         lambda R_j: CylinderPair.internal(9.5, R_j, STEEL),
         (10.0, 9.5),
     ),
     "CylinderPair.internal: R_j = {!r}: the pin must be smaller than the hole "
-    "(R_i = [10.0, 9.0]); give R_i, the radius of the hole, the larger value": (
+    "(R_i = [10.0, 9.0]); give R_i, the radius of the hole, the larger value; both are radii, not "
+    "diameters": (
         lambda R_j: CylinderPair.internal([10.0, 9.0], R_j, STEEL),
         (9.5,),
     ),
-    "CylinderPair.from_dR: dR = {!r}: leaves body j a radius that is not positive (R_i = 10.0); "
-    "internal contact needs dR < R_i, external contact dR > R_i": (
-        lambda dR: from_dR("external" if dR < 10 else "internal", dR, R_i=10.0),
-        (10.0, 11.0, 9.0),
+    "CylinderPair.internal: material: is missing; give material, or pin and hole": (
+        lambda _: CylinderPair.internal(10.0, 9.5),
+        (None,),
     ),
-    "CylinderPair: dR = {!r}: leaves body j a radius that is not positive (R_i = 10.0); "
+    "CylinderPair.from_dR: hole: is missing beside pin; give both, or material for both bodies": (
+        lambda _: CylinderPair.from_dR("internal", 0.5, pin=BRASS),
+        (None,),
+    ),
+    "CylinderPair.internal: material_j: is given beside pin or hole; leave it out, or those": (
+        lambda _: CylinderPair.internal(10.0, 9.5, material_j=STEEL, pin=BRASS, hole=STEEL),
+        (None,),
+    ),
+    "CylinderPair.from_dR: contact = {!r}: has no pin and no hole; give material and material_j": (
+        lambda contact: CylinderPair.from_dR(contact, 20.0, pin=BRASS, hole=STEEL),
+        ("external",),
+    ),
+    "CylinderPair.from_dR: dR = {!r}: leaves the pin a radius that is not positive (R_i = 10.0); "
+    "internal contact needs dR < R_i, external contact dR > R_i": (
+        lambda dR: from_dR("internal", dR, R_i=10.0),
+        (10.0, 11.0),
+    ),
+    "CylinderPair.from_dR: dR = {!r}: leaves roller j a radius that is not positive (R_i = 10.0); "
+    "internal contact needs dR < R_i, external contact dR > R_i": (
+        lambda dR: from_dR("external", dR, R_i=10.0),
+        (10.0, 9.0),
+    ),
+    "CylinderPair: dR = {!r}: leaves the pin a radius that is not positive (R_i = 10.0); "
     "internal contact needs dR < R_i, external contact dR > R_i": (
         lambda dR: CylinderPair("internal", dR, STEEL, STEEL, R_i=10.0),
         (10.0, 11.0),
     ),
-    "CylinderPair: dR = {!r}: leaves body i a radius that is not positive (R_j = 10.0); "
+    "CylinderPair: dR = {!r}: leaves roller i a radius that is not positive (R_j = 10.0); "
     "internal contact needs dR < R_i, external contact dR > R_j": (
         lambda dR: CylinderPair("external", dR, STEEL, STEEL, R_j=10.0),
         (10.0, 9.0),

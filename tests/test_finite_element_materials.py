@@ -35,12 +35,12 @@ def joint(pin, plate, cells=12, outer_ratio=80.0, plane="strain"):
     return Setup(
         R_I,
         outer_ratio,
-        E,
+        f"{E} MPa",
         nu,
         plane=plane,
         clamp="whole",
         cells=cells,
-        pin_E=pin_E,
+        pin_E=f"{pin_E} MPa",
         pin_nu=pin_nu,
     )
 

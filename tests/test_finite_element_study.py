@@ -48,6 +48,8 @@ class TestSpec:
         [
             ({"dR": [0.0, 0.1]}, "dR = [0.0, 0.1]: must be positive and increasing"),
             ({"dR": [0.1, 2.5]}, "dR = 2.5: must lie between 0 and the radius of the hole"),
+            ({"E": 207e9}, "E = 207000000000.0: a bare number is in GPa, and diamond has 1200"),
+            ({"E": "207e9 GPa"}, "E = '207e9 GPa': is beyond any material"),
             ({"load": []}, "load = []: must be positive and increasing"),
             ({"origin.E": DROP}, "origin.E: is required; mark each key as paper"),
             ({"origin.clamp": "paper"}, "origin.clamp: is not a key of this file"),

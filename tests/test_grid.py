@@ -198,6 +198,10 @@ BAD_INPUT = [
         *("axes.E", 1e308, "must lie between 1e-12 and 1e+12", "give it in GPa"),
     ),
     (
+        {"axes.E.max": 207e3},
+        *("axes.E", 207e3, "must be at most 10000 GPa, and diamond has 1200", "give it in GPa"),
+    ),
+    (
         {"axes.dR": {**RANGED, "min": -1.0}},
         *("axes.dR", -1.0, "every value must be positive", "give it in mm"),
     ),

@@ -15,7 +15,6 @@ from matplotlib.figure import Figure
 import cylcontact as cc
 from cylcontact import InputError, Material, laws
 from cylcontact.cli import terminal
-from cylcontact.datasets.tables import read_table, texts
 from cylcontact.export import export
 from cylcontact.export.joints import fmu
 from cylcontact.export.joints.element import Element
@@ -35,6 +34,7 @@ from cylcontact.reports.build import save_picture, write
 from cylcontact.reports.fit_folder import write_fit
 from cylcontact.reports.html.site import _renderer
 from cylcontact.reports.paper import Paper
+from cylcontact.tables import read_table, texts
 from cylcontact.text_tables import frame_table, joined, text_table
 from tests.counts import counted
 from tests.hostile import HOSTILE, SURROGATE, TAME, elements

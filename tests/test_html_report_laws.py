@@ -188,7 +188,7 @@ def test_sliders_fields_and_material_change_the_numbers_to_pythons(browser, expl
         limits = {
             "E_star": pair.E_star,
             "johnson_load": cc.limits.johnson_limit_load(pair),
-            "johnson_penetration": 1e3 * cc.limits.johnson_limit_penetration(pair),
+            "johnson_penetration": 1e3 * cc.laws.Johnson().max_penetration(pair),
             "hertz_stress": cc.limits.hertz_stress(300.0, pair),
             "half_width": cc.limits.hertz_half_width(300.0, pair),
             "phi": 300.0 / float(pair.E_star * pair.dR),
@@ -234,7 +234,7 @@ def test_a_pin_of_another_material_changes_the_numbers_to_pythons(browser, explo
             "w_i": pair.shares[0],
             "w_j": pair.shares[1],
             "johnson_load": cc.limits.johnson_limit_load(pair),
-            "johnson_penetration": 1e3 * cc.limits.johnson_limit_penetration(pair),
+            "johnson_penetration": 1e3 * cc.laws.Johnson().max_penetration(pair),
         }
         for key, number in numbers.items():
             assert value_of(view, key) == pytest.approx(float(number), rel=AS_PYTHON)

@@ -57,7 +57,7 @@ def test_pair(pair):
     assert rows["ΔR (mm)"] == "0.5"
     assert rows["length (mm)"] == "12"
     assert float(rows["E* (MPa)"]) == pytest.approx(float(pair.E_star), rel=1e-5)
-    assert rows["material i"] == rows["material j"] == "steel"
+    assert rows["material, hole"] == rows["material, pin"] == "steel"
 
 
 def test_arrays_are_shown_in_a_line(steel):

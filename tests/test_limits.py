@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from scipy.optimize import brentq
 
-from cylcontact import CylinderPair, Material, limits
+from cylcontact import CylinderPair, Material, laws, limits
 from cylcontact.materials import material_in_MPa
 from tests.strategies import NOT_TOUCHING, ROUNDING, gaps, loads, materials
 
@@ -102,7 +102,7 @@ def test_johnsons_limits_are_those_of_eq_8(material, dR):
         load = float(4 * mp.pi * E_star * mp.mpf(dR) / mp.e**2)
         penetration = float(4 * mp.mpf(dR) / mp.e**2)
     assert limits.johnson_limit_load(pair) == pytest.approx(load, rel=6 * ROUNDING, abs=0)
-    assert limits.johnson_limit_penetration(pair) == pytest.approx(
+    assert laws.Johnson().max_penetration(pair) == pytest.approx(
         penetration, rel=6 * ROUNDING, abs=0
     )
 
@@ -152,7 +152,6 @@ def test_limits_take_the_shape_of_the_pair(pairs):
     for limit in (
         limits.yield_load,
         limits.johnson_limit_load,
-        limits.johnson_limit_penetration,
         limits.stress_at_johnson_limit,
     ):
         assert limit(pairs).shape == (3, 1)
@@ -165,7 +164,6 @@ def test_single_numbers_give_numpy_scalars(pair):
         limits.hertz_stress(np.array(1.0), pair),
         limits.yield_load(pair),
         limits.johnson_limit_load(pair),
-        limits.johnson_limit_penetration(pair),
         limits.stress_at_johnson_limit(pair),
         limits.elastic_limit_clearance(10.0, pair),
     ]

@@ -97,6 +97,18 @@ def test_micro_may_be_written_with_either_letter():
     assert spellings("material") == "material"
 
 
+@pytest.mark.parametrize(
+    ("name", "separator"),
+    [("t.txt", ","), ("t.TXT", "; "), ("t.tsv", "\t"), ("t.dat", "  "), ("t.asc", " "), ("t", ",")],
+)
+def test_a_table_in_text_may_have_any_name(tmp_path, name, separator):
+    from_csv = measured(write_table(tmp_path / "t.csv", GOOD))
+    text = (tmp_path / "t.csv").read_text()
+    (tmp_path / name).write_text(text.replace(",", separator))
+    for column, values in measured(tmp_path / name).columns.items():
+        assert np.array_equal(from_csv.columns[column], values)
+
+
 def test_parquet_says_the_same_as_csv(tmp_path):
     pd.DataFrame(GOOD).to_parquet(tmp_path / "t.parquet")
     from_parquet = measured(tmp_path / "t.parquet")
@@ -187,7 +199,16 @@ BAD_TABLES = [
     ("load_N_per_mm,penetration_um\n", "", "", None, "holds no rows", "at least one"),
     ("load_N_per_mm\n1,2\n", ", line 2", "", None, "2 cells for 1 columns", "for each column"),
     ("load\n1\n", "", "columns", "load", "has no unit", "--columns load_N=load"),
-    ("load_N,gap_um\n1,2\n", "", "penetration", None, "is required", "one of 'gap_um' with --col"),
+    (
+        *("load_N,gap_um\n1,2\n", "", "columns", None),
+        "lacks the penetration, ΔR or both radii, the material of the hole, the material of the",
+        "columns, e.g. penetration_um, dR_um, material_i, material_j, or options, e.g. --dR; name "
+        "one of 'gap_um' with --columns penetration_um=COLUMN",
+    ),
+    (
+        *("load_N,gap,dR_um,material\n1,2,3,PEEK\n", "", "penetration", None, "is required"),
+        "one of 'gap' with --columns penetration_um=COLUMN",
+    ),
     ("load_N,load_kN\n1,2\n", "", "columns", "load_kN", "same quantity as load_N", "keep one"),
     ("load_N\n1\n,2\n", ", line 3", "", None, "2 cells for 1", "every row"),
     ("nu,load_N\n.3,1\n.3,\n", ", line 3", "load_N", None, "is empty", "fill it in"),
@@ -210,7 +231,9 @@ def test_a_bad_table_is_told_with_its_line(tmp_path, text, where, key, value, ru
 
 def test_files_that_are_no_tables_are_refused(tmp_path):
     cases = {
-        "t.ods": (b"x", "is neither .csv, .xlsx nor .parquet"),
+        "t.json": (b"{}", "is not a table"),
+        "t.XLS": (b"x", "is a workbook of Excel before 2007"),
+        "t.ods": (b"PK\x03\x04\x00", "is not a CSV table"),
         "t.xlsx": (b"x", "is not an Excel workbook"),
         "missing.csv": (None, "cannot be read (No such file"),
         "t.csv": (b"\xff\xfe\x00load", "is not a CSV table"),
@@ -254,8 +277,8 @@ BAD_COLUMNS = [
     (("load_N_per_mm",), {}, {}, "", "load", None, "is required", "load_N_per_mm"),
     (("penetration_um",), {}, {}, "", "penetration", None, "is required", "penetration_um"),
     (("nu",), {}, {}, "", "nu", None, "is required", "add nu"),
-    (("E_GPa", "nu"), {}, {}, "", "body i", None, "nothing is given", "material"),
-    ((), {"E_i_GPa": [1, 1, 1]}, {}, "", "body i", None, "exactly one place", "E_i"),
+    (("E_GPa", "nu"), {}, {}, "", "material of the hole", None, "is not given", "--hole"),
+    ((), {"E_i_GPa": [1, 1, 1]}, {}, "", "material of the hole", None, "must be given once", "E_i"),
     ((), {}, {"E_MPa": 1.0}, "", "constants.E_MPa", 1.0, "is given twice", "keep one"),
     ((), {}, {"load_N": 1.0}, "", "constants.load_N", 1.0, "not a known constant", "e.g."),
     ((), {}, {"colour": 1.0}, "", "constants.colour", 1.0, "not a known constant", "e.g."),
@@ -264,7 +287,19 @@ BAD_COLUMNS = [
     (("E_GPa", "nu"), {}, {"material": "gold"}, "", "material", "gold", "is not in", "ceramics"),
     (("dR_um",), {}, {}, "", "dR, R_i, R_j", [], "ΔR and one radius", "dR_nm"),
     ((), {}, {"R_i_mm": 10.0, "R_j_mm": 9.0}, "", "dR, R_i, R_j", None, "ΔR and one", "R_i"),
-    ((), {}, {"R_i_mm": 0.01}, ", line 2", "R_j", None, "comes out not positive", "unit"),
+    (
+        (),
+        {},
+        {"R_i_mm": 0.01},
+        ", line 2",
+        "dR, R_i",
+        None,
+        "leave the pin's radius = -0.04 mm",
+        "",
+    ),
+    (("dR_um",), {}, {"R_i_mm": 9.0, "R_j_mm": 10.0}, "", "R_i, R_j", None, "is not above", "exch"),
+    (("nu",), {}, {"nu": 30}, "", "constants.nu", 30, "must lie in [0, 0.5]", "mind its unit"),
+    (("dR_um",), {}, {"dR_um": -1}, "", "constants.dR_um", -1, "must be positive", "mind its unit"),
     (("load_N_per_mm",), {"load_N": [1, 2, 3]}, {}, "", "load", None, "is a total force", "length"),
 ]
 
@@ -313,8 +348,9 @@ def test_materials_of_ones_own_stand_beside_those_that_ship(tmp_path):
     path = write_table(tmp_path / "t.csv", without("E_GPa", "nu"))
     own = tmp_path / "own.csv"
     own.write_text(f"{','.join(COLUMNS)}\ngunmetal,110,assumed,0.34,assumed,,,\n")
-    pair = {"material_i": "gunmetal", "material_j": "ceramics"}
+    pair = {"material_i": "Gunmetal", "material_j": "ceramics"}
     data = read_measured(path, "internal", pair, own)
+    assert data.labels["material_i"] == ["gunmetal"]
     assert (data.numbers["E_i"], data.numbers["E_j"]) == ([110e3], [600e3])
     assert [note.split(":")[0] for note in data.notes] == [
         "E and ν of ceramics are from the table that ships",
@@ -322,9 +358,9 @@ def test_materials_of_ones_own_stand_beside_those_that_ship(tmp_path):
     ]
     for table, name in ((None, "the table that ships"), (own, "own.csv")):
         with pytest.raises(InputError) as caught:
-            measured(path, constants={"material": "brass"}, materials=table)
+            measured(path, constants={"material": "Brass"}, materials=table)
         remedy = "or name a table of your own with --materials"
-        assert_told(caught, path, "material", "brass", f"is not in {name}", remedy)
+        assert_told(caught, path, "material", "Brass", f"is not in {name}", remedy)
 
 
 def test_unknown_groupings_are_refused(tmp_path):

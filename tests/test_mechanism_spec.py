@@ -2,7 +2,7 @@
 
 import pytest
 
-from cylcontact import InputError
+from cylcontact import InputError, Material
 from cylcontact.mechanism import mechanism_from, read_mechanism
 from cylcontact.mechanism.assumptions import assumptions
 from tests.mechanism_cases import FOUR_BAR, ROOT, SLIDER_CRANK
@@ -21,6 +21,11 @@ MISTAKES = [
     ({"clearance.E": "hard Pa"}, "clearance.E = 'hard Pa': must be a number with a unit; write"),
     ({"clearance.E": -1.0}, "clearance.E = -1.0: must be greater than 0; give Young's modulus"),
     ({"clearance.E": True}, "clearance.E = True: must be a number; give Young's modulus"),
+    ({"clearance.E": DROP}, "clearance.E: is required; give E, or pin and hole"),
+    ({"clearance.pin": "PEEK"}, "clearance.hole: is required; give hole, or E and nu"),
+    ({"clearance.pin": "PEEK", "clearance.hole": "PEEK"},
+     "clearance.E = 207.0: is that of the materials already; remove it"),
+    ({"clearance.pin": "soap"}, "clearance.pin = 'soap': is not in the tables of materials"),
     ({"clearance.v1": 0.5}, "clearance.v1 = 0.5: must be above v0 = 1.0"),
     ({"clearance.joint": "slide"}, "'slide': is not a revolute joint; choose main, crank-pin"),
     ({"clearance.bearing": "crank"}, "clearance.bearing = 'crank': is not at that joint"),
@@ -94,6 +99,28 @@ def test_a_modulus_may_come_with_its_unit():
     assert assumptions({"clearance": {"E": "207 GPa"}, "provenance": table}) == (
         "clearance.E = 207 GPa",
     )
+
+
+def test_pin_and_hole_may_be_of_materials_by_name(tmp_path):
+    own = tmp_path / "own.csv"
+    own.write_text("name,E_GPa,nu\nbrass,102.5,0.34\n", encoding="utf-8")
+    names = {"clearance.pin": "Brass", "clearance.hole": "bronze"}
+    without = {"clearance.E": DROP, "clearance.nu": DROP}
+    mechanism = mechanism_from(changed(SLIDER_CRANK, names | without), "mine", own)
+    pair = mechanism.clearance.pair
+    assert (pair.material_j, pair.material_i) == (
+        Material("brass", 102.5e3, 0.34),
+        Material.named("bronze"),
+    )
+    again = mechanism_from(mechanism.data)  # as a saved run has it, without the table
+    assert again.clearance.pair == pair
+    assert "clearance.pin.E = 102.5" in mechanism.assumptions
+
+
+def test_lengths_in_metres_are_warned_of():
+    metres = {"clearance.R_bearing": 0.01, "clearance.radial": 5e-4}
+    (first, *_) = mechanism_from(changed(SLIDER_CRANK, metres)).warnings
+    assert first.startswith("the radius of the hole in mm is 0.01")
 
 
 def test_the_shipped_masses_are_not_warned_of():

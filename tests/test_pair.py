@@ -69,6 +69,14 @@ def test_one_material_serves_both_bodies_unless_the_second_is_given(steel):
         assert (mixed.material_i, mixed.material_j) == (steel, brass)
 
 
+def test_pin_and_hole_are_other_names_of_the_materials(steel):
+    brass = Material("brass", 100e3, 0.34)
+    expected = CylinderPair.internal(10.0, 9.0, steel, 5.0, brass)
+    assert CylinderPair.internal(10.0, 9.0, length=5.0, pin=brass, hole=steel) == expected
+    of_dR = CylinderPair.from_dR("internal", 1.0, pin=brass, hole=steel, length=5.0, R_i=10.0)
+    assert of_dR == expected
+
+
 def test_arrays_of_radii_and_materials_broadcast(steel):
     family = Material("family", E=[1e5, 2e5, 3e5], nu=0.3)
     pair = CylinderPair.internal([[10.0], [20.0]], 9.0, steel, material_j=family)

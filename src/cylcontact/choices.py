@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Literal, get_args
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "Method",
     "Study",
     "first_of",
+    "is_table",
     "listed",
 ]
 
@@ -40,14 +42,25 @@ BEYOND: tuple[Beyond, ...] = get_args(Beyond)
 ENGINES: tuple[Engine, ...] = get_args(Engine)
 STUDIES: tuple[Study, ...] = get_args(Study)
 FORMATS: tuple[Format, ...] = get_args(Format)
-# Of tables that are read, and of those that are written.
 # What the folder of a fit to a table holds.
 FIT_FILES = ("result.json", "residuals.csv", "fit.png", "fit.pdf")
 # What `choose` adds to it.
 CHOICE_FILES = ("choice.csv", "choice.png", "choice.pdf")
-TABLE_SUFFIXES = (".csv", ".xlsx", ".parquet")
+# Of tables that are read, those in text first, and of those that are written.
+TABLE_SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".xlsx", ".parquet")
 OUTPUT_SUFFIXES = (".csv", ".parquet")
 FILM_SUFFIXES = (".gif", ".mp4")
+
+
+def is_table(path: Path) -> bool:
+    """Return whether a path is that of a table: whatever is no spec and no result.
+
+    Examples
+    --------
+    >>> is_table(Path("run 3.TXT")), is_table(Path("fitting/internal.toml"))
+    (True, False)
+    """
+    return path.suffix.lower() not in (".toml", ".json")
 
 
 def listed(names: Iterable[str]) -> str:

@@ -22,7 +22,6 @@ __all__ = [
     "hertz_pressure",
     "hertz_stress",
     "johnson_limit_load",
-    "johnson_limit_penetration",
     "stress_at_johnson_limit",
     "yield_load",
     "yield_warning",
@@ -272,11 +271,6 @@ def johnson_limit_load(pair: CylinderPair) -> FloatArray:
     [493.8 658.4]
     """
     return Johnson().max_load(pair)
-
-
-def johnson_limit_penetration(pair: CylinderPair) -> FloatArray:
-    """Return the largest penetration of Johnson's law in mm, 4ΔR/e² for equal materials."""
-    return Johnson().max_penetration(pair)
 
 
 def stress_at_johnson_limit(pair: CylinderPair) -> FloatArray:

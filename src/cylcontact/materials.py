@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,22 +21,28 @@ from cylcontact.arrays import (
 )
 from cylcontact.errors import InputError
 from cylcontact.html_repr import table_html
-from cylcontact.reading import SPEC_BYTES, plain_number, read_text
+from cylcontact.reading import beside_or_above, plain_number
+from cylcontact.tables import finite_numbers, read_table
 from cylcontact.units import QUANTITIES
 
 __all__ = [
     "COLUMNS",
+    "LARGEST_MODULUS",
     "PROVENANCES",
     "SHIPPED",
     "Material",
     "MaterialRow",
+    "find_material",
     "known_materials",
     "material_in_MPa",
     "modulus_in_MPa",
+    "own_table",
     "read_materials",
     "shipped_materials",
 ]
 
+# The largest modulus that is taken, ten times diamond's: what is above was given in Pa.
+LARGEST_MODULUS = 1e7  # MPa
 PROVENANCES = ("paper", "derived", "assumed")
 _NUMBER_COLUMNS = {"E_GPa": "E_provenance", "nu": "nu_provenance"}
 _YIELD_COLUMNS = {"yield_stress_MPa": "yield_provenance"}
@@ -48,8 +53,11 @@ COLUMNS = (
 )
 # A smaller bare number was probably meant in GPa; stiff plastics begin here.
 _SMALLEST_BARE = 1000.0  # MPa
-# The table of the package; a table of the user adds to it.
+# The table of the package; a table of the user adds to it, by default the one in `_OWN`.
 SHIPPED = Path(__file__).parent / "data" / "materials.csv"
+_OWN = "datasets/materials.csv"
+_REQUIRED = ("name", *_NUMBER_COLUMNS)
+_NUMBERS = (*_NUMBER_COLUMNS, *_YIELD_COLUMNS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +69,7 @@ class Material:
     name : str
         Its name in reports.
     E : float, str or array_like
-        Young's modulus in MPa, at least 1000, or a text with its unit, "207 GPa" or "200 MPa";
+        Young's modulus in MPa, from 1000 to 1e7, or a text with its unit, "207 GPa" or "200 MPa";
         kept in MPa. An array describes a family of materials and broadcasts with the other
         arguments.
     nu : float or array_like
@@ -72,8 +80,8 @@ class Material:
     Raises
     ------
     InputError
-        If a modulus or yield stress is not positive and finite, a bare modulus is below 1000,
-        which is hardly meant in MPa, a unit is not known, or ν is outside [0, 0.5].
+        If a modulus or yield stress is not positive and finite, a bare modulus is below 1000 or
+        any above 1e7 MPa, which are hardly meant, a unit is not known, or ν is outside [0, 0.5].
 
     Examples
     --------
@@ -137,8 +145,8 @@ class Material:
         Parameters
         ----------
         name : str
-            Its name in the table; `shipped_materials` lists the names, with the provenance of
-            each number.
+            Its name in the table, in small or capital letters; `shipped_materials` lists the names,
+            with the provenance of each number.
 
         Returns
         -------
@@ -154,16 +162,10 @@ class Material:
         >>> Material.named("low-carbon steel")
         Material(name='low-carbon steel', E=200000.0, nu=0.3, yield_stress=250.0)
         """
-        rows = shipped_materials()
-        if name not in rows:
-            raise InputError(
-                "Material.named",
-                "name",
-                name,
-                "no material that ships has this name",
-                f"choose {', '.join(rows)}, or give Material(name, E, nu)",
-            )
-        return rows[name].material
+        others = ", or give Material(name, E, nu)"
+        return find_material(
+            name, shipped_materials(), "Material.named", "name", "the table that ships", others
+        ).material
 
     def __eq__(self, other: object) -> bool:
         return same_fields(self, other)
@@ -217,7 +219,8 @@ def modulus_in_MPa(E: float | str | FloatArray, source: str, key: str = "E") -> 
     Raises
     ------
     InputError
-        If a bare number is below 1000 MPa, or the text is not a positive number with a unit.
+        If a bare number is below 1000 MPa, any modulus above 1e7 MPa, or the text is not a positive
+        number with a unit.
 
     Examples
     --------
@@ -232,7 +235,18 @@ def modulus_in_MPa(E: float | str | FloatArray, source: str, key: str = "E") -> 
         number = E
     _require_modulus(number, source, key, E)
     if unit:
-        return number * QUANTITIES["E"][unit]
+        number = number * QUANTITIES["E"][unit]
+    largest = float(np.max(as_floats(number)))
+    require(
+        largest <= LARGEST_MODULUS,
+        source,
+        key,
+        E,
+        "is beyond any material, diamond has 1.2e6 MPa",
+        "mind the unit" if unit else f'did you mean "{largest * 1e-9:g} GPa"? Give it in MPa',
+    )
+    if unit:
+        return number
     smallest = np.min(as_floats(number))
     meant = f'did you mean "{smallest:g} GPa"? For a material as soft as that write'
     require(
@@ -312,8 +326,9 @@ def known_materials(own: Path | str | None = None) -> dict[str, MaterialRow]:
     if own is None:
         return rows
     added = read_materials(own)
+    shipped = {_plain(name) for name in rows}
     for name in added:
-        if name in rows:
+        if _plain(name) in shipped:
             raise InputError(
                 str(own),
                 "name",
@@ -324,14 +339,48 @@ def known_materials(own: Path | str | None = None) -> dict[str, MaterialRow]:
     return rows | added
 
 
+def find_material(
+    name: str,
+    rows: Mapping[str, MaterialRow],
+    source: str,
+    key: str,
+    table: str,
+    others: str = ", or name a table of your own with --materials",
+) -> MaterialRow:
+    """Return the row of a material, whether its name is in small or capital letters."""
+    row = rows.get(name) or {_plain(known): row for known, row in rows.items()}.get(_plain(name))
+    if row is None:
+        raise InputError(
+            source, key, name, f"is not in {table}", f"choose {', '.join(rows)}{others}"
+        )
+    return row
+
+
+def _plain(name: str) -> str:
+    """Return a name without capitals and repeated spaces."""
+    return " ".join(name.casefold().split())
+
+
+def own_table(given: str | None, folder: Path, source: str, key: str = "materials") -> Path | None:
+    """Return a user's table of materials: the one given, or the default one if there is any.
+
+    Either is looked for in a folder, in the two above it, and here.
+    """
+    path = beside_or_above(folder, given or _OWN)
+    if given is not None and path is None:
+        raise InputError(source, key, given, "no such file", "name a table of materials")
+    return path
+
+
 def read_materials(path: Path | str) -> dict[str, MaterialRow]:
-    """Read a table of materials.
+    r"""Read a table of materials.
 
     Parameters
     ----------
     path : path
-        A CSV file with the columns `COLUMNS`: E in GPa, yield stress in MPa (may be empty),
-        and for each number "paper", "derived" or "assumed".
+        A table as those of measurements, with the columns name, E_GPa and nu. It may have
+        yield_stress_MPa too, a note, and E_provenance, nu_provenance and yield_provenance, which
+        are "paper", "derived" or "assumed", the default.
 
     Returns
     -------
@@ -343,98 +392,87 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     InputError
         If the file cannot be read, a column is missing or unknown, a row is too short or too
         long, a cell is not a number, a provenance is not one of the three, or a name is repeated.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "mine.csv")
+    ...     _ = path.write_text("name;E_GPa;nu\nbrass;102,5;0,34\n")
+    ...     read_materials(path)["brass"].material
+    Material(name='brass', E=102500.0, nu=0.34, yield_stress=None)
     """
-    source = str(path)
+    table = read_table(path)
+    columns = dict(zip(table.names, table.columns, strict=True))
+    _require_columns(table.source, table.names)
+    of_numbers = [table.names.index(c) for c in _NUMBERS if c in columns]
+    # An empty yield stress is none; no other number may be empty.
+    filled = [
+        ["0" if cell is None and name in _YIELD_COLUMNS else cell for cell in cells]
+        for name, cells in columns.items()
+    ]
+    numbers = finite_numbers(replace(table, columns=filled), of_numbers)
     rows: dict[str, MaterialRow] = {}
-    for line, row in _read_csv(source):
-        parsed = _parse_row(f"{source}, line {line}", row)
-        if parsed.material.name in rows:
-            raise InputError(
-                f"{source}, line {line}",
-                "name",
-                parsed.material.name,
-                "is used twice",
-                "give each material a name of its own",
-            )
-        rows[parsed.material.name] = parsed
-    if not rows:
-        raise InputError(source, "", None, "holds no material", "give it at least one row")
+    names: dict[str, str] = {}
+    for k, line in enumerate(table.lines):
+        source = f"{table.source}, {table.row_word} {line}"
+        cells = {name: cell[k] for name, cell in columns.items()}
+        given = {
+            table.names[column]: values[k]
+            for column, values in zip(of_numbers, numbers, strict=True)
+            if cells[table.names[column]] is not None
+        }
+        row = _row(source, cells, given)
+        name = row.material.name
+        if _plain(name) in names:
+            rule, remedy = "is used twice", "give each material a name of its own"
+            raise InputError(source, "name", name, rule, remedy)
+        names[_plain(name)] = name
+        rows[name] = row
     return rows
 
 
-def _read_csv(source: str) -> list[tuple[int, dict[str, str]]]:
-    """Return each row as its line number and its text cells by column."""
-    wanted = "give a CSV table of materials"
-    text = read_text(source, SPEC_BYTES, wanted, wanted)
-    try:
-        reader = csv.reader(io.StringIO(text, newline=""), strict=True)
-        table = [(reader.line_num, cells) for cells in reader if any(cells)]
-    except csv.Error as error:
-        raise InputError(source, "", None, f"cannot be read ({error})", wanted) from error
-    columns = table[0][1] if table else []
-    if sorted(columns) != sorted(COLUMNS):
-        raise InputError(
-            source,
-            "columns",
-            columns,
-            f"must be {', '.join(COLUMNS)}",
-            "correct the first line",
-        )
-    return [(line, _cells(f"{source}, line {line}", columns, cells)) for line, cells in table[1:]]
+def _require_columns(source: str, names: list[str]) -> None:
+    """Raise `InputError` for columns of a table that are missing, repeated or unknown."""
+    missing = [name for name in _REQUIRED if name not in names]
+    others = [name for k, name in enumerate(names) if name not in COLUMNS or name in names[:k]]
+    optional = ", ".join(name for name in COLUMNS if name not in _REQUIRED)
+    if missing:
+        rule, remedy = f"lacks {', '.join(missing)}", f"add it; {optional} may be left out"
+        raise InputError(source, "columns", names, rule, remedy)
+    if others:
+        rule = f"{others[0]!r} is not known, or there twice"
+        remedy = f"leave it out; besides {', '.join(_REQUIRED)} there may be {optional}"
+        raise InputError(source, "columns", names, rule, remedy)
 
 
-def _cells(source: str, columns: list[str], cells: list[str]) -> dict[str, str]:
-    """Return the cells of a row by column."""
-    if len(cells) != len(columns):
-        raise InputError(
-            source,
-            "",
-            None,
-            f"has {len(cells)} cells for {len(columns)} columns",
-            'add commas for empty cells; put a text with commas in "quotes"',
-        )
-    return {column: cell.strip() for column, cell in zip(columns, cells, strict=True)}
-
-
-def _parse_row(source: str, row: dict[str, str]) -> MaterialRow:
-    """Turn the text cells of one row into a material with its provenance."""
-    if not row["name"]:
+def _row(source: str, cells: Mapping[str, object], numbers: Mapping[str, float]) -> MaterialRow:
+    """Return the material of a row with its provenance."""
+    if cells["name"] is None:
         raise InputError(source, "name", None, "is required", "name the material")
-    numbers = {
-        column: _number(source, column, row[column])
-        for column in (*_NUMBER_COLUMNS, *_YIELD_COLUMNS)
-        if column in _NUMBER_COLUMNS or row[column]
-    }
-    provenance = {
-        column: _provenance(source, (_NUMBER_COLUMNS | _YIELD_COLUMNS)[column], row)
-        for column in numbers
-    }
+    origins = _NUMBER_COLUMNS | _YIELD_COLUMNS
+    provenance = {c: _provenance(source, origins[c], cells) for c in numbers}
     try:
-        material = material_in_MPa(
-            row["name"], numbers["E_GPa"] * 1e3, numbers["nu"], numbers.get("yield_stress_MPa")
+        material = Material(
+            str(cells["name"]),
+            f"{numbers['E_GPa']!r} GPa",
+            numbers["nu"],
+            numbers.get("yield_stress_MPa"),
         )
     except InputError as error:
         column = {"E": "E_GPa", "yield_stress": "yield_stress_MPa"}.get(error.key, error.key)
         raise InputError(
-            source, column, row[column], error.rule, "mind the unit in the column's name"
+            source, column, cells[column], error.rule, "mind the unit in the column's name"
         ) from error
-    return MaterialRow(material, provenance, row["note"])
+    note = cells.get("note")
+    return MaterialRow(material, provenance, "" if note is None else str(note))
 
 
-def _number(source: str, column: str, text: str) -> float:
-    """Return the cell as a number."""
-    try:
-        return plain_number(text)
-    except ValueError:
+def _provenance(source: str, column: str, cells: Mapping[str, object]) -> str:
+    """Return the provenance of a number; "assumed" in a table that says none."""
+    given = str(cells.get(column, "assumed") or "")
+    if given not in PROVENANCES:
         raise InputError(
-            source, column, text, "must be a number", "write it with a decimal point"
-        ) from None
-
-
-def _provenance(source: str, column: str, row: dict[str, str]) -> str:
-    """Return the cell as one of the three provenances."""
-    if row[column] not in PROVENANCES:
-        raise InputError(
-            source, column, row[column], f"must be one of {', '.join(PROVENANCES)}", "say which"
+            source, column, given, f"must be one of {', '.join(PROVENANCES)}", "say which"
         )
-    return row[column]
+    return given

@@ -21,7 +21,17 @@ from cylcontact.errors import InputError, short
 from cylcontact.html_repr import table_html
 from cylcontact.materials import Material, material_in_MPa
 
-__all__ = ["CONTACTS", "PLANES", "Contact", "CylinderPair", "Length", "Plane", "are_possible"]
+__all__ = [
+    "CONTACTS",
+    "PLANES",
+    "Contact",
+    "CylinderPair",
+    "Length",
+    "Plane",
+    "are_possible",
+    "roles",
+    "unusual_lengths",
+]
 
 Contact = Literal["internal", "external"]
 CONTACTS: tuple[Contact, ...] = ("internal", "external")
@@ -32,6 +42,11 @@ Length = float | FloatArray
 
 # ΔR may differ from that of the radii by rounding, as a part of the larger one.
 _AGREEMENT = 1e-6
+# What lengths can hardly be meant, outside all that is built: metres or µm for mm, a diameter for a
+# radius, a wrong millimetre.
+_LENGTHS = 0.1, 5000.0  # mm
+_CLEARANCES = 1e-5, 0.08  # over the radius of the hole
+_SLENDERNESS = 0.02, 100.0  # length over radius
 # And α and β may leave the possible ones by that much.
 _ROUNDING = 1e-12
 
@@ -46,12 +61,12 @@ class CylinderPair:
     Parameters
     ----------
     contact : {"internal", "external"}
-        For internal contact, body *i* has the hole.
+        For internal contact, *i* is the hole and *j* the pin.
     dR : float or array_like
         ΔR in mm: R_i − R_j for internal contact (the radial clearance), R_i + R_j for
         external contact.
     material_i, material_j : Material
-        The materials of the two bodies.
+        The materials of the two bodies: of hole and pin, or of the rollers.
     R_i, R_j : float or array_like, optional
         The radii in mm, if known.
     length : float, optional
@@ -139,10 +154,14 @@ class CylinderPair:
         return f"CylinderPair({shown})"
 
     def _repr_html_(self) -> str:
-        bodies = {"i": (self.R_i, self.material_i), "j": (self.R_j, self.material_j)}
-        rows: dict[str, object] = {"ΔR (mm)": self.dR}
-        for body, (radius, material) in bodies.items():
-            rows |= {f"R_{body} (mm)": radius, f"material {body}": material.name}
+        first, second = roles(self.contact)
+        rows: dict[str, object] = {
+            "ΔR (mm)": self.dR,
+            f"R_i, {first} (mm)": self.R_i,
+            f"material, {first}": self.material_i.name,
+            f"R_j, {second} (mm)": self.R_j,
+            f"material, {second}": self.material_j.name,
+        }
         rows |= {"length (mm)": self.length, "E* (MPa)": self.E_star}
         if self.plane != "strain":
             rows["plane"] = self.plane
@@ -153,10 +172,12 @@ class CylinderPair:
         cls,
         R_i: Length,
         R_j: Length,
-        material: Material,
+        material: Material | None = None,
         length: float | None = None,
         material_j: Material | None = None,
         *,
+        pin: Material | None = None,
+        hole: Material | None = None,
         plane: Plane = "strain",
     ) -> CylinderPair:
         """Return a pin of radius `R_j` in a hole of radius `R_i` (mm).
@@ -165,12 +186,14 @@ class CylinderPair:
         ----------
         R_i, R_j : float or array_like
             Radii of the hole and of the pin in mm, R_i > R_j.
-        material : Material
+        material : Material, optional
             The material of the hole, and of the pin unless `material_j` is given.
         length : float, optional
             Axial length in mm.
         material_j : Material, optional
             The material of the pin.
+        pin, hole : Material, optional
+            The two materials by name, in place of `material` and `material_j`.
         plane : {"strain", "stress"}
             Plane strain, or plane stress for thin sheets.
 
@@ -181,7 +204,14 @@ class CylinderPair:
         Raises
         ------
         InputError
-            If the pin does not fit in the hole.
+            If the pin does not fit in the hole, or the materials are not given just once.
+
+        Examples
+        --------
+        >>> bronze, steel = Material("bronze", 110e3, 0.34), Material("steel", 207e3, 0.3)
+        >>> pair = CylinderPair.internal(10.0, 9.95, pin=bronze, hole=steel)
+        >>> pair.material_j.name
+        'bronze'
         """
         outer, inner = _lengths(R_i=R_i, R_j=R_j)
         require(
@@ -190,10 +220,10 @@ class CylinderPair:
             "R_j",
             R_j,
             f"the pin must be smaller than the hole (R_i = {short(R_i)})",
-            "give R_i, the radius of the hole, the larger value",
+            "give R_i, the radius of the hole, the larger value; both are radii, not diameters",
         )
-        other = material_j or material
-        return cls("internal", outer - inner, material, other, R_i, R_j, length, plane)
+        first, second = _bodies("CylinderPair.internal", material, material_j, pin, hole)
+        return cls("internal", outer - inner, first, second, R_i, R_j, length, plane)
 
     @classmethod
     def external(
@@ -235,11 +265,13 @@ class CylinderPair:
         cls,
         contact: Contact,
         dR: Length,
-        material: Material,
+        material: Material | None = None,
         length: float | None = None,
         R_i: Length | None = None,
         material_j: Material | None = None,
         *,
+        pin: Material | None = None,
+        hole: Material | None = None,
         plane: Plane = "strain",
     ) -> CylinderPair:
         """Return a pair given by its ΔR, for laws that depend on ΔR alone.
@@ -250,14 +282,16 @@ class CylinderPair:
             Pin in hole, or two rollers.
         dR : float or array_like
             ΔR in mm.
-        material : Material
-            The material of both bodies, or of body *i* when `material_j` is given.
+        material : Material, optional
+            The material of both bodies, or of the hole or first roller when `material_j` is given.
         length : float, optional
             Axial length in mm.
         R_i : float or array_like, optional
-            The radius of body *i* in mm; the radius of body *j* then follows from ΔR.
+            The radius of the hole or first roller in mm; the other radius then follows from ΔR.
         material_j : Material, optional
-            The material of body *j*.
+            The material of the pin or second roller.
+        pin, hole : Material, optional
+            The two materials of internal contact, in place of `material` and `material_j`.
         plane : {"strain", "stress"}
             Plane strain, or plane stress for thin sheets.
 
@@ -268,7 +302,8 @@ class CylinderPair:
         Raises
         ------
         InputError
-            If `R_i` and ΔR leave no room for body *j*.
+            If `R_i` and ΔR leave no room for the pin or second roller, or the materials are not
+            given just once.
         """
         R_j = None
         _require_contact(contact)
@@ -276,7 +311,12 @@ class CylinderPair:
             _require_positive("dR", dR)
         else:
             R_j = _other_radius("CylinderPair.from_dR", contact, dR, R_i=R_i)
-        return cls(contact, dR, material, material_j or material, R_i, R_j, length, plane)
+        require(
+            contact == "internal" or (pin is None and hole is None), "CylinderPair.from_dR",
+            "contact", contact, "has no pin and no hole", "give material and material_j",
+        )  # fmt: skip
+        first, second = _bodies("CylinderPair.from_dR", material, material_j, pin, hole)
+        return cls(contact, dR, first, second, R_i, R_j, length, plane)
 
     @classmethod
     def from_dundurs(cls, alpha: Length, beta: Length) -> CylinderPair:
@@ -437,6 +477,69 @@ class CylinderPair:
         return self.length
 
 
+def roles(contact: Contact) -> tuple[str, str]:
+    """Return what bodies i and j are: the hole and the pin, or rollers."""
+    return ("hole", "pin") if contact == "internal" else ("roller i", "roller j")
+
+
+def unusual_lengths(pair: CylinderPair) -> tuple[str, ...]:
+    """Return a sentence for each length of a pair that can hardly be meant, with a likely cause.
+
+    Examples
+    --------
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> print(*unusual_lengths(CylinderPair.internal(20.0, 9.95, steel, 20.0)))
+    the radial clearance over the hole's radius is 0.5025: is a radius a diameter, or wrong?
+    """
+    first, second = roles(pair.contact)
+    unit = "lengths are in mm, not in metres or µm"
+    checks: list[tuple[str, Length | None, tuple[float, float], str]] = [
+        (f"the radius of the {first} in mm", pair.R_i, _LENGTHS, unit),
+        (f"the radius of the {second} in mm", pair.R_j, _LENGTHS, unit),
+        ("the axial length in mm", pair.length, _LENGTHS, unit),
+    ]
+    if pair.R_i is not None and pair.contact == "internal":
+        share = as_floats(pair.dR) / as_floats(pair.R_i)
+        name, cause = "the radial clearance over the hole's radius", "is a radius a diameter, or "
+        cause += "wrong?" if np.max(share) > _CLEARANCES[0] else "the clearance in metres?"
+        checks.append((name, share, _CLEARANCES, cause))
+    if pair.R_i is not None and pair.length is not None:
+        ratio = as_floats(pair.length) / as_floats(pair.R_i)
+        name = f"the axial length over the radius of the {first}"
+        checks.append((name, ratio, _SLENDERNESS, "is one of them in another unit?"))
+    found = []
+    for name, values, (low, high), cause in checks:
+        numbers = np.atleast_1d(low if values is None else as_floats(values))
+        outside = numbers[(numbers < low) | (numbers > high)]
+        if outside.size:
+            found.append(f"{name} is {outside[0]:.4g}: {cause}")
+    return tuple(found)
+
+
+def _bodies(
+    source: str,
+    material: Material | None,
+    material_j: Material | None,
+    pin: Material | None,
+    hole: Material | None,
+) -> tuple[Material, Material]:
+    """Return the materials of bodies i and j, given by body or by what the body is."""
+    if pin is None and hole is None:
+        if material is None:
+            rule, remedy = "is missing", "give material, or pin and hole"
+            raise InputError(source, "material", None, rule, remedy)
+        return material, material_j or material
+    for key, other in (("material", material), ("material_j", material_j)):
+        if other is not None:
+            rule, remedy = "is given beside pin or hole", "leave it out, or those"
+            raise InputError(source, key, None, rule, remedy)
+    if pin is None or hole is None:
+        key, given = ("pin", "hole") if pin is None else ("hole", "pin")
+        rule, remedy = f"is missing beside {given}", "give both, or material for both bodies"
+        raise InputError(source, key, None, rule, remedy)
+    return hole, pin
+
+
 def are_possible(alpha: FloatArray, beta: FloatArray) -> BoolArray:
     """Return where two materials can have α and β, with Poisson's ratios from 0 to 0.5."""
     return (alpha - 1 <= 4 * beta + _ROUNDING) & (4 * beta <= alpha + 1 + _ROUNDING)
@@ -486,13 +589,13 @@ def _other_radius(source: str, contact: Contact, dR: Length, **given: Length) ->
     ((key, radius),) = given.items()
     own, distance = _lengths(**given, dR=dR)
     other = own - distance if contact == "internal" else distance - own
-    body = "j" if key == "R_i" else "i"
+    body = "the pin" if contact == "internal" else roles(contact)[key == "R_i"]
     require(
         other > 0,
         source,
         "dR",
         dR,
-        f"leaves body {body} a radius that is not positive ({key} = {short(radius)})",
+        f"leaves {body} a radius that is not positive ({key} = {short(radius)})",
         f"internal contact needs dR < R_i, external contact dR > {key}",
     )
     return other

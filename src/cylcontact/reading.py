@@ -7,6 +7,8 @@ import math
 import os
 import re
 import stat
+from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from cylcontact.errors import InputError
@@ -17,6 +19,8 @@ __all__ = [
     "RESULT_BYTES",
     "SPEC_BYTES",
     "TABLE_BYTES",
+    "beside_or_above",
+    "first_file",
     "plain_integer",
     "plain_number",
     "read_bytes",
@@ -105,6 +109,19 @@ def read_text(path: Path | str, most: int, wanted: str, remedy: str = "check the
         return read_bytes(path, most, remedy).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(str(path), "", None, "is not a text file", wanted) from error
+
+
+def beside_or_above(folder: Path, name: str) -> Path | None:
+    """Return a file in a folder, in the two above, or here; None if there is none."""
+    places = (folder, folder / "..", folder / ".." / "..", Path())
+    return first_file(place / name for place in places)
+
+
+def first_file(places: Iterable[Path]) -> Path | None:
+    """Return the first of several paths that is a file; None if none is."""
+    with suppress(OSError):  # the name is too long, or the folder unreadable
+        return next((place for place in places if place.is_file()), None)
+    return None
 
 
 def plain_number(text: str) -> float:

@@ -127,7 +127,7 @@ def require_other_kind(path: Path | str, text: str, wanted: str) -> None:
     InputError
         If the file is a table, or TOML or JSON of a known kind.
     """
-    if Path(path).suffix in TABLE_SUFFIXES:
+    if Path(path).suffix.lower() in TABLE_SUFFIXES:
         raise _other_kind(str(path), "a table", wanted)
     for parse in (tomllib.loads, json.loads):
         try:

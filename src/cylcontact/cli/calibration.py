@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from cylcontact.choices import FIT_FILES, TABLE_SUFFIXES
+from cylcontact.choices import FIT_FILES, is_table
 from cylcontact.cli import measured
 from cylcontact.cli.options import (
     RESULTS,
@@ -57,8 +57,8 @@ def fit(
         Path,
         typer.Argument(
             metavar="CAMPAIGN|TABLE|RESULT",
-            help="A campaign, e.g. fitting/internal.toml, a .csv, .xlsx or .parquet table, or a "
-            "fit result, whose uncertainty is studied.",
+            help="A campaign, e.g. fitting/internal.toml, a table (.csv, .txt, .xlsx, …), or "
+            "a fit result, whose uncertainty is studied.",
         ),
     ],
     *,
@@ -109,7 +109,7 @@ def _calibrate(
     from cylcontact.fitting import calibrate
     from cylcontact.fitting.result import require_same_inputs
 
-    target, folder = _place(source, out)
+    target, folder = _place(source, planned, out)
     require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
     require_suffix(target, ".json")
     with owning(target):
@@ -126,18 +126,33 @@ def _calibrate(
     show(joined([str(result), f"written to {folder or target}{names}"], "\n\n"))
 
 
-def _place(campaign: Path, out: Path | None) -> tuple[Path, Path | None]:
+def _place(source: Path, planned: Campaign, out: Path | None) -> tuple[Path, Path | None]:
     """Return the file of the result, and for a table the folder of all its files.
 
-    A campaign's result is a file alone, and so is one that is to be written to a .json.
+    A campaign's result is a file alone, and so is one that is to be written to a .json. A second
+    law has a folder of its own beside that of the first, with its name.
     """
-    results = campaign.parent / "results"
-    is_table = campaign.suffix.lower() in TABLE_SUFFIXES
+    results = source.parent / "results"
+    if not is_table(source):
+        return out or results / f"{source.stem}.json", None
     if out is None:
-        out = results / (campaign.stem if is_table else f"{campaign.stem}.json")
-    if is_table and out.suffix.lower() != ".json":
-        return out / FIT_FILES[0], out
-    return out, None
+        out = results / source.stem
+        law = planned.model.law
+        if _law_in(out / FIT_FILES[0]) not in ("", law):
+            out = results / f"{source.stem}-{law.replace(':', '-')}"
+    elif out.suffix.lower() == ".json":
+        return out, None
+    return out / FIT_FILES[0], out
+
+
+def _law_in(result: Path) -> str:
+    """Return the law of a fit result; empty without a result that can be read."""
+    from cylcontact.fitting import FitResult
+
+    try:
+        return FitResult.read(result).law if result.exists() else ""
+    except InputError:
+        return ""
 
 
 def _save(result: FitResult, target: Path, folder: Path | None) -> None:

@@ -8,33 +8,35 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from cylcontact.choices import BRANCHES, CHOICE_FILES, TABLE_SUFFIXES, listed
+from cylcontact.choices import BRANCHES, CHOICE_FILES, is_table, listed
 from cylcontact.cli.options import (
     LOSSES,
     NOISES,
     NUMBER,
-    Hole,
-    Pin,
     Runs,
     Seed,
     expand_options,
     option_of,
-    require_internal,
     split,
+)
+from cylcontact.cli.pair import (
+    IN_CONSTANTS,
+    OF_PIN_AND_HOLE,
+    PairOptions,
+    blaming_options,
+    constants_of,
 )
 from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
 from cylcontact.files import owning, require_writable
 from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.pair import CONTACTS
-from cylcontact.reading import plain_number
+from cylcontact.reading import TABLE_BYTES, plain_number, require_file
 from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
     from cylcontact.fitting.campaign import Campaign, MeasuredTable
 
 __all__ = [
-    "CONSTANTS",
     "LawOption",
     "SearchOptions",
     "TableOptions",
@@ -72,35 +74,9 @@ class SearchOptions:
 
 
 @dataclass(frozen=True)
-class TableOptions:
+class TableOptions(PairOptions):
     """Options of `fit` and `choose` for tables; None if not given."""
 
-    contact: Annotated[str | None, _option("--contact", help=f"{listed(CONTACTS)}.")] = None
-    material: Annotated[
-        str | None, _option("--material", help="Material of both bodies, by its name in the table.")
-    ] = None
-    material_i: Annotated[str | None, _option("--material-i", help="Material of body i.")] = None
-    material_j: Annotated[str | None, _option("--material-j", help="Material of body j.")] = None
-    pin: Pin = None
-    hole: Hole = None
-    materials: Annotated[
-        str | None,
-        _option(
-            "--materials", help="A table of your own materials; datasets/materials.csv by default."
-        ),
-    ] = None
-    E_MPa: Annotated[
-        str | None, _option("--E", help="Young's modulus of both bodies, MPa or e.g. '207 GPa'.")
-    ] = None
-    nu: Annotated[
-        float | None, _option("--nu", help="Poisson's ratio of both bodies.", **NUMBER)
-    ] = None
-    dR_mm: Annotated[float | None, _option("--dR", help="ΔR, mm.", **NUMBER)] = None
-    R_i_mm: Annotated[float | None, _option("--Ri", help="Radius of body i, mm.", **NUMBER)] = None
-    R_j_mm: Annotated[float | None, _option("--Rj", help="Radius of body j, mm.", **NUMBER)] = None
-    length_mm: Annotated[float | None, _option("--length", help="Axial length, mm.", **NUMBER)] = (
-        None
-    )
     objective: Annotated[
         str | None,
         _option("--objective", help="What to minimise: rms-log-penetration, rms-load, ..."),
@@ -178,12 +154,6 @@ class LawOption:
     ] = None
 
 
-CONSTANTS = (
-    *("material", "material_i", "material_j"),
-    *("E_MPa", "nu", "dR_mm", "R_i_mm", "R_j_mm", "length_mm"),
-)
-
-
 def plan(
     path: Path,
     law: LawOption,
@@ -195,7 +165,7 @@ def plan(
     from cylcontact.fitting.campaign import read_campaign
 
     given = _given(asdict(law) | asdict(options))
-    if path.suffix.lower() not in TABLE_SUFFIXES:
+    if not is_table(path):
         if given:
             raise InputError(
                 str(path),
@@ -219,21 +189,19 @@ def _table(
 ) -> MeasuredTable:
     """Return a table with the options for it."""
     from cylcontact.fitting.campaign import read_table
-    from cylcontact.materials import modulus_in_MPa
 
-    if "contact" not in given and {"pin", "hole"} & {*given}:
+    require_file(path, TABLE_BYTES)
+    if "contact" not in given and OF_PIN_AND_HOLE & {*given}:
         given["contact"] = "internal"
     for name, example in (("law", "explicit"), ("contact", "internal")):
         if name not in given:
             raise InputError(
                 str(path), f"--{name}", None, "is required for a table", f"add --{name} {example}"
             )
-    _name_bodies(str(path), given)
     if "load_error" in given:
         given["load_error"] = _share(str(path), "--load-error", given["load_error"])
-    constants = {name: given.pop(name) for name in CONSTANTS if name in given}
-    if "E_MPa" in constants:
-        constants["E_MPa"] = modulus_in_MPa(constants["E_MPa"], str(path), "--E")
+    constants, blamed = constants_of(given, str(path), given["contact"])
+    given = {name: value for name, value in given.items() if name not in IN_CONSTANTS}
     columns = _columns(str(path), given.pop("columns", []))
     parameters = _parameters(str(path), given.pop("bound", []), given.pop("fix", []))
     settings = {
@@ -246,12 +214,13 @@ def _table(
     runs = search.runs
     settings |= {"starts": runs} if optimizer is None else {"genetic": runs and {"runs": runs}}
     law, contact = settings.pop("law"), settings.pop("contact")
-    return read_table(path, law, contact, constants, **settings)
+    with blaming_options(blamed):
+        return read_table(path, law, contact, constants, **settings)
 
 
 @expand_options
 def choose(
-    data: Annotated[Path, typer.Argument(help="A .csv, .xlsx or .parquet table.")],
+    data: Annotated[Path, typer.Argument(help="A table, .csv, .txt, .xlsx or .parquet.")],
     *,
     law: Annotated[
         list[str] | None,
@@ -271,8 +240,8 @@ def choose(
     from cylcontact.fitting.choice import choose_law
     from cylcontact.reports.fit_folder import write_choice
 
-    if data.suffix.lower() not in TABLE_SUFFIXES:
-        rule, remedy = f"is not {listed(TABLE_SUFFIXES)}", "name a table of measurements"
+    if not is_table(data):
+        rule, remedy = "is not a table", "name a table of measurements"
         raise InputError(str(data), "", None, rule, remedy)
     folder = out or data.parent / "results" / data.stem
     require_writable(*(folder / name for name in CHOICE_FILES))
@@ -283,19 +252,6 @@ def choose(
             choice = choose_law(measured, law or (), progress)
         write_choice(choice, folder)
     show(joined([str(choice), f"written to {folder}: {', '.join(CHOICE_FILES)}"], "\n\n"))
-
-
-def _name_bodies(source: str, given: dict[str, Any]) -> None:
-    """Put --pin and --hole in the place of --material-j and --material-i."""
-    for role, body in (("pin", "material_j"), ("hole", "material_i")):
-        if role not in given:
-            continue
-        require_internal(source, given["contact"], "use --material-i and --material-j")
-        other = option_of(body)
-        if body in given:
-            rule = f"is the body that {other} names as well"
-            raise InputError(source, f"--{role}", given[role], rule, "keep one of them")
-        given[body] = given.pop(role)
 
 
 def _columns(source: str, texts: list[str]) -> dict[str, str]:

@@ -16,6 +16,7 @@ from cylcontact.choices import BEYOND, FILM_SUFFIXES, METHODS, OUTPUT_SUFFIXES, 
 from cylcontact.cli.options import (
     NUMBER,
     Jobs,
+    Materials,
     Resume,
     Scheduler,
     expand_options,
@@ -67,12 +68,14 @@ class Changes:
     clearance: Annotated[list[str] | None, _list("Radial clearance, mm.")] = None
     restitution: Annotated[list[str] | None, _list("Restitution, above 0 up to 1.")] = None
     friction: Annotated[list[str] | None, _list("Friction coefficient.")] = None
+    materials: Materials = None
 
     def several(self) -> dict[str, list[Any]]:
         """Return the values of each."""
         return {
             name: texts or [] if name == "law" else numbers(f"--{name}", texts)
             for name, texts in asdict(self).items()
+            if name != "materials"
         }
 
     def single(self, *but: str) -> dict[str, Any]:
@@ -216,7 +219,7 @@ def _one_run(
     from cylcontact.mechanism.simulate import settings_for
     from cylcontact.mechanism.studies import agreement
 
-    mechanism = read_mechanism(spec, **changes.single())
+    mechanism = read_mechanism(spec, changes.materials, **changes.single())
     table = options.table
     if out is not None:
         require_suffix(out, ".parquet", *FILM_SUFFIXES)
@@ -371,7 +374,7 @@ def _film(
     _require_left(first, total)
     require_film(out, total - first)
     require_writable(out)
-    mechanism = read_mechanism(spec, **changes.single())
+    mechanism = read_mechanism(spec, changes.materials, **changes.single())
     with progress_bars() as progress:
         trajectory = run(mechanism, revolutions=total, progress=progress, **options.integration())
         frames = film(trajectory, out, first, progress)
@@ -385,7 +388,7 @@ def _cases(
     from cylcontact.mechanism import Plan, read_mechanism, sweep
     from cylcontact.mechanism.long_run import first_of
 
-    mechanism = read_mechanism(spec)
+    mechanism = read_mechanism(spec, changes.materials)
     total = revolutions or mechanism.integration.revolutions
     first = first_of(total) if options.first is None else options.first
     plan = Plan(total, first, **options.integration(), against=options.against)
@@ -417,7 +420,7 @@ def _tolerances(
     from cylcontact.mechanism import Plan, read_mechanism, sweep
     from cylcontact.mechanism.studies import tolerance_table
 
-    mechanism = read_mechanism(spec)
+    mechanism = read_mechanism(spec, changes.materials)
     total = revolutions or mechanism.integration.revolutions
     wanted, where = _combinations(changes), workers(options.jobs, options.scheduler)
     plans = [
@@ -451,7 +454,7 @@ def _bifurcation(
     from cylcontact.mechanism import read_mechanism
     from cylcontact.mechanism.studies import bifurcation
 
-    mechanism = read_mechanism(spec, **changes.single("clearance"))
+    mechanism = read_mechanism(spec, changes.materials, **changes.single("clearance"))
     ends = numbers("--clearance", changes.clearance) or [0.01, 0.5]
     require(
         len(ends) == 2 and min(ends) > 0, "--clearance", "", ",".join(changes.clearance or ()),

@@ -26,9 +26,8 @@ __all__ = [
     "STYLES",
     "TABLES",
     "Force",
-    "Hole",
     "Jobs",
-    "Pin",
+    "Materials",
     "Results",
     "Runs",
     "Scheduler",
@@ -94,9 +93,11 @@ def option_of(name: str) -> str:
 
     Examples
     --------
-    >>> option_of("leave_out"), option_of("R_i_mm"), option_of("E_MPa")
-    ('--leave-out', '--Ri', '--E')
+    >>> option_of("leave_out"), option_of("R_i_mm"), option_of("E_MPa"), option_of("E_j_MPa")
+    ('--leave-out', '--Ri', '--E', '--pin-E')
     """
+    if name.startswith(("E_i", "E_j", "nu_")):
+        return f"--{'pin' if '_j' in name else 'hole'}-{name.partition('_')[0]}"
     short = name.removesuffix("_mm").removesuffix("_MPa").replace("R_", "R")
     return "--" + short.replace("_", "-")
 
@@ -273,10 +274,12 @@ Scheduler = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS", help="A Dask cluster instead, e.g. tcp://host:8786."),
 ]
-Pin = Annotated[
-    str | None, typer.Option(help="The pin's material, by its name in the table of materials.")
+Materials = Annotated[
+    str | None,
+    typer.Option(
+        "--materials", help="A table of your own materials; datasets/materials.csv by default."
+    ),
 ]
-Hole = Annotated[str | None, typer.Option(help="The hole's material.")]
 Force = Annotated[
     bool, typer.Option("--force", help="Replace an output that came from other inputs.")
 ]

@@ -8,19 +8,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from cylcontact.arrays import require
 from cylcontact.choices import FORMATS, listed
 from cylcontact.cli.options import (
     NUMBER,
     RESULTS,
     STYLES,
     TABLES,
-    Hole,
     Jobs,
-    Pin,
+    Materials,
     Results,
-    require_internal,
+    expand_options,
     split,
 )
+from cylcontact.cli.pair import PairOptions, constants_of, pair_of
 from cylcontact.cli.renamed import renamed
 from cylcontact.cli.terminal import cores, progress_bars, say, show
 from cylcontact.errors import InputError
@@ -35,7 +36,8 @@ from cylcontact.files import (
     write_table,
 )
 from cylcontact.limits import yield_warning
-from cylcontact.pair import CONTACTS
+from cylcontact.materials import known_materials, own_table
+from cylcontact.pair import CONTACTS, unusual_lengths
 from cylcontact.plain_text import brief
 from cylcontact.text_tables import joined
 
@@ -172,6 +174,9 @@ def claims(
         require_suffix(out, ".csv", ".json")
         with keeping(bench.inputs):
             require_writable(out)
+    folder = bench.recipes_folder / "claims"
+    remedy = "run it in a folder that has them; cylcontact init FOLDER lays one out"
+    require(folder.is_dir(), str(folder), "", None, "there are no claims here", remedy)
     try:
         with progress_bars() as progress:
             computed = ledger(bench, progress)
@@ -218,58 +223,30 @@ def manuscript(
     say(f"{made.pdf}; sources for a journal in {made.sources}")
 
 
+@expand_options
 def laws(
-    E: Annotated[
-        str | None,
-        typer.Option(
-            "--E",
-            help="Young's modulus of both bodies, MPa or e.g. '207 GPa'; that is the default.",
-        ),
-    ] = None,
-    nu: Annotated[
-        float | None,
-        typer.Option("--nu", help="Poisson's ratio of both bodies; 0.3 by default.", **NUMBER),
-    ] = None,
-    dR: Annotated[
-        float | None,
-        typer.Option("--dR", help="ΔR, mm; by default 0.05 internal, twice Ri external.", **NUMBER),
-    ] = None,
-    R_i: Annotated[
-        float, typer.Option("--Ri", help="Radius of body i, mm; the hole, or a roller.", **NUMBER)
-    ] = 10.0,
-    length: Annotated[float, typer.Option(help="Axial length, mm.", **NUMBER)] = 10.0,
+    *,
+    pair: PairOptions,
     load: Annotated[float, typer.Option(help="Load per unit length, N/mm.", **NUMBER)] = 100.0,
-    contact: Annotated[str, typer.Option(help=f"{listed(CONTACTS)}.")] = "internal",
-    pin: Pin = None,
-    hole: Hole = None,
 ) -> None:
-    """Compare the laws: which one to use, and all of them side by side for one pair."""
-    from cylcontact.materials import Material, modulus_in_MPa
+    """Compare the laws: which one to use, and all of them side by side for one pair.
+
+    Without options it is a steel pin (207 GPa, 0.3) in a hole of 10 mm radius with ΔR = 0.05 mm.
+    """
     from cylcontact.reports import laws_to_use
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.laws_table import case, pin_in_hole, to_text
+    from cylcontact.reports.laws_table import case, to_text
 
-    if (pin is None) != (hole is None):
-        missing, given = ("--pin", "--hole") if pin is None else ("--hole", "--pin")
-        raise InputError(
-            "laws", missing, None, f"is missing beside {given}", "name both materials, or neither"
-        )
-    modulus = None if E is None else float(modulus_in_MPa(E, "laws", "--E"))
-    elastic = {name: value for name, value in (("E", modulus), ("nu", nu)) if value is not None}
-    if pin is None or hole is None:
-        pair = case(contact, dR=dR, R_i=R_i, length=length, **elastic)
-    else:
-        require_internal("laws", contact, "leave out --pin and --hole")
-        if elastic:
-            name, value = next(iter(elastic.items()))
-            rule = "is given by --pin and --hole already"
-            raise InputError("laws", f"--{name}", value, rule, "leave it out, or both of them")
-        pair = pin_in_hole(Material.named(pin), Material.named(hole), dR, R_i, length)
-    advice = laws_to_use.to_text(pair.contact, Bench(shipped_bench()))
-    show(joined([advice, to_text(pair, load)], "\n\n"))
-    warning = yield_warning(load, pair)
-    if warning is not None:
-        say(f"warning: {warning}", err=True)
+    given = {name: value for name, value in vars(pair).items() if value is not None}
+    contact = given.get("contact", "internal")
+    constants, options = constants_of(given, "laws", contact)
+    rows = known_materials(own_table(pair.materials, Path(), "laws", "--materials"))
+    cylinders = pair_of(constants, options, contact, rows, "laws", case())
+    advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
+    show(joined([advice, to_text(cylinders, load)], "\n\n"))
+    for warning in (yield_warning(load, cylinders), *unusual_lengths(cylinders)):
+        if warning is not None:
+            say(f"warning: {warning}", err=True)
 
 
 def export(
@@ -288,6 +265,7 @@ def export(
     contact: Annotated[
         str | None, typer.Option(help=f"{listed(CONTACTS)}; for laws that depend on it.")
     ] = None,
+    materials: Materials = None,
     out: Annotated[
         Path | None,
         typer.Option("-o", "--out", help="The file; of a law, standard output by default."),
@@ -297,8 +275,11 @@ def export(
     from cylcontact.export import export_named
 
     if joint is not None:
-        _export_joint(joint, target, out, {"RESULT|LAW": what, "--contact": contact})
+        _export_joint(joint, target, out, materials, {"RESULT|LAW": what, "--contact": contact})
         return
+    if materials is not None:
+        rule, remedy = "is for a joint, and a law has no material", "leave it out, or add --joint"
+        raise InputError("export", "--materials", materials, rule, remedy)
     if what is None:
         remedy = "name one, e.g. explicit, or a joint with --joint"
         raise InputError("export", "RESULT|LAW", None, "is missing", remedy)
@@ -313,7 +294,13 @@ def export(
     say(f"{what} written to {out}")
 
 
-def _export_joint(path: Path, target: str, out: Path | None, others: dict[str, str | None]) -> None:
+def _export_joint(
+    path: Path,
+    target: str,
+    out: Path | None,
+    materials: str | None,
+    others: dict[str, str | None],
+) -> None:
     """Write a joint as a force element, next to the file `out`."""
     from cylcontact.export import export_joint
     from cylcontact.mechanism import read_joint
@@ -324,7 +311,7 @@ def _export_joint(path: Path, target: str, out: Path | None, others: dict[str, s
             raise InputError("export", key, value, rule, "leave it out, or --joint")
     if out is not None:
         require_writable(out)
-    joint = read_joint(path)
+    joint = read_joint(path, materials)
     texts = export_joint(joint, target, out.stem if out else "")
     suffix = JOINT_TARGETS[target]
     if out is None:
@@ -336,3 +323,5 @@ def _export_joint(path: Path, target: str, out: Path | None, others: dict[str, s
             text = texts[name]
             file.write_bytes(text if isinstance(text, bytes) else text.encode("ascii"))
     say(f"{joint.name} written to {', '.join(str(out.with_name(name)) for name in texts)}")
+    for warning in unusual_lengths(joint.pair):
+        say(f"warning: {path}: {warning}", err=True)

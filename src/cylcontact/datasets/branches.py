@@ -9,8 +9,8 @@ import numpy as np
 
 from cylcontact.arrays import BoolArray, FloatArray, IndexArray
 from cylcontact.choices import BRANCHES, Branch
-from cylcontact.datasets.tables import Table
 from cylcontact.errors import InputError
+from cylcontact.tables import Table
 
 __all__ = ["PAIR_COLUMNS", "equal_rows", "is_unloading", "kept_rows"]
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from cylcontact.choices import first_of
-from cylcontact.datasets.tables import Table, require_rows
 from cylcontact.errors import InputError
+from cylcontact.tables import Table, require_rows
 from cylcontact.units import (
     LABELS,
     Column,

@@ -15,7 +15,7 @@ from cylcontact.arrays import FloatArray, IndexArray
 from cylcontact.datasets.tabulated import FINITE_ELEMENT, TabulatedReference, with_table
 from cylcontact.errors import InputError
 from cylcontact.laws import REFERENCES, ContactLaw, reference_law
-from cylcontact.materials import material_in_MPa
+from cylcontact.materials import LARGEST_MODULUS, material_in_MPa
 from cylcontact.memory import require_memory
 from cylcontact.pair import Contact, CylinderPair, are_possible
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
@@ -121,6 +121,10 @@ class AxesSpec(Spec):
     def _check(self) -> AxesSpec:
         for name in _POSITIVE_AXES:
             _check_positive(name, getattr(self, name), f"give it in {_UNITS[name]}")
+        stiffest = float(self.E.numbers()[-1])
+        if stiffest > LARGEST_MODULUS * 1e-3:
+            rule = f"must be at most {LARGEST_MODULUS * 1e-3:g} GPa, and diamond has 1200"
+            raise broken("E", stiffest, rule, "give it in GPa, e.g. 207 for steel")
         ratio = self.nu.numbers()
         if ratio[0] < 0 or ratio[-1] > 0.5:
             raise broken(

@@ -22,7 +22,18 @@ from cylcontact.arrays import BoolArray, FloatArray
 from cylcontact.choices import Branch
 from cylcontact.datasets.branches import PAIR_COLUMNS, equal_rows, kept_rows
 from cylcontact.datasets.columns import Mapped, mapped, require_found
-from cylcontact.datasets.tables import (
+from cylcontact.errors import InputError
+from cylcontact.materials import (
+    LARGEST_MODULUS,
+    MaterialRow,
+    find_material,
+    known_materials,
+    material_in_MPa,
+    shipped_materials,
+)
+from cylcontact.pair import Contact, CylinderPair, roles, unusual_lengths
+from cylcontact.spec import Spec
+from cylcontact.tables import (
     MAX_ROWS,
     Table,
     finite_numbers,
@@ -30,15 +41,6 @@ from cylcontact.datasets.tables import (
     table_of_frame,
     texts,
 )
-from cylcontact.errors import InputError
-from cylcontact.materials import (
-    MaterialRow,
-    known_materials,
-    material_in_MPa,
-    shipped_materials,
-)
-from cylcontact.pair import Contact, CylinderPair
-from cylcontact.spec import Spec
 from cylcontact.units import LABELS, Column, column_named, spellings
 
 if TYPE_CHECKING:
@@ -51,10 +53,10 @@ __all__ = [
     "MeasuredData",
     "Measurements",
     "measurements_of",
+    "pair_notes",
     "read_frame",
     "read_measured",
     "require_positive_penetration",
-    "yield_notes",
 ]
 
 Constants = Mapping[str, float | str]
@@ -63,6 +65,8 @@ _Numbers = dict[str, FloatArray]
 _Labels = dict[str, list[str]]
 _Materials = dict[str, MaterialRow]
 _SHIPPED = "the table that ships"
+# Columns that an error names.
+_LISTED = 8
 # What tells pairs apart.
 _OF_PAIR = ("dR", "R_i", "R_j", "E_i", "E_j", "nu_i", "nu_j", "length")
 _GROUPINGS = ("rows", "material", "dR", "pair", "group", "branch")
@@ -76,9 +80,9 @@ class _Range(NamedTuple):
 
 
 _POSITIVE = _Range("must be positive and finite", lambda values: values > 0)
-# Ten times the modulus of diamond is one given in MPa that was meant in GPa or in Pa.
 _MODULUS = _Range(
-    "must be positive, and at most 1e7 MPa", lambda values: (values > 0) & (values <= 1e7)
+    f"must be positive, and at most {LARGEST_MODULUS:g} MPa",
+    lambda values: (values > 0) & (values <= LARGEST_MODULUS),
 )
 _FINITE = _Range("must be finite", np.isfinite)
 _RATIO = _Range("must lie in [0, 0.5]", lambda values: (values >= 0) & (values <= 0.5))
@@ -377,16 +381,15 @@ def _measured_data(
     values |= {found.columns[k].quantity: texts(table, k) for k in found.indices(of_words=True)}
     if found.group is not None:
         values["group"] = texts(table, found.group)
-    require_found(found, "load")
-    require_found(found, "penetration")
     columns += _add_constants(source, constants or {}, values)
+    _require_all(found, values, contact)
     labels = {quantity: words for quantity, words in values.items() if quantity in LABELS}
     numbers = {
         c.quantity: np.array([value * c.factor for value in values[c.quantity]])
         for c in columns
         if c.quantity not in LABELS
     }
-    notes = _add_moduli(source, numbers, labels, materials)
+    notes = _add_moduli(source, numbers, labels, materials, contact)
     _divide_by_length(source, numbers, sorted(c.quantity for c in columns if c.is_total))
     _require_finite(table, numbers)
     table.steps.extend(_readings(found, numbers))
@@ -457,17 +460,55 @@ def _add_constants(source: str, constants: Constants, values: dict[str, list[Any
         if isinstance(value, str) != (column.quantity in LABELS) or isinstance(value, bool):
             rule = "must be a name" if column.quantity in LABELS else "must be a number"
             raise InputError(source, key, value, rule, "correct it")
+        if not isinstance(value, str):
+            of_both = column.quantity in ("E", "nu")
+            allowed = _RANGES[f"{column.quantity}_i" if of_both else column.quantity]
+            number = np.array([value * column.factor])
+            if not (allowed.allows(number) & np.isfinite(number)).all():
+                raise InputError(source, key, value, allowed.rule, "correct it; mind its unit")
         values[column.quantity] = [value]
         columns.append(column)
     return columns
 
 
-def _add_moduli(source: str, numbers: _Numbers, labels: _Labels, own: Path | None) -> list[str]:
+def _require_all(found: Mapped, values: Mapping[str, object], contact: Contact) -> None:
+    """Raise `InputError` for what is given nowhere, all at once if it is more than a column."""
+    lacks = [f"the {name}" for name in ("load", "penetration") if name not in values]
+    needs = [f"{name}_N" if name == "load" else f"{name}_um" for name in ("load", "penetration")]
+    needs = [name for name in needs if name.rpartition("_")[0] not in values]
+    if not {"dR", "R_i", "R_j"} & {*values}:
+        lacks.append("ΔR or both radii")
+        needs.append("dR_um")
+    of_both = {"E", "nu", "material"} & {*values}
+    for body, role in zip("ij", roles(contact), strict=True):
+        if not of_both and not {f"E_{body}", f"nu_{body}", f"material_{body}"} & {*values}:
+            lacks.append(f"the material of the {role}")
+            needs.append(f"material_{body}")
+    if len(lacks) > 1 and {"load", "penetration"} - {*values}:
+        rule = f"lacks {', '.join(lacks)}"
+        named = ", ".join(map(repr, found.left_out[:_LISTED]))
+        others = f"; name one of {named} with --columns {needs[0]}=COLUMN" if named else ""
+        remedy = f"add columns, e.g. {', '.join(needs)}, or options, e.g. --dR{others}"
+        raise InputError(found.table.source, "columns", None, rule, remedy)
+    require_found(found, "load")
+    require_found(found, "penetration")
+
+
+def _add_moduli(
+    source: str, numbers: _Numbers, labels: _Labels, own: Path | None, contact: Contact
+) -> list[str]:
     """Replace E and ν by those of each body; return notes on the provenance of materials."""
-    used = {word for name in labels if name.startswith("material") for word in labels[name]}
-    rows = known_materials(own) if used else {}
+    of_materials = [name for name in labels if name.startswith("material")]
+    rows = known_materials(own) if of_materials else {}
     table = _SHIPPED if own is None else own.name
-    moduli = {body: _moduli(body, source, numbers, labels, rows, table) for body in "ij"}
+    for name in of_materials:
+        spelt = {
+            word: find_material(word, rows, source, name, table).material.name
+            for word in set(labels[name])
+        }
+        labels[name] = [spelt[word] for word in labels[name]]
+    used = {word for name in of_materials for word in labels[name]}
+    moduli = {body: _moduli(body, source, numbers, labels, rows, contact) for body in "ij"}
     for body, (E, nu) in moduli.items():
         numbers |= {f"E_{body}": E, f"nu_{body}": nu}
     for quantity in {"E", "nu"} & {*numbers}:
@@ -481,7 +522,12 @@ def _add_moduli(source: str, numbers: _Numbers, labels: _Labels, own: Path | Non
     ]
 
 
-def yield_notes(measured: Measurements, own: Path | None) -> list[str]:
+def pair_notes(measured: Measurements, own: Path | None) -> list[str]:
+    """Return what is to be noted on the pairs: lengths hardly meant, and loads above yield."""
+    return [*unusual_lengths(measured.pair), *_yield_notes(measured, own)]
+
+
+def _yield_notes(measured: Measurements, own: Path | None) -> list[str]:
     """Return a note if loads are above first yield, where materials and radii are known."""
     labels = measured.data.labels
     of_both = labels.get("material")
@@ -506,26 +552,33 @@ def yield_notes(measured: Measurements, own: Path | None) -> list[str]:
 
 
 def _moduli(
-    body: str, source: str, numbers: _Numbers, labels: _Labels, rows: _Materials, table: str
+    body: str,
+    source: str,
+    numbers: _Numbers,
+    labels: _Labels,
+    rows: _Materials,
+    contact: Contact,
 ) -> tuple[FloatArray, FloatArray]:
     """Return E in MPa and ν of one body, given exactly once, by name or by number."""
     named = [name for name in (f"material_{body}", "material") if name in labels]
     pairs = [(f"E{b}", f"nu{b}") for b in (f"_{body}", "") if {f"E{b}", f"nu{b}"} & {*numbers}]
     if len(named) + len(pairs) != 1:
-        given = ", ".join([*named, *(name for pair in pairs for name in pair)]) or "nothing"
-        rule = f"must get E and ν from exactly one place, and {given} is given"
-        remedy = f"give material, material_{body}, E and nu, or E_{body} and nu_{body}"
-        raise InputError(source, f"body {body}", None, rule, remedy)
+        raise _not_once(body, source, [*named, *(name for pair in pairs for name in pair)], contact)
     if pairs:
         _require_given(source, pairs[0], numbers)
         E, nu = pairs[0]
         return numbers[E], numbers[nu]
-    for word in labels[named[0]]:
-        if word not in rows:
-            remedy = f"choose {', '.join(rows)}, or name a table of your own with --materials"
-            raise InputError(source, named[0], word, f"is not in {table}", remedy)
     materials = [rows[word].material for word in labels[named[0]]]
     return np.array([m.E for m in materials], float), np.array([m.nu for m in materials], float)
+
+
+def _not_once(body: str, source: str, given: Sequence[str], contact: Contact) -> InputError:
+    """Return the error for a body whose E and ν are not given, or more than once."""
+    role = roles(contact)["ij".index(body)]
+    options = f"--{role} or --{role}-E and --{role}-nu" if contact == "internal" else "--material"
+    remedy = f"give {options}, or columns material_{body}, or E_{body} and nu_{body}, or of both"
+    rule = f"must be given once, and {', '.join(given)} are given" if given else "is not given"
+    return InputError(source, f"material of the {role}", None, rule, remedy)
 
 
 def _divide_by_length(source: str, numbers: _Numbers, totals: Sequence[str]) -> None:
@@ -684,6 +737,19 @@ def _complete_geometry(data: MeasuredData, columns: _Numbers, source: str) -> No
         name, values = "R_i", columns["dR"] + sign * columns["R_j"]
     else:
         name, values = "dR", columns["R_i"] - sign * columns["R_j"]
-    rule = f"comes out not positive for {data.contact} contact (given {', '.join(given)})"
-    _require(data, source, name, values, _POSITIVE._replace(rule=rule))
+    wrong = np.flatnonzero(~(values > 0))
+    if wrong.size:
+        k = int(wrong[0])
+        first, second = roles(data.contact)
+        words = {"dR": "ΔR", "R_i": f"the {first}'s radius", "R_j": f"the {second}'s radius"}
+        texts = [f"{words[key]} = {columns[key][k]:g} mm" for key in given]
+        if name == "dR":
+            rule, remedy = " is not above ".join(texts), "exchange them, or correct one"
+        else:
+            rule = f"{' and '.join(texts)} leave {words[name]} = {values[k]:g} mm"
+            remedy = "correct one of them"
+        of_all = all(len(data.numbers[key]) == 1 for key in given)
+        where = source if of_all else f"{source}, {data.row_word} {data.lines[k]}"
+        remedy += "; both are radii in mm, no diameters"
+        raise InputError(where, ", ".join(given), None, rule, remedy)
     columns[name] = values

@@ -157,8 +157,8 @@ def export_joint(
     """
     _require_target(target, JOINT_TARGETS)
     require(
-        not stem or re.fullmatch(r"[\w+-][\w.+-]*", stem, re.ASCII) is not None, "export", "--out",
-        stem, "is not plain text", "name the file with letters, digits, hyphens and underscores",
+        not stem or re.fullmatch(r"[\w+-][\w.+ -]*", stem, re.ASCII) is not None, "export", "--out",
+        stem, "is not plain text", "name the file with ASCII letters, digits, spaces, - and _",
     )  # fmt: skip
     module = import_module(f"{__name__}.joints.{target}")
     texts: dict[str, str] | dict[str, bytes] = module.source(joint, stem)

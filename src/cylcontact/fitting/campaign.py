@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal
@@ -20,10 +19,10 @@ from cylcontact.datasets.measurements import (
     MeasuredData,
     Measurements,
     measurements_of,
+    pair_notes,
     read_frame,
     read_measured,
     require_positive_penetration,
-    yield_notes,
 )
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import (
@@ -48,8 +47,10 @@ from cylcontact.fitting.specs import (
 from cylcontact.fitting.user_law import UserFunction, named_user_model, user_model
 from cylcontact.html_repr import table_html
 from cylcontact.laws.definition import LawModel, Parameter
+from cylcontact.materials import own_table
 from cylcontact.pair import Contact
 from cylcontact.provenance import made_with, spec_hash
+from cylcontact.reading import beside_or_above, first_file
 from cylcontact.spec import parse_spec, read_toml
 
 __all__ = [
@@ -66,7 +67,6 @@ __all__ = [
     "with_grid",
 ]
 
-_MATERIALS = "datasets/materials.csv"
 _ZERO_REMEDY = (
     "correct the row, or remove it; readings that are not zeroed need a free offset "
     "(--free offset, or a table [parameters.offset]) and --noise constant"
@@ -393,7 +393,7 @@ def _find_dataset(campaign: Path, dataset: str) -> Path:
     """Return the grid spec that a campaign names."""
     above = Path(os.path.normpath(campaign.parent / ".."))
     places = [campaign.parent / dataset, above / dataset]
-    dataset_file = _first_file(places)
+    dataset_file = first_file(places)
     if dataset_file is not None:
         return dataset_file
     raise InputError(
@@ -440,7 +440,7 @@ def measured_of(campaign: Campaign) -> tuple[Measurements, MeasuredSpec]:
 def _read_on_table(path: Path, contents: dict[str, Any], source: str) -> Campaign:
     """Return the campaign of a file that names a table of measurements."""
     spec = parse_spec(MeasuredSpec, contents, source)
-    table = _beside_or_above(path.parent, spec.data)
+    table = beside_or_above(path.parent, spec.data)
     if table is None:
         raise InputError(
             source,
@@ -471,18 +471,14 @@ def _read_table(
     name: str, spec: MeasuredSpec, table: Path | pd.DataFrame, folder: Path, source: str
 ) -> MeasuredTable:
     """Read the data of a campaign."""
-    materials = _beside_or_above(folder, spec.materials or _MATERIALS)
-    if spec.materials is not None and materials is None:
-        raise InputError(
-            source, "materials", spec.materials, "no such file", "name a table of materials"
-        )
+    materials = own_table(spec.materials, folder, source)
     read: Callable[..., MeasuredData] = read_measured if isinstance(table, Path) else read_frame
     data = read(
         *(table, spec.contact, spec.constants, materials),
         *(spec.ignore, spec.columns, spec.group, spec.branch),
     )
     measured = measurements_of(data, str(table) if isinstance(table, Path) else source)
-    data.notes.extend(yield_notes(measured, materials))
+    data.notes.extend(pair_notes(measured, materials))
     return MeasuredTable(name, spec, measured, folder, source)
 
 
@@ -552,16 +548,3 @@ def _stored_model(spec: MeasuredSpec, source: str) -> LawModel:
     own = [key for key in spec.named if key not in RIG_NAMES]
     named = tuple(Parameter(key, -math.inf, math.inf) for key in own)
     return named_user_model(UserFunction(spec.law, None), named, spec.contact)
-
-
-def _beside_or_above(folder: Path, name: str) -> Path | None:
-    """Return a file in a folder, in the two above, or here; None if there is none."""
-    places = (folder, folder / "..", folder / ".." / "..", Path())
-    return _first_file(place / name for place in places)
-
-
-def _first_file(places: Iterable[Path]) -> Path | None:
-    """Return the first of several paths that is a file; None if none is."""
-    with suppress(OSError):  # the name is too long, or the folder unreadable
-        return next((place for place in places if place.is_file()), None)
-    return None

@@ -22,7 +22,7 @@ from cylcontact.errors import InputError
 from cylcontact.laws import LAWS, ContactLaw
 from cylcontact.laws.kernels import Kernel, kernel
 from cylcontact.limits import yield_load
-from cylcontact.materials import Material, material_in_MPa
+from cylcontact.materials import Material, find_material, known_materials, own_table
 from cylcontact.mechanism import contact
 from cylcontact.mechanism.joint_spec import BodySpec, ClearanceJointSpec
 from cylcontact.mechanism.system import law_block
@@ -329,7 +329,7 @@ def _wrenches(
             out[k, 10] += BEYOND_LAW
 
 
-def read_joint(path: Path | str) -> ClearanceJoint:
+def read_joint(path: Path | str, materials: Path | str | None = None) -> ClearanceJoint:
     """Read a joint's file.
 
     Parameters
@@ -337,6 +337,9 @@ def read_joint(path: Path | str) -> ClearanceJoint:
     path : path
         A TOML file, e.g. datasets/joint.toml. The path of a fit result in it counts from the
         folder in which Python runs.
+    materials : path, optional
+        Your own table of materials; by default datasets/materials.csv if there is one, beside the
+        file, above it or here.
 
     Returns
     -------
@@ -353,16 +356,20 @@ def read_joint(path: Path | str) -> ClearanceJoint:
     >>> joint.law.name, round(joint.chi, 4), round(joint.first_yield)
     ('parametric', 0.1665, 33201)
     """
-    return joint_from(read_toml(path), str(path))
+    own = own_table(None if materials is None else str(materials), Path(path).parent, str(path))
+    return joint_from(read_toml(path), str(path), own)
 
 
-def joint_from(data: dict[str, Any], source: str = "joint") -> ClearanceJoint:
+def joint_from(
+    data: dict[str, Any], source: str = "joint", own: Path | None = None
+) -> ClearanceJoint:
     """Return the joint of a file's data; see `read_joint`."""
     spec = parse_spec(ClearanceJointSpec, data, source)
     hole, pin = (
-        _material(source, key, body) for key, body in (("bearing", spec.bearing), ("pin", spec.pin))
+        _material(source, key, body, own)
+        for key, body in (("bearing", spec.bearing), ("pin", spec.pin))
     )
-    pair = CylinderPair.internal(spec.bearing.R, spec.pin.R, hole, spec.length, pin)
+    pair = CylinderPair.internal(spec.bearing.R, spec.pin.R, length=spec.length, pin=pin, hole=hole)
     law, origin = _law(spec.law, source)
     deepest = np.asarray(law.max_penetration(pair))
     load = law.load(np.minimum(1e-3 * float(pair.dR), 0.5 * deepest), pair)
@@ -393,21 +400,18 @@ def joint_from(data: dict[str, Any], source: str = "joint") -> ClearanceJoint:
     )
 
 
-def _material(source: str, key: str, body: BodySpec) -> Material:
-    """Return the material of a body, from the table or from its numbers."""
+def _material(source: str, key: str, body: BodySpec, own: Path | None) -> Material:
+    """Return the material of a body, from the tables or from its numbers."""
     if body.material is None:
         assert body.E is not None
         assert body.nu is not None
-        return material_in_MPa(key, body.E * 1e3, body.nu, body.yield_stress)
-    try:
-        named = Material.named(body.material)
-    except InputError as error:
-        raise InputError(
-            source, f"{key}.material", body.material, "is not in the package's table",
-            "give E and nu, or choose" + error.remedy.removeprefix("choose").partition(", or")[0],
-        ) from None  # fmt: skip
+        return Material(key, f"{body.E!r} GPa", body.nu, body.yield_stress)
+    named = find_material(
+        body.material, known_materials(own), source, f"{key}.material", "the tables of materials",
+        ", or give E and nu",
+    ).material  # fmt: skip
     stress = body.yield_stress or named.yield_stress
-    return material_in_MPa(named.name, named.E, named.nu, stress)
+    return Material(named.name, f"{float(named.E)!r} MPa", named.nu, stress)
 
 
 def _law(what: str, source: str) -> tuple[ContactLaw, str]:

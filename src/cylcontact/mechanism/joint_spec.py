@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, Strict, model_validator
 
 from cylcontact.dissipation import FACTORS
-from cylcontact.mechanism.spec import Modulus
+from cylcontact.modulus import Modulus
 from cylcontact.spec import Spec, broken
 
 __all__ = ["BodySpec", "ClearanceJointSpec", "DissipationSpec", "FrictionSpec"]

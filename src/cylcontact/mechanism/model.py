@@ -11,11 +11,11 @@ from typing import Any
 from cylcontact.dissipation import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.errors import InputError
 from cylcontact.laws import LAWS, ContactLaw
-from cylcontact.materials import material_in_MPa
+from cylcontact.materials import Material, find_material, known_materials, own_table
 from cylcontact.mechanism.assumptions import assumptions
-from cylcontact.mechanism.spec import MechanismSpec
+from cylcontact.mechanism.spec import ClearanceSpec, MaterialSpec, MechanismSpec
 from cylcontact.mechanism.unusual import unusual_masses
-from cylcontact.pair import CylinderPair
+from cylcontact.pair import CylinderPair, unusual_lengths
 from cylcontact.spec import parse_spec, read_toml
 
 __all__ = [
@@ -170,17 +170,23 @@ class Mechanism:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """A sentence for each mass or inertia that can hardly be meant; see `unusual_masses`."""
-        return unusual_masses(self.data)
+        """A sentence for each mass, inertia or length of the joint that can hardly be meant."""
+        pair = self.clearance.pair
+        return (*unusual_masses(self.data), *(() if pair is None else unusual_lengths(pair)))
 
 
-def read_mechanism(path: Path | str, **changes: Any) -> Mechanism:
+def read_mechanism(
+    path: Path | str, materials: Path | str | None = None, **changes: Any
+) -> Mechanism:
     """Read a mechanism's spec.
 
     Parameters
     ----------
     path : path
         A TOML file, e.g. datasets/slider_crank.toml.
+    materials : path, optional
+        Your own table of materials; by default datasets/materials.csv if there is one, beside the
+        file, above it or here.
     **changes
         Values that replace those of the spec: `law` (a name or a ContactLaw), `clearance` in mm,
         `restitution`, `friction`, `revolutions`, `tolerance`. None keeps the value of the spec.
@@ -200,12 +206,16 @@ def read_mechanism(path: Path | str, **changes: Any) -> Mechanism:
     >>> [body.name for body in mechanism.bodies], mechanism.clearance.law
     (['crank', 'rod', 'slider'], Johnson())
     """
-    return mechanism_from(read_toml(path), str(path), **changes)
+    own = own_table(None if materials is None else str(materials), Path(path).parent, str(path))
+    return mechanism_from(read_toml(path), str(path), own, **changes)
 
 
-def mechanism_from(data: dict[str, Any], source: str = "mechanism", **changes: Any) -> Mechanism:
+def mechanism_from(
+    data: dict[str, Any], source: str = "mechanism", own: Path | None = None, **changes: Any
+) -> Mechanism:
     """Return the mechanism of a spec's data; see `read_mechanism`."""
     changed = copy.deepcopy(data)
+    _set_materials(changed, source, own)
     law = changes.pop("law", None)
     for key, value in {**changes, "law": law if isinstance(law, str) else None}.items():
         if key not in _OVERRIDES:
@@ -246,6 +256,24 @@ def _set(data: dict[str, Any], key: str, value: Any) -> None:
         origin.setdefault("chosen", []).append(key)
 
 
+def _set_materials(data: dict[str, Any], source: str, own: Path | None) -> None:
+    """Put materials in the places of their names, and where their numbers are from."""
+    clearance, origin = data.get("clearance", {}), data.get("provenance", {})
+    for body in ("pin", "hole"):
+        if not isinstance(clearance, dict) or not isinstance(clearance.get(body), str):
+            continue
+        key, table = f"clearance.{body}", "the tables of materials"
+        row = find_material(clearance[body], known_materials(own), source, key, table)
+        material = row.material
+        values = {"E": float(material.E) * 1e-3, "nu": material.nu}
+        if material.yield_stress is not None:
+            values["yield_stress"] = material.yield_stress
+        clearance[body] = {"name": material.name, **values}
+        columns = {"E": "E_GPa", "nu": "nu", "yield_stress": "yield_stress_MPa"}
+        for name in values if isinstance(origin, dict) else ():
+            origin.setdefault(row.provenance[columns[name]], []).append(f"{key}.{name}")
+
+
 def _joint(spec: MechanismSpec, name: str, names: dict[str, int]) -> Joint:
     """Return a joint with the indices of its bodies and the coordinates of its points."""
     joint = spec.joints[name]
@@ -268,6 +296,15 @@ def _joint(spec: MechanismSpec, name: str, names: dict[str, int]) -> Joint:
     )
 
 
+def _material(c: ClearanceSpec, own: MaterialSpec | None) -> Material:
+    """Return the material of a body: its own, or that of both."""
+    if own is not None:
+        return Material(own.name, f"{own.E!r} GPa", own.nu, own.yield_stress)
+    assert c.E is not None
+    assert c.nu is not None
+    return Material("joint", f"{c.E!r} GPa", c.nu, c.yield_stress)
+
+
 def _clearance(
     spec: MechanismSpec, joints: tuple[Joint, ...], names: dict[str, int], law: ContactLaw
 ) -> Clearance:
@@ -277,10 +314,12 @@ def _clearance(
     ends = [(joint.i, joint.point_i), (joint.j, joint.point_j)]
     if names[c.bearing] != joint.i:
         ends.reverse()
-    material = material_in_MPa("joint", c.E * 1e3, c.nu, c.yield_stress)
     pair = None
     if c.radial > 0:
-        pair = CylinderPair.from_dR("internal", c.radial, material, c.length, c.R_bearing)
+        pin, hole = _material(c, c.pin), _material(c, c.hole)
+        pair = CylinderPair.from_dR(
+            "internal", c.radial, length=c.length, R_i=c.R_bearing, pin=pin, hole=hole
+        )
     return Clearance(
         joint=c.joint,
         i=ends[0][0],

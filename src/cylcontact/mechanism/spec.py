@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field, Strict, model_validator
+from pydantic import Field, Strict, model_validator
 
 from cylcontact.dissipation import FACTORS
-from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
-from cylcontact.materials import modulus_in_MPa
 from cylcontact.mechanism.assumptions import check_provenance
+from cylcontact.modulus import Modulus
 from cylcontact.spec import Spec, broken
 
 __all__ = [
@@ -20,30 +19,11 @@ __all__ = [
     "IntegrationSpec",
     "JointSpec",
     "MechanismSpec",
-    "Modulus",
     "ProvenanceSpec",
 ]
 
-# In GPa, above diamond's 1200: a larger bare number was probably meant in MPa.
-_LARGEST_BARE = 1500.0
 # TOML has lists, not tuples.
 _Pair = Annotated[tuple[float, float], Strict(False)]
-
-
-def _in_GPa(E: object) -> object:
-    """Return a modulus with a unit as a number of GPa; pydantic judges what has none."""
-    if isinstance(E, str) and E.rstrip().endswith("Pa"):
-        try:
-            return float(modulus_in_MPa(E, "", "")) * 1e-3
-        except InputError as error:
-            raise broken("", E, error.rule, error.remedy) from None
-    if isinstance(E, int | float) and _LARGEST_BARE < E < 1e300:
-        remedy = f'did you mean {E * 1e-3:g}? Or write "{E:g} GPa"'
-        raise broken("", E, "a bare number is in GPa, and diamond has 1200", remedy)
-    return E
-
-
-Modulus = Annotated[float, BeforeValidator(_in_GPa)]
 
 
 class BodySpec(Spec):
@@ -94,6 +74,15 @@ class JointSpec(Spec):
         return self
 
 
+class MaterialSpec(Spec):
+    """A material, as its name in a table is replaced by it."""
+
+    name: str = Field(description="its name")
+    E: Modulus = Field(gt=0, description='Young\'s modulus in GPa, or with a unit, "207 GPa"')
+    nu: float = Field(ge=0, le=0.5, description="Poisson's ratio")
+    yield_stress: float | None = Field(None, gt=0, description="the yield stress in MPa")
+
+
 class ClearanceSpec(Spec):
     """The revolute joint with clearance, and its contact."""
 
@@ -102,13 +91,15 @@ class ClearanceSpec(Spec):
     radial: float = Field(ge=0, description="the radial clearance in mm, 0 for an ideal joint")
     R_bearing: float = Field(gt=0, description="the radius of the bearing in mm")
     length: float = Field(gt=0, description="the axial length in mm")
-    E: Modulus = Field(
-        gt=0, description='Young\'s modulus of both bodies in GPa, or with a unit, "207 GPa"'
+    E: Modulus | None = Field(
+        None, gt=0, description='Young\'s modulus of both bodies in GPa, or with a unit, "207 GPa"'
     )
-    nu: float = Field(ge=0, le=0.5, description="Poisson's ratio of both bodies")
+    nu: float | None = Field(None, ge=0, le=0.5, description="Poisson's ratio of both bodies")
     yield_stress: float | None = Field(
         None, gt=0, description="the yield stress of both bodies in MPa"
     )
+    pin: MaterialSpec | None = Field(None, description="the journal's material, by its name")
+    hole: MaterialSpec | None = Field(None, description="the bearing's material, by its name")
     law: str = Field(description=f"a contact law: {', '.join(LAWS)}")
     restitution: float = Field(gt=0, le=1, description="the restitution, above 0 up to 1")
     factor: str = Field(description=f"a hysteresis factor: {', '.join(FACTORS)}")
@@ -122,6 +113,7 @@ class ClearanceSpec(Spec):
             raise broken(
                 "radial", self.radial, "leaves no journal", f"keep it below {self.R_bearing} mm"
             )
+        self._check_materials()
         if self.law not in LAWS:
             raise broken("law", self.law, "is not a law", f"choose {', '.join(LAWS)}")
         if self.factor not in FACTORS:
@@ -129,6 +121,17 @@ class ClearanceSpec(Spec):
         if self.v1 <= self.v0:
             raise broken("v1", self.v1, f"must be above v0 = {self.v0}", "raise it")
         return self
+
+    def _check_materials(self) -> None:
+        by_name = self.pin is not None or self.hole is not None
+        for key in ("pin", "hole") if by_name else ("E", "nu"):
+            if getattr(self, key) is None:
+                remedy = f"give {key}, or E and nu" if by_name else f"give {key}, or pin and hole"
+                raise broken(key, None, "is required", remedy)
+        for key in ("E", "nu", "yield_stress") if by_name else ():
+            given = getattr(self, key)
+            if given is not None:
+                raise broken(key, given, "is that of the materials already", "remove it")
 
 
 class IntegrationSpec(Spec):

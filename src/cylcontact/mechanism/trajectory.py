@@ -344,7 +344,8 @@ class Trajectory:
         from scipy.optimize import brentq
 
         joint = self.mechanism.clearance
-        if joint.pair is None or joint.pair.material_i.yield_stress is None:
+        bodies = () if joint.pair is None else (joint.pair.material_i, joint.pair.material_j)
+        if joint.pair is None or any(body.yield_stress is None for body in bodies):
             return float("nan")
         load = float(yield_load(joint.pair)) * joint.length
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterable
-from dataclasses import replace
-from typing import cast
 
 import numpy as np
 import pandas as pd
@@ -16,7 +14,7 @@ from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws import DEFINITIONS, LAWS
 from cylcontact.laws.definition import Parameter
 from cylcontact.limits import first_yield
-from cylcontact.materials import Material, material_in_MPa
+from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_error, truth_of
 from cylcontact.text_tables import Report, TextTable, joined
@@ -39,37 +37,8 @@ MISSING = "-"
 HUGE = 1e12
 
 
-def case(
-    contact: str = "internal",
-    E: float = 207e3,
-    nu: float = 0.3,
-    dR: float | None = None,
-    R_i: float = R_I,
-    length: float = LENGTH,
-) -> CylinderPair:
-    """Return the default pair of the comparison, with the given values changed.
-
-    Parameters
-    ----------
-    contact : {"internal", "external"}
-        Pin in hole, or two rollers.
-    E : float
-        Young's modulus of both bodies in MPa.
-    nu : float
-        Poisson's ratio of both bodies.
-    dR : float, optional
-        ΔR in mm; by default 0.05 for internal and 2·R_i for external contact.
-    R_i, length : float
-        Radius of body *i* and axial length in mm.
-
-    Returns
-    -------
-    CylinderPair
-
-    Raises
-    ------
-    InputError
-        If a number is out of its range.
+def case(dR: float = 0.05) -> CylinderPair:
+    """Return the pair that is compared by default, with a ΔR in mm.
 
     Examples
     --------
@@ -77,34 +46,8 @@ def case(
     >>> print(f"{pair.R_j:.2f} mm, {pair.E_star:.0f} MPa")
     9.98 mm, 113736 MPa
     """
-    # The pair refuses any other contact.
-    kind = cast(Contact, contact)
-    gap = {"internal": 0.05, "external": 2 * R_i}.get(kind, 1.0) if dR is None else dR
-    material = material_in_MPa("the material of both bodies", E, nu)
-    return CylinderPair.from_dR(kind, gap, material, length, R_i)
-
-
-def pin_in_hole(
-    pin: Material,
-    hole: Material,
-    dR: float | None = None,
-    R_i: float = R_I,
-    length: float = LENGTH,
-) -> CylinderPair:
-    """Return the default pin in a hole with materials of their own.
-
-    Parameters
-    ----------
-    pin, hole : Material
-        The materials.
-    dR, R_i, length : float
-        As for `case`.
-
-    Returns
-    -------
-    CylinderPair
-    """
-    return replace(case(dR=dR, R_i=R_i, length=length), material_i=hole, material_j=pin)
+    material = Material("the material of both bodies", 207e3, 0.3)
+    return CylinderPair.from_dR("internal", dR, material, LENGTH, R_I)
 
 
 def comparison(pair: CylinderPair, load: float) -> pd.DataFrame:

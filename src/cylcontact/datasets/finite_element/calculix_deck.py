@@ -80,7 +80,7 @@ def make_deck(setup: Setup, dR: float, load: float, mesh: Mesh) -> Deck:
 
     Examples
     --------
-    >>> setup = Setup(2.245, outer_ratio=3.3, E=207e3, nu=0.3, cells=8, pin_E=10.0, pin_nu=0.499)
+    >>> setup = Setup(2.245, 3.3, E=207e3, nu=0.3, cells=8, pin_E="10 MPa", pin_nu=0.499)
     >>> deck = make_deck(setup, 0.1, 20.0, setup.mesh(0.1, np.array([20.0])))
     >>> [line for line in deck.text.splitlines() if "CPE4" in line]
     ['*ELEMENT,TYPE=CPE4,ELSET=PLATE', '*ELEMENT,TYPE=CPE4R,ELSET=PIN']

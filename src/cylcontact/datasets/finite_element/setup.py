@@ -11,7 +11,7 @@ from cylcontact.arrays import FloatArray, require
 from cylcontact.datasets.finite_element.mesh import Grading, Mesh, make_mesh
 from cylcontact.errors import InputError
 from cylcontact.laws import Conformal
-from cylcontact.materials import Material, material_in_MPa
+from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair, Plane
 
 __all__ = ["FEWEST_CELLS", "BodyName", "Clamp", "LoadOn", "Plane", "Setup", "require_room"]
@@ -40,8 +40,8 @@ class Setup:
         The outer radius of the plate over R_i. It sets the additive constant of the penetration,
         because a 2-D body has no absolute approach.
     E, nu : float
-        Young's modulus in MPa and Poisson's ratio of the plate, and of the pin unless it has its
-        own.
+        Young's modulus as in `Material`, in MPa or with its unit, and Poisson's ratio of the plate,
+        and of the pin unless it has its own.
     plane : {"strain", "stress"}
         Plane state.
     load_on : {"pin", "disc", "centre"}
@@ -58,12 +58,13 @@ class Setup:
     contact_size : float, optional
         Largest length of cells in the contact in mm, used with `size`.
     pin_E, pin_nu : float, optional
-        Young's modulus in MPa and Poisson's ratio of the pin; each by default the plate's.
+        Young's modulus as E and Poisson's ratio of the pin; each by default the plate's.
 
     Raises
     ------
     InputError
-        If a body in plane strain is incompressible: ν must not exceed 0.499999.
+        If a modulus is refused by `Material`, or a body in plane strain is incompressible: ν must
+        not exceed 0.499999.
 
     Examples
     --------
@@ -80,7 +81,7 @@ class Setup:
 
     hole_radius: float
     outer_ratio: float
-    E: float
+    E: float | str
     nu: float
     plane: Plane = "strain"
     load_on: LoadOn = "pin"
@@ -89,10 +90,12 @@ class Setup:
     cells: int = 16
     size: float | None = None
     contact_size: float | None = None
-    pin_E: float | None = None
+    pin_E: float | str | None = None
     pin_nu: float | None = None
 
     def __post_init__(self) -> None:
+        for body in ("plate", "pin"):
+            self.material(body)
         for key, nu in (("nu", self.nu), ("pin_nu", self.pin_nu)):
             require(
                 self.plane == "stress" or nu is None or nu <= _LARGEST_NU,
@@ -111,10 +114,9 @@ class Setup:
 
     def material(self, of: BodyName) -> Material:
         """Return the material of a body."""
-        if of == "plate":
-            return material_in_MPa("plate", self.E, self.nu)
-        E = self.E if self.pin_E is None else self.pin_E
-        return material_in_MPa("pin", E, self.nu if self.pin_nu is None else self.pin_nu)
+        E = self.E if of == "plate" or self.pin_E is None else self.pin_E
+        nu = self.nu if of == "plate" or self.pin_nu is None else self.pin_nu
+        return Material(of, E, nu)
 
     @property
     def pin_is_other(self) -> bool:
@@ -136,7 +138,7 @@ class Setup:
         """Return the pair of cylinders."""
         plate, pin = self.material("plate"), self.material("pin")
         return CylinderPair.from_dR(
-            "internal", dR, plate, R_i=self.hole_radius, material_j=pin, plane=self.plane
+            "internal", dR, R_i=self.hole_radius, pin=pin, hole=plate, plane=self.plane
         )
 
     def half_width(self, dR: float, load: float) -> float:

@@ -19,6 +19,7 @@ from cylcontact.datasets.finite_element.setup import (
     require_room,
 )
 from cylcontact.errors import InputError
+from cylcontact.modulus import Modulus
 from cylcontact.provenance import spec_hash
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
@@ -35,9 +36,9 @@ class StudySpec(Spec):
     outer_ratio: float = Field(
         gt=1, le=1000, description="the plate's outer radius over the hole's, above 1"
     )
-    E: float = Field(gt=0, description="Young's modulus in GPa")
+    E: Modulus = Field(gt=0, description='Young\'s modulus in GPa, or with its unit, "207 GPa"')
     nu: float = Field(ge=0, le=0.5, description="Poisson's ratio, from 0 to 0.5")
-    pin_E: float | None = Field(None, gt=0, description="the pin's Young's modulus in GPa")
+    pin_E: Modulus | None = Field(None, gt=0, description="the pin's Young's modulus, as E")
     pin_nu: float | None = Field(
         None, ge=0, le=0.5, description="the pin's Poisson's ratio, from 0 to 0.5"
     )
@@ -87,8 +88,8 @@ class StudySpec(Spec):
     def setup(self) -> Setup:
         """Return the set-up, without its variants."""
         values = {field.name: getattr(self, field.name) for field in fields(Setup)}
-        pin_E = None if self.pin_E is None else self.pin_E * 1e3
-        return Setup(**{**values, "E": self.E * 1e3, "pin_E": pin_E})
+        pin_E = None if self.pin_E is None else f"{self.pin_E!r} GPa"
+        return Setup(**{**values, "E": f"{self.E!r} GPa", "pin_E": pin_E})
 
 
 @dataclass(frozen=True)

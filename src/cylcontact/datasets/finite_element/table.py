@@ -166,9 +166,9 @@ def require_same_inputs(path: Path, study: Study) -> None:
 def _cells(row: Row) -> tuple[str | float, ...]:
     """Return one case in the order of `COLUMNS`."""
     setup, case = row.setup, row.case
-    pin = setup.material("pin")
+    plate, pin = setup.material("plate"), setup.material("pin")
     return (
-        *(row.variant, setup.E / 1e3, setup.nu, case.dR, case.load, case.penetration),
+        *(row.variant, float(plate.E) / 1e3, setup.nu, case.dR, case.load, case.penetration),
         *(case.half_width, case.peak_pressure, setup.hole_radius, setup.outer_radius, case.cells),
         *(float(pin.E) / 1e3, float(pin.nu)),
     )

@@ -33,7 +33,7 @@ _DIALECT = Dialect(
 )
 
 _USAGE = """\
-import $stem as joint
+$imported
 
 impact_rate = joint.start()      (the state: 0, not in contact)
 wrench = joint.evaluate(impact_rate, bearing, pin)
@@ -121,7 +121,7 @@ def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
     element, stem = Element(joint), stem or joint.identifier
     require_importable(stem)
     parts = {
-        "stem": stem,
+        "imported": "import joint" if stem == "joint" else f"import {stem} as joint",
         **bodies_of(element, _DIALECT),
         "functions": ", ".join(_functions(element)),
         **table_parts(element, _arrays, _LOOKUP, 0),

@@ -11,10 +11,10 @@ import warnings
 import zipfile
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cylcontact.choices import TABLE_SUFFIXES
 from cylcontact.errors import InputError
 from cylcontact.memory import as_size
 from cylcontact.plain_text import from_csv
@@ -34,7 +34,7 @@ MAX_COLUMNS, MAX_CELLS = 1000, 10_000_000
 _UNPACKED_BYTES = 400_000_000
 # Of each row its position in the file and its cells.
 _Rows = list[tuple[int, list[Any]]]
-_SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+_SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "spaces"}
 # Beyond letters, what the Windows-1252 text of a table may have that is not ASCII.
 _EXTRA = "µ°±²³·×–€"
 _GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
@@ -78,15 +78,16 @@ class Table:
 
 
 def read_table(path: Path | str) -> Table:
-    r"""Read a CSV file, an Excel workbook or a Parquet file.
+    r"""Read an Excel workbook, a Parquet file or, under any other name, a table in text.
 
-    The separator of a CSV, its encoding and its decimal mark are recognised. Of a workbook the
+    The separator of a text, its encoding and its decimal mark are recognised. Of a workbook the
     first sheet that holds cells is read.
 
     Parameters
     ----------
     path : path
-        A .csv, .xlsx or .parquet file, with the names of the columns in its first row.
+        A file such as .csv, .txt, .xlsx or .parquet, with the names of the columns in
+        its first row.
 
     Returns
     -------
@@ -108,21 +109,22 @@ def read_table(path: Path | str) -> Table:
     (['F [kN]', 'Weg [mm]'], [['0,5'], ['0,001']], ['cells are separated by semicolons'])
     """
     source, suffix = str(path), Path(path).suffix.lower()
-    if suffix not in TABLE_SUFFIXES:
-        *most, last = TABLE_SUFFIXES
-        raise InputError(
-            source, "", None, f"is neither {', '.join(most)} nor {last}", "name a table"
-        )
+    if suffix == ".xls":
+        rule = "is a workbook of Excel before 2007, which is not read"
+        raise InputError(source, "", None, rule, "save it as .xlsx")
+    if suffix in (".toml", ".json"):
+        raise InputError(source, "", None, "is not a table", "name a table")
     content = read_bytes(path, TABLE_BYTES)
     steps: list[str] = []
     separator = ""
-    if suffix == ".csv":
+    binary = {".xlsx": _read_workbook, ".parquet": _read_parquet}.get(suffix)
+    if binary is None:
         separator, rows = _read_csv(source, content, steps)
     else:
-        rows = (_read_workbook if suffix == ".xlsx" else _read_parquet)(source, content, steps)
+        rows = binary(source, content, steps)
     if not rows:
         raise InputError(source, "", None, "is empty", "give it a line of column names, then rows")
-    row_word = "line" if suffix == ".csv" else "row"
+    row_word = "line" if binary is None else "row"
     _require_rectangular(source, row_word, rows, separator)
     names = ["" if name is None else str(name) for name in rows.pop(0)[1]]
     lines = [line for line, _ in rows]
@@ -236,24 +238,32 @@ def _decoded(content: bytes, steps: list[str]) -> str:
 
 def _separator(text: str) -> str:
     """Return the separator that the row of names shows."""
-    if len(_header(text, ";")) > 1:
+    if any(len(row) > 1 for row in _first_rows(text, ";")[:1]):
         return ";"
     # Commas may be followed by a tab for alignment, and names between tabs may hold commas.
-    is_split_by_tabs = any("\t" in (name or "") for name in _header(text, ","))
-    return "\t" if is_split_by_tabs else ","
+    names = _first_rows(text, ",")[:1]
+    if any("\t" in (name or "") for row in names for name in row):
+        return "\t"
+    # A name may hold spaces: they separate if there are as many in the row below.
+    of_one = names and len(names[0]) == 1
+    counts = [len(row) for row in _first_rows(text, " ")] if of_one else []
+    return " " if len(counts) == 2 and counts[0] == counts[1] > 1 else ","
 
 
-def _header(text: str, separator: str) -> list[str | None]:
-    """Return the names of columns for a separator; None for an empty one."""
-    rows = (cells for _, cells in _rows(text, separator, strict=False))
-    return next(filter(any, rows), [])
+def _first_rows(text: str, separator: str) -> list[list[str | None]]:
+    """Return the names of columns for a separator, and the row below; None for an empty cell."""
+    rows = (cells for _, cells in _rows(text, separator, strict=False) if any(cells))
+    return list(islice(rows, 2))
 
 
 def _rows(text: str, separator: str, strict: bool) -> Iterator[tuple[int, list[Any]]]:
     """Yield the rows that are not empty, each with the number of its line."""
     # A comment, or Excel's line "sep=;", becomes an empty line: those below keep their numbers.
     lines = ("\n" if x.startswith(("#", "sep=")) else x for x in io.StringIO(text, newline=""))
-    reader = csv.reader(lines, delimiter=separator, strict=strict)
+    by_spaces = separator == " "
+    if by_spaces:
+        lines = (f"{x.strip()}\n" for x in lines)
+    reader = csv.reader(lines, delimiter=separator, strict=strict, skipinitialspace=by_spaces)
     for row in reader:
         yield reader.line_num, [cell.strip() or None for cell in row]
 

@@ -1,0 +1,228 @@
+"""Options for a pair of cylinders, which `laws`, `fit` and `choose` share.
+
+Annotations are no texts here: those of `PairOptions` are read in the modules that extend it.
+"""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import typer
+
+from cylcontact.arrays import require
+from cylcontact.choices import listed
+from cylcontact.cli.options import NUMBER, Materials, option_of, require_internal
+from cylcontact.errors import InputError
+from cylcontact.materials import Material, MaterialRow, find_material, modulus_in_MPa
+from cylcontact.pair import CONTACTS, CylinderPair, roles
+
+__all__ = [
+    "IN_CONSTANTS",
+    "OF_PIN_AND_HOLE",
+    "PairOptions",
+    "blaming_options",
+    "constants_of",
+    "pair_of",
+]
+
+
+def _option(name: str, help: str, **details: Any) -> Any:
+    """Return an option in the help panel for the pair."""
+    return typer.Option(name, help=help, rich_help_panel="The pair of cylinders", **details)
+
+
+@dataclass(frozen=True)
+class PairOptions:
+    """Options for a pair, by their names as constants of a table; None if not given."""
+
+    contact: Annotated[str | None, _option("--contact", f"{listed(CONTACTS)}.")] = None
+    pin: Annotated[
+        str | None, _option("--pin", "The pin's material, by its name in a table of materials.")
+    ] = None
+    hole: Annotated[str | None, _option("--hole", "The hole's material.")] = None
+    material: Annotated[str | None, _option("--material", "Material of both bodies.")] = None
+    material_i: Annotated[
+        str | None, _option("--material-i", "Material of the first of two rollers.")
+    ] = None
+    material_j: Annotated[
+        str | None, _option("--material-j", "Material of the second of two rollers.")
+    ] = None
+    materials: Materials = None
+    E_MPa: Annotated[
+        str | None, _option("--E", "Young's modulus of both bodies, MPa or e.g. '207 GPa'.")
+    ] = None
+    nu: Annotated[float | None, _option("--nu", "Poisson's ratio of both bodies.", **NUMBER)] = None
+    E_j_MPa: Annotated[
+        str | None, _option("--pin-E", "The pin's Young's modulus, MPa or e.g. '207 GPa'.")
+    ] = None
+    nu_j: Annotated[float | None, _option("--pin-nu", "The pin's Poisson's ratio.", **NUMBER)] = (
+        None
+    )
+    E_i_MPa: Annotated[str | None, _option("--hole-E", "The hole's Young's modulus.")] = None
+    nu_i: Annotated[float | None, _option("--hole-nu", "The hole's Poisson's ratio.", **NUMBER)] = (
+        None
+    )
+    dR_mm: Annotated[
+        float | None,
+        _option(
+            "--dR", "ΔR, mm: the radial clearance, or the sum of the rollers' radii.", **NUMBER
+        ),
+    ] = None
+    R_i_mm: Annotated[
+        float | None,
+        _option("--Ri", "Radius R_i of the hole, or of the first roller, mm.", **NUMBER),
+    ] = None
+    R_j_mm: Annotated[
+        float | None,
+        _option("--Rj", "Radius R_j of the pin, or of the second roller, mm.", **NUMBER),
+    ] = None
+    hole_diameter: Annotated[
+        float | None, _option("--hole-diameter", "Diameter of the hole, mm.", **NUMBER)
+    ] = None
+    pin_diameter: Annotated[
+        float | None, _option("--pin-diameter", "Diameter of the pin, mm.", **NUMBER)
+    ] = None
+    length_mm: Annotated[float | None, _option("--length", "Axial length, mm.", **NUMBER)] = None
+
+
+# What stands for a constant under another name, and the factor from one to the other.
+_OTHERS = {
+    "pin": ("material_j", None),
+    "hole": ("material_i", None),
+    "hole_diameter": ("R_i_mm", 0.5),
+    "pin_diameter": ("R_j_mm", 0.5),
+}
+# What a pair of rollers does not have.
+OF_PIN_AND_HOLE = {*_OTHERS, "E_i_MPa", "E_j_MPa", "nu_i", "nu_j"}
+_APART = [f"{name}_{body}" for name in ("material", "nu") for body in "ij"]
+_APART += [f"E_{body}_MPa" for body in "ij"]
+# The options that `constants_of` takes.
+IN_CONSTANTS = {*PairOptions.__dataclass_fields__} - {"contact", "materials"}
+
+
+def constants_of(
+    given: Mapping[str, Any], source: str, contact: str
+) -> tuple[dict[str, float | str], dict[str, str]]:
+    """Return the options as constants of a table, and the option that each comes from."""
+    values = {name: given[name] for name in given if name in IN_CONSTANTS and name not in _OTHERS}
+    options = {name: option_of(name) for name in values}
+    for name in given:
+        if name in OF_PIN_AND_HOLE:
+            remedy = f"leave out {option_of(name)}; rollers have --material-i and --material-j"
+            require_internal(source, contact, remedy)
+    for name, (constant, factor) in _OTHERS.items():
+        if name not in given:
+            continue
+        if constant in values:
+            rule = f"says the same as {options[constant]}"
+            raise InputError(source, option_of(name), given[name], rule, "keep one of them")
+        values[constant] = given[name] if factor is None else factor * given[name]
+        options[constant] = option_of(name)
+    for name in ("E_MPa", "E_i_MPa", "E_j_MPa"):
+        if name in values:
+            values[name] = float(modulus_in_MPa(values[name], source, options[name]))
+    return values, options
+
+
+@contextmanager
+def blaming_options(options: Mapping[str, str], source: str = "") -> Iterator[None]:
+    """Name the options in the place of what they set, in an error of the block."""
+    by_key = dict(options)
+    for unit in ("_mm", "_MPa"):
+        by_key |= {name.removesuffix(unit): option for name, option in options.items()}
+    try:
+        yield
+    except InputError as error:
+        keys = [key.removeprefix("constants.") for key in error.key.split(", ")]
+        if not {*keys} <= {*by_key}:
+            raise
+        names = [by_key[key] for key in keys]
+        value = error.value
+        where, remedy = source or error.source, error.remedy
+        if any(name.endswith("diameter") for name in names):  # the radii are halves of these
+            value = 2 * value if isinstance(value, int | float) else None
+            remedy = "correct it, or exchange hole and pin"
+        raise InputError(where, ", ".join(names), value, error.rule, remedy) from None
+
+
+def pair_of(
+    constants: Mapping[str, Any],
+    options: Mapping[str, str],
+    contact: str,
+    rows: Mapping[str, MaterialRow],
+    source: str,
+    default: CylinderPair,
+) -> CylinderPair:
+    """Return the pair of some options; what they leave out is that of another pair."""
+    kind = next((each for each in CONTACTS if each == contact), None)
+    if kind is None:
+        rule, remedy = "must be 'internal' or 'external'", "a pin in a hole, or two rollers"
+        raise InputError(source, "--contact", contact, rule, remedy)
+    first, second = (
+        _body(body, role, constants, options, rows, source, default.material_i)
+        for body, role in zip("ij", roles(kind), strict=True)
+    )
+    dR, R_i, R_j = (constants.get(f"{name}_mm") for name in ("dR", "R_i", "R_j"))
+    length = constants.get("length_mm", default.length)
+    for name in ("dR_mm", "R_i_mm", "R_j_mm", "length_mm"):
+        value = constants.get(name, 1.0)
+        rule, remedy = "must be positive", "give it in mm"
+        require(value > 0, source, options.get(name, ""), value, rule, remedy)
+    with blaming_options(options, source):
+        if R_i is not None and R_j is not None:
+            if dR is not None:
+                raise InputError(source, "dR", dR, "follows from the radii", "leave it out")
+            build = CylinderPair.internal if kind == "internal" else CylinderPair.external
+            return build(R_i, R_j, first, length, second)
+        known = float(R_i or R_j or default.radii("the default")[0])
+        if dR is None:
+            dR = default.dR if kind == "internal" else 2 * known
+        if R_i is None and R_j is not None:
+            R_i = dR + R_j if kind == "internal" else dR - R_j
+        return CylinderPair.from_dR(kind, dR, first, length, R_i or known, second)
+
+
+def _body(
+    body: str,
+    role: str,
+    constants: Mapping[str, Any],
+    options: Mapping[str, str],
+    rows: Mapping[str, MaterialRow],
+    source: str,
+    default: Material,
+) -> Material:
+    """Return the material of a body, its own or that of both, by its name or by E and ν."""
+    of_both = {"material": "material", "E": "E_MPa", "nu": "nu"}
+    apart = {"material": f"material_{body}", "E": f"E_{body}_MPa", "nu": f"nu_{body}"}
+    common, own = (
+        {key: name for key, name in names.items() if name in constants}
+        for names in (of_both, apart)
+    )
+    if own and common:
+        (name, *_), (other, *_) = common.values(), own.values()
+        rule = f"is of both bodies, and {options[other]} is of one"
+        raise InputError(source, options[name], constants[name], rule, "give each its own")
+    of_other = [name for name in constants if name in _APART and name not in apart.values()]
+    if of_other and not own and not common:
+        options_of = [option_of(role), *map(option_of, (apart["E"], apart["nu"]))]
+        missing, *others = options_of if role in ("pin", "hole") else [option_of(apart["material"])]
+        remedy = f"name the {role}'s material" + (
+            f", or give {' and '.join(others)}" if others else ""
+        )
+        raise InputError(source, missing, None, f"is missing beside {options[of_other[0]]}", remedy)
+    used = own or common
+    if "material" in used:
+        name, *others = used.values()
+        if others:
+            rule = f"is given by {options[name]} already"
+            raise InputError(source, options[others[0]], constants[others[0]], rule, "leave it out")
+        table = "the tables of materials"
+        return find_material(constants[name], rows, source, options[name], table).material
+    if len(own) == 1:
+        missing = next(name for key, name in apart.items() if key not in ("material", *own))
+        rule = f"is missing beside {options[next(iter(own.values()))]}"
+        raise InputError(source, option_of(missing), None, rule, "add it")
+    E, nu = (constants.get(used.get(key, ""), getattr(default, key)) for key in ("E", "nu"))
+    with blaming_options({key: options[name] for key, name in used.items()}, source):
+        return Material(f"the {role}" if own else default.name, f"{float(E)!r} MPa", nu)
