@@ -56,6 +56,7 @@ _PARTS, _FEWEST_SERIES = 10, 3
 _AICC, _STANDARD_ERRORS = 7.0, 1.0
 # Names that a sentence lists.
 _LISTED = 5
+_FREED = ("offset", "compliance")
 _ONE_PAIR = ("power-one-pair", "power-dimensionless")
 
 
@@ -337,12 +338,10 @@ def choose_law(
 
 
 def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> Campaign:
-    """Return the campaign of a law with a free offset, as the others have."""
+    """Return the campaign of a law with a free offset and compliance, unless they are given."""
     if starts is not None:
         table = replace(table, spec=table.spec.model_copy(update={"starts": starts}))
-    campaign = table.campaign(law)
-    names = [parameter.name for parameter in campaign.parameters]
-    return campaign if "offset" in names else table.campaign(law, free=["offset"])
+    return table.campaign(law, [name for name in _FREED if name not in table.spec.named])
 
 
 def _parts(objective: MeasuredObjective, seed: int) -> tuple[list[Indices], str]:
