@@ -360,8 +360,8 @@ def _fitted(campaign: Campaign) -> tuple[Problem, FloatArray, float]:
     """Return the problem of a law, its best point, and its AICc."""
     problem, _ = problem_of(campaign, 1, silent)
     starts = starting_points(problem, campaign.nominal, _STARTS, campaign.spec.seed)
-    minima = [descend(problem, start)[:2] for start in starts]
-    point, _ = min(minima, key=lambda minimum: minimum[1])
+    minima = [descend(problem, start, most=1)[:2] for start in starts]
+    point = descend(problem, min(minima, key=lambda minimum: minimum[1])[0])[0]
     likelihood = log_likelihood(problem, point)
     if likelihood is None:
         raise InputError(
@@ -384,7 +384,7 @@ def _error_of_part(
     """
     rows = np.setdiff1d(np.arange(len(best.data)), part)
     rest = with_rows(problem, rows)
-    point, _, _ = descend(rest, start)
+    point, _, _ = descend(rest, start, most=1)
     objective, form = measured(problem), problem.form(point[None, :])
     if objective.noise is None or best.noise is None:
         return float((objective.raw(form)[0][part] ** 2).mean())
