@@ -61,7 +61,6 @@ _PARTS, _FEWEST_SERIES = 10, 3
 _AICC, _STANDARD_ERRORS = 7.0, 1.0
 # Names that a sentence lists.
 _LISTED = 5
-_COMPLIANCE_UNIT = "nm/(N/mm)"
 _FREED = ("offset", "compliance")
 _ONE_PAIR = ("power-one-pair", "power-dimensionless")
 
@@ -225,7 +224,7 @@ class Choice:
     def __str__(self) -> str:
         unit = _unit(measured(self.best.problem))
         head = ("", "parameters", "AICc", "behind", "weight", f"CV error, {unit}")
-        head += (f"compliance, {_COMPLIANCE_UNIT}", "verdict")
+        head += ("compliance, mm/(N/mm)", "verdict")
         factor = 100 if unit == "%" else 1
         rows = [
             (
@@ -235,7 +234,7 @@ class Choice:
                 f"{row['aicc_behind']:.1f}",
                 f"{row['weight']:.2f}",
                 _with_error(factor, row["cv_error"], row["cv_standard_error"]),
-                _with_error(1e6, row["compliance"], row["compliance_error"]),
+                _with_error(1, row["compliance"], row["compliance_error"]),
                 str(row["verdict"]),
             )
             for name, row in self.table.iterrows()
