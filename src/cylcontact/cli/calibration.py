@@ -109,7 +109,7 @@ def _calibrate(
     from cylcontact.fitting import calibrate
     from cylcontact.fitting.result import require_same_inputs
 
-    target, folder = _place(source, out)
+    target, folder = _place(source, out, planned.model.law)
     require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
     require_suffix(target, ".json")
     with owning(target):
@@ -126,18 +126,31 @@ def _calibrate(
     show(joined([str(result), f"written to {folder or target}{names}"], "\n\n"))
 
 
-def _place(campaign: Path, out: Path | None) -> tuple[Path, Path | None]:
+def _place(campaign: Path, out: Path | None, law: str) -> tuple[Path, Path | None]:
     """Return the file of the result, and for a table the folder of all its files.
 
-    A campaign's result is a file alone, and so is one that is to be written to a .json.
+    A campaign's result is a file alone, and so is one that is to be written to a .json. A second
+    law for a table gets a folder NAME-LAW of its own.
     """
     results = campaign.parent / "results"
     is_table = campaign.suffix.lower() in TABLE_SUFFIXES
     if out is None:
         out = results / (campaign.stem if is_table else f"{campaign.stem}.json")
+        if is_table and _law_in(out / FIT_FILES[0]) not in ("", law):
+            out = results / f"{campaign.stem}-{law.replace(':', '-')}"
     if is_table and out.suffix.lower() != ".json":
         return out / FIT_FILES[0], out
     return out, None
+
+
+def _law_in(path: Path) -> str:
+    """Return the law of a result; "" if there is none that can be read."""
+    from cylcontact.fitting import FitResult
+
+    try:
+        return FitResult.read(path).law if path.exists() else ""
+    except InputError:
+        return ""
 
 
 def _save(result: FitResult, target: Path, folder: Path | None) -> None:

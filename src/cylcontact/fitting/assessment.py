@@ -45,6 +45,17 @@ _DESCRIBED = 0.8
 _MISSED, _TIMES_SCATTER = 0.05, 3.0
 # A stiffness that is certainly outside these, over that of the pair as given, is not the pair's.
 _USUAL_STIFFNESS = (0.8, 1.25)
+# What the estimates are, beside their names.
+COMPLIANCE = (
+    "the compliance is what the readings yield per load beyond the law's own datum: the points "
+    "between which they are taken, the housing and the rig; negative is less"
+)
+_MEANINGS = {
+    "kappa": "kappa is a factor of the penetration, as of a modulus E*/kappa",
+    "stiffness_factor": "stiffness_factor is a factor of the load, as of a modulus so much larger",
+    "modulus_factor": "modulus_factor is a factor of the modulus E*",
+    "compliance": COMPLIANCE,
+}
 _DATUM = "the datum, the housing or the rig (try --free compliance)"
 # At most so many rows of the data are listed.
 _LISTED = 8
@@ -323,6 +334,7 @@ def noise_verdicts(uncertainty: Uncertainty) -> list[str]:
     sentences = [
         _on_noise(uncertainty),
         *determined,
+        *(text for name, text in _MEANINGS.items() if name in uncertainty.estimates),
         *_on_correlations(uncertainty),
         *_on_rows(uncertainty),
         *uncertainty.notes,

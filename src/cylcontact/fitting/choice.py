@@ -32,7 +32,7 @@ from threadpoolctl import threadpool_limits
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
 from cylcontact.errors import InputError
-from cylcontact.fitting.assessment import data_warnings, describes
+from cylcontact.fitting.assessment import COMPLIANCE, data_warnings, describes
 from cylcontact.fitting.calibration import calibrate, problem_of
 from cylcontact.fitting.campaign import Campaign, MeasuredTable
 from cylcontact.fitting.least_squares import descend, starting_points
@@ -271,10 +271,7 @@ class Choice:
         values, errors = np.array([law.compliance for law in near]).reshape(-1, 2).T
         if not near or not np.isfinite(errors).any():
             return []
-        sentences = [
-            "the compliance is what the readings yield per load beyond the law's own datum: the "
-            "points between which they are taken, the housing and the rig; negative is less"
-        ]
+        sentences = [COMPLIANCE]
         if np.ptp(values) > _STANDARD_ERRORS * np.nanmax(errors):
             sentences.append(
                 "the data cannot tell the law from the datum: each of these laws follows them with "
