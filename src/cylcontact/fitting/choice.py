@@ -223,8 +223,8 @@ class Choice:
 
     def __str__(self) -> str:
         unit = _unit(measured(self.best.problem))
-        head = ("", "parameters", "AICc", "behind", "weight", f"CV error, {unit}")
-        head += ("compliance, mm/(N/mm)", "verdict")
+        criteria = ("AICc", "behind", "weight", f"CV error, {unit}")
+        head = ("", "parameters", *criteria, "compliance, mm/(N/mm)", "verdict")
         factor = 100 if unit == "%" else 1
         rows = [
             (
