@@ -57,9 +57,10 @@ fitted
 # %% [markdown]
 # ## All laws, ranked
 #
-# Each law has the offset and one stiffness free, and the constants of its shape fixed. AICc weighs
-# the fit against the number of its coefficients. The cross-validated error is that of readings
-# which the fit has not used. A law is called worse only where both agree.
+# Each law has the offset, a compliance and one stiffness free, and the constants of its shape fixed.
+# The compliance allows for another datum than the law's. AICc weighs the fit against the number of
+# its coefficients. The cross-validated error is that of readings which the fit has not used. A law
+# is called worse only where both agree.
 
 # %%
 choice = cc.choose(table, pair, group="specimen")

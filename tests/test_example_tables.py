@@ -56,6 +56,18 @@ def test_a_table_is_what_its_script_writes(table):
     assert loads.max() < float(cc.limits.yield_load(made["PAIR"]))
 
 
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_stiffness_that_is_not_the_pairs_is_told(factor):
+    pair = script(SPECIMENS)["PAIR"]
+    right = fit(SPECIMENS, group="specimen")
+    assert "as given" not in str(right)
+    table = pd.read_csv(SPECIMENS, comment="#")
+    table["load_kN"] *= factor
+    wrong = " ".join(str(cc.fit(table, "explicit", pair, group="specimen")).split())
+    assert "for the pair as given: is it a diameter given as a radius" in wrong
+    assert "--free compliance" in wrong
+
+
 def test_the_plain_fit_of_the_rig_is_wrong_and_says_what_to_do():
     result = fit(RIG)
     truth = script(RIG)["TRUTH"]
@@ -88,6 +100,20 @@ def test_the_plain_fit_of_the_specimens_asks_for_their_column():
     result = fit(SPECIMENS)
     assert "--group COLUMN" in remedies(result)["sequence"]
     assert "--noise both" in remedies(result)["spread"]
+
+
+@pytest.mark.parametrize("scale", [0.0, 0.5, 2.0])
+def test_offsets_of_the_series_are_no_misfit_of_the_law(scale):
+    pair = script(SPECIMENS)["PAIR"]
+    table = pd.read_csv(SPECIMENS, comment="#")
+    law = cc.laws.Explicit()
+    exact = 1e3 * law.penetration(1e3 * table["load_kN"] / pair.length, pair)
+    left = table["penetration_um"] - exact
+    own = left.groupby(table["specimen"]).transform("median")
+    table["penetration_um"] += (scale - 1) * own
+    result = cc.fit(table, "explicit", pair, group="specimen")
+    assert result.r_squared == pytest.approx(fit(SPECIMENS, group="specimen").r_squared, abs=1e-3)
+    assert "does not describe" not in str(result)
 
 
 def test_a_scatter_that_grows_is_told_from_a_constant_one():
@@ -135,7 +161,7 @@ def test_the_specimens_by_groups_give_the_truth():
 
 
 def test_an_interval_ends_where_the_fit_is_worse_although_another_coefficient_meets_its_bound():
-    result = fit(RIG, free=["compliance"])
+    result = fit(RIG, bounds={"compliance": (0.0, 2e-5)})
     estimates = result.uncertainty.estimates
     assert estimates["compliance"].profile.low_is_bound
     data = result.residuals

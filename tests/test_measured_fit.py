@@ -1,6 +1,7 @@
 """Fits to measurements: every law gives its own coefficients back, and every way to go wrong."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting import FitResult, compare, verdicts
 from cylcontact.fitting.assessment import warnings
@@ -16,6 +18,8 @@ from cylcontact.fitting.campaign import campaign_of_table, read_campaign
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.loss import LOSSES, Loss
 from cylcontact.fitting.own_data import fit
+from cylcontact.fitting.report import noise_text
+from cylcontact.fitting.uncertainty.study import study_noise
 from cylcontact.fitting.verify import verify
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.logarithmic import adjusted_logarithmic
@@ -570,6 +574,14 @@ def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, give
     assert rows["residual_mm"].to_numpy() == pytest.approx(expected, rel=1e-5, abs=1e-9)
 
 
+def test_a_second_law_for_a_table_has_a_folder_of_its_own(tmp_path, run):
+    table = write_measured(tmp_path / "mine.csv", "johnson", "internal", noise=0.01)
+    options = ("--contact", "internal", "--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--runs", 1)
+    for law, folder in (("johnson", "mine"), ("explicit", "mine-explicit"), ("johnson", "mine")):
+        assert run("fit", table, "--law", law, *options, "-j", 1)[0] == 0
+        assert FitResult.read(tmp_path / "results" / folder / "result.json").law == law
+
+
 def test_a_pin_and_a_hole_are_named_by_what_they_are(tmp_path, run):
     table = write_measured(tmp_path / "measured.csv", "johnson", "internal")
     fit = ("fit", table, *JOHNSON, "--Ri", 10, "--runs", 1, "-j", 1)
@@ -711,7 +723,9 @@ def test_the_rig_is_not_exported(tmp_path, run):
     assert json.loads(said)["coefficients"] == pytest.approx(TRUTHS["power", "internal"])
 
 
-@pytest.mark.parametrize(("offset", "compliance"), [(0.0, 0.0), (1e-3, 0.0), (-1e-4, 3e-6)])
+@pytest.mark.parametrize(
+    ("offset", "compliance"), [(0.0, 0.0), (1e-3, 0.0), (-1e-4, 3e-6), (1e-4, -2e-6)]
+)
 def test_a_mounted_law_answers_consistently(pair, offset, compliance):
     law = RigCompliance(laws.Johnson(), offset, compliance)
     loads = np.array([1.0, 50.0, 400.0])
@@ -731,9 +745,36 @@ def test_a_mounted_law_answers_consistently(pair, offset, compliance):
     assert np.isinf(RigCompliance(laws.Liu(), offset, compliance).max_penetration(pair))
 
 
+def test_a_negative_compliance_ends_where_the_reading_would_fall_with_the_load(pair):
+    law = RigCompliance(laws.Persson(), compliance=-6e-6)
+    largest = law.max_load(pair)
+    inside = largest * np.linspace(0.01, 0.999, 200)
+    reading = law.penetration(inside, pair)
+    assert (np.diff(reading) > 0).all()
+    assert law.load(reading, pair) == pytest.approx(inside, rel=1e-9)
+    assert law.max_penetration(pair) == pytest.approx(reading[-1], rel=1e-3)
+    assert np.isnan(law.penetration(1.001 * largest, pair))
+    assert np.isnan(law.load(1.001 * law.max_penetration(pair), pair))
+
+
+@pytest.mark.parametrize("noise", [None, "constant", "both"])
+def test_a_reading_of_0_is_fitted_and_drawn(noise):
+    load = np.array([1.0, 3, 10, 30, 100, 300, 1000, 1500, 2000, 3000])
+    one = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
+    depth = 1e3 * laws.Explicit().penetration(load, one) * (1 + 0.01 * np.cos(7 * load))
+    data = pd.DataFrame({"load_N_per_mm": load, "penetration_um": depth - depth[0]})
+    result = cc.fit(data, "explicit", one, free=["offset"], noise=noise)
+    assert np.isfinite(result.max_abs_diff_percent.fitted)
+    assert "R² = 0.99" in str(result)
+    study = study_noise(result)
+    assert {band.quantity for band in study.bands} == {"penetration_mm", "load_N_per_mm"}
+    assert not re.search(r"\s-\d", noise_text(study).split("Bands at the ends")[1])
+    assert (result.predict(load)["high_mm"] > result.predict(load)["low_mm"]).all()
+
+
 def test_a_mounting_that_cannot_be_is_refused():
-    with pytest.raises(InputError, match="compliance = -1"):
-        RigCompliance(laws.Johnson(), compliance=-1)
+    with pytest.raises(InputError, match="compliance = nan"):
+        RigCompliance(laws.Johnson(), compliance=float("nan"))
     with pytest.raises(InputError, match="offset = inf"):
         RigCompliance(laws.Johnson(), offset=float("inf"))
 

@@ -22,6 +22,7 @@ from tests.noisy_series import LAW, PAIR, campaign_of, readings, refitted
 
 # With the stiffness held, a reading is linear in what is left.
 LINEAR = {"fixed": {"stiffness_factor": 1.0}, "free": ["compliance"], "starts": 3}
+BOUNDED = {"fixed": LINEAR["fixed"], "bounds": {"compliance": (0.0, 1e-3)}, "starts": 3}
 
 
 def likelihood_of(result):
@@ -784,9 +785,9 @@ def test_the_order_of_the_series_changes_nothing(series):
 
 def test_a_coefficient_at_its_bound_has_an_error(series):
     frame, _ = series
-    # Without any compliance the rig's ends at its least, 0, beyond which no rig is.
+    # A rig stiffer than none at all: its compliance ends at the least that is allowed, 0.
     frame = frame.assign(penetration_um=frame["penetration_um"] - 2e-4 * frame["load_N_per_mm"])
-    result = cc.fit(frame, "explicit", PAIR, group="group", noise="constant", **LINEAR)
+    result = cc.fit(frame, "explicit", PAIR, group="group", noise="constant", **BOUNDED)
     estimates = result.uncertainty.estimates
     assert result.uncertainty.only_together == []
     assert estimates["compliance"].verdict == "at a bound"

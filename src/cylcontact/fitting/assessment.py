@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 __all__ = [
     "SAME_BASIN",
     "basins",
+    "data_warnings",
+    "describes",
     "fixed",
     "identification",
     "noise_verdicts",
@@ -37,8 +39,24 @@ _EXACT_FROM_MOMENTS = 1e-6
 _AT_BOUND = 1e-6
 # Below this probability the residuals are not those of the noise assumed.
 _SURPRISING = 0.01
-# A law that describes less than this share of the variance of readings is not theirs.
+# A law that describes less than this share of the variance of readings is not theirs; nor is one
+# that misses them by more than a share of them, and by several times their scatter.
 _DESCRIBED = 0.8
+_MISSED, _TIMES_SCATTER = 0.05, 3.0
+# A stiffness that is certainly outside these, over that of the pair as given, is not the pair's.
+_USUAL_STIFFNESS = (0.8, 1.25)
+# What the estimates are, beside their names.
+COMPLIANCE = (
+    "the compliance is what the readings yield per load beyond the law's own datum: the points "
+    "between which they are taken, the housing and the rig; negative is less"
+)
+_MEANINGS = {
+    "kappa": "kappa is a factor of the penetration, as of a modulus E*/kappa",
+    "stiffness_factor": "stiffness_factor is a factor of the load, as of a modulus so much larger",
+    "modulus_factor": "modulus_factor is a factor of the modulus E*",
+    "compliance": COMPLIANCE,
+}
+_DATUM = "the datum, the housing or the rig (try --free compliance)"
 # At most so many rows of the data are listed.
 _LISTED = 8
 
@@ -215,27 +233,76 @@ def warnings(result: FitResult) -> list[str]:
 
 def noise_warnings(uncertainty: Uncertainty) -> list[str]:
     """Return what makes the intervals of a fit to measurements doubtful, with the remedy."""
+    return [*data_warnings(uncertainty), *_on_lack_of_determination(uncertainty)]
+
+
+def data_warnings(uncertainty: Uncertainty) -> list[str]:
+    """Return what the readings show against a law or the noise assumed, with the remedy."""
     # Series that differ and a drift make residuals of the right law look like those of a wrong one.
     is_explained = any(finding.test in ("series", "drift") for finding in uncertainty.findings)
     sentences = [
         _on_misfit(uncertainty),
+        *_on_stiffness(uncertainty),
         *(finding.sentence for finding in uncertainty.findings),
         "" if is_explained else _on_shape(uncertainty),
-        *_on_lack_of_determination(uncertainty),
         _on_outliers(uncertainty),
     ]
     return [sentence for sentence in sentences if sentence]
 
 
-def _on_misfit(uncertainty: Uncertainty) -> str:
-    """Warn of a law that is not near the readings at all."""
-    share = uncertainty.r_squared
-    if share is None or share >= _DESCRIBED:
+def describes(uncertainty: Uncertainty) -> bool:
+    """Return whether a law describes the readings at all."""
+    return not _misfit(uncertainty)
+
+
+def _misfit(uncertainty: Uncertainty) -> str:
+    """Return by how much a law misses readings that it does not describe; "" if it does."""
+    share, missed = uncertainty.r_squared, uncertainty.missed
+    times = uncertainty.missed_over_scatter
+    if share is not None and share < _DESCRIBED:
+        return f"R² = {share:.3g}"
+    if missed is None or times is None or missed < _MISSED or times < _TIMES_SCATTER:
         return ""
     return (
-        f"the law does not describe these readings (R² = {share:.3g}): look at the units of the "
-        "columns, the materials and the radii"
+        f"it misses them by {100 * missed:.2g} % (root mean square), {times:.2g} times their "
+        "scatter from one to the next"
     )
+
+
+def _on_misfit(uncertainty: Uncertainty) -> str:
+    """Warn of a law that is not near the readings at all."""
+    how = _misfit(uncertainty)
+    if not how:
+        return ""
+    causes = ["the units of the columns", "the materials", "the radii"]
+    causes += ["a kink (a seat that settles)", "a drift"]
+    if "compliance" not in uncertainty.estimates:
+        causes.append(_DATUM)
+    *first, last = causes
+    return (
+        f"the law does not describe these readings ({how}): look at {', '.join(first)}, and {last}"
+    )
+
+
+def _on_stiffness(uncertainty: Uncertainty) -> list[str]:
+    """Warn of a stiffness that is not that of the pair as given."""
+    sentences = []
+    for name, estimate in uncertainty.estimates.items():
+        ends = estimate.profile or estimate
+        if not estimate.nominal or ends.low is None or ends.high is None:
+            continue
+        low, high = ends.low / estimate.nominal, ends.high / estimate.nominal
+        if low <= _USUAL_STIFFNESS[1] and high >= _USUAL_STIFFNESS[0]:
+            continue
+        causes = ["a diameter given as a radius", "another unit", "another material", "another law"]
+        if "compliance" not in uncertainty.estimates:
+            causes.append(_DATUM)
+        *first, last = causes
+        sentences.append(
+            f"{name} is {estimate.value:.3g} ({ends.low:.3g} to {ends.high:.3g}), and "
+            f"{estimate.nominal:.3g} for the pair as given: is it {', '.join(first)}, or {last}?"
+        )
+    return sentences
 
 
 def _on_disagreement(result: FitResult) -> list[str]:
@@ -267,6 +334,7 @@ def noise_verdicts(uncertainty: Uncertainty) -> list[str]:
     sentences = [
         _on_noise(uncertainty),
         *determined,
+        *(text for name, text in _MEANINGS.items() if name in uncertainty.estimates),
         *_on_correlations(uncertainty),
         *_on_rows(uncertainty),
         *uncertainty.notes,

@@ -126,6 +126,7 @@ def calibrate(
         require_installed(campaign.spec.optimizer, campaign.source)
     elif isinstance(jobs, int) and _is_quick(campaign):
         jobs = 1  # starting the workers would take longer
+    provenance = campaign.provenance  # of what is run, not of what is there when it ends
     problem, counts = problem_of(campaign, jobs, progress)
     journal = Journal(checkpoint, "campaign", campaign.key) if checkpoint else None
     records = search_all(problem, campaign, jobs, progress, journal, resume)
@@ -151,7 +152,7 @@ def calibrate(
         runs=records,
         counts=SampleCounts(samples=counts.samples, masked=counts.masked),
         settings=campaign.settings,
-        provenance=campaign.provenance,
+        provenance=provenance,
         kind=campaign.data.kind,
         bound=quality.bound,
         profiles=quality.profiles,

@@ -497,11 +497,11 @@ def _freed(model: LawModel, spec: MeasuredSpec, measured: Measurements, source: 
         model = with_rig(model, {*free, *spec.named})
     else:
         model = for_measurements(model, free, spec.named)
-    # A reading is not further from zero than the largest of them by much, and a rig does not give
-    # way by much more than the readings over the loads.
+    # A reading is not further from zero than the largest of them by much, and neither a rig nor
+    # another datum is worth much more than the readings over the loads.
     largest = 2 * np.abs(measured.penetration).max()
     reach, most = (float(f"{value:.1g}") for value in (largest, largest / measured.load.max()))
-    bounds = {"offset": (-reach, reach), "compliance": (0.0, most)}
+    bounds = {"offset": (-reach, reach), "compliance": (-most, most)}
     parameters = (
         replace(p, low=bounds[p.name][0], high=bounds[p.name][1]) if p.name in bounds else p
         for p in model.parameters

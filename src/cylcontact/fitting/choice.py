@@ -1,7 +1,9 @@
 """Which law describes measurements: all that apply, ranked, and whether the data can tell.
 
-Each law is fitted as `cylcontact fit` does, with the offset and one parameter of stiffness free and
-the constants of its shape held. Two criteria rank them:
+Each law is fitted as `cylcontact fit` does, with one parameter of stiffness, the offset and the
+compliance free and the constants of its shape held. The compliance has either sign: what the
+readings yield beyond the law's own datum, for the points between which they are taken, the housing
+and the rig. A law would else be ranked by its datum, not by its shape. Two criteria rank them:
 
 - AICc, Akaike's information criterion with the correction for few readings (Hurvich and Tsai 1989);
 - the cross-validated error: each part of the data is predicted by a fit to the rest. Parts are the
@@ -12,7 +14,8 @@ the constants of its shape held. Two criteria rank them:
 A law is told apart from the best only where both do so: its AICc is larger by more than 7 (Burnham
 and Anderson 2002), and its cross-validated error by more than one standard error of the difference
 between the two, part by part (Breiman and others 1984). The information criterion alone trusts the
-noise to be as assumed.
+noise to be as assumed. If the best misses the readings by far more than they scatter, none of
+the laws describes them.
 """
 
 from __future__ import annotations
@@ -29,6 +32,7 @@ from threadpoolctl import threadpool_limits
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
 from cylcontact.errors import InputError
+from cylcontact.fitting.assessment import COMPLIANCE, data_warnings, describes
 from cylcontact.fitting.calibration import calibrate, problem_of
 from cylcontact.fitting.campaign import Campaign, MeasuredTable
 from cylcontact.fitting.least_squares import descend, starting_points
@@ -36,8 +40,9 @@ from cylcontact.fitting.measured_objective import MeasuredObjective, measured
 from cylcontact.fitting.noise_model import FittedNoise
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.uncertainty.estimates import uncertainty_of
 from cylcontact.fitting.uncertainty.information import log_likelihood, number_estimated
-from cylcontact.fitting.uncertainty.residual_model import with_rows
+from cylcontact.fitting.uncertainty.residual_model import residual_model_at, with_rows
 from cylcontact.laws import DEFINITIONS
 from cylcontact.pair import Contact
 from cylcontact.plain_text import brief, html
@@ -56,6 +61,7 @@ _PARTS, _FEWEST_SERIES = 10, 3
 _AICC, _STANDARD_ERRORS = 7.0, 1.0
 # Names that a sentence lists.
 _LISTED = 5
+_FREED = ("offset", "compliance")
 _ONE_PAIR = ("power-one-pair", "power-dimensionless")
 
 
@@ -85,6 +91,17 @@ class RankedLaw:
     aicc: float
     errors: FloatArray
     sizes: FloatArray
+
+    @property
+    def compliance(self) -> tuple[float, float]:
+        """The compliance in mm/(N/mm) and its standard error, NaN where it has none."""
+        names = [p.name for p in self.problem.free]
+        if "compliance" not in names:
+            return self.problem.coefficients(self.point).get("compliance", np.nan), np.nan
+        place = names.index("compliance")
+        covariance = residual_model_at(self.problem, self.point).covariance
+        error = np.nan if covariance is None else float(np.sqrt(covariance[place, place]))
+        return float(self.point[place]), error
 
     @property
     def cv_error(self) -> float:
@@ -125,12 +142,18 @@ class Choice:
         Laws that do not apply, and why.
     parts : str
         What the cross-validation left out in turn.
+    warnings : tuple of str
+        What the readings show against the fit of the best law, as in its report.
+    describes : bool
+        Whether the best law describes the readings at all; if not, none does.
     """
 
     data: MeasuredTable
     laws: tuple[RankedLaw, ...]
     left_out: dict[str, str]
     parts: str
+    warnings: tuple[str, ...] = ()
+    describes: bool = True
 
     @property
     def best(self) -> RankedLaw:
@@ -139,9 +162,12 @@ class Choice:
 
     @property
     def undecided(self) -> list[str]:
-        """The laws that the data cannot tell from the best, that among them."""
+        """The laws that the data cannot tell from the best, that among them.
+
+        There are none if no law describes the data.
+        """
         table = self.table
-        return [str(name) for name in table.index[table["verdict"] != "worse"]]
+        return [str(name) for name in table.index[table["verdict"].isin(("best", "undecided"))]]
 
     @property
     def table(self) -> pd.DataFrame:
@@ -149,10 +175,12 @@ class Choice:
 
         Columns parameters (free ones and deviations), aicc, aicc_behind, weight (Akaike's),
         cv_error with cv_standard_error (in the unit of the residuals), cv_behind (in standard
-        errors of the difference), and verdict: best, undecided or worse.
+        errors of the difference), compliance with compliance_error (in mm/(N/mm)), and verdict:
+        best, undecided or worse, or misses if no law describes the data.
         """
         behind = np.array([law.aicc - self.best.aicc for law in self.laws])
         weight = np.exp(-behind / 2)
+        compliances = [law.compliance for law in self.laws]
         rows = [
             {
                 "parameters": number_estimated(law.problem),
@@ -162,7 +190,9 @@ class Choice:
                 "cv_error": law.cv_error,
                 "cv_standard_error": law.cv_standard_error,
                 "cv_behind": law.behind(self.best),
-                "verdict": self._verdict(law) if k else "best",
+                "compliance": compliances[k][0],
+                "compliance_error": compliances[k][1],
+                "verdict": self._verdict(law),
             }
             for k, law in enumerate(self.laws)
         ]
@@ -170,6 +200,10 @@ class Choice:
 
     def _verdict(self, law: RankedLaw) -> str:
         """Return whether the data tell a law from the best."""
+        if not self.describes:
+            return "misses"
+        if law is self.best:
+            return "best"
         is_worse = law.aicc - self.best.aicc > _AICC and law.behind(self.best) > _STANDARD_ERRORS
         return "worse" if is_worse else "undecided"
 
@@ -189,7 +223,8 @@ class Choice:
 
     def __str__(self) -> str:
         unit = _unit(measured(self.best.problem))
-        head = ("", "parameters", "AICc", "behind", "weight", f"CV error, {unit}", "verdict")
+        criteria = ("AICc", "behind", "weight", f"CV error, {unit}")
+        head = ("", "parameters", *criteria, "compliance, mm/(N/mm)", "verdict")
         factor = 100 if unit == "%" else 1
         rows = [
             (
@@ -199,12 +234,16 @@ class Choice:
                 f"{row['aicc_behind']:.1f}",
                 f"{row['weight']:.2f}",
                 _with_error(factor, row["cv_error"], row["cv_standard_error"]),
+                _with_error(1, row["compliance"], row["compliance_error"]),
                 str(row["verdict"]),
             )
             for name, row in self.table.iterrows()
         ]
-        notes = [self._conclusion(), *(f"{law}: {why}" for law, why in self.left_out.items())]
-        items = (fill(note, 100, initial_indent="- ", subsequent_indent="  ") for note in notes)
+        notes = [f"{'-' if self.describes else '!'} {self._conclusion()}"]
+        notes += [f"! {self.best.law}: {warning}" for warning in self.warnings]
+        notes += [f"- {note}" for note in self._on_datum()]
+        notes += [f"- {law}: {why}" for law, why in self.left_out.items()]
+        items = (fill(note, 100, subsequent_indent="  ") for note in notes)
         count = len(measured(self.best.problem).data)
         title = f"{brief(self.data.name)}: {len(self.laws)} laws fitted to {count:,} measurements"
         return joined([title, "", text_table(head, rows), *items])
@@ -212,6 +251,8 @@ class Choice:
     def _conclusion(self) -> str:
         """Return whether the data decide, in a sentence."""
         undecided = self.undecided
+        if not self.describes:
+            return f"none of the laws describes these readings; {self.best.law} comes nearest"
         if len(undecided) == 1:
             return (
                 f"{undecided[0]} describes the data best, by AICc and by the cross-validated error "
@@ -224,8 +265,24 @@ class Choice:
             "measure at loads where they differ"
         )
 
+    def _on_datum(self) -> list[str]:
+        """Return what the compliance means, and whether the data tell law from datum by it."""
+        near = [law for law in self.laws if law.law in self.undecided]
+        values, errors = np.array([law.compliance for law in near]).reshape(-1, 2).T
+        if not near or not np.isfinite(errors).any():
+            return []
+        sentences = [COMPLIANCE]
+        if np.ptp(values) > _STANDARD_ERRORS * np.nanmax(errors):
+            sentences.append(
+                "the data cannot tell the law from the datum: each of these laws follows them with "
+                "a compliance of its own; if yours is known, give it with --fix compliance=VALUE"
+            )
+        return sentences
+
     def _repr_html_(self) -> str:
-        return f"{self.table.round(3).to_html()}<p>{html(self._conclusion())}</p>"
+        numbers = self.table.drop(columns=["compliance", "compliance_error"]).round(3)
+        notes = (self._conclusion(), *self.warnings, *self._on_datum())
+        return numbers.to_html() + "".join(f"<p>{html(note)}</p>" for note in notes)
 
 
 def listed_with_and(names: Sequence[str]) -> str:
@@ -302,7 +359,7 @@ def choose_law(
     InputError
         If no law can be fitted.
     """
-    data = table.measurements
+    data, spec = table.measurements, table.spec
     chosen = list(names) or laws_for(data.contact, len(data.groups("pair")[0]))
     fitted: list[tuple[str, Problem, FloatArray, float]] = []
     left_out: dict[str, str] = {}
@@ -315,34 +372,66 @@ def choose_law(
         except InputError as error:
             if names:
                 raise
-            reason = ": ".join(part for part in (error.key, error.rule) if part)
-            left_out[name] = f"left out: {reason}"
+            where = (
+                error.source.rpartition(", ")[2] if error.key.startswith("load, ") else error.key
+            )
+            left_out[name] = f"left out: {where}: {error.rule}".replace(": : ", ": ")
+            continue
+        k = number_estimated(fitted[-1][1])
+        if len(data) <= k + 1:
+            left_out[name] = (
+                f"left out: {len(data)} readings are too few to rank it, which estimates {k} "
+                f"numbers; AICc needs {k + 2}"
+            )
+            fitted.pop()
     progress("fitting", len(chosen), len(chosen))
-    if not fitted:
-        rule, remedy = "no law can be fitted to them", "fit one with `cylcontact fit` to see why"
-        raise InputError(table.source, "", None, rule, remedy)
+    _require_some(fitted, left_out, table, "measure more, or hold some (--fix compliance=0)")
+    parts, words = _parts(measured(fitted[0][1]), spec.seed)
+    missed = {}
+    for name, problem, point, _ in fitted:
+        with threadpool_limits(limits=1):
+            missed[name] = _missed(problem, point, parts)
+        if not np.isfinite(missed[name]).all():
+            left_out[name] = (
+                "left out: cannot be cross-validated: a fit to some of the readings has no value "
+                "at others, as its curve ends before them or passes below 0"
+            )
+    fitted = [each for each in fitted if each[0] not in left_out]
+    _require_some(
+        fitted, left_out, table, "look at the readings: a kink, an outlier or a few only?"
+    )
     fitted.sort(key=lambda each: each[-1])
-    best = measured(fitted[0][1])
-    parts, words = _parts(best, table.spec.seed)
+    # Deviations are those of the best law's noise model, so that the errors of laws compare.
+    noise = measured(fitted[0][1]).noise
+    scale = np.ones(len(data)) if noise is None else noise.whitening.scale
     sizes = np.array([float(part.size) for part in parts])
     ranked = []
     for name, problem, point, aicc in fitted:
-        with threadpool_limits(limits=1):
-            errors = [_error_of_part(problem, point, part, best) for part in parts]
-        if not np.isfinite(errors).all():
-            left_out[name] = "left out: undefined for a part of the data by a fit to the others"
-            continue
-        ranked.append(RankedLaw(name, problem, point, aicc, as_floats(errors), sizes))
-    return Choice(table, tuple(ranked), left_out, words)
+        squares = (missed[name] / scale) ** 2
+        errors = as_floats([squares[part].mean() for part in parts])
+        ranked.append(RankedLaw(name, problem, point, aicc, errors, sizes))
+    best = ranked[0]
+    with threadpool_limits(limits=1):
+        uncertainty = uncertainty_of(best.problem, best.problem.coefficients(best.point))
+    told = tuple(data_warnings(uncertainty))
+    return Choice(table, tuple(ranked), left_out, words, told, describes(uncertainty))
+
+
+def _require_some(
+    fitted: Sequence[object], left_out: dict[str, str], table: MeasuredTable, remedy: str
+) -> None:
+    """Refuse measurements to which no law is left, with the reason of the first."""
+    if not fitted:
+        name, why = next(iter(left_out.items()))
+        rule = f"no law can be ranked on them; {name} is {why}"
+        raise InputError(table.source, "", None, rule, remedy)
 
 
 def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> Campaign:
-    """Return the campaign of a law with a free offset, as the others have."""
+    """Return the campaign of a law with a free offset and compliance, unless they are given."""
     if starts is not None:
         table = replace(table, spec=table.spec.model_copy(update={"starts": starts}))
-    campaign = table.campaign(law)
-    names = [parameter.name for parameter in campaign.parameters]
-    return campaign if "offset" in names else table.campaign(law, free=["offset"])
+    return table.campaign(law, [name for name in _FREED if name not in table.spec.named])
 
 
 def _parts(objective: MeasuredObjective, seed: int) -> tuple[list[Indices], str]:
@@ -361,8 +450,8 @@ def _fitted(campaign: Campaign) -> tuple[Problem, FloatArray, float]:
     """Return the problem of a law, its best point, and its AICc."""
     problem, _ = problem_of(campaign, 1, silent)
     starts = starting_points(problem, campaign.nominal, _STARTS, campaign.spec.seed)
-    minima = [descend(problem, start)[:2] for start in starts]
-    point, _ = min(minima, key=lambda minimum: minimum[1])
+    minima = [descend(problem, start, most=1)[:2] for start in starts]
+    point = descend(problem, min(minima, key=lambda minimum: minimum[1])[0])[0]
     likelihood = log_likelihood(problem, point)
     if likelihood is None:
         raise InputError(
@@ -373,24 +462,27 @@ def _fitted(campaign: Campaign) -> tuple[Problem, FloatArray, float]:
             "compare them by least squares",
         )
     k, N = number_estimated(problem), len(measured(problem).data)
+    # With N ≤ k + 1 it is undefined, and the law is not ranked.
     return problem, point, 2 * k - 2 * likelihood + 2 * k * (k + 1) / max(N - k - 1, 1)
 
 
-def _error_of_part(
-    problem: Problem, start: FloatArray, part: Indices, best: MeasuredObjective
-) -> float:
-    """Return the mean squared error of a part, predicted by a fit to the rest.
+def _missed(problem: Problem, start: FloatArray, parts: Sequence[Indices]) -> FloatArray:
+    """Return by how much each reading is missed by a fit without its part, shape (N,).
 
-    Deviations are those of the best law's noise model, so that the errors of laws compare.
+    In mm with a noise model, else in the unit of the residuals.
     """
-    rows = np.setdiff1d(np.arange(len(best.data)), part)
-    rest = with_rows(problem, rows)
-    point, _, _ = descend(rest, start)
-    objective, form = measured(problem), problem.form(point[None, :])
-    if objective.noise is None or best.noise is None:
-        return float((objective.raw(form)[0][part] ** 2).mean())
-    difference = objective.differences(form)[0] + _of_series(rest, point, objective.noise)
-    return float(((difference / best.noise.whitening.scale)[part] ** 2).mean())
+    objective = measured(problem)
+    missed = np.empty(len(objective.data))
+    for part in parts:
+        rest = with_rows(problem, np.setdiff1d(np.arange(missed.size), part))
+        point, _, _ = descend(rest, start, most=1)
+        form = problem.form(point[None, :])
+        if objective.noise is None:
+            missed[part] = objective.raw(form)[0][part]
+        else:
+            difference = objective.differences(form)[0] + _of_series(rest, point, objective.noise)
+            missed[part] = difference[part]
+    return missed
 
 
 def _of_series(rest: Problem, point: FloatArray, noise: FittedNoise) -> FloatArray:

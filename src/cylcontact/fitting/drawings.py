@@ -105,7 +105,7 @@ def fit_drawing(result: FitResult) -> Drawing:
     plot_residuals(result, lower)
     upper.set_xlabel("")
     _move_long_legend(figure, upper)
-    level = 100 * result._level
+    level = 100 * result.level
     values = ", ".join(f"{name} = {value:.4g}" for name, value in _free(result).items())
     caption = (
         f"{brief(result.name)}: {result.counts.samples} measurements, the {brief(result.law)} law "
@@ -238,7 +238,7 @@ def _curve(result: FitResult, row: Indices, at: np.ndarray, label: str) -> Curve
         if law is None:
             raise TypeError("the law is undefined at the best coefficients")
         return Curve(at, law.penetration(at, pair), label=label)
-    table = band_table(problem, best, at, result._level, pair)
+    table = band_table(problem, best, at, result.level, pair)
     low, high = table["low_mm"].to_numpy(), table["high_mm"].to_numpy()
     return Curve(at, table["penetration_mm"].to_numpy(), low, high, label)
 
@@ -262,7 +262,7 @@ def _draw_profile_of_data(result: FitResult, name: str, axes: Axes) -> None:
         _refuse(result, name, list(uncertainty.estimates) if uncertainty else [])
         return
     values, root, threshold = likelihood_profile(
-        result.problem, result.coefficients, name, estimate.profile, result._level
+        result.problem, result.coefficients, name, estimate.profile, result.level
     )
     axes.plot(values, root, marker="", linestyle="-")
     axes.axhline(threshold, color=QUIET, linestyle=":", marker="")

@@ -53,7 +53,9 @@ def starting_points(
     return np.asarray(points[chosen])
 
 
-def descend(problem: Problem, start: FloatArray) -> tuple[FloatArray, float, int]:
+def descend(
+    problem: Problem, start: FloatArray, most: int = _MAX_RESTARTS
+) -> tuple[FloatArray, float, int]:
     """Minimise the sum of squares within the bounds.
 
     Parameters
@@ -62,6 +64,8 @@ def descend(problem: Problem, start: FloatArray) -> tuple[FloatArray, float, int
         The problem.
     start : array of float, shape (k,)
         A point where the law is defined.
+    most : int
+        Descents, each from the end of the one before, until one gains nothing.
 
     Returns
     -------
@@ -75,7 +79,7 @@ def descend(problem: Problem, start: FloatArray) -> tuple[FloatArray, float, int
     point, value, evaluations = start, problem.value(start), 1
     if point.size == 0 or not np.isfinite(value):
         return point, value, evaluations
-    for _ in range(_MAX_RESTARTS):
+    for _ in range(most):
         candidate, spent = _descend_once(problem, point)
         reached = problem.value(candidate)
         evaluations += spent + 1

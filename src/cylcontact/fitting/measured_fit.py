@@ -91,8 +91,11 @@ def largest_percent(campaign: Campaign, law: ContactLaw) -> float | None:
     None if the law has no penetration at any of the loads.
     """
     measurements, _ = measured_of(campaign)
-    ratio = law.penetration(measurements.load, measurements.pair) / measurements.penetration - 1
-    return float(100 * np.nanmax(np.abs(ratio))) if np.isfinite(ratio).any() else None
+    seen = measurements.penetration
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.abs(law.penetration(measurements.load, measurements.pair) / seen - 1)
+    finite = ratio[np.isfinite(ratio)]  # a reading may be 0
+    return float(100 * finite.max()) if finite.size else None
 
 
 def with_loss(problem: Problem, loss: Loss) -> Problem:
@@ -141,7 +144,7 @@ def _run_from(problem: Problem, start: FloatArray, index: int, seed: int) -> Run
     return RunRecord(
         index=index,
         seed=seed,
-        population=1,
+        population=None,
         crossover=None,
         objective_before_polish=before,
         coefficients_before_polish=problem.coefficients(start),
@@ -186,11 +189,12 @@ def _require_defined(problem: Problem, campaign: Campaign) -> None:
         defined += inside
     row = int(np.argmin(defined))
     others = ", and other rows at the rest" if defined[row] else ""
+    tried = f"{len(points) - defined[row]} of {len(points)} sets of" if defined[row] else "all"
     raise InputError(
         f"{campaign.source}, {data.data.row_word} {data.line(row)}",
         "load, penetration, dR",
         [float(data.columns[name][row]) for name in ("load", "penetration", "dR")],
-        f"lies outside the domain of {campaign.model.law} at {len(points) - defined[row]} of "
-        f"{len(points)} sets of coefficients tried within the bounds{others}",
+        f"lies outside the domain of {campaign.model.law} at {tried} coefficients tried within the "
+        f"bounds{others}",
         "move the bounds, remove the row, or choose a law that reaches that far",
     )

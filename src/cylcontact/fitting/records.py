@@ -44,7 +44,9 @@ class RunRecord(Spec):
 
     index: int = Field(description="the run's place in the campaign")
     seed: int = Field(description="the seed of the search")
-    population: int = Field(description="the population, which sets the budget of every search")
+    population: int | None = Field(
+        description="the population, which sets the budget of every search; null for a descent"
+    )
     crossover: str | None = Field(description="the crossover of a genetic search")
     objective_before_polish: float = Field(description="the best of the search")
     coefficients_before_polish: dict[str, float] | None = Field(

@@ -534,9 +534,10 @@ def _on_bands(bands: Sequence[Band], level: str) -> list[str]:
 
 def _half_widths(band: Band, k: int) -> tuple[str, str, str]:
     """Return a point of a band and its half-widths there, in percent."""
-    curve = 50 * (band.high[k] - band.low[k]) / band.value[k]
-    new = 50 * (band.new_high[k] - band.new_low[k]) / band.value[k]
-    return f"{band.at[k]:.4g}", f"{curve:.2g}", f"{new:.2g}"
+    value = abs(band.value[k])  # a predicted reading may be 0 or below
+    widths = (band.high[k] - band.low[k], band.new_high[k] - band.new_low[k])
+    curve, new = (f"{50 * width / value:.2g}" if value > 0 else "-" for width in widths)
+    return f"{band.at[k]:.4g}", curve, new
 
 
 # --- pieces of text ---------------------------------------------------------------------------

@@ -258,7 +258,7 @@ class FitResult(Spec):
         return float(self._uncertainty("r_squared"))
 
     @property
-    def _level(self) -> float:
+    def level(self) -> float:
         """The level of the intervals."""
         return float(self._uncertainty("level"))
 

@@ -1,4 +1,4 @@
-"""Laws built on another law: the compliance and offset of a test rig, and scaled axes."""
+"""Laws built on another law: the datum, rig and offset of a reading, and scaled axes."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ __all__ = ["RigCompliance", "ScaledLaw", "scaled_model"]
 
 # Newton's method takes about eight steps, more only near the end of a law's domain.
 _STEPS = 100
+# Halvings of the logarithm of a penetration between these shares of ΔR.
+_HALVINGS, _SHALLOW, _DEEP = 60, 1e-12, 1e6
 _ROUNDING = 4e-15
 # The stiffness may be infinite where a law ends; the search stays below the end by this fraction.
 _SHORT_OF_THE_END = 1e-13
@@ -26,9 +28,13 @@ class RigCompliance(OverLength):
     """δ = δ₀(f) + compliance·f + offset: the reading of a test rig, with δ₀ the law of the contact.
 
     A measured approach includes an unknown reading at first touch and the compliance of the rig.
-    The approach of a plane body is known only up to a constant times f/E*. Therefore the compliance
-    of the rig and the c of a logarithmic law cannot be identified separately from measurements at
-    a single E*.
+    The approach of a plane body is known only up to a constant C times f/(π·E*), which depends on
+    the points between which it is read and on the housing. The compliance therefore has either
+    sign: C/(π·E*) more than the law's own datum counts, and what the rig gives way. It and the c of
+    a logarithmic law cannot be identified separately from measurements at a single E*.
+
+    With a negative compliance the domain ends where the reading would no longer increase with the
+    load, at dδ₀/df = −compliance.
 
     Parameters
     ----------
@@ -37,12 +43,12 @@ class RigCompliance(OverLength):
     offset : float
         The reading at first touch in mm.
     compliance : float
-        Compliance of the rig in mm per N/mm, not negative.
+        Compliance of the rig, and of another datum than the law's, in mm per N/mm.
 
     Raises
     ------
     InputError
-        If the compliance is negative, or one of them not finite.
+        If one of them is not finite.
 
     Examples
     --------
@@ -59,22 +65,16 @@ class RigCompliance(OverLength):
     compliance: float = 0.0
 
     def __post_init__(self) -> None:
-        require(
-            np.isfinite(self.offset),
-            "RigCompliance",
-            "offset",
-            self.offset,
-            "must be finite",
-            "give it in mm",
-        )
-        require(
-            bool(self.compliance >= 0 and np.isfinite(self.compliance)),
-            "RigCompliance",
-            "compliance",
-            self.compliance,
-            "must be finite and not negative",
-            "give it in mm per N/mm",
-        )
+        for key, unit in (("offset", "mm"), ("compliance", "mm per N/mm")):
+            value = getattr(self, key)
+            require(
+                np.isfinite(value),
+                "RigCompliance",
+                key,
+                value,
+                "must be finite",
+                f"give it in {unit}",
+            )
 
     @property
     def name(self) -> str:
@@ -84,51 +84,81 @@ class RigCompliance(OverLength):
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the reading in mm under `load` in N/mm."""
         f = as_floats(load)
-        return as_floats(self.base.penetration(f, pair) + self.compliance * f + self.offset)
+        alone = self.base.penetration(f, pair)
+        reading = as_floats(alone + self.compliance * f + self.offset)
+        if self.compliance >= 0:
+            return reading
+        return inside_or_nan(reading, np.asarray(self._slope(alone, pair) > 0))
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at a reading `penetration` in mm; 0 before first touch."""
         depth = depth_of(as_floats(penetration) - self.offset)
         if self.compliance == 0:
             return self.base.load(depth, pair)
-        end = self.base.max_penetration(pair)
-        last = end + self.compliance * self.base.max_load(pair)
-        inside = np.asarray(depth <= last)
-        alone = self._contact_alone(
-            np.where(inside, depth, 0.0), end * (1 - _SHORT_OF_THE_END), pair
-        )
+        inside = np.asarray(depth <= self.max_penetration(pair) - self.offset)
+        alone = self._contact_alone(np.where(inside, depth, 0.0), pair)
         return inside_or_nan(self.base.load(alone, pair), inside)
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(reading) in N/mm²: contact and rig in series."""
-        f = self.load(penetration, pair)
-        contact = self.base.stiffness(self.base.penetration(f, pair), pair)
+        alone = self.base.penetration(self.load(penetration, pair), pair)
         with np.errstate(divide="ignore"):
-            k = 1 / (1 / contact + self.compliance)
+            k = 1 / (1 / self.base.stiffness(alone, pair) + self.compliance)
         return as_floats(np.where(as_floats(penetration) < self.offset, 0.0, k))
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return the largest load in N/mm."""
-        return self.base.max_load(pair)
+        return self._end(pair)[1]
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return the largest reading in mm."""
-        rig = self.compliance * self.base.max_load(pair) if self.compliance else 0.0
-        return as_floats(self.base.max_penetration(pair) + rig + self.offset)
+        deepest, largest = self._end(pair)
+        rig = np.where(np.isinf(deepest), 0.0, self.compliance * np.nan_to_num(largest))
+        return as_floats(deepest + rig + self.offset)
 
-    def _contact_alone(self, depth: FloatArray, end: FloatArray, pair: CylinderPair) -> FloatArray:
-        """Return the penetration d ≤ `end` of the contact that solves d + compliance·f(d) = depth.
+    def _slope(self, depth: FloatArray, pair: CylinderPair) -> FloatArray:
+        """Return d(reading)/d(penetration) of the contact alone, 1 + compliance·k."""
+        with np.errstate(invalid="ignore"):
+            return as_floats(1 + self.compliance * self.base.stiffness(depth, pair))
 
-        Newton's method from above converges monotonically for a convex f; a bracket makes it
-        converge for other laws.
+    def _end(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
+        """Return the penetration of the contact alone and the load where the domain ends.
+
+        With a negative compliance that is where the slope falls to 0, sought by halving.
         """
-        low, high = np.zeros_like(depth), np.minimum(depth, end) + np.zeros_like(depth)
-        d = high
+        deepest, largest = self.base.max_penetration(pair), self.base.max_load(pair)
+        if self.compliance >= 0:
+            return deepest, largest
+        low = np.log(_SHALLOW * as_floats(pair.dR)) + np.zeros_like(deepest)
+        high = last = np.log(np.minimum(deepest * (1 - _SHORT_OF_THE_END), _DEEP * pair.dR))
+        for _ in range(_HALVINGS):
+            middle = (low + high) / 2
+            rises = self._slope(np.exp(middle), pair) > 0
+            low, high = np.where(rises, middle, low), np.where(rises, high, middle)
+        turn = np.exp(low)
+        is_earlier = high < last
+        return (
+            as_floats(np.where(is_earlier, turn, deepest)),
+            as_floats(np.where(is_earlier, self.base.load(turn, pair), largest)),
+        )
+
+    def _contact_alone(self, depth: FloatArray, pair: CylinderPair) -> FloatArray:
+        """Return the penetration d of the contact that solves d + compliance·f(d) = depth.
+
+        Newton's method converges monotonically for a convex f, from above, or from below for a
+        negative compliance; a bracket makes it converge for other laws.
+        """
+        end = self._end(pair)[0] * (1 - _SHORT_OF_THE_END)
+        first = np.minimum(depth, end)
+        low, high = np.zeros_like(first), first
+        if self.compliance < 0:
+            low, high = first, end + np.zeros_like(first)
+        d = first
         for _ in range(_STEPS):
             excess = d + self.compliance * self.base.load(d, pair) - depth
             low, high = np.where(excess < 0, d, low), np.where(excess < 0, high, d)
-            with np.errstate(invalid="ignore"):  # the stiffness may be infinite at zero penetration
-                step = d - excess / (1 + self.compliance * self.base.stiffness(d, pair))
+            with np.errstate(divide="ignore", invalid="ignore"):  # at 0 and at the ends
+                step = d - excess / self._slope(d, pair)
             new = np.where((step >= low) & (step <= high), step, (low + high) / 2)
             if np.all(np.abs(new - d) <= _ROUNDING * d):
                 break

@@ -31,6 +31,8 @@ __all__ = ["Band", "bands_of_data", "predict"]
 # Points of each band, and the largest number of pairs.
 _POINTS = 25
 _PAIRS = 8
+# In place of a predicted reading of 0 mm, to which an error is relative.
+_NO_DEPTH = 1e-12
 
 
 class Band(Spec):
@@ -117,6 +119,7 @@ def predict(
         )
     variance = ((slopes @ noise.covariance) * slopes).sum(axis=1)
     depth = at if of_load else law.penetration(at, pair)
+    depth = as_floats(np.where(depth == 0, _NO_DEPTH, depth))
     force = law.load(at, pair) if of_load else at
     added = _noise_variance(objective, noise, law, best, (depth, force, pair), of_load)
     if not is_log:
@@ -156,8 +159,12 @@ def bands_of_data(
         part = data.take(rows)
         pair = data.take(np.full(_POINTS, rows[0])).pair
         loads = np.geomspace(part.load.min(), part.load.max(), _POINTS)
-        depths = np.geomspace(part.penetration.min(), part.penetration.max(), _POINTS)
-        for points in ({"load": loads}, {"penetration": depths}):
+        # Of readings about zero only those beyond the first touch have a load.
+        touching = part.penetration[part.penetration > max(best.get("offset", 0.0), 0.0)]
+        every = [{"load": loads}]
+        if touching.size:
+            every.append({"penetration": np.geomspace(touching.min(), touching.max(), _POINTS)})
+        for points in every:
             with suppress(InputError):  # a fitted law may end before the data do
                 bands.append(predict(problem, noise, best, pair, level, name=name, **points))
     return bands

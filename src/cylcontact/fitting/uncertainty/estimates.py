@@ -54,6 +54,8 @@ OUTLYING = 3.5
 STRONG_CORRELATION = 0.95
 # The normal approximation of the runs test needs this many residuals of either sign.
 _FEW_OF_A_SIGN = 8
+# Readings whose scatter from one to the next can be told.
+_FEWEST_NEIGHBOURS = 8
 
 
 class Estimate(Spec):
@@ -67,6 +69,9 @@ class Estimate(Spec):
     verdict: str = Field(description="well, fairly, poorly, not, or at a bound")
     degrees_of_freedom: float | None = Field(
         None, description="of the standard error; null if the size of the noise is known"
+    )
+    nominal: float | None = Field(
+        None, description="of a parameter of stiffness: its value for the pair as given"
     )
 
 
@@ -129,7 +134,15 @@ class Uncertainty(Spec):
         None, description="free parameters, deviations of the noise and fixed effects"
     )
     r_squared: float | None = Field(
-        None, description="share of the variance of the readings that the law describes"
+        None,
+        description="share of the variance of the readings that the law describes; with series, "
+        "of that within them",
+    )
+    missed: float | None = Field(
+        None, description="the residuals over the readings, root mean square, less series effects"
+    )
+    missed_over_scatter: float | None = Field(
+        None, description="the residuals over the scatter from one reading to the next"
     )
     findings: list[Finding] = Field([], description="tests that the noise assumed fails")
     without_outliers: dict[str, float] = Field(
@@ -162,6 +175,7 @@ def uncertainty_of(
     data = objective.data
     estimates = _estimates(problem, noise, best, level, jobs)
     outliers = _outliers(problem, noise, point)
+    missed, over_scatter = _missed(problem, point)
     return Uncertainty(
         level=level,
         rows=noise.rows,
@@ -182,6 +196,8 @@ def uncertainty_of(
         log_likelihood=log_likelihood(problem, point),
         estimated=number_estimated(problem),
         r_squared=_r_squared(problem, point),
+        missed=missed,
+        missed_over_scatter=None if noise.is_rounding else over_scatter,
         findings=findings_of(problem, point) if not noise.is_rounding else [],
         without_outliers=_without(problem, best, outliers),
     )
@@ -227,11 +243,51 @@ def series_effects(problem: Problem, point: FloatArray) -> FloatArray | None:
 
 
 def _r_squared(problem: Problem, point: FloatArray) -> float | None:
-    """Return 1 − Σ(fitted − measured)²/Σ(measured − mean)²; None if all readings are equal."""
+    """Return 1 − Σ(fitted − measured)²/Σ(measured − mean)²; None if all readings are equal.
+
+    What a series adds is no misfit of the law: the readings are less that, and the means those of
+    the series.
+    """
     objective = measured(problem)
-    total = float(((objective.observed - objective.observed.mean()) ** 2).sum())
-    rest = float((objective.differences(problem.form(point[None, :])) ** 2).sum())
-    return 1 - rest / total if total > 0 else None
+    seen, rest = objective.observed, _less_series(problem, point)
+    series = np.zeros(seen.size, dtype=np.intp)
+    if objective.noise is not None:
+        seen, series = seen + _effects(problem, point), objective.noise.covariance.series
+    mean = np.bincount(series, seen) / np.bincount(series)
+    total = float(((seen - mean[series]) ** 2).sum())
+    return 1 - float((rest**2).sum()) / total if total > 0 else None
+
+
+def _effects(problem: Problem, point: FloatArray) -> FloatArray:
+    """Return the differences of the law, shape (N,), that are effects of the series, in mm."""
+    effects = series_effects(problem, point)
+    return np.zeros(len(measured(problem).data)) if effects is None else -effects
+
+
+def _less_series(problem: Problem, point: FloatArray) -> FloatArray:
+    """Return the fitted less the measured values, without what the series add, shape (N,)."""
+    differences = measured(problem).differences(problem.form(point[None, :]))[0]
+    return as_floats(differences - _effects(problem, point))
+
+
+def _missed(problem: Problem, point: FloatArray) -> tuple[float, float | None]:
+    """Return the residuals over the readings, and over the scatter from one to the next.
+
+    The scatter is that of the second differences along the load, by their median, which a kink or
+    an outlier does not move. None for fewer than `_FEWEST_NEIGHBOURS` readings.
+    """
+    objective = measured(problem)
+    if objective.is_log:
+        r, size = objective.raw(problem.form(point[None, :]))[0], 1.0
+    else:
+        r, size = _less_series(problem, point), float(np.sqrt((objective.observed**2).mean()))
+    missed = float(np.sqrt((r**2).mean()))
+    if r.size < _FEWEST_NEIGHBOURS or size == 0:
+        return missed / size if size > 0 else 0.0, None
+    over = "group" if "group" in objective.data.data.labels else "pair"
+    bends = np.diff(r[np.lexsort((objective.data.load, objective.data.groups(over)[1]))], 2)
+    scatter = MEDIAN_TO_SIGMA * float(np.median(np.abs(bends))) / np.sqrt(6)
+    return missed / size, missed / scatter if scatter > 0 else None
 
 
 def _without(
@@ -277,10 +333,12 @@ def _estimates(
     if noise.covariance is not None and not noise.is_rounding:
         calls = [call(interval, problem, noise, name, best, level) for name in names]
         profiles = collect(calls, jobs)
-    return {
-        name: _estimate(best[name], noise, k, profile, level, float(degrees[k]))
-        for k, (name, profile) in enumerate(zip(names, profiles, strict=True))
-    }
+    estimates = {}
+    for k, (p, profile) in enumerate(zip(problem.free, profiles, strict=True)):
+        estimate = _estimate(best[p.name], noise, k, profile, level, float(degrees[k]))
+        nominal = p.nominal if p.stiffness else None
+        estimates[p.name] = estimate.model_copy(update={"nominal": nominal})
+    return estimates
 
 
 def _estimate(
