@@ -4,10 +4,9 @@
     python -m benchmarks.faults --only laws/ # those whose text, kind or part matches this
     python -m benchmarks.faults --map        # find anew which tests run which functions
 
-Kept in build/faults, so that an interrupted run goes on: which functions of the package each test
-file runs (coverage.py, installed there, measures it; still of use after small changes), and a line
-of results.jsonl for each fault, which is tried again if the package has changed since, or if it was
-not caught and the tests have.
+In build/faults stay, for a run that was interrupted and the next ones, which functions each test
+file runs (by coverage.py, installed there; still of use after small changes) and what became of
+each fault. It is tried again if the package has changed, or if it was missed and the tests have.
 
 Of the test files that run the faulty function those named after its module come first, up to the
 first failure: as in `make test`, and if nothing fails the slow tests too. What is compiled, or at
@@ -18,7 +17,6 @@ from __future__ import annotations
 
 import argparse
 import ast
-import csv
 import json
 import os
 import re
@@ -27,11 +25,13 @@ import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from queue import SimpleQueue
 from typing import Any
+
+import pandas as pd
 
 ROOT = Path(__file__).parents[1]
 LIST, TABLE = ROOT / "benchmarks/faults.toml", ROOT / "benchmarks/faults.csv"
@@ -39,10 +39,11 @@ WORK = ROOT / "build/faults"
 RESULTS, MAPS, TOOLS = WORK / "results.jsonl", WORK / "maps", WORK / "tools"
 PACKAGE = Path("src/cylcontact")
 QUICK, SLOW, BOTH = (), ("-m", "slow and not long"), ("-m", "not long")
-# Seconds of a test file while it is measured; the exit code of the program `timeout`.
-LONGEST, TIMED_OUT = 3600, 124
+# Seconds for one run of pytest; the exit code of the program `timeout`.
+LIMIT, TIMED_OUT = 3600, 124
+IDENTITY = ("-c", "user.name=faults", "-c", "user.email=faults@localhost")
 FAILED = re.compile(r"^(?:FAILED|ERROR) (\S.*?)(?: - .*)?$", re.MULTILINE)
-COLUMNS = ("fault", "kind", "part", "make test", "make test-all", "by")
+COLUMNS = ["fault", "kind", "part", "make test", "make test-all", "by"]
 SETTINGS = """[run]
 parallel = true
 source = {package}
@@ -58,7 +59,6 @@ def main() -> None:
     parser.add_argument("-j", "--jobs", type=int, default=1, help="faults at a time")
     parser.add_argument("--only", default="", metavar="PATTERN", help="text, kind or part")
     parser.add_argument("--map", action="store_true", help="measure all test files anew")
-    parser.add_argument("--limit", type=int, default=2400, help="seconds for a run of the tests")
     asked = parser.parse_args()
     faults = tomllib.loads(LIST.read_text("utf-8"))["fault"]
     if asked.map:
@@ -67,25 +67,30 @@ def main() -> None:
     copies: SimpleQueue[Path] = SimpleQueue()
     for k in range(asked.jobs):
         copies.put(copy_of_head(WORK / f"copy-{k}"))
-    in_turn(asked.jobs, copies, record_map, test_files())
-    maps = {found["name"]: found for found in map(read, MAPS.glob("*.json"))}
+    files = git("ls-tree", "--name-only", "HEAD", "tests/").split()
+    # The docstrings of the package are one test file more.
+    tests = [*(name for name in files if re.search(r"/test_\w+\.py$", name)), "src"]
+    in_turn(asked.jobs, copies, record_map, tests)
+    maps = {m["name"]: m for m in (json.loads(f.read_text()) for f in MAPS.glob("*.json"))}
     trees, known = git("rev-parse", "HEAD:src", "HEAD:tests").split(), results()
 
     def try_one(fault: Fault, copy: Path) -> None:
-        found = {"fault": key_of(fault), "trees": trees} | outcome(fault, copy, maps, asked.limit)
+        found = {"fault": key_of(fault), "trees": trees} | outcome(fault, copy, maps)
         with RESULTS.open("a", encoding="utf-8") as file:
             file.write(json.dumps(found, ensure_ascii=False) + "\n")
         print(f"{found['make test']:>10} {found['make test-all']:>10}  {key_of(fault)}", flush=True)
 
-    left = [fault for fault in faults if not is_done(known.get(key_of(fault)), trees)]
-    wanted = [f for f in left if re.search(asked.only, " ".join([key_of(f), f["kind"], f["part"]]))]
-    in_turn(asked.jobs, copies, try_one, wanted)
+    def is_left(fault: Fault) -> bool:
+        found = known.get(key_of(fault), {"trees": ["", ""]})
+        done = found["trees"] == trees or found.get("make test") == "caught"
+        about = " ".join([key_of(fault), fault["kind"], fault["part"]])
+        return not (done and found["trees"][0] == trees[0]) and bool(re.search(asked.only, about))
+
+    in_turn(asked.jobs, copies, try_one, filter(is_left, faults))
     print(written_table(faults))
 
 
-def in_turn(
-    jobs: int, copies: SimpleQueue[Path], work: Callable[[Any, Path], None], items: Iterable[Any]
-) -> None:
+def in_turn(jobs: int, copies: SimpleQueue[Path], work: Any, items: Iterable[Any]) -> None:
     """Work on every item in the next copy that is free."""
 
     def one(item: Any) -> None:
@@ -102,12 +107,6 @@ def in_turn(
 # --- the list and the results -------------------------------------------------------------------
 
 
-def read(path: Path) -> dict[str, Any]:
-    """Return what a JSON file holds."""
-    found: dict[str, Any] = json.loads(path.read_text("utf-8"))
-    return found
-
-
 def key_of(fault: Fault) -> str:
     """Return a fault as one line."""
     return f"{fault['file']}: {fault['old'].strip()} -> {fault['new'].strip()}"
@@ -119,27 +118,17 @@ def results() -> dict[str, dict[str, Any]]:
     return {found["fault"]: found for found in map(json.loads, lines)}
 
 
-def is_done(found: dict[str, Any] | None, trees: list[str]) -> bool:
-    """Return whether a result still holds for these sources and tests."""
-    if found is None or found["trees"][0] != trees[0]:
-        return False
-    return found["make test"] == "caught" or found["trees"] == trees
-
-
 def written_table(faults: list[Fault]) -> str:
     """Write the table of all faults; return the summary."""
-    known, none = results(), dict.fromkeys(COLUMNS, "")
-    rows = [none | known.get(key_of(f), {}) | f | {"fault": key_of(f)} for f in faults]
-    with TABLE.open("w", encoding="utf-8", newline="") as file:
-        table = csv.DictWriter(file, COLUMNS, extrasaction="ignore", lineterminator="\n")
-        table.writeheader()
-        table.writerows(rows)
-    told = [row["make test"] for row in rows]
-    tried = len(told) - told.count("") - told.count("moved")
-    rest = sum(row["make test-all"] == "caught" for row in rows)
+    known = results()
+    rows = [known.get(key_of(fault), {}) | fault | {"fault": key_of(fault)} for fault in faults]
+    table = pd.DataFrame(rows, columns=COLUMNS).fillna("")
+    table.to_csv(TABLE, index=False)
+    count = table["make test"].value_counts()
+    rest = sum(table["make test-all"] == "caught")
     return (
-        f"Of {tried} faults make test catches {told.count('caught')}, with make test-all {rest}; "
-        f"{told.count('moved')} moved, {told.count('')} not tried; {TABLE.relative_to(ROOT)}"
+        f"Of {len(table)} faults make test catches {count.get('caught', 0)}, with make test-all "
+        f"{rest}; {count.get('moved', 0)} moved, {count.get('', 0)} not tried; {TABLE}"
     )
 
 
@@ -157,24 +146,17 @@ def copy_of_head(copy: Path) -> Path:
     if not copy.exists():
         git("clone", "--quiet", "--shared", str(ROOT), str(copy))
     git("fetch", "--quiet", str(ROOT), "HEAD", folder=copy)
-    git("update-index", "--really-refresh", folder=copy)
     git("reset", "--quiet", "--hard", "FETCH_HEAD", folder=copy)
     return copy
 
 
-def test_files() -> list[str]:
-    """Return the test files of the last commit; the docstrings of the package are one more."""
-    files = git("ls-tree", "--name-only", "HEAD", "tests/").split()
-    return [*(name for name in files if re.search(r"/test_\w+\.py$", name)), "src"]
-
-
 def run_tests(
-    copy: Path, arguments: Iterable[str], limit: int, path: str = "", **settings: str
+    copy: Path, arguments: Iterable[str], path: str = "", **settings: str
 ) -> tuple[int, str, float]:
     """Run pytest in a copy; return its exit code, what it said and how long it took."""
     said, began = copy / "build/said.txt", time.monotonic()
     said.parent.mkdir(exist_ok=True)
-    python = ["timeout", "-k", "10", str(limit), sys.executable]
+    python = ["timeout", "-k", "10", str(LIMIT), sys.executable]
     environment = {"PYTHONPATH": f"{copy / 'src'}{os.pathsep}{path}", **settings}
     with said.open("wb") as file:
         code = subprocess.run(
@@ -202,10 +184,10 @@ def record_map(name: str, copy: Path) -> None:
     data.mkdir(parents=True)
     (data / "settings").write_text(SETTINGS.format(package=copy / PACKAGE, data=data))
     measure = {"COVERAGE_PROCESS_START": str(data / "settings")}
-    _, said, seconds = run_tests(copy, [*BOTH, name], LONGEST, str(TOOLS), **measure)
+    _, said, seconds = run_tests(copy, [*BOTH, name], str(TOOLS), **measure)
     broken = FAILED.findall(said)
     if broken:  # perhaps because they were measured
-        broken = FAILED.findall(run_tests(copy, [*BOTH, *broken], LONGEST)[1])
+        broken = FAILED.findall(run_tests(copy, [*BOTH, *broken])[1])
     sys.path.append(str(TOOLS))
     from coverage import CoverageData
 
@@ -231,11 +213,7 @@ def functions_of(file: Path) -> Iterator[tuple[str, set[int]]]:
 
     def below(node: ast.AST, name: str) -> Iterator[tuple[str, set[int]]]:
         for child in ast.iter_child_nodes(node):
-            inner = (
-                f"{name}.{child.name}"
-                if isinstance(child, ast.FunctionDef | ast.ClassDef)
-                else name
-            )
+            inner = f"{name}.{getattr(child, 'name', '')}".rstrip(".")
             if isinstance(child, ast.FunctionDef):
                 yield inner, set(range(child.body[0].lineno, (child.end_lineno or 0) + 1))
             yield from below(child, inner)
@@ -269,7 +247,7 @@ def place_of(fault: Fault, package: Path) -> Path | None:
     return max(counts, key=lambda f: counts[f]) if sum(counts.values()) == 1 else None
 
 
-def outcome(fault: Fault, copy: Path, maps: dict[str, Any], limit: int) -> dict[str, Any]:
+def outcome(fault: Fault, copy: Path, maps: dict[str, Any]) -> dict[str, Any]:
     """Apply a fault to a copy, and return which tests see it."""
     file = place_of(fault, copy / PACKAGE)
     if file is None:
@@ -280,23 +258,23 @@ def outcome(fault: Fault, copy: Path, maps: dict[str, Any], limit: int) -> dict[
     broken = [f"--deselect={test}" for name in files for test in maps[name]["broken"]]
     tests = ["-x", *broken, str(file.relative_to(copy)), *files]  # its own docstrings first
     found: dict[str, Any] = {"by": "", "seconds": 0}
-    # No test should fail because the copy is not as it was committed.
-    git("update-index", "--assume-unchanged", str(file), folder=copy)
+    file.write_text(right.replace(fault["old"], fault["new"]), encoding="utf-8")
+    git(*IDENTITY, "commit", "--quiet", "-am", "A fault", folder=copy)  # some tests ask git
     try:
-        file.write_text(right.replace(fault["old"], fault["new"]), encoding="utf-8")
         for column, marks in (("make test", QUICK), ("make test-all", SLOW)):
-            code, said, seconds = run_tests(copy, [*tests, *marks], limit)
+            code, said, seconds = run_tests(copy, [*tests, *marks])
             found["seconds"] += round(seconds)
             if code in (1, 2) or "while loading conftest" in said:
-                failed = FAILED.findall(said)
-                found |= {column: "caught", "by": failed[0] if failed else "the import"}
+                found |= {column: "caught", "by": [*FAILED.findall(said), "the import"][0]}
                 break
-            if code not in (0, 5, TIMED_OUT):
+            if code == TIMED_OUT:
+                found[column] = "time limit"
+                break
+            if code not in (0, 5):
                 raise RuntimeError(f"pytest ended with {code}: {said[-2000:]}")
-            found[column] = "time limit" if code == TIMED_OUT else "not caught"
+            found[column] = "not caught"
     finally:
-        file.write_text(right, encoding="utf-8")
-        git("update-index", "--no-assume-unchanged", str(file), folder=copy)
+        git("reset", "--quiet", "--hard", "HEAD~", folder=copy)
     return {"make test-all": found.get("make test"), **found}
 
 
