@@ -195,7 +195,7 @@ def record_map(name: str, copy: Path) -> None:
     for part in data.glob("part.*"):
         measured = CoverageData(str(part))
         measured.read()
-        for file in measured.measured_files():
+        for file in filter(re.compile(r".*\.py").fullmatch, measured.measured_files()):
             ran.setdefault(file, set()).update(measured.lines(file) or ())
     functions = {
         Path(file).relative_to(copy / PACKAGE).as_posix(): [
