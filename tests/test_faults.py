@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pandas as pd
-import pyarrow.parquet as pq
 import pytest
 
 from cylcontact import fitting
@@ -24,7 +23,7 @@ from tests.counts import counted
 from tests.faults import ERRORS, REMOVING, changed, failing, no_file_above
 from tests.killable import ROOT
 from tests.manuscript_files import write_manuscript
-from tests.programs import fake_program, require_program
+from tests.programs import fake_program, require_package, require_program
 from tests.spec_files import ELEMENTS, tree, write_bench, write_toml
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows has other operations on files")
@@ -66,7 +65,7 @@ def repeatable(contents):
 
 def table_of(contents):
     """Return a trajectory without its provenance."""
-    return pq.read_table(io.BytesIO(contents))
+    return require_package("pyarrow.parquet").read_table(io.BytesIO(contents))
 
 
 def untimed(contents):

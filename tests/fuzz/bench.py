@@ -10,12 +10,11 @@ import zipfile
 from unittest import mock
 
 import pandas as pd
-import pyarrow.parquet as pq
 
 from cylcontact import cli
 from cylcontact.fitting import FitResult
 from tests import malformed
-from tests.fuzz.cases import Source, as_parquet, zipped
+from tests.fuzz.cases import Source, as_parquet, pq, zipped
 from tests.malformed import QUICK, ROOT
 from tests.manuscript_files import write_manuscript
 from tests.spec_files import ELEMENTS, changed

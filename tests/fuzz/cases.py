@@ -11,8 +11,6 @@ from datetime import date
 from math import inf, nan
 from typing import Any, NamedTuple
 
-import pyarrow as pa
-import pyarrow.parquet as pq
 import typer
 
 from cylcontact import choices
@@ -20,7 +18,10 @@ from cylcontact.cli.app import app
 from cylcontact.export import TARGETS
 from cylcontact.laws import LAWS
 from tests.malformed import put, resolved
+from tests.programs import require_package
 from tests.spec_files import DROP, toml
+
+pa, pq = require_package("pyarrow"), require_package("pyarrow.parquet")
 
 
 class Source(NamedTuple):
