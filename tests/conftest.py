@@ -49,8 +49,8 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(config, items):
-    skipped = config.cache.get(programs.CACHED, None)
-    if config.getoption("--rest") and skipped is not None:
+    skipped = config.cache.get(programs.CACHED, None) if config.getoption("--rest") else None
+    if skipped is not None:
         # A file that needs an extra at its top has skipped as a whole.
         wanted = [
             item.get_closest_marker("slow") is not None
@@ -66,6 +66,17 @@ def pytest_terminal_summary(terminalreporter, config):
     if not config.getoption("--rest"):
         skipped = {report.nodeid for report in terminalreporter.stats.get("skipped", [])}
         config.cache.set(programs.CACHED, sorted(skipped))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report():
+    """Skip a file that imports what only an extra has."""
+    report = yield
+    if report.failed and not programs.REQUIRED:
+        error = report.call.excinfo.value
+        if reason := programs.absent(error.__cause__ or error):
+            report.outcome, report.longrepr = "skipped", (report.nodeid, 0, f"Skipped: {reason}")
+    return report
 
 
 @pytest.hookimpl(wrapper=True)

@@ -51,10 +51,7 @@ def require_program(name):
 
 
 def require_package(name):
-    """Return a module of an extra, for a test, or for a whole file where it is called at its top.
-
-    Without it, skip, or fail where no test may skip.
-    """
+    """Return a module of an extra; without it, skip, or fail where no test may skip."""
     with skipping():
         return importlib.import_module(name)
 
@@ -65,10 +62,8 @@ def skipping():
     try:
         yield
     except ModuleNotFoundError as error:
-        name = (error.name or "").split(".")[0]
-        for extra, libraries in EXTRAS.items():
-            if name in libraries.split():
-                _leave_out(f"{name} is not installed (make extras, or the extra '{extra}')")
+        if reason := absent(error):
+            _leave_out(reason)
         raise
     except InputError as error:
         if error.rule.startswith("needs the extra"):
@@ -76,10 +71,19 @@ def skipping():
         raise
 
 
+def absent(error):
+    """Return how to get what an import did not find, None if that is in no extra."""
+    name = (getattr(error, "name", None) or "").split(".")[0]
+    for extra, libraries in EXTRAS.items():
+        if name in libraries.split():
+            return f"{name} is not installed (make extras, or the extra '{extra}')"
+    return None
+
+
 def _leave_out(reason):
     if REQUIRED:
         pytest.fail(reason)
-    pytest.skip(reason, allow_module_level=True)
+    pytest.skip(reason)
 
 
 def _class_of_latex(name):

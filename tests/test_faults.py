@@ -26,7 +26,10 @@ from tests.manuscript_files import write_manuscript
 from tests.programs import fake_program, require_package, require_program
 from tests.spec_files import ELEMENTS, tree, write_bench, write_toml
 
-pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows has other operations on files")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(os.name == "nt", reason="Windows has other operations on files"),
+]
 
 FEW = {"parameters.n": {"value": 1.2, "fixed": True}, "genetic.generations": 2, "genetic.runs": 1}
 RECIPE = """
@@ -297,7 +300,6 @@ def test_whatever_operation_on_a_file_fails_nothing_is_lost(bench, run, monkeypa
     counted("faults injected at writes, renames and other operations on files", faults)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_whatever_operation_fails_in_whatever_way_nothing_is_lost(name, bench, run, monkeypatch):
     if name == "fit a table":  # it is fitted once

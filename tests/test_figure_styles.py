@@ -125,6 +125,7 @@ class TestFormats:
         with Image.open(folder / "fig99.png") as png:
             assert png.size[0] / 300 * 25.4 == pytest.approx(84, abs=0.1)
 
+    @pytest.mark.slow
     def test_same_bytes_again_and_in_other_processes(self, small: Path) -> None:
         (small / "reports" / "fig98.py").write_text(SIMPLE)
         hashes = []

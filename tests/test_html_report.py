@@ -20,6 +20,9 @@ from tests.browser import opened
 from tests.html_bench import EVIL_RECIPE, FITS, ROOT
 from tests.programs import require_package
 
+pytestmark = pytest.mark.slow
+
+
 # One page of each kind, and those of a figure with a problem and of a missing one.
 KINDS = (
     *("index", "figure-fig12", "figure-fig03", "figure-fig15"),

@@ -457,6 +457,7 @@ def test_no_digit_is_typed_in_our_manuscript():
     assert len(PLACEHOLDER.findall(text)) > 100
 
 
+@pytest.mark.slow
 def test_every_figure_table_and_reference_is_mentioned(ours):
     assert ours.notes == ()
 
@@ -478,6 +479,7 @@ def test_references_are_cited_and_have_the_dois_of_the_documentation():
     assert len(shared) >= 8
 
 
+@pytest.mark.slow
 def test_it_has_six_to_ten_pages(ours):
     pages = len(re.findall(rb"/Type\s*/Page\b", ours.pdf.read_bytes()))
     assert 6 <= pages <= 10

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from benchmarks.exudyn_joint import imbalance, slider_crank, statistics, stored_energy
+from benchmarks.exudyn_peer import joint_of, module_of, simulate_in_exudyn
 from benchmarks.mechanism import CONTACTS, ELASTIC, END, SPEC, onsets_of
 from cylcontact.mechanism import read_mechanism, simulate
-from tests.programs import require_package
 
-peer = require_package("benchmarks.exudyn_joint")
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +24,7 @@ def ours(mechanism):
 @pytest.fixture(scope="module")
 def theirs(mechanism, ours):
     steps = (2e-6, 1e-6, 2.5e-7, 1.25e-7)
-    return {step: peer.simulate_in_exudyn(mechanism, ours, END, step) for step in steps}
+    return {step: simulate_in_exudyn(mechanism, ours, END, step) for step in steps}
 
 
 def peaks_of(run):
@@ -62,9 +63,7 @@ def test_there_is_no_contact_between_them(ours, theirs):
 
 
 def test_without_dissipation_our_joint_is_exudyns_own_contact(mechanism, ours, theirs):
-    run = peer.simulate_in_exudyn(
-        mechanism, ours, END, 1e-6, peer.module_of(peer.joint_of(mechanism))
-    )
+    run = simulate_in_exudyn(mechanism, ours, END, 1e-6, module_of(joint_of(mechanism)))
     own = theirs[1e-6]
     assert (run.penetration > 0).sum() > 100
     np.testing.assert_allclose(run.penetration, own.penetration, rtol=0, atol=1e-11)
@@ -75,10 +74,10 @@ def test_without_dissipation_our_joint_is_exudyns_own_contact(mechanism, ours, t
 @pytest.fixture(scope="module")
 def sliding():
     """Restitution 0.9 and friction 0.1: the mechanism, our run and those with our joint."""
-    mechanism = peer.slider_crank(0.9, 0.1)
+    mechanism = slider_crank(0.9, 0.1)
     ours = simulate(mechanism, revolutions=1, tolerance=1e-11)
-    joint = peer.module_of(peer.joint_of(mechanism))
-    runs = {s: peer.simulate_in_exudyn(mechanism, ours, END, s, joint) for s in (1e-6, 2.5e-7)}
+    joint = module_of(joint_of(mechanism))
+    runs = {s: simulate_in_exudyn(mechanism, ours, END, s, joint) for s in (1e-6, 2.5e-7)}
     return mechanism, ours, runs
 
 
@@ -97,7 +96,7 @@ def test_what_our_joint_dissipates_in_exudyn_balances_and_is_ours(sliding):
     mechanism, ours, runs = sliding
     run = runs[2.5e-7]
     assert (np.diff(run.dissipated) >= 0).all()
-    assert peer.imbalance(mechanism, run) < 2e-4 < 1e-3 * run.dissipated[-1]
+    assert imbalance(mechanism, run) < 2e-4 < 1e-3 * run.dissipated[-1]
     lost = ours.normal_dissipation + ours.friction_dissipation
     at = ours.contacts["release_s"][2] + 1e-5  # after the third contact, in flight
     there, here = np.interp(at, run.time, run.dissipated), np.interp(at, ours.time, lost)
@@ -106,14 +105,12 @@ def test_what_our_joint_dissipates_in_exudyn_balances_and_is_ours(sliding):
 
 def test_statistics_of_a_revolution_agree_where_they_are_steady():
     """The third contact law of all: Exudyn's own, with its own friction; the journal whirls."""
-    mechanism = peer.slider_crank(0.9, 0.1)
+    mechanism = slider_crank(0.9, 0.1)
     ours = simulate(mechanism, revolutions=2)
     end = 2 * mechanism.period
-    own = peer.simulate_in_exudyn(mechanism, ours, end, 1e-6)
-    with_joint = peer.simulate_in_exudyn(
-        mechanism, ours, end, 1e-6, peer.module_of(peer.joint_of(mechanism))
-    )
-    one, two, three = (peer.statistics(mechanism, run, 1, 2) for run in (ours, own, with_joint))
+    own = simulate_in_exudyn(mechanism, ours, end, 1e-6)
+    with_joint = simulate_in_exudyn(mechanism, ours, end, 1e-6, module_of(joint_of(mechanism)))
+    one, two, three = (statistics(mechanism, run, 1, 2) for run in (ours, own, with_joint))
     for other in (two, three):
         assert other.contact == pytest.approx(one.contact, abs=5e-3)
         assert other.depth == pytest.approx(one.depth, rel=5e-3)
@@ -126,5 +123,5 @@ def test_the_stored_energy_is_that_of_a_power_law(mechanism):
     factor, n = clearance.law.factor_and_exponent(clearance.pair)
     delta = 20e-6  # m
     force = float(factor) * (1e3 * delta) ** float(n) * clearance.length
-    (stored,) = peer.stored_energy(mechanism, np.array([delta]))
+    (stored,) = stored_energy(mechanism, np.array([delta]))
     assert stored == pytest.approx(force * delta / (float(n) + 1), rel=1e-5)

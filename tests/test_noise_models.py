@@ -623,6 +623,7 @@ CLEAN = {
 
 
 @pytest.mark.parametrize("name", CLEAN)
+@pytest.mark.slow
 def test_noise_as_assumed_is_found_no_more_often_than_by_chance(name):
     number, simulated, settings = CLEAN[name]
     settings = {"noise": "constant"} | settings

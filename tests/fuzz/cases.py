@@ -21,8 +21,6 @@ from tests.malformed import put, resolved
 from tests.programs import require_package
 from tests.spec_files import DROP, toml
 
-pa, pq = require_package("pyarrow"), require_package("pyarrow.parquet")
-
 
 class Source(NamedTuple):
     """A good file with its kind, the command that reads it, and the model of a spec."""
@@ -243,7 +241,8 @@ def _changed_line(contents, chance):
 
 def _changed_column(contents, chance):
     """Change a column of a table in Parquet: its values, its name, or that it is there."""
-    table = pq.read_table(io.BytesIO(contents))
+    pa = require_package("pyarrow")
+    table = pa.parquet.read_table(io.BytesIO(contents))
     at, name = chance.randrange(table.num_columns), chance.choice((*TEXTS[:6], "E_GPa", "load_N"))
     way = chance.choice(("values", "name", "drop", "double", "none"))
     if way == "values":
@@ -262,7 +261,7 @@ def _changed_column(contents, chance):
 def as_parquet(table):
     """Return a table as the bytes of a file."""
     buffer = io.BytesIO()
-    pq.write_table(table, buffer)
+    require_package("pyarrow.parquet").write_table(table, buffer)
     return buffer.getvalue()
 
 
