@@ -150,6 +150,7 @@ def run(monkeypatch, capsys):
         with pytest.raises(SystemExit) as caught:
             cli.main()
         written = capsys.readouterr()
+        programs.skip_if_told(written.err)
         return caught.value.code, written.out, written.err
 
     return run

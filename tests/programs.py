@@ -71,6 +71,13 @@ def skipping():
         raise
 
 
+def skip_if_told(err):
+    """Skip, or fail where no test may skip, if a command said that it needs an absent extra."""
+    for extra, libraries in EXTRAS.items():
+        if f"needs the extra '{extra}'" in err:
+            require_package(libraries.split()[0])
+
+
 def absent(error):
     """Return how to get what an import did not find, None if that is in no extra."""
     name = (getattr(error, "name", None) or "").split(".")[0]
