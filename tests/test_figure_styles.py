@@ -247,6 +247,7 @@ def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 class TestTables:
+    @pytest.mark.slow
     def test_latex_is_plain_and_balanced(self, tables: Path) -> None:
         for name in ("coefficients", "claims", "fig02-caption"):
             text = (tables / f"{name}.tex").read_text(encoding="utf-8")

@@ -118,7 +118,13 @@ class TestFiles:
         assert "/home" not in caption
         assert str(BENCH.root) not in caption
 
-    @pytest.mark.parametrize("name", ["fig03", "fig09", "fig13r", "fig_profile_b"])
+    @pytest.mark.parametrize(
+        "name",
+        [
+            "fig13r",
+            *(pytest.param(n, marks=pytest.mark.slow) for n in ("fig03", "fig09", "fig_profile_b")),
+        ],
+    )
     def test_same_input_gives_the_same_bytes(self, name: str, tmp_path: Path) -> None:
         (one,), (other,) = (build(BENCH, [name], tmp_path / folder) for folder in ("1", "2"))
         assert [path.suffix for path in one.paths][:3] == [".png", ".pdf", ".csv"]
