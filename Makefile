@@ -6,6 +6,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 CYLCONTACT := $(BIN)/cylcontact
 
+LOCKS := requirements.lock $(patsubst %,requirements-%.lock,test lint extras)
+# Modules are compiled when they are first imported: most never are.
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 SOURCES := $(shell find src/cylcontact -name '*.py')
 BENCH := $(wildcard datasets/*.toml datasets/*.csv datasets/*/*.toml datasets/*/*.csv datasets/*/*.jsonl)
 # That of a thousand million samples, which takes minutes, is benchmarks/huge.toml: make scaling.
@@ -15,8 +18,8 @@ RESULTS := $(CAMPAIGNS:fitting/%.toml=fitting/results/%.json)
 COMPARISONS := $(patsubst %,fitting/results/optimizers-%.csv,internal external)
 RECIPES := $(filter-out reports/mine%,$(wildcard reports/*.py))
 # The paper's figures, the maps refitted (r) and the profile of b: all that needs the two main fits
-# only. `make report` draws every figure.
-MAIN_FIGURES := $(foreach number,01 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16 17 18 19,fig$(number)) \
+# only. `make report` draws every figure. Figure 15 compiles the mechanism, so it comes first.
+MAIN_FIGURES := $(foreach number,15 01 02 03 04 05 06 07 08 09 10 11 12 13 14 16 17 18 19,fig$(number)) \
 	$(foreach number,10 11 12 13 14,fig$(number)r) fig_profile_b
 
 # Another user's Python packages must not leak into the environment.
@@ -24,7 +27,7 @@ unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
 .PHONY: all committed env extras fits finite-element mechanism bifurcation readings optimizers figures report paper claims verify \
-	bench scaling notebooks pair docs test test-skipped test-slow fuzz lint format lock clean distclean help FORCE
+	bench scaling notebooks notebooks-run pair docs test test-all test-long fuzz lint format lock clean distclean help FORCE
 
 ##@ The main job
 
@@ -124,6 +127,10 @@ $(VENV)/.kernel: $(VENV)/.extras
 	@$(BIN)/python -m ipykernel install --sys-prefix --name cylcontact --display-name cylcontact
 	@touch $@
 
+notebooks-run: $(VENV)/.kernel ## Run the notebooks without a browser, into build/notebooks
+	$(BIN)/jupyter nbconvert --log-level=WARN --to notebook --execute --output-dir build/notebooks \
+		notebooks/*.ipynb
+
 pair: $(VENV)/.extras ## Bring each notebook in line with its script, without outputs
 	$(BIN)/jupytext --quiet --to ipynb --update notebooks/*.py
 	$(BIN)/jupyter nbconvert --log-level=ERROR --clear-output --inplace notebooks/*.ipynb
@@ -134,17 +141,16 @@ docs: $(VENV)/.extras ## Build the documentation as a site, to be read from disk
 
 ##@ Checks
 
-# The tests of one file share what they set up, so a file stays with one worker.
-PYTEST := $(BIN)/python -m pytest -n logical --dist loadfile
+PYTEST := $(BIN)/python -m pytest -n logical --dist worksteal
 
-test: $(VENV)/.extras ## Run the tests and the examples in the docstrings
+test: $(VENV)/.test ## Run the tests that any change may break, and the examples in the docstrings
 	$(PYTEST)
 
-test-skipped: $(VENV)/.extras ## Run the tests that skipped last time; none may skip now
-	$(PYTEST) --last-skipped
+test-all: $(VENV)/.extras ## Run what make test leaves out or has skipped; none may skip now
+	$(PYTEST) --rest -m "not long"
 
-test-slow: $(VENV)/.extras ## Run what is slow, and the studies of many minutes
-	$(PYTEST) --dist worksteal -m "slow or long"
+test-long: $(VENV)/.extras ## Run the studies of many minutes
+	$(PYTEST) -m long
 
 # RECORD=1 writes tests/fuzz/long_run.json as well.
 fuzz: CASES := 10000
@@ -152,12 +158,12 @@ fuzz: SEED := 1
 fuzz: $(VENV)/.extras ## Try inputs made by chance; make fuzz CASES=100000 SEED=7 for more, or others
 	$(BIN)/python -m tests.fuzz.run --cases $(CASES) --seed $(SEED) $(if $(RECORD),--record)
 
-lint: $(VENV)/.editable ## Check style, formatting and types
+lint: $(VENV)/.lint ## Check style, formatting and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-format: $(VENV)/.editable ## Rewrite the sources in the project's format
+format: $(VENV)/.lint ## Rewrite the sources in the project's format
 	$(BIN)/ruff check --fix-only .
 	$(BIN)/ruff format .
 
@@ -181,48 +187,47 @@ $(VENV)/.dependencies: requirements.lock
 		" name one, for example: make PYTHON=python3.12")'
 	@"$(PYTHON)" -c 'import ensurepip, venv' 2>/dev/null || { echo "$(PYTHON) cannot make virtual" \
 		"environments; on Debian and Ubuntu: apt install python3-venv" >&2; exit 1; }
-	@echo "Installing the pinned dependencies in $(VENV) (about a minute) ..."
+	@echo "Installing the pinned dependencies in $(VENV) (half a minute) ..."
 	@"$(PYTHON)" -m venv --clear $(VENV)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-		--require-hashes -r requirements.lock || { echo "The install did not finish:" \
+	@$(PIP) --require-hashes -r requirements.lock || { echo "The install did not finish:" \
 		"the reason is above; once it is mended, the same make command resumes." >&2; exit 1; }
 	@echo "$(PYTHON)" > $@
 
-extras: $(VENV)/.extras ## Add what tests, notebooks, the site, a cluster and comparisons with peers need
+extras: $(VENV)/.extras ## Add what all tests, notebooks, the site, a cluster and comparisons with peers need
 
-$(VENV)/.extras: requirements-extras.lock $(VENV)/.dependencies | $(VENV)/.editable
-	@echo "Installing the extras in $(VENV) (a minute or two) ..."
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-		--require-hashes -r requirements-extras.lock
+$(VENV)/.test $(VENV)/.lint $(VENV)/.extras: $(VENV)/.%: requirements-%.lock $(VENV)/.dependencies | $(VENV)/.editable
+	@echo "Adding requirements-$*.lock to $(VENV) ..."
+	@$(PIP) --require-hashes -r $<
 	@touch $@
 
 # Pandoc and Typst, of all extras: that takes seconds.
 $(VENV)/.paper: requirements-extras.lock $(VENV)/.dependencies | $(VENV)/.editable
 	@mkdir -p build
 	@awk '/^[^ ]/ { wanted = /^(pypandoc-binary|typst)==/ } wanted' requirements-extras.lock > build/paper.lock
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-		--require-hashes -r build/paper.lock
+	@$(PIP) --require-hashes -r build/paper.lock
 	@touch $@
 
 # The build backend is in the lock, so this step needs no network.
 $(VENV)/.editable: pyproject.toml $(VENV)/.dependencies
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-		--no-build-isolation --no-deps -e .
+	@$(PIP) --no-build-isolation --no-deps -e .
 	@touch $@
 
-# The extras' lock holds the same versions as the other one, and more packages.
-UV_COMPILE = build/lock-tools/bin/uv pip compile pyproject.toml --universal --generate-hashes \
-	--python-version 3.11 --custom-compile-command "make lock" --no-config --quiet $(UPGRADE)
+# The locks hold the same versions, each more packages than the first.
+UV_COMPILE = build/lock-tools/bin/uv pip compile pyproject.toml --group build --universal \
+	--generate-hashes --python-version 3.11 --custom-compile-command "make lock" --no-config \
+	--quiet $(UPGRADE)
 
-lock: ## Pin the dependencies anew in both locks; make lock UPGRADE=--upgrade for the latest
+lock: ## Pin the dependencies anew in the locks; make lock UPGRADE=--upgrade for the latest
 	@mkdir -p build
 	@"$(PYTHON)" -m venv --clear build/lock-tools
 	@build/lock-tools/bin/python -m pip install --quiet --disable-pip-version-check uv
-	@cp requirements.lock build/requirements.lock
-	@cp requirements-extras.lock build/requirements-extras.lock
-	$(UV_COMPILE) --extra test -o build/requirements.lock
-	$(UV_COMPILE) --all-extras -c build/requirements.lock -o build/requirements-extras.lock
-	@mv build/requirements.lock build/requirements-extras.lock .
+	@cp $(LOCKS) build
+	$(UV_COMPILE) -o build/requirements.lock
+	set -e; for extra in test lint; do \
+		$(UV_COMPILE) --extra $$extra -c build/requirements.lock -o build/requirements-$$extra.lock; done
+	$(UV_COMPILE) --all-extras -c build/requirements-test.lock -c build/requirements-lint.lock \
+		-o build/requirements-extras.lock
+	@mv $(LOCKS:%=build/%) .
 
 clean: ## Remove what the commands above made: fits, figures, tables, caches
 	rm -rf build dist datasets/generated reports/figures reports/html reports/tables reports/typeset

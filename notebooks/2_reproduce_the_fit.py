@@ -39,11 +39,11 @@ print(cc.fitting.compare([cc.fitting.calibrate(linked, jobs=2)]))
 #
 # A genetic search finds the region of the optimum, and a local search refines it. The grid has some
 # 340 000 samples. Six sums per clearance replace them exactly, so one evaluation takes
-# microseconds. To save time, four runs are made here instead of the sixteen of
+# microseconds. To save time, two runs are made here instead of the sixteen of
 # `fitting/internal.toml`.
 
 # %%
-campaign = cc.fitting.read_campaign("../fitting/internal.toml", runs=4)
+campaign = cc.fitting.read_campaign("../fitting/internal.toml", runs=2)
 with cc.reports.notebook.live_progress() as progress:
     result = cc.fitting.calibrate(campaign, jobs=2, progress=progress)
 result

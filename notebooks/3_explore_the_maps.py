@@ -31,12 +31,20 @@ import cylcontact as cc
 cc.reports.explore.explore_pair()
 
 # %% [markdown]
+# ## A map
+#
+# Over clearance and load: how far the enhanced law is from Johnson's for this bronze.
+
+# %%
+bronze = cc.Material("bronze", E=110e3, nu=0.34, yield_stress=220)
+cc.plots.plot_map("enhanced", "johnson", bronze).figure
+
+# %% [markdown]
 # ## The same without controls
 #
 # A `Choice` is what the controls are set to. It gives the same numbers in a script.
 
 # %%
-bronze = cc.Material("bronze", E=110e3, nu=0.34, yield_stress=220)
 choice = cc.reports.explore.Choice(bronze, "internal", 0.02, 200.0, cc.laws.Enhanced())
 cc.reports.explore.curve(choice).iloc[::32].round(6)
 

@@ -2,16 +2,15 @@
 
 from contextlib import contextmanager
 
-from playwright.sync_api import sync_playwright
-
-from tests.programs import require_program
+from tests.programs import require_package, require_program
 
 
 @contextmanager
 def chromium():
     """Run a headless Chromium, and end it whatever happens."""
     path = require_program("chromium")
-    with sync_playwright() as driver:
+    playwright = require_package("playwright.sync_api")
+    with playwright.sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
         try:
             yield browser

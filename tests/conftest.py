@@ -30,9 +30,9 @@ settings.load_profile("reproducible")
 
 def pytest_addoption(parser):
     parser.addoption(
-        "--last-skipped",
+        "--rest",
         action="store_true",
-        help="run only the tests that skipped in the last run, and let none of them skip",
+        help="run only slow tests, and those that skipped in the last run; none may skip",
     )
     parser.addoption(
         "--trials", type=int, default=1, help="how often tests of killed commands repeat each case"
@@ -40,7 +40,7 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
-    programs.REQUIRED = config.getoption("--last-skipped")
+    programs.REQUIRED = config.getoption("--rest")
     # What a shell starts in its background ignores Ctrl-C, and under nohup a closed terminal;
     # tests that end commands so must not pass this on to them.
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -49,16 +49,46 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(config, items):
-    if config.getoption("--last-skipped"):
-        skipped = set(config.cache.get(programs.CACHED, []))
-        config.hook.pytest_deselected(items=[i for i in items if i.nodeid not in skipped])
-        items[:] = [item for item in items if item.nodeid in skipped]
+    skipped = config.cache.get(programs.CACHED, None) if config.getoption("--rest") else None
+    if skipped is not None:
+        # A file that needs an extra at its top has skipped as a whole.
+        wanted = [
+            item.get_closest_marker("slow") is not None
+            or not {item.nodeid, item.nodeid.partition("::")[0]}.isdisjoint(skipped)
+            for item in items
+        ]
+        out = [item for item, want in zip(items, wanted, strict=True) if not want]
+        config.hook.pytest_deselected(items=out)
+        items[:] = [item for item, want in zip(items, wanted, strict=True) if want]
 
 
 def pytest_terminal_summary(terminalreporter, config):
-    if not config.getoption("--last-skipped"):
+    if not config.getoption("--rest"):
         skipped = {report.nodeid for report in terminalreporter.stats.get("skipped", [])}
         config.cache.set(programs.CACHED, sorted(skipped))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report():
+    """Skip a file that imports what only an extra has."""
+    report = yield
+    if report.failed and not programs.REQUIRED:
+        error = report.call.excinfo.value
+        if reason := programs.absent(error.__cause__ or error):
+            report.outcome, report.longrepr = "skipped", (report.nodeid, 0, f"Skipped: {reason}")
+    return report
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_setup():
+    with programs.skipping():
+        return (yield)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call():
+    with programs.skipping():
+        return (yield)
 
 
 @pytest.fixture(scope="session")
@@ -120,6 +150,7 @@ def run(monkeypatch, capsys):
         with pytest.raises(SystemExit) as caught:
             cli.main()
         written = capsys.readouterr()
+        programs.skip_if_told(written.err)
         return caught.value.code, written.out, written.err
 
     return run

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import cloudpickle
+import pytest
 
 from cylcontact import InputError
 from cylcontact.files import owning, replacing
@@ -15,8 +16,16 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import draw, write
 
 BENCH = Bench(Path(__file__).parents[1])
+# One of each kind, which make test draws; the others are slow.
+DRAWN = ("fig02", "fig07", "fig12", "fig17", "fig_any_pair", "fig_mechanism_cases")
 # A picture in pixels takes as long to write as the rest, and no test looks at it.
 PDF = FigureOptions(JOURNAL, ("pdf",))
+
+
+def each_figure(names):
+    """Parametrise a test by figures."""
+    marked = [n if n in DRAWN else pytest.param(n, marks=pytest.mark.slow) for n in names]
+    return pytest.mark.parametrize("name", marked)
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import openpyxl
-import pyarrow as pa
-import pyarrow.parquet as pq
+
+from tests.programs import require_package
 
 STATUS, RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 # What a refusal may take: a few times the largest text that is looked at, and the libraries.
@@ -76,7 +76,12 @@ def cells(line, *columns):
 
 def parquet(table, **options):
     """Return what writes a Parquet file of columns."""
-    return lambda path: pq.write_table(pa.table(table), path, **options)
+
+    def write(path):
+        pa = require_package("pyarrow")
+        require_package("pyarrow.parquet").write_table(pa.table(table), path, **options)
+
+    return write
 
 
 def without_footer(path):

@@ -203,6 +203,7 @@ class TestMapsByArgument:
         assert (ours > 2 * hertz)[drawn["dR_mm"] > 1].all()
         assert csv.with_suffix(".svg").is_file()
 
+    @pytest.mark.slow
     def test_the_yield_line_is_first_yield_by_von_mises(self, maps_bench: Bench) -> None:
         drawing = draw("maps", maps_bench, arguments={"material": "gunmetal"})
         gunmetal = Material("gunmetal", 110e3, 0.34, 220)

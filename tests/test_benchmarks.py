@@ -29,7 +29,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import draw
 from tests.programs import require_program
 
-pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore::DeprecationWarning")]
 
 
 @pytest.mark.parametrize("name", BENCHMARKS)

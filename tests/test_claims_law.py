@@ -506,6 +506,7 @@ def _of_search(claim_id):
     return any(part in claim_id for part in ("best-correlation", "recovered", "no-single-Y"))
 
 
+@pytest.mark.slow
 def test_verdicts_follow_from_the_results(monkeypatch):
     result = Bench.result
 

@@ -487,6 +487,7 @@ def test_characters_that_the_output_has_no_room_for_are_replaced():
 
 
 @posix
+@pytest.mark.slow
 def test_output_that_is_closed_is_no_mistake(bench):
     closing = ["sh", "-c", 'exec "$@" >&-', "sh", *COMMAND]
     command = [*closing, "fit", "fitting/small.toml", "-o", "r.json", "--jobs", "2"]

@@ -23,7 +23,10 @@ from tests.killable import ROOT, wait_until
 from tests.measured_files import USER_LAW, user_campaign
 from tests.spec_files import assert_told, tree, write_bench
 
-pytestmark = pytest.mark.skipif(os.name == "nt", reason="SIGKILL ends the processes")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(os.name == "nt", reason="SIGKILL ends the processes"),
+]
 DESERTED = "has had no scheduler or no workers for 2 s"
 AGAIN = f"start it again; {RESUME}"
 LONGER = {"genetic.runs": 12, "genetic.generations": 300}
@@ -154,7 +157,6 @@ def certificates(folder):
     }
 
 
-@pytest.mark.slow
 def test_certificates_are_needed_and_checked(bench, longer):
     own, others = certificates(bench.parent / "own"), certificates(bench.parent / "others")
     seconds = {"DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "3s"}
@@ -246,7 +248,6 @@ def test_nobody_who_answers_is_told(tmp_path, monkeypatch, who):
     assert_told(caught, "--scheduler", "", started.address, DESERTED, AGAIN)
 
 
-@pytest.mark.slow
 def test_a_command_with_cases_keeps_them_when_the_workers_are_gone(tmp_path, run, monkeypatch):
     monkeypatch.setattr(cluster, "DESERTED", 8.0)
     monkeypatch.chdir(tmp_path)
@@ -288,7 +289,6 @@ def test_a_fit_resumes_on_a_scheduler_that_is_back(bench, run, longer):
     assert FitResult.read(RESULT).repeatable() == longer
 
 
-@pytest.mark.slow
 def test_an_interrupted_fit_leaves_the_cluster_free_and_resumes(bench, loopback, longer):
     fit = start(bench, *FIT, loopback.address)
     wait_until(lambda: some_runs_are_complete(bench) or fit.poll() is not None)
@@ -301,7 +301,6 @@ def test_an_interrupted_fit_leaves_the_cluster_free_and_resumes(bench, loopback,
     assert FitResult.read(RESULT).repeatable() == longer
 
 
-@pytest.mark.slow
 def test_two_fits_on_one_cluster_do_not_meet(bench, loopback, longer):
     both = [start(bench, *FIT, loopback.address, "-o", f"{name}.json") for name in ("one", "other")]
     for fit, name in zip(both, ("one", "other"), strict=True):

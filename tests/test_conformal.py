@@ -368,6 +368,7 @@ def test_the_numerical_contact_has_the_same_pressure_and_angle(phi, green):
     assert abs(angle[contact].max() - edge) < angle[1]
 
 
+@pytest.mark.slow
 def test_the_numerical_contact_has_the_same_penetration_but_for_the_datum(green):
     """The constant is C = 2ln 2 − 3/2 less the −1/2 that the mode n = 1 adds to the kernel."""
     numerical = np.array([solve_contact(phi, green)[2] for phi in NUMERICAL_LOADS])

@@ -295,7 +295,13 @@ NUMERICAL_PAIRS = {
 
 
 @pytest.mark.parametrize("part", PARTS)
-@pytest.mark.parametrize("pair", NUMERICAL_PAIRS.values(), ids=NUMERICAL_PAIRS)
+@pytest.mark.parametrize(
+    "pair",
+    [
+        pytest.param(pair, id=name, marks=pytest.mark.slow if name.startswith("random") else ())
+        for name, pair in NUMERICAL_PAIRS.items()
+    ],
+)
 def test_the_solution_by_harmonics_is_the_same(pair, part):
     solution, error, ratios = extrapolated(pair, part)
     np.testing.assert_allclose(ratios, 2.0, atol=0.15)  # first order, by the edge

@@ -6,6 +6,9 @@ from scipy.stats import binom
 
 from benchmarks.coverage import KINDS, PAGE, RESULT, coverage_of, page
 
+pytestmark = pytest.mark.slow
+
+
 NAMED = 0  # the first row of each kind and parameter
 FEW = 8
 

@@ -19,7 +19,10 @@ from cylcontact.parallel.calls import RESUME
 from tests.dask_cluster import LoopbackCluster, kill
 from tests.spec_files import assert_told, tree, write_bench
 
-pytestmark = pytest.mark.skipif(os.name == "nt", reason="SIGKILL ends the processes")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(os.name == "nt", reason="SIGKILL ends the processes"),
+]
 AGAIN = f"start it again; {RESUME}"
 
 

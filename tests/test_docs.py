@@ -30,7 +30,12 @@ WITH_CODE = [
     for page in PAGES
     if page != README and any(b.language in ("python", "bash") for b in blocks(page))
 ]
-each_page = pytest.mark.parametrize("page", WITH_CODE, ids=lambda path: str(path.relative_to(ROOT)))
+SLOW = {"science.md", "fitter.md", "add-a-claim.md", "mechanism.md", "fit-my-data.md"}
+each_page = pytest.mark.parametrize(
+    "page",
+    [pytest.param(p, marks=pytest.mark.slow) if p.name in SLOW else p for p in WITH_CODE],
+    ids=lambda path: str(path.relative_to(ROOT)),
+)
 
 
 @each_page
@@ -43,6 +48,7 @@ def test_code_runs_and_prints_what_the_page_says(page, tmp_path, monkeypatch):
         before = printed
 
 
+@pytest.mark.slow
 def test_the_readme_leaves_no_litter_and_can_be_followed_twice(tmp_path, monkeypatch):
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True)
     for name in listed.stdout.decode().strip("\0").split("\0"):

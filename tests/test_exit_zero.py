@@ -19,6 +19,9 @@ from tests.measured_files import write_measured
 from tests.spec_files import ELEMENTS, write_bench, write_toml
 from tests.test_bench import CLAIM, RECIPE
 
+pytestmark = pytest.mark.slow
+
+
 ROOT = Path(__file__).parents[1]
 CRANK = ROOT / "datasets/slider_crank.toml"
 SHORT = ("--law", "explicit", "--revolutions", 1)

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pandas as pd
-import pyarrow.parquet as pq
 import pytest
 
 from cylcontact import fitting
@@ -24,10 +23,13 @@ from tests.counts import counted
 from tests.faults import ERRORS, REMOVING, changed, failing, no_file_above
 from tests.killable import ROOT
 from tests.manuscript_files import write_manuscript
-from tests.programs import fake_program, require_program
+from tests.programs import fake_program, require_package, require_program
 from tests.spec_files import ELEMENTS, tree, write_bench, write_toml
 
-pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows has other operations on files")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(os.name == "nt", reason="Windows has other operations on files"),
+]
 
 FEW = {"parameters.n": {"value": 1.2, "fixed": True}, "genetic.generations": 2, "genetic.runs": 1}
 RECIPE = """
@@ -66,7 +68,7 @@ def repeatable(contents):
 
 def table_of(contents):
     """Return a trajectory without its provenance."""
-    return pq.read_table(io.BytesIO(contents))
+    return require_package("pyarrow.parquet").read_table(io.BytesIO(contents))
 
 
 def untimed(contents):
@@ -298,7 +300,6 @@ def test_whatever_operation_on_a_file_fails_nothing_is_lost(bench, run, monkeypa
     counted("faults injected at writes, renames and other operations on files", faults)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_whatever_operation_fails_in_whatever_way_nothing_is_lost(name, bench, run, monkeypatch):
     if name == "fit a table":  # it is fitted once

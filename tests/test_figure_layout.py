@@ -11,7 +11,7 @@ from cylcontact.plots.figure import StyledFigure, new_figure
 from cylcontact.plots.style import JOURNAL, STYLES, FigureStyle, figure_style
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import chosen_recipes, draw
-from tests.drawn_figures import DrawnFigures
+from tests.drawn_figures import DrawnFigures, each_figure
 from tests.figure_layout import layout_faults
 
 BENCH = Bench(Path(__file__).parents[1])
@@ -22,11 +22,12 @@ NARROW = "single-column"
 WIDE = [name for name in STYLES if name not in (JOURNAL.name, NARROW)]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@each_figure(NAMES)
 class TestEveryFigure:
     def test_in_the_journals_style(self, figures: DrawnFigures, name: str) -> None:
         assert layout_faults(figures[name].drawing.figure) == []
 
+    @pytest.mark.slow
     def test_in_one_column(self, name: str) -> None:
         style = STYLES[NARROW]
         assert layout_faults(draw(name, BENCH, style).figure, style) == []
@@ -45,6 +46,7 @@ class TestEveryFigure:
 
 
 @pytest.mark.parametrize("style", STYLES.values(), ids=STYLES)
+@pytest.mark.slow
 def test_the_longest_key_of_a_map_fits(style: FigureStyle) -> None:
     """Beyond Johnson's law, the yield line, and the range of the fit."""
     arguments = {"material": "bronze", "law": "enhanced"}

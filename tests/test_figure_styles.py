@@ -125,6 +125,7 @@ class TestFormats:
         with Image.open(folder / "fig99.png") as png:
             assert png.size[0] / 300 * 25.4 == pytest.approx(84, abs=0.1)
 
+    @pytest.mark.slow
     def test_same_bytes_again_and_in_other_processes(self, small: Path) -> None:
         (small / "reports" / "fig98.py").write_text(SIMPLE)
         hashes = []
@@ -246,6 +247,7 @@ def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 class TestTables:
+    @pytest.mark.slow
     def test_latex_is_plain_and_balanced(self, tables: Path) -> None:
         for name in ("coefficients", "claims", "fig02-caption"):
             text = (tables / f"{name}.tex").read_text(encoding="utf-8")

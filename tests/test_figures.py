@@ -19,7 +19,7 @@ from cylcontact.plots.style import WIDTHS_MM
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, chosen_recipes, draw, find_recipes
 from cylcontact.reports.fit_figures import profile_drawing
-from tests.drawn_figures import DrawnFigures
+from tests.drawn_figures import DrawnFigures, each_figure
 from tests.figure_files import (
     GOLDEN,
     embedded_fonts,
@@ -76,7 +76,7 @@ class TestFiles:
         papers = {name for name in find_recipes(BENCH) if re.fullmatch(r"fig\d\d[rcp]?", name)}
         assert papers == {name for name in NAMES if not name.startswith("fig_")}
 
-    @pytest.mark.parametrize("name", NAMES)
+    @each_figure(NAMES)
     def test_page_has_a_journals_width_and_fits_on_it(
         self, figures: DrawnFigures, name: str
     ) -> None:
@@ -84,16 +84,16 @@ class TestFiles:
         assert min(abs(width - journal) for journal in WIDTHS_MM.values()) < 0.01
         assert height < 120
 
-    @pytest.mark.parametrize("name", NAMES)
+    @each_figure(NAMES)
     def test_fonts_are_embedded_as_type_42(self, figures: DrawnFigures, name: str) -> None:
         fonts = embedded_fonts(figures[name].paths[0])
         assert {font.partition("-")[0] for font in fonts} <= {"Arimo", "STIXGeneral"}
 
-    @pytest.mark.parametrize("name", NAMES)
+    @each_figure(NAMES)
     def test_text_is_legible_and_inside_the_page(self, figures: DrawnFigures, name: str) -> None:
         assert font_sizes_inside(figures[name].drawing.figure) <= {7.0, 8.0}
 
-    @pytest.mark.parametrize("name", NAMES)
+    @each_figure(NAMES)
     def test_table_has_units_and_digits(self, figures: DrawnFigures, name: str) -> None:
         for column, cells in read_columns(figures[name].paths[1]).items():
             assert all(cells) or column == "n", f"{column} has empty cells"
@@ -106,7 +106,7 @@ class TestFiles:
             assert number in UNITLESS or number.endswith(UNITS)
             assert max(map(significant_digits, cells)) <= 8
 
-    @pytest.mark.parametrize("name", NAMES)
+    @each_figure(NAMES)
     def test_caption_tells_units_and_nothing_of_this_machine(
         self, figures: DrawnFigures, name: str
     ) -> None:
@@ -118,7 +118,13 @@ class TestFiles:
         assert "/home" not in caption
         assert str(BENCH.root) not in caption
 
-    @pytest.mark.parametrize("name", ["fig03", "fig09", "fig13r", "fig_profile_b"])
+    @pytest.mark.parametrize(
+        "name",
+        [
+            "fig13r",
+            *(pytest.param(n, marks=pytest.mark.slow) for n in ("fig03", "fig09", "fig_profile_b")),
+        ],
+    )
     def test_same_input_gives_the_same_bytes(self, name: str, tmp_path: Path) -> None:
         (one,), (other,) = (build(BENCH, [name], tmp_path / folder) for folder in ("1", "2"))
         assert [path.suffix for path in one.paths][:3] == [".png", ".pdf", ".csv"]
@@ -126,7 +132,7 @@ class TestFiles:
             assert first.read_bytes() == second.read_bytes()
 
 
-@pytest.mark.parametrize("name", [name for name in GOLDEN if name in NAMES])
+@each_figure([name for name in GOLDEN if name in NAMES])
 def test_headline_is_the_pinned_one(figures: DrawnFigures, name: str) -> None:
     # A committed fit that is made again may differ in its last digits; so may the readings, which
     # are fits made when they are drawn.
@@ -347,6 +353,7 @@ class TestMaps:
     ) -> None:
         assert f"enhanced law (Eqs 5-6; {coefficients})" in figures[name].drawing.caption
 
+    @pytest.mark.slow
     def test_all_maps_have_the_same_place_on_the_page(self, figures: DrawnFigures) -> None:
         maps = [name for name in NAMES if re.match(r"fig1[0-4]", name)]
         drawn = [figures[name].drawing.figure for name in maps]
@@ -354,6 +361,7 @@ class TestMaps:
         places = {tuple(axes.get_position().extents) for f in drawn for axes in f.axes[:1]}
         assert len(places) == len({tuple(f.get_size_inches()) for f in drawn}) == 1
 
+    @pytest.mark.slow
     def test_all_maps_share_levels_and_scale(self, figures: DrawnFigures) -> None:
         scales = {
             tuple(

@@ -79,6 +79,7 @@ def assert_is_the_laws(pin, plate, phis, plane="strain"):
 
 class TestReferenceLaw:
     @pytest.mark.parametrize("name", PAIRS)
+    @pytest.mark.slow
     def test_penetration_pressure_and_angle(self, name):
         assert_is_the_laws(*PAIRS[name], phis=(0.03, 0.3, 1.0, 3.0))
 
@@ -101,6 +102,7 @@ class TestIncompressible:
     @pytest.mark.parametrize(
         ("pin", "plate"), [(STEEL, ALUMINIUM), (RUBBER, STEEL), (STEEL, RUBBER), (RUBBER, RUBBER)]
     )
+    @pytest.mark.slow
     def test_michells_series_in_a_narrow_ring(self, pin, plate):
         setup = replace(joint(pin, plate, cells=16), outer_ratio=3.3)
         load = 0.3 * float(setup.pair(DR).E_star) * DR

@@ -135,6 +135,7 @@ class TestSemiAnalytical:
             assert case.penetration == pytest.approx(penetration, rel=0.0015)
             assert case.peak_pressure == pytest.approx(peak, rel=0.0015)
 
+    @pytest.mark.slow
     def test_persson_in_a_large_plate_with_one_constant(self):
         """With a plate 40 times the hole its boundary moves no harmonic but the load's."""
         setup = replace(SETUP, outer_ratio=40.0, clamp="whole")

@@ -208,6 +208,7 @@ SIMULATED = {
 
 
 @pytest.mark.parametrize("kind", SIMULATED)
+@pytest.mark.slow
 def test_the_band_covers_new_readings_as_often_as_it_says(kind):
     number, simulated, settings = SIMULATED[kind]
     campaign = campaign_of(readings(0, **simulated), "explicit", PAIR, **settings)

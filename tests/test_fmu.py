@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from benchmarks.exudyn_peer import joint_of
 from cylcontact import InputError
 from cylcontact.export import export_joint
 from cylcontact.mechanism import joint_from, read_joint, read_mechanism, simulate
@@ -28,7 +27,7 @@ from tests.fmu_masters import (
     onsets_of,
 )
 from tests.mechanism_cases import ROOT
-from tests.programs import fake_program, require_program
+from tests.programs import fake_program, require_package, require_program
 from tests.spec_files import changed
 
 JOINT = ROOT / "datasets/joint.toml"
@@ -292,7 +291,8 @@ def test_the_slider_crank_moves_as_in_the_mechanism(tmp_path, clearance, contact
     mechanism = read_mechanism(SPEC, clearance=clearance)
     run = simulate(mechanism, revolutions=1, tolerance=1e-11, beyond="tangent")
     exact = run.contacts["onset_s"].to_numpy()
-    path = export_fmu(joint_of(mechanism), tmp_path)
+    peer = require_package("benchmarks.exudyn_peer")
+    path = export_fmu(peer.joint_of(mechanism), tmp_path)
     system = SliderCrank(mechanism)
     end = exact[contacts - 1] * 1.001
     times, states, onsets = integrate(system, Fmu(path, tmp_path / "unpacked"), end)
@@ -313,7 +313,7 @@ def exact(fmu, tmp_path_factory):
 
 def test_two_importers_step_the_same(fmu, load):
     """Co-simulation of the journal under load, in libcosim and in FMPy."""
-    pytest.importorskip("libcosimpy", reason="libcosimpy has no wheel for this platform")
+    require_package("libcosimpy")
     one = cosimulate(LOADED, Cosim(fmu, 1e-6), 2e-3, 1e-6)
     other = cosimulate(LOADED, load("CoSimulation"), 2e-3, 1e-6)
     assert (one[2] > 0).sum() > 100
@@ -336,12 +336,13 @@ def test_co_simulation_tends_to_model_exchange(load, exact):
 
 def test_the_slider_crank_in_libcosim(tmp_path):
     """The mechanism's own equations in a master, the joint in libcosim, to the third contact."""
-    pytest.importorskip("libcosimpy", reason="libcosimpy has no wheel for this platform")
+    require_package("libcosimpy")
     require_program("gcc")
     mechanism = read_mechanism(SPEC)
     run = simulate(mechanism, revolutions=1, tolerance=1e-11)
     exact = run.contacts["onset_s"].to_numpy()[:3]
-    path = export_fmu(joint_of(mechanism), tmp_path)
+    peer = require_package("benchmarks.exudyn_peer")
+    path = export_fmu(peer.joint_of(mechanism), tmp_path)
     off = {}
     for size in (1e-6, 2e-7):
         steps = cosimulate(SliderCrank(mechanism), Cosim(path, size), exact[2] * 1.01, size)

@@ -14,7 +14,6 @@ import shutil
 from functools import partial
 from pathlib import Path
 
-import pyarrow.parquet as pq
 import pytest
 from _cylcontact_bench.fig_bifurcation import draw as draw_bifurcation
 from _cylcontact_bench.fig_readings import readings
@@ -35,6 +34,7 @@ from cylcontact.reports.bench import Bench
 from cylcontact.reports.fit_figures import runs_table
 from cylcontact.spec import read_toml
 from tests.counts import counted
+from tests.programs import require_package
 from tests.spec_files import ELEMENTS, GRID, assert_told, changed, tree, write_bench, write_toml
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -153,7 +153,7 @@ def form_of(path):
         header, first, *_ = path.read_text(encoding="utf-8").splitlines()
         return keys({"header": json.loads(header), "part": json.loads(first)})
     if path.suffix == ".parquet":
-        schema = pq.read_schema(path)
+        schema = require_package("pyarrow.parquet").read_schema(path)
         metadata = schema.metadata or {}
         about = json.loads(metadata.get(b"cylcontact.trajectory", b"null"))
         return keys(about) | {field.name: {str(field.type)} for field in schema}
@@ -270,6 +270,7 @@ def newer(name, folder, version=9):
     """Return a copy of a stored file that says another version."""
     path = Path(shutil.copy(STORED / name, folder))
     if path.suffix == ".parquet":
+        pq = require_package("pyarrow.parquet")
         table = pq.read_table(path)
         about = json.loads(table.schema.metadata[b"cylcontact.trajectory"]) | {"format": version}
         table = table.replace_schema_metadata({b"cylcontact.trajectory": json.dumps(about)})

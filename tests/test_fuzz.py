@@ -12,6 +12,9 @@ from tests.fuzz.cases import Case, case_of, options
 from tests.fuzz.judge import Judge
 from tests.fuzz.run import CORPUS, read_case, shrunk, write_case
 
+pytestmark = pytest.mark.slow
+
+
 SEED = 20150101
 # The chunks of each run of the tests, and their size.
 CHUNKS, SIZE = 20, 500
@@ -30,7 +33,7 @@ def chunk(number):
 
 @pytest.mark.parametrize(
     "number",
-    [FIRST, *(pytest.param(n, marks=pytest.mark.slow) for n in range(CHUNKS) if n != FIRST)],
+    range(CHUNKS),
 )
 def test_inputs_made_by_chance_end_well(judge, number):
     verdicts = [*judge.verdicts(SEED, chunk(number))]
@@ -50,7 +53,6 @@ def test_good_files_are_accepted(judge):
         assert (verdict.code, verdict.wrong) == (0, ""), source
 
 
-@pytest.mark.slow
 def test_every_kind_of_file_and_every_command_is_tried(judge):
     cases = [case_of(SEED, n, judge.sources, judge.files) for n in range(CHUNKS * SIZE)]
     kinds = Counter(case.kind if case.files else "command line alone" for case in cases)

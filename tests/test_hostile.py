@@ -41,6 +41,9 @@ from tests.hostile import HOSTILE, SURROGATE, TAME, elements
 from tests.html_bench import ROOT
 from tests.programs import require_program
 
+pytestmark = pytest.mark.slow
+
+
 LOADS = [10.0, 20, 40, 80, 160] * 2
 READINGS = [0.2, 0.37, 0.7, 1.3, 2.5, 0.21, 0.38, 0.71, 1.31, 2.48]
 # Beyond this a text has been put out whole.

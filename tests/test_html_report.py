@@ -11,7 +11,6 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.html import build_site
@@ -19,6 +18,10 @@ from cylcontact.reports.html.answer import answers
 from cylcontact.reports.laws_to_use import laws_to_use
 from tests.browser import opened
 from tests.html_bench import EVIL_RECIPE, FITS, ROOT
+from tests.programs import require_package
+
+pytestmark = pytest.mark.slow
+
 
 # One page of each kind, and those of a figure with a problem and of a missing one.
 KINDS = (
@@ -252,7 +255,8 @@ def test_axe_finds_nothing(browser, site, page, theme, width):
     with opened(browser, site.index.parent / f"{page}.html", width, theme) as view:
         view.evaluate(UNFOLD)
         view.wait_for_timeout(200)
-        found = Axe().run(view).response["violations"]
+        axe = require_package("axe_playwright_python.sync_playwright")
+        found = axe.Axe().run(view).response["violations"]
         assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
 
 

@@ -17,6 +17,9 @@ from cylcontact.reports.laws_table import pin_in_hole as laws_pin_in_hole
 from tests.browser import opened
 from tests.html_bench import EVIL
 
+pytestmark = pytest.mark.slow
+
+
 AS_PYTHON = 1e-9
 # Python interpolates in tables.
 YIELD_AS_PYTHON = 2e-4

@@ -28,7 +28,10 @@ from tests.killable import ROOT, family, wait_until
 from tests.programs import fake_program, require_program
 from tests.spec_files import ELEMENTS, GRID, assert_told, changed, tree, write_bench, write_toml
 
-pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGKILL"),
+]
 in_proc = pytest.mark.skipif(
     not Path("/proc/self/environ").exists(), reason="processes are found in /proc"
 )
@@ -155,7 +158,8 @@ def uninterrupted(tmp_path_factory):
     "how",
     [
         *("SIGKILL", "SIGINT"),
-        *(pytest.param(how, marks=pytest.mark.slow) for how in ("SIGTERM", "SIGHUP")),
+        "SIGTERM",
+        "SIGHUP",
     ],
 )
 def test_stopped_in_the_middle_and_resumed_it_gives_the_same(uninterrupted, tmp_path, name, how):
@@ -202,7 +206,6 @@ def test_an_interrupted_simulation_keeps_its_revolutions(tmp_path):
     assert list(tree(out.parent)) == ["run.parquet"]
 
 
-@pytest.mark.slow
 def test_resume_after_kill_9_at_random_moments(uninterrupted, tmp_path):
     trials = 20
     seconds = float((uninterrupted / "seconds").read_text())
@@ -228,7 +231,6 @@ def test_killed_again_and_again_it_arrives_in_the_end(uninterrupted, tmp_path):
     assert_complete(folder, uninterrupted)
 
 
-@pytest.mark.slow
 def test_killed_before_every_single_operation_on_a_file(tmp_path):
     """Three runs: the lock, the journal, the result, and what is removed in the end."""
     whole = bench(tmp_path, "whole", FEW)
@@ -391,7 +393,6 @@ def test_a_program_whose_parent_has_ended_already_is_not_started(tmp_path):
 
 
 @in_proc
-@pytest.mark.slow
 @pytest.mark.parametrize("how", ["SIGKILL", "SIGINT", "SIGTERM", "closed terminal"])
 @pytest.mark.parametrize("moment", ["early", "workers start", "under way"])
 @pytest.mark.parametrize("name", COMMANDS)

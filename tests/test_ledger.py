@@ -15,6 +15,9 @@ from cylcontact.reports.claims import VERDICTS, Claim, ledger, withdrawn
 from cylcontact.reports.claims_text import to_text, what_stands
 from tests.claim_files import claims_of
 
+pytestmark = pytest.mark.slow
+
+
 ROOT = Path(__file__).parents[1]
 BENCH = Bench(ROOT, jobs=2)
 # Verdict of every claim, and its headline numbers to more digits than are printed.

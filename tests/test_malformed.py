@@ -77,6 +77,7 @@ def test_the_good_files_are_accepted(run):
         assert (code, errors) == (0, ""), path
 
 
+@pytest.mark.slow
 def test_every_mistake_that_a_schema_rules_out_is_told_in_its_words(files, refused):
     cases = list(malformed.by_schema(files))
     assert refused(cases) == cases

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import pypandoc
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -25,7 +24,7 @@ from tests.drawn_figures import BENCH
 from tests.hostile import HOSTILE
 from tests.html_bench import CACHES
 from tests.manuscript_files import FOLDER, HEAD, SHARED, write_manuscript
-from tests.programs import require_program
+from tests.programs import require_package, require_program
 from tests.spec_files import tree
 from tests.test_bench import RECIPE
 
@@ -248,6 +247,7 @@ def test_a_recipe_with_arguments_and_a_picture_are_figures(bench):
 @pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)
 def test_a_text_of_others_stays_text(text):
     cut = text[:1000]
+    pypandoc = require_package("pypandoc")
     plain = pypandoc.convert_text(
         markdown(cut), "plain", "markdown", extra_args=["--wrap=none"]
     ).strip("\n")
@@ -390,7 +390,7 @@ def test_without_pandoc_itself_the_command_says_so(bench, run, monkeypatch):
     def absent(*_, **__):
         raise OSError
 
-    monkeypatch.setattr(pypandoc, "convert_text", absent)
+    monkeypatch.setattr(require_package("pypandoc"), "convert_text", absent)
     refused(bench, run, "manuscript: needs pandoc; pip install")
 
 
@@ -457,6 +457,7 @@ def test_no_digit_is_typed_in_our_manuscript():
     assert len(PLACEHOLDER.findall(text)) > 100
 
 
+@pytest.mark.slow
 def test_every_figure_table_and_reference_is_mentioned(ours):
     assert ours.notes == ()
 
@@ -478,6 +479,7 @@ def test_references_are_cited_and_have_the_dois_of_the_documentation():
     assert len(shared) >= 8
 
 
+@pytest.mark.slow
 def test_it_has_six_to_ten_pages(ours):
     pages = len(re.findall(rb"/Type\s*/Page\b", ours.pdf.read_bytes()))
     assert 6 <= pages <= 10

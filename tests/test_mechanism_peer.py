@@ -8,6 +8,8 @@ from benchmarks.exudyn_peer import joint_of, module_of, simulate_in_exudyn
 from benchmarks.mechanism import CONTACTS, ELASTIC, END, SPEC, onsets_of
 from cylcontact.mechanism import read_mechanism, simulate
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def mechanism():

@@ -4,14 +4,13 @@ import json
 from dataclasses import fields
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 
 from cylcontact import CylinderPair, InputError, Material, laws, limits
 from cylcontact.mechanism import Interrupted, Trajectory, read_mechanism, simulate
 from cylcontact.mechanism.assembly import assemble
 from tests.mechanism_cases import ROOT, slider_crank
+from tests.programs import require_package
 
 
 @pytest.fixture(scope="module")
@@ -146,7 +145,9 @@ def test_a_saved_run_comes_back_whole(run, tmp_path):
     assert again.settings == run.settings
     assert again.mechanism == run.mechanism
     assert np.array_equal(again.normal_force, run.normal_force)
-    about = json.loads(pq.read_schema(path).metadata[b"cylcontact.trajectory"])
+    about = json.loads(
+        require_package("pyarrow.parquet").read_schema(path).metadata[b"cylcontact.trajectory"]
+    )
     assert set(about["provenance"]) >= {"cylcontact", "git_commit", "spec_hashes", "libraries"}
     assert tuple(about["assumptions"]) == run.mechanism.assumptions
 
@@ -205,7 +206,8 @@ def test_a_law_of_ones_own_can_be_used_and_its_run_is_saved_but_not_read_back(tm
 
 def test_files_that_hold_no_trajectory_are_told(tmp_path):
     (tmp_path / "text.parquet").write_bytes(b"hello")
-    pq.write_table(pa.table({"x": [1.0]}), tmp_path / "other.parquet")
+    pa = require_package("pyarrow")
+    pa.parquet.write_table(pa.table({"x": [1.0]}), tmp_path / "other.parquet")
     rules = {"none": "cannot be read", "text": "cannot be read", "other": "holds no trajectory"}
     for name, rule in rules.items():
         with pytest.raises(InputError, match=rule):

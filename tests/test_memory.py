@@ -16,6 +16,9 @@ from tests import large_input as large
 from tests.counts import counted
 from tests.spec_files import CAMPAIGN, GRID, changed, write_bench, write_toml
 
+pytestmark = pytest.mark.slow
+
+
 ROOT = Path(__file__).resolve().parents[1]
 CRANK = str(ROOT / "datasets/slider_crank.toml")
 MANY = 10**7

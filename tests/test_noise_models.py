@@ -19,6 +19,7 @@ from cylcontact.fitting.uncertainty.resampling import leave_one_out
 from cylcontact.fitting.uncertainty.study import Resampling, study_noise
 from tests.measured_files import CONSTANTS, STEEL
 from tests.noisy_series import LAW, PAIR, campaign_of, readings, refitted
+from tests.programs import require_package
 
 # With the stiffness held, a reading is linear in what is left.
 LINEAR = {"fixed": {"stiffness_factor": 1.0}, "free": ["compliance"], "starts": 3}
@@ -35,7 +36,7 @@ def likelihood_of(result):
 
 def mixed(frame, result, names):
     """The linear mixed model with these random effects, in nm, and of loads in kN/mm."""
-    sm = pytest.importorskip("statsmodels.api", reason="needs the extra 'peers'")
+    sm = require_package("statsmodels.api")
     load = frame["load_N_per_mm"].to_numpy()
     contact = LAW.penetration(load, PAIR)
     depth = contact + result.coefficients["compliance"] * load
@@ -110,7 +111,7 @@ def test_statsmodels_agrees_on_what_the_gain_adds_to_the_likelihood(linear):
 
 
 def test_odrpack_agrees_where_both_deviations_are_given():
-    odrpack = pytest.importorskip("odrpack", reason="needs the extra 'peers'")
+    odrpack = require_package("odrpack")
     frame = readings(5, 3, constant=1e-5, load_error=0.003).drop(columns="group")
     frame["load_std_N_per_mm"] = 0.003 * frame["load_N_per_mm"]
     frame["penetration_std_um"] = 0.01
@@ -405,7 +406,7 @@ def test_a_balanced_layout_has_the_error_and_the_degrees_of_an_analysis_of_varia
 
 def fitted_by_lmfit(frame, predicted, start):
     """The least squares of lmfit, of readings in mm."""
-    lmfit = pytest.importorskip("lmfit", reason="needs the extra 'peers'")
+    lmfit = require_package("lmfit")
     parameters = lmfit.create_params(**start)
 
     def residuals(values):
@@ -466,7 +467,7 @@ def test_information_criteria_of_two_laws_differ_as_lmfits_do(constant):
 
 
 def test_iminuit_agrees_with_a_fit_of_constant_noise(constant):
-    iminuit = pytest.importorskip("iminuit", reason="needs the extra 'peers'")
+    iminuit = require_package("iminuit")
     frame, own = constant
     predicted = scaled(LAW, frame)
     reading, sigma = 1e-3 * frame["penetration_um"].to_numpy(), own.uncertainty.residual_sigma
@@ -622,6 +623,7 @@ CLEAN = {
 
 
 @pytest.mark.parametrize("name", CLEAN)
+@pytest.mark.slow
 def test_noise_as_assumed_is_found_no_more_often_than_by_chance(name):
     number, simulated, settings = CLEAN[name]
     settings = {"noise": "constant"} | settings

@@ -13,6 +13,9 @@ import pytest
 import cylcontact
 from cylcontact.numba_cache import PARTS, compiled, source_hash
 
+pytestmark = pytest.mark.slow
+
+
 PACKAGE = Path(cylcontact.__file__).parent
 COMPILED = [
     path

@@ -62,6 +62,7 @@ def test_workers_never_see_what_ends_this_process_and_it_does():
 
 @posix
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.slow
 def test_a_signal_while_workers_start_takes_effect_at_once_after(monkeypatch, name):
     number = getattr(signal, name)
 

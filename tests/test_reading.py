@@ -34,6 +34,7 @@ TOO_LARGE, DEEP = "is 3.2 GB (at most", "it is nested too deeply"
 LONG_KEY = "has a key of more than 32 parts; no spec needs more than four"
 DIGITS = "a number has too many digits"
 # A name, the command, the file that it reads, what writes it, and what is said.
+SLOW = {"a million rows of a workbook", "empty rows of a workbook", "a workbook that unpacks"}
 CASES = [
     # Sizes.
     ("a large spec", TOML, "fit.toml", large.hole, f"fit.toml: {TOO_LARGE} 1 MB)"),
@@ -163,7 +164,13 @@ def refused(run, file, write, command, said):
     assert names() == before
 
 
-@pytest.mark.parametrize("case", CASES, ids=[case[0] for case in CASES])
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, id=case[0], marks=pytest.mark.slow if case[0] in SLOW else ())
+        for case in CASES
+    ],
+)
 def test_a_file_over_a_limit_is_refused(case, run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     _, command, file, write, said = case

@@ -17,6 +17,9 @@ from cylcontact import InputError
 from cylcontact.fitting import FitResult, calibrate, read_campaign
 from cylcontact.reports.bench import Bench
 
+pytestmark = pytest.mark.slow
+
+
 ROOT = Path(__file__).resolve().parents[1]
 SPACED = {"linear": np.linspace, "log": np.geomspace}
 PUBLISHED = {"internal": (0.965, 1.51), "external": (0.39, 0.85)}
@@ -119,7 +122,6 @@ def test_readings_are_right(figures, contact, label, sampling):
             assert far == pytest.approx(actual, rel=1e-4)
 
 
-@pytest.mark.slow
 def test_the_table_of_the_readings_is_what_the_searches_give():
     bench = Bench(ROOT)
     pd.testing.assert_frame_equal(readings(bench), searched_readings(bench), rtol=1e-6, atol=1e-6)

@@ -173,6 +173,14 @@ def test_a_grid_that_is_masked_completely_has_no_moments(jobs):
         reduce_grid(MASKED, jobs)
 
 
+def test_without_its_library_parquet_is_refused_in_one_line(grid, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    said = r"new/s\.parquet: needs the extra 'parquet'; pip install 'cylcontact\[parquet\]'"
+    with pytest.raises(InputError, match=said):
+        write_samples(grid, tmp_path / "new/s.parquet")
+    assert tree(tmp_path) == {}
+
+
 @pytest.mark.parametrize("name", ["samples", "samples.txt", "new/samples.xlsx", ".csv"])
 def test_other_formats_are_refused_and_nothing_written(grid, name, tmp_path):
     with pytest.raises(InputError, match=r": is neither \.parquet nor \.csv; name the output so"):

@@ -16,6 +16,9 @@ from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import with_grid
 
+pytestmark = pytest.mark.slow
+
+
 ROOT = Path(__file__).resolve().parents[1]
 HUGE = ROOT / "benchmarks/huge.toml"
 TABLE = ROOT / "benchmarks/scaling.csv"

@@ -14,7 +14,7 @@ from functools import partial
 from itertools import takewhile
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cylcontact.choices import OUTPUT_SUFFIXES
 from cylcontact.errors import InputError
@@ -30,6 +30,7 @@ __all__ = [
     "remove_leftovers",
     "replacing",
     "replacing_all",
+    "require_parquet",
     "require_suffix",
     "require_writable",
     "scratch_folder",
@@ -311,7 +312,7 @@ def require_suffix(path: Path | str, *suffixes: str) -> str:
     Raises
     ------
     InputError
-        If the path has another suffix.
+        If the path has another suffix, or Parquet's library is not installed.
 
     Examples
     --------
@@ -324,7 +325,19 @@ def require_suffix(path: Path | str, *suffixes: str) -> str:
             f"not a {suffixes[0]}" if len(suffixes) == 1 else f"neither {' nor '.join(suffixes)}"
         )
         raise InputError(str(path), "", None, f"is {known}", "name the output so that it is one")
+    if suffix == ".parquet":
+        require_parquet(path)
     return suffix
+
+
+def require_parquet(path: Path | str) -> Any:
+    """Return pyarrow, which the Parquet file `path` needs and nothing else does."""
+    try:
+        import pyarrow.parquet
+    except ImportError:
+        remedy = "pip install 'cylcontact[parquet]', or make extras"
+        raise InputError(str(path), "", None, "needs the extra 'parquet'", remedy) from None
+    return pyarrow
 
 
 def write_table(table: pd.DataFrame, path: Path | str) -> None:

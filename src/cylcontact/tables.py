@@ -16,13 +16,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cylcontact.errors import InputError
+from cylcontact.files import require_parquet
 from cylcontact.memory import as_size
 from cylcontact.plain_text import from_csv
 from cylcontact.reading import TABLE_BYTES, plain_number, read_bytes
 
 if TYPE_CHECKING:
     import pandas as pd
-    import pyarrow as pa
 
 __all__ = ["MAX_ROWS", "Table", "finite_numbers", "read_table", "table_of_frame", "texts"]
 
@@ -368,11 +368,9 @@ def _is_used(rows: _Rows, k: int) -> bool:
 
 def _read_parquet(source: str, content: bytes, _steps: list[str]) -> _Rows:
     """Return the rows, whose cells may be of any type, that of names first as row 0."""
-    import pyarrow as pa
-    import pyarrow.parquet
-
+    pa = require_parquet(source)
     try:
-        file = pyarrow.parquet.ParquetFile(pa.BufferReader(content))
+        file = pa.parquet.ParquetFile(pa.BufferReader(content))
         metadata = file.metadata
         _require_size(source, metadata.num_rows, metadata.num_columns)
         groups = range(metadata.num_row_groups)
@@ -384,19 +382,17 @@ def _read_parquet(source: str, content: bytes, _steps: list[str]) -> _Rows:
                 raise InputError(source, column.name, None, rule, remedy)
         # A text that repeats is kept once: a few bytes could be gigabytes of cells otherwise.
         texts = [c.name for c in schema if pa.types.is_string(c.type) or pa.types.is_binary(c.type)]
-        file = pyarrow.parquet.ParquetFile(pa.BufferReader(content), read_dictionary=texts)
+        file = pa.parquet.ParquetFile(pa.BufferReader(content), read_dictionary=texts)
         table = file.read(use_threads=False)
     except (OSError, UnicodeDecodeError, pa.ArrowException) as error:  # of damaged contents
         rule = f"is not a Parquet table ({error})"
         raise InputError(source, "", None, rule, "write it anew, or use CSV") from error
-    columns = [_parquet_cells(column) for column in table.columns]
+    columns = [_parquet_cells(pa, column) for column in table.columns]
     return [(0, table.column_names), *enumerate(map(list, zip(*columns, strict=True)), start=1)]
 
 
-def _parquet_cells(column: pa.ChunkedArray) -> list[Any]:
+def _parquet_cells(pa: Any, column: Any) -> list[Any]:
     """Return the cells of a column; equal texts of a dictionary are one object."""
-    import pyarrow as pa
-
     if not pa.types.is_dictionary(column.type):
         return [_plain(cell) for cell in column.to_pylist()]
     cells: list[Any] = []

@@ -10,7 +10,6 @@ import zipfile
 from unittest import mock
 
 import pandas as pd
-import pyarrow.parquet as pq
 
 from cylcontact import cli
 from cylcontact.fitting import FitResult
@@ -18,6 +17,7 @@ from tests import malformed
 from tests.fuzz.cases import Source, as_parquet, zipped
 from tests.malformed import QUICK, ROOT
 from tests.manuscript_files import write_manuscript
+from tests.programs import require_package
 from tests.spec_files import ELEMENTS, changed
 
 RECIPE = """\
@@ -86,6 +86,7 @@ KINDS = {
 
 def good_files(folder):
     """Write the good files of a bench into an empty folder, and return them: name → contents."""
+    require_package("pyarrow.parquet")
     files = malformed.good_files(b"") | {
         "pair.json": (ROOT / "fitting/results/explicit-pair.json").read_bytes(),
         "reports/fig99.py": RECIPE.encode(),
@@ -161,7 +162,7 @@ def _timeless(name, contents):
     if name.endswith((".json", ".partial")):
         return re.sub(rb'("seconds": )[\d.]+', rb"\g<1>0.5", contents)
     if name == "run.parquet":
-        table = pq.read_table(io.BytesIO(contents))
+        table = require_package("pyarrow.parquet").read_table(io.BytesIO(contents))
         (key, text), *_ = table.schema.metadata.items()
         metadata = json.loads(text)
         metadata["counts"] = [[*counts[:2], 0.5] for counts in metadata["counts"]]

@@ -11,8 +11,6 @@ from datetime import date
 from math import inf, nan
 from typing import Any, NamedTuple
 
-import pyarrow as pa
-import pyarrow.parquet as pq
 import typer
 
 from cylcontact import choices
@@ -20,6 +18,7 @@ from cylcontact.cli.app import app
 from cylcontact.export import TARGETS
 from cylcontact.laws import LAWS
 from tests.malformed import put, resolved
+from tests.programs import require_package
 from tests.spec_files import DROP, toml
 
 
@@ -242,7 +241,8 @@ def _changed_line(contents, chance):
 
 def _changed_column(contents, chance):
     """Change a column of a table in Parquet: its values, its name, or that it is there."""
-    table = pq.read_table(io.BytesIO(contents))
+    pa = require_package("pyarrow")
+    table = pa.parquet.read_table(io.BytesIO(contents))
     at, name = chance.randrange(table.num_columns), chance.choice((*TEXTS[:6], "E_GPa", "load_N"))
     way = chance.choice(("values", "name", "drop", "double", "none"))
     if way == "values":
@@ -261,7 +261,7 @@ def _changed_column(contents, chance):
 def as_parquet(table):
     """Return a table as the bytes of a file."""
     buffer = io.BytesIO()
-    pq.write_table(table, buffer)
+    require_package("pyarrow.parquet").write_table(table, buffer)
     return buffer.getvalue()
 
 

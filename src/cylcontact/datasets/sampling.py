@@ -7,24 +7,22 @@ result is the same for any number of workers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import closing
+import csv
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.csv
-import pyarrow.parquet
 
 from cylcontact.arrays import BoolArray, FloatArray, IndexArray
 from cylcontact.datasets.grid import AnyGrid, Grid
 from cylcontact.datasets.logarithmic_moments import row_moments
 from cylcontact.datasets.moments import Moments, concatenate, merge
 from cylcontact.errors import InputError
-from cylcontact.files import replacing, require_suffix
+from cylcontact.files import replacing, require_parquet, require_suffix
 from cylcontact.laws import LogarithmicLaw
 from cylcontact.memory import require_memory, require_space
 from cylcontact.parallel import Workers, call, run_calls
@@ -51,6 +49,8 @@ _CALL_BYTES = 400
 _FEW_CALLS = 1000
 # Of each sample in a Parquet file, where most columns repeat, and in a CSV file.
 _SAMPLE_BYTES = (8, 60)
+# Writes columns to a table.
+_Write = Callable[[Sequence[FloatArray]], None]
 
 
 @dataclass(frozen=True)
@@ -281,16 +281,16 @@ def write_samples(
     Raises
     ------
     InputError
-        If the suffix is neither, the disk has no room for the file, it cannot be written, or every
-        sample is masked.
+        If the suffix is neither, the disk has no room for the file, it cannot be written, every
+        sample is masked, or Parquet's library is not installed.
     """
     require_space(path, _SAMPLE_BYTES[Path(path).suffix == ".csv"] * grid.size, "thin the axes")
-    schema = pa.schema([(name, pa.float64()) for name in grid.columns])
     samples = masked = 0
-    with replacing(path) as temporary, _table_writer(path, temporary, schema) as writer:
+    opened = _parquet if require_suffix(path, ".parquet", ".csv") == ".parquet" else _csv
+    with replacing(path) as temporary, opened(temporary, grid.columns) as write:
         for done, dR in enumerate(grid.dR, start=1):
             for block in blocks(grid, float(dR)):
-                writer.write_batch(_record_batch(block, schema))
+                write(_columns(block, grid.columns))
                 samples += block.load.size
                 masked += block.masked
             if progress is not None:
@@ -300,24 +300,32 @@ def write_samples(
     return Counts(samples, masked)
 
 
-def _table_writer(
-    path: Path | str, temporary: Path, schema: pa.Schema
-) -> pyarrow.parquet.ParquetWriter | pyarrow.csv.CSVWriter:
-    """Return a writer of batches for the suffix of `path`."""
-    if require_suffix(path, ".parquet", ".csv") == ".parquet":
-        return pyarrow.parquet.ParquetWriter(temporary, schema, compression="zstd")
-    return pyarrow.csv.CSVWriter(temporary, schema)
+@contextmanager
+def _csv(file: Path, names: Sequence[str]) -> Iterator[_Write]:
+    """Open a CSV file for columns, each number in its shortest digits."""
+    with file.open("w", newline="", encoding="utf-8") as stream:
+        rows = csv.writer(stream, lineterminator="\n")
+        rows.writerow(names)
+        yield lambda columns: rows.writerows(zip(*(c.tolist() for c in columns), strict=True))
 
 
-def _record_batch(block: Block, schema: pa.Schema) -> pa.RecordBatch:
-    """Return a block as a batch of the table, sharing its memory.
+@contextmanager
+def _parquet(file: Path, names: Sequence[str]) -> Iterator[_Write]:
+    """Open a Parquet file for columns, whose memory it shares."""
+    pa = require_parquet(file)
+    schema = pa.schema([(name, pa.float64()) for name in names])
 
-    `pa.array` would import pandas, which is slow and loses a Ctrl-C.
-    """
-    dR = [np.full(block.load.size, block.dR)] if "dR_mm" in schema.names else []
-    columns = (*block.row_values, *dR, block.load, block.penetration)
-    arrays = [
-        pa.Array.from_buffers(pa.float64(), column.size, [None, pa.py_buffer(column)])
-        for column in columns
-    ]
-    return pa.record_batch(arrays, schema=schema)
+    def batch(columns: Sequence[FloatArray]) -> Any:
+        # `pa.array` would import pandas, which is slow and loses a Ctrl-C.
+        buffers = [(column.size, [None, pa.py_buffer(column)]) for column in columns]
+        arrays = [pa.Array.from_buffers(pa.float64(), *buffer) for buffer in buffers]
+        return pa.record_batch(arrays, schema=schema)
+
+    with pa.parquet.ParquetWriter(file, schema, compression="zstd") as writer:
+        yield lambda columns: writer.write_batch(batch(columns))
+
+
+def _columns(block: Block, names: Sequence[str]) -> list[FloatArray]:
+    """Return the columns of a block in the table's order."""
+    dR = [np.full(block.load.size, block.dR)] if "dR_mm" in names else []
+    return [*block.row_values, *dR, block.load, block.penetration]

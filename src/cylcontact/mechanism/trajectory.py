@@ -13,7 +13,7 @@ import numpy as np
 
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.errors import InputError
-from cylcontact.files import replacing
+from cylcontact.files import replacing, require_parquet
 from cylcontact.formats import marked, upgraded
 from cylcontact.html_repr import table_html
 from cylcontact.limits import yield_load
@@ -30,7 +30,6 @@ from cylcontact.reading import require_file
 
 if TYPE_CHECKING:
     import pandas as pd
-    import pyarrow as pa
 
     from cylcontact.plots import Drawing
 
@@ -426,9 +425,7 @@ class Trajectory:
         One column for each state; the rest is in the schema's metadata. The same run gives the
         same bytes.
         """
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-
+        pa = require_parquet(path)
         rows, mechanism = self.rows, self.mechanism
         columns: dict[str, Any] = {
             "time_s": rows.time,
@@ -453,7 +450,7 @@ class Trajectory:
         text = json.dumps(marked("trajectory", metadata))
         table = pa.table(columns).replace_schema_metadata({_METADATA: text})
         with replacing(path) as temporary:
-            pq.write_table(table, temporary, compression="zstd")
+            pa.parquet.write_table(table, temporary, compression="zstd")
 
     @classmethod
     def load(cls, path: Path | str) -> Trajectory:
@@ -464,12 +461,10 @@ class Trajectory:
         InputError
             If the file cannot be read, holds no trajectory, or one of a newer format.
         """
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-
         require_file(path, sys.maxsize)
+        pa = require_parquet(path)
         try:
-            file = pq.ParquetFile(path)
+            file = pa.parquet.ParquetFile(path)
             size = 8.0 * file.metadata.num_rows * file.metadata.num_columns
             require_memory(str(path), "", None, 2 * size, "simulate fewer revolutions")
             table = file.read()
@@ -535,7 +530,7 @@ class Trajectory:
         return table_html(f"Trajectory of {self.mechanism.name}", rows) + picture
 
 
-def _rows_of(table: pa.Table, counts: Any) -> StepHistory:
+def _rows_of(table: Any, counts: Any) -> StepHistory:
     """Return the rows that a table holds.
 
     Raises
