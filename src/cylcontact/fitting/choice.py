@@ -308,13 +308,15 @@ def _unit(objective: MeasuredObjective) -> str:
 
 
 def _with_error(factor: float, value: float, error: float) -> str:
-    """Return a number with its standard error.
+    """Return a number with its standard error; one that is held has none.
 
     Examples
     --------
     >>> _with_error(100, 0.0182, 0.0011)
     '1.82 ± 0.11'
     """
+    if np.isnan(error):
+        return f"{factor * value:.3g}"
     return f"{factor * value:.3g} ± {factor * error:.2g}"
 
 
