@@ -236,6 +236,7 @@ def test_a_stored_result_saved_again_is_of_todays_format(tmp_path):
 
 def test_a_trajectory_without_all_integrals_is_refused():
     """Their energies would be read from the columns of other states."""
+    require_package("pyarrow")
     path = STORED / "trajectory-0-seven-states.parquet"
     with pytest.raises(InputError) as caught:
         Trajectory.load(path)

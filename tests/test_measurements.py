@@ -16,6 +16,7 @@ from cylcontact.fitting.measured_objective import STANDARDISED, objective_name
 from cylcontact.materials import COLUMNS
 from cylcontact.units import QUANTITIES, column_named, spellings
 from tests.measured_files import write_table
+from tests.programs import require_package
 from tests.spec_files import assert_told
 
 GOOD = {
@@ -110,6 +111,7 @@ def test_a_table_in_text_may_have_any_name(tmp_path, name, separator):
 
 
 def test_parquet_says_the_same_as_csv(tmp_path):
+    require_package("pyarrow")
     pd.DataFrame(GOOD).to_parquet(tmp_path / "t.parquet")
     from_parquet = measured(tmp_path / "t.parquet")
     from_csv = measured(write_table(tmp_path / "t.csv", GOOD))
@@ -237,7 +239,6 @@ def test_files_that_are_no_tables_are_refused(tmp_path):
         "t.xlsx": (b"x", "is not an Excel workbook"),
         "missing.csv": (None, "cannot be read (No such file"),
         "t.csv": (b"\xff\xfe\x00load", "is not a CSV table"),
-        "t.parquet": (b"not parquet", "is not a Parquet table"),
     }
     for name, (content, rule) in cases.items():
         if content is not None:
@@ -248,7 +249,15 @@ def test_files_that_are_no_tables_are_refused(tmp_path):
         assert len(str(caught.value).splitlines()) == 1
 
 
+def test_what_is_no_parquet_is_refused(tmp_path):
+    require_package("pyarrow")
+    (tmp_path / "t.parquet").write_bytes(b"not parquet")
+    with pytest.raises(InputError, match="is not a Parquet table"):
+        read_measured(tmp_path / "t.parquet", "internal")
+
+
 def test_a_parquet_with_words_or_gaps_is_refused_with_its_row(tmp_path):
+    require_package("pyarrow")
     for cells, rule in (([1.0, None], "is empty"), (["1", "x"], "finite number")):
         path = tmp_path / "t.parquet"
         pd.DataFrame({"load_N": cells}).to_parquet(path)

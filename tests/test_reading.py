@@ -13,6 +13,7 @@ from cylcontact.spec import read_toml
 from cylcontact.tables import MAX_CELLS, MAX_COLUMNS, MAX_ROWS, finite_numbers, read_table
 from tests import large_input as large
 from tests.counts import counted
+from tests.programs import require_package
 from tests.spec_files import write_bench
 
 HEAD = "load_N_per_mm,penetration_um\n"
@@ -206,6 +207,7 @@ def test_a_device_is_refused(tmp_path):
 
 
 def test_a_trajectory_is_read_from_a_file_alone(tmp_path):
+    require_package("pyarrow")
     for name, write, rule in (
         ("folder", Path.mkdir, "Is a directory"),
         ("text", large.text("PAR1" * 100), "not a Parquet file"),

@@ -12,6 +12,7 @@ import pytest
 from cylcontact import InputError
 from cylcontact.datasets import Grid, Moments, blocks, reduce_grid, sampling, write_samples
 from tests.paper_equations import e_star, johnson, johnson_end
+from tests.programs import require_package
 from tests.spec_files import GRID, changed, tree, write_toml
 
 COLUMNS = ["E_GPa", "nu", "dR_mm", "load_N_per_mm", "penetration_mm"]
@@ -162,6 +163,8 @@ ALL_MASKED = r"^grid: axes: all 1 samples lie outside the domain of johnson; low
 
 @pytest.mark.parametrize("name", ["samples.csv", "samples.parquet", "new/folder/samples.csv"])
 def test_a_grid_that_is_masked_completely_is_refused_and_nothing_written(name, tmp_path):
+    if name.endswith(".parquet"):
+        require_package("pyarrow")
     with pytest.raises(InputError, match=ALL_MASKED):
         write_samples(MASKED, tmp_path / name)
     assert tree(tmp_path) == {}
@@ -204,6 +207,7 @@ def test_an_interrupted_table_leaves_the_old_one(grid, suffix, tmp_path):
 
 def test_sampling_does_not_import_pandas(tmp_path):
     """An interrupt during that import, which pyarrow would start, is lost."""
+    require_package("pyarrow")
     path = write_toml(tmp_path / "g.toml", GRID)
     program = (
         "import sys; from cylcontact.datasets import read_grid, write_samples\n"
