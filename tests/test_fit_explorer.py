@@ -12,6 +12,7 @@ from cylcontact import InputError
 from cylcontact.fitting.calibration import calibrate
 from cylcontact.fitting.campaign import read_campaign
 from cylcontact.reports.fit_explorer import FitView, explore_fit
+from tests.programs import require_package
 
 ROOT = Path(__file__).resolve().parents[1]
 STEEL = cc.Material("steel", E=207e3, nu=0.3)
@@ -127,6 +128,7 @@ def test_each_pair_has_its_curves():
 
 
 def test_a_fit_to_a_law_is_refused(small_result):
+    require_package("ipywidgets")
     with pytest.raises(InputError, match="was not fitted to measurements"):
         explore_fit(small_result)
 

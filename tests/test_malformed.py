@@ -95,6 +95,7 @@ def test_every_case_that_breaks_a_rule_is_told_in_one_line(files, refused):
     [(), ("fit", "table.csv"), ("compare", "mechanism.toml"), ("simulate", "good.json")],
     ids=" ".join,
 )
+@pytest.mark.slow
 def test_a_process_of_its_own_says_the_same(bench, run, arguments):
     before = tree(bench)
     command = [sys.executable, "-m", "cylcontact.cli", *arguments]
