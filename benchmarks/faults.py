@@ -44,12 +44,6 @@ LIMIT, TIMED_OUT = 3600, 124
 IDENTITY = ("-c", "user.name=faults", "-c", "user.email=faults@localhost")
 FAILED = re.compile(r"^(?:FAILED|ERROR) (\S.*?)(?: - .*)?$", re.MULTILINE)
 COLUMNS = ["fault", "kind", "part", "make test", "make test-all", "by"]
-SETTINGS = """[run]
-parallel = true
-source = {package}
-data_file = {data}/part
-disable_warnings = no-data-collected, module-not-measured, module-not-imported
-"""
 Fault = dict[str, str]
 
 
@@ -67,7 +61,7 @@ def main() -> None:
     copies: SimpleQueue[Path] = SimpleQueue()
     for k in range(asked.jobs):
         copies.put(copy_of_head(WORK / f"copy-{k}"))
-    files = git("ls-tree", "--name-only", "HEAD", "tests/").split()
+    files = git("ls-tree", "-r", "--name-only", "HEAD", "tests/").split()
     # The docstrings of the package are one test file more.
     tests = [*(name for name in files if re.search(r"/test_\w+\.py$", name)), "src"]
     in_turn(asked.jobs, copies, record_map, tests)
@@ -104,9 +98,6 @@ def in_turn(jobs: int, copies: SimpleQueue[Path], work: Any, items: Iterable[Any
         list(pool.map(one, items))
 
 
-# --- the list and the results -------------------------------------------------------------------
-
-
 def key_of(fault: Fault) -> str:
     """Return a fault as one line."""
     return f"{fault['file']}: {fault['old'].strip()} -> {fault['new'].strip()}"
@@ -130,9 +121,6 @@ def written_table(faults: list[Fault]) -> str:
         f"Of {len(table)} faults make test catches {count.get('caught', 0)}, with make test-all "
         f"{rest}; {count.get('moved', 0)} moved, {count.get('', 0)} not tried; {TABLE}"
     )
-
-
-# --- copies -------------------------------------------------------------------------------------
 
 
 def git(*arguments: str, folder: Path = ROOT) -> str:
@@ -167,9 +155,6 @@ def run_tests(
     return code, said.read_text("utf-8", "replace"), time.monotonic() - began
 
 
-# --- which test files run which functions -------------------------------------------------------
-
-
 def record_map(name: str, copy: Path) -> None:
     """Write which functions a test file runs, how long it takes and what fails without a fault."""
     out, data = MAPS / f"{name.replace('/', '-')}.json", copy / "build/measured"
@@ -182,7 +167,9 @@ def record_map(name: str, copy: Path) -> None:
     (TOOLS / "sitecustomize.py").write_text("import coverage\ncoverage.process_startup()\n")
     shutil.rmtree(data, ignore_errors=True)
     data.mkdir(parents=True)
-    (data / "settings").write_text(SETTINGS.format(package=copy / PACKAGE, data=data))
+    quiet = "no-data-collected, module-not-measured, module-not-imported"
+    settings = f"parallel = true\nsource = {copy / PACKAGE}\ndata_file = {data}/part\n"
+    (data / "settings").write_text(f"[run]\n{settings}disable_warnings = {quiet}\n")
     measure = {"COVERAGE_PROCESS_START": str(data / "settings")}
     _, said, seconds = run_tests(copy, [*BOTH, name], str(TOOLS), **measure)
     broken = FAILED.findall(said)
@@ -233,9 +220,6 @@ def chosen(file: Path, line: int, copy: Path, maps: dict[str, Any]) -> list[str]
         return file.stem not in name, file.stem not in text, maps[name]["seconds"]
 
     return sorted(running or importing, key=order)
-
-
-# --- a fault ------------------------------------------------------------------------------------
 
 
 def place_of(fault: Fault, package: Path) -> Path | None:
