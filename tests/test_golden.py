@@ -13,7 +13,7 @@ import pytest
 
 from cylcontact.reports.build import chosen_recipes
 from tests import frozen
-from tests.drawn_figures import BENCH
+from tests.drawn_figures import BENCH, each_figure
 from tests.manuscript_files import write_manuscript
 from tests.measured_files import USER_LAW, write_measured
 from tests.spec_files import ELEMENTS, write_bench, write_toml
@@ -28,10 +28,6 @@ def group_of(line):
 GROUPS = [
     pytest.param(group, marks=[pytest.mark.slow] * (group == "extras"))
     for group in sorted({*map(group_of, frozen.frozen("exit_codes"))})
-]
-FIGURES = [
-    pytest.param(name, marks=[pytest.mark.slow] * (name in {"fig15", "fig17", "fig18"}))
-    for name in chosen_recipes(BENCH)
 ]
 ROOT = frozen.ROOT
 
@@ -114,7 +110,7 @@ def test_commands_end_with_their_codes_and_write_their_files(run, folder, group)
 # --- figures and laws ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@each_figure(chosen_recipes(BENCH))
 def test_numbers_behind_a_figure(figures, name):
     """As in the tests of headlines, those of committed fits may differ in their last digits."""
     columns = frozen.summary(figures[name].drawing.table)
