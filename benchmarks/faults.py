@@ -8,6 +8,9 @@ In build/faults stay, for a run that was interrupted and the next ones, which fu
 file runs (by coverage.py, installed there; still of use after small changes) and what became of
 each fault. It is tried again if the package has changed, or if it was missed and the tests have.
 
+With --near 6 nothing is measured: the six test files that speak most of a faulty module are run,
+which takes minutes in place of hours. What these miss, others may catch.
+
 Of the test files that run the faulty function those named after its module come first, up to the
 first failure: as in `make test`, and if nothing fails the slow tests too. What is compiled, or at
 the top of a module, concerns all test files that import it.
@@ -44,12 +47,6 @@ LIMIT, TIMED_OUT = 3600, 124
 IDENTITY = ("-c", "user.name=faults", "-c", "user.email=faults@localhost")
 FAILED = re.compile(r"^(?:FAILED|ERROR) (\S.*?)(?: - .*)?$", re.MULTILINE)
 COLUMNS = ["fault", "kind", "part", "make test", "make test-all", "by"]
-SETTINGS = """[run]
-parallel = true
-source = {package}
-data_file = {data}/part
-disable_warnings = no-data-collected, module-not-measured, module-not-imported
-"""
 Fault = dict[str, str]
 
 
@@ -59,6 +56,7 @@ def main() -> None:
     parser.add_argument("-j", "--jobs", type=int, default=1, help="faults at a time")
     parser.add_argument("--only", default="", metavar="PATTERN", help="text, kind or part")
     parser.add_argument("--map", action="store_true", help="measure all test files anew")
+    parser.add_argument("--near", type=int, default=0, metavar="N", help="N files and no map")
     asked = parser.parse_args()
     faults = tomllib.loads(LIST.read_text("utf-8"))["fault"]
     if asked.map:
@@ -67,27 +65,29 @@ def main() -> None:
     copies: SimpleQueue[Path] = SimpleQueue()
     for k in range(asked.jobs):
         copies.put(copy_of_head(WORK / f"copy-{k}"))
-    files = git("ls-tree", "--name-only", "HEAD", "tests/").split()
+    files = git("ls-tree", "-r", "--name-only", "HEAD", "tests/").split()
     # The docstrings of the package are one test file more.
     tests = [*(name for name in files if re.search(r"/test_\w+\.py$", name)), "src"]
-    in_turn(asked.jobs, copies, record_map, tests)
+    if not asked.near:
+        in_turn(asked.jobs, copies, record_map, tests)
     maps = {m["name"]: m for m in (json.loads(f.read_text()) for f in MAPS.glob("*.json"))}
-    trees, known = git("rev-parse", "HEAD:src", "HEAD:tests").split(), results()
+    trees = git("rev-parse", "HEAD:src", "HEAD:tests").split()
+    known = results(trees[0])
 
     def try_one(fault: Fault, copy: Path) -> None:
-        found = {"fault": key_of(fault), "trees": trees} | outcome(fault, copy, maps)
+        found = {"fault": key_of(fault), "trees": trees} | outcome(fault, copy, maps, asked.near)
         with RESULTS.open("a", encoding="utf-8") as file:
             file.write(json.dumps(found, ensure_ascii=False) + "\n")
         print(f"{found['make test']:>10} {found['make test-all']:>10}  {key_of(fault)}", flush=True)
 
     def is_left(fault: Fault) -> bool:
-        found = known.get(key_of(fault), {"trees": ["", ""]})
-        done = found["trees"] == trees or found.get("make test") == "caught"
+        found = known.get(key_of(fault))
+        again = found is None or (found["make test"] != "caught" and found["trees"] != trees)
         about = " ".join([key_of(fault), fault["kind"], fault["part"]])
-        return not (done and found["trees"][0] == trees[0]) and bool(re.search(asked.only, about))
+        return again and re.search(asked.only, about) is not None
 
     in_turn(asked.jobs, copies, try_one, filter(is_left, faults))
-    print(written_table(faults))
+    print(written_table(faults, results(trees[0])))
 
 
 def in_turn(jobs: int, copies: SimpleQueue[Path], work: Any, items: Iterable[Any]) -> None:
@@ -104,23 +104,20 @@ def in_turn(jobs: int, copies: SimpleQueue[Path], work: Any, items: Iterable[Any
         list(pool.map(one, items))
 
 
-# --- the list and the results -------------------------------------------------------------------
-
-
 def key_of(fault: Fault) -> str:
     """Return a fault as one line."""
     return f"{fault['file']}: {fault['old'].strip()} -> {fault['new'].strip()}"
 
 
-def results() -> dict[str, dict[str, Any]]:
-    """Return the last result of each fault."""
+def results(sources: str) -> dict[str, dict[str, Any]]:
+    """Return the last result of each fault in these sources."""
     lines = RESULTS.read_text("utf-8").splitlines() if RESULTS.exists() else []
-    return {found["fault"]: found for found in map(json.loads, lines)}
+    every = [found for found in map(json.loads, lines) if found["trees"][0] == sources]
+    return {found["fault"]: found for found in every}
 
 
-def written_table(faults: list[Fault]) -> str:
+def written_table(faults: list[Fault], known: dict[str, dict[str, Any]]) -> str:
     """Write the table of all faults; return the summary."""
-    known = results()
     rows = [known.get(key_of(fault), {}) | fault | {"fault": key_of(fault)} for fault in faults]
     table = pd.DataFrame(rows, columns=COLUMNS).fillna("")
     table.to_csv(TABLE, index=False)
@@ -130,9 +127,6 @@ def written_table(faults: list[Fault]) -> str:
         f"Of {len(table)} faults make test catches {count.get('caught', 0)}, with make test-all "
         f"{rest}; {count.get('moved', 0)} moved, {count.get('', 0)} not tried; {TABLE}"
     )
-
-
-# --- copies -------------------------------------------------------------------------------------
 
 
 def git(*arguments: str, folder: Path = ROOT) -> str:
@@ -167,9 +161,6 @@ def run_tests(
     return code, said.read_text("utf-8", "replace"), time.monotonic() - began
 
 
-# --- which test files run which functions -------------------------------------------------------
-
-
 def record_map(name: str, copy: Path) -> None:
     """Write which functions a test file runs, how long it takes and what fails without a fault."""
     out, data = MAPS / f"{name.replace('/', '-')}.json", copy / "build/measured"
@@ -182,7 +173,9 @@ def record_map(name: str, copy: Path) -> None:
     (TOOLS / "sitecustomize.py").write_text("import coverage\ncoverage.process_startup()\n")
     shutil.rmtree(data, ignore_errors=True)
     data.mkdir(parents=True)
-    (data / "settings").write_text(SETTINGS.format(package=copy / PACKAGE, data=data))
+    quiet = "no-data-collected, module-not-measured, module-not-imported"
+    settings = f"parallel = true\nsource = {copy / PACKAGE}\ndata_file = {data}/part\n"
+    (data / "settings").write_text(f"[run]\n{settings}disable_warnings = {quiet}\n")
     measure = {"COVERAGE_PROCESS_START": str(data / "settings")}
     _, said, seconds = run_tests(copy, [*BOTH, name], str(TOOLS), **measure)
     broken = FAILED.findall(said)
@@ -235,7 +228,16 @@ def chosen(file: Path, line: int, copy: Path, maps: dict[str, Any]) -> list[str]
     return sorted(running or importing, key=order)
 
 
-# --- a fault ------------------------------------------------------------------------------------
+def nearest(file: Path, copy: Path, number: int) -> list[str]:
+    """Return the test files that speak most of a module and its public names."""
+    body = ast.parse(file.read_text("utf-8")).body
+    names = [n.name for n in body if isinstance(n, ast.FunctionDef | ast.ClassDef)]
+    public = [re.escape(name) for name in (file.stem, *names) if not name.startswith("_")]
+    words = re.compile(rf"\b(?:{'|'.join(public)})\b")
+    texts = {test: test.read_text("utf-8") for test in (copy / "tests").rglob("test_*.py")}
+    said = {test: len(words.findall(text)) for test, text in texts.items()}
+    ranked = sorted(filter(said.get, said), key=lambda t: (file.stem not in t.stem, -said[t]))
+    return [str(test.relative_to(copy)) for test in ranked[:number]]
 
 
 def place_of(fault: Fault, package: Path) -> Path | None:
@@ -247,15 +249,16 @@ def place_of(fault: Fault, package: Path) -> Path | None:
     return max(counts, key=lambda f: counts[f]) if sum(counts.values()) == 1 else None
 
 
-def outcome(fault: Fault, copy: Path, maps: dict[str, Any]) -> dict[str, Any]:
+def outcome(fault: Fault, copy: Path, maps: dict[str, Any], near: int) -> dict[str, Any]:
     """Apply a fault to a copy, and return which tests see it."""
     file = place_of(fault, copy / PACKAGE)
     if file is None:
         return {"make test": "moved", "make test-all": "moved", "by": ""}
     right = file.read_text("utf-8")
     line = right[: right.index(fault["old"])].count("\n") + 1
-    files = chosen(file, line, copy, maps)
-    broken = [f"--deselect={test}" for name in files for test in maps[name]["broken"]]
+    files = nearest(file, copy, near) if near else chosen(file, line, copy, maps)
+    failing = [test for name in files if not near for test in maps[name]["broken"]]
+    broken = [f"--deselect={test}" for test in failing]
     tests = ["-x", *broken, str(file.relative_to(copy)), *files]  # its own docstrings first
     found: dict[str, Any] = {"by": "", "seconds": 0}
     file.write_text(right.replace(fault["old"], fault["new"]), encoding="utf-8")
@@ -272,7 +275,7 @@ def outcome(fault: Fault, copy: Path, maps: dict[str, Any]) -> dict[str, Any]:
                 break
             if code not in (0, 5):
                 raise RuntimeError(f"pytest ended with {code}: {said[-2000:]}")
-            found[column] = "not caught"
+            found[column] = "not by the nearest" if near else "not caught"
     finally:
         git("reset", "--quiet", "--hard", "HEAD~", folder=copy)
     return {"make test-all": found.get("make test"), **found}

@@ -39,10 +39,10 @@ def frozen(name):
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
 
 
-def differences(name, now, same=operator.eq, part=bool):
-    """Return the entries of a golden file, those whose keys `part` takes, that differ.
+def hold(name, now, same=operator.eq, part=bool):
+    """Hold values against the entries of a golden file, those whose keys `part` takes.
 
-    With WRITE_GOLDEN in the environment they are written anew, and none differ.
+    With WRITE_GOLDEN in the environment they are written anew.
     """
     every = frozen(name)
     was = {key: value for key, value in every.items() if part(key)}
@@ -50,12 +50,13 @@ def differences(name, now, same=operator.eq, part=bool):
         kept = {key: value for key, value in every.items() if key not in was}
         text = _text(dict(sorted({**kept, **now}.items()))) + "\n"
         FOLDER.joinpath(f"{name}.json").write_text(text, encoding="utf-8")
-        return []
-    return [
+        return
+    changed = [
         f"{key}: {was.get(key, 'absent')} -> {now.get(key, 'absent')}"
         for key in sorted(was.keys() | now.keys())
         if key not in was or key not in now or not same(was[key], now[key])
     ]
+    assert not changed, "\n".join([f"{name}.json", *changed])
 
 
 def _text(value, indent=0):
@@ -180,13 +181,19 @@ def committed_results():
 
 
 def keys_of_results():
-    """Return the nested keys of the committed results, and which results lack a key."""
+    """Return the nested keys of the committed results, and which results have a key."""
     outlines = {p.stem: outline(p) for p in sorted((ROOT / "fitting/results").glob("*.json"))}
-    without = {
-        key: [name for name, keys in outlines.items() if key not in keys]
-        for key in sorted({key for keys in outlines.values() for key in keys})
-    }
-    return {k: f"all but {' '.join(v)}" if v else "all" for k, v in without.items()}
+    having = {key: set() for keys in outlines.values() for key in keys}
+    for name, keys in outlines.items():
+        for key in keys:
+            having[key].add(name)
+    return {key: _which(names, set(outlines)) for key, names in sorted(having.items())}
+
+
+def _which(names, every):
+    """Return which names they are of all, as shortly as may be."""
+    without = f"all but {' '.join(sorted(every - names))}" if every - names else "all"
+    return min(without, " ".join(sorted(names)), key=len)
 
 
 def summary(table):
