@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,8 +13,7 @@ from cylcontact.errors import InputError
 from cylcontact.export.named import find_law
 from cylcontact.laws import LAWS
 from cylcontact.materials import material_in_MPa
-from cylcontact.reports.laws_table import comparison, to_text
-from cylcontact.reports.laws_table import pin_in_hole as laws_pin_in_hole
+from cylcontact.reports.laws_table import case, comparison, to_text
 from tests.browser import opened
 from tests.html_bench import EVIL
 
@@ -281,7 +281,7 @@ def test_no_first_yield_is_shown_where_the_series_for_it_ends(browser, explore):
 def test_advice_on_two_materials_says_what_the_command_says(browser, explore):
     def said_by_command(load):
         steel, aluminium = cc.Material("s", 200e3, 0.3), cc.Material("a", 69e3, 0.33)
-        text = to_text(laws_pin_in_hole(aluminium, steel), load)
+        text = to_text(replace(case(), material_i=steel, material_j=aluminium), load)
         found = re.search(
             r"explicit (\S+) %, johnson (ends before|\S+ %)\n.*explicit-pair (\S+) %\n", text
         )

@@ -1,7 +1,6 @@
 """The page on reliability states what the tests count, and the limits that the program has."""
 
-from cylcontact import reading
-from cylcontact.datasets import tables
+from cylcontact import reading, tables
 from cylcontact.memory import as_size
 from tests.counts import PAGE, written
 
