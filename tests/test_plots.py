@@ -229,7 +229,7 @@ class TestMap:
             ({"load": (0.0, 10.0)}, "load = (0.0, 10.0): must be two positive numbers"),
             ({"load": (1.0, 10.0, 100.0)}, "must be two positive numbers, the lower first"),
             ({"load": (1.0, np.inf)}, "must be two positive numbers"),
-            ({"dR": (0.1, 12.0)}, "leaves body j a radius that is not positive"),
+            ({"dR": (0.1, 12.0)}, "leaves the pin a radius that is not positive"),
             ({"R_i": -1.0}, "R_i = -1.0: must be positive and finite"),
             ({"R_i": np.array([5.0, 10.0])}, "must hold single numbers, no arrays"),
             ({"material": "bronze"}, "must be a Material"),
@@ -365,7 +365,7 @@ class TestLimits:
             ({"material": BRITTLE}, "yield_stress: is not known for both materials"),
             ({"criterion": "mises"}, "criterion = 'mises': must be 'von Mises', 'Tresca' or"),
             ({"dR": (0.0, 1.0)}, "dR = (0.0, 1.0): must be two positive numbers"),
-            ({"R_i": 1.0}, "leaves body j a radius that is not positive"),
+            ({"R_i": 1.0}, "leaves the pin a radius that is not positive"),
             ({"material_j": "steel"}, "material_j = 'steel': must be a Material"),
         ],
     )
