@@ -301,6 +301,7 @@ class TestAdditions:
         assert "Loads of mine, N/mm." in page
         assert 'href="figures/fig_mine.csv" download' in page
 
+    @pytest.mark.slow
     def test_a_material_is_one_row_and_moves_no_other_figure(
         self, figures: DrawnFigures, maps_bench: Bench, run
     ) -> None:

@@ -144,6 +144,7 @@ def test_numbers_of_the_papers_own_need_no_choice(material_rows):
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])
+@pytest.mark.slow
 def test_the_bounds_do_not_hang_on_the_assumed_yield_stresses(material_rows, factor):
     material_rows(
         {

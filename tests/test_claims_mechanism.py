@@ -91,6 +91,7 @@ class TestLongRuns:
         assert len(PLAN) == 24 * 5
         assert JOURNAL.stat().st_size < 300_000
 
+    @pytest.mark.slow
     def test_a_periodic_run_comes_out_again(self):
         """Contact without end is not sensitive: other machines agree to many digits."""
         case = Case("lankarani-nikravesh", 0.02, 0.9, 0.1)

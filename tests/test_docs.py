@@ -63,6 +63,7 @@ def test_the_readme_leaves_no_litter_and_can_be_followed_twice(tmp_path, monkeyp
         assert git(["git", "status", "--porcelain"]).stdout == ""
 
 
+@pytest.mark.slow
 def test_a_material_of_ones_own_changes_no_figure_of_the_paper(tmp_path, figures):
     copy_bench(tmp_path)
     (table,) = [b for b in blocks(ROOT / "docs/how-to/map-my-material.md") if b.language == "csv"]

@@ -100,6 +100,7 @@ def test_bad_input_found_by_a_worker_comes_back_whole(jobs):
 
 
 @posix
+@pytest.mark.slow
 def test_a_worker_ended_by_the_system_is_told_in_one_line():
     def end(_):
         os.kill(os.getpid(), signal.SIGKILL)

@@ -45,6 +45,7 @@ def test_every_module_lists_its_public_names(path):
     assert all(hasattr(module, name) for name in module.__all__)
 
 
+@pytest.mark.slow
 def test_the_parts_of_the_package_need_no_import_of_their_own():
     code = (
         "import cylcontact as cc; print(callable(cc.mechanism.simulate), "

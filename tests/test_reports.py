@@ -127,6 +127,7 @@ class TestBuild:
         (figure,) = build(bench, ["fig98"])
         assert figure.paths[2].read_bytes() == b"load_N_per_mm\n0.3333333\n"
 
+    @pytest.mark.slow
     def test_same_bytes_in_another_process(self, bench: Bench, tmp_path: Path) -> None:
         (figure,) = build(bench, ["fig98"])
         code = (

@@ -347,6 +347,7 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
 # --- resampling -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_bootstrap_agrees_with_the_covariance_and_not_with_the_workers(noisy):
     problem, best, noise = noisy
     one = bootstrap(problem, best, "rows", 120, 1, LEVEL)
