@@ -84,12 +84,26 @@ KINDS = {
 }
 
 
+CLAIM = b"""
+from cylcontact.reports.claims import Finding, claim
+
+from ..paper import LOADS
+
+
+@claim("7-light", "the loads are light", paper="light", rule="at most 1000 N/mm")
+def light():
+    return Finding(f"{max(LOADS):g} N/mm", holds=max(LOADS) <= 1000)
+"""
+
+
 def good_files(folder):
     """Write the good files of a bench into an empty folder, and return them: name → contents."""
     require_package("pyarrow.parquet")
     files = malformed.good_files(b"") | {
         "pair.json": (ROOT / "fitting/results/explicit-pair.json").read_bytes(),
         "reports/fig99.py": RECIPE.encode(),
+        "reports/paper.py": b"LOADS = (10.0, 1000.0)\n",
+        "reports/claims/mine.py": CLAIM,
         **{name: (ROOT / name).read_bytes() for name in TABLES},
         "fe.toml": malformed.document(changed(ELEMENTS, {"cells": 4})),
         "fitting/small.toml": malformed.document(changed(QUICK, {"genetic.runs": 3})),

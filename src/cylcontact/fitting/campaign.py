@@ -501,9 +501,10 @@ def _freed(model: LawModel, spec: MeasuredSpec, measured: Measurements, source: 
     # another datum is worth much more than the readings over the loads.
     largest = 2 * np.abs(measured.penetration).max()
     reach, most = (float(f"{value:.1g}") for value in (largest, largest / measured.load.max()))
-    bounds = {"offset": (-reach, reach), "compliance": (-most, most)}
+    # Readings of nothing, or at a load beyond all measure, leave the bounds as they are.
+    bounds = {name: end for name, end in (("offset", reach), ("compliance", most)) if end > 0}
     parameters = (
-        replace(p, low=bounds[p.name][0], high=bounds[p.name][1]) if p.name in bounds else p
+        replace(p, low=-bounds[p.name], high=bounds[p.name]) if p.name in bounds else p
         for p in model.parameters
     )
     return replace(model, parameters=tuple(parameters))
