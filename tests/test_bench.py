@@ -124,6 +124,7 @@ class TestModules:
             *("fig99.py", "figures", "paper.py"),
         ]
 
+    @pytest.mark.slow
     def test_workers_call_its_functions(self, bench: Bench) -> None:
         text = "import os\n\nfrom .paper import LOADS\n\n\ndef scaled(factor):\n"
         put(bench, "loads.py", text + "    return os.getpid(), factor * LOADS[0]\n")
@@ -376,6 +377,7 @@ class TestShippedBench:
             queue += [each for each in neighbours if each.is_file() and each not in queue]
         assert BENCH.recipes_folder / "slider_crank.py" in queue
 
+    @pytest.mark.slow
     def test_the_package_depends_on_no_bench_and_no_paper(self) -> None:
         naming = set()
         for file in SOURCE.rglob("*.py"):

@@ -181,6 +181,7 @@ def test_a_wrong_input_is_an_error(bench):
         ledger(bench)
 
 
+@pytest.mark.slow
 def test_a_claim_of_the_shipped_bench_takes_one_function_of_18_lines(tmp_path, run, monkeypatch):
     """In a copy of the bench's helpers and of one file of claims."""
     text = trial("3.2-zz-trial").strip()

@@ -101,6 +101,7 @@ def first_number(text):
 # --- verdicts ---
 
 
+@pytest.mark.slow
 def test_verdicts(claims):
     assert {id: claim.verdict for id, claim in claims.items()} == VERDICTS
 

@@ -81,6 +81,7 @@ def r_squared_about(loads, E_star, dR, contact):
     return 1 - residual @ residual / np.sum((y - y.mean()) ** 2)
 
 
+@pytest.mark.slow
 def test_verdicts(claims):
     assert {claim_id: claim.verdict for claim_id, claim in claims.items()} == VERDICTS
 

@@ -355,6 +355,7 @@ class TestLimits:
             1.4 * STEEL.yield_stress * 10, rel=0.02
         )
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("factor", [0.5, 2.0])
     def test_hertz_pressure_fails_whatever_the_yield_stresses(self, monkeypatch, factor):
         changed = {name: ROWS[name].material for name in MATERIALS}

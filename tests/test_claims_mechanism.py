@@ -328,6 +328,7 @@ class TestTrends:
 
 
 class TestClaims:
+    @pytest.mark.slow
     def test_verdicts(self, claims):
         verdicts = {name: claim.verdict for name, claim in claims.items()}
         assert verdicts["4.3-longer-flights"] == "reproduced with a stated choice"
@@ -359,6 +360,7 @@ class TestClaims:
         drawn = {path.stem for path in (ROOT / "reports").glob("fig*.py")} | {"fig18", "fig19"}
         assert {name for claim in claims.values() for name in claim.figures} <= drawn
 
+    @pytest.mark.slow
     def test_other_runs_give_other_verdicts(self, table, monkeypatch):
         """With steps, forces and contacts as the paper has them, everything is reproduced."""
         smooth = (table["restitution"] < 1).astype(float) + 2 * (table["clearance"] < 0.1)

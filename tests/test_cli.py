@@ -213,6 +213,7 @@ def test_a_result_from_other_inputs_is_replaced_only_when_asked(bench, run):
     assert run(*fit, "-o", path)[0] == 0  # named, so meant
 
 
+@pytest.mark.slow
 def test_a_second_law_on_the_same_table_has_a_folder_of_its_own(bench, run):
     (bench / "table.csv").write_text(
         "load_N_per_mm,penetration_um,dR_um,E_GPa,nu\n10,.21,50,207,.3\n100,1.7,50,207,.3\n"
@@ -427,12 +428,14 @@ def test_what_is_kept_is_counted(bench, run, monkeypatch, runs):
 # --- pipes and terminals ----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @posix
 @in_bench
 def test_a_reader_that_has_gone_is_no_mistake():
     finish_unread("compare", *["good.json"] * 50)
 
 
+@pytest.mark.slow
 @posix
 def test_a_result_is_written_even_if_nobody_reads_the_report(bench):
     finish_unread(*FIT, *TO_RESULT)
@@ -440,6 +443,7 @@ def test_a_result_is_written_even_if_nobody_reads_the_report(bench):
     assert not (bench / "r.json.partial").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device here")
 @in_bench
 def test_output_without_room_is_told_in_one_line():
@@ -450,6 +454,7 @@ def test_output_without_room_is_told_in_one_line():
     assert len(errors.splitlines()) == 1
 
 
+@pytest.mark.slow
 @in_bench
 def test_there_is_no_progress_where_errors_are_no_terminal():
     colourful = os.environ | {"FORCE_COLOR": "1", "TTY_COMPATIBLE": "1"}
@@ -458,6 +463,7 @@ def test_there_is_no_progress_where_errors_are_no_terminal():
     assert "\x1b" not in said
 
 
+@pytest.mark.slow
 @posix
 @in_bench
 def test_there_is_progress_on_a_terminal():
@@ -478,6 +484,7 @@ def test_there_is_progress_on_a_terminal():
     assert "\x1b" not in said
 
 
+@pytest.mark.slow
 @in_bench
 def test_characters_that_the_output_has_no_room_for_are_replaced():
     narrow = os.environ | {"PYTHONIOENCODING": "latin-1"}

@@ -62,6 +62,7 @@ def test_the_examples_are_understood(name):
     COMMANDS[name].make_context(name, arguments)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", QUICK)
 def test_the_quick_examples_run(run, tmp_path, monkeypatch, name):
     for folder in ("datasets", "fitting"):
@@ -271,6 +272,7 @@ def test_reports_hold_the_tables_of_the_reports_in_them():
     assert list(pieces_of(joined([inner, "b"], "\n\n"))) == ["a", "\n", TABLE, "\n\n", "b"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no such terminals")
 def test_compare_on_a_terminal_and_elsewhere():
     results = ROOT / "fitting/results"

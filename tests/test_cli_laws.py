@@ -164,6 +164,7 @@ def test_a_modulus_below_1000_needs_its_unit(run):
     assert "\n\ninternal contact, ΔR = " in out
 
 
+@pytest.mark.slow
 def test_a_load_above_first_yield_is_warned_of_and_a_smaller_one_is_not(run):
     bodies = ("laws", "--pin", "low-carbon steel", "--hole", "aluminium alloy", "--dR", "0.01")
     code, out, err = run(*bodies, "--load", "9000")

@@ -24,7 +24,7 @@ from tests.measured_files import USER_LAW, user_campaign
 from tests.spec_files import assert_told, tree, write_bench
 
 pytestmark = [
-    pytest.mark.slow,
+    pytest.mark.long,
     pytest.mark.skipif(os.name == "nt", reason="SIGKILL ends the processes"),
 ]
 DESERTED = "has had no scheduler or no workers for 2 s"

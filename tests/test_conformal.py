@@ -157,6 +157,7 @@ def test_the_limit_is_the_root_that_bounds_the_arc():
 # --- the law against quadrature and high precision --------------------------------------------
 
 
+@pytest.mark.slow
 @hypothesis_settings(max_examples=25)
 @given(powers_of_ten(-9, 4))
 @example(1e-9)
@@ -357,6 +358,7 @@ GOLDEN = (1 + 5**0.5) / 2
 NUMERICAL_LOADS = [0.1, 0.2, 0.63, 1.7, 5.0, 50.0, 1000.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phi", NUMERICAL_LOADS)
 def test_the_numerical_contact_has_the_same_pressure_and_angle(phi, green):
     angle, p, _, contact = solve_contact(phi, green)

@@ -178,6 +178,7 @@ def test_a_rubber_pin_in_a_rigid_hole_can_close_all_around():
 # --- the series -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_series_converges_so_that_its_error_can_be_measured():
     b = np.array([0.01, 0.3, 0.8, 1.0])
     for beta in (0.5, -0.5):
@@ -192,6 +193,7 @@ def test_the_series_converges_so_that_its_error_can_be_measured():
         assert np.all(np.array(errors[0]) > np.array([2000, 2000, 225]) * errors[2])
 
 
+@pytest.mark.slow
 @given(any_pairs, st.floats(0.02, 0.98))
 @hypothesis_settings(max_examples=30)
 def test_the_interpolated_contact_is_the_series_of_four_times_the_terms(pair, part):
@@ -206,6 +208,7 @@ def test_the_interpolated_contact_is_the_series_of_four_times_the_terms(pair, pa
     assert LAW.peak_pressure(f, pair) * R / f == pytest.approx(exact.peak[0], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_remainder_is_proportional_to_a_small_beta():
     angles = np.linspace(0.01, 3.0, 50)
     for beta in (7e-6, -7e-6):
@@ -372,6 +375,7 @@ def test_load_and_penetration_invert_each_other(pair, x):
     assert LAW.penetration(LAW.load(x, pair), pair) == pytest.approx(x, rel=1e-13, abs=0)
 
 
+@pytest.mark.slow
 @given(any_pairs)
 @hypothesis_settings(max_examples=30)
 def test_more_load_is_more_of_everything(pair):
@@ -383,6 +387,7 @@ def test_more_load_is_more_of_everything(pair):
     assert np.all(np.diff(stiffness) > -1e-12 * stiffness[1:])
 
 
+@pytest.mark.slow
 @given(any_pairs, load_numbers)
 def test_stiffness_by_reciprocity_is_the_derivative_of_the_load(pair, d):
     step = 1e-4 * d
@@ -402,6 +407,7 @@ def test_the_arc_does_the_same_work_on_pressure_and_displacement(pair, exponent)
     assert left == pytest.approx(f[1] * (delta[2] - delta[0]), rel=2e-6)
 
 
+@pytest.mark.slow
 @given(any_pairs, load_numbers, st.floats(0.0, 3.0))
 def test_a_datum_adds_its_constant_times_the_load(pair, phi, more):
     f = phi * pair.E_star

@@ -83,6 +83,7 @@ def test_the_work_is_done_over_there_even_by_a_single_worker(tmp_path):
         assert where == {started.workers[0].pid}
 
 
+@pytest.mark.long
 def test_a_worker_killed_on_the_way_changes_nothing(short_lived, small_campaign, small_result):
     def kill_one(stage, done, _):
         if (stage, done) == ("searching", 1):
@@ -94,6 +95,7 @@ def test_a_worker_killed_on_the_way_changes_nothing(short_lived, small_campaign,
     assert bits(actual) == bits(small_result)
 
 
+@pytest.mark.long
 def test_a_worker_killed_in_the_middle_of_its_calls_has_them_redone(short_lived):
     calls = [call(time.sleep, 0.3) for _ in range(6)] + [call(os.getpid)]
     results = run_calls(calls, Cluster(short_lived.address), ordered=False)
@@ -136,6 +138,7 @@ def test_what_is_no_address(address):
     assert_told(caught, "--scheduler", "", address, rule, "e.g. tcp://192.168.1.5:8786")
 
 
+@pytest.mark.long
 def test_a_cluster_without_workers(tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "CONNECTING", 1.0)
     with LoopbackCluster(tmp_path, workers=0) as started, pytest.raises(InputError) as caught:
@@ -155,6 +158,7 @@ def of_another_version(folder, package="cylcontact"):
     return {"PYTHONPATH": os.pathsep.join([str(folder), os.environ.get("PYTHONPATH", "")])}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("package", ["cylcontact", "numpy"])
 def test_another_version_is_refused_before_any_work(tmp_path, package):
     with LoopbackCluster(tmp_path, workers=0) as started:
@@ -166,6 +170,7 @@ def test_another_version_is_refused_before_any_work(tmp_path, package):
     assert_told(caught, "--scheduler", "", started.address, f"has {package} 0.0.0, here", remedy)
 
 
+@pytest.mark.long
 def test_a_scheduler_of_another_version_is_refused(tmp_path):
     other = of_another_version(tmp_path)
     with (
@@ -177,6 +182,7 @@ def test_a_scheduler_of_another_version_is_refused(tmp_path):
     assert_told(caught, "--scheduler", "", started.address, rule, remedy)
 
 
+@pytest.mark.long
 def test_a_worker_of_another_version_that_joins_later_is_refused(short_lived, tmp_path):
     calls = [call(time.sleep, 0.2) for _ in range(100)]
     results = run_calls(calls, Cluster(short_lived.address), ordered=False)
@@ -190,6 +196,7 @@ def test_a_worker_of_another_version_that_joins_later_is_refused(short_lived, tm
     )
 
 
+@pytest.mark.long
 def test_a_cluster_whose_workers_are_all_gone(short_lived, monkeypatch):
     monkeypatch.setattr(cluster, "DESERTED", 2.0)
     calls = [call(time.sleep, 0.3) for _ in range(8)]
@@ -203,6 +210,7 @@ def test_a_cluster_whose_workers_are_all_gone(short_lived, monkeypatch):
     assert_told(caught, "--scheduler", "", short_lived.address, rule, AGAIN)
 
 
+@pytest.mark.long
 def test_calls_that_end_every_worker_they_meet(tmp_path):
     """Dask gives a call up after some workers; here after the first."""
     at_once = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
@@ -224,6 +232,7 @@ def _end_this_process():
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+@pytest.mark.long
 def test_a_scheduler_lost_on_the_way_keeps_the_complete_runs(short_lived, small_campaign, tmp_path):
     kept = tmp_path / "kept.partial"
 
@@ -246,6 +255,7 @@ def test_a_scheduler_lost_on_the_way_keeps_the_complete_runs(short_lived, small_
     assert len(resumed.runs) == 12
 
 
+@pytest.mark.long
 def test_closing_early_gives_up_the_calls_under_way(loopback):
     results = run_calls(
         [call(time.sleep, seconds) for seconds in (0, 20, 20, 20, 20)],
@@ -266,6 +276,7 @@ def test_a_missing_extra_is_named(monkeypatch):
     assert_told(caught, "--scheduler", "", None, "needs the extra 'distributed'", remedy)
 
 
+@pytest.mark.long
 def test_jobs_and_a_scheduler_are_one_too_many(tmp_path, monkeypatch, run):
     write_bench(tmp_path)
     monkeypatch.chdir(tmp_path)

@@ -30,7 +30,10 @@ WITH_CODE = [
     for page in PAGES
     if page != README and any(b.language in ("python", "bash") for b in blocks(page))
 ]
-SLOW = {"science.md", "fitter.md", "add-a-claim.md", "mechanism.md", "fit-my-data.md"}
+SLOW = {
+    "science.md", "fitter.md", "add-a-claim.md", "mechanism.md", "fit-my-data.md", "cluster.md",
+    "map-my-material.md", "figures-for-a-paper.md", "reproduce-the-paper.md", "add-a-figure.md",
+}  # fmt: skip
 each_page = pytest.mark.parametrize(
     "page",
     [pytest.param(p, marks=pytest.mark.slow) if p.name in SLOW else p for p in WITH_CODE],
@@ -223,6 +226,7 @@ CUT_OFF = """() => {
 }"""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", [1440, 390])
 def test_nothing_is_cut_off(site, width):
     with chromium() as browser:

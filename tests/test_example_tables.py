@@ -56,6 +56,7 @@ def test_a_table_is_what_its_script_writes(table):
     assert loads.max() < float(cc.limits.yield_load(made["PAIR"]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_a_stiffness_that_is_not_the_pairs_is_told(factor):
     pair = script(SPECIMENS)["PAIR"]
@@ -76,6 +77,7 @@ def test_the_plain_fit_of_the_rig_is_wrong_and_says_what_to_do():
     assert "--drift" in remedies(result)["drift"]
 
 
+@pytest.mark.slow
 def test_the_rig_with_its_compliance_and_drift_gives_the_truth(corrected):
     truth = script(RIG)["TRUTH"]
     with_all = fit(RIG, free=["compliance"], drift=True)
@@ -121,6 +123,7 @@ def test_a_scatter_that_grows_is_told_from_a_constant_one():
     assert remedies(result) == {"spread": "allow for both kinds of scatter with --noise both"}
 
 
+@pytest.mark.slow
 def test_an_error_of_the_load_takes_its_part_of_the_scatter():
     pair, truth = script(SPECIMENS)["PAIR"], script(SPECIMENS)["TRUTH"]
     shares = [

@@ -65,6 +65,7 @@ def sheet(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 
 
 class TestStyles:
+    @pytest.mark.slow
     def test_pages_have_the_styles_width_and_stay_below_its_height(self, sheet) -> None:
         style, _, files = sheet
         for file in files:
@@ -220,6 +221,7 @@ class TestCommand:
         assert page_mm(folder / "fig99.pdf")[0] == pytest.approx(84, abs=0.01)
         assert page_mm(folder / "single-column" / "fig99.pdf")[0] == pytest.approx(90, abs=0.01)
 
+    @pytest.mark.slow
     def test_a_recipes_mistake_is_told_after_the_others_are_drawn(self, small: Path) -> None:
         (small / "reports" / "fig98.py").write_text("def draw(bench):\n    return None.x\n")
         command = [sys.executable, "-m", "cylcontact.cli", "figure", "--jobs", "1"]
@@ -259,6 +261,7 @@ class TestTables:
         rows = (tables / "claims.tex").read_text().split(r"\endhead")[1].split("\\\\\n")[:-1]
         assert {row.count(" & ") for row in rows} == {4}
 
+    @pytest.mark.slow
     def test_captions_are_ready_to_input(self, tables: Path) -> None:
         caption = (tables / "fig02-caption.tex").read_text()
         assert caption.startswith(r"\caption{Load per unit length (N/mm) against penetration")

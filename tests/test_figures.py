@@ -199,6 +199,7 @@ class TestPowerLaws:
                 assert row.penetration_mm == pytest.approx(delta, rel=1e-12)
                 assert row.fitted_load_N_per_mm == pytest.approx(K * delta**n, rel=1e-10)
 
+    @pytest.mark.slow
     def test_fig03_exponents_are_slopes(self, figures: DrawnFigures) -> None:
         table = figures["fig03"].drawing.table
         load = np.geomspace(10, 1000, 41)
@@ -257,6 +258,7 @@ class TestLimits:
             limit = johnson_end(e_star(E, nu), row.dR_mm)
             assert row.load_N_per_mm == pytest.approx(limit, rel=1e-12)
 
+    @pytest.mark.slow
     def test_fig09_clearances_of_the_yield_stress(self, figures: DrawnFigures) -> None:
         for key, dR in figures["fig09"].drawing.headline.items():
             name, R_i = re.fullmatch(r"(.+), R_i = (\d+) mm: .*", key).groups()

@@ -152,6 +152,7 @@ class TestComparison:
 
 
 class TestSearch:
+    @pytest.mark.slow
     def test_errors(self, search: Drawing) -> None:
         errors = search.table.set_index("form")["largest_error_percent"]
         assert errors.to_dict() == pytest.approx(GOLDEN["fig_forms, largest error in %"], rel=1e-3)

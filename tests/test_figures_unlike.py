@@ -151,6 +151,7 @@ def any_pair(figures: DrawnFigures) -> Drawing:
 
 
 class TestDatum:
+    @pytest.mark.slow
     def test_constants_are_those_of_a_ring_and_a_disk(self, datum: Drawing) -> None:
         for name, rows in datum.table.groupby("pair"):
             w_i, *_ = parameters(name)
@@ -175,6 +176,7 @@ class TestDatum:
                 said = datum.headline[f"{name}, R_o/R_i = 20: {key}"]
                 assert said == pytest.approx(np.interp(20, rows["ratio"], rows[column]), rel=1e-2)
 
+    @pytest.mark.slow
     def test_narrow_rings_are_where_other_harmonics_matter(self, datum: Drawing) -> None:
         """What a point load's harmonics lack in a steel ring beside an infinite plate."""
         nu, kappa = 0.3, 1.8
@@ -196,6 +198,7 @@ class TestDatum:
 
 
 class TestUnlike:
+    @pytest.mark.slow
     @pytest.mark.parametrize("phi", [0.01, 1.0, 10.0])
     def test_named_pairs(self, unlike: Drawing, phi: float) -> None:
         rows = unlike.table[unlike.table["pair"].str.contains(" in ")]

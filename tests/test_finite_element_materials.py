@@ -83,6 +83,7 @@ class TestReferenceLaw:
     def test_penetration_pressure_and_angle(self, name):
         assert_is_the_laws(*PAIRS[name], phis=(0.03, 0.3, 1.0, 3.0))
 
+    @pytest.mark.slow
     def test_in_plane_stress(self):
         assert_is_the_laws(STEEL, ALUMINIUM, phis=(0.03, 1.0), plane="stress")
 
@@ -123,6 +124,7 @@ class TestIncompressible:
         assert steps[0] / steps[1] == pytest.approx(10.0, rel=0.05)
         assert abs(steps[1]) < 1e-4 * at[0.499999]
 
+    @pytest.mark.slow
     def test_plain_and_other_cells_meet_at_0_4(self):
         setup = joint(STEEL, (70e3, 0.4), cells=16)
         (plain,), (other,) = (solve(replace(setup, nu=nu), DR, [100.0]) for nu in (0.4, 0.400001))
@@ -197,6 +199,7 @@ class TestSetup:
 
 
 class TestInteriorStress:
+    @pytest.mark.slow
     def test_von_mises_below_a_narrow_contact_is_hertzs(self):
         def stress(z, nu=STEEL[1]):
             """Von Mises over the peak pressure at the depth z half-widths; Johnson (1985) 4.46."""
@@ -219,6 +222,7 @@ class TestInteriorStress:
             assert z[actual.argmax()] == pytest.approx(hertz.x, abs=0.05)
             assert actual.max() == pytest.approx(-hertz.fun, rel=0.01)
 
+    @pytest.mark.slow
     def test_a_conforming_contact_brings_the_plates_maximum_up(self):
         setup, depths = joint(STEEL, STEEL, cells=16, outer_ratio=10.0), []
         for phi in (1e-4, 0.01, 0.1, 0.3):

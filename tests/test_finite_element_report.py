@@ -32,6 +32,7 @@ class TestFigures:
         assert drawing.headline["cells"] == actual.loc[actual["dR_mm"] == 0.1, "cells"].iloc[0]
         assert 1.31 < drawing.headline["length of the cells in the contact, µm"] < 6.63
 
+    @pytest.mark.slow
     def test_fig05_is_hertz_at_1_mm_and_departs_at_10_um(self, figures):
         drawing = figures["fig05"].drawing
         off = {
@@ -43,6 +44,7 @@ class TestFigures:
             pair = CylinderPair.from_dR("internal", float(dR), STEEL, R_i=2.245)
             assert part["hertz_MPa"].max() == pytest.approx(float(limits.hertz_stress(20.0, pair)))
 
+    @pytest.mark.slow
     def test_fig06_holds_every_model(self, figures):
         drawing = figures["fig06"].drawing
         actual = drawing.table

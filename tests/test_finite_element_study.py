@@ -129,6 +129,7 @@ class TestCommittedTables:
         assert np.all((above > predicted) & (above < 1.4 * predicted))
         assert np.corrcoef(actual / johnson, persson / johnson)[0, 1] > 0.99
 
+    @pytest.mark.slow
     def test_the_outer_ratio_is_the_one_that_gives_johnsons_constant(self):
         study = read_study(TABLES / "recommended.toml")
         ratio = study.setups["base"].outer_ratio

@@ -189,6 +189,7 @@ def test_loads_and_lengths_scale_with_the_radius():
 # --- shapes, families and accuracy --------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_families_of_pairs_yield_as_their_members_do():
     E, nu = np.array([100e3, 200e3]), np.array([[0.2], [0.3], [0.4]])
     family = Material("family", E, nu, yield_stress=250.0)

@@ -344,6 +344,7 @@ def test_a_table_that_lacks_a_column_is_told(name, read, column, tmp_path):
 # --- today's files keep their form ------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_file_is_written_in_its_stored_form(name, run, bench):
     written = bench / Path(name).name
@@ -352,6 +353,7 @@ def test_a_file_is_written_in_its_stored_form(name, run, bench):
     assert_same_form(name, written)
 
 
+@pytest.mark.slow
 def test_the_tables_beside_a_run_and_a_fit_keep_their_columns(run, bench):
     assert (
         run("simulate", "slider_crank.toml", *CASE, *COARSE, "--table", "revolutions.csv")[0] == 0

@@ -221,6 +221,7 @@ def test_laws_are_not_compared_without_the_times_of_the_benchmarks(tmp_path):
         assert "benchmarks.json: the measured times do not exist" in answer.problem
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", SIZES)
 def test_no_page_is_longer_than_eight_screens(browser, site, texts, width):
     assert set(KINDS) < set(texts)
@@ -231,6 +232,7 @@ def test_no_page_is_longer_than_eight_screens(browser, site, texts, width):
             assert height <= 8 * SIZES[width], page
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", KINDS)
 @pytest.mark.parametrize("width", SIZES)
 def test_layout_holds(browser, site, page, width):
@@ -248,6 +250,7 @@ def test_layout_holds(browser, site, page, width):
         assert view.evaluate(unlabelled) == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", KINDS)
 @pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("width", SIZES)
@@ -298,6 +301,7 @@ def test_downloads_are_the_files(browser, site):
         assert Path(waiting.value.path()).read_bytes() == own.read_bytes()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", KINDS)
 def test_prints_with_everything_unfolded(browser, site, page):
     with opened(browser, site.index.parent / f"{page}.html", theme="dark") as view:

@@ -17,7 +17,7 @@ from cylcontact.reports.laws_table import case, comparison, to_text
 from tests.browser import opened
 from tests.html_bench import EVIL
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 
 
 AS_PYTHON = 1e-9

@@ -206,6 +206,7 @@ def test_an_interrupted_simulation_keeps_its_revolutions(tmp_path):
     assert list(tree(out.parent)) == ["run.parquet"]
 
 
+@pytest.mark.long
 def test_resume_after_kill_9_at_random_moments(uninterrupted, tmp_path):
     trials = 20
     seconds = float((uninterrupted / "seconds").read_text())
@@ -221,6 +222,7 @@ def test_resume_after_kill_9_at_random_moments(uninterrupted, tmp_path):
     assert resumable >= trials / 6
 
 
+@pytest.mark.long
 def test_killed_again_and_again_it_arrives_in_the_end(uninterrupted, tmp_path):
     seconds = float((uninterrupted / "seconds").read_text())
     folder = bench(tmp_path)
@@ -231,6 +233,7 @@ def test_killed_again_and_again_it_arrives_in_the_end(uninterrupted, tmp_path):
     assert_complete(folder, uninterrupted)
 
 
+@pytest.mark.long
 def test_killed_before_every_single_operation_on_a_file(tmp_path):
     """Three runs: the lock, the journal, the result, and what is removed in the end."""
     whole = bench(tmp_path, "whole", FEW)
@@ -259,6 +262,7 @@ def test_a_fit_with_worker_processes_ends_in_a_forked_process_too(tmp_path):
     assert killable.run(bench(tmp_path), *FIT[:2], "--jobs", "2") == 0
 
 
+@pytest.mark.long
 @in_proc
 @pytest.mark.parametrize("how", ["SIGKILL", "SIGINT"])
 def test_stopped_with_worker_processes_under_way_it_resumes(longer, tmp_path, how):
@@ -278,6 +282,7 @@ def test_stopped_with_worker_processes_under_way_it_resumes(longer, tmp_path, ho
     resume(folder, longer)
 
 
+@pytest.mark.long
 @in_proc
 def test_a_fit_interrupted_while_its_workers_start_keeps_nothing_and_says_so(tmp_path):
     folder = bench(tmp_path, campaign=LONG)
@@ -392,6 +397,7 @@ def test_a_program_whose_parent_has_ended_already_is_not_started(tmp_path):
     assert not (tmp_path / "started").exists()
 
 
+@pytest.mark.long
 @in_proc
 @pytest.mark.parametrize("how", ["SIGKILL", "SIGINT", "SIGTERM", "closed terminal"])
 @pytest.mark.parametrize("moment", ["early", "workers start", "under way"])
@@ -428,6 +434,7 @@ def test_the_second_of_two_fits_of_one_output_says_so_and_stops(tmp_path):
     assert beside_result(folder) == {"small.json"}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -531,6 +538,7 @@ def stopping(action, after):
     return progress
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mount", [True, False])
 def test_a_disk_that_fills_up_keeps_the_complete_runs(tmp_path, monkeypatch, mount):
     campaign = read_campaign(bench(tmp_path, campaign=RUNS) / "fitting/small.toml", runs=40)
@@ -546,6 +554,7 @@ def test_a_disk_that_fills_up_keeps_the_complete_runs(tmp_path, monkeypatch, mou
     assert resumed.repeatable() == calibrate(campaign).repeatable()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mount", [True, False])
 def test_a_full_disk_leaves_the_result_of_before(tmp_path, small_result, monkeypatch, mount):
     with SmallDisk(tmp_path / "disk", "64k", monkeypatch, mount) as disk:
@@ -699,6 +708,7 @@ HELPERS = {
 }
 
 
+@pytest.mark.long
 @in_proc
 @pytest.mark.parametrize("helper", HELPERS)
 def test_killed_tests_leave_no_process(tmp_path, helper, pytestconfig):

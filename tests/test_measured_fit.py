@@ -574,6 +574,7 @@ def test_a_fitted_table_has_a_folder_of_its_own(tmp_path, run, monkeypatch, give
     assert rows["residual_mm"].to_numpy() == pytest.approx(expected, rel=1e-5, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_second_law_for_a_table_has_a_folder_of_its_own(tmp_path, run):
     table = write_measured(tmp_path / "mine.csv", "johnson", "internal", noise=0.01)
     options = ("--contact", "internal", "--E", "207 GPa", "--nu", 0.3, "--Ri", 10, "--runs", 1)

@@ -195,6 +195,7 @@ class TestPaths:
         assert radius[touching].min() > 500 - 1e-6
         assert radius[~touching].max() < 500 + 1e-6
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("name", ["fig18", "fig19"])
     def test_whole_paths_are_pale_and_their_ends_dark(self, figures, name):
         drawing = figures[name].drawing
@@ -222,6 +223,7 @@ class TestSteps:
 
 
 class TestFilm:
+    @pytest.mark.slow
     def test_film_is_short_enough_and_the_same_again(self, tmp_path, settled, monkeypatch):
         monkeypatch.setattr("cylcontact.mechanism.movie.FRAMES_PER_REVOLUTION", 6)
         calls = []

@@ -70,6 +70,7 @@ def cvode_run(mechanism, end):
     return np.array(contacts), y
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "case", [("johnson", 0.5, 0.9, 0.1), ("enhanced", 0.02, 1.0, 0.0), ("enhanced", 0.02, 0.9, 0.1)]
 )

@@ -50,6 +50,7 @@ def test_a_row_is_what_the_run_says(table):
     assert "bodies.rod.mass = 0.21" in table["assumptions"].iloc[0]
 
 
+@pytest.mark.slow
 def test_the_table_does_not_depend_on_the_workers(table):
     pd.testing.assert_frame_equal(table, sweep(slider_crank(), WANTED, PLAN, workers=2))
 
@@ -217,6 +218,7 @@ def test_an_interrupted_simulate_prints_what_is_complete(run, monkeypatch):
     assert "interrupted; these are the numbers of 3 complete revolutions" in err
 
 
+@pytest.mark.slow
 def test_bifurcation_tabulates_sections(run, tmp_path):
     out = tmp_path / "table.csv"
     options = ("--clearance", "0.4,0.5", "--points", 2, "--revolutions", 33, "--last", 4)

@@ -100,6 +100,7 @@ def test_it_shows_itself_in_a_few_lines(run):
     assert "<caption" in run._repr_html_()
 
 
+@pytest.mark.slow
 def test_the_largest_elastic_load_is_set_against_first_yield(run):
     """The load from the law in Python; 500 MPa are passed, 1000 MPa are not."""
     steel = Material("steel", 207e3, 0.3)

@@ -62,6 +62,7 @@ def rounding(count):
 # --- the sum of squares -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(grid=grids, data=st.data())
 def test_sum_of_squares_is_the_one_of_the_rows_for_any_factor_and_exponent(grid, data):
     choices = {dR: (data.draw(factors), data.draw(exponents)) for dR in grid.dR}
@@ -96,6 +97,7 @@ enhanced = {
 }
 
 
+@pytest.mark.slow
 @given(grid=grids, data=st.data())
 def test_objective_is_the_one_of_the_rows_for_the_enhanced_law(grid, data):
     candidate = data.draw(enhanced[grid.contact])

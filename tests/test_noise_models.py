@@ -501,6 +501,7 @@ def ungrouped(frame):
     return frame.drop(columns="group")
 
 
+@pytest.mark.slow
 def test_series_that_differ_are_found_and_random_effects_allow_for_them():
     frame = readings(1, offset=1e-4, gain=0.02)
     findings = found(frame)
@@ -511,6 +512,7 @@ def test_series_that_differ_are_found_and_random_effects_allow_for_them():
     assert found(frame, group="group") == {}
 
 
+@pytest.mark.slow
 def test_series_without_a_name_are_found_by_their_sequence():
     frame = ungrouped(readings(1, offset=1e-4, gain=0.02))
     finding = found(frame)["sequence"]
@@ -529,6 +531,7 @@ def test_a_single_sweep_of_a_wrong_law_is_a_sequence_that_asks_for_another_order
     assert "sequence" not in found(frame, free=["compliance"])
 
 
+@pytest.mark.slow
 def test_series_of_pairs_are_found_and_named_by_a_column():
     parts = []
     for number, (dR, factor) in enumerate(((0.03, 1.0), (0.1, 1.15), (0.3, 0.9))):
@@ -546,6 +549,7 @@ def test_series_of_pairs_are_found_and_named_by_a_column():
     assert found(frame, pair=None, group="pin", **of_data) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("series", "rows"), [(1, 40), (8, 12)])
 def test_a_drift_is_found_where_loads_are_in_random_order(series, rows):
     frame = readings(7, series, rows, drift=4e-4, shuffled=True)
@@ -732,6 +736,7 @@ def series():
     return frame, cc.fit(frame, "explicit", PAIR, group="group", noise="constant", starts=3)
 
 
+@pytest.mark.slow
 def test_series_are_resampled_and_left_out_whole(series):
     _, result = series
     with pytest.raises(InputError, match="'rows': would tear apart the series of the noise model"):

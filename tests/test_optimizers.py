@@ -208,6 +208,7 @@ def test_the_command_writes_the_file_and_shows_the_table(tmp_path, monkeypatch, 
 # --- the figure -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_figures_headline(figures):
     """On the paper's internal campaign; the optimum is the one least squares and CMA agree on."""
     drawing = figures["fig_optimizers"].drawing

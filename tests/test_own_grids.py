@@ -156,6 +156,7 @@ def test_descents_alone_agree_on_other_grids(axes, monkeypatch):
     assert at_best(values, best) >= 7
 
 
+@pytest.mark.slow
 def test_a_profile_is_as_low_as_many_restarts_find():
     problem, _ = problem_of(read_campaign(ROOT / "fitting/internal.toml"), 1, silent)
     point, value = polish.minimise(problem, problem.low)

@@ -76,6 +76,7 @@ class TestAxes:
         assert dict(mpl.rcParams) == before
         assert axes.get_legend() or axes.figure.legends
 
+    @pytest.mark.slow
     def test_it_has_the_style_in_force(self, draw) -> None:
         with figure_style(cc.plots.FigureStyle("large", font_size=12.0)):
             axes = draw()

@@ -541,6 +541,7 @@ def test_settings_of_a_plain_table_have_no_new_keys(tmp_path):
     assert old.steps == []
 
 
+@pytest.mark.slow
 def test_keys_of_a_campaign_and_options_say_the_same(tmp_path, run):
     rows = zip(np.geomspace(0.2, 4, 8), np.geomspace(0.2, 4, 8) ** 0.9, strict=True)
     lines = [f"{f:.5f};{d:.5f};A{k % 2}".replace(".", ",") for k, (f, d) in enumerate(rows)]

@@ -361,6 +361,7 @@ def test_the_bootstrap_agrees_with_the_covariance_and_not_with_the_workers(noisy
     assert (over.groups, over.over) == (3, "dR")
 
 
+@pytest.mark.slow
 def test_refits_that_cannot_start_are_left_out_and_counted(noisy):
     problem, best, _ = noisy
     data = measured(problem).data
@@ -479,6 +480,7 @@ def test_a_robust_loss_has_no_chi_square_test(noisy, loss):
     assert "look too large" not in noise_verdicts(actual)[0]
 
 
+@pytest.mark.slow
 def test_a_verdict_does_not_depend_on_where_zero_is(tmp_path):
     # ln(Λ_factor·Λ·E*/f) + c: c moved by s and Λ_factor by exp(−s) are the same law.
     verdicts = []
@@ -513,6 +515,7 @@ def test_an_effect_is_the_relative_change_of_the_prediction(tmp_path, objective)
     assert noise.per_unit[1] == pytest.approx(expected, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_a_profile_says_when_it_finds_a_better_fit(noisy):
     problem, best, _ = noisy
     short = problem.fixing("kappa", best["kappa"] * 1.02)
@@ -523,6 +526,7 @@ def test_a_profile_says_when_it_finds_a_better_fit(noisy):
     assert not any("found a better fit" in note for note in uncertainty_of(problem, best).notes)
 
 
+@pytest.mark.slow
 def test_a_law_of_the_wrong_shape_is_told_by_its_residuals(tmp_path):
     right = measured_campaign(tmp_path, "explicit", noise=0.002)
     table = tmp_path / "measured.csv"
@@ -650,6 +654,7 @@ def saved(tmp_path):
     return tmp_path / "r.json"
 
 
+@pytest.mark.slow
 def test_the_command_reports_noise(saved, tmp_path, run):
     out = tmp_path / "study.json"
     code, said, errors = run(
@@ -670,6 +675,7 @@ def test_the_command_reports_noise(saved, tmp_path, run):
     assert "40 refits are few for 95 % intervals, take 1000 or more" in " ".join(said.split())
 
 
+@pytest.mark.slow
 def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatch, run):
     calibrate(user_campaign(tmp_path)).save(tmp_path / "r.json")
     monkeypatch.chdir(tmp_path)
@@ -678,6 +684,7 @@ def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatc
     assert "is not its law, mine:load" in run("fit", "r.json", "--law", "mine:flat")[2]
 
 
+@pytest.mark.slow
 def test_what_cannot_be_asked_is_refused(saved, run):
     for arguments, rule in (
         (("--level", 1.0), "must be from 0.5 to below 1"),

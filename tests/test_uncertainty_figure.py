@@ -16,6 +16,7 @@ def drawing(figures):
     return figures["fig_uncertainty"].drawing
 
 
+@pytest.mark.slow
 def test_the_headline_holds_the_intervals_of_the_example(drawing):
     pinned = {
         "fitted kappa": 1.0195,

@@ -21,6 +21,7 @@ print(json.dumps({
 """
 
 
+@pytest.mark.slow
 def test_the_instructions_of_an_older_processor_give_nearly_the_same(tmp_path):
     sets = instruction_sets()
     if len(sets) == 1:
