@@ -300,6 +300,7 @@ def test_whatever_operation_on_a_file_fails_nothing_is_lost(bench, run, monkeypa
     counted("faults injected at writes, renames and other operations on files", faults)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", COMMANDS)
 def test_whatever_operation_fails_in_whatever_way_nothing_is_lost(name, bench, run, monkeypatch):
     if name == "fit a table":  # it is fitted once

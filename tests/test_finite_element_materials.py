@@ -87,7 +87,7 @@ class TestReferenceLaw:
     def test_in_plane_stress(self):
         assert_is_the_laws(STEEL, ALUMINIUM, phis=(0.03, 1.0), plane="stress")
 
-    @pytest.mark.slow
+    @pytest.mark.long
     def test_without_extrapolation_on_a_fine_mesh(self):
         for pin, plate in PAIRS.values():
             setup = joint(pin, plate, cells=24)

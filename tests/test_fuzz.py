@@ -33,7 +33,7 @@ def chunk(number):
 
 @pytest.mark.parametrize(
     "number",
-    range(CHUNKS),
+    [n if n < 4 else pytest.param(n, marks=pytest.mark.long) for n in range(CHUNKS)],
 )
 def test_inputs_made_by_chance_end_well(judge, number):
     verdicts = [*judge.verdicts(SEED, chunk(number))]

@@ -376,9 +376,9 @@ def shared_memory(numbers, before):
 @pytest.mark.parametrize(
     ("name", "how", "moment"),
     [
-        ("fit", "SIGKILL", "first worker"),
+        pytest.param("fit", "SIGKILL", "first worker", marks=pytest.mark.long),
         ("cases", "SIGKILL", "early"),
-        ("figure", "SIGTERM", "workers start"),
+        pytest.param("figure", "SIGTERM", "workers start", marks=pytest.mark.long),
         ("calculix", "SIGKILL", "under way"),
         ("fit", "closed terminal", "workers start"),
     ],

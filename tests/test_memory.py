@@ -25,7 +25,8 @@ MANY = 10**7
 # Grids whose samples, pairs or calls would not fit.
 AXIS = {"min": 1.0, "max": 2.0, "points": MANY, "spacing": "linear"}
 SIGNED = {"min": -0.4, "max": 0.4, "points": MANY, "spacing": "linear"}
-HUGE = changed(GRID, {"axes.E": AXIS, "axes.dR": AXIS, "axes.load": AXIS})
+NU = {"min": 0.1, "max": 0.4, "points": MANY, "spacing": "linear"}
+HUGE = changed(GRID, {"axes.E": AXIS, "axes.nu": NU, "axes.dR": AXIS, "axes.load": AXIS})
 PAIRS = {
     "contact": "internal",
     "reference": "conformal",

@@ -94,6 +94,7 @@ def choose(
     contact: Contact | None = None,
     constants: Constants | None = None,
     laws: Sequence[str] = (),
+    fixed: Mapping[str, float] | None = None,
     **settings: Any,
 ) -> Choice:
     """Fit all laws that apply to measurements, rank them, and say whether the data can tell.
@@ -104,6 +105,8 @@ def choose(
         As for `fit`.
     laws : sequence of str, optional
         The laws to compare; by default all for the contact.
+    fixed : mapping of str to float, optional
+        Values of offset or compliance, or of parameters that all these laws have, that are known.
     **settings
         As for `fit`.
 
@@ -128,6 +131,7 @@ def choose(
     ['explicit']
     """
     first = laws[0] if laws else "johnson"
+    settings |= _parameters((), fixed, None)
     return choose_law(_table(data, first, pair, contact, constants, settings), laws)
 
 
