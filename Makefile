@@ -149,7 +149,7 @@ test: $(VENV)/.test ## Run the tests that any change may break, and the examples
 test-all: $(VENV)/.extras ## Run what make test leaves out or has skipped; none may skip now
 	$(PYTEST) --rest -m "not long"
 
-test-long: $(VENV)/.extras ## Run killed commands, clusters and studies of many minutes (an hour)
+test-long: $(VENV)/.extras ## Run killed commands, clusters, large grids and studies of many minutes
 	$(PYTEST) -m long
 
 # RECORD=1 writes tests/fuzz/long_run.json as well.

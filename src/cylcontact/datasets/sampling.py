@@ -46,9 +46,9 @@ _AT_ONCE = 256
 # Of each call of a worker in the list of all.
 _CALL_BYTES = 400
 # So few need no look at what memory is free, which takes a millisecond.
-_FEW_CALLS, _FEW_ROWS = 1000, 1_000_000
-# Of each combination of E and ν whose moments are formed together.
-_ROW_BYTES = 1000
+_FEW_CALLS, _FEW_VALUES = 1000, 1_000_000
+# Of each load, and of each combination of E and ν, whose moments are formed together.
+_VALUE_BYTES = 1000
 # Of each sample in a Parquet file, where most columns repeat, and in a CSV file.
 _SAMPLE_BYTES = (8, 60)
 # Writes columns to a table.
@@ -189,8 +189,9 @@ def reduce_grid(
     >>> counts
     Counts(samples=3, masked=1)
     """
-    if grid.rows > _FEW_ROWS:
-        require_memory(grid.source, "axes", None, _ROW_BYTES * grid.rows, "thin the axes")
+    values = grid.rows + grid.load.size
+    if values > _FEW_VALUES:
+        require_memory(grid.source, "axes", None, _VALUE_BYTES * values, "thin the axes")
     inside = _clearances_inside(grid)
     masked = np.flatnonzero(~inside)
     height = max(1, PIECE // grid.load.size)

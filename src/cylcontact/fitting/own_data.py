@@ -131,7 +131,7 @@ def choose(
     ['explicit']
     """
     first = laws[0] if laws else "johnson"
-    settings |= _parameters((), fixed, None)
+    settings = _parameters((), fixed, None) | settings
     return choose_law(_table(data, first, pair, contact, constants, settings), laws)
 
 
