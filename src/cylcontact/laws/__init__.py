@@ -1,22 +1,9 @@
 """Contact laws: load per unit length against penetration, all with the same five methods."""
 
 from collections.abc import Callable
+from typing import Any
 
 from cylcontact.errors import InputError
-from cylcontact.laws import (
-    conformal,
-    enhanced,
-    explicit,
-    explicit_pair,
-    liu,
-    logarithmic,
-    logarithmic_variants,
-    parametric,
-    pin_in_hole,
-    power,
-    sphere,
-    winkler,
-)
 from cylcontact.laws.conformal import Persson
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.difference import difference_percent
@@ -29,12 +16,13 @@ from cylcontact.laws.enhanced import (
 from cylcontact.laws.explicit import Explicit, ExplicitCoefficients, explicit_penetration
 from cylcontact.laws.explicit_pair import ExplicitPair, ExplicitPairCoefficients
 from cylcontact.laws.liu import Liu
-from cylcontact.laws.logarithmic import Johnson, LogarithmicLaw
-from cylcontact.laws.logarithmic_variants import (
+from cylcontact.laws.logarithmic import (
     DubowskyFreudenstein,
     Esdu78035,
     Goldsmith,
     HertzCylinder,
+    Johnson,
+    LogarithmicLaw,
     Radzimovsky,
     RadzimovskyRadii,
     RoarkYoung,
@@ -46,8 +34,8 @@ from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import Winkler
 
 __all__ = [
-    "DEFINITIONS",
     "LAWS",
+    "LAW_TYPES",
     "PUBLISHED",
     "REFERENCES",
     "ClampedPlate",
@@ -87,28 +75,34 @@ def __dir__() -> list[str]:
 
 
 # Every law of the package; a new one is one more entry.
-DEFINITIONS = (
-    logarithmic.DEFINITION,
-    *logarithmic_variants.DEFINITIONS,
-    liu.DEFINITION,
-    winkler.DEFINITION,
-    conformal.DEFINITION,
-    pin_in_hole.DEFINITION,
-    parametric.DEFINITION,
-    enhanced.DEFINITION,
-    explicit.DEFINITION,
-    explicit_pair.DEFINITION,
-    sphere.DEFINITION,
-    power.DEFINITION,
+LAW_TYPES: tuple[type[Any], ...] = (
+    Johnson,
+    RoarkYoung,
+    Radzimovsky,
+    RadzimovskyRadii,
+    Esdu78035,
+    DubowskyFreudenstein,
+    Goldsmith,
+    HertzCylinder,
+    Liu,
+    Winkler,
+    Persson,
+    Conformal,
+    Parametric,
+    Enhanced,
+    Explicit,
+    ExplicitPair,
+    LankaraniNikravesh,
+    PowerLaw,
 )
 
 # The laws with default coefficients, by the names that specs and commands use.
 LAWS: dict[str, Callable[[], ContactLaw]] = {
-    definition.law.name: definition.law for definition in DEFINITIONS if definition.has_defaults
+    law.name: law for law in LAW_TYPES if law is not PowerLaw
 }
 
 # Those that need ΔR only, no radii or length, which a grid can sample.
-REFERENCES = tuple(d.law.name for d in DEFINITIONS if d.has_defaults and not d.needs)
+REFERENCES = tuple(name for name, law in LAWS.items() if not getattr(law, "needs", ()))
 
 
 def reference_law(name: str) -> ContactLaw:

@@ -12,8 +12,6 @@ from cylcontact.laws.contact_law import ContactLaw, OverLength, depth_of
 from cylcontact.laws.definition import Coefficients, LawModel, Parameter
 from cylcontact.pair import CylinderPair
 
-__all__ = ["RigCompliance", "ScaledLaw", "scaled_model"]
-
 # Newton's method takes about eight steps, more only near the end of a law's domain.
 _STEPS = 100
 # Halvings of the logarithm of a penetration between these shares of ΔR.

@@ -17,11 +17,10 @@ from cylcontact.html_repr import law_html
 from cylcontact.laws import persson
 from cylcontact.laws.adapters import scaled_model
 from cylcontact.laws.contact_law import Unlimited, depth_of, require_hole
-from cylcontact.laws.definition import Definition
-from cylcontact.pair import CylinderPair
+from cylcontact.laws.definition import LawModel
+from cylcontact.pair import Contact, CylinderPair
 
 __all__ = [
-    "DEFINITION",
     "Persson",
     "contact_angle",
     "in_units_of",
@@ -72,7 +71,13 @@ class Persson(Unlimited):
     """
 
     name: ClassVar[str] = "persson"
+    contacts: ClassVar[tuple[Contact, ...]] = ("internal",)
     _repr_html_ = law_html
+
+    @classmethod
+    def models(cls) -> tuple[LawModel, ...]:
+        """Return how the law is fitted: by factors of modulus and clearance."""
+        return (scaled_model(cls()),)
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm."""
@@ -299,6 +304,3 @@ def _require_persson(pair: CylinderPair) -> None:
         "must have the same E and ν as material_i, or the solution does not hold",
         "give a pair of one material, or use laws.Conformal()",
     )
-
-
-DEFINITION = Definition(law=Persson, models=(scaled_model(Persson()),), contacts=("internal",))

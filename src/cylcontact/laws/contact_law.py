@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.pair import CylinderPair
 
-__all__ = ["ContactLaw", "OverLength", "Unlimited", "depth_of", "require_hole"]
-
 
 class ContactLaw(Protocol):
     """Load per unit length against penetration for a pair of parallel cylinders.

@@ -1,23 +1,16 @@
-"""The definition of a law: its parameters, kernel and exported formula beside its NumPy form.
-
-Everything that lists, samples, compiles, fits or exports laws reads them from there.
-"""
+"""A law with named parameters, as it is fitted."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.formula import Formula
-from cylcontact.pair import CONTACTS, Contact, CylinderPair
-
-__all__ = ["Coefficients", "Definition", "KernelSteps", "LawModel", "Parameter"]
+from cylcontact.pair import Contact
 
 Coefficients = Mapping[str, float]
 
@@ -132,56 +125,3 @@ class LawModel:
     def candidates(self, *coefficients: Coefficients) -> FloatArray:
         """Return P sets of coefficients by name as candidates, shape (P, k)."""
         return np.array([[values[name] for name in self.names] for values in coefficients])
-
-
-@dataclass(frozen=True)
-class KernelSteps:
-    """Load and stiffness at one pair and a positive penetration, ready to be compiled.
-
-    Attributes
-    ----------
-    names : tuple of str
-        The numbers of a law at one pair that the steps use.
-    numbers : callable
-        From a law and a pair to these numbers.
-    steps : str
-        Assignments in the notation of `laws.formula.Formula`, with the penetration and `names`,
-        f and k among them; also `energy`, ∫ f dδ, if it has a closed form.
-    """
-
-    names: tuple[str, ...]
-    numbers: Callable[[Any, CylinderPair], Sequence[float]]
-    steps: str
-
-
-@dataclass(frozen=True)
-class Definition:
-    """A law with its formula for export, its kernel and its parameters.
-
-    Attributes
-    ----------
-    law : type
-        Its class.
-    formula : callable, optional
-        From the law and a contact to the `Formula` that is exported; None if there is no closed
-        form for the load.
-    kernel : KernelSteps, optional
-        Its compiled form, which also serves subclasses that do not override `load`; without one
-        a law is tabulated.
-    models : tuple of LawModel
-        How it is fitted.
-    contacts : tuple of {"internal", "external"}
-        The contacts that it is for.
-    needs : tuple of str
-        What it needs to know of a pair besides ΔR: R_i, R_j, length.
-    has_defaults : bool
-        Whether it can be made without coefficients, and thus be called by its name.
-    """
-
-    law: type[Any]
-    formula: Callable[[Any, Contact | None], Formula] | None = None
-    kernel: KernelSteps | None = None
-    models: tuple[LawModel, ...] = ()
-    contacts: tuple[Contact, ...] = CONTACTS
-    needs: tuple[str, ...] = ()
-    has_defaults: bool = True

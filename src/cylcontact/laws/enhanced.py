@@ -6,36 +6,17 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from numbers import Real
-from typing import ClassVar, cast
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy import log, maximum, nan, where
 
-from cylcontact.arrays import BoolArray, FloatArray, as_floats, inside_or_nan, require
+from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.errors import InputError
-from cylcontact.html_repr import completed_law_html
-from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.definition import Coefficients as Values
-from cylcontact.laws.definition import Definition, LawModel, Parameter
-from cylcontact.laws.formula import IN_MM, Formula, function_name, required_contact
-from cylcontact.laws.power import KERNEL, PowerShaped
-from cylcontact.pair import CONTACTS, Contact, CylinderPair
-
-__all__ = [
-    "DEFINITION",
-    "INTERNAL_DR_MAX",
-    "INTERNAL_DR_MIN",
-    "PUBLISHED",
-    "PUBLISHED_DR",
-    "Coefficients",
-    "Enhanced",
-    "ExternalCoefficients",
-    "InternalCoefficients",
-    "coefficients_from",
-    "internal_Y",
-    "internal_exponent",
-    "stiffness_factor",
-]
+from cylcontact.laws.definition import LawModel, Parameter
+from cylcontact.laws.formula import Formula
+from cylcontact.laws.power import IN_MM, PowerShaped, end, energy, load
+from cylcontact.pair import Contact, CylinderPair
 
 # Eq 6d defines Y for internal contact on [0.005, 10[ mm.
 INTERNAL_DR_MIN = 0.005
@@ -57,14 +38,8 @@ class InternalCoefficients:
 
     def exponent(self, dR: FloatArray) -> FloatArray:
         """Return n at ΔR in mm (Eq 6c)."""
-        return internal_exponent(
-            dR,
-            self.Y_log_scale,
-            self.Y_log_exponent,
-            self.Y_slope,
-            self.Y_offset,
-            self.n_exponent,
-        )
+        names = ("Y_log_scale", "Y_log_exponent", "Y_slope", "Y_offset", "n_exponent")
+        return as_floats(internal_exponent(dR, *(getattr(self, name) for name in names)))
 
 
 @dataclass(frozen=True)
@@ -93,47 +68,59 @@ PUBLISHED_DR: Mapping[Contact, tuple[float, float]] = {
 }
 
 
-def stiffness_factor(dR: ArrayLike, a: ArrayLike, b: ArrayLike) -> FloatArray:
-    """Return K* = aΔR + b, the geometric part of the factor (Eqs 4–5)."""
-    return as_floats(as_floats(a) * as_floats(dR) + as_floats(b))
-
-
-def internal_Y(
-    dR: ArrayLike,
-    Y_log_scale: ArrayLike,
-    Y_log_exponent: ArrayLike,
-    Y_slope: ArrayLike,
-    Y_offset: ArrayLike,
-) -> FloatArray:
-    """Return Y at ΔR in mm (Eq 6d), as the larger of its two branches.
+def internal_exponent(  # type: ignore[no-untyped-def]
+    dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent
+):
+    """Return n = Y·ΔR^n_exponent (Eq 6c), with Y at ΔR in mm (Eq 6d) the larger of its branches.
 
     The published branches cross at the published switch point, 0.34954 mm, and the larger one
     applies on either side. The maximum is therefore equivalent, and the switch point follows
     the coefficients.
-
-    Examples
-    --------
-    >>> Y = internal_Y([0.05, 1.0], 1.51, -0.151, 0.0151, 1.151)
-    >>> print(Y.round(4))
-    [1.2289 1.1661]
     """
-    gap = as_floats(dR)
-    logarithmic = as_floats(Y_log_scale) * np.log(1000 * gap) ** as_floats(Y_log_exponent)
-    linear = as_floats(Y_slope) * gap + as_floats(Y_offset)
-    return as_floats(np.maximum(logarithmic, linear))
+    logarithmic = Y_log_scale * log(1000 * dR) ** Y_log_exponent
+    Y = maximum(logarithmic, Y_slope * dR + Y_offset)
+    return Y * dR**n_exponent
 
 
-def internal_exponent(
-    dR: ArrayLike,
-    Y_log_scale: ArrayLike,
-    Y_log_exponent: ArrayLike,
-    Y_slope: ArrayLike,
-    Y_offset: ArrayLike,
-    n_exponent: ArrayLike,
-) -> FloatArray:
-    """Return n = Y·ΔR^n_exponent for internal contact (Eq 6c)."""
-    Y = internal_Y(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset)
-    return as_floats(Y * as_floats(dR) ** as_floats(n_exponent))
+def internal(  # type: ignore[no-untyped-def]
+    pair, a, b, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent
+):
+    n = internal_exponent(pair.dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent)
+    K_star = a * pair.dR + b
+    in_range = (pair.dR >= INTERNAL_DR_MIN) & (pair.dR < INTERNAL_DR_MAX)
+    return where(in_range & (K_star > 0) & (n > 0), K_star * pair.E_star / pair.dR, nan), n
+
+
+def external(pair, a, b, n):  # type: ignore[no-untyped-def]
+    K_star = a * pair.dR + b
+    return where((K_star > 0) & (n > 0), K_star * pair.E_star / pair.dR, nan), n
+
+
+_EQUATION = "f = (a*dR + b)*E_star/dR*penetration^n"
+_WITH_Y = (
+    f"{_EQUATION} with n = Y*dR^n_exponent and "
+    "Y = max(Y_log_scale*ln(1000*dR)^Y_log_exponent, Y_slope*dR + Y_offset)"
+)
+_FORMULAS: Mapping[Contact, Formula] = {
+    "internal": Formula(load, internal, end, energy, _WITH_Y, IN_MM),
+    "external": Formula(load, external, end, energy, _EQUATION, IN_MM),
+}
+_PARAMETERS: Mapping[Contact, tuple[Parameter, ...]] = {
+    "internal": (
+        Parameter("a", 0.1, 1.5, unit="mm^(1-n)", meaning="slope of K* over ΔR"),
+        Parameter("b", 0.0, 0.5, unit="mm^(2-n)", meaning="K* at ΔR = 0"),
+        Parameter("Y_log_scale", 1.0, 3.0, meaning="factor of the logarithmic branch of Y"),
+        Parameter("Y_log_exponent", -0.6, 0.0, shift=True, meaning="exponent of ln(1000·ΔR)"),
+        Parameter("Y_slope", -0.1, 0.1, shift=True, unit="1/mm", meaning="slope of Y over ΔR"),
+        Parameter("Y_offset", 0.8, 1.6, shift=True, meaning="Y of the linear branch at ΔR = 0"),
+        Parameter("n_exponent", -0.1, 0.1, shift=True, meaning="exponent of ΔR in n"),
+    ),
+    "external": (
+        Parameter("a", 0.1, 1.5, unit="mm^(1-n)", meaning="slope of K* over ΔR"),
+        Parameter("b", 0.0, 3.0, unit="mm^(2-n)", meaning="K* at ΔR = 0"),
+        Parameter("n", 1.0, 1.5, meaning="exponent of the penetration"),
+    ),
+}
 
 
 def coefficients_from(values: Mapping[str, float]) -> Coefficients:
@@ -200,104 +187,49 @@ class Enhanced(PowerShaped):
         if isinstance(self.coefficients, Mapping):
             object.__setattr__(self, "coefficients", coefficients_from(self.coefficients))
 
-    def _repr_html_(self) -> str:
-        return completed_law_html(self, PUBLISHED)
+    defaults = PUBLISHED
+    on_grid = True
 
-    def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
-        """Return K = (aΔR + b)·E*/ΔR in N/mm per mmⁿ and n (Eq 6c).
+    formula = _FORMULAS["internal"]
 
-        Both are NaN where the law is undefined; a NaN in n alone would not do, as 1ⁿ is then 1.
-        """
-        chosen, dR = self._coefficients_for(pair), as_floats(pair.dR)
-        inside = _in_range(dR, pair.contact)
-        K_star = stiffness_factor(dR, chosen.a, chosen.b)
-        n = chosen.exponent(np.where(inside, dR, 1.0))
-        defined = inside & (K_star > 0) & (n > 0)
-        return inside_or_nan(K_star * pair.E_star / dR, defined), inside_or_nan(n, defined)
+    def formula_for(self, contact: Contact) -> Formula:
+        """Return Eqs 5 and 6 for a contact."""
+        return _FORMULAS[contact]
 
-    def _coefficients_for(self, pair: CylinderPair) -> Coefficients:
-        """Return the coefficients; raise `InputError` if they are for the other contact."""
-        if self.coefficients is None:
+    def require_pair(self, pair: CylinderPair) -> None:
+        """Raise `InputError` if the coefficients are not for the pair."""
+        own = getattr(self.coefficients, "contact", None)
+        if own is None:
             pair.require_plane_strain("Enhanced")
-            return PUBLISHED[pair.contact]
-        chosen = cast(Coefficients, self.coefficients)  # __post_init__ leaves no mapping
-        if chosen.contact != pair.contact:
-            raise InputError(
-                "Enhanced",
-                "coefficients",
-                None,
-                f"they are for {chosen.contact} contact and the pair is {pair.contact}",
-                "use coefficients fitted for the pair's contact",
+        elif own != pair.contact:
+            rule = f"they are for {own} contact and the pair is {pair.contact}"
+            remedy = "use coefficients fitted for the pair's contact"
+            raise InputError("Enhanced", "coefficients", None, rule, remedy)
+
+    @classmethod
+    def models(cls) -> tuple[LawModel, ...]:
+        """Return how the law is fitted, with the published coefficients as nominal values."""
+        return tuple(
+            LawModel(
+                cls.name,
+                contact,
+                tuple(replace(p, nominal=getattr(PUBLISHED[contact], p.name)) for p in parameters),
+                cls.fitted,
+                power_form=_power_form,
+                smooth_form=_smooth_internal_form if contact == "internal" else None,
+                on_grid=True,
+                dR_min=INTERNAL_DR_MIN if contact == "internal" else 0.0,
+                dR_max=INTERNAL_DR_MAX if contact == "internal" else math.inf,
             )
-        return chosen
-
-
-def _in_range(dR: FloatArray, contact: Contact) -> BoolArray:
-    """Return where ΔR is in the range of Eq 6 for the contact."""
-    if contact == "internal":
-        return np.asarray((dR >= INTERNAL_DR_MIN) & (dR < INTERNAL_DR_MAX))
-    return np.asarray(dR > 0)
-
-
-_EXTERNAL_STEPS = """
-K_geometry = a * dR + b
-factor = K_geometry * E_star / dR if K_geometry > 0 and n > 0 else nan"""
-_INTERNAL_STEPS = f"""
-Y_log = Y_log_scale * log(1000 * dR) ** Y_log_exponent
-Y = max(Y_log, Y_slope * dR + Y_offset)
-n = Y * dR ** n_exponent{_EXTERNAL_STEPS}"""
-
-
-def _formula(law: Enhanced, contact: Contact | None) -> Formula:
-    """Return the formula for export, with the published coefficients of the contact by default."""
-    chosen = _exported_coefficients(law, contact)
-    numbers = {name: float(value) for name, value in asdict(chosen).items()}
-    is_internal = chosen.contact == "internal"
-    exponent = (
-        " with n = Y*dR^n_exponent and "
-        "Y = max(Y_log_scale*ln(1000*dR)^Y_log_exponent, Y_slope*dR + Y_offset)"
-    )
-    return Formula(
-        name=function_name(law.name, chosen.contact),
-        law=law,
-        contact=chosen.contact,
-        equation=f"f = (a*dR + b)*E_star/dR*penetration^n{exponent if is_internal else ''}",
-        text=(_INTERNAL_STEPS if is_internal else _EXTERNAL_STEPS) + KERNEL.steps,
-        coefficients=numbers,
-        constants=numbers,
-        conditions=(f"dR >= {INTERNAL_DR_MIN}", f"dR < {INTERNAL_DR_MAX}") if is_internal else (),
-        domain="a*dR + b > 0, n > 0",
-        remark=IN_MM,
-        origin="published, Pereira, Ramalho and Ambrosio 2015" if law.coefficients is None else "",
-    )
-
-
-def _exported_coefficients(law: Enhanced, contact: Contact | None) -> Coefficients:
-    """Return the coefficients of a law; raise `InputError` if they are for the other contact."""
-    if law.coefficients is None:
-        return PUBLISHED[required_contact(contact, law.name)]
-    chosen = cast(Coefficients, law.coefficients)
-    if contact not in (None, chosen.contact):
-        raise InputError(
-            "export",
-            "--contact",
-            contact,
-            f"the coefficients are for {chosen.contact} contact",
-            "leave it out",
+            for contact, parameters in _PARAMETERS.items()
         )
-    return chosen
 
 
-def _internal_form(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return K* and n of Eqs 5–6 for internal contact."""
+def _power_form(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return K* and n of candidates at clearances (Eqs 5 and 6)."""
     a, b, *rest = candidates.T[:, :, None]
-    return stiffness_factor(dR, a, b), internal_exponent(dR, *rest)
-
-
-def _external_form(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return K* and n of Eqs 5–6 for external contact."""
-    a, b, n = candidates.T[:, :, None]
-    return stiffness_factor(dR, a, b), as_floats(n + np.zeros_like(dR))
+    n = internal_exponent(dR, *rest) if len(rest) > 1 else rest[0] + np.zeros_like(dR)
+    return as_floats(a * dR + b), as_floats(n)
 
 
 def _smooth_internal_form(
@@ -316,51 +248,4 @@ def _smooth_internal_form(
     n_slopes[:, 2] = logarithmic * power
     n_slopes[:, 3] = logarithmic * first * np.log(np.log(1000 * dR))
     n_slopes[:, 4], n_slopes[:, 5], n_slopes[:, 6] = linear * dR, linear, n * np.log(dR)
-    return stiffness_factor(dR, a, b), n, K_slopes, n_slopes
-
-
-def _fitted(values: Values) -> ContactLaw:
-    """Return the law with these coefficients."""
-    return Enhanced(coefficients=values)
-
-
-_PARAMETERS: Mapping[Contact, tuple[Parameter, ...]] = {
-    "internal": (
-        Parameter("a", 0.1, 1.5, unit="mm^(1-n)", meaning="slope of K* over ΔR"),
-        Parameter("b", 0.0, 0.5, unit="mm^(2-n)", meaning="K* at ΔR = 0"),
-        Parameter("Y_log_scale", 1.0, 3.0, meaning="factor of the logarithmic branch of Y"),
-        Parameter("Y_log_exponent", -0.6, 0.0, shift=True, meaning="exponent of ln(1000·ΔR)"),
-        Parameter("Y_slope", -0.1, 0.1, shift=True, unit="1/mm", meaning="slope of Y over ΔR"),
-        Parameter("Y_offset", 0.8, 1.6, shift=True, meaning="Y of the linear branch at ΔR = 0"),
-        Parameter("n_exponent", -0.1, 0.1, shift=True, meaning="exponent of ΔR in n"),
-    ),
-    "external": (
-        Parameter("a", 0.1, 1.5, unit="mm^(1-n)", meaning="slope of K* over ΔR"),
-        Parameter("b", 0.0, 3.0, unit="mm^(2-n)", meaning="K* at ΔR = 0"),
-        Parameter("n", 1.0, 1.5, meaning="exponent of the penetration"),
-    ),
-}
-
-
-def _model(contact: Contact) -> LawModel:
-    """Return the model of the law, with the published coefficients as nominal values."""
-    is_internal, published = contact == "internal", PUBLISHED[contact]
-    return LawModel(
-        "enhanced",
-        contact,
-        tuple(replace(p, nominal=getattr(published, p.name)) for p in _PARAMETERS[contact]),
-        _fitted,
-        power_form=_internal_form if is_internal else _external_form,
-        smooth_form=_smooth_internal_form if is_internal else None,
-        on_grid=True,
-        dR_min=INTERNAL_DR_MIN if is_internal else 0.0,
-        dR_max=INTERNAL_DR_MAX if is_internal else math.inf,
-    )
-
-
-DEFINITION = Definition(
-    law=Enhanced,
-    formula=_formula,
-    kernel=KERNEL,
-    models=tuple(_model(contact) for contact in CONTACTS),
-)
+    return as_floats(a * dR + b), n, K_slopes, n_slopes

@@ -18,28 +18,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from functools import partial
 from typing import ClassVar, NamedTuple
 
 import numpy as np
+from numpy import exp, log, log1p, maximum, pi, sqrt
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
-from cylcontact.html_repr import completed_law_html
-from cylcontact.laws.conformal import in_units_of
-from cylcontact.laws.contact_law import ContactLaw, Unlimited, depth_of, require_hole
-from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
-from cylcontact.laws.explicit import depth_under
-from cylcontact.laws.formula import Formula, function_name, needed
-from cylcontact.laws.parametric import CALIBRATED as PARAMETRIC
-from cylcontact.laws.parametric import CONDITIONS, LAST_STEPS, NAMED, Curve
-from cylcontact.pair import Contact, CylinderPair
-
-__all__ = ["CALIBRATED", "DEFINITION", "ExplicitPair", "ExplicitPairCoefficients", "PairNumbers"]
-
-# From a start that is right to a third to machine precision.
-_NEWTON_STEPS = 6
-_MIDDLE = 1.4
+from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.laws.definition import Parameter
+from cylcontact.laws.formula import Formula
+from cylcontact.laws.law import Law
+from cylcontact.laws.parametric import CALIBRATED as P
+from cylcontact.laws.parametric import arc, shares
+from cylcontact.pair import CylinderPair
 
 
 @dataclass(frozen=True)
@@ -109,8 +100,72 @@ class PairNumbers(NamedTuple):
     D: FloatArray
 
 
+def largest_arc(pair, x):  # type: ignore[no-untyped-def]
+    """Return `arc` at x with the constants of `Parametric` and Johnson's datum."""
+    w_i, w_j, _ = shares(pair.alpha, pair.beta)
+    datum = 2 * log(2) - 2 + w_j
+    return arc(x, w_i, w_j, pair.beta, datum, P.A0, P.A1, P.A2, P.A3, P.H3, P.M0, P.M1, P.M2)
+
+
+def five(  # type: ignore[no-untyped-def]
+    pair, A0, A1, A2, B0, B1, B2, B3, B4, B5, D0, D1, D2, D3, D4, D5, G0, G1, G2
+):
+    """Return the five numbers, c by three steps of Newton's method to the arc where K = 0."""
+    _, _, c0 = shares(pair.alpha, pair.beta)
+    least = maximum(c0, 1e-6)
+    x = log((1 - least) / least)
+    for _ in range(3):
+        S, rest, k, k_slope, L, L_slope = largest_arc(pair, x)
+        x = x - k / k_slope
+    S, rest, k, k_slope, L, L_slope = largest_arc(pair, x)
+    g, b = L - 1.4, pair.beta
+    B = exp(B0 + g * (B1 + B3 * g + B4 * b) + b * (B2 + B5 * b))
+    D = D0 + g * (D1 + D3 * g + D4 * b) + b * (D2 + D5 * b)
+    return L, B, exp(A0 + A1 * g + A2 * b), G0 + G1 * g + G2 * b, D
+
+
+def load(penetration, pair, c, B, A, G, D):  # type: ignore[no-untyped-def]
+    depth = penetration / pair.dR
+    near = A / depth
+    far = G / sqrt(depth)
+    bracket = log(1 + near + far) + D
+    outer = B / depth * bracket
+    L = c + log1p(outer)
+    return pi * pair.E_star * penetration / np.where(L > 0, L, np.nan)
+
+
+_EQUATION = (
+    "f = pi*E_star*penetration/L with depth = penetration/dR and "
+    "L = c + ln(1 + B/depth*(ln(1 + A/depth + G/sqrt(depth)) + D))"
+)
+_REMARK = "The datum of the penetration is Johnson's, to whose law it tends at small loads."
+
+
+_OF = {"A": "ln A", "B": "ln B", "D": "D", "G": "G"}
+_TERMS = ("1", "g", "β", "g²", "gβ", "β²")
+# Where the constants are searched, in the order of the terms.
+_BOUNDS = {
+    "A": ((-1, 1), (-1, 1), (0, 3)),
+    "B": ((-2, 0), (-2.5, -0.5), (-1, 1), (-3, 3), (-3, 3), (-3, 3)),
+    "D": ((0.5, 2.5), (0.5, 2.5), (0.5, 2.5), (-2, 4), (-5, 1), (0, 5)),
+    "G": ((-2, 0), (-1.5, 0.5), (-1, 1)),
+}
+
+
+_PARAMETERS = tuple(
+    Parameter(
+        f"{letter}{number}",
+        float(low),
+        float(high),
+        meaning=f"coefficient of {_TERMS[number]} in {_OF[letter]}",
+    )
+    for letter, bounds in _BOUNDS.items()
+    for number, (low, high) in enumerate(bounds)
+)
+
+
 @dataclass(frozen=True)
-class ExplicitPair(Unlimited):
+class ExplicitPair(Law):
     """A pin in a hole of any two materials in one line, within 1.1 % of `Conformal`.
 
     f = π·E*·δ/L with L = c + ln[1 + (B/d)·(ln(1 + A/d + G/√d) + D)] and d = δ/ΔR. `numbers` gives
@@ -156,8 +211,13 @@ class ExplicitPair(Unlimited):
             chosen = ExplicitPairCoefficients(**self.coefficients)
             object.__setattr__(self, "coefficients", chosen)
 
-    def _repr_html_(self) -> str:
-        return completed_law_html(self, {"internal": CALIBRATED})
+    formula = Formula(load, five, equation=_EQUATION, remark=_REMARK)
+    contacts = ("internal",)
+    parameters = _PARAMETERS
+    defaults = {"internal": CALIBRATED}
+    published = False
+    on_grid = True
+    dimensionless = True
 
     @property
     def constants(self) -> ExplicitPairCoefficients:
@@ -165,165 +225,7 @@ class ExplicitPair(Unlimited):
         given = self.coefficients
         return given if isinstance(given, ExplicitPairCoefficients) else CALIBRATED
 
-    def require_pair(self, pair: CylinderPair) -> None:
-        """Raise `InputError` for external contact."""
-        require_hole("ExplicitPair", pair)
-
     def numbers(self, pair: CylinderPair) -> PairNumbers:
         """Return the five numbers of a pair, in the shape of its materials."""
-        self.require_pair(pair)
-        w_i, w_j = pair.shares
-        b = pair.beta
-        c = Curve(w_i, w_j, b, as_floats(2 * np.log(2) - 2 + w_j), PARAMETRIC).largest().L
-        g, by = c - _MIDDLE, self.constants
-        log_B = by.B0 + by.B1 * g + by.B2 * b + by.B3 * g * g + by.B4 * g * b + by.B5 * b * b
-        D = by.D0 + by.D1 * g + by.D2 * b + by.D3 * g * g + by.D4 * g * b + by.D5 * b * b
-        A = np.exp(by.A0 + by.A1 * g + by.A2 * b)
-        G = by.G0 + by.G1 * g + by.G2 * b
-        return PairNumbers(*map(as_floats, (c, np.exp(log_B), A, G, D)))
-
-    def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the penetration in mm under `load` in N/mm.
-
-        A fixed number of Newton steps on ln φ over ln d.
-        """
-        f, dR = as_floats(load), as_floats(pair.dR)
-        touching, phi = in_units_of(pair.E_star * dR, f)
-        some = phi > 0
-        phi = np.where(some, phi, 1.0)
-        numbers = self.numbers(pair)
-        start = as_floats(phi / np.pi * (numbers.c + np.log1p(1.1 / phi)))
-        d = depth_under(phi, start, partial(_logarithms, numbers=numbers), _NEWTON_STEPS)
-        return inside_or_nan(np.where(some, d * dR, 0.0), touching)
-
-    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the load in N/mm at `penetration` in mm."""
-        delta = depth_of(penetration)
-        L, _ = self._at(delta, pair)
-        return as_floats(np.pi * pair.E_star * delta / L)
-
-    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return d(load)/d(penetration) in N/mm² at `penetration` in mm; zero at first touch."""
-        delta = depth_of(penetration)
-        L, slope = self._at(delta, pair)
-        k = np.pi * pair.E_star * (1 - slope / L) / L
-        return as_floats(np.where(delta == 0, 0.0, k))
-
-    def _at(self, delta: FloatArray, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
-        """Return L and dL/d(ln d), with δ replaced by 1 mm at first touch."""
-        d = np.where(delta == 0, 1.0, delta) / as_floats(pair.dR)
-        return _logarithms(as_floats(d), self.numbers(pair))
-
-
-def _logarithms(d: FloatArray, numbers: PairNumbers) -> tuple[FloatArray, FloatArray]:
-    """Return L and dL/d(ln d)."""
-    c, B, A, G, D = numbers
-    near, far = A / d, G / np.sqrt(d)
-    inner = 1 + near + far
-    with np.errstate(invalid="ignore"):  # constants of one's own may leave L undefined
-        bracket = np.log(inner) + D
-        outer = B / d * bracket
-        slope = B / d * (-(near + far / 2) / inner - bracket)
-        L = c + np.log1p(outer)
-        return as_floats(np.where(L > 0, L, np.nan)), as_floats(slope / (1 + outer))
-
-
-_STEPS = """
-depth = 1 if penetration <= 0 else penetration / dR
-near = A/depth
-far = G/sqrt(depth)
-inner = 1 + near + far
-bracket = log(inner) + D
-outer = B/depth*bracket
-L = c + log1p(outer)
-L_slope = B/depth*(-(near + far/2)/inner - bracket)/(1 + outer)
-f = pi * E_star * penetration / L
-k = 0 if penetration <= 0 else pi * E_star * (1 - L_slope/L) / L
-"""
-# How an exported function finds the five numbers; `less` is g.
-_FIVE = f"""
-c = last
-less = c - {_MIDDLE}
-A = exp(lnA_0 + lnA_1*less + lnA_2*beta)
-B = exp(lnB_0 + less*(lnB_1 + lnB_3*less + lnB_4*beta) + beta*(lnB_2 + lnB_5*beta))
-D = D_0 + less*(D_1 + D_3*less + D_4*beta) + beta*(D_2 + D_5*beta)
-G = G_0 + G_1*less + G_2*beta
-"""
-
-
-def _numbers(law: ExplicitPair, pair: CylinderPair) -> tuple[float, ...]:
-    """Return E*, ΔR and the five numbers."""
-    return tuple(float(number) for number in (pair.E_star, pair.dR, *law.numbers(pair)))
-
-
-def _formula(law: ExplicitPair, _: Contact | None) -> Formula:
-    """Return the formula for export, with the steps that it needs of the largest arc."""
-    own = {
-        f"{'ln' if key[0] in 'AB' else ''}{key[0]}_{key[1]}": float(value)
-        for key, value in asdict(law.constants).items()
-    }
-    return Formula(
-        name=function_name(law.name, "internal"),
-        law=law,
-        contact="internal",
-        equation=(
-            "f = pi*E_star*penetration/L with depth = penetration/dR and "
-            "L = c + ln(1 + B/depth*(ln(1 + A/depth + G/sqrt(depth)) + D))"
-        ),
-        text="\n".join(step.text for step in needed(LAST_STEPS + _FIVE + _STEPS, "f", "k")),
-        coefficients=asdict(law.constants),
-        constants=NAMED | own,
-        extra=("alpha", "beta"),
-        conditions=CONDITIONS,
-        remark="The datum of the penetration is Johnson's, to whose law it tends at small loads.",
-        origin="calibrated by this package" if law.coefficients is None else "",
-    )
-
-
-def _fitted(values: Coefficients) -> ContactLaw:
-    """Return the law with these constants."""
-    return ExplicitPair(coefficients=values)
-
-
-_OF = {"A": "ln A", "B": "ln B", "D": "D", "G": "G"}
-_TERMS = ("1", "g", "β", "g²", "gβ", "β²")
-# Where the constants are searched, in the order of the terms.
-_BOUNDS = {
-    "A": ((-1, 1), (-1, 1), (0, 3)),
-    "B": ((-2, 0), (-2.5, -0.5), (-1, 1), (-3, 3), (-3, 3), (-3, 3)),
-    "D": ((0.5, 2.5), (0.5, 2.5), (0.5, 2.5), (-2, 4), (-5, 1), (0, 5)),
-    "G": ((-2, 0), (-1.5, 0.5), (-1, 1)),
-}
-
-
-def _model() -> LawModel:
-    """Return the model of the law."""
-    parameters = tuple(
-        Parameter(
-            f"{letter}{number}",
-            float(low),
-            float(high),
-            getattr(CALIBRATED, f"{letter}{number}"),
-            meaning=f"coefficient of {_TERMS[number]} in {_OF[letter]}",
-        )
-        for letter, bounds in _BOUNDS.items()
-        for number, (low, high) in enumerate(bounds)
-    )
-    return LawModel(
-        ExplicitPair.name,
-        "internal",
-        parameters,
-        _fitted,
-        on_grid=True,
-        dimensionless=True,
-        nominal_is_published=False,
-    )
-
-
-DEFINITION = Definition(
-    law=ExplicitPair,
-    formula=_formula,
-    kernel=KernelSteps(("E_star", "dR", "c", "B", "A", "G", "D"), _numbers, _STEPS),
-    models=(_model(),),
-    contacts=("internal",),
-)
+        numbers = self.numbers_at(pair)
+        return PairNumbers(*(as_floats(numbers[name]) for name in PairNumbers._fields))

@@ -1,199 +1,749 @@
-"""Laws in a small neutral notation, from which exports are rendered and kernels compiled."""
+"""The formula of a law: one Python function, from which all that runs or is exported is made.
+
+The function takes the penetration in mm, the pair, and the law's constants, and returns the load
+in N/mm, for penetrations inside the law's domain:
+
+    def load(penetration, pair, c, A, B):
+        first = log(B * pair.dR / penetration)
+        ...
+        return pi * pair.E_star * penetration / third
+
+It may assign names, loop over a `range` of numbers, choose with `where`, call the functions of
+`FUNCTIONS` by whatever name they have, and call functions written in the same way. `Formula` reads
+its source. The stiffness follows by the rule of the chain, unless the function returns load and
+stiffness. What does not depend on the penetration is computed once for a pair. A second function,
+from pair and constants to numbers, may come before; then the first takes these in place of the
+constants.
+"""
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
-from dataclasses import dataclass
+import inspect
+import math
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
 
 from cylcontact.errors import InputError
-from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.pair import Contact
+from cylcontact.laws.lambert import branch_distance, branch_distance_steps
+from cylcontact.plain_text import RESERVED
 
-__all__ = [
-    "IN_MM",
-    "MEANINGS",
-    "RESULTS",
-    "Formula",
-    "Step",
-    "expression",
-    "function_name",
-    "needed",
-    "required_contact",
-    "steps_of",
-]
-
-# The remark of a law whose coefficients have units.
-IN_MM = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
-
-# The first arguments of every exported function, and units and meanings of all arguments.
-_ALWAYS = ("penetration", "E_star", "dR")
-MEANINGS: Mapping[str, tuple[str, str]] = {
-    "penetration": ("mm", "penetration of the surfaces; negative where they do not touch"),
-    "E_star": ("MPa", "composite modulus, 1/E_star = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j"),
-    "dR": ("mm", "R_i - R_j, internal (pin j in hole i); R_i + R_j, external (rollers)"),
-    "R_i": ("mm", "radius of body i"),
-    "R_j": ("mm", "radius of body j"),
-    "length": ("mm", "axial length of the contact"),
-    "alpha": ("-", "w_j - w_i with w_k = E_star*(1 - nu_k^2)/E_k; body j is the pin"),
-    "beta": ("-", "w_j*g_j - w_i*g_i with g_k = (1 - 2*nu_k)/(2 - 2*nu_k)"),
+# What a formula may call, by the names that these have in exported code.
+FUNCTIONS: dict[str, tuple[Callable[..., Any], ...]] = {
+    "log": (np.log, math.log),
+    "log1p": (np.log1p, math.log1p),
+    "exp": (np.exp, math.exp),
+    "sqrt": (np.sqrt, math.sqrt),
+    "sin": (np.sin, math.sin),
+    "cos": (np.cos, math.cos),
+    "atan": (np.arctan, math.atan),
+    "max": (np.maximum,),
+    "where": (np.where,),
+    "branch_distance": (branch_distance,),
 }
-_SIGNED = ("alpha", "beta")
-RESULTS: Mapping[str, tuple[str, str]] = {
-    "load": ("N/mm", "load per unit of axial length, f below"),
-    "stiffness": ("N/mm^2", "d(load)/d(penetration) per unit of axial length, k below"),
+# Derivatives of functions y of x, with s that of x.
+_SLOPES = {
+    "log": "s / x",
+    "log1p": "s / (1 + x)",
+    "exp": "y * s",
+    "sqrt": "s / (2 * y)",
+    "sin": "cos(x) * s",
+    "cos": "-(sin(x) * s)",
+    "atan": "s / (1 + x * x)",
 }
+# What a formula may ask of a pair, in the order in which exported functions take it.
+OF_PAIR = ("E_star", "dR", "R_i", "R_j", "length", "alpha", "beta")
+_DEPTH, _RESULTS = "penetration", ("f", "k", "last", "energy")
+_OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
+_COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
 
 
 @dataclass(frozen=True)
 class Step:
-    """One assignment, `name = value`.
-
-    Attributes
-    ----------
-    name : str
-        The name assigned; each name is assigned once.
-    value : ast.expr
-        An expression or a conditional expression, `a if condition else b`.
-    text : str
-        The assignment as written.
-    """
+    """One assignment; a loop over a range of numbers if it has a body."""
 
     name: str
     value: ast.expr
-    text: str
-
-
-@dataclass(frozen=True)
-class Formula:
-    """Load and stiffness per unit length as a sequence of assignments.
-
-    Attributes
-    ----------
-    name : str
-        The name of the exported function.
-    law : ContactLaw
-        The law.
-    contact : {"internal", "external"} or None
-        The contact of the coefficients; None if it makes no difference.
-    equation : str
-        The law on one line, for readers.
-    text : str
-        Assignments in Python's syntax, one a line, f and k among them. Names are the
-        arguments, `constants`, pi and nan; functions are log, log1p, exp, sqrt, sin,
-        atan and max. Names must not differ in case alone, because Fortran ignores case.
-    coefficients : mapping
-        The coefficients of the law, for readers.
-    constants : mapping
-        The numbers used in `text`, by name.
-    extra : tuple of str
-        Arguments after penetration, E_star and dR.
-    conditions : tuple of str
-        Conditions on the arguments, in addition to being positive.
-    domain : str
-        Further conditions of the domain, in words.
-    remark : str
-        A remark for users of the law.
-    origin : str
-        Origin of the coefficients.
-    """
-
-    name: str
-    law: ContactLaw
-    contact: Contact | None
-    equation: str
-    text: str
-    coefficients: Mapping[str, float]
-    constants: Mapping[str, float]
-    extra: tuple[str, ...] = ()
-    conditions: tuple[str, ...] = ()
-    domain: str = ""
-    remark: str = ""
-    origin: str = ""
+    body: tuple[Step, ...] = ()
 
     @property
-    def arguments(self) -> tuple[str, ...]:
-        """The function's arguments, in order."""
-        return _ALWAYS + self.extra
-
-    @property
-    def steps(self) -> tuple[Step, ...]:
-        """The assignments of `text` that f and k need."""
-        return needed(self.text, "f", "k")
-
-    @property
-    def requirements(self) -> tuple[str, ...]:
-        """Conditions on the arguments that hold inside the domain."""
-        lengths = (name for name in self.arguments[1:] if name not in _SIGNED)
-        positive = (f"{name} > 0" for name in lengths)
-        return ("penetration >= 0", *positive, *self.conditions)
+    def text(self) -> str:
+        """The assignment in Python's syntax."""
+        return f"{self.name} = {ast.unparse(self.value)}"
 
 
-def expression(text: str) -> ast.expr:
-    """Parse one expression of the neutral notation.
-
-    Examples
-    --------
-    >>> ast.unparse(expression("a*dR + b"))
-    'a * dR + b'
-    """
-    return ast.parse(text, mode="eval").body
+def names_in(node: ast.AST) -> set[str]:
+    """Return the names that an expression uses, of functions too."""
+    return {each.id for each in ast.walk(node) if isinstance(each, ast.Name)}
 
 
 def steps_of(text: str) -> tuple[Step, ...]:
-    r"""Parse assignments, one a line.
+    r"""Return the steps of assignments in Python's syntax, one a line.
 
     Examples
     --------
     >>> [step.name for step in steps_of("d = penetration / dR\nf = E_star * d")]
     ['d', 'f']
     """
-    return tuple(_step(line) for line in text.splitlines() if line.strip())
+    assigned = [node for node in ast.parse(text).body if isinstance(node, ast.Assign)]
+    return tuple(Step(ast.unparse(node.targets[0]), node.value) for node in assigned)
 
 
-def needed(text: str, *results: str) -> tuple[Step, ...]:
-    r"""Return the steps that some results need.
-
-    Examples
-    --------
-    >>> [step.name for step in needed("a = dR\nb = 2*a\nk = 3*a\nf = 5*b", "f")]
-    ['a', 'b', 'f']
-    """
-    names, steps = set(results), list[Step]()
-    for step in reversed(steps_of(text)):
-        if step.name in names:
-            steps.insert(0, step)
-            names |= {node.id for node in ast.walk(step.value) if isinstance(node, ast.Name)}
-    return tuple(steps)
-
-
-def _step(line: str) -> Step:
-    """Parse `name = value`."""
-    name, _, value = line.partition(" = ")
-    if not (name.strip().isidentifier() and value):
-        raise ValueError(f"a law's step must be an assignment, name = value, and is {line!r}")
-    return Step(name.strip(), expression(value), line.strip())
-
-
-def function_name(law: str, contact: Contact | None = None) -> str:
-    """Return the name of an exported function.
+def needed(steps: Sequence[Step], *results: str) -> tuple[Step, ...]:
+    """Return the steps that some results need.
 
     Examples
     --------
-    >>> function_name("esdu-78035"), function_name("enhanced", "internal")
-    ('cylcontact_esdu_78035', 'cylcontact_enhanced_internal')
+    >>> [step.name for step in needed(steps_of("a = x; b = a + 1; c = 2 * a"), "c")]
+    ['a', 'c']
     """
-    return "_".join(["cylcontact", law.replace("-", "_"), *([contact] if contact else [])])
+    wanted, chosen = set(results), []
+    for step in reversed(steps):
+        if step.body:
+            inside = needed(step.body, *wanted)
+            if inside:  # what one turn needs, the turn before has to give
+                while True:
+                    used = wanted.union(*(names_in(each.value) for each in inside))
+                    if used == wanted:
+                        break
+                    wanted, inside = used, needed(step.body, *used)
+                chosen.append(Step(step.name, step.value, inside))
+        elif step.name in wanted:
+            chosen.append(step)
+            wanted |= names_in(step.value)
+    return tuple(reversed(chosen))
 
 
-def required_contact(contact: Contact | None, law: str) -> Contact:
-    """Return the contact; raise `InputError` if it is None."""
-    if contact is None:
-        raise InputError(
-            "export",
-            "--contact",
-            None,
-            f"is missing, and the {law} law has other coefficients for each",
-            "give --contact internal or --contact external",
-        )
-    return contact
+def assigned_in(steps: Iterable[Step]) -> Iterator[str]:
+    """Yield the names that steps assign, in order, each once."""
+    seen: set[str] = set()
+    for step in steps:
+        for name in assigned_in(step.body) if step.body else (step.name,):
+            if name not in seen:
+                seen.add(name)
+                yield name
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A function that states the load of a law, read when it is first used.
+
+    Parameters
+    ----------
+    function : callable
+        From penetration, pair and constants to the load, or to load and stiffness.
+    at_pair : callable, optional
+        From pair and constants to the numbers that `function` takes in place of the constants.
+    end : callable, optional
+        From the pair and what `function` takes to the largest penetration in mm: inf where there is
+        none, NaN for pairs for which the law is undefined.
+    energy : callable, optional
+        From what `function` takes to ∫ f dδ; by quadrature without it.
+    equation : str
+        The law on one line, in ASCII, for exported files.
+    remark : str
+        What its users should know, for exported files.
+    """
+
+    function: Callable[..., Any]
+    at_pair_function: Callable[..., Any] | None = None
+    end: Callable[..., Any] | None = None
+    energy: Callable[..., Any] | None = None
+    equation: str = ""
+    remark: str = ""
+
+    @cached_property
+    def constants(self) -> dict[str, float | None]:
+        """The constants of the law, with their defaults."""
+        if self.at_pair_function is None:
+            return _constants(self.function, 2)
+        return _constants(self.at_pair_function, 1)
+
+    @cached_property
+    def steps(self) -> tuple[Step, ...]:
+        """The assignments up to f and k, the load and the stiffness, `last` and `energy`."""
+        reader, taken = self._reader, tuple(_constants(self.function, 2))
+        if self.at_pair_function is not None:
+            reader.read(self.at_pair_function, *taken)
+        if reader.read(self.function, "f", "k") == 1:
+            reader.steps += _with_slopes(tuple(reader.steps), reader.fresh)
+        for result in ("last", "energy"):
+            function = self.end if result == "last" else self.energy
+            if function is not None:
+                reader.read(function, result)
+        return tuple(reader.steps)
+
+    @cached_property
+    def _reader(self) -> _Reader:
+        own = {*self.constants, *_constants(self.function, 2), *OF_PAIR, _DEPTH, *_RESULTS}
+        return _Reader({name.lower() for name in (*own, *FUNCTIONS, *RESERVED)})
+
+    @cached_property
+    def arguments(self) -> tuple[str, ...]:
+        """What the formula asks of a pair."""
+        used = set().union(*(names_in(step.value) for step in _flat(self.steps)))
+        return tuple(name for name in OF_PAIR if name in used)
+
+    @cached_property
+    def at_pair(self) -> tuple[Step, ...]:
+        """The steps that do not depend on the penetration."""
+        depends = _dependent(self.steps)
+        return tuple(s for s in self.steps if not (depends & {*assigned_in([s])}))
+
+    @cached_property
+    def at_depth(self) -> tuple[Step, ...]:
+        """The steps that depend on the penetration."""
+        depends = _dependent(self.steps)
+        return tuple(s for s in self.steps if depends & {*assigned_in([s])})
+
+    @cached_property
+    def scalar_steps(self) -> tuple[Step, ...]:
+        """The steps `at_depth` with Lambert's function written out."""
+        return self._reader.expanded(self.at_depth)
+
+    def numbers_of(self, *results: str) -> tuple[str, ...]:
+        """Return the names of a pair's numbers that some results need besides the penetration."""
+        steps = needed(self.at_depth, *results)
+        used = {*results}.union(*(names_in(step.value) for step in _flat(steps)))
+        own = {*assigned_in(steps), _DEPTH, *FUNCTIONS, "range", "inf", "nan", "pi"}
+        taken = _constants(self.function, 2)
+        known = dict.fromkeys((*OF_PAIR, *taken, *self.constants, *assigned_in(self.at_pair)))
+        return tuple(name for name in known if name in used - own)
+
+    @cached_property
+    def numbers(self) -> tuple[str, ...]:
+        """The names of all that load, stiffness, end and energy need of a pair."""
+        results = ("f", "k", *(("energy",) if self.energy else ()))
+        last = ("last",) if self.end else ()
+        return tuple(dict.fromkeys((*self.numbers_of(*results), *last)))
+
+    @cached_property
+    def of_pair(self) -> Callable[..., tuple[Any, ...]]:
+        """The NumPy function from arguments and constants by name to `numbers`."""
+        steps = needed(self.at_pair, *self.numbers)
+        return _compiled(("*", *self.arguments, *self.constants), steps, self.numbers)
+
+    @cached_property
+    def load(self) -> Callable[..., Any]:
+        """The NumPy function from penetration and numbers by name to the load."""
+        return self._at_depth("f")
+
+    @cached_property
+    def stiffness(self) -> Callable[..., Any]:
+        """The NumPy function from penetration and numbers by name to the stiffness."""
+        return self._at_depth("k")
+
+    def _at_depth(self, result: str) -> Callable[..., Any]:
+        steps = needed(self.at_depth, result)
+        others = (name for name in self.numbers if name not in {*assigned_in(steps)})
+        return _compiled((_DEPTH, *others, "**_"), steps, result)
+
+
+def _flat(steps: Iterable[Step]) -> Iterator[Step]:
+    """Yield all steps, those of loops too."""
+    for step in steps:
+        yield step
+        yield from _flat(step.body)
+
+
+def _dependent(steps: Sequence[Step]) -> set[str]:
+    """Return the names whose value depends on the penetration."""
+    depends = {_DEPTH}
+    while True:
+        more = depends | {s.name for s in _flat(steps) if names_in(s.value) & depends and not s.body}
+        if more == depends:
+            return depends
+        depends = more
+
+
+# --- running with NumPy -------------------------------------------------------------------------
+
+
+class _ForArrays(ast.NodeTransformer):
+    """Choices and conditions as NumPy writes them for arrays."""
+
+    def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
+        self.generic_visit(node)
+        return ast.Call(ast.Name("where"), [node.test, node.body, node.orelse], [])
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:
+        self.generic_visit(node)
+        operator = ast.BitAnd() if isinstance(node.op, ast.And) else ast.BitOr()
+        result = node.values[0]
+        for value in node.values[1:]:
+            result = ast.BinOp(result, operator, value)
+        return result
+
+
+def lines_of(steps: Iterable[Step], text: Callable[[ast.expr], str] = ast.unparse) -> list[str]:
+    """Return steps as lines of Python."""
+    lines = []
+    for step in steps:
+        if step.body:
+            lines.append(f"for {step.name} in {text(step.value)}:")
+            lines += (f"    {line}" for line in lines_of(step.body, text))
+        else:
+            lines.append(f"{step.name} = {text(step.value)}")
+    return lines
+
+
+def _compiled(
+    arguments: Sequence[str], steps: Iterable[Step], results: str | Sequence[str]
+) -> Callable[..., Any]:
+    """Return a NumPy function with these arguments, from steps to results."""
+
+    def text(node: ast.expr) -> str:
+        copy = ast.parse(ast.unparse(node), mode="eval")
+        return ast.unparse(ast.fix_missing_locations(_ForArrays().visit(copy)))
+
+    given = results if isinstance(results, str) else f"({', '.join(results)},)"
+    if arguments[:1] == ("*",) and len(arguments) == 1:
+        arguments = ()
+    body = [*lines_of(steps, text), f"return {given}"]
+    source = "\n    ".join([f"def function({', '.join(arguments)}):", *body])
+    names = {name: functions[0] for name, functions in FUNCTIONS.items()}
+    scope: dict[str, Any] = {**names, "pi": math.pi, "inf": math.inf, "nan": math.nan}
+    exec(source, scope)
+    function: Callable[..., Any] = scope["function"]
+    return function
+
+
+# --- reading a function -------------------------------------------------------------------------
+
+
+def _constants(function: Callable[..., Any], first: int) -> dict[str, float | None]:
+    """Return the arguments after penetration and pair, the `first`, with their defaults."""
+    writing = "write it as def load(penetration, pair, K, n): ..."
+    plain = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+    try:
+        arguments = list(inspect.signature(function).parameters.values())
+    except (TypeError, ValueError):
+        raise _refusal(function, "has no signature to read", writing) from None
+    if len(arguments) < first or any(each.kind not in plain for each in arguments):
+        given = ", ".join(map(str, arguments))
+        rule = f"must take a penetration, a pair and named constants, and takes ({given})"
+        raise _refusal(function, rule, writing)
+    constants: dict[str, float | None] = {}
+    for argument in arguments[first:]:
+        value = argument.default
+        if value is not inspect.Parameter.empty and not isinstance(value, int | float):
+            rule = f"has a default for {argument.name} that is not a number"
+            raise _refusal(function, rule, writing)
+        constants[argument.name] = None if value is inspect.Parameter.empty else float(value)
+    return constants
+
+
+def _refusal(function: Any, rule: str, remedy: str, node: ast.AST | None = None) -> InputError:
+    """Return the error of a function that is no formula, with the line of what is wrong in it."""
+    code = getattr(function, "__code__", None)
+    source, key = getattr(function, "__name__", str(function)), ""
+    if code is not None:
+        source = f"{code.co_filename}: {source}"
+        line = code.co_firstlineno + getattr(node, "lineno", 1) - 1
+        key = f"line {line}" if node is not None else ""
+    value = ast.unparse(node) if node is not None else None
+    return InputError(source, key, value, rule, remedy)
+
+
+@dataclass
+class _Reader:
+    """Reads functions into steps that assign each name once, except in loops.
+
+    Functions that a function calls become steps too, with names of their own.
+    """
+
+    taken: set[str]
+    steps: list[Step] = field(default_factory=list)
+
+    def read(self, function: Callable[..., Any], *results: str) -> int:
+        """Append the steps of a function; return how many of the results it gives."""
+        names = list(inspect.signature(function).parameters)
+        given: dict[str, Any] = {name: ast.Name(name) for name in names}
+        if results[0] in ("f", "energy"):
+            given[names.pop(0)] = ast.Name(_DEPTH)
+        given[names[0]] = OF_PAIR
+        values = _Frame(self, function, given, self.steps).run()
+        for k, name in enumerate(results[: len(values)]):
+            value = values[k]
+            old = value.id if isinstance(value, ast.Name) else ""
+            if old.startswith(f"{name}_"):  # only this result had its name
+                self.steps = [_renamed(step, old, name) for step in self.steps]
+                values = [_filled(ast.unparse(v), **{old: ast.Name(name)}) for v in values]
+            elif old != name:
+                self.steps.append(Step(name, value))
+        return len(values)
+
+    def fresh(self, name: str) -> str:
+        """Return a name that differs from all others in more than case, which Fortran ignores."""
+        number, trial = 1, name
+        while trial.lower() in self.taken:
+            number += 1
+            trial = f"{name}_{number}"
+        self.taken.add(trial.lower())
+        return trial
+
+    def expanded(self, steps: Iterable[Step]) -> tuple[Step, ...]:
+        """Return steps with those of Lambert's function in place of its calls."""
+        every: list[Step] = []
+        for step in steps:
+            match step.value:
+                case ast.Call(func=ast.Name(id="branch_distance"), args=[p]):
+                    frame = _Frame(self, branch_distance_steps, {"p": p}, every)
+                    every.append(Step(step.name, frame.run()[0]))
+                case _:
+                    every.append(step)
+        return tuple(every)
+
+
+@dataclass
+class _Frame:
+    """One call of a function: the new names of its own names, and where its steps go.
+
+    `given` holds an expression for each name, for a pair what may be asked of it; `changing` the
+    names that a loop changes, and "" inside a loop.
+    """
+
+    reader: _Reader
+    function: Callable[..., Any]
+    given: dict[str, Any]
+    steps: list[Step]
+    changing: set[str] = field(default_factory=set)
+
+    def run(self) -> list[ast.expr]:
+        """Append the steps; return the values that the function returns."""
+        try:
+            tree = ast.parse(textwrap.dedent(inspect.getsource(self.function))).body[0]
+        except (OSError, TypeError, SyntaxError, IndexError):
+            tree = None
+        if not isinstance(tree, ast.FunctionDef):
+            raise self.refusal("has no source that can be read", "define it by def in a file")
+        variables = inspect.getclosurevars(self.function)
+        self.outer = {**variables.builtins, **variables.globals, **variables.nonlocals}
+        *body, last = tree.body
+        for statement in body:
+            self.statement(statement)
+        if not isinstance(last, ast.Return) or last.value is None:
+            raise self.refusal("does not end by returning its load", "end it with return", last)
+        return self.values(last.value)
+
+    def refusal(self, rule: str, remedy: str, node: ast.AST | None = None) -> InputError:
+        """Return the error of what cannot be written in another language."""
+        return _refusal(self.function, rule, remedy, node)
+
+    def statement(self, node: ast.stmt) -> None:
+        """Append the steps of a statement."""
+        match node:
+            case ast.Expr(value=ast.Constant()):  # a docstring
+                return
+            case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                self.assign(name, self.value(value, alone=True))
+            case ast.Assign(targets=[ast.Tuple(elts=names)], value=value):
+                parts = self.values(value)
+                swaps = isinstance(value, ast.Tuple) and {*map(ast.unparse, names)} & self.changing
+                if swaps or len(parts) != len(names):
+                    rule = "does not give each name one value that no other name has had"
+                    raise self.refusal(rule, "assign one name at a time", node)
+                for each, part in zip(names, parts, strict=True):
+                    self.assign(ast.unparse(each), part)
+            case ast.AugAssign(target=ast.Name(id=name) as target, op=op, value=value):
+                self.assign(name, self.value(ast.BinOp(target, op, value)))
+            case ast.For(target=ast.Name(id=name), iter=iterable, body=body, orelse=[]):
+                self.loop(name, iterable, body)
+            case _:
+                raise self.refusal(
+                    "is no assignment and no loop over a range of numbers",
+                    "write it as assignments, and choices with numpy.where", node,
+                )  # fmt: skip
+
+    def assign(self, name: str, value: ast.expr) -> None:
+        """Give a name a value: a new name, unless a loop changes it."""
+        if name in self.changing:
+            self.steps.append(Step(self.given[name].id, value))
+        elif isinstance(value, ast.Name | ast.Constant | ast.BoolOp | ast.Compare):
+            self.given[name] = value
+        else:
+            self.given[name] = self.placed(name, value)
+
+    def placed(self, name: str, value: ast.expr) -> ast.Name:
+        """Return the name of a value: that of an earlier step that has it, or a new one."""
+        text = ast.unparse(value)
+        if not self.changing:
+            for step in self.steps:
+                if not step.body and ast.unparse(step.value) == text:
+                    return ast.Name(step.name)
+        step = Step(self.reader.fresh(name), value)
+        self.steps.append(step)
+        return ast.Name(step.name)
+
+    def loop(self, name: str, iterable: ast.expr, body: list[ast.stmt]) -> None:
+        """Append a loop, whose names go on from one turn to the next."""
+        numbers = getattr(iterable, "args", [ast.Constant("")])
+        limits = [self.value(number) for number in numbers]
+        if ast.unparse(iterable).partition("(")[0] != "range" or not all(
+            isinstance(ast.literal_eval(ast.unparse(limit)), int) for limit in limits
+        ):
+            raise self.refusal("is not a range of whole numbers", "use range(4)", iterable)
+        stores = dict.fromkeys(
+            n.id for s in body for n in ast.walk(s)
+            if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+        )  # fmt: skip
+        going_on = [each for each in stores if each in self.given]
+        for each in going_on:
+            self.steps.append(Step(self.reader.fresh(each), self.given[each]))
+            self.given[each] = ast.Name(self.steps[-1].name)
+        self.given[name] = ast.Name(self.reader.fresh(name))
+        outside, before = self.steps, self.changing
+        self.steps, self.changing = [], {"", *before, *going_on}
+        for statement in body:
+            self.statement(statement)
+        call = ast.Call(ast.Name("range"), limits, [])
+        outside.append(Step(self.given[name].id, call, tuple(self.steps)))
+        self.steps, self.changing = outside, before
+
+    def values(self, node: ast.expr) -> list[ast.expr]:
+        """Return the values of what is unpacked."""
+        if isinstance(node, ast.Tuple):
+            return [self.value(part, alone=True) for part in node.elts]
+        if isinstance(node, ast.Call) and self.is_helper(node):
+            return self.called(node)
+        return [self.value(node, alone=True)]
+
+    def is_helper(self, node: ast.Call) -> bool:
+        """Return whether a function is called that is no part of the vocabulary."""
+        return inspect.isfunction(self.object_of(node.func)) and not self.function_of(node.func)
+
+    def value(self, node: ast.expr, alone: bool = False) -> ast.expr:
+        """Return an expression in the new names; `alone` if it is all that a name is given."""
+        match node:
+            case ast.Constant(value=bool()):
+                pass
+            case ast.Constant(value=int() | float()):
+                return node
+            case ast.Name(id=name) if isinstance(self.given.get(name), ast.expr):
+                new: ast.expr = self.given[name]
+                return new
+            case ast.Attribute(value=ast.Name(id=name), attr=asked) if (
+                self.given.get(name) is OF_PAIR
+            ):
+                if asked == "R":
+                    return ast.parse("R_i * R_j / dR", mode="eval").body
+                if asked in OF_PAIR:
+                    return ast.Name(asked)
+                rule = "is not known to an exported formula"
+                raise self.refusal(rule, f"use {', '.join(OF_PAIR)}", node)
+            case ast.Name() | ast.Attribute():
+                return self.number(node)
+            case ast.UnaryOp(op=ast.USub() | ast.UAdd() as op, operand=operand):
+                inner = self.value(operand)
+                return inner if isinstance(op, ast.UAdd) else ast.UnaryOp(op, inner)
+            case ast.BinOp(left=left, op=ast.BitAnd() | ast.BitOr() as op, right=right):
+                both: ast.boolop = ast.And() if isinstance(op, ast.BitAnd) else ast.Or()
+                return ast.BoolOp(both, [self.value(left), self.value(right)])
+            case ast.BinOp(left=left, op=op, right=right) if isinstance(op, _OPERATORS):
+                return ast.BinOp(self.value(left), op, self.value(right))
+            case ast.BoolOp(op=either, values=parts):
+                return ast.BoolOp(either, [self.value(part) for part in parts])
+            case ast.Compare(left=left, ops=ops, comparators=others) if all(
+                isinstance(op, _COMPARISONS) for op in ops
+            ):
+                sides = [self.value(side) for side in (left, *others)]
+                pairs: list[ast.expr] = [
+                    ast.Compare(sides[k], [op], [sides[k + 1]]) for k, op in enumerate(ops)
+                ]
+                return pairs[0] if len(pairs) == 1 else ast.BoolOp(ast.And(), pairs)
+            case ast.Call(keywords=[]) if self.is_helper(node):
+                return self.called(node)[0]
+            case ast.Call(func=function, args=arguments, keywords=[]):
+                value = self.of_vocabulary(function, [self.value(a) for a in arguments], node)
+                is_choice = isinstance(value, ast.IfExp)
+                if alone or not is_choice and self.function_of(function) != "branch_distance":
+                    return value
+                return self.placed("chosen" if is_choice else "w", value)
+        raise self.refusal(
+            "cannot be written in another language",
+            f"use + - * / **, comparisons, {', '.join(FUNCTIONS)} and functions of these", node,
+        )  # fmt: skip
+
+    def object_of(self, node: ast.expr) -> Any:
+        """Return what a name of the module stands for; None if it has no value."""
+        if isinstance(node, ast.Attribute):
+            return getattr(self.object_of(node.value), node.attr, None)
+        return self.outer.get(node.id) if isinstance(node, ast.Name) else None
+
+    def number(self, node: ast.expr) -> ast.expr:
+        """Return a number of the module."""
+        number = self.object_of(node)
+        if isinstance(number, bool) or not isinstance(number, int | float):
+            raise self.refusal("is not a number", "give it as a constant or an argument", node)
+        for name in ("pi", "inf", "nan"):
+            if number is getattr(math, name) or number == getattr(math, name) or (
+                name == "nan" and number != number
+            ):
+                return ast.Name(name)
+        return ast.Constant(number)
+
+    def function_of(self, node: ast.expr) -> str | None:
+        """Return the name of a function of the vocabulary; None for another."""
+        called = self.object_of(node)
+        for name, functions in FUNCTIONS.items():
+            if any(called is function for function in functions):
+                return name
+        return None
+
+    def of_vocabulary(
+        self, function: ast.expr, arguments: list[ast.expr], node: ast.expr
+    ) -> ast.expr:
+        """Return a call of the vocabulary."""
+        name = self.function_of(function)
+        if name is None:
+            rule, remedy = "is not known in other languages", f"use {', '.join(FUNCTIONS)}"
+            raise self.refusal(rule, remedy, node)
+        if name == "where":
+            return ast.IfExp(*arguments)
+        return ast.Call(ast.Name(name), arguments, [])
+
+    def called(self, node: ast.Call) -> list[ast.expr]:
+        """Return the values of another function, whose steps are appended."""
+        function = self.object_of(node.func)
+        given: dict[str, Any] = {}
+        for name, argument in zip(inspect.signature(function).parameters, node.args, strict=False):
+            if isinstance(argument, ast.Name) and self.given.get(argument.id) is OF_PAIR:
+                given[name] = OF_PAIR
+                continue
+            value = self.value(argument)
+            simple = isinstance(value, ast.Name | ast.Constant)
+            given[name] = value if simple else self.placed(name, value)
+        inner = _Frame(self.reader, function, given, self.steps, set())
+        if self.changing:  # inside a loop no step is taken for an earlier one
+            inner.changing = {""}
+        return inner.run()
+
+
+def _renamed(step: Step, old: str, new: str) -> Step:
+    """Return a step with another name for what it assigns and uses."""
+    value = _filled(ast.unparse(step.value), **{old: ast.Name(new)})
+    body = tuple(_renamed(each, old, new) for each in step.body)
+    return Step(new if step.name == old else step.name, value, body)
+
+
+# --- the rule of the chain ----------------------------------------------------------------------
+
+
+def _with_slopes(steps: Sequence[Step], fresh: Callable[[str], str]) -> Iterator[Step]:
+    """Yield the steps of the derivatives by the penetration, up to k, that of f."""
+    slopes: dict[str, ast.expr] = {_DEPTH: ast.Constant(1)}
+    for step in needed(steps, "f"):
+        if step.body:
+            if _dependent([step]) & {*assigned_in([step])} or names_in(step.value) & slopes.keys():
+                raise InputError(
+                    "a law's formula", step.name, None, "loops over what depends on the penetration",
+                    "return load, stiffness from the function",
+                )  # fmt: skip
+            continue
+        slope = _slope(step.value, slopes, step.name)
+        if step.name == "f":
+            yield Step("k", slope or ast.Constant(0))
+        elif isinstance(slope, ast.Name | ast.Constant):
+            slopes[step.name] = slope
+        elif slope is not None:
+            slopes[step.name] = ast.Name(fresh(f"{step.name}_slope"))
+            yield Step(slopes[step.name].id, slope)
+
+
+def _slope(node: ast.expr, slopes: Mapping[str, ast.expr], name: str) -> ast.expr | None:
+    """Return the derivative of an expression, the value of `name`; None for zero."""
+    match node:
+        case ast.Name(id=used):
+            return slopes.get(used)
+        case ast.UnaryOp(operand=operand):
+            inner = _slope(operand, slopes, "")
+            return None if inner is None else ast.UnaryOp(ast.USub(), inner)
+        case ast.IfExp(test=test, body=yes, orelse=no):
+            first, second = _slope(yes, slopes, ""), _slope(no, slopes, "")
+            if first is None and second is None:
+                return None
+            return ast.IfExp(test, first or ast.Constant(0), second or ast.Constant(0))
+        case ast.BinOp(left=u, op=op, right=v):
+            du, dv = _slope(u, slopes, ""), _slope(v, slopes, "")
+            return _slope_of_operation(ast.Name(name) if name else node, u, op, v, du, dv)
+        case ast.Call(func=ast.Name(id="log"), args=[ast.BinOp(left=u, op=ast.Div(), right=v)]):
+            apart = ast.BinOp(_logarithm(u), ast.Sub(), _logarithm(v))
+            return _slope(apart, slopes, "")
+        case ast.Call(func=ast.Name(id="max"), args=[u, v]):
+            first, second = _slope(u, slopes, ""), _slope(v, slopes, "")
+            if first is None and second is None:
+                return None
+            test = ast.Compare(u, [ast.GtE()], [v])
+            return ast.IfExp(test, first or ast.Constant(0), second or ast.Constant(0))
+        case ast.Call(func=ast.Name(id="branch_distance"), args=[u]):
+            inner, w = _slope(u, slopes, ""), ast.Name(name)
+            outer = _filled("-(1 + w) / (x * w)", x=u, w=w)
+            return None if inner is None else _times(outer, inner)
+        case ast.Call(func=ast.Name(id=function), args=[u]):
+            inner = _slope(u, slopes, "")
+            y = ast.Name(name) if name else node
+            return None if inner is None else _filled(_SLOPES[function], x=u, y=y, s=inner)
+    return None
+
+
+def _logarithm(node: ast.expr) -> ast.expr:
+    return ast.Call(ast.Name("log"), [node], [])
+
+
+def _slope_of_operation(
+    whole: ast.expr,
+    u: ast.expr,
+    op: ast.operator,
+    v: ast.expr,
+    du: ast.expr | None,
+    dv: ast.expr | None,
+) -> ast.expr | None:
+    """Return the derivative of u op v, the `whole`."""
+    if du is None and dv is None:
+        return None
+    match op:
+        case ast.Add() | ast.Sub():
+            if dv is None:
+                return du
+            if du is None:
+                return dv if isinstance(op, ast.Add) else ast.UnaryOp(ast.USub(), dv)
+            return ast.BinOp(du, op, dv)
+        case ast.Mult():
+            if du is None or dv is None:
+                return _times(u, dv) if dv is not None else _times(v, du or u)
+            return ast.BinOp(_times(v, du), ast.Add(), _times(u, dv))
+        case ast.Div():
+            if dv is None:
+                return ast.BinOp(du or u, ast.Div(), v)
+            part = _times(whole, dv)
+            rest = ast.UnaryOp(ast.USub(), part) if du is None else ast.BinOp(du, ast.Sub(), part)
+            return ast.BinOp(rest, ast.Div(), v)
+    if dv is None:
+        return _times(_filled("v * u ** (v - 1)", u=u, v=v), du or u)
+    by_base = _filled("v / u", u=u, v=v)
+    grown = _times(_filled("log(u)", u=u), dv)
+    inner = grown if du is None else ast.BinOp(_times(by_base, du), ast.Add(), grown)
+    return ast.BinOp(ast.BinOp(u, ast.Pow(), v), ast.Mult(), inner)
+
+
+def _times(u: ast.expr, v: ast.expr) -> ast.expr:
+    """Return u·v."""
+    if isinstance(v, ast.Constant) and v.value == 1:
+        return u
+    return ast.BinOp(u, ast.Mult(), v)
+
+
+def _filled(text: str, **parts: ast.expr) -> ast.expr:
+    """Return an expression with parts in place of names."""
+
+    class Filler(ast.NodeTransformer):
+        def visit_Name(self, node: ast.Name) -> ast.expr:
+            return parts.get(node.id, node)
+
+    filled: ast.expr = Filler().visit(ast.parse(text, mode="eval").body)
+    return filled

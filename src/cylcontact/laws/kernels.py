@@ -5,8 +5,8 @@ data, so one compiled integrator serves every law:
 
     load = kernel_load(kernel.kind, kernel.parameters, penetration)
 
-A law whose definition has kernel steps is compiled from them, the same steps that are exported to
-other languages, and is right to a few units in the last place. Every other law (Persson's,
+A law of one formula (`cylcontact.laws.formula`) is compiled from the steps that are exported to
+other languages too, and is right to a few units in the last place. Every other law (Persson's,
 user-defined ones) becomes a table: a cubic in ln f over ln δ, with nodes added until the load is
 right to `TABLE_ERROR`.
 
@@ -15,7 +15,6 @@ This module imports numba, which is slow: import it where it is needed.
 
 from __future__ import annotations
 
-import ast
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,31 +24,25 @@ import numpy as np
 from numba import njit
 
 from cylcontact.arrays import FloatArray, require
-from cylcontact.laws import DEFINITIONS
+from cylcontact.laws import LAW_TYPES
 from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.definition import KernelSteps
-from cylcontact.laws.formula import needed
+from cylcontact.laws.formula import Formula, lines_of, needed
+from cylcontact.laws.law import Law, formula_of
 from cylcontact.laws.tabulated import cubic, tabulate
 from cylcontact.numba_cache import compiled, inlined
 from cylcontact.pair import CylinderPair
 
-__all__ = [
-    "TABLE",
-    "Kernel",
-    "kernel",
-    "kernel_energy",
-    "kernel_load",
-    "kernel_stiffness",
-    "steps_for",
-]
-
-# The steps of a law, by its `load`, so that a subclass that overrides it is tabulated.
-_STEPS: dict[Any, KernelSteps] = {}
-for _law in DEFINITIONS:
-    if _law.kernel is not None and _STEPS.setdefault(_law.law.load, _law.kernel) != _law.kernel:
-        raise ValueError(f"{_law.law.name}: a law that inherits `load` inherits its kernel steps")
-_KINDS = tuple(dict.fromkeys(_STEPS.values()))
 TABLE = -1
+
+
+
+def _key(formula: Formula) -> tuple[Any, ...]:
+    """Return what formulas have in common that are compiled as one."""
+    return formula.function, formula.end, formula.energy, formula.numbers
+
+
+_KINDS = {_key(law.formula): law.formula for law in LAW_TYPES if issubclass(law, Law)}
+_KEYS = list(_KINDS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,17 +121,13 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
         f"the {law.name} law is undefined for this pair",
         "choose another law, or a pair within its range",
     )
-    steps = steps_for(law)
-    if steps is None:
+    formula = formula_of(law, pair.contact)
+    key = None if formula is None else _key(formula)
+    if not isinstance(law, Law) or key not in _KINDS:
         table = tabulate(law, pair)
         return Kernel(TABLE, table, float(table[0]))
-    numbers = np.array(steps.numbers(law, pair), dtype=np.float64)
-    return Kernel(_KINDS.index(steps), numbers, float(limit))
-
-
-def steps_for(law: ContactLaw) -> KernelSteps | None:
-    """Return the steps that a law is compiled from; None if it is tabulated."""
-    return _STEPS.get(type(law).load)
+    numbers = [float(number) for number in law.numbers_at(pair).values()]
+    return Kernel(_KEYS.index(key), np.array(numbers), float(limit))
 
 
 _cubic = compiled(cubic)
@@ -181,31 +170,24 @@ def _read_table(table: FloatArray, penetration: float) -> tuple[float, float]:
     return math.exp(y[below] + y_at), slope
 
 
-def _steps(kernel: KernelSteps, result: str) -> list[str]:
-    """Return the lines that compute `result`, f, k or energy, from the numbers of a kernel.
-
-    Steps that the result does not need are left out, because a compiler keeps calls of `pow`.
-    """
-    steps = needed(kernel.steps, result)
-    used = {
-        node.id for step in steps for node in ast.walk(step.value) if isinstance(node, ast.Name)
-    }
-    numbers = [f"{name} = numbers[{i}]" for i, name in enumerate(kernel.names) if name in used]
-    return [*numbers, *(step.text for step in steps), f"return {result}"]
-
-
 def _of_all_kinds(result: str, table: Any) -> Callable[[int, FloatArray, float], float]:
     """Return one function for the load, the stiffness or the energy of kernels of every kind.
 
-    `table` is for tables, and for kinds that have no closed form of the result.
-
-    All in one function, because handing an array to another costs as much as a logarithm.
+    `table` is for tables, and for kinds that have no closed form of the result. Steps that a result
+    does not need are left out, because a compiler keeps calls of `pow`. All in one function,
+    because handing an array to another costs as much as a logarithm.
     """
     lines = ["def function(kind, numbers, penetration):"]
-    for kind, steps in enumerate(_KINDS):
-        if not needed(steps.steps, result):
+    for kind, formula in enumerate(_KINDS.values()):
+        steps = needed(formula.scalar_steps, result)
+        if not steps:
             continue
-        lines += [f"  if kind == {kind}:", *(f"    {line}" for line in _steps(steps, result))]
+        used = {*formula.numbers_of(result), *(("last",) if formula.end else ())}
+        names = enumerate(formula.numbers)
+        lines += [f"  if kind == {kind}:"]
+        lines += [f"    {name} = numbers[{k}]" for k, name in names if name in used]
+        lines += ["    if not penetration <= last:", "      return nan"] if formula.end else []
+        lines += [f"    {line}" for line in [*lines_of(steps), f"return {result}"]]
     names = {**vars(math), "table": table}
     exec("\n".join([*lines, "  return table(kind, numbers, penetration)"]), names)
     inlined = njit(error_model="numpy", inline="always")(names["function"])

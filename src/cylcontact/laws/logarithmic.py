@@ -1,110 +1,144 @@
-"""Johnson's law, and the common form of the logarithmic laws.
+"""The logarithmic laws: Johnson's, and those that differ from it in κ, c and Λ.
 
 Every logarithmic law of cylindrical contact has the form
 
     δ = A·f·[ln(Λ·E*/f) + c],    A = κ/(π·E*),
 
-and differs from the others only in κ, c and the reach Λ (mm), a length that depends on the radii.
-The largest load is f_max = Λ·E*·exp(c − 1); beyond it the penetration would decrease with the
-load. In q = f/f_max and p = δ/δ_max, with δ_max = A·f_max, all of them are the single curve
-p = q(1 − ln q), with the inverse q = p/(1 + w) and w from Lambert's function.
+with a length Λ that depends on the radii, its reach. The largest load is f_max = Λ·E*·exp(c − 1);
+beyond it the penetration would decrease with the load. In q = f/f_max and p = δ/δ_max, with
+δ_max = A·f_max, all of them are the single curve p = q(1 − ln q), with the inverse q = p/(1 + w)
+and w from Lambert's function.
+
+| law | κ | Λ | c |
+|---|---|---|---|
+| Johnson (1985) | 1 | 4π·ΔR | −1 |
+| Roark and Young | 1 | 4π·ΔR | 2/3 − 2·ln 2 |
+| Radzimovsky (1953), half-width | 1 | 4π·ΔR | 2/3 |
+| Radzimovsky, 1.60 with radii | 1 | 4π·ΔR | 2/3 + ln(6.25/4π) |
+| ESDU 78035 | 1 | 4π·ΔR | 1 |
+| Dubowsky and Freudenstein (1971) | 1 | π·L²·ΔR/(R_i·R_j) | 1 |
+| Goldsmith (1960) | 1 | π·R_i·R_j/ΔR | 1 |
+| Hertz cylinder | 2 | π·ΔR | −1 |
+
+The literature disagrees on several of them, so each class states which reading it takes. All but
+Johnson's are derived for bodies of equal elastic constants; for other pairs they use the E* of the
+pair.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy import exp, log, pi
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
-from cylcontact.html_repr import law_html
 from cylcontact.laws.adapters import ScaledLaw
-from cylcontact.laws.contact_law import ContactLaw, OverLength, depth_of
-from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
-from cylcontact.laws.formula import Formula, function_name
-from cylcontact.laws.lambert import START, branch_distance, to_load_fraction
-from cylcontact.pair import CONTACTS, Contact, CylinderPair
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.definition import LawModel, Parameter
+from cylcontact.laws.formula import Formula
+from cylcontact.laws.lambert import branch_distance
+from cylcontact.laws.law import Law
+from cylcontact.pair import Contact, CylinderPair
 
-__all__ = [
-    "DEFINITION",
-    "Johnson",
-    "LogarithmicLaw",
-    "adjusted_logarithmic",
-    "definition_of",
-    "logarithmic_formula",
-]
+
+def johnson_reach(pair):  # type: ignore[no-untyped-def]
+    return 4 * pi * pair.dR
+
+
+def dubowsky_reach(pair):  # type: ignore[no-untyped-def]
+    return pi * (pair.length * pair.length) / pair.R
+
+
+def goldsmith_reach(pair):  # type: ignore[no-untyped-def]
+    return pi * pair.R
+
+
+def hertz_reach(pair):  # type: ignore[no-untyped-def]
+    return pi * pair.dR
+
+
+_EQUATION = (
+    "penetration = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c) solved for f, with Lambda in the "
+    "steps: f_max = Lambda*E_star*exp(c - 1)"
+)
+_REMARK = (
+    "For bodies of equal elastic constants. f = f_max*p/(1 + w) with p the penetration in "
+    "units of the largest and w = -1 - W(-p/e), W the lower branch of Lambert's function: "
+    "a start in closed form and one step of fourth order, no iteration."
+)
+
+
+def load(penetration, pair, f_max, deepest):  # type: ignore[no-untyped-def]
+    p = penetration / deepest
+    return f_max * (p / (1 + branch_distance(p)))
+
+
+def end(pair, f_max, deepest):  # type: ignore[no-untyped-def]
+    return deepest
+
+
+def energy(penetration, pair, f_max, deepest):  # type: ignore[no-untyped-def]
+    f = load(penetration, pair, f_max, deepest)
+    return f * (penetration / 2 - deepest / 4 * (f / f_max))
+
+
+def logarithmic(reach: Callable[[Any], Any]) -> Formula:
+    """Return the formula of a logarithmic law from its reach Λ."""
+
+    def ends(pair, kappa, c):  # type: ignore[no-untyped-def]
+        f_max = reach(pair) * pair.E_star * exp(c - 1)
+        return f_max, kappa / (pi * pair.E_star) * f_max
+
+    return Formula(load, ends, end, energy, _EQUATION, _REMARK)
 
 
 @dataclass(frozen=True)
-class LogarithmicLaw(OverLength):
+class LogarithmicLaw(Law):
     """The common form δ = κ/(π·E*)·f·[ln(Λ·E*/f) + c]; a law supplies κ, c and Λ.
 
     Attributes
     ----------
-    name : str
-        The law's name.
     kappa, shift : float
         κ and c.
-    reach_formula : str
-        Λ for exports, in the notation of `laws.formula.Formula`.
-    any_plane : bool
-        Whether it also holds in plane stress, with the E* of that.
-    needs : tuple of str
-        What Λ needs to know of a pair besides ΔR.
+    reach : callable
+        Λ in mm of a pair; 4π·ΔR unless the law has another.
     """
 
-    name: ClassVar[str]
     kappa: ClassVar[float] = 1.0
     shift: ClassVar[float]
-    reach_formula: ClassVar[str] = "4 * pi * dR"
-    any_plane: ClassVar[bool] = False
-    needs: ClassVar[tuple[str, ...]] = ()
-    _repr_html_ = law_html
+    reach: ClassVar[Callable[[Any], Any]] = staticmethod(johnson_reach)
+    any_plane = False
 
-    def reach(self, pair: CylinderPair) -> FloatArray:
-        """Return Λ in mm, 4π·ΔR unless the law has another."""
-        return as_floats(4 * np.pi * as_floats(pair.dR))
+    def __init_subclass__(cls) -> None:
+        cls.formula = logarithmic(cls.reach)
+
+    def constants_for(self, contact: Contact) -> dict[str, float]:
+        """Return κ and c."""
+        return {"kappa": float(self.kappa), "c": float(self.shift)}
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm; NaN outside [0, max_load]."""
-        q = _fraction(load, self.max_load(pair))
-        inside = (q >= 0) & (q <= 1)
-        p = q * (1 - np.log(np.where(inside & (q > 0), q, 1.0)))
+        with np.errstate(over="ignore"):
+            q = as_floats(load) / self.max_load(pair)
+        inside = np.asarray((q >= 0) & (q <= 1))
+        p = q * (1 - log(np.where(inside & (q > 0), q, 1.0)))
         return inside_or_nan(self.max_penetration(pair) * p, inside)
 
-    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the load in N/mm at `penetration` in mm; NaN beyond max_penetration."""
-        f = to_load_fraction(_fraction(penetration, self.max_penetration(pair)))
-        f *= self.max_load(pair)
-        return f
+    @classmethod
+    def models(cls) -> tuple[LawModel, ...]:
+        """Return how the law is fitted: by κ, c and a factor of Λ, redundant with c, held at 1."""
+        kappa = Parameter("kappa", 0.2, 5.0, cls.kappa, stiffness=True, meaning="factor of δ")
+        c = Parameter("c", -5.0, 5.0, cls.shift, shift=True, meaning="term beside the logarithm")
+        factor = Parameter("Lambda_factor", 1e-3, 1e3, 1.0, value=1.0, meaning="factor of Λ")
 
-    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return d(load)/d(penetration) in N/mm²; infinite at max_penetration."""
-        w = branch_distance(_fraction(depth_of(penetration), self.max_penetration(pair)))
-        with np.errstate(divide="ignore"):
-            return as_floats(1 / (self._compliance(pair) * w))
+        def build(values: Mapping[str, float]) -> ContactLaw:
+            return adjusted_logarithmic(cls(), **values)
 
-    def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return the largest load in N/mm, Λ·E*·exp(c − 1)."""
-        if not self.any_plane:
-            pair.require_plane_strain(type(self).__name__)
-        return as_floats(self.reach(pair) * pair.E_star * np.exp(self.shift - 1))
-
-    def max_penetration(self, pair: CylinderPair) -> FloatArray:
-        """Return the penetration in mm at the largest load."""
-        return as_floats(self._compliance(pair) * self.max_load(pair))
-
-    def _compliance(self, pair: CylinderPair) -> FloatArray:
-        """Return A = κ/(π·E*) in mm²/N."""
-        return as_floats(self.kappa / (np.pi * pair.E_star))
-
-
-def _fraction(values: ArrayLike, limit: FloatArray) -> FloatArray:
-    """Return `values` in units of `limit`; inf (outside the domain) where that overflows."""
-    with np.errstate(over="ignore"):
-        return as_floats(as_floats(values) / limit)
+        return tuple(LawModel(cls.name, each, (kappa, c, factor), build) for each in cls.contacts)
 
 
 class Johnson(LogarithmicLaw):
@@ -134,14 +168,96 @@ class Johnson(LogarithmicLaw):
     shift = -1.0
     any_plane = True
 
-    def reach(self, pair: CylinderPair) -> FloatArray:
-        """Return Λ in mm: 4π·ΔR for equal materials, else 4π·ΔR·(R_i/R_j)^(w_i − w_j)."""
+    def constants_at(self, pair: CylinderPair) -> Mapping[str, Any]:
+        """Return κ and c, with ln(Λ/(4π·ΔR)) in c, which is 0 for equal materials."""
         modulus_i, modulus_j = pair.moduli
         if np.all(modulus_i == modulus_j):
-            return super().reach(pair)
+            return super().constants_at(pair)
         R_i, R_j = pair.radii("Johnson's law for different materials")
-        w_i, w_j = pair.E_star / modulus_i, pair.E_star / modulus_j
-        return as_floats(4 * np.pi * as_floats(pair.dR) * (R_i / R_j) ** (w_i - w_j))
+        shares = pair.E_star / modulus_i - pair.E_star / modulus_j
+        return {"kappa": self.kappa, "c": self.shift + shares * log(R_i / R_j)}
+
+
+class RoarkYoung(LogarithmicLaw):
+    """Radzimovsky's formula with b the full contact width, as in Roark and Young's tables.
+
+    δ = f/(π·E*)·[2/3 + ln(4R_i/b) + ln(4R_j/b)] with b = 4·√(f·R/(π·E*)). (The tables' factor
+    1.60 belongs with diameters: 1.60·√2 = 2.26 = 4/√π with radii.)
+    """
+
+    name = "roark-young"
+    shift = 2 / 3 - 2 * float(log(2))
+
+
+class Radzimovsky(LogarithmicLaw):
+    """Radzimovsky's formula (1953) with b Hertz's half-width.
+
+    δ = f/(π·E*)·[2/3 + ln(4R_i/b) + ln(4R_j/b)] with b = 2·√(f·R/(π·E*)).
+    """
+
+    name = "radzimovsky"
+    shift = 2 / 3
+
+
+class RadzimovskyRadii(LogarithmicLaw):
+    """Radzimovsky's formula with b = 1.60·√(f·R/E*), as multibody papers print it.
+
+    The 1.60 of the tables is for diameters. With radii, b is neither the half-width nor the full
+    width of Hertz. The law is included because comparisons in the literature use it.
+    """
+
+    name = "radzimovsky-radii"
+    shift = 2 / 3 + float(log(16 / 1.6**2 / (4 * pi)))
+
+
+class Esdu78035(LogarithmicLaw):
+    """ESDU item 78035, δ = f/(π·E*)·[ln(4π·ΔR·E*/f) + 1].
+
+    The compliance of each body is taken as (1 − ν²)/(π·E), without a further factor π. The
+    original was not available, so the convention is unverified.
+    """
+
+    name = "esdu-78035"
+    shift = 1.0
+
+
+class DubowskyFreudenstein(LogarithmicLaw):
+    """Dubowsky and Freudenstein (1971), δ = f/(π·E*)·[ln(π·E*·L²·ΔR/(f·R_i·R_j)) + 1].
+
+    This is their L^m with m = 3 (total force F = f·L). It needs the radii and the axial length.
+    """
+
+    name = "dubowsky-freudenstein"
+    shift = 1.0
+    reach = staticmethod(dubowsky_reach)
+    needs = ("R_i", "R_j", "length")
+
+
+class Goldsmith(LogarithmicLaw):
+    """Goldsmith (1960) as printed in multibody papers, δ = f/(π·E*)·[ln(π·E*·R/f) + 1].
+
+    The L^m of Dubowsky and Freudenstein with m = 1 is dimensionally inconsistent unless the length
+    drops out. What remains is π times the effective radius R = R_i·R_j/ΔR as reach. With m = 3 the
+    law is that of Dubowsky and Freudenstein. It needs the radii.
+    """
+
+    name = "goldsmith"
+    shift = 1.0
+    reach = staticmethod(goldsmith_reach)
+    needs = ("R_i", "R_j")
+
+
+class HertzCylinder(LogarithmicLaw):
+    """The law called Hertz's for cylinders in multibody papers, δ = 2f/(π·E*)·[ln(π·ΔR·E*/f) − 1].
+
+    Hertz's theory of line contact gives no approach. This is a separate logarithmic law, about
+    twice as compliant as Johnson's.
+    """
+
+    name = "hertz-cylinder"
+    kappa = 2.0
+    shift = -1.0
+    reach = staticmethod(hertz_reach)
 
 
 def adjusted_logarithmic(
@@ -151,138 +267,6 @@ def adjusted_logarithmic(
 
     With B = F·exp(c − c₀) it is (κ·B/κ₀)·δ₀(f/B), a scaled form of the law δ₀ with κ₀, c₀ and Λ.
     F and c act only through ln F + c.
-
-    Parameters
-    ----------
-    base : LogarithmicLaw
-        The law that supplies Λ.
-    kappa, c : float
-        κ, positive, and c.
-    Lambda_factor : float
-        F, positive.
-
-    Returns
-    -------
-    ScaledLaw
-
-    Raises
-    ------
-    InputError
-        If κ or F is not positive.
-
-    Examples
-    --------
-    >>> from cylcontact import CylinderPair, Material, laws
-    >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
-    >>> law = adjusted_logarithmic(laws.Johnson(), kappa=1.0, c=2 / 3)
-    >>> print(law.penetration(100.0, pair) / laws.Radzimovsky().penetration(100.0, pair))
-    1.0
     """
-    load_factor = Lambda_factor * float(np.exp(c - base.shift))
+    load_factor = Lambda_factor * float(exp(c - base.shift))
     return ScaledLaw(base, load_factor, kappa * load_factor / base.kappa)
-
-
-# Lambert's W as in laws/lambert.py, with the penetration in units of the largest one. At the ends,
-# p = 0 and p = 1, the regular branch would divide by zero; there and beyond it computes p = 0.5.
-_STEPS = """
-p = penetration / deepest
-inner = 0.5 if p <= 0 or p >= 1 else p
-g = -log(inner)
-r = sqrt(g)
-u = 1 + r * ({} + r * ({} + {} * r)) / (1 + {} * r)
-start = u - 1
-t = (start - log(u) - g) / (start * start)
-w = 0 if p >= 1 else start - t * start * u * (1 + t * (0.5 + t * (0.5 + start / 3)))
-f = f_max * (p / (1 + w)) if p <= 1 else nan
-slope = f_max / (deepest * w) if p <= 1 else nan
-k = 0 if p <= 0 else slope
-energy = f * (penetration / 2 - deepest / 4 * (f / f_max))
-""".format(*START)
-
-
-def _numbers(law: LogarithmicLaw, pair: CylinderPair) -> tuple[float, float]:
-    """Return the largest load and penetration."""
-    return float(law.max_load(pair)), float(law.max_penetration(pair))
-
-
-def logarithmic_formula(
-    law: LogarithmicLaw, contact: Contact | None, scaled: ScaledLaw | None = None
-) -> Formula:
-    """Return the formula of a logarithmic law for export, or of a scaled one.
-
-    Parameters
-    ----------
-    law : LogarithmicLaw
-        The law that supplies Λ.
-    contact : {"internal", "external"} or None
-        The contact.
-    scaled : ScaledLaw, optional
-        The law with other κ and c; see `adjusted_logarithmic`.
-
-    Returns
-    -------
-    Formula
-    """
-    kappa, shift, origin = float(law.kappa), float(law.shift), "the law's own"
-    if scaled is not None:
-        B, D = scaled.load_factor, scaled.penetration_factor
-        kappa, shift, origin = float(law.kappa * D / B), law.shift + float(np.log(B)), ""
-    reach = law.reach_formula
-    return Formula(
-        name=function_name(law.name),
-        law=scaled or law,
-        contact=contact,
-        equation=(
-            "penetration = kappa/(pi*E_star)*f*(ln(Lambda*E_star/f) + c) solved for f, with "
-            f"Lambda = {reach.replace(' * ', '*').replace(' / ', '/')}"
-        ),
-        text=(
-            f"f_max = ({reach}) * E_star * peak\ndeepest = kappa / (pi * E_star) * f_max{_STEPS}"
-        ),
-        coefficients={"kappa": kappa, "c": shift},
-        constants={"kappa": kappa, "peak": float(np.exp(shift - 1))},
-        extra=law.needs,
-        domain=(
-            "penetration <= kappa/pi*Lambda*peak, with peak = exp(c - 1), where the load is "
-            "Lambda*E_star*peak and the stiffness infinite"
-        ),
-        remark=(
-            "For bodies of equal elastic constants. f = f_max*p/(1 + w) with p the penetration in "
-            "units of the largest and w = -1 - W(-p/e), W the lower branch of Lambert's function: "
-            "a start in closed form and one step of fourth order, no iteration."
-        ),
-        origin=origin,
-    )
-
-
-_KERNEL = KernelSteps(("f_max", "deepest"), _numbers, _STEPS)
-
-
-def definition_of(law: type[LogarithmicLaw]) -> Definition:
-    """Return the definition of a logarithmic law.
-
-    It is fitted by κ, c and a factor of Λ, which is fixed by default, because it is redundant
-    with c.
-    """
-    base = law()
-
-    def build(values: Coefficients) -> ContactLaw:
-        return adjusted_logarithmic(base, **values)
-
-    parameters = (
-        Parameter("kappa", 0.2, 5.0, float(law.kappa), stiffness=True, meaning="factor of δ"),
-        Parameter(
-            "c", -5.0, 5.0, float(law.shift), shift=True, meaning="term beside the logarithm"
-        ),
-        Parameter("Lambda_factor", 1e-3, 1e3, nominal=1.0, value=1.0, meaning="factor of Λ"),
-    )
-    return Definition(
-        law=law,
-        formula=logarithmic_formula,
-        kernel=_KERNEL,
-        models=tuple(LawModel(law.name, contact, parameters, build) for contact in CONTACTS),
-        needs=law.needs,
-    )
-
-
-DEFINITION = definition_of(Johnson)

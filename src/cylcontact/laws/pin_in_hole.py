@@ -18,11 +18,11 @@ from cylcontact.html_repr import law_html
 from cylcontact.laws import unlike
 from cylcontact.laws.conformal import in_units_of
 from cylcontact.laws.contact_law import Unlimited, depth_of, require_hole
-from cylcontact.laws.definition import Definition
 from cylcontact.laws.unlike import Bodies
-from cylcontact.pair import CylinderPair
+from cylcontact.laws.definition import LawModel
+from cylcontact.pair import Contact, CylinderPair
 
-__all__ = ["DEFINITION", "ClampedPlate", "Conformal", "Datum", "PinDatum"]
+__all__ = ["ClampedPlate", "Conformal", "Datum", "PinDatum"]
 
 PinDatum = Literal["body-force", "diametral"]
 
@@ -191,7 +191,13 @@ class Conformal(Unlimited):
 
     datum: Datum = "johnson"
     name: ClassVar[str] = "conformal"
+    contacts: ClassVar[tuple[Contact, ...]] = ("internal",)
     _repr_html_ = law_html
+
+    @classmethod
+    def models(cls) -> tuple[LawModel, ...]:
+        """Return none: a fit on equal bodies would try the same curve as Persson's twice."""
+        return ()
 
     def __post_init__(self) -> None:
         named = isinstance(self.datum, str) and self.datum == "johnson"
@@ -340,7 +346,3 @@ def _for_each_beta(
         bodies = Bodies(w_i[here], w_j[here], float(value), C[here])
         results[here] = answer(numbers[here], bodies)
     return results
-
-
-# Without models: a fit on equal bodies would try the same curve as Persson's twice.
-DEFINITION = Definition(law=Conformal, contacts=("internal",))

@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
+from numpy import isfinite, sqrt
 
-from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.arrays import require
 from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.definition import Coefficients, Definition, LawModel, Parameter
-from cylcontact.laws.formula import Formula, function_name
-from cylcontact.laws.power import KERNEL, PowerShaped
-from cylcontact.pair import CONTACTS, Contact, CylinderPair
+from cylcontact.laws.definition import Parameter
+from cylcontact.laws.formula import Formula
+from cylcontact.laws.power import PowerShaped, end, energy, load
 
-__all__ = ["DEFINITION", "LankaraniNikravesh"]
 
-_NEEDS = ("R_i", "R_j", "length")
+def form(pair, n):  # type: ignore[no-untyped-def]
+    return 4 / 3 * pair.E_star * sqrt(pair.R) / pair.length, n
+
+
+_EQUATION = "f = 4/3*E_star*sqrt(R_i*R_j/dR)/length*penetration^n"
+_REMARK = (
+    "The law gives the total force f*length of a point contact, independent of the length; "
+    "f is that force per unit length."
+)
 
 
 @dataclass(frozen=True)
@@ -52,10 +59,17 @@ class LankaraniNikravesh(PowerShaped):
 
     n: float = 1.5
     name: ClassVar[str] = "lankarani-nikravesh"
+    formula = Formula(load, form, end, energy, equation=_EQUATION, remark=_REMARK)
+    any_plane = False
+    needs = ("R_i", "R_j", "length")
+    parameters = (
+        Parameter("factor", 1e-2, 1e2, 1.0, stiffness=True, meaning="factor of the law's load"),
+        Parameter("n", 0.8, 2.0, nominal=1.5, meaning="exponent of the penetration"),
+    )
 
     def __post_init__(self) -> None:
         require(
-            self.n > 0 and np.isfinite(self.n),
+            self.n > 0 and isfinite(self.n),
             "LankaraniNikravesh",
             "n",
             self.n,
@@ -63,46 +77,7 @@ class LankaraniNikravesh(PowerShaped):
             "metals have n = 1.5",
         )
 
-    def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
-        """Return (4/3)·E*·√R/L in N/mm per mmⁿ, and n."""
-        pair.require_plane_strain("LankaraniNikravesh")
-        length = pair.contact_length("the law of Lankarani and Nikravesh per unit length")
-        return as_floats(4 / 3 * pair.E_star * np.sqrt(pair.R) / length), as_floats(self.n)
-
-
-def _formula(law: LankaraniNikravesh, contact: Contact | None) -> Formula:
-    """Return the formula for export."""
-    numbers = {"n": float(law.n)}
-    return Formula(
-        name=function_name(law.name),
-        law=law,
-        contact=contact,
-        equation="f = 4/3*E_star*sqrt(R_i*R_j/dR)/length*penetration^n",
-        text="factor = 4 / 3 * E_star * sqrt(R_i * R_j / dR) / length" + KERNEL.steps,
-        coefficients=numbers,
-        constants=numbers,
-        extra=_NEEDS,
-        remark=(
-            "The law gives the total force f*length of a point contact, independent of the length; "
-            "f is that force per unit length."
-        ),
-        origin="the law's own",
-    )
-
-
-def _fitted(values: Coefficients) -> ContactLaw:
-    """Return the law with a factor and an exponent."""
-    return ScaledLaw(LankaraniNikravesh(n=values["n"]), load_factor=values["factor"])
-
-
-_PARAMETERS = (
-    Parameter("factor", 1e-2, 1e2, 1.0, stiffness=True, meaning="factor of the law's load"),
-    Parameter("n", 0.8, 2.0, nominal=1.5, meaning="exponent of the penetration"),
-)
-DEFINITION = Definition(
-    law=LankaraniNikravesh,
-    formula=_formula,
-    kernel=KERNEL,
-    models=tuple(LawModel("lankarani-nikravesh", c, _PARAMETERS, _fitted) for c in CONTACTS),
-    needs=_NEEDS,
-)
+    @classmethod
+    def fitted(cls, values: Mapping[str, float]) -> ContactLaw:
+        """Return the law with a factor and an exponent."""
+        return ScaledLaw(cls(n=values["n"]), load_factor=values["factor"])
