@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from cylcontact import CylinderPair, Material, laws
 from cylcontact.laws import PUBLISHED, Enhanced, ExternalCoefficients, InternalCoefficients
-from cylcontact.laws.enhanced import internal_Y
+from cylcontact.laws.enhanced import internal_exponent
 from tests.paper_equations import e_star, factor_and_exponent
 from tests.strategies import loads, moduli, ratios
 
@@ -103,8 +103,8 @@ def test_Y_is_the_papers_branch_on_either_side_of_the_crossing(crossing):
     above = np.geomspace(crossing, 10.0, 400)[1:]
     expected_below = [first_branch(dR) for dR in below]
     expected_above = [second_branch(dR) for dR in above]
-    np.testing.assert_allclose(internal_Y(below, *PUBLISHED_Y), expected_below, rtol=1e-15)
-    np.testing.assert_allclose(internal_Y(above, *PUBLISHED_Y), expected_above, rtol=1e-15)
+    np.testing.assert_allclose(internal_exponent(below, *PUBLISHED_Y, 0.0), expected_below, rtol=1e-15)
+    np.testing.assert_allclose(internal_exponent(above, *PUBLISHED_Y, 0.0), expected_above, rtol=1e-15)
 
 
 def test_factor_and_exponent_follow_other_coefficients():

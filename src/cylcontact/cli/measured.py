@@ -144,14 +144,6 @@ class LawOption:
     law: Annotated[
         str | None, _option("--law", help="The law, e.g. johnson; or module:function of your own.")
     ] = None
-    law_timeout: Annotated[
-        float | None,
-        _option(
-            "--law-timeout",
-            help="Seconds that one call of a law of your own may take; 60 by default.",
-            **NUMBER | {"metavar": "SECONDS"},
-        ),
-    ] = None
 
 
 def plan(

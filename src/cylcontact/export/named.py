@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cylcontact.errors import InputError
-from cylcontact.laws import DEFINITIONS, LAWS
+from cylcontact.laws import LAWS
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["EXPORTABLE", "FoundLaw", "find_law"]
 
 # `find_law` accepts the name of a law without a closed form too, and `formula_of` reports that.
-EXPORTABLE = tuple(d.law.name for d in DEFINITIONS if d.has_defaults and d.formula is not None)
+EXPORTABLE = tuple(LAWS)
 
 
 @dataclass(frozen=True)

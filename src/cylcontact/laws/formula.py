@@ -413,6 +413,7 @@ class _Frame:
     given: dict[str, Any]
     steps: list[Step]
     changing: set[str] = field(default_factory=set)
+    callers: tuple[Callable[..., Any], ...] = ()
 
     def run(self) -> list[ast.expr]:
         """Append the steps; return the values that the function returns."""
@@ -618,10 +619,11 @@ class _Frame:
             value = self.value(argument)
             simple = isinstance(value, ast.Name | ast.Constant)
             given[name] = value if simple else self.placed(name, value)
-        inner = _Frame(self.reader, function, given, self.steps, set())
-        if self.changing:  # inside a loop no step is taken for an earlier one
-            inner.changing = {""}
-        return inner.run()
+        if function in self.callers:
+            raise self.refusal("calls itself", "write it without", node)
+        changing = {""} if self.changing else set()  # as in a loop
+        callers = (*self.callers, function)
+        return _Frame(self.reader, function, given, self.steps, changing, callers).run()
 
 
 def _renamed(step: Step, old: str, new: str) -> Step:

@@ -51,7 +51,7 @@ def branch_distance(p: FloatArray) -> FloatArray:
     >>> print(f"{w[0] - np.log1p(w[0]):.15f}")
     0.693147180559945
     """
-    p, shape = np.atleast_1d(p), np.shape(p)
+    p, shape = np.ascontiguousarray(p, dtype=np.float64), np.shape(p)
     with np.errstate(divide="ignore", invalid="ignore"):
         g = -np.log(p)
         r = np.sqrt(g)

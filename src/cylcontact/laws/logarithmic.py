@@ -74,7 +74,8 @@ _REMARK = (
 
 def load(penetration, pair, f_max, deepest):  # type: ignore[no-untyped-def]
     p = penetration / deepest
-    return f_max * (p / (1 + branch_distance(p)))
+    w = branch_distance(p)
+    return f_max * (p / (1 + w)), f_max / (deepest * w)
 
 
 def end(pair, f_max, deepest):  # type: ignore[no-untyped-def]
@@ -82,7 +83,7 @@ def end(pair, f_max, deepest):  # type: ignore[no-untyped-def]
 
 
 def energy(penetration, pair, f_max, deepest):  # type: ignore[no-untyped-def]
-    f = load(penetration, pair, f_max, deepest)
+    f, k = load(penetration, pair, f_max, deepest)
     return f * (penetration / 2 - deepest / 4 * (f / f_max))
 
 

@@ -24,7 +24,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy import exp, log, log1p, maximum, pi, sqrt, where
+from numpy import exp, log, log1p, maximum, nan, pi, sqrt, where
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
@@ -122,7 +122,8 @@ def load(  # type: ignore[no-untyped-def]
         part = S / d
         step = (part * L - k) / (k_slope - part * (c * L + L_slope))
         x = x + step
-    f = pi * pair.E_star * penetration / (L + L_slope * step)
+    last = L + L_slope * step
+    f = pi * pair.E_star * penetration / where(last > 0, last, nan)  # own constants may have none
     S, c, k, k_slope, L, L_slope = arc(x, w_i, w_j, pair.beta, datum, A0, A1, A2, A3, H3, M0, M1, M2)
     fell = k_slope - c * k
     return f, pi * pair.E_star * fell / (L * fell - L_slope * k)
@@ -219,12 +220,6 @@ class Parametric(Law, Conformal):
         given = self.coefficients
         return given if isinstance(given, ParametricCoefficients) else CALIBRATED
 
-    @property
-    def constants(self) -> ParametricCoefficients:
-        """The coefficients, by default the calibrated ones."""
-        given = self.coefficients
-        return given if isinstance(given, ParametricCoefficients) else CALIBRATED
-
     def constants_for(self, contact: Contact) -> dict[str, float]:
         """Return the constants, and C = C_0 + C_alpha·α of a datum that no pair changes."""
         if isinstance(self.datum, str):
@@ -265,4 +260,4 @@ class Parametric(Law, Conformal):
                 step = (S * K - k) / (k_slope - S * c * K)
                 x = x + step
             L = L + L_slope * step
-        return inside_or_nan(f / (pi * pair.E_star) * where(L > 0, L, np.nan), touching)
+        return inside_or_nan(f / (pi * pair.E_star) * where(L > 0, L, nan), touching)

@@ -38,8 +38,9 @@ class PowerShaped(Law):
     def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
         """Return K in N/mm per mmⁿ and n, both NaN where the law is undefined."""
         numbers = self.numbers_at(pair)
-        factor, n = as_floats(numbers["factor"]), numbers["n"]
-        return factor, as_floats(np.where(np.isnan(factor), np.nan, n))
+        shape = np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR))
+        factor, n = np.broadcast_to(numbers["factor"], shape), numbers["n"]
+        return as_floats(factor), as_floats(np.where(np.isnan(factor), np.nan, n))
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm, δ = (f/K)^(1/n)."""

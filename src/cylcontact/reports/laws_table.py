@@ -11,7 +11,7 @@ import pandas as pd
 from cylcontact.arrays import FloatArray, require
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.laws import DEFINITIONS, LAWS
+from cylcontact.laws import LAW_TYPES, LAWS
 from cylcontact.laws.definition import Parameter
 from cylcontact.limits import first_yield
 from cylcontact.materials import Material
@@ -292,7 +292,7 @@ def _explicit() -> str:
 
 def _each_law(contact: Contact) -> str:
     """Return what each law is, by the first line of its documentation."""
-    known = [definition.law for definition in DEFINITIONS if contact in definition.contacts]
+    known = [law for law in LAW_TYPES if contact in law.contacts]
     width = max(len(name) for name in LAWS)
     lines = ["the laws; sources and conventions are in the documentation of each:"]
     for law in known:
