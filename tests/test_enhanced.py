@@ -103,8 +103,12 @@ def test_Y_is_the_papers_branch_on_either_side_of_the_crossing(crossing):
     above = np.geomspace(crossing, 10.0, 400)[1:]
     expected_below = [first_branch(dR) for dR in below]
     expected_above = [second_branch(dR) for dR in above]
-    np.testing.assert_allclose(internal_exponent(below, *PUBLISHED_Y, 0.0), expected_below, rtol=1e-15)
-    np.testing.assert_allclose(internal_exponent(above, *PUBLISHED_Y, 0.0), expected_above, rtol=1e-15)
+    np.testing.assert_allclose(
+        internal_exponent(below, *PUBLISHED_Y, 0.0), expected_below, rtol=1e-15
+    )
+    np.testing.assert_allclose(
+        internal_exponent(above, *PUBLISHED_Y, 0.0), expected_above, rtol=1e-15
+    )
 
 
 def test_factor_and_exponent_follow_other_coefficients():

@@ -12,7 +12,6 @@ from cylcontact.choices import BRANCHES, CHOICE_FILES, is_table, listed
 from cylcontact.cli.options import (
     LOSSES,
     NOISES,
-    NUMBER,
     Runs,
     Seed,
     expand_options,

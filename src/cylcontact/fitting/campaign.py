@@ -30,10 +30,10 @@ from cylcontact.fitting.law_models import (
     for_measurements,
     grid_model_of,
     is_user_law,
-    named_user_model,
-    user_model,
     model_of,
+    named_user_model,
     units_of,
+    user_model,
     with_rig,
 )
 from cylcontact.fitting.measured_objective import STANDARDISED, objective_name
@@ -46,9 +46,9 @@ from cylcontact.fitting.specs import (
     parameters_of,
     require_complete,
 )
-from cylcontact.laws.user import UserFunction
 from cylcontact.html_repr import table_html
 from cylcontact.laws.definition import LawModel, Parameter
+from cylcontact.laws.user import UserFunction
 from cylcontact.materials import own_table
 from cylcontact.pair import Contact
 from cylcontact.provenance import made_with, spec_hash

@@ -28,7 +28,9 @@ from cylcontact.pair import Contact
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
 
-MODELS = {(m.law, m.contact): m for law in LAW_TYPES for m in law.models()}
+MODELS: dict[tuple[str, Contact], LawModel] = {
+    (m.law, m.contact): m for law in LAW_TYPES for m in law.models()
+}
 
 _RIG = (
     Parameter("stiffness_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="factor of the load"),
@@ -142,7 +144,7 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
 
 def _without_parameters(law: str, contact: Contact) -> LawModel | None:
     """Return the model of a law that has no constants to fit; None if there is no such law."""
-    if law not in LAWS or contact not in getattr(LAWS[law], "contacts"):
+    if law not in LAWS or not any(k.name == law and contact in k.contacts for k in LAW_TYPES):
         return None
     return LawModel(law, contact, (), lambda _: LAWS[law]())
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from cylcontact.errors import InputError
+from cylcontact.laws.bearings import Iso16281, Palmgren
 from cylcontact.laws.conformal import Persson
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.difference import difference_percent
@@ -17,6 +18,7 @@ from cylcontact.laws.explicit import Explicit, ExplicitCoefficients, explicit_pe
 from cylcontact.laws.explicit_pair import ExplicitPair, ExplicitPairCoefficients
 from cylcontact.laws.liu import Liu
 from cylcontact.laws.logarithmic import (
+    Block,
     DubowskyFreudenstein,
     Esdu78035,
     Goldsmith,
@@ -38,6 +40,7 @@ __all__ = [
     "LAW_TYPES",
     "PUBLISHED",
     "REFERENCES",
+    "Block",
     "ClampedPlate",
     "Conformal",
     "ContactLaw",
@@ -52,10 +55,12 @@ __all__ = [
     "Goldsmith",
     "HertzCylinder",
     "InternalCoefficients",
+    "Iso16281",
     "Johnson",
     "LankaraniNikravesh",
     "Liu",
     "LogarithmicLaw",
+    "Palmgren",
     "Parametric",
     "ParametricCoefficients",
     "Persson",
@@ -93,6 +98,8 @@ LAW_TYPES: tuple[type[Any], ...] = (
     Explicit,
     ExplicitPair,
     LankaraniNikravesh,
+    Palmgren,
+    Iso16281,
     PowerLaw,
 )
 

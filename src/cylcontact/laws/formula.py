@@ -255,7 +255,9 @@ def _dependent(steps: Sequence[Step]) -> set[str]:
     """Return the names whose value depends on the penetration."""
     depends = {_DEPTH}
     while True:
-        more = depends | {s.name for s in _flat(steps) if names_in(s.value) & depends and not s.body}
+        more = depends | {
+            s.name for s in _flat(steps) if names_in(s.value) & depends and not s.body
+        }
         if more == depends:
             return depends
         depends = more
@@ -330,11 +332,13 @@ def _constants(function: Callable[..., Any], first: int) -> dict[str, float | No
         raise _refusal(function, rule, writing)
     constants: dict[str, float | None] = {}
     for argument in arguments[first:]:
-        value = argument.default
-        if value is not inspect.Parameter.empty and not isinstance(value, int | float):
+        value: Any = argument.default
+        if value is inspect.Parameter.empty:
+            value = None
+        elif not isinstance(value, int | float):
             rule = f"has a default for {argument.name} that is not a number"
             raise _refusal(function, rule, writing)
-        constants[argument.name] = None if value is inspect.Parameter.empty else float(value)
+        constants[argument.name] = value
     return constants
 
 
@@ -562,7 +566,7 @@ class _Frame:
             case ast.Call(func=function, args=arguments, keywords=[]):
                 value = self.of_vocabulary(function, [self.value(a) for a in arguments], node)
                 is_choice = isinstance(value, ast.IfExp)
-                if alone or not is_choice and self.function_of(function) != "branch_distance":
+                if alone or (not is_choice and self.function_of(function) != "branch_distance"):
                     return value
                 return self.placed("chosen" if is_choice else "w", value)
         raise self.refusal(
@@ -581,10 +585,8 @@ class _Frame:
         number = self.object_of(node)
         if isinstance(number, bool) or not isinstance(number, int | float):
             raise self.refusal("is not a number", "give it as a constant or an argument", node)
-        for name in ("pi", "inf", "nan"):
-            if number is getattr(math, name) or number == getattr(math, name) or (
-                name == "nan" and number != number
-            ):
+        for name, known in (("pi", math.pi), ("inf", math.inf), ("nan", math.nan)):
+            if number == known or (math.isnan(number) and math.isnan(known)):
                 return ast.Name(name)
         return ast.Constant(number)
 
@@ -643,7 +645,8 @@ def _with_slopes(steps: Sequence[Step], fresh: Callable[[str], str]) -> Iterator
         if step.body:
             if _dependent([step]) & {*assigned_in([step])} or names_in(step.value) & slopes.keys():
                 raise InputError(
-                    "a law's formula", step.name, None, "loops over what depends on the penetration",
+                    "a law's formula", step.name, None,
+                    "changes in a loop with the penetration",
                     "return load, stiffness from the function",
                 )  # fmt: skip
             continue
@@ -653,8 +656,9 @@ def _with_slopes(steps: Sequence[Step], fresh: Callable[[str], str]) -> Iterator
         elif isinstance(slope, ast.Name | ast.Constant):
             slopes[step.name] = slope
         elif slope is not None:
-            slopes[step.name] = ast.Name(fresh(f"{step.name}_slope"))
-            yield Step(slopes[step.name].id, slope)
+            name = fresh(f"{step.name}_slope")
+            slopes[step.name] = ast.Name(name)
+            yield Step(name, slope)
 
 
 def _slope(node: ast.expr, slopes: Mapping[str, ast.expr], name: str) -> ast.expr | None:

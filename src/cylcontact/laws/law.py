@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields, is_dataclass, replace
+from dataclasses import asdict, fields, replace
 from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.html_repr import completed_law_html
 from cylcontact.laws.contact_law import ContactLaw, OverLength, require_hole
 from cylcontact.laws.definition import LawModel, Parameter
@@ -26,7 +26,7 @@ _ROUNDING, _LEAST = 1e-13, 1e-300
 
 
 class AtPair(NamedTuple):
-    """A law at a pair: functions of a positive penetration, where it ends, and if it is one pair."""
+    """A law at a pair: functions of a positive penetration, its end, and whether it is one pair."""
 
     load: Callable[[FloatArray], FloatArray]
     stiffness: Callable[[FloatArray], FloatArray]
@@ -82,8 +82,8 @@ class Law(OverLength):
         own = fields(self)  # type: ignore[arg-type]  # every subclass is a dataclass
         if [field.name for field in own] != ["coefficients"]:
             return {field.name: float(getattr(self, field.name)) for field in own}
-        given = getattr(self, "coefficients")
-        return asdict(given if is_dataclass(given) else self.defaults[contact])
+        given: Any = getattr(self, own[0].name)
+        return asdict(self.defaults[contact] if given is None else given)
 
     def constants_at(self, pair: CylinderPair) -> Mapping[str, Any]:
         """Return the constants of the formula at a pair."""
@@ -108,6 +108,10 @@ class Law(OverLength):
                 asked["length"] = pair.contact_length(f"the {self.name} law")
             else:
                 asked[name] = as_floats(getattr(pair, name))
+        rule = "is a plane, and the law needs a finite ΔR"
+        remedy = "use laws.Johnson(datum=depth in mm) for a cylinder on a plane"
+        finite = np.isfinite(asked.get("dR", 0.0))
+        require(finite, type(self).__name__, "pair.R_j", pair.R_j, rule, remedy)
         asked = {name: asked[name] for name in formula.arguments}
         with np.errstate(all="ignore"):
             values = formula.of_pair(**asked, **self.constants_at(pair))
@@ -206,9 +210,9 @@ def _in_blocks(
 
 def _inside(values: FloatArray, delta: FloatArray, end: FloatArray) -> FloatArray:
     """Return values, 0 where the penetration is negative and NaN beyond the end."""
-    if delta.ndim == 1 and delta.size and end.ndim == 0 and values.shape == delta.shape:
-        if delta.min() > 0 and delta.max() <= end:  # the usual case
-            return values
+    alike = delta.ndim == 1 and delta.size > 0 and end.ndim == 0 and values.shape == delta.shape
+    if alike and delta.min() > 0 and delta.max() <= end:  # the usual case
+        return values
     shape = np.broadcast_shapes(delta.shape, end.shape)
     values = np.asarray(values)
     if values.shape != shape or not values.flags.writeable:
@@ -243,5 +247,6 @@ def _inverse(at: AtPair, f: FloatArray, unit: FloatArray, dR: FloatArray) -> Flo
 
 def formula_of(law: ContactLaw, contact: Contact) -> Formula | None:
     """Return the formula that computes a law's load; None if it has none."""
-    own = isinstance(law, Law) and type(law).load is Law.load
-    return law.formula_for(contact) if own else None
+    if isinstance(law, Law) and type(law).load is Law.load:
+        return law.formula_for(contact)
+    return None

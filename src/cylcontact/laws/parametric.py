@@ -70,14 +70,14 @@ CALIBRATED = ParametricCoefficients(
 )
 
 
-def shares(alpha, beta):  # type: ignore[no-untyped-def]
+def shares(alpha, beta):
     """Return w_i, w_j and about 1 − S of the largest arc, as `glauert.estimated_c`."""
     w_i, w_j = (1 - alpha) / 2, (1 + alpha) / 2
     root = sqrt(maximum(w_i + beta, 0))
     return w_i, w_j, sqrt(2) * root / (1 + 1.17 * root)
 
 
-def arc(x, w_i, w_j, beta, datum, A0, A1, A2, A3, H3, M0, M1, M2):  # type: ignore[no-untyped-def]
+def arc(x, w_i, w_j, beta, datum, A0, A1, A2, A3, H3, M0, M1, M2):
     """Return S, c = 1 − S, k = S·K and L at tan²(ε/2) = eˣ, and the slopes of the last two."""
     b = exp(x)
     c = 1 / (1 + b)
@@ -101,14 +101,13 @@ def arc(x, w_i, w_j, beta, datum, A0, A1, A2, A3, H3, M0, M1, M2):  # type: igno
     return S, c, k, k_slope, L, M_slope - w_j * H_slope
 
 
-def first_arc(q):  # type: ignore[no-untyped-def]
+def first_arc(q):
     """Return the x at which 1/(b²(1 + b²)) = q, with b² = eˣ."""
     return -log(q * (1 + sqrt(1 + 4 / q)) / 2)
 
 
-def load(  # type: ignore[no-untyped-def]
-    penetration, pair, C_0, C_alpha, A0, A1, A2, A3, H3, M0, M1, M2
-):
+def load(penetration, pair, C_0, C_alpha, A0, A1, A2, A3, H3, M0, M1, M2):
+    """Return f and df/dδ, four steps of Newton from a start for small and the largest arcs."""
     w_i, w_j, c0 = shares(pair.alpha, pair.beta)
     datum = C_0 + C_alpha * pair.alpha
     johnson = 2 * log(2) - 2 + w_j
@@ -124,11 +123,15 @@ def load(  # type: ignore[no-untyped-def]
         x = x + step
     last = L + L_slope * step
     f = pi * pair.E_star * penetration / where(last > 0, last, nan)  # own constants may have none
-    S, c, k, k_slope, L, L_slope = arc(x, w_i, w_j, pair.beta, datum, A0, A1, A2, A3, H3, M0, M1, M2)
+    S, c, k, k_slope, L, L_slope = arc(
+        x, w_i, w_j, pair.beta, datum, A0, A1, A2, A3, H3, M0, M1, M2
+    )
     fell = k_slope - c * k
     return f, pi * pair.E_star * fell / (L * fell - L_slope * k)
 
 
+_EQUATION = "f = pi*E_star*penetration/L with penetration/dR*K(S) = L(S), see the steps"
+_REMARK = "The penetration is counted from C = C_0 + C_alpha*alpha; Johnson's datum by default."
 _MEANINGS = {
     "A0": (-3.0, 0.0, "coefficient of β·u in 2Â·S; exactly −16/(3π)"),
     "A1": (1.0, 2.0, "coefficient of β·u² in 2Â·S"),
@@ -195,14 +198,10 @@ class Parametric(Law, Conformal):
     coefficients: ParametricCoefficients | Mapping[str, float] | None = None
     name: ClassVar[str] = "parametric"
 
-    formula = Formula(
-        load,
-        equation="f = pi*E_star*penetration/L with penetration/dR*K(S) = L(S), see the steps",
-        remark="The penetration is counted from C = C_0 + C_alpha*alpha; Johnson's datum by default.",
-    )
+    formula = Formula(load, equation=_EQUATION, remark=_REMARK)
     contacts = ("internal",)
     parameters = _PARAMETERS
-    defaults = {"internal": CALIBRATED}
+    defaults: ClassVar[Mapping[Contact, Any]] = {"internal": CALIBRATED}
     published = False
     on_grid = True
     dimensionless = True

@@ -18,8 +18,8 @@ from cylcontact.html_repr import law_html
 from cylcontact.laws import unlike
 from cylcontact.laws.conformal import in_units_of
 from cylcontact.laws.contact_law import Unlimited, depth_of, require_hole
-from cylcontact.laws.unlike import Bodies
 from cylcontact.laws.definition import LawModel
+from cylcontact.laws.unlike import Bodies
 from cylcontact.pair import Contact, CylinderPair
 
 __all__ = ["ClampedPlate", "Conformal", "Datum", "PinDatum"]

@@ -20,15 +20,18 @@ from cylcontact.pair import CONTACTS, Contact, CylinderPair
 IN_MM = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
 
 
-def load(penetration, pair, factor, n):  # type: ignore[no-untyped-def]
+def load(penetration, pair, factor, n):
+    """Return f = K·δⁿ."""
     return factor * penetration**n
 
 
-def end(pair, factor, n):  # type: ignore[no-untyped-def]
+def end(pair, factor, n):
+    """Return inf where K is defined."""
     return np.where(factor > 0, inf, np.nan)
 
 
-def energy(penetration, pair, factor, n):  # type: ignore[no-untyped-def]
+def energy(penetration, pair, factor, n):
+    """Return ∫ f dδ = f·δ/(n + 1)."""
     return factor * penetration**n * penetration / (n + 1)
 
 
@@ -58,15 +61,18 @@ class PowerShaped(Law):
         return self.factor_and_exponent(pair)[1]
 
 
-def one_pair(pair, K, n):  # type: ignore[no-untyped-def]
+def one_pair(pair, K, n):
+    """Return K and n."""
     return K, n
 
 
-def scaled(pair, K_star, n):  # type: ignore[no-untyped-def]
+def scaled(pair, K_star, n):
+    """Return K = K*·E*/ΔR and n."""
     return K_star * (pair.E_star / pair.dR), n
 
 
-def dimensionless(pair, C, n):  # type: ignore[no-untyped-def]
+def dimensionless(pair, C, n):
+    """Return K = C·E*·ΔR^(1 − n) and n."""
     return C * pair.E_star * pair.dR ** (1 - n), n
 
 
@@ -74,9 +80,7 @@ _ONE_PAIR = f"{IN_MM} For the one pair that it was fitted to."
 _NO_UNITS = "Dimensionless in penetration/dR and f/(E_star*dR)."
 # By the name of the factor.
 _FORMULAS = {
-    "C": Formula(
-        load, dimensionless, end, energy, "f = C*E_star*dR*(penetration/dR)^n", _NO_UNITS
-    ),
+    "C": Formula(load, dimensionless, end, energy, "f = C*E_star*dR*(penetration/dR)^n", _NO_UNITS),
     "K_star": Formula(load, scaled, end, energy, "f = K_star*E_star/dR*penetration^n", IN_MM),
     "K": Formula(load, one_pair, end, energy, "f = K*penetration^n", _ONE_PAIR),
 }

@@ -140,11 +140,24 @@ class UserLaw(Law):
         kind = loads.dtype.kind
         rule = f"returns {kinds.get(kind, 'what is not an array of numbers')}"
         if kind in "iuf":
-            rule = f"returns an array of another shape, {loads.shape}, than the penetration, {shape}"
+            rule = (
+                f"returns an array of another shape, {loads.shape}, than the penetration's {shape}"
+            )
         if kind not in "iuf" or loads.shape != shape:
             remedy = "return an array of numbers, one load in N/mm for each penetration"
             raise InputError(self.name, "law", None, rule, remedy)
         return as_floats(loads)
+
+
+def user_law(spec: str, *folders: Path) -> UserLaw:
+    """Return the law of a function whose constants have defaults."""
+    user = UserFunction.named(spec, *folders)
+    values = user.formula.constants
+    for name, value in values.items():
+        if value is None:
+            rule, remedy = f"has no value for {name}", f"give it a default: {name}=1.0"
+            raise InputError(spec, "law", None, rule, remedy)
+    return UserLaw(user, {name: float(value or 0.0) for name, value in values.items()})
 
 
 @lru_cache(maxsize=64)
@@ -159,7 +172,7 @@ def _imported(spec: str, folder: str, digest: str) -> Callable[..., Any]:
     path = _file_of(spec, folder)
     if folder and _digest(path) != digest:
         rule = f"{path} is missing or changed on {platform.node()}"
-        remedy = "leave it alone during a fit; on a cluster, put it at the same place on all machines"
+        remedy = "leave it alone during a fit; on a cluster, put the same file on all machines"
         raise InputError(spec, "law", None, rule, remedy)
     sys.path.insert(0, folder or ".")
     try:

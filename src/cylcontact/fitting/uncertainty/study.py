@@ -11,9 +11,8 @@ from pydantic import Field
 
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import campaign_from_settings
-from cylcontact.fitting.law_models import with_rig
+from cylcontact.fitting.law_models import user_model, with_rig
 from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.law_models import user_model
 from cylcontact.fitting.measured_fit import (
     noise_model_of,
     plain_problem,
