@@ -487,11 +487,16 @@ class _Frame:
 
     def loop(self, name: str, iterable: ast.expr, body: list[ast.stmt]) -> None:
         """Append a loop, whose names go on from one turn to the next."""
-        numbers = getattr(iterable, "args", [ast.Constant("")])
-        limits = [self.value(number) for number in numbers]
-        if ast.unparse(iterable).partition("(")[0] != "range" or not all(
-            isinstance(ast.literal_eval(ast.unparse(limit)), int) for limit in limits
-        ):
+        match iterable:
+            case ast.Call(func=ast.Name(id="range"), args=numbers, keywords=[]):
+                limits = [self.value(number) for number in numbers]
+            case _:
+                limits = [iterable]
+        try:
+            whole = all(isinstance(ast.literal_eval(ast.unparse(each)), int) for each in limits)
+        except ValueError:
+            whole = False
+        if not whole:
             raise self.refusal("is not a range of whole numbers", "use range(4)", iterable)
         stores = dict.fromkeys(
             n.id for s in body for n in ast.walk(s)
