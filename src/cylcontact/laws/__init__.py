@@ -12,12 +12,11 @@ from cylcontact.laws import (
     logarithmic,
     logarithmic_variants,
     parametric,
-    pin_in_hole,
     power,
     sphere,
     winkler,
 )
-from cylcontact.laws.conformal import Persson
+from cylcontact.laws.conformal import ClampedPlate, Conformal, Persson
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.difference import difference_percent
 from cylcontact.laws.enhanced import (
@@ -40,7 +39,6 @@ from cylcontact.laws.logarithmic_variants import (
     RoarkYoung,
 )
 from cylcontact.laws.parametric import Parametric, ParametricCoefficients
-from cylcontact.laws.pin_in_hole import ClampedPlate, Conformal
 from cylcontact.laws.power import PowerLaw
 from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import Winkler
@@ -92,8 +90,8 @@ DEFINITIONS = (
     *logarithmic_variants.DEFINITIONS,
     liu.DEFINITION,
     winkler.DEFINITION,
+    conformal.PERSSON,
     conformal.DEFINITION,
-    pin_in_hole.DEFINITION,
     parametric.DEFINITION,
     enhanced.DEFINITION,
     explicit.DEFINITION,

@@ -1,6 +1,6 @@
 """The fast law for a pin in a hole of any two materials: `Conformal` with eight constants.
 
-In the solution of `cylcontact.laws.unlike` the functions 2Â, H and M of the arc have closed forms
+In the solution of `laws.conformal` the functions 2Â, H and M of the arc have closed forms
 at β = 0. For other β this law adds β times a polynomial in u = sin(ε/2) = √S to each:
 
     2Â = [(1 − S)² + βu(A0 + A1·u + A2·u² + A3·u³)]/S,
@@ -29,12 +29,11 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
-from cylcontact.laws.conformal import in_units_of
+from cylcontact.laws.conformal import ClampedPlate, Conformal, in_units_of
 from cylcontact.laws.contact_law import ContactLaw, depth_of
 from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
 from cylcontact.laws.formula import Formula, function_name
 from cylcontact.laws.glauert import estimated_c
-from cylcontact.laws.pin_in_hole import ClampedPlate, Conformal
 from cylcontact.pair import Contact, CylinderPair
 
 __all__ = [
