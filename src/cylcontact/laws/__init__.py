@@ -5,7 +5,7 @@ from typing import Any
 
 from cylcontact.errors import InputError
 from cylcontact.laws.bearings import Iso16281, Palmgren
-from cylcontact.laws.conformal import Persson
+from cylcontact.laws.conformal import ClampedPlate, Conformal, Persson
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.difference import difference_percent
 from cylcontact.laws.enhanced import (
@@ -30,7 +30,6 @@ from cylcontact.laws.logarithmic import (
     RoarkYoung,
 )
 from cylcontact.laws.parametric import Parametric, ParametricCoefficients
-from cylcontact.laws.pin_in_hole import ClampedPlate, Conformal
 from cylcontact.laws.power import PowerLaw
 from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import Winkler

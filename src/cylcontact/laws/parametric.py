@@ -29,11 +29,10 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.errors import InputError
-from cylcontact.laws.conformal import in_units_of
+from cylcontact.laws.conformal import Conformal, in_units_of
 from cylcontact.laws.definition import Parameter
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import Law
-from cylcontact.laws.pin_in_hole import Conformal
 from cylcontact.pair import Contact, CylinderPair
 
 # About L − C + C_J for the largest arc, C_J being Johnson's datum, and the least start for L.
