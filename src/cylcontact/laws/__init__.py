@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from cylcontact.errors import InputError
+from cylcontact.laws.arcs import ParametricCoefficients
 from cylcontact.laws.bearings import Iso16281, Palmgren
 from cylcontact.laws.conformal import ClampedPlate, Conformal, Persson
 from cylcontact.laws.contact_law import ContactLaw
@@ -29,7 +30,7 @@ from cylcontact.laws.logarithmic import (
     RadzimovskyRadii,
     RoarkYoung,
 )
-from cylcontact.laws.parametric import Parametric, ParametricCoefficients
+from cylcontact.laws.parametric import Parametric
 from cylcontact.laws.power import PowerLaw
 from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import Winkler
