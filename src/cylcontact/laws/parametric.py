@@ -24,7 +24,9 @@ from cylcontact.laws.arcs import CALIBRATED, ParametricCoefficients, arc, first_
 from cylcontact.laws.conformal import Conformal, in_units_of
 from cylcontact.laws.definition import Parameter
 from cylcontact.laws.formula import Formula
-from cylcontact.laws.law import Law
+from cylcontact.laws.housed import at_pair, curve_of, table_of
+from cylcontact.laws.housing import Housing
+from cylcontact.laws.law import AtPair, Law
 from cylcontact.pair import Contact, CylinderPair
 
 # About L − C + C_J for the largest arc, C_J being Johnson's datum, and the least start for L.
@@ -156,9 +158,34 @@ class Parametric(Law, Conformal):
                 "datum",
                 self.datum,
                 "depends on the radii and the materials",
-                "give its number: datum=float(law.constant(pair))",
+                "export a joint with a table [housing]",
             )
         return by_alpha | asdict(self.constants)
+
+    def formula_at(self, pair: CylinderPair) -> Formula | None:
+        """Return the formula; None in a housing, where the law is a curve of arcs."""
+        return None if isinstance(self.datum, Housing) else self.formula
+
+    def table(self, pair: CylinderPair) -> FloatArray:
+        """Return ln f over ln δ in a housing, as compiled code takes it."""
+        assert isinstance(self.datum, Housing)
+        return table_of(curve_of(self.datum, pair, self.constants), pair)
+
+    def at_pair(self, pair: CylinderPair) -> AtPair:
+        """Return the law at a pair: in a housing the curve of one joint, the series of many."""
+        if not isinstance(self.datum, Housing):
+            return super().at_pair(pair)
+        self.require_pair(pair)
+        if np.ndim(pair.E_star) == np.ndim(pair.dR) == np.ndim(pair.R_i) == 0:
+            return at_pair(curve_of(self.datum, pair, self.constants), pair)
+        end = as_floats(np.full_like(pair.E_star * as_floats(pair.dR), np.inf))
+        load, stiffness = Conformal.load, Conformal.stiffness
+        return AtPair(
+            lambda depth: load(self, depth, pair),
+            lambda depth: stiffness(self, depth, pair),
+            end,
+            is_single=False,
+        )
 
     def constants_at(self, pair: CylinderPair) -> Mapping[str, Any]:
         """Return the constants, and C at a pair."""
@@ -171,6 +198,9 @@ class Parametric(Law, Conformal):
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm."""
         f = as_floats(load)
+        if isinstance(self.datum, Housing):
+            one = self.at_pair(pair).is_single
+            return (super() if one else super(Law, self)).penetration(f, pair)
         touching, phi = in_units_of(self.load_unit(pair), f)
         w_i, w_j, c0 = shares(pair.alpha, pair.beta)
         own = asdict(self.constants)
