@@ -10,19 +10,6 @@ from numpy.typing import NDArray
 
 from cylcontact.errors import InputError
 
-__all__ = [
-    "BoolArray",
-    "FloatArray",
-    "IndexArray",
-    "as_floats",
-    "as_numbers",
-    "inside_or_nan",
-    "own_arrays",
-    "require",
-    "require_one_shape",
-    "same_fields",
-]
-
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IndexArray = NDArray[np.intp]
@@ -95,6 +82,15 @@ def require(
     # Laws are made thousands of times in a fit: `np.all` takes longer than the rest.
     if not (holds if isinstance(holds, bool | np.bool_) else np.all(holds)):
         raise InputError(source, key, value, rule, remedy)
+
+
+def require_positive(
+    value: object, source: str, key: str, remedy: str, rule: str = "must be positive and finite"
+) -> FloatArray:
+    """Return real numbers; raise `InputError` unless all are positive and finite."""
+    numbers = as_numbers(value, source, key)
+    require((numbers > 0) & np.isfinite(numbers), source, key, value, rule, remedy)
+    return numbers
 
 
 def same_fields(instance: Any, other: object) -> bool:
