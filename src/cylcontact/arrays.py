@@ -39,15 +39,14 @@ def as_numbers(values: object, source: str, key: str) -> FloatArray:
 
 def require_one_shape(source: str, **arrays: object) -> None:
     """Raise `InputError` for arrays that do not broadcast against each other."""
-    shapes = {name: np.shape(as_floats(value)) for name, value in arrays.items()}
+    shapes = {name: shape for name, value in arrays.items() if (shape := np.shape(value))}
     try:
         np.broadcast_shapes(*shapes.values())
     except ValueError:
-        text = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
-        raise InputError(
-            source, "", None, f"the shapes do not go together: {text}",
-            "give arrays of the same length, or single numbers",
-        ) from None  # fmt: skip
+        text = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        rule = f"the shapes do not go together: {text}"
+        remedy = "give arrays of the same length, or single numbers"
+        raise InputError(source, "", None, rule, remedy) from None
 
 
 def inside_or_nan(values: FloatArray, inside: BoolArray) -> FloatArray:

@@ -114,8 +114,8 @@ class CylinderPair:
         if both_known:
             _require_agreement(self, lengths["R_i"], lengths["R_j"])
         elif "R_i" in given or ("R_j" in given and is_external):
-            known = {key: value for key, value in given.items() if key != "length"}
-            _other_radius(_SOURCE, self.contact, self.dR, **known)
+            key = "R_i" if "R_i" in given else "R_j"
+            _other_radius(_SOURCE, self.contact, self.dR, key, lengths[key])
 
     def __eq__(self, other: object) -> bool:
         return same_fields(self, other)
@@ -192,7 +192,7 @@ class CylinderPair:
         'bronze'
         """
         source = "CylinderPair.internal"
-        outer, inner = _lengths(R_i=R_i, R_j=R_j).values()
+        outer, inner = _lengths((), R_i=R_i, R_j=R_j).values()
         rule = f"the pin must be smaller than the hole (R_i = {short(R_i)})"
         remedy = "give R_i, the radius of the hole, the larger value; both are radii, not diameters"
         require(outer > inner, source, "R_j", R_j, rule, remedy)
@@ -292,7 +292,7 @@ class CylinderPair:
         """
         source = "CylinderPair.from_dR"
         _require_contact(contact)
-        R_j = None if R_i is None else _other_radius(source, contact, dR, R_i=R_i)
+        R_j = None if R_i is None else _other_radius(source, contact, dR, "R_i", R_i)
         has_no_names = contact == "internal" or (pin is None and hole is None)
         rule, remedy = "has no pin and no hole", "give material and material_j"
         require(has_no_names, source, "contact", contact, rule, remedy)
@@ -334,13 +334,14 @@ class CylinderPair:
         require(np.abs(a) < 1, source, "alpha", alpha, "must lie inside ]-1, 1[", remedy)
         rule = f"no materials have it at alpha = {a}"
         require(are_possible(a, b), source, "beta", beta, rule, remedy)
-        bodies = []
-        for name, share, own_beta in (("hole", (1 - a) / 2, -b), ("pin", (1 + a) / 2, b)):
-            # Either body's part of β is w·g with g = (1 − 2ν)/(2 − 2ν), up to 1/2 but for rounding.
+
+        def body(name: str, share: FloatArray, own_beta: FloatArray) -> Material:
+            # Its part of β is w·g with g = (1 − 2ν)/(2 − 2ν), which rounding may carry above 1/2.
             g = np.minimum(np.maximum(own_beta, 0) / share, 0.5)
             nu = (1 - 2 * g) / (2 - 2 * g)
-            bodies.append(material_in_MPa(name, as_floats((1 - nu**2) / share), as_floats(nu)))
-        return cls("internal", 1.0, *bodies)
+            return material_in_MPa(name, as_floats((1 - nu**2) / share), as_floats(nu))
+
+        return cls("internal", 1.0, body("hole", (1 - a) / 2, -b), body("pin", (1 + a) / 2, b))
 
     @property
     def moduli(self) -> tuple[FloatArray, FloatArray]:
@@ -413,7 +414,7 @@ class CylinderPair:
         one, other = self.material_i, self.material_j
         return bool(np.all((one.E == other.E) & (one.nu == other.nu)))
 
-    @property
+    @cached_property
     def is_flat(self) -> bool:
         """Whether body j has a flat surface: R_j and ΔR are inf."""
         return self.R_j is not None and bool(np.all(np.isinf(self.R_j)))
@@ -549,10 +550,11 @@ def _require_agreement(pair: CylinderPair, R_i: FloatArray, R_j: FloatArray) -> 
         raise InputError(_SOURCE, "dR", pair.dR, rule, remedy)
 
 
-def _other_radius(source: str, contact: Contact, dR: Length, **given: Length) -> FloatArray:
+def _other_radius(
+    source: str, contact: Contact, dR: Length, key: str, radius: Length
+) -> FloatArray:
     """Return what ΔR leaves of R_j, or of R_i for a roller; refuse what is not positive."""
-    ((key, radius),) = given.items()
-    own, distance = _lengths(**given, dR=dR).values()
+    own, distance = _lengths((), **{key: radius, "dR": dR}).values()
     other = own - distance if contact == "internal" else distance - own
     if not np.all(other > 0):
         body = "the pin" if contact == "internal" else roles(contact)[key == "R_i"]
@@ -562,7 +564,7 @@ def _other_radius(source: str, contact: Contact, dR: Length, **given: Length) ->
     return other
 
 
-def _lengths(flat: tuple[str, ...] = (), **given: Length) -> dict[str, FloatArray]:
+def _lengths(flat: tuple[str, ...], /, **given: Length) -> dict[str, FloatArray]:
     """Return lengths by name, positive and of shapes that go together; refuse others.
 
     Those named in `flat` may be infinite in all elements.
