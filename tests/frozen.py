@@ -79,7 +79,7 @@ def public_face():
     """Return each public name with its signature, or what it is."""
     faces = ["cylcontact"]
     for face in faces:
-        module = importlib.import_module(face)
+        module = _thing(face)
         faces += [f"{face}.{n}" for n in _names(module) if inspect.ismodule(getattr(module, n))]
     pages = sorted((ROOT / "docs/reference").glob("*.md"))
     documented = re.findall(r"^::: (\S+)", "".join(p.read_text("utf-8") for p in pages), re.M)

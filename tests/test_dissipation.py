@@ -9,7 +9,7 @@ from mpmath import mp
 from scipy.integrate import solve_ivp
 
 from cylcontact import CylinderPair, InputError, Material, dissipation
-from cylcontact.dissipation import (
+from cylcontact.impact import (
     FACTORS,
     achieved_restitution,
     bounded_ratio,

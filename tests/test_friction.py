@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cylcontact import InputError
-from cylcontact.friction import dynamic_correction, friction_load
+from cylcontact.impact import dynamic_correction, friction_load
 from tests.strategies import ROUNDING, powers_of_ten
 
 V0, V1 = 1.0, 5.0

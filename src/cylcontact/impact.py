@@ -1,7 +1,7 @@
-"""Dissipation in an impact: the hysteresis factors, and the restitution each one gives.
+"""Dissipation in an impact, and friction.
 
-The models of Eqs 2, 3 and 5 all dissipate in the same way: they multiply an elastic law by a
-term in the penetration rate δ̇, made dimensionless by the rate δ̇⁽⁻⁾ at first touch,
+**Hysteresis factors.** The models of Eqs 2, 3 and 5 all dissipate in the same way: they multiply an
+elastic law by a term in the penetration rate δ̇, made dimensionless by the rate δ̇⁽⁻⁾ at first touch,
 
     F = F_el(δ)·(1 + χ·δ̇/δ̇⁽⁻⁾),
 
@@ -27,6 +27,16 @@ impact is never negative before the bodies separate.
 
 with Langevin's function L, which can be computed to full precision everywhere. The form with
 W₀ loses half the digits as χ → 0, where its argument rounds to the branch point −1/e.
+
+**Friction** is Coulomb's, modified (Eqs 14–15). The paper's Eq 14 makes f_t a vector,
+−c_f·c_d·f_n·**v**_t/v_t, and Eq 13 then multiplies it by the tangent **t** as if it were a scalar;
+**v**_t is not defined. Here f_t is the scalar. With the velocities of the two bodies at the contact
+point,
+
+    v_t = (v_i − v_j)·t,    f_t = −c_f·c_d(|v_t|)·f_n·sgn(v_t),
+
+and f_t·t acts on body i, −f_t·t on body j. Reversing t changes the sign of both v_t
+and f_t, and leaves the force unchanged. The power f_t·v_t of the pair of forces is never positive.
 """
 
 from __future__ import annotations
@@ -36,28 +46,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require, require_positive
 from cylcontact.errors import InputError
-
-__all__ = [
-    "FACTORS",
-    "IMPACT_RATE_FLOOR",
-    "RATIO_BEND",
-    "HysteresisFactor",
-    "achieved_restitution",
-    "bounded_ratio",
-    "dissipative_load",
-    "exact_factor",
-    "flores",
-    "gonthier",
-    "herbert_mcwhannell",
-    "hu_guo",
-    "hunt_crossley",
-    "hysteresis_factor",
-    "lankarani_nikravesh",
-    "lee_wang",
-    "zhiying_qishao",
-]
 
 HysteresisFactor = Callable[[ArrayLike], FloatArray]
 
@@ -121,15 +111,10 @@ def dissipative_load(
     >>> print(dissipative_load(100.0, [50.0, 0.0, -50.0, -500.0], 50.0, chi=0.25))
     [125. 100.  75.   0.]
     """
-    factor = _hysteresis(chi)
-    require(
-        floor > 0 and np.isfinite(floor),
-        "dissipative_load",
-        "floor",
-        floor,
-        "must be positive and finite",
-        "give the slowest impact rate that counts, in mm/s",
-    )
+    remedy = "take it from a wanted restitution, e.g. exact_factor(0.9)"
+    factor = _not_negative(chi, "hysteresis factor", "chi", remedy)
+    remedy = "give the slowest impact rate that counts, in mm/s"
+    require_positive(floor, "dissipative_load", "floor", remedy)
     ratio = as_floats(penetration_rate) / np.maximum(as_floats(impact_rate), floor)
     damping = factor * bounded_ratio(ratio)
     return as_floats(np.maximum(as_floats(elastic_load) * (1 + damping), 0.0))
@@ -201,7 +186,8 @@ def achieved_restitution(chi: ArrayLike) -> FloatArray:
     >>> print(f"wanted 0.9, achieved {achieved_restitution(chi):.4f}")
     wanted 0.9, achieved 0.9132
     """
-    factor = _hysteresis(chi)
+    remedy = "take it from a wanted restitution, e.g. exact_factor(0.9)"
+    factor = _not_negative(chi, "hysteresis factor", "chi", remedy)
     p = np.minimum(factor, (1 + factor) / 2)
     for _ in range(_NEWTON_STEPS):
         L, complement, _ = _langevin(p)
@@ -342,38 +328,107 @@ def hysteresis_factor(name: str) -> HysteresisFactor:
     [0.5625 0.1425]
     """
     if name not in FACTORS:
-        raise InputError(
-            "hysteresis factor", "name", name, "is not known", f"choose {', '.join(FACTORS)}"
-        )
+        remedy = f"choose {', '.join(FACTORS)}"
+        raise InputError("hysteresis factor", "name", name, "is not known", remedy)
     return FACTORS[name]
+
+
+def friction_load(
+    normal_load: ArrayLike,
+    tangential_velocity: ArrayLike,
+    coefficient: ArrayLike,
+    v0: float,
+    v1: float,
+) -> FloatArray:
+    """Return f_t = −c_f·c_d·f_n·sgn(v_t), the friction on body i along the tangent (Eq 14).
+
+    Parameters
+    ----------
+    normal_load : array_like
+        f_n ≥ 0, in N or N/mm.
+    tangential_velocity : array_like
+        v_t = (v_i − v_j)·t at the contact point, in mm/s.
+    coefficient : array_like
+        Friction coefficient c_f ≥ 0.
+    v0, v1 : float
+        The speeds of Eq 15 in mm/s, 0 ≤ v0 < v1.
+
+    Returns
+    -------
+    array of float
+        In the unit of `normal_load`, of the broadcast shape; 0 at v_t = 0, and NaN where the
+        normal load is negative (no contact).
+
+    Raises
+    ------
+    InputError
+        If the coefficient is negative or not finite, or not 0 ≤ v0 < v1.
+
+    Examples
+    --------
+    >>> print(friction_load(50.0, [-20.0, 2.0, 20.0], coefficient=0.1, v0=1.0, v1=5.0))
+    [ 5.   -1.25 -5.  ]
+    """
+    remedy = "give e.g. 0.1, or 0 for no friction"
+    c_f = _not_negative(coefficient, "friction", "coefficient", remedy)
+    f_n = as_floats(normal_load)
+    c_d = dynamic_correction(tangential_velocity, v0, v1)
+    touching = f_n >= 0
+    # The sign of −v_t instead of minus the sign of v_t avoids a negative zero at rest.
+    direction = np.sign(0.0 - as_floats(tangential_velocity))
+    return inside_or_nan(c_f * c_d * np.where(touching, f_n, 0.0) * direction, touching)
+
+
+def dynamic_correction(speed: ArrayLike, v0: float, v1: float) -> FloatArray:
+    """Return c_d: 0 up to v0, 1 from v1 on, linear in between (Eq 15).
+
+    Without it the friction would jump where v_t changes sign, and an integrator would chatter
+    there.
+
+    Parameters
+    ----------
+    speed : array_like
+        v_t in mm/s; its sign does not matter.
+    v0, v1 : float
+        In mm/s, 0 ≤ v0 < v1.
+
+    Returns
+    -------
+    array of float
+        From 0 to 1.
+
+    Raises
+    ------
+    InputError
+        If not 0 ≤ v0 < v1.
+
+    Examples
+    --------
+    >>> print(dynamic_correction([0.0, 1.0, 2.0, 5.0, 100.0], v0=1.0, v1=5.0))
+    [0.   0.   0.25 1.   1.  ]
+    """
+    rule = "must be finite, with 0 ≤ v0 < v1"
+    remedy = "give two speeds in mm/s, the smaller one first"
+    require(0 <= v0 < v1 and np.isfinite(v1), "friction", "v0, v1", (v0, v1), rule, remedy)
+    # Clip first: a very large speed would overflow in the quotient.
+    return as_floats((np.clip(np.abs(as_floats(speed)), v0, v1) - v0) / (v1 - v0))
 
 
 def _restitution(value: ArrayLike) -> FloatArray:
     """Return e as float64; raise `InputError` outside (0, 1]."""
     e = as_floats(value)
-    require(
-        (e > 0) & (e <= 1),
-        "hysteresis factor",
-        "restitution",
-        value,
-        "must lie in (0, 1]",
-        "give 1 for an elastic impact, less for one that dissipates",
-    )
+    remedy = "give 1 for an elastic impact, less for one that dissipates"
+    inside = (e > 0) & (e <= 1)
+    require(inside, "hysteresis factor", "restitution", value, "must lie in (0, 1]", remedy)
     return e
 
 
-def _hysteresis(value: ArrayLike) -> FloatArray:
-    """Return χ as float64; raise `InputError` where it is negative or not finite."""
-    chi = as_floats(value)
-    require(
-        (chi >= 0) & np.isfinite(chi),
-        "hysteresis factor",
-        "chi",
-        value,
-        "must be finite and not negative",
-        "take it from a wanted restitution, e.g. exact_factor(0.9)",
-    )
-    return chi
+def _not_negative(value: ArrayLike, source: str, key: str, remedy: str) -> FloatArray:
+    """Return finite numbers that are not negative; raise `InputError` for others."""
+    numbers = as_floats(value)
+    holds = (numbers >= 0) & np.isfinite(numbers)
+    require(holds, source, key, value, "must be finite and not negative", remedy)
+    return numbers
 
 
 def _langevin(p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
