@@ -57,6 +57,7 @@ IMPACT_RATE_FLOOR = 1.0
 # Assumed: |δ̇|/δ̇⁽⁻⁾ up to which the damping is that of the models; twice that is its bound.
 RATIO_BEND = 10.0
 
+_OF_RESTITUTION = "take it from a wanted restitution, e.g. exact_factor(0.9)"
 # Newton's method reaches machine precision after four steps in the worst case.
 _NEWTON_STEPS = 5
 
@@ -95,13 +96,11 @@ def dissipative_load(
 
     Notes
     -----
-    s is `bounded_ratio`, the identity up to |δ̇| = 10·δ̇⁽⁻⁾. An isolated impact never exceeds
-    δ̇⁽⁻⁾, but a contact that starts slowly and is then pressed together does, and without a bound
-    its damping could be any multiple of the elastic load.
+    s is `bounded_ratio`, the identity up to |δ̇| = 10·δ̇⁽⁻⁾. Without it the damping of a contact that
+    starts slowly and is then pressed together could be any multiple of the elastic load.
 
-    With δ̇⁽⁻⁾ replaced by max(δ̇⁽⁻⁾, floor), an impact slower than the floor has the factor
-    χ·δ̇⁽⁻⁾/floor instead of χ. It dissipates less, and e → 1 as the impact gets slower, as for
-    real bodies.
+    An impact slower than the floor has the factor χ·δ̇⁽⁻⁾/floor instead of χ. It dissipates less, and
+    e → 1 as the impact gets slower, as for real bodies.
 
     The load is clipped at zero, because contact does not pull. Clipping does not occur in an
     isolated impact, but can occur when other forces pull the bodies apart.
@@ -111,8 +110,7 @@ def dissipative_load(
     >>> print(dissipative_load(100.0, [50.0, 0.0, -50.0, -500.0], 50.0, chi=0.25))
     [125. 100.  75.   0.]
     """
-    remedy = "take it from a wanted restitution, e.g. exact_factor(0.9)"
-    factor = _not_negative(chi, "hysteresis factor", "chi", remedy)
+    factor = _not_negative(chi, "hysteresis factor", "chi", _OF_RESTITUTION)
     remedy = "give the slowest impact rate that counts, in mm/s"
     require_positive(floor, "dissipative_load", "floor", remedy)
     ratio = as_floats(penetration_rate) / np.maximum(as_floats(impact_rate), floor)
@@ -123,24 +121,13 @@ def dissipative_load(
 def bounded_ratio(ratio: ArrayLike) -> FloatArray:
     """Return s(u), the velocity ratio u = δ̇/δ̇⁽⁻⁾ bounded by ±2U, with U = 10.
 
-    s(u) = u for |u| ≤ U, and sgn(u)·U·(1 + v/√(1 + v²)) with v = |u|/U − 1 beyond.
+    s(u) = u for |u| ≤ U, and sgn(u)·U·(1 + v/√(1 + v²)) with v = |u|/U − 1 beyond, which is twice
+    continuously differentiable and keeps the shape of `ratio`.
 
-    Parameters
-    ----------
-    ratio : array_like
-        u; 1 at first touch, and never beyond ±1 in an isolated impact.
-
-    Returns
-    -------
-    array of float
-        s, twice continuously differentiable, of the shape of `ratio`.
-
-    Notes
-    -----
     The bound is ours, not the paper's: no dissipation model of the kind says what happens when a
-    contact becomes faster than its first touch. With s the damping never exceeds 2U·χ times the
-    elastic load. The restitution of every isolated impact stays as it is. U is assumed; in the
-    slider-crank of Sect. 4 a joint in permanent contact reaches |u| = 6.
+    contact becomes faster than its first touch. The restitution of every isolated impact, in which
+    |u| ≤ 1, stays as it is. U is assumed; in the slider-crank of Sect. 4 a joint in permanent
+    contact reaches |u| = 6.
 
     Examples
     --------
@@ -186,8 +173,7 @@ def achieved_restitution(chi: ArrayLike) -> FloatArray:
     >>> print(f"wanted 0.9, achieved {achieved_restitution(chi):.4f}")
     wanted 0.9, achieved 0.9132
     """
-    remedy = "take it from a wanted restitution, e.g. exact_factor(0.9)"
-    factor = _not_negative(chi, "hysteresis factor", "chi", remedy)
+    factor = _not_negative(chi, "hysteresis factor", "chi", _OF_RESTITUTION)
     p = np.minimum(factor, (1 + factor) / 2)
     for _ in range(_NEWTON_STEPS):
         L, complement, _ = _langevin(p)
@@ -305,22 +291,7 @@ FACTORS: dict[str, HysteresisFactor] = {
 
 
 def hysteresis_factor(name: str) -> HysteresisFactor:
-    """Return the factor χ(e) that specs call `name`.
-
-    Parameters
-    ----------
-    name : str
-        One of `FACTORS`.
-
-    Returns
-    -------
-    callable
-        From the restitution e, 0 < e ≤ 1, to χ.
-
-    Raises
-    ------
-    InputError
-        If there is no such factor.
+    """Return the factor χ(e), 0 < e ≤ 1, that specs call `name`; raise `InputError` for others.
 
     Examples
     --------
@@ -382,25 +353,8 @@ def friction_load(
 def dynamic_correction(speed: ArrayLike, v0: float, v1: float) -> FloatArray:
     """Return c_d: 0 up to v0, 1 from v1 on, linear in between (Eq 15).
 
-    Without it the friction would jump where v_t changes sign, and an integrator would chatter
-    there.
-
-    Parameters
-    ----------
-    speed : array_like
-        v_t in mm/s; its sign does not matter.
-    v0, v1 : float
-        In mm/s, 0 ≤ v0 < v1.
-
-    Returns
-    -------
-    array of float
-        From 0 to 1.
-
-    Raises
-    ------
-    InputError
-        If not 0 ≤ v0 < v1.
+    Speeds v_t are in mm/s and may have either sign; raises `InputError` unless 0 ≤ v0 < v1. Without
+    the correction friction would jump where v_t changes sign, and an integrator would chatter there.
 
     Examples
     --------

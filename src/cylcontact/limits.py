@@ -44,19 +44,9 @@ def hertz_stress(load: ArrayLike, pair: CylinderPair) -> FloatArray:
 
 
 def hertz_half_width(load: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the half-width of Hertz's line contact, b = 2·√(f·R/(π·E*)).
+    """Return the half-width of Hertz's line contact in mm, b = 2·√(f·R/(π·E*)).
 
-    Parameters
-    ----------
-    load : array_like
-        Load per unit length in N/mm.
-    pair : CylinderPair
-        A pair with known radii.
-
-    Returns
-    -------
-    array of float
-        Half-width in mm; NaN where the load is negative.
+    Arguments as for `hertz_stress`; NaN where the load is negative.
 
     Examples
     --------
@@ -73,21 +63,10 @@ def hertz_half_width(load: ArrayLike, pair: CylinderPair) -> FloatArray:
 
 
 def hertz_pressure(x: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the elliptic pressure of Hertz's line contact, p = p₀·√(1 − x²/b²).
+    """Return the elliptic pressure of Hertz's line contact in MPa, p = p₀·√(1 − x²/b²).
 
-    Parameters
-    ----------
-    x : array_like
-        Distance from the middle of the contact in mm.
-    load : array_like
-        Load per unit length in N/mm.
-    pair : CylinderPair
-        A pair with known radii.
-
-    Returns
-    -------
-    array of float
-        Pressure in MPa; zero outside the contact, NaN where the load is negative.
+    `x` is the distance from the middle of the contact in mm, the others are as for `hertz_stress`.
+    Zero outside the contact, NaN where the load is negative.
 
     Examples
     --------
@@ -207,16 +186,8 @@ def first_yield(
 def yield_warning(load: ArrayLike, pair: CylinderPair) -> str | None:
     """Return a sentence if a load is above first yield by von Mises; None if none is.
 
-    Parameters
-    ----------
-    load : array_like
-        Loads per unit length in N/mm; NaN counts for nothing.
-    pair : CylinderPair
-        One pair. None is returned as well if a radius or a yield stress is not known.
-
-    Returns
-    -------
-    str or None
+    Of loads in N/mm, where NaN counts for nothing, and one pair. None is returned as well if a
+    radius or a yield stress is not known.
 
     Examples
     --------

@@ -346,12 +346,10 @@ class CylinderPair:
     @property
     def moduli(self) -> tuple[FloatArray, FloatArray]:
         """The moduli of bodies i and j in MPa: E/(1 − ν²) in plane strain, E in plane stress."""
-        bodies = self.material_i, self.material_j
+        one, other = self.material_i, self.material_j
         if self.plane == "stress":
-            modulus_i, modulus_j = (as_floats(body.E) for body in bodies)
-        else:
-            modulus_i, modulus_j = (body.plane_strain_modulus for body in bodies)
-        return modulus_i, modulus_j
+            return as_floats(one.E), as_floats(other.E)
+        return one.plane_strain_modulus, other.plane_strain_modulus
 
     @cached_property
     def E_star(self) -> FloatArray:
@@ -445,9 +443,8 @@ class CylinderPair:
         """Return the axial length in mm; raise `InputError` naming `purpose` if it is not known."""
         if self.length is None:
             rule = f"{purpose} needs the axial length and this pair has none"
-            raise InputError(
-                _SOURCE, "length", None, rule, "pass length= in mm when the pair is built"
-            )
+            remedy = "pass length= in mm when the pair is built"
+            raise InputError(_SOURCE, "length", None, rule, remedy)
         return self.length
 
     def require_plane_strain(self, source: str) -> None:
