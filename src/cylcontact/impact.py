@@ -99,8 +99,8 @@ def dissipative_load(
     s is `bounded_ratio`, the identity up to |δ̇| = 10·δ̇⁽⁻⁾. Without it the damping of a contact that
     starts slowly and is then pressed together could be any multiple of the elastic load.
 
-    An impact slower than the floor has the factor χ·δ̇⁽⁻⁾/floor instead of χ. It dissipates less, and
-    e → 1 as the impact gets slower, as for real bodies.
+    An impact slower than the floor has the factor χ·δ̇⁽⁻⁾/floor instead of χ: e → 1 as it gets
+    slower, as for real bodies.
 
     The load is clipped at zero, because contact does not pull. Clipping does not occur in an
     isolated impact, but can occur when other forces pull the bodies apart.
@@ -353,8 +353,8 @@ def friction_load(
 def dynamic_correction(speed: ArrayLike, v0: float, v1: float) -> FloatArray:
     """Return c_d: 0 up to v0, 1 from v1 on, linear in between (Eq 15).
 
-    Speeds v_t are in mm/s and may have either sign; raises `InputError` unless 0 ≤ v0 < v1. Without
-    the correction friction would jump where v_t changes sign, and an integrator would chatter there.
+    Speeds are in mm/s, v_t of either sign; raises `InputError` unless 0 ≤ v0 < v1. Without the
+    correction friction would jump where v_t changes sign, and an integrator would chatter there.
 
     Examples
     --------
