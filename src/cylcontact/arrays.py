@@ -6,7 +6,7 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cylcontact.errors import InputError
 
@@ -37,7 +37,7 @@ def as_numbers(values: object, source: str, key: str) -> FloatArray:
     return as_floats(array)
 
 
-def require_one_shape(source: str, **arrays: object) -> None:
+def require_one_shape(source: str, **arrays: ArrayLike) -> None:
     """Raise `InputError` for arrays that do not broadcast against each other."""
     shapes = {name: shape for name, value in arrays.items() if (shape := np.shape(value))}
     try:

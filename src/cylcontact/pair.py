@@ -72,8 +72,7 @@ class CylinderPair:
 
     Notes
     -----
-    All arrays broadcast against each other and against the loads and penetrations passed to
-    laws.
+    All arrays broadcast against each other and against the loads and penetrations of laws.
 
     Examples
     --------
@@ -98,7 +97,7 @@ class CylinderPair:
         remedy = "plane strain is for long cylinders, plane stress for thin sheets"
         require(self.plane in PLANES, _SOURCE, "plane", self.plane, rule, remedy)
         remedy = "e.g. Material.named('bronze'), or Material(name, E, nu)"
-        shapes: dict[str, object] = {}
+        shapes: dict[str, Length] = {}
         for key in ("material_i", "material_j"):
             body = getattr(self, key)
             require(isinstance(body, Material), _SOURCE, key, body, "must be a Material", remedy)
@@ -164,16 +163,12 @@ class CylinderPair:
         ----------
         R_i, R_j : float or array_like
             Radii of the hole and of the pin in mm, R_i > R_j.
-        material : Material, optional
-            The material of the hole, and of the pin unless `material_j` is given.
-        length : float, optional
-            Axial length in mm.
-        material_j : Material, optional
-            The material of the pin.
+        material, material_j : Material, optional
+            The materials of the hole and of the pin; one serves both.
         pin, hole : Material, optional
             The two materials by name, in place of `material` and `material_j`.
-        plane : {"strain", "stress"}
-            Plane strain, or plane stress for thin sheets.
+        length, plane
+            Axial length in mm and state of stress, as for the class.
 
         Returns
         -------
@@ -216,14 +211,10 @@ class CylinderPair:
         ----------
         R_i, R_j : float or array_like
             Radii in mm. R_j = inf is a plane: ΔR is inf as well, and the effective radius is R_i.
-        material : Material
-            The material of roller *i*, and of body *j* unless `material_j` is given.
-        length : float, optional
-            Axial length in mm.
-        material_j : Material, optional
-            The material of roller *j*, or of the body with the flat surface.
-        plane : {"strain", "stress"}
-            Plane strain, or plane stress for thin sheets.
+        material, material_j : Material
+            The materials of bodies *i* and *j*; one serves both.
+        length, plane
+            Axial length in mm and state of stress, as for the class.
 
         Returns
         -------
@@ -267,18 +258,14 @@ class CylinderPair:
             Pin in hole, or two rollers.
         dR : float or array_like
             ΔR in mm.
-        material : Material, optional
-            The material of both bodies, or of the hole or first roller when `material_j` is given.
-        length : float, optional
-            Axial length in mm.
+        material, material_j : Material, optional
+            The materials of the hole and pin or of the rollers; one serves both.
         R_i : float or array_like, optional
             The radius of the hole or first roller in mm; the other radius then follows from ΔR.
-        material_j : Material, optional
-            The material of the pin or second roller.
         pin, hole : Material, optional
             The two materials of internal contact, in place of `material` and `material_j`.
-        plane : {"strain", "stress"}
-            Plane strain, or plane stress for thin sheets.
+        length, plane
+            Axial length in mm and state of stress, as for the class.
 
         Returns
         -------
@@ -500,8 +487,7 @@ def unusual_lengths(pair: CylinderPair) -> tuple[str, ...]:
     for name, values, (low, high), cause in checks:
         numbers = np.atleast_1d(low if values is None else as_floats(values))
         outside = numbers[(numbers < low) | (numbers > high)]
-        if outside.size:
-            sentences.append(f"{name} is {outside[0]:.4g}: {cause}")
+        sentences += [f"{name} is {number:.4g}: {cause}" for number in outside[:1]]
     return tuple(sentences)
 
 
