@@ -16,9 +16,9 @@ from textwrap import wrap
 import numpy as np
 
 from cylcontact.arrays import FloatArray, require
-from cylcontact.dissipation import RATIO_BEND
 from cylcontact.export.comments import WIDTH, paragraph
 from cylcontact.export.render import Dialect
+from cylcontact.impact import RATIO_BEND
 from cylcontact.laws.formula import MEANINGS, Step, needed, steps_of
 from cylcontact.laws.kernels import steps_for
 from cylcontact.materials import Material
