@@ -8,17 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cylcontact.errors import InputError
-from cylcontact.laws import DEFINITIONS, LAWS
+from cylcontact.laws import LAWS
 from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.law import formula_of
 from cylcontact.pair import Contact
 
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
 
-__all__ = ["EXPORTABLE", "FoundLaw", "find_law"]
-
-# `find_law` accepts the name of a law without a closed form too, and `formula_of` reports that.
-EXPORTABLE = tuple(d.law.name for d in DEFINITIONS if d.has_defaults and d.formula is not None)
+# `find_law` accepts the name of a law without a closed form too, and `exported` reports that.
+EXPORTABLE = tuple(
+    name for name, law in LAWS.items() if formula_of(law(), "internal") is not None
+)
 
 
 @dataclass(frozen=True)
