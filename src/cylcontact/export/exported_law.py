@@ -49,7 +49,7 @@ RESULTS: Mapping[str, tuple[str, str]] = {
 _OF_TWO_MATERIALS = {"alpha": "alpha * alpha < 1", "beta": "beta * beta < 0.251"}
 # Names that a language or a frame has for something else.
 _TAKEN = (
-    "load stiffness wp outside inside apart power choose numbers atanh range inf nan pi jnp jax "
+    "load stiffness law wp outside inside apart power choose numbers atanh range jnp jax "
     "math abs isnan result evaluate nargin program module subroutine call do implicit none"
 ).split()
 
@@ -149,30 +149,13 @@ class ExportedLaw:
     @cached_property
     def _names(self) -> dict[str, str]:
         """The names in the export, by those of the formula."""
-        arguments = (*OF_PAIR, "penetration", "f", "k", "last")
-        taken = {n.lower() for n in (*arguments, *FUNCTIONS, *_TAKEN, *RESERVED)}
-        names = {name: name for name in arguments}
-
-        def add(name: str, word: str) -> None:
-            word = identifier(word) or "turn"
-            word = word if word[0].isalpha() else f"x{word}"
-            while word.lower() in taken:
-                word += "_"
-            taken.add(word.lower())
-            names[name] = word
-
-        inner = (s.name for s in flat(self.formula.steps) if s.body)
-        for name in (*self.coefficients, *assigned_in(self.formula.steps), *inner):
-            if name not in names:
-                add(name, name)
-        for name in ("load_factor", "penetration_factor"):
-            add(name, name)
-        if self.penetration_factor != 1:
-            add("penetration", "depth")
-        if (self.load_factor, self.penetration_factor) != (1, 1):
-            add("f", "alone")
-            add("k", "slope")
-        return names
+        own = [*self.coefficients, "load_factor", "penetration_factor"]
+        scaled = (self.load_factor, self.penetration_factor) != (1, 1)
+        return safe_names(
+            self.formula.steps, own,
+            ({"penetration": "depth"} if self.penetration_factor != 1 else {})
+            | ({"f": "alone", "k": "slope"} if scaled else {}),
+        )  # fmt: skip
 
     def source(self, dialect: Dialect, frame: str, **own: str) -> str:
         """Return the law as the text of a file: a frame with the statements of a language.
@@ -278,6 +261,29 @@ def _origin(law: ContactLaw) -> str:
     if law.name not in LAWS or law != LAWS[law.name]():
         return "given by the caller"
     return "published" if getattr(law, "published", True) else "calibrated by this package"
+
+
+def safe_names(
+    steps: Iterable[Step], others: Iterable[str], wanted: Mapping[str, str] | None = None
+) -> dict[str, str]:
+    """Return the names of an export by those of steps and others: words of every language.
+
+    No two differ in case alone, because Fortran ignores it. Arguments and results stay as they are,
+    unless other names are `wanted`.
+    """
+    steps, fixed = tuple(steps), (*OF_PAIR, "penetration", "f", "k", "last", "pi", "nan", "inf")
+    taken = {name.lower() for name in (*fixed, *FUNCTIONS, *_TAKEN, *RESERVED)}
+    names = {name: name for name in fixed}
+    loops = (step.name for step in flat(steps) if step.body)
+    words = {name: name for name in (*others, *assigned_in(steps), *loops) if name not in names}
+    for name, text in (words | dict(wanted or {})).items():
+        word = identifier(text) or "turn"
+        word = word if word[0].isalpha() else f"x{word}"
+        while word.lower() in taken:
+            word += "_"
+        taken.add(word.lower())
+        names[name] = word
+    return names
 
 
 def flat(steps: Iterable[Step]) -> Iterable[Step]:
