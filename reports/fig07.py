@@ -3,7 +3,7 @@
 from functools import partial
 
 from cylcontact.arrays import FloatArray
-from cylcontact.laws.conformal import peak_pressure
+from cylcontact.laws import Persson
 from cylcontact.limits import yield_load
 from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing
@@ -60,4 +60,4 @@ def draw(bench: Bench) -> Drawing:
 def _shortfall(pair: CylinderPair) -> FloatArray:
     """Return by how many percent Hertz's peak pressure at yield is below Persson's."""
     load = hertz_yield_load(pair)
-    return 100 * (1 - strength(pair.material_i) / peak_pressure(load, pair))
+    return 100 * (1 - strength(pair.material_i) / Persson().peak_pressure(load, pair))

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import AutoMinorLocator
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.laws import unlike
+from cylcontact.laws.conformal import Bodies
 from cylcontact.plots.figure import Drawing, new_figure, panel_title, plain_log
 from cylcontact.plots.maps import RIM, add_scale, draw_contours, label_contours
 from cylcontact.plots.style import small_text
@@ -76,8 +76,7 @@ def error_of_E_star(alpha: FloatArray, beta: float, phi: FloatArray) -> FloatArr
 def _approach(alpha: FloatArray, beta: float, phi: FloatArray) -> FloatArray:
     """Return π·d/φ by Johnson's datum."""
     w_i, w_j = as_floats((1 - alpha) / 2), as_floats((1 + alpha) / 2)
-    bodies = unlike.Bodies(w_i, w_j, beta, as_floats(2 * np.log(2) - 2 + w_j))
-    return unlike.approach(unlike.arc_of_load(phi, bodies, unlike.largest_arc(bodies)), bodies)
+    return Bodies(w_i, beta, as_floats(2 * np.log(2) - 2 + w_j)).arc_of_load(phi).L
 
 
 def _over_loads() -> pd.DataFrame:

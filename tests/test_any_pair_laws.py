@@ -17,7 +17,8 @@ from cylcontact.fitting.objectives import make_objective
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.samples import collect_samples
-from cylcontact.laws import explicit_pair, glauert, parametric, unlike
+from cylcontact.laws import explicit_pair, glauert, parametric
+from cylcontact.laws.conformal import Bodies
 from cylcontact.materials import material_in_MPa
 from cylcontact.progress import silent
 from tests.spec_files import write_toml
@@ -109,10 +110,9 @@ def test_the_largest_arc_is_that_of_the_reference():
     pair = random_pairs(40, seed=6)
     c = laws.ExplicitPair().numbers(pair).c
     for k in range(40):
-        (w_i,), (w_j,), beta = pair.shares[0][k], pair.shares[1][k], float(pair.beta[k, 0])
+        (w_i,), (w_j,), beta = *(share[k] for share in pair.shares), float(pair.beta[k, 0])
         C = 2 * np.log(2) - 2 + w_j
-        bodies = unlike.Bodies(*map(np.asarray, (w_i, w_j)), beta, np.asarray(C))
-        exact = unlike.approach(unlike.largest_arc(bodies), bodies)
+        exact = Bodies(w_i, beta, np.asarray(C)).last.L
         assert c[k, 0] == pytest.approx(float(exact), rel=2e-3)
 
 

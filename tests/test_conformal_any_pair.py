@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from cylcontact import CylinderPair, InputError, Material
-from cylcontact.laws import ClampedPlate, Conformal, Johnson, Persson, conformal, glauert, unlike
+from cylcontact.laws import ClampedPlate, Conformal, Johnson, glauert
 from cylcontact.limits import hertz_stress
 from cylcontact.materials import material_in_MPa
 from tests.strategies import NOT_TOUCHING, powers_of_ten
@@ -79,23 +79,6 @@ def test_printed_numbers_come_out_to_their_last_digit(pin, hole, plane, phi, n0,
 
 
 # --- closed forms at β = 0 --------------------------------------------------------------------
-
-
-@given(powers_of_ten(-300, 300), st.sampled_from(METHODS))
-def test_equal_materials_are_perssons(x, method):
-    pair = pair_of("steel", "steel")
-    mine, persson = (getattr(law, method)(x, pair) for law in (LAW, Persson()))
-    assert mine == pytest.approx(float(persson), rel=1e-14, abs=0)
-
-
-@given(load_numbers)
-def test_equal_materials_have_perssons_angle_and_pressure(phi):
-    pair = pair_of("steel", "steel")
-    f = phi * pair.E_star
-    angle = np.degrees(conformal.contact_angle(f, pair))
-    assert LAW.contact_angle(f, pair) == pytest.approx(float(angle), rel=1e-13)
-    peak = float(conformal.peak_pressure(f, pair))
-    assert LAW.peak_pressure(f, pair) == pytest.approx(peak, rel=1e-13)
 
 
 def S_mp(phi, w):
@@ -214,7 +197,7 @@ def test_the_remainder_is_proportional_to_a_small_beta():
     for beta in (7e-6, -7e-6):
         small = glauert.remainder(beta)
         full = glauert._built(beta)
-        for name in ("additions", "approach", "peak"):
+        for name in ("additions", "peak"):
             difference = getattr(small, name)(angles) - getattr(full, name)(angles)
             assert np.max(np.abs(difference)) < 5e-10
 
@@ -224,7 +207,7 @@ def test_complete_contact_of_a_rigid_hole_is_the_end_of_the_series():
     small = glauert.remainder(1e-5)
     end = np.pi
     assert small.additions(end)[0] / 1e-5 == pytest.approx(-2, abs=0.02)
-    assert small.approach(end) / 1e-5 == pytest.approx(2.5, abs=0.02)
+    assert small.additions(end)[2] / 1e-5 == pytest.approx(2.5, abs=0.02)
 
 
 # --- an independent solution: Michell's harmonics and straight pieces of pressure ---------------
@@ -463,15 +446,6 @@ def test_an_infinite_load_is_an_infinite_penetration_of_finite_stiffness():
     pair = pair_of("steel", "al")
     assert LAW.load(np.inf, pair) == LAW.penetration(np.inf, pair) == np.inf
     assert np.isfinite(LAW.stiffness(np.inf, pair))
-
-
-def test_the_search_of_an_arc_brackets_what_newton_leaves():
-    """A function flat to the left of its root, where Newton's step goes far to the right."""
-
-    def miss(x):
-        return -np.arctan(x - 1.0), -1 / (1 + (x - 1.0) ** 2)
-
-    assert unlike._root(miss, np.float64(-20.0), np.float64(5.0)) == pytest.approx(1.0)
 
 
 # --- bad input and what is shown --------------------------------------------------------------

@@ -88,7 +88,7 @@ def test_coefficients_of_the_published_law_and_of_a_fit():
 
 @pytest.mark.parametrize("law", [laws.Enhanced, laws.PowerLaw])
 def test_the_units_are_those_of_the_parameters_that_are_fitted(law):
-    models = [m for each in laws.DEFINITIONS if each.law is law for m in each.models]
+    models = law.models()
     assert law.units == {p.name: p.unit for m in models for p in m.parameters if p.unit}
 
 

@@ -3,13 +3,11 @@
 import importlib
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
 import cylcontact
 
-PACKAGE = Path(cylcontact.__file__).parent
 FACES = (
     "cylcontact",
     "cylcontact.datasets",
@@ -22,11 +20,6 @@ FACES = (
     "cylcontact.plots",
     "cylcontact.reports",
 )
-MODULES = sorted(
-    path
-    for path in PACKAGE.rglob("*.py")
-    if path.name != "__init__.py" and not path.name.startswith("_")
-)
 
 
 @pytest.mark.parametrize("name", FACES)
@@ -35,14 +28,6 @@ def test_completion_shows_the_public_names_and_nothing_else(name):
     visible = {entry for entry in dir(face) if not entry.startswith("__")}
     assert visible == set(face.__all__)
     assert all(hasattr(face, entry) for entry in face.__all__)
-
-
-@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
-def test_every_module_lists_its_public_names(path):
-    module = importlib.import_module(
-        ".".join(("cylcontact", *path.relative_to(PACKAGE).with_suffix("").parts))
-    )
-    assert all(hasattr(module, name) for name in module.__all__)
 
 
 @pytest.mark.slow

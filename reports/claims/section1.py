@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from cylcontact import limits
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.laws import LAWS, Enhanced, Johnson, Liu, LogarithmicLaw, Persson
-from cylcontact.laws.conformal import load_at_angle, peak_pressure
+from cylcontact.laws.conformal import load_at_angle
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.bench import Bench
@@ -225,7 +225,8 @@ def johnson_needs_clearance() -> Finding:
 def _hertz_shortfall(number: float) -> float:
     """Return by how many percent Hertz's peak pressure is below Persson's at f/(E*ΔR)."""
     load = number * float(BEARING.E_star * BEARING.dR)
-    return float(100 * (1 - limits.hertz_stress(load, BEARING) / peak_pressure(load, BEARING)))
+    peak = Persson().peak_pressure(load, BEARING)
+    return float(100 * (1 - limits.hertz_stress(load, BEARING) / peak))
 
 
 @claim(
@@ -242,7 +243,7 @@ def persson_needs_conformity() -> Finding:
     angle = np.radians(5.0)
     load = load_at_angle(angle, BEARING)
     depth = Persson().penetration(load, BEARING)
-    pressure = _percent(peak_pressure(load, BEARING), limits.hertz_stress(load, BEARING))
+    pressure = _percent(Persson().peak_pressure(load, BEARING), limits.hertz_stress(load, BEARING))
     constant = _percent(depth, Johnson().penetration(load, BEARING))
     overlap = _percent(_overlap(angle), depth)
     # Persson takes the radii of pin and hole as equal; R_i in place of √(R_i·R_j).

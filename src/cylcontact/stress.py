@@ -1,8 +1,8 @@
 """Stresses inside a pin and inside the plate around its hole, under a known contact pressure.
 
 Lengths are in units of R and stresses in units of f/R; the load acts along θ = 0. The pressure
-along an arc depends on its semi-angle and on Dundurs' β alone (`cylcontact.laws.unlike`). Once it
-is known, each body is loaded by tractions alone, so the fields below hold for any two materials.
+along an arc depends on its semi-angle and on Dundurs' β alone (`cylcontact.laws.conformal`). Once
+it is known, each body is loaded by tractions alone, so the fields below hold for any two materials.
 
 **The pressure as an analytic function.** Let F be analytic inside the unit circle, its real part on
 the circle the pressure p and F(0) = p₀ real, the mean of p over the whole circle. The point w of

@@ -24,9 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.laws import unlike
+from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.glauert import persson_peak, remainder
-from cylcontact.laws.unlike import Bodies
 from cylcontact.pair import CylinderPair
 from cylcontact.stress import PlaneStress, Pressure, in_pin, in_plate, pressure_along
 
@@ -208,15 +207,15 @@ def _of_hole(
     """Return the load of first yield in each body of a pin in a hole, and the depth there."""
     R_i, R_j = pair.radii("the yield load")
     R, unit = np.sqrt(R_i * R_j), pair.E_star * as_floats(pair.dR)
-    (w_i, w_j), (kappa_i, kappa_j) = pair.shares, pair.kolosov
+    (w_i, _), (kappa_i, kappa_j) = pair.shares, pair.kolosov
     nu_i, nu_j = _across(pair)
-    columns = np.broadcast_arrays(R, unit, w_i, w_j, pair.beta, kappa_i, nu_i, kappa_j, nu_j)
-    R, unit, w_i, w_j, *kinds = (column.ravel() for column in columns)
+    columns = np.broadcast_arrays(R, unit, w_i, pair.beta, kappa_i, nu_i, kappa_j, nu_j)
+    R, unit, w_i, *kinds = (column.ravel() for column in columns)
     kind, which = np.unique(np.stack(kinds), axis=1, return_inverse=True)
     loads, depths = np.empty((2, R.size)), np.empty((2, R.size))
     for k, (beta, *numbers) in enumerate(kind.T.tolist()):
         here = which.ravel() == k
-        bodies = Bodies(w_i[here], w_j[here], beta, np.zeros(1))
+        bodies = Bodies(w_i[here], beta, np.zeros(1))
         for n, name in enumerate[_Name](("hole", "pin")):
             body = Body(name, *numbers[2 * n : 2 * n + 2])
             strength = stresses[n] * R[here] / unit[here]
@@ -234,11 +233,10 @@ def _first_arc(
     The slope of ln φm over ln φ is about 1/2 for small arcs and 1 for large ones, so that steps
     with the slope 3/4 converge from any start.
     """
-    last = unlike.largest_arc(bodies)
     phi = np.minimum(np.pi * (strength / table.ratio[0]) ** 2, 2 * strength)
     for _ in range(_STEPS):
-        arc = unlike.arc_of_load(phi, bodies, last)
-        b, angle = np.exp(arc.x / 2), unlike.contact_angle(arc)
+        arc = bodies.arc_of_load(phi)
+        b, angle = np.sqrt(arc.b2), arc.angle
         m = persson_peak(b) * np.interp(angle, table.angle, table.ratio)
         phi = phi * (strength / (phi * m)) ** (4 / 3)
     return as_floats(phi), as_floats(_depth(angle, table) * np.sin(angle))

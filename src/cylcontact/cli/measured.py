@@ -12,7 +12,6 @@ from cylcontact.choices import BRANCHES, CHOICE_FILES, is_table, listed
 from cylcontact.cli.options import (
     LOSSES,
     NOISES,
-    NUMBER,
     Runs,
     Seed,
     expand_options,
@@ -143,14 +142,6 @@ class LawOption:
 
     law: Annotated[
         str | None, _option("--law", help="The law, e.g. johnson; or module:function of your own.")
-    ] = None
-    law_timeout: Annotated[
-        float | None,
-        _option(
-            "--law-timeout",
-            help="Seconds that one call of a law of your own may take; 60 by default.",
-            **NUMBER | {"metavar": "SECONDS"},
-        ),
     ] = None
 
 

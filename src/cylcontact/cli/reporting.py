@@ -228,11 +228,15 @@ def laws(
     *,
     pair: PairOptions,
     load: Annotated[float, typer.Option(help="Load per unit length, N/mm.", **NUMBER)] = 100.0,
+    law: Annotated[
+        str | None, typer.Option(help="A function of your own to list as well, module:function.")
+    ] = None,
 ) -> None:
     """Compare the laws: which one to use, and all of them side by side for one pair.
 
     Without options it is a steel pin (207 GPa, 0.3) in a hole of 10 mm radius with ΔR = 0.05 mm.
     """
+    from cylcontact.laws.user import user_law
     from cylcontact.reports import laws_to_use
     from cylcontact.reports.bench import Bench
     from cylcontact.reports.laws_table import case, to_text
@@ -243,7 +247,8 @@ def laws(
     rows = known_materials(own_table(pair.materials, Path(), "laws", "--materials"))
     cylinders = pair_of(constants, options, contact, rows, "laws", case())
     advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
-    show(joined([advice, to_text(cylinders, load)], "\n\n"))
+    own = None if law is None else user_law(law, Path.cwd())
+    show(joined([advice, to_text(cylinders, load, own)], "\n\n"))
     for warning in (yield_warning(load, cylinders), *unusual_lengths(cylinders)):
         if warning is not None:
             say(f"warning: {warning}", err=True)

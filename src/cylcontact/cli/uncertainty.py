@@ -80,7 +80,6 @@ def study_uncertainty(
                 leave_out=leave_out,
                 with_pairs=options.pairs,
                 law=law.law,
-                law_timeout=law.law_timeout,
                 jobs=where,
                 progress=progress,
             )

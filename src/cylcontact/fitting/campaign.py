@@ -31,7 +31,9 @@ from cylcontact.fitting.law_models import (
     grid_model_of,
     is_user_law,
     model_of,
+    named_user_model,
     units_of,
+    user_model,
     with_rig,
 )
 from cylcontact.fitting.measured_objective import STANDARDISED, objective_name
@@ -44,9 +46,9 @@ from cylcontact.fitting.specs import (
     parameters_of,
     require_complete,
 )
-from cylcontact.fitting.user_law import UserFunction, named_user_model, user_model
 from cylcontact.html_repr import table_html
 from cylcontact.laws.definition import LawModel, Parameter
+from cylcontact.laws.user import UserFunction
 from cylcontact.materials import own_table
 from cylcontact.pair import Contact
 from cylcontact.provenance import made_with, spec_hash
@@ -173,7 +175,7 @@ class Campaign:
     @property
     def settings(self) -> dict[str, Any]:
         """Everything that the result depends on, as plain data."""
-        campaign = self.spec.model_dump(mode="json", exclude_none=True, exclude={"law_timeout"})
+        campaign = self.spec.model_dump(mode="json", exclude_none=True)
         return {"campaign": campaign, **self.data.settings}
 
     @property
@@ -463,7 +465,7 @@ def _of_table(
 def _law_model(law: str, spec: MeasuredSpec, folder: Path, source: str) -> LawModel:
     """Return the model of a law of the package, or of a function of the user's own."""
     if is_user_law(law):
-        return user_model(law, folder.resolve(), spec.contact, source, spec.law_timeout)
+        return user_model(law, spec.contact, source, folder, Path.cwd())
     return model_of(law, spec.contact, source)
 
 

@@ -43,7 +43,7 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.estimates import uncertainty_of
 from cylcontact.fitting.uncertainty.information import log_likelihood, number_estimated
 from cylcontact.fitting.uncertainty.residual_model import residual_model_at, with_rows
-from cylcontact.laws import DEFINITIONS
+from cylcontact.laws import LAW_TYPES
 from cylcontact.pair import Contact
 from cylcontact.plain_text import brief, html
 from cylcontact.progress import Progress, silent
@@ -331,9 +331,9 @@ def laws_for(contact: Contact, pairs: int) -> list[str]:
     (False, True)
     """
     names: list[str] = []
-    for definition in DEFINITIONS:
-        models = [model.law for model in definition.models if model.contact == contact]
-        names += models or [definition.law.name] * (contact in definition.contacts)
+    for law in LAW_TYPES:
+        models = [model.law for model in law.models() if model.contact == contact]
+        names += models or [law.name] * (contact in law.contacts)
     left_out = _ONE_PAIR if pairs == 1 else _ONE_PAIR[:1]
     return [name for name in dict.fromkeys(names) if name not in left_out]
 

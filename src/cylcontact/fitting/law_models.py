@@ -12,32 +12,25 @@ the factor. A power law, whose constants nobody knows, is fitted with all of the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cylcontact.errors import InputError
-from cylcontact.laws import DEFINITIONS, ContactLaw
+from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.definition import Coefficients, LawModel, Parameter
+from cylcontact.laws.user import UserFunction, UserLaw
 from cylcontact.pair import Contact
 
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
 
-__all__ = [
-    "MODELS",
-    "RIG_NAMES",
-    "for_measurements",
-    "grid_model_of",
-    "is_user_law",
-    "law_of",
-    "model_of",
-    "units_of",
-    "with_rig",
-]
-
-MODELS = {(m.law, m.contact): m for definition in DEFINITIONS for m in definition.models}
+MODELS: dict[tuple[str, Contact], LawModel] = {
+    (m.law, m.contact): m for law in LAW_TYPES for m in law.models()
+}
 
 _RIG = (
     Parameter("stiffness_factor", 0.05, 20.0, 1.0, stiffness=True, meaning="factor of the load"),
@@ -151,10 +144,9 @@ def model_of(law: str, contact: Contact, source: str) -> LawModel:
 
 def _without_parameters(law: str, contact: Contact) -> LawModel | None:
     """Return the model of a law that has no constants to fit; None if there is no such law."""
-    definition = next((d for d in DEFINITIONS if d.law.name == law and d.has_defaults), None)
-    if definition is None or definition.models or contact not in definition.contacts:
+    if law not in LAWS or not any(k.name == law and contact in k.contacts for k in LAW_TYPES):
         return None
-    return LawModel(law, contact, (), lambda _: definition.law())
+    return LawModel(law, contact, (), lambda _: LAWS[law]())
 
 
 def units_of(law: str, contact: Contact) -> dict[str, str]:
@@ -178,6 +170,41 @@ def grid_model_of(law: str, contact: Contact, source: str) -> LawModel:
         rule = "is not a law that can be fitted on a grid"
         raise InputError(source, "law", law, rule, f"choose {known}")
     return model
+
+
+def user_model(law: str, contact: Contact, source: str, *folders: Path) -> LawModel:
+    """Return the model of a function of the user's own; its parameters are its constants.
+
+    An argument with a default is fixed at it unless a campaign gives bounds. The file is sought in
+    the folders, in this order.
+    """
+    try:
+        user = UserFunction.named(law, *folders)
+        constants = user.formula.constants
+        if not constants:
+            rule = "has no constant to fit after the penetration and the pair"
+            remedy = "write it as def load(penetration, pair, K, n): ..."
+            raise InputError(law, "law", None, rule, remedy)
+    except InputError as error:
+        raise InputError(source, "law", law, error.rule, error.remedy) from error
+    parameters = tuple(
+        Parameter(name, -math.inf, math.inf, nominal, value=nominal)
+        for name, nominal in constants.items()
+    )
+    return named_user_model(user, parameters, contact)
+
+
+def named_user_model(
+    user: UserFunction, parameters: tuple[Parameter, ...], contact: Contact
+) -> LawModel:
+    """Return the model of a function with these parameters, without importing it."""
+
+    def build(values: Coefficients) -> ContactLaw:
+        return UserLaw(user, dict(values))
+
+    return LawModel(
+        user.spec, contact, parameters, build, nominal_is_published=False, digest=user.digest
+    )
 
 
 def is_user_law(law: str) -> bool:

@@ -18,10 +18,10 @@ from cylcontact.fitting.noise_model import NoiseModel
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.records import RunRecord
 from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA
-from cylcontact.fitting.user_law import UserLaw
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.definition import Coefficients
+from cylcontact.laws.user import UserLaw
 from cylcontact.parallel import Call, call
 
 __all__ = [
@@ -117,7 +117,7 @@ def require_increasing(problem: Problem, coefficients: Coefficients) -> None:
     function = law.base if isinstance(law, ScaledLaw) else law
     if not isinstance(function, UserLaw):
         return
-    at = ", ".join(f"{name} = {value:.6g}" for name, value in function.parameters.items())
+    at = ", ".join(f"{name} = {value:.6g}" for name, value in function.values.items())
     with np.errstate(all="ignore"):
         deepest = np.fmax(data.penetration, law.penetration(data.load, data.pair))
     deepest = np.where(deepest > 0, deepest, np.abs(data.penetration).max())

@@ -159,12 +159,6 @@ class MeasuredSpec(Spec):
     )
     contact: Contact = Field(description='"internal" or "external"')
     law: str = Field(description="the law to fit, or module:function for one of your own")
-    law_timeout: float | None = Field(
-        None,
-        gt=0,
-        le=86400,
-        description="seconds that one call of a law of your own may take, 60 by default",
-    )
     objective: str | None = Field(None, description="an objective for measurements")
     noise: str | None = Field(
         None, description=f"how the scatter of the readings grows, one of {', '.join(NOISES)}"

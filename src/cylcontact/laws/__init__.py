@@ -4,7 +4,8 @@ from collections.abc import Callable
 from typing import Any
 
 from cylcontact.errors import InputError
-from cylcontact.laws.conformal import Persson
+from cylcontact.laws.bearings import Iso16281, Palmgren
+from cylcontact.laws.conformal import ClampedPlate, Conformal, Persson
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.difference import difference_percent
 from cylcontact.laws.enhanced import (
@@ -17,6 +18,7 @@ from cylcontact.laws.explicit import Explicit, ExplicitCoefficients, explicit_pe
 from cylcontact.laws.explicit_pair import ExplicitPair, ExplicitPairCoefficients
 from cylcontact.laws.liu import Liu
 from cylcontact.laws.logarithmic import (
+    Block,
     DubowskyFreudenstein,
     Esdu78035,
     Goldsmith,
@@ -28,7 +30,6 @@ from cylcontact.laws.logarithmic import (
     RoarkYoung,
 )
 from cylcontact.laws.parametric import Parametric, ParametricCoefficients
-from cylcontact.laws.pin_in_hole import ClampedPlate, Conformal
 from cylcontact.laws.power import PowerLaw
 from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import Winkler
@@ -38,6 +39,7 @@ __all__ = [
     "LAW_TYPES",
     "PUBLISHED",
     "REFERENCES",
+    "Block",
     "ClampedPlate",
     "Conformal",
     "ContactLaw",
@@ -52,10 +54,12 @@ __all__ = [
     "Goldsmith",
     "HertzCylinder",
     "InternalCoefficients",
+    "Iso16281",
     "Johnson",
     "LankaraniNikravesh",
     "Liu",
     "LogarithmicLaw",
+    "Palmgren",
     "Parametric",
     "ParametricCoefficients",
     "Persson",
@@ -93,6 +97,8 @@ LAW_TYPES: tuple[type[Any], ...] = (
     Explicit,
     ExplicitPair,
     LankaraniNikravesh,
+    Palmgren,
+    Iso16281,
     PowerLaw,
 )
 

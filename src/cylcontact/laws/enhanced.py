@@ -68,9 +68,7 @@ PUBLISHED_DR: Mapping[Contact, tuple[float, float]] = {
 }
 
 
-def internal_exponent(  # type: ignore[no-untyped-def]
-    dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent
-):
+def internal_exponent(dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent):
     """Return n = Y·ΔR^n_exponent (Eq 6c), with Y at ΔR in mm (Eq 6d) the larger of its branches.
 
     The published branches cross at the published switch point, 0.34954 mm, and the larger one
@@ -82,16 +80,16 @@ def internal_exponent(  # type: ignore[no-untyped-def]
     return Y * dR**n_exponent
 
 
-def internal(  # type: ignore[no-untyped-def]
-    pair, a, b, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent
-):
+def internal(pair, a, b, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent):
+    """Return K = (aΔR + b)·E*/ΔR and n of Eq 6 for internal contact."""
     n = internal_exponent(pair.dR, Y_log_scale, Y_log_exponent, Y_slope, Y_offset, n_exponent)
     K_star = a * pair.dR + b
     in_range = (pair.dR >= INTERNAL_DR_MIN) & (pair.dR < INTERNAL_DR_MAX)
     return where(in_range & (K_star > 0) & (n > 0), K_star * pair.E_star / pair.dR, nan), n
 
 
-def external(pair, a, b, n):  # type: ignore[no-untyped-def]
+def external(pair, a, b, n):
+    """Return K = (aΔR + b)·E*/ΔR and n of Eq 6 for external contact."""
     K_star = a * pair.dR + b
     return where((K_star > 0) & (n > 0), K_star * pair.E_star / pair.dR, nan), n
 

@@ -31,7 +31,8 @@ from cylcontact.laws.law import Law
 from cylcontact.pair import Contact, CylinderPair
 
 
-def load(penetration, pair, c, A, B):  # type: ignore[no-untyped-def]
+def load(penetration, pair, c, A, B):
+    """Return f = π·E*·δ/L."""
     d = penetration / pair.dR
     ratio = A / d
     first = log(B / d)

@@ -18,11 +18,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy import exp, log, log1p, maximum, pi, sqrt
-from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.laws.definition import Parameter
@@ -30,7 +29,7 @@ from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import Law
 from cylcontact.laws.parametric import CALIBRATED as P
 from cylcontact.laws.parametric import arc, shares
-from cylcontact.pair import CylinderPair
+from cylcontact.pair import Contact, CylinderPair
 
 
 @dataclass(frozen=True)
@@ -100,16 +99,14 @@ class PairNumbers(NamedTuple):
     D: FloatArray
 
 
-def largest_arc(pair, x):  # type: ignore[no-untyped-def]
+def largest_arc(pair, x):
     """Return `arc` at x with the constants of `Parametric` and Johnson's datum."""
     w_i, w_j, _ = shares(pair.alpha, pair.beta)
     datum = 2 * log(2) - 2 + w_j
     return arc(x, w_i, w_j, pair.beta, datum, P.A0, P.A1, P.A2, P.A3, P.H3, P.M0, P.M1, P.M2)
 
 
-def five(  # type: ignore[no-untyped-def]
-    pair, A0, A1, A2, B0, B1, B2, B3, B4, B5, D0, D1, D2, D3, D4, D5, G0, G1, G2
-):
+def five(pair, A0, A1, A2, B0, B1, B2, B3, B4, B5, D0, D1, D2, D3, D4, D5, G0, G1, G2):
     """Return the five numbers, c by three steps of Newton's method to the arc where K = 0."""
     _, _, c0 = shares(pair.alpha, pair.beta)
     least = maximum(c0, 1e-6)
@@ -124,7 +121,8 @@ def five(  # type: ignore[no-untyped-def]
     return L, B, exp(A0 + A1 * g + A2 * b), G0 + G1 * g + G2 * b, D
 
 
-def load(penetration, pair, c, B, A, G, D):  # type: ignore[no-untyped-def]
+def load(penetration, pair, c, B, A, G, D):
+    """Return f = π·E*·δ/L."""
     depth = penetration / pair.dR
     near = A / depth
     far = G / sqrt(depth)
@@ -214,7 +212,7 @@ class ExplicitPair(Law):
     formula = Formula(load, five, equation=_EQUATION, remark=_REMARK)
     contacts = ("internal",)
     parameters = _PARAMETERS
-    defaults = {"internal": CALIBRATED}
+    defaults: ClassVar[Mapping[Contact, Any]] = {"internal": CALIBRATED}
     published = False
     on_grid = True
     dimensionless = True

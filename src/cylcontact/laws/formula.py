@@ -255,7 +255,9 @@ def _dependent(steps: Sequence[Step]) -> set[str]:
     """Return the names whose value depends on the penetration."""
     depends = {_DEPTH}
     while True:
-        more = depends | {s.name for s in _flat(steps) if names_in(s.value) & depends and not s.body}
+        more = depends | {
+            s.name for s in _flat(steps) if names_in(s.value) & depends and not s.body
+        }
         if more == depends:
             return depends
         depends = more
@@ -330,11 +332,13 @@ def _constants(function: Callable[..., Any], first: int) -> dict[str, float | No
         raise _refusal(function, rule, writing)
     constants: dict[str, float | None] = {}
     for argument in arguments[first:]:
-        value = argument.default
-        if value is not inspect.Parameter.empty and not isinstance(value, int | float):
+        value: Any = argument.default
+        if value is inspect.Parameter.empty:
+            value = None
+        elif not isinstance(value, int | float):
             rule = f"has a default for {argument.name} that is not a number"
             raise _refusal(function, rule, writing)
-        constants[argument.name] = None if value is inspect.Parameter.empty else float(value)
+        constants[argument.name] = value
     return constants
 
 
@@ -413,6 +417,7 @@ class _Frame:
     given: dict[str, Any]
     steps: list[Step]
     changing: set[str] = field(default_factory=set)
+    callers: tuple[Callable[..., Any], ...] = ()
 
     def run(self) -> list[ast.expr]:
         """Append the steps; return the values that the function returns."""
@@ -482,11 +487,16 @@ class _Frame:
 
     def loop(self, name: str, iterable: ast.expr, body: list[ast.stmt]) -> None:
         """Append a loop, whose names go on from one turn to the next."""
-        numbers = getattr(iterable, "args", [ast.Constant("")])
-        limits = [self.value(number) for number in numbers]
-        if ast.unparse(iterable).partition("(")[0] != "range" or not all(
-            isinstance(ast.literal_eval(ast.unparse(limit)), int) for limit in limits
-        ):
+        match iterable:
+            case ast.Call(func=ast.Name(id="range"), args=numbers, keywords=[]):
+                limits = [self.value(number) for number in numbers]
+            case _:
+                limits = [iterable]
+        try:
+            whole = all(isinstance(ast.literal_eval(ast.unparse(each)), int) for each in limits)
+        except ValueError:
+            whole = False
+        if not whole:
             raise self.refusal("is not a range of whole numbers", "use range(4)", iterable)
         stores = dict.fromkeys(
             n.id for s in body for n in ast.walk(s)
@@ -561,7 +571,7 @@ class _Frame:
             case ast.Call(func=function, args=arguments, keywords=[]):
                 value = self.of_vocabulary(function, [self.value(a) for a in arguments], node)
                 is_choice = isinstance(value, ast.IfExp)
-                if alone or not is_choice and self.function_of(function) != "branch_distance":
+                if alone or (not is_choice and self.function_of(function) != "branch_distance"):
                     return value
                 return self.placed("chosen" if is_choice else "w", value)
         raise self.refusal(
@@ -580,10 +590,8 @@ class _Frame:
         number = self.object_of(node)
         if isinstance(number, bool) or not isinstance(number, int | float):
             raise self.refusal("is not a number", "give it as a constant or an argument", node)
-        for name in ("pi", "inf", "nan"):
-            if number is getattr(math, name) or number == getattr(math, name) or (
-                name == "nan" and number != number
-            ):
+        for name, known in (("pi", math.pi), ("inf", math.inf), ("nan", math.nan)):
+            if number == known or (math.isnan(number) and math.isnan(known)):
                 return ast.Name(name)
         return ast.Constant(number)
 
@@ -618,10 +626,11 @@ class _Frame:
             value = self.value(argument)
             simple = isinstance(value, ast.Name | ast.Constant)
             given[name] = value if simple else self.placed(name, value)
-        inner = _Frame(self.reader, function, given, self.steps, set())
-        if self.changing:  # inside a loop no step is taken for an earlier one
-            inner.changing = {""}
-        return inner.run()
+        if function in self.callers:
+            raise self.refusal("calls itself", "write it without", node)
+        changing = {""} if self.changing else set()  # as in a loop
+        callers = (*self.callers, function)
+        return _Frame(self.reader, function, given, self.steps, changing, callers).run()
 
 
 def _renamed(step: Step, old: str, new: str) -> Step:
@@ -641,7 +650,8 @@ def _with_slopes(steps: Sequence[Step], fresh: Callable[[str], str]) -> Iterator
         if step.body:
             if _dependent([step]) & {*assigned_in([step])} or names_in(step.value) & slopes.keys():
                 raise InputError(
-                    "a law's formula", step.name, None, "loops over what depends on the penetration",
+                    "a law's formula", step.name, None,
+                    "changes in a loop with the penetration",
                     "return load, stiffness from the function",
                 )  # fmt: skip
             continue
@@ -651,8 +661,9 @@ def _with_slopes(steps: Sequence[Step], fresh: Callable[[str], str]) -> Iterator
         elif isinstance(slope, ast.Name | ast.Constant):
             slopes[step.name] = slope
         elif slope is not None:
-            slopes[step.name] = ast.Name(fresh(f"{step.name}_slope"))
-            yield Step(slopes[step.name].id, slope)
+            name = fresh(f"{step.name}_slope")
+            slopes[step.name] = ast.Name(name)
+            yield Step(name, slope)
 
 
 def _slope(node: ast.expr, slopes: Mapping[str, ast.expr], name: str) -> ast.expr | None:

@@ -2,7 +2,7 @@
 
 With p the pressure in units of f/R and β Dundurs' second parameter (`CylinderPair.beta`), contact
 without friction along |θ| < ε means (Ciavarella and Decuzzi, Int. J. Solids Struct. 38 (2001)
-4507–4523; derived in `cylcontact.laws.unlike`)
+4507–4523; derived in `cylcontact.laws.conformal`)
 
     ⨍ p(s)/(4·sin²((θ − s)/2)) ds + βπ·p(θ) + (1 − β)·cos θ + Â = 0,    ∫ p·cos θ dθ = 1,
 
@@ -16,12 +16,11 @@ a term v³·ln v at the edge, so aₘ ~ m⁻⁴ and collocation converges slowly
 error of Â and H is the square of the error of p. 64 terms give them to 1e-12 where collocation
 gives 1e-8.
 
-**Reciprocity** (see `cylcontact.laws.unlike`) gives the penetration from Â and H alone, without a
-quadrature of the logarithmic kernel.
+**Reciprocity** (see `cylcontact.laws.conformal`) gives the penetration from Â and H alone, without
+a quadrature of the logarithmic kernel.
 
-`remainder` holds the difference to the closed forms of β = 0 for one β as Chebyshev series in ε.
-All of its functions are analytic at ε = 0; their singularity at 180° is beyond the largest arc of
-that β.
+`remainder` has the difference to the closed forms of β = 0 for one β as Chebyshev series in ε. All
+of its functions are analytic at ε = 0; their singularity at 180° is beyond the largest arc.
 """
 
 from __future__ import annotations
@@ -31,32 +30,19 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import chebyshev
+from numpy.polynomial import chebyshev, polynomial
 
 from cylcontact.arrays import FloatArray, as_floats
-
-__all__ = [
-    "X_TOP",
-    "ClosedForms",
-    "Remainder",
-    "Solution",
-    "closed_forms",
-    "enough_terms",
-    "estimated_c",
-    "glauert",
-    "persson_peak",
-    "remainder",
-]
 
 # Terms of the series, as many again for each 8 of b (large arcs need a small β), and nodes in ε.
 _TERMS, _B_PER_TERMS = 96, 8.0
 _NODES = 24
-# ln b² at the end of every search: arcs of all but a relative 1e-17 of 180°.
-X_TOP = 80.0
 # Below this the remainder is proportional to β: what is of second order in β is below 1e-10.
 _SMALL_BETA = 1e-5
-# Terms of the power series in S, and where they are better than the closed form.
-_SERIES, _SERIES_END = 12, 0.1
+# Below this S, (H − 1)/S is 1/2 + Σ 2Sⁿ⁻¹/((n − 1)n(n + 1)), because the closed form loses digits.
+_SERIES_END = 0.1
+_N = np.arange(2.0, 14.0)
+_SERIES = np.concatenate([[0.5], 2 / ((_N - 1) * _N * (_N + 1))])
 
 
 class Solution(NamedTuple):
@@ -72,10 +58,9 @@ class Solution(NamedTuple):
 
 
 class ClosedForms(NamedTuple):
-    """The same for β = 0 with derivatives by x = ln b², and S = sin²(ε/2), c = 1 − S."""
+    """The same for β = 0 with derivatives by x = ln b², and S = sin²(ε/2)."""
 
     S: FloatArray
-    c: FloatArray
     a: FloatArray
     h: FloatArray
     a_slope: FloatArray
@@ -83,10 +68,7 @@ class ClosedForms(NamedTuple):
 
 
 def closed_forms(b2: FloatArray) -> ClosedForms:
-    """Return the solution for β = 0 at b² = tan²(ε/2): a = c² and H = 2S − c²·ln(c)/S.
-
-    Below S = 0.1 (H − 1)/S and its slope are summed as power series, Σ 2Sⁿ⁻¹/((n − 1)n(n + 1))
-    beside 1/2, because the closed form loses digits.
+    """Return the solution for β = 0 at b² = tan²(ε/2): a = c² and H = 2S − c²·ln(c)/S, c = 1 − S.
 
     Examples
     --------
@@ -95,24 +77,18 @@ def closed_forms(b2: FloatArray) -> ClosedForms:
     """
     c = 1 / (1 + b2)
     S = b2 * c
-    series, series_slope = _h_series(np.minimum(S, _SERIES_END))
-    inner = np.maximum(S, _SERIES_END)
+    small, inner = np.minimum(S, _SERIES_END), np.maximum(S, _SERIES_END)
     log = np.log1p(np.maximum(b2, _SERIES_END))  # -ln c
-    H_less_1 = 2 * inner - 1 + (1 - inner) ** 2 * log / inner
+    h = (2 * inner - 1 + (1 - inner) ** 2 * log / inner) / inner
     H_slope = 2 + (1 - inner) / inner * (1 - log * (1 + inner) / inner)  # by S
-    h = np.where(S < _SERIES_END, series, H_less_1 / inner)
-    h_slope = np.where(S < _SERIES_END, c * series_slope, c * (H_slope - h))
-    return ClosedForms(S, c, c**2, h, -2 * S * c**2, h_slope)
-
-
-def _h_series(S: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return (H − 1)/S for β = 0 as a power series in S, and S times its derivative."""
-    n = np.arange(2, _SERIES + 2)
-    terms = np.concatenate([[0.5], 2 / ((n - 1.0) * n * (n + 1))])
-    slopes = terms * np.arange(terms.size)
-    return (
-        as_floats(np.polynomial.polynomial.polyval(S, terms)),
-        as_floats(np.polynomial.polynomial.polyval(S, slopes)),
+    series = polynomial.polyval(small, _SERIES)
+    series_slope = polynomial.polyval(small, _SERIES * np.arange(_SERIES.size))  # times S
+    return ClosedForms(
+        S,
+        c**2,
+        as_floats(np.where(S < _SERIES_END, series, h)),
+        -2 * S * c**2,
+        as_floats(c * np.where(S < _SERIES_END, series_slope, H_slope - h)),
     )
 
 
@@ -129,19 +105,6 @@ def enough_terms(b: float) -> int:
 
 def glauert(b: FloatArray, beta: float, terms: int = _TERMS) -> Solution:
     """Solve the contact along arcs of b = tan(ε/2) > 0, shape (k,), by Galerkin's method.
-
-    Parameters
-    ----------
-    b : array of float, shape (k,)
-        tan(ε/2) of each arc.
-    beta : float
-        Dundurs' β, as `CylinderPair.beta`.
-    terms : int
-        The number of terms of the series.
-
-    Returns
-    -------
-    Solution
 
     Examples
     --------
@@ -197,32 +160,18 @@ def _rule(terms: int) -> _Rule:
 class Remainder:
     """What β adds to the closed forms, as Chebyshev series in ε from 0 to `top`.
 
-    Attributes
-    ----------
-    top : float
-        The end of the series in radians, beyond the largest arc of every pair with this β.
-    x_top : float
-        The largest ln b² that a search needs.
-    series : array of float, shape (n, 4)
-        Coefficients of the additions to a and h, and of their derivatives by ε.
-    approach_series, peak_series : array of float, shape (n,)
-        Those of the addition to M = π·E*·δ/f + w_j·H − C, and to the ratio of the largest pressure
-        to Persson's on the same arc.
+    `top` is beyond the largest arc of every pair with this β. `series`, shape (n, 6), adds to
+    a and h, to M = π·E*·δ/f + w_j·H − C, and to their derivatives by ε; `peak_series` is the
+    largest pressure over Persson's on the same arc, less 1.
     """
 
     top: float
-    x_top: float
     series: FloatArray
-    approach_series: FloatArray
     peak_series: FloatArray
 
     def additions(self, angle: FloatArray) -> FloatArray:
-        """Return the additions to a and h and their derivatives by ε, stacked."""
+        """Return the additions to a, h and M and their derivatives by ε, stacked."""
         return as_floats(chebyshev.chebval(self._position(angle), self.series))
-
-    def approach(self, angle: FloatArray) -> FloatArray:
-        """Return the addition to M."""
-        return as_floats(chebyshev.chebval(self._position(angle), self.approach_series))
 
     def peak(self, angle: FloatArray) -> FloatArray:
         """Return the largest pressure over Persson's on the same arc, less 1."""
@@ -247,7 +196,8 @@ def remainder(beta: float) -> Remainder | None:
     if beta == 0:
         return None
     if abs(beta) < _SMALL_BETA:
-        return _scaled(_built(float(np.copysign(_SMALL_BETA, beta))), abs(beta) / _SMALL_BETA)
+        full, factor = _built(float(np.copysign(_SMALL_BETA, beta))), abs(beta) / _SMALL_BETA
+        return Remainder(full.top, full.series * factor, full.peak_series * factor)
     return _built(beta)
 
 
@@ -255,9 +205,7 @@ def remainder(beta: float) -> Remainder | None:
 def _built(beta: float) -> Remainder:
     """Return the remainder from the solutions at Chebyshev's nodes."""
     # w_i is at least 0 and at least −2β, so that w_i + β is at least |β|.
-    c_top = 0.9 * float(estimated_c(abs(beta)))
-    x_top = float(np.log((1 - c_top) / c_top))
-    top = float(2 * np.arctan(np.exp(x_top / 2)))
+    top = float(2 * np.arccos(np.sqrt(0.9 * estimated_c(abs(beta)))))
     position = chebyshev.chebpts1(_NODES)
     angle = top * (1 + position) / 2
     b = np.tan(angle / 2)
@@ -266,18 +214,13 @@ def _built(beta: float) -> Remainder:
     def fitted(values: FloatArray) -> FloatArray:
         return as_floats(chebyshev.chebfit(position, values, _NODES - 1))
 
-    series = fitted(np.stack([solution.a - closed.a, solution.h - closed.h], axis=-1))
-    slopes = np.zeros_like(series)
-    slopes[:-1] = chebyshev.chebder(series) * 2 / top
-    slopes_there = as_floats(chebyshev.chebval(position, slopes))
-    rate = _approach_rate(angle, solution, closed, slopes_there)
-    return Remainder(
-        top,
-        x_top,
-        np.concatenate([series, slopes], axis=1),
-        as_floats(chebyshev.chebint(fitted(rate), lbnd=-1) * top / 2),
-        fitted(solution.peak / persson_peak(b) - 1),
-    )
+    series = np.zeros((_NODES + 1, 6))
+    series[:-1, :2] = fitted(np.stack([solution.a - closed.a, solution.h - closed.h], axis=-1))
+    series[:-2, 3:5] = chebyshev.chebder(series[:-1, :2]) * 2 / top
+    slopes = as_floats(chebyshev.chebval(position, series[:, 3:5]))
+    series[:-1, 5] = fitted(_approach_rate(angle, solution, closed, slopes))
+    series[:, 2] = chebyshev.chebint(series[:-1, 5], lbnd=-1) * top / 2
+    return Remainder(top, series, fitted(solution.peak / persson_peak(b) - 1))
 
 
 def estimated_c(share: FloatArray | float) -> FloatArray:
@@ -289,34 +232,20 @@ def estimated_c(share: FloatArray | float) -> FloatArray:
 
 
 def _approach_rate(
-    angle: FloatArray, solution: Solution, closed: ClosedForms, additions: FloatArray
+    angle: FloatArray, solution: Solution, closed: ClosedForms, slopes: FloatArray
 ) -> FloatArray:
     """Return the derivative by ε of what β adds to M, by reciprocity.
 
     dM = (1 − 2Â)·dH − (1 − H)·d(2Â), written in a = S·2Â and h = (H − 1)/S so that no digits are
     lost at small arcs, is h·dS + (S − a)·dh + h·da + (1 − 2ah)/S·dS less dS/S.
     """
-    S, half_sine = closed.S, np.sin(angle) / 2  # of dS/dε
     x_rate = 2 / np.sin(angle)
-    a_slope, h_slope = closed.a_slope * x_rate, closed.h_slope * x_rate
     da, dh = solution.a - closed.a, solution.h - closed.h
-    product = da * solution.h + closed.a * dh  # the addition to a·h
     return as_floats(
-        dh * half_sine
-        + (S - solution.a) * additions[1]
-        - da * h_slope
-        + solution.h * additions[0]
-        + dh * a_slope
-        - 2 * product / np.tan(angle / 2)
-    )
-
-
-def _scaled(full: Remainder, factor: float) -> Remainder:
-    """Return a remainder times a factor, searched as far as the closed forms are."""
-    return Remainder(
-        full.top,
-        X_TOP,
-        full.series * factor,
-        full.approach_series * factor,
-        full.peak_series * factor,
+        dh * np.sin(angle) / 2  # dS/dε
+        + (closed.S - solution.a) * slopes[1]
+        - da * closed.h_slope * x_rate
+        + solution.h * slopes[0]
+        + dh * closed.a_slope * x_rate
+        - 2 * (da * solution.h + closed.a * dh) / np.tan(angle / 2)
     )

@@ -35,7 +35,6 @@ from cylcontact.pair import CylinderPair
 TABLE = -1
 
 
-
 def _key(formula: Formula) -> tuple[Any, ...]:
     """Return what formulas have in common that are compiled as one."""
     return formula.function, formula.end, formula.energy, formula.numbers
@@ -183,9 +182,10 @@ def _of_all_kinds(result: str, table: Any) -> Callable[[int, FloatArray, float],
         if not steps:
             continue
         used = {*formula.numbers_of(result), *(("last",) if formula.end else ())}
-        names = enumerate(formula.numbers)
         lines += [f"  if kind == {kind}:"]
-        lines += [f"    {name} = numbers[{k}]" for k, name in names if name in used]
+        lines += [
+            f"    {name} = numbers[{k}]" for k, name in enumerate(formula.numbers) if name in used
+        ]
         lines += ["    if not penetration <= last:", "      return nan"] if formula.end else []
         lines += [f"    {line}" for line in [*lines_of(steps), f"return {result}"]]
     names = {**vars(math), "table": table}

@@ -26,7 +26,7 @@ from cylcontact.arrays import FloatArray
 A, B, C, D = 1.41441, 1.0246, 0.25518, 0.25524
 
 
-def branch_distance_steps(p):  # type: ignore[no-untyped-def]  # read as a law's formula is
+def branch_distance_steps(p):
     """Return w for numbers, as other languages and compiled code compute it."""
     # At the branch point the regular formula would divide by zero; there it computes p = 0.5.
     inner = np.where((p <= 0) | (p >= 1), 0.5, p)
@@ -51,7 +51,7 @@ def branch_distance(p: FloatArray) -> FloatArray:
     >>> print(f"{w[0] - np.log1p(w[0]):.15f}")
     0.693147180559945
     """
-    p, shape = np.atleast_1d(p), np.shape(p)
+    p, shape = np.ascontiguousarray(p, dtype=np.float64), np.shape(p)
     with np.errstate(divide="ignore", invalid="ignore"):
         g = -np.log(p)
         r = np.sqrt(g)

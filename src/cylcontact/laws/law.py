@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, fields, is_dataclass, replace
-from typing import Any, ClassVar
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, fields, replace
+from functools import partial
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.html_repr import completed_law_html
 from cylcontact.laws.contact_law import ContactLaw, OverLength, require_hole
 from cylcontact.laws.definition import LawModel, Parameter
@@ -18,8 +19,19 @@ from cylcontact.pair import CONTACTS, Contact, CylinderPair
 
 # Numbers at a time: what a formula makes of them stays in the cache of a core.
 BLOCK = 16384
-# Steps of Newton's method at most, and the one that is the last, because it leaves its square.
-_STEPS, _LAST_STEP = 100, 1e-8
+# Of Newton's method for a penetration: steps at most, the last one, and how far from the guess it
+# is sought.
+_STEPS, _LAST_STEP, _REACH = 200, 1e-8, 1e120
+_ROUNDING, _LEAST = 1e-13, 1e-300
+
+
+class AtPair(NamedTuple):
+    """A law at a pair: functions of a positive penetration, its end, and whether it is one pair."""
+
+    load: Callable[[FloatArray], FloatArray]
+    stiffness: Callable[[FloatArray], FloatArray]
+    end: FloatArray
+    is_single: bool
 
 
 class Law(OverLength):
@@ -70,8 +82,8 @@ class Law(OverLength):
         own = fields(self)  # type: ignore[arg-type]  # every subclass is a dataclass
         if [field.name for field in own] != ["coefficients"]:
             return {field.name: float(getattr(self, field.name)) for field in own}
-        given = getattr(self, "coefficients")
-        return asdict(given if is_dataclass(given) else self.defaults[contact])
+        given: Any = getattr(self, own[0].name)
+        return asdict(self.defaults[contact] if given is None else given)
 
     def constants_at(self, pair: CylinderPair) -> Mapping[str, Any]:
         """Return the constants of the formula at a pair."""
@@ -96,22 +108,43 @@ class Law(OverLength):
                 asked["length"] = pair.contact_length(f"the {self.name} law")
             else:
                 asked[name] = as_floats(getattr(pair, name))
+        rule = "is a plane, and the law needs a finite ΔR"
+        remedy = "use laws.Johnson(datum=depth in mm) for a cylinder on a plane"
+        finite = np.isfinite(asked.get("dR", 0.0))
+        require(finite, type(self).__name__, "pair.R_j", pair.R_j, rule, remedy)
         asked = {name: asked[name] for name in formula.arguments}
         with np.errstate(all="ignore"):
             values = formula.of_pair(**asked, **self.constants_at(pair))
         return dict(zip(formula.numbers, values, strict=True))
 
+    def at_pair(self, pair: CylinderPair) -> AtPair:
+        """Return the load and the stiffness at a pair, as functions of the penetration."""
+        numbers = self.numbers_at(pair)
+        formula = self.formula_for(pair.contact)
+        shape = np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR))
+        end = as_floats(np.broadcast_to(numbers.get("last", np.inf), shape))
+        return AtPair(
+            partial(formula.load, **numbers),
+            partial(formula.stiffness, **numbers),
+            end,
+            not (shape or any(np.ndim(value) for value in numbers.values())),
+        )
+
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
-        return self._at_depth("load", penetration, pair)
+        at = self.at_pair(pair)
+        return _in_blocks(lambda delta: _inside(at.load(delta), delta, at.end), penetration, at)
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return d(load)/d(penetration) in N/mm²."""
-        return self._at_depth("stiffness", penetration, pair)
+        """Return d(load)/d(penetration) in N/mm² at `penetration` in mm."""
+        at = self.at_pair(pair)
+        return _in_blocks(
+            lambda delta: _inside(at.stiffness(delta), delta, at.end), penetration, at
+        )
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return the largest penetration in mm; inf where there is none."""
-        return self._end(pair, self.numbers_at(pair))
+        return self.at_pair(pair).end
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return the largest load in N/mm; inf where there is none."""
@@ -122,70 +155,12 @@ class Law(OverLength):
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm.
 
-        By Newton's method on ln f over ln δ, in which every contact law is nearly straight.
+        By Newton's method on ln f over ln δ, in which every contact law is nearly straight, with
+        the middle of a bracket in place of a step that leaves it.
         """
-        numbers, f = self.numbers_at(pair), as_floats(load)
-        end = self._end(pair, numbers)
-        one = end.ndim == 0 and all(np.ndim(value) == 0 for value in numbers.values())
-        scale = as_floats(pair.E_star * as_floats(pair.dR))
-        if one and f.size > BLOCK:
-            flat = f.ravel()
-            parts = [
-                self._inverse(flat[first : first + BLOCK], numbers, pair, end, scale)
-                for first in range(0, flat.size, BLOCK)
-            ]
-            return np.concatenate(parts).reshape(f.shape)
-        return self._inverse(f, numbers, pair, end, scale)
-
-    def _inverse(
-        self,
-        f: FloatArray,
-        numbers: Mapping[str, FloatArray],
-        pair: CylinderPair,
-        end: FloatArray,
-        scale: FloatArray,
-    ) -> FloatArray:
-        """Return the penetration under loads of few numbers."""
-        formula, positive = self.formula_for(pair.contact), f > 0
-        target = np.where(positive, f, scale)
-        with np.errstate(all="ignore"):
-            x = np.log(self._first_guess(target / pair.E_star, as_floats(pair.dR)))
-            goal = np.log(target)
-            for _ in range(_STEPS):
-                depth = np.exp(x)
-                value = formula.load(depth, **numbers)
-                step = (goal - np.log(value)) * value
-                step = step / (formula.stiffness(depth, **numbers) * depth)
-                x = x + step
-                if not np.any(np.abs(step) > _LAST_STEP):
-                    break
-            delta = np.where(np.abs(step) <= _LAST_STEP, np.exp(x), np.nan)
-            delta = np.where(delta <= end, delta, np.nan)
-        delta = np.where(positive, delta, np.where(f == 0, 0.0 * delta, np.nan))
-        return as_floats(delta)
-
-    def _first_guess(self, load: FloatArray, dR: FloatArray) -> FloatArray:
-        """Return about the penetration in mm under a load in units of E* (mm)."""
-        return as_floats(load / np.pi * (1.4232 + np.log1p(1.0942 * dR / load)))
-
-    def _at_depth(self, what: str, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return a function of the formula: 0 before first touch, NaN outside the domain."""
-        function = getattr(self.formula_for(pair.contact), what)
-        numbers, delta = self.numbers_at(pair), as_floats(penetration)
-        end = self._end(pair, numbers)
-        with np.errstate(all="ignore"):
-            if delta.size <= BLOCK or any(np.ndim(value) for value in (end, *numbers.values())):
-                return as_floats(_inside(function(delta, **numbers), delta, end))
-            flat, results = delta.ravel(), np.empty(delta.size)
-            for first in range(0, flat.size, BLOCK):
-                block = flat[first : first + BLOCK]
-                results[first : first + BLOCK] = _inside(function(block, **numbers), block, end)
-        return results.reshape(delta.shape)
-
-    def _end(self, pair: CylinderPair, numbers: Mapping[str, Any]) -> FloatArray:
-        """Return the largest penetration in mm in the shape of the pair."""
-        shape = np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR))
-        return as_floats(np.broadcast_to(numbers.get("last", np.inf), shape))
+        at, dR = self.at_pair(pair), as_floats(pair.dR)
+        unit = as_floats(pair.E_star * dR)
+        return _in_blocks(lambda f: _inverse(at, f, unit, dR), load, at)
 
     @classmethod
     def fitted(cls, values: Mapping[str, float]) -> ContactLaw:
@@ -219,24 +194,59 @@ class Law(OverLength):
         )
 
 
+def _in_blocks(
+    function: Callable[[FloatArray], FloatArray], values: ArrayLike, at: AtPair
+) -> FloatArray:
+    """Return a function of values, of many at one pair block by block."""
+    given = as_floats(values)
+    with np.errstate(all="ignore"):
+        if given.size <= BLOCK or not at.is_single:
+            return as_floats(function(given))
+        flat, results = given.ravel(), np.empty(given.size)
+        for first in range(0, flat.size, BLOCK):
+            results[first : first + BLOCK] = function(flat[first : first + BLOCK])
+    return results.reshape(given.shape)
+
+
 def _inside(values: FloatArray, delta: FloatArray, end: FloatArray) -> FloatArray:
     """Return values, 0 where the penetration is negative and NaN beyond the end."""
-    if delta.ndim == 1 and end.ndim == 0 and delta.size:  # the usual case: all inside
-        if delta.min() > 0 and delta.max() <= end and values.shape == delta.shape:
-            return values
+    alike = delta.ndim == 1 and delta.size > 0 and end.ndim == 0 and values.shape == delta.shape
+    if alike and delta.min() > 0 and delta.max() <= end:  # the usual case
+        return values
     shape = np.broadcast_shapes(delta.shape, end.shape)
     values = np.asarray(values)
     if values.shape != shape or not values.flags.writeable:
         values = np.broadcast_to(values, shape).copy()
     np.copyto(values, np.nan, where=~(delta <= end))
-    touching = delta > 0
-    if not np.all(touching):
-        first = (delta == 0) & (end > 0) & np.isnan(values)  # where a logarithm has no value
-        np.copyto(values, 0.0, where=(delta < 0) | first)
+    first = (delta == 0) & (end > 0) & np.isnan(values)  # where a logarithm has no value
+    np.copyto(values, 0.0, where=(delta < 0) | first)
     return values
+
+
+def _inverse(at: AtPair, f: FloatArray, unit: FloatArray, dR: FloatArray) -> FloatArray:
+    """Return the penetration under loads f, from a guess that is right for conformal contact."""
+    positive = f > 0
+    phi = np.where(positive, f, unit) / unit
+    goal = phi * unit
+    depth = dR * phi / np.pi * (1.4232 + np.log1p(1.0942 / phi))
+    low, high = np.maximum(depth / _REACH, _LEAST), depth * _REACH
+    for _ in range(_STEPS):
+        value = at.load(depth)
+        miss = np.log(goal / value)
+        step = miss * value / (at.stiffness(depth) * depth)
+        low, high = np.where(miss > 0, depth, low), np.where(miss > 0, high, depth)
+        new = depth * np.exp(step)
+        depth = np.where((new >= low) & (new <= high), new, np.sqrt(low * high))
+        if not np.any(np.abs(step) > _LAST_STEP):  # the last, because it leaves its square
+            break
+    depth = np.where(np.abs(step) <= _LAST_STEP, depth, np.nan)
+    depth = np.where(depth <= at.end * (1 + _ROUNDING), np.minimum(depth, at.end), np.nan)
+    depth = np.where(np.isinf(f) & np.isinf(at.end), np.inf, depth)
+    return np.where(positive, depth, np.where((f == 0) & (at.end > 0), 0.0, np.nan))
 
 
 def formula_of(law: ContactLaw, contact: Contact) -> Formula | None:
     """Return the formula that computes a law's load; None if it has none."""
-    own = isinstance(law, Law) and type(law).load is Law.load
-    return law.formula_for(contact) if own else None
+    if isinstance(law, Law) and type(law).load is Law.load:
+        return law.formula_for(contact)
+    return None

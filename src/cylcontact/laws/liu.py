@@ -13,7 +13,8 @@ from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import Law
 
 
-def load(penetration, pair):  # type: ignore[no-untyped-def]
+def load(penetration, pair):
+    """Return f = ½π·E*·δ·√(δ/(2(ΔR + δ)))."""
     share = penetration / (2 * (pair.dR + penetration))
     return pi / 2 * pair.E_star * penetration * sqrt(share)
 

@@ -32,10 +32,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy import exp, log, pi
+from numpy import exp, inf, log, pi
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
+from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.definition import LawModel, Parameter
@@ -44,20 +44,34 @@ from cylcontact.laws.lambert import branch_distance
 from cylcontact.laws.law import Law
 from cylcontact.pair import Contact, CylinderPair
 
+# c₀ of `Block`.
+_LAYER = -0.35167539261871
 
-def johnson_reach(pair):  # type: ignore[no-untyped-def]
+
+def _require_length(source: str, key: str, value: object) -> None:
+    """Raise `InputError` unless a value is one positive length."""
+    positive = isinstance(value, (int, float, np.number)) and 0 < value < inf
+    remedy = "give a length in mm, or laws.Block(height)"
+    require(positive, source, key, value, "must be positive and finite", remedy)
+
+
+def johnson_reach(pair):
+    """Return Λ = 4π·ΔR."""
     return 4 * pi * pair.dR
 
 
-def dubowsky_reach(pair):  # type: ignore[no-untyped-def]
+def dubowsky_reach(pair):
+    """Return Λ = π·L²/R."""
     return pi * (pair.length * pair.length) / pair.R
 
 
-def goldsmith_reach(pair):  # type: ignore[no-untyped-def]
+def goldsmith_reach(pair):
+    """Return Λ = π·R."""
     return pi * pair.R
 
 
-def hertz_reach(pair):  # type: ignore[no-untyped-def]
+def hertz_reach(pair):
+    """Return Λ = π·ΔR."""
     return pi * pair.dR
 
 
@@ -72,24 +86,28 @@ _REMARK = (
 )
 
 
-def load(penetration, pair, f_max, deepest):  # type: ignore[no-untyped-def]
+def load(penetration, pair, f_max, deepest):
+    """Return f and df/dδ, f = f_max·p/(1 + w)."""
     p = penetration / deepest
-    return f_max * (p / (1 + branch_distance(p)))
+    w = branch_distance(p)
+    return f_max * (p / (1 + w)), f_max / (deepest * w)
 
 
-def end(pair, f_max, deepest):  # type: ignore[no-untyped-def]
+def end(pair, f_max, deepest):
+    """Return the penetration at f_max."""
     return deepest
 
 
-def energy(penetration, pair, f_max, deepest):  # type: ignore[no-untyped-def]
-    f = load(penetration, pair, f_max, deepest)
+def energy(penetration, pair, f_max, deepest):
+    """Return ∫ f dδ."""
+    f, k = load(penetration, pair, f_max, deepest)
     return f * (penetration / 2 - deepest / 4 * (f / f_max))
 
 
 def logarithmic(reach: Callable[[Any], Any]) -> Formula:
     """Return the formula of a logarithmic law from its reach Λ."""
 
-    def ends(pair, kappa, c):  # type: ignore[no-untyped-def]
+    def ends(pair, kappa, c):
         f_max = reach(pair) * pair.E_star * exp(c - 1)
         return f_max, kappa / (pi * pair.E_star) * f_max
 
@@ -110,7 +128,7 @@ class LogarithmicLaw(Law):
 
     kappa: ClassVar[float] = 1.0
     shift: ClassVar[float]
-    reach: ClassVar[Callable[[Any], Any]] = staticmethod(johnson_reach)
+    reach: ClassVar[Any] = staticmethod(johnson_reach)
     any_plane = False
 
     def __init_subclass__(cls) -> None:
@@ -141,6 +159,23 @@ class LogarithmicLaw(Law):
         return tuple(LawModel(cls.name, each, (kappa, c, factor), build) for each in cls.contacts)
 
 
+@dataclass(frozen=True)
+class Block:
+    """A datum: a block of this height in mm under a cylinder, on a smooth and rigid base.
+
+    The block is wide beside its height. Its surface gives way by
+    f(1 − ν²)/(πE)·[2·ln(2H/a) + 1 + 2c₀] against its base, with a the half-width of the contact and
+    c₀ = −0.35168 the constant of an elastic layer: with its surface's Fourier transform
+    L = (cosh 2ξ − 1)/(sinh 2ξ + 2ξ), c₀ = ∫[L(ξ) − 1 + exp(−ξ)]/ξ dξ from 0 to ∞.
+    """
+
+    height: float
+
+    def __post_init__(self) -> None:
+        _require_length("Block", "height", self.height)
+
+
+@dataclass(frozen=True)
 class Johnson(LogarithmicLaw):
     """Johnson's law, Eq 1: f = π·E*·δ/[ln(4π·E*·ΔR/f) − 1] per unit length.
 
@@ -153,6 +188,21 @@ class Johnson(LogarithmicLaw):
     that is Λ = 4π·ΔR·(R_i/R_j)^(w_i − w_j), and equal materials give Λ = 4π·ΔR. In plane stress
     E takes the place of E/(1 − ν²); the derivation is the same.
 
+    Parameters
+    ----------
+    datum : float or Block, optional
+        For a cylinder on a plane (`CylinderPair.external` with R_j = inf) and no other pair: the
+        depth in mm below the surface at which the half-plane is held, or the block that it is. The
+        penetration is that of the cylinder's centre against it, the sum of
+        w_i·[2·ln(4R_i/a) − 1] and w_j·[2·ln(2·depth/a) − ν_j/(1 − ν_j)] times f/(π·E*), with
+        a = √(4f·R_i/(π·E*)) (Johnson, Sect. 5.6); the depth is large beside a.
+
+    Raises
+    ------
+    InputError
+        When the law is evaluated, if a plane has no datum or another pair has one, or radii that
+        bodies of different materials need are not known.
+
     Examples
     --------
     >>> from cylcontact import CylinderPair, Material
@@ -164,9 +214,41 @@ class Johnson(LogarithmicLaw):
     1.55935 µm, 100.0000000000 N/mm
     """
 
+    datum: float | Block | None = None
     name = "johnson"
     shift = -1.0
     any_plane = True
+
+    def __post_init__(self) -> None:
+        if self.datum is not None and not isinstance(self.datum, Block):
+            _require_length("Johnson", "datum", self.datum)
+
+    def numbers_at(self, pair: CylinderPair) -> dict[str, FloatArray]:
+        """Return the largest load and penetration, which are others on a plane."""
+        on_plane = np.all(np.isinf(pair.dR))
+        if not on_plane and self.datum is None:
+            return super().numbers_at(pair)
+        rule = "is missing: the pair is a cylinder on a plane, which has no ΔR"
+        remedy = "give the depth in mm at which the plane is held, or laws.Block(height)"
+        if not on_plane:
+            rule, remedy = "is for a cylinder on a plane, R_j = inf", "leave it out for this pair"
+        require(on_plane and self.datum is not None, "Johnson", "datum", self.datum, rule, remedy)
+        (w_i, w_j), (_, kappa) = pair.shares, pair.kolosov
+        depth, below = self.datum, as_floats(-(3 - kappa) / (1 + kappa))
+        if isinstance(depth, Block):
+            depth, below = depth.height, as_floats(1 + 2 * _LAYER)
+        # Each body's logarithm as 2·ln(length/a), with a² = 4f·R/(π·E*).
+        R = as_floats(pair.R_i)
+        c = (
+            2 * w_i * log(4 * R)
+            + 2 * w_j * log(2 * float(depth or 0))
+            - w_i
+            + w_j * below
+            - log(4 * R)
+        )
+        f_max = as_floats(pi * pair.E_star * exp(c - 1))
+        deepest = as_floats(f_max / (pi * pair.E_star))
+        return {"f_max": f_max, "deepest": deepest, "last": deepest}
 
     def constants_at(self, pair: CylinderPair) -> Mapping[str, Any]:
         """Return κ and c, with ln(Λ/(4π·ΔR)) in c, which is 0 for equal materials."""

@@ -24,16 +24,15 @@ from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy import exp, log, log1p, maximum, pi, sqrt, where
+from numpy import exp, log, log1p, maximum, nan, pi, sqrt, where
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.errors import InputError
-from cylcontact.laws.conformal import in_units_of
+from cylcontact.laws.conformal import Conformal, in_units_of
 from cylcontact.laws.definition import Parameter
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import Law
-from cylcontact.laws.pin_in_hole import Conformal
 from cylcontact.pair import Contact, CylinderPair
 
 # About L − C + C_J for the largest arc, C_J being Johnson's datum, and the least start for L.
@@ -70,14 +69,14 @@ CALIBRATED = ParametricCoefficients(
 )
 
 
-def shares(alpha, beta):  # type: ignore[no-untyped-def]
+def shares(alpha, beta):
     """Return w_i, w_j and about 1 − S of the largest arc, as `glauert.estimated_c`."""
     w_i, w_j = (1 - alpha) / 2, (1 + alpha) / 2
     root = sqrt(maximum(w_i + beta, 0))
     return w_i, w_j, sqrt(2) * root / (1 + 1.17 * root)
 
 
-def arc(x, w_i, w_j, beta, datum, A0, A1, A2, A3, H3, M0, M1, M2):  # type: ignore[no-untyped-def]
+def arc(x, w_i, w_j, beta, datum, A0, A1, A2, A3, H3, M0, M1, M2):
     """Return S, c = 1 − S, k = S·K and L at tan²(ε/2) = eˣ, and the slopes of the last two."""
     b = exp(x)
     c = 1 / (1 + b)
@@ -101,14 +100,13 @@ def arc(x, w_i, w_j, beta, datum, A0, A1, A2, A3, H3, M0, M1, M2):  # type: igno
     return S, c, k, k_slope, L, M_slope - w_j * H_slope
 
 
-def first_arc(q):  # type: ignore[no-untyped-def]
+def first_arc(q):
     """Return the x at which 1/(b²(1 + b²)) = q, with b² = eˣ."""
     return -log(q * (1 + sqrt(1 + 4 / q)) / 2)
 
 
-def load(  # type: ignore[no-untyped-def]
-    penetration, pair, C_0, C_alpha, A0, A1, A2, A3, H3, M0, M1, M2
-):
+def load(penetration, pair, C_0, C_alpha, A0, A1, A2, A3, H3, M0, M1, M2):
+    """Return f and df/dδ, four steps of Newton from a start for small and the largest arcs."""
     w_i, w_j, c0 = shares(pair.alpha, pair.beta)
     datum = C_0 + C_alpha * pair.alpha
     johnson = 2 * log(2) - 2 + w_j
@@ -122,12 +120,17 @@ def load(  # type: ignore[no-untyped-def]
         part = S / d
         step = (part * L - k) / (k_slope - part * (c * L + L_slope))
         x = x + step
-    f = pi * pair.E_star * penetration / (L + L_slope * step)
-    S, c, k, k_slope, L, L_slope = arc(x, w_i, w_j, pair.beta, datum, A0, A1, A2, A3, H3, M0, M1, M2)
+    last = L + L_slope * step
+    f = pi * pair.E_star * penetration / where(last > 0, last, nan)  # own constants may have none
+    S, c, k, k_slope, L, L_slope = arc(
+        x, w_i, w_j, pair.beta, datum, A0, A1, A2, A3, H3, M0, M1, M2
+    )
     fell = k_slope - c * k
     return f, pi * pair.E_star * fell / (L * fell - L_slope * k)
 
 
+_EQUATION = "f = pi*E_star*penetration/L with penetration/dR*K(S) = L(S), see the steps"
+_REMARK = "The penetration is counted from C = C_0 + C_alpha*alpha; Johnson's datum by default."
 _MEANINGS = {
     "A0": (-3.0, 0.0, "coefficient of β·u in 2Â·S; exactly −16/(3π)"),
     "A1": (1.0, 2.0, "coefficient of β·u² in 2Â·S"),
@@ -194,14 +197,10 @@ class Parametric(Law, Conformal):
     coefficients: ParametricCoefficients | Mapping[str, float] | None = None
     name: ClassVar[str] = "parametric"
 
-    formula = Formula(
-        load,
-        equation="f = pi*E_star*penetration/L with penetration/dR*K(S) = L(S), see the steps",
-        remark="The penetration is counted from C = C_0 + C_alpha*alpha; Johnson's datum by default.",
-    )
+    formula = Formula(load, equation=_EQUATION, remark=_REMARK)
     contacts = ("internal",)
     parameters = _PARAMETERS
-    defaults = {"internal": CALIBRATED}
+    defaults: ClassVar[Mapping[Contact, Any]] = {"internal": CALIBRATED}
     published = False
     on_grid = True
     dimensionless = True
@@ -212,12 +211,6 @@ class Parametric(Law, Conformal):
         super().__post_init__()
         if isinstance(self.coefficients, Mapping):
             object.__setattr__(self, "coefficients", ParametricCoefficients(**self.coefficients))
-
-    @property
-    def constants(self) -> ParametricCoefficients:
-        """The coefficients, by default the calibrated ones."""
-        given = self.coefficients
-        return given if isinstance(given, ParametricCoefficients) else CALIBRATED
 
     @property
     def constants(self) -> ParametricCoefficients:
@@ -265,4 +258,4 @@ class Parametric(Law, Conformal):
                 step = (S * K - k) / (k_slope - S * c * K)
                 x = x + step
             L = L + L_slope * step
-        return inside_or_nan(f / (pi * pair.E_star) * where(L > 0, L, np.nan), touching)
+        return inside_or_nan(f / (pi * pair.E_star) * where(L > 0, L, nan), touching)

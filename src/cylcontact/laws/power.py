@@ -20,15 +20,18 @@ from cylcontact.pair import CONTACTS, Contact, CylinderPair
 IN_MM = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
 
 
-def load(penetration, pair, factor, n):  # type: ignore[no-untyped-def]
+def load(penetration, pair, factor, n):
+    """Return f = K·δⁿ."""
     return factor * penetration**n
 
 
-def end(pair, factor, n):  # type: ignore[no-untyped-def]
+def end(pair, factor, n):
+    """Return inf where K is defined."""
     return np.where(factor > 0, inf, np.nan)
 
 
-def energy(penetration, pair, factor, n):  # type: ignore[no-untyped-def]
+def energy(penetration, pair, factor, n):
+    """Return ∫ f dδ = f·δ/(n + 1)."""
     return factor * penetration**n * penetration / (n + 1)
 
 
@@ -38,8 +41,9 @@ class PowerShaped(Law):
     def factor_and_exponent(self, pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
         """Return K in N/mm per mmⁿ and n, both NaN where the law is undefined."""
         numbers = self.numbers_at(pair)
-        factor, n = as_floats(numbers["factor"]), numbers["n"]
-        return factor, as_floats(np.where(np.isnan(factor), np.nan, n))
+        shape = np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR))
+        factor, n = np.broadcast_to(numbers["factor"], shape), numbers["n"]
+        return as_floats(factor), as_floats(np.where(np.isnan(factor), np.nan, n))
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm, δ = (f/K)^(1/n)."""
@@ -57,15 +61,18 @@ class PowerShaped(Law):
         return self.factor_and_exponent(pair)[1]
 
 
-def one_pair(pair, K, n):  # type: ignore[no-untyped-def]
+def one_pair(pair, K, n):
+    """Return K and n."""
     return K, n
 
 
-def scaled(pair, K_star, n):  # type: ignore[no-untyped-def]
+def scaled(pair, K_star, n):
+    """Return K = K*·E*/ΔR and n."""
     return K_star * (pair.E_star / pair.dR), n
 
 
-def dimensionless(pair, C, n):  # type: ignore[no-untyped-def]
+def dimensionless(pair, C, n):
+    """Return K = C·E*·ΔR^(1 − n) and n."""
     return C * pair.E_star * pair.dR ** (1 - n), n
 
 
@@ -73,9 +80,7 @@ _ONE_PAIR = f"{IN_MM} For the one pair that it was fitted to."
 _NO_UNITS = "Dimensionless in penetration/dR and f/(E_star*dR)."
 # By the name of the factor.
 _FORMULAS = {
-    "C": Formula(
-        load, dimensionless, end, energy, "f = C*E_star*dR*(penetration/dR)^n", _NO_UNITS
-    ),
+    "C": Formula(load, dimensionless, end, energy, "f = C*E_star*dR*(penetration/dR)^n", _NO_UNITS),
     "K_star": Formula(load, scaled, end, energy, "f = K_star*E_star/dR*penetration^n", IN_MM),
     "K": Formula(load, one_pair, end, energy, "f = K*penetration^n", _ONE_PAIR),
 }

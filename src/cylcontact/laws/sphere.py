@@ -16,7 +16,8 @@ from cylcontact.laws.formula import Formula
 from cylcontact.laws.power import PowerShaped, end, energy, load
 
 
-def form(pair, n):  # type: ignore[no-untyped-def]
+def form(pair, n):
+    """Return K = (4/3)·E*·√R/L and n."""
     return 4 / 3 * pair.E_star * sqrt(pair.R) / pair.length, n
 
 

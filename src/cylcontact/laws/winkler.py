@@ -17,7 +17,7 @@ from cylcontact.laws.law import Law
 DEPTH = 0.715238076324212
 
 
-def load(penetration, pair, depth):  # type: ignore[no-untyped-def]
+def load(penetration, pair, depth):
     """Return load and stiffness in x = 2ε, as arccos would lose digits at small penetrations."""
     d = penetration / pair.dR
     x = 2 * arctan(sqrt(d) * sqrt(2 + d))
@@ -90,9 +90,13 @@ class Winkler(Law):
     name: ClassVar[str] = "winkler"
     formula = Formula(load, equation=_EQUATION, remark=_REMARK)
     contacts = ("internal",)
-    parameters = (  # fmt: skip
+    parameters = (
         Parameter(
-            "depth", 0.05, 20.0, DEPTH, stiffness=True,
+            "depth",
+            0.05,
+            20.0,
+            DEPTH,
+            stiffness=True,
             meaning="depth of the foundation over the radius",
         ),
     )

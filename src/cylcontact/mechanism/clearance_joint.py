@@ -21,6 +21,7 @@ from cylcontact.dissipation import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.errors import InputError
 from cylcontact.laws import LAWS, ContactLaw
 from cylcontact.laws.kernels import Kernel, kernel
+from cylcontact.laws.user import user_law
 from cylcontact.limits import yield_load
 from cylcontact.materials import Material, find_material, known_materials, own_table
 from cylcontact.mechanism import contact
@@ -418,10 +419,12 @@ def _law(what: str, source: str) -> tuple[ContactLaw, str]:
     """Return the law with a name, or of a fit result, and the origin of its coefficients."""
     if what in LAWS:
         return LAWS[what](), ""
+    if ":" in what:
+        return user_law(what, Path(source).parent, Path.cwd()), "a function of the user's own"
     if Path(what).suffix != ".json":
         raise InputError(
             source, "law", what, "is neither a law nor a fit result",
-            f"choose {', '.join(LAWS)}, or the path of a result",
+            f"choose {', '.join(LAWS)}, module:function of your own, or the path of a result",
         )  # fmt: skip
     from cylcontact.fitting.law_models import law_of
     from cylcontact.fitting.result import FitResult

@@ -11,7 +11,7 @@ import pandas as pd
 from cylcontact.arrays import FloatArray, require
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.laws import DEFINITIONS, LAWS
+from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw
 from cylcontact.laws.definition import Parameter
 from cylcontact.limits import first_yield
 from cylcontact.materials import Material
@@ -50,7 +50,7 @@ def case(dR: float = 0.05) -> CylinderPair:
     return CylinderPair.from_dR("internal", dR, material, LENGTH, R_I)
 
 
-def comparison(pair: CylinderPair, load: float) -> pd.DataFrame:
+def comparison(pair: CylinderPair, load: float, own: ContactLaw | None = None) -> pd.DataFrame:
     """Evaluate every law of `cylcontact.laws.LAWS` for one pair under one load.
 
     Parameters
@@ -59,6 +59,8 @@ def comparison(pair: CylinderPair, load: float) -> pd.DataFrame:
         One pair with scalar numbers.
     load : float
         Load per unit length in N/mm, positive.
+    own : ContactLaw, optional
+        A law of one's own, in the last row.
 
     Returns
     -------
@@ -85,12 +87,13 @@ def comparison(pair: CylinderPair, load: float) -> pd.DataFrame:
         "must be positive and finite",
         "give it in N/mm",
     )
-    return pd.DataFrame([_answers(name, pair, load) for name in LAWS])
+    every = [law() for law in LAWS.values()] + ([] if own is None else [own])
+    return pd.DataFrame([_answers(law, pair, load) for law in every])
 
 
-def _answers(name: str, pair: CylinderPair, load: float) -> dict[str, object]:
+def _answers(law: ContactLaw, pair: CylinderPair, load: float) -> dict[str, object]:
     """Return one row of the comparison."""
-    law, note = LAWS[name](), ""
+    note = ""
     penetration = stiffness = highest = np.nan
     try:
         # A meaningless load may overflow; the result is then NaN.
@@ -104,7 +107,7 @@ def _answers(name: str, pair: CylinderPair, load: float) -> dict[str, object]:
         beyond = "beyond its largest load" if load > highest else "too large for a number"
         note = "undefined at this ΔR" if np.isnan(highest) else beyond
     return {
-        "law": name,
+        "law": law.name,
         "penetration_um": 1e3 * penetration,
         "stiffness_N_per_mm2": stiffness,
         "max_load_N_per_mm": highest,
@@ -150,7 +153,7 @@ def deviations(pair: CylinderPair) -> pd.DataFrame:
     return pd.DataFrame.from_dict(rows, orient="index", columns=list(numbers)).rename_axis("law")
 
 
-def to_text(pair: CylinderPair, load: float) -> Report:
+def to_text(pair: CylinderPair, load: float, own: ContactLaw | None = None) -> Report:
     """Return the whole comparison of laws for a pair and a load as text.
 
     Parameters
@@ -159,6 +162,8 @@ def to_text(pair: CylinderPair, load: float) -> Report:
         One pair with scalar numbers.
     load : float
         Load per unit length in N/mm, positive.
+    own : ContactLaw, optional
+        A law of one's own, compared with the others.
 
     Returns
     -------
@@ -174,7 +179,7 @@ def to_text(pair: CylinderPair, load: float) -> Report:
     """
     contact = pair.contact
     truth = truth_of(pair).name
-    side_by_side, errors = comparison(pair, load), deviations(pair)
+    side_by_side, errors = comparison(pair, load, own), deviations(pair)
     parts = [
         f"{contact} contact, ΔR = {float(pair.dR):g} mm, E* = {float(pair.E_star):.2f} MPa, "
         f"f = {load:g} N/mm, φ = f/(E*·ΔR) = {load / float(pair.E_star * pair.dR):.6g}",
@@ -292,7 +297,7 @@ def _explicit() -> str:
 
 def _each_law(contact: Contact) -> str:
     """Return what each law is, by the first line of its documentation."""
-    known = [definition.law for definition in DEFINITIONS if contact in definition.contacts]
+    known = [law for law in LAW_TYPES if contact in law.contacts]
     width = max(len(name) for name in LAWS)
     lines = ["the laws; sources and conventions are in the documentation of each:"]
     for law in known:

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from cylcontact.errors import InputError
 from cylcontact.fitting.campaign import campaign_from_settings
-from cylcontact.fitting.law_models import with_rig
+from cylcontact.fitting.law_models import user_model, with_rig
 from cylcontact.fitting.loss import Loss
 from cylcontact.fitting.measured_fit import (
     noise_model_of,
@@ -26,7 +26,6 @@ from cylcontact.fitting.uncertainty.estimates import LEVEL, Uncertainty, uncerta
 from cylcontact.fitting.uncertainty.profiles import PairMap, pair_map, pairs_of
 from cylcontact.fitting.uncertainty.resampling import Bootstrap, LeftOut, bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import residual_model_at
-from cylcontact.fitting.user_law import user_model
 from cylcontact.parallel import Workers, call, collect
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
@@ -71,9 +70,7 @@ class NoiseStudy(Spec):
     bands: list[Band] = Field(description="predictions with their bands")
 
 
-def problem_of_result(
-    result: FitResult, law: str | None = None, law_timeout: float | None = None
-) -> Problem:
+def problem_of_result(result: FitResult, law: str | None = None) -> Problem:
     """Return the problem of a fit to measurements, from the result alone.
 
     Parameters
@@ -83,8 +80,6 @@ def problem_of_result(
     law : str, optional
         The user's function, which is run only if it is named again. The current folder is
         searched first.
-    law_timeout : float, optional
-        Seconds that one call of it may take.
 
     Returns
     -------
@@ -114,9 +109,7 @@ def problem_of_result(
                 f"is not its law, {result.law}",
                 "leave --law out, or name that one",
             )
-        model = user_model(
-            law, Path.cwd(), result.contact, f"fit result {result.name!r}", law_timeout
-        )
+        model = user_model(law, result.contact, f"fit result {result.name!r}", Path.cwd())
         campaign = replace(campaign, model=with_rig(model, campaign.spec.parameters))
     problem = plain_problem(campaign)
     noise = noise_model_of(campaign)
@@ -146,7 +139,6 @@ def study_noise(
     leave_out: str | None = None,
     with_pairs: bool = False,
     law: str | None = None,
-    law_timeout: float | None = None,
     jobs: Workers = 1,
     progress: Progress = silent,
 ) -> NoiseStudy:
@@ -164,7 +156,7 @@ def study_noise(
         The kind of group to leave out one after the other.
     with_pairs : bool
         Whether to map the likelihood over each pair of free parameters.
-    law, law_timeout : optional
+    law : str, optional
         As for `problem_of_result`.
     jobs : int or Cluster
         Worker processes, or a Dask cluster; the result does not depend on it.
@@ -180,7 +172,7 @@ def study_noise(
     InputError
         If the result is not of measurements, or a grouping has one group only.
     """
-    problem, best = problem_of_result(result, law, law_timeout), result.coefficients
+    problem, best = problem_of_result(result, law), result.coefficients
     noise = residual_model_at(problem, problem.point(best))
     uncertainty = uncertainty_of(problem, best, level, jobs)
     pairs: list[PairMap] = []

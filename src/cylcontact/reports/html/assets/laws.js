@@ -186,7 +186,7 @@ const Laws = (() => {
     return Math.exp(x) * pair.dR;
   }
 
-  // Persson's conformal contact of like bodies, in the load; see laws/persson.py for the formulas.
+  // Persson's conformal contact of like bodies, in the load; see laws/conformal.py for the formulas.
   // u = tan^2(eps/2) is found by Newton's method in the spread t = u/(U - u).
   const U = 0.8346152454776572;
   function perssonArc(t) {

@@ -1,0 +1,204 @@
+"""Laws of the user's own: a Python function in a file, named as module:function.
+
+The function is `load(penetration, pair, **constants)`: penetration in mm, an array; the pair that
+belongs to each element; the load in N/mm, of the same shape, which has to increase with the
+penetration. It runs as it stands. If it is written as `cylcontact.laws.formula` reads it, its
+stiffness is exact and it is exported like a law of the package. The module is imported from the
+folder of a campaign or the current one, else from Python's path, and only if a campaign, a joint
+or a command line names it. Reading a result imports nothing.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import importlib
+import importlib.util
+import platform
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.errors import InputError
+from cylcontact.laws.formula import Formula
+from cylcontact.laws.law import AtPair, Law
+from cylcontact.pair import Contact, CylinderPair
+
+_NAMING = "name it as module:function; the campaign's folder is searched first, then this one"
+_RELATIVE_STEP = 1e-6
+
+
+@dataclass(frozen=True)
+class UserFunction:
+    """A function of the user's own, imported when it is first called in a process.
+
+    Attributes
+    ----------
+    spec : str
+        "module:function".
+    folder : str or None
+        The folder of the module's file; empty if Python's path has the module, None if a result
+        names the function, which is then never run.
+    digest : str
+        The hash of the file, so that every process runs this one.
+    """
+
+    spec: str
+    folder: str | None
+    digest: str = ""
+
+    @classmethod
+    def named(cls, spec: str, *folders: Path) -> UserFunction:
+        """Return the function that a name stands for, its file sought in these folders."""
+        module, _, name = spec.partition(":")
+        if not all(part.isidentifier() for part in (*module.split("."), name)):
+            raise InputError(
+                "law", "law", spec, "cannot be imported: it does not name a module and a function",
+                _NAMING,
+            )  # fmt: skip
+        for folder in folders:
+            path = _file_of(spec, str(folder.resolve()))
+            if path.is_file():
+                return cls(spec, str(folder.resolve()), _digest(path))
+        return cls(spec, "")
+
+    @property
+    def function(self) -> Callable[..., Any]:
+        """The function itself."""
+        if self.folder is None:
+            raise InputError(
+                self.spec, "law", None,
+                "is code of your own, which is not run because a result names it",
+                f"redo the fit from its campaign, or name it: fit RESULT.json --law {self.spec}",
+            )  # fmt: skip
+        return _imported(self.spec, self.folder, self.digest)
+
+    @property
+    def formula(self) -> Formula:
+        """The function as a formula, which may turn out to be none when it is read."""
+        return _formula(self.function)
+
+
+@dataclass(frozen=True)
+class UserLaw(Law):
+    """A contact law from a function of the user's own."""
+
+    user: UserFunction
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:  # type: ignore[override]
+        """The function as the campaign names it."""
+        return self.user.spec
+
+    @property
+    def formula(self) -> Formula:  # type: ignore[override]
+        """The function as a formula."""
+        return self.user.formula
+
+    def constants_for(self, contact: Contact) -> dict[str, float]:
+        """Return the constants of the function by name."""
+        return dict(self.values)
+
+    def at_pair(self, pair: CylinderPair) -> AtPair:
+        """Return the function as it stands, with the slope of its formula if it is one."""
+
+        def load(depth: FloatArray) -> FloatArray:
+            return self._loads(depth, pair)
+
+        def stiffness(depth: FloatArray) -> FloatArray:
+            step = _RELATIVE_STEP * depth
+            rise = load(as_floats(depth + step)) - load(as_floats(depth - step))
+            return as_floats(rise / (2 * step))
+
+        with contextlib.suppress(InputError):
+            return super().at_pair(pair)._replace(load=load, is_single=False)
+        shape = np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR))
+        return AtPair(load, stiffness, as_floats(np.full(shape, np.inf)), is_single=False)
+
+    def _loads(self, depth: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Call the function and check what it returns."""
+        shape = np.broadcast_shapes(np.shape(depth), np.shape(pair.E_star), np.shape(pair.dR))
+        try:  # its own array, for it may write into it; what it prints is no part of a report
+            with contextlib.redirect_stdout(sys.stderr):
+                given = np.array(np.broadcast_to(depth, shape))[()]
+                loads = np.asarray(self.user.function(given, pair, **self.values))
+        except InputError:
+            raise
+        except (Exception, SystemExit) as error:
+            rule = f"stopped with {type(error).__name__}: {error}"
+            remedy = "correct the function; it gets arrays, of penetration in mm and in the pair"
+            raise InputError(self.name, "law", None, rule, remedy) from error
+        kinds = {"c": "complex numbers", "b": "true or false", "U": "text"}
+        kind = loads.dtype.kind
+        rule = f"returns {kinds.get(kind, 'what is not an array of numbers')}"
+        if kind in "iuf":
+            rule = (
+                f"returns an array of another shape, {loads.shape}, than the penetration's {shape}"
+            )
+        if kind not in "iuf" or loads.shape != shape:
+            remedy = "return an array of numbers, one load in N/mm for each penetration"
+            raise InputError(self.name, "law", None, rule, remedy)
+        return as_floats(loads)
+
+
+def user_law(spec: str, *folders: Path) -> UserLaw:
+    """Return the law of a function whose constants have defaults."""
+    user = UserFunction.named(spec, *folders)
+    values = user.formula.constants
+    for name, value in values.items():
+        if value is None:
+            rule, remedy = f"has no value for {name}", f"give it a default: {name}=1.0"
+            raise InputError(spec, "law", None, rule, remedy)
+    return UserLaw(user, {name: float(value or 0.0) for name, value in values.items()})
+
+
+@lru_cache(maxsize=64)
+def _formula(function: Callable[..., Any]) -> Formula:
+    return Formula(function, equation=f"the function {function.__name__}")
+
+
+@lru_cache(maxsize=64)
+def _imported(spec: str, folder: str, digest: str) -> Callable[..., Any]:
+    """Import a function, from the file in the folder if there is one, under a name of its own."""
+    module_name, _, name = spec.partition(":")
+    path = _file_of(spec, folder)
+    if folder and _digest(path) != digest:
+        rule = f"{path} is missing or changed on {platform.node()}"
+        remedy = "leave it alone during a fit; on a cluster, put the same file on all machines"
+        raise InputError(spec, "law", None, rule, remedy)
+    sys.path.insert(0, folder or ".")
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            if folder:
+                found = importlib.util.spec_from_file_location(f"user_law_{path.stem}", path)
+                module = importlib.util.module_from_spec(found)  # type: ignore[arg-type]
+                found.loader.exec_module(module)  # type: ignore[union-attr]
+            else:
+                module = importlib.import_module(module_name)
+    except (Exception, SystemExit) as error:  # the user's module may raise anything
+        rule = f"cannot be imported ({type(error).__name__}: {error})"
+        raise InputError(spec, "law", None, rule, _NAMING) from error
+    finally:
+        sys.path.pop(0)
+    function = getattr(module, name, None)
+    if not callable(function):
+        raise InputError(spec, "law", None, f"is not a function of {module_name}", _NAMING)
+    return function  # type: ignore[no-any-return]
+
+
+def _file_of(spec: str, folder: str) -> Path:
+    """Return the file of a module in the folder, which may not be there."""
+    return Path(folder, *spec.partition(":")[0].split(".")).with_suffix(".py")
+
+
+def _digest(path: Path) -> str:
+    """Return the hash of a file, empty if there is none."""
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
