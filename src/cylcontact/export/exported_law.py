@@ -13,7 +13,7 @@ from textwrap import wrap
 
 from cylcontact.errors import InputError
 from cylcontact.export.render import WIDTH, Dialect, filled
-from cylcontact.laws import LAWS
+from cylcontact.laws import LAWS, Johnson
 from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.formula import (
@@ -236,6 +236,9 @@ def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> Expo
     if contact is not None and contact not in contacts:
         rule, remedy = f"the law '{law.name}' is for a pin in a hole", "or export johnson"
         raise InputError("export", "--contact", contact, rule, f"give --contact internal, {remedy}")
+    if isinstance(base, Johnson) and base.datum is not None:
+        rule, remedy = "is for a plane, which has no dR to give to a function", "leave it out"
+        raise InputError("export", "datum", base.datum, rule, remedy)
     own = getattr(getattr(base, "coefficients", None), "contact", None)
     if own is not None:
         if contact not in (None, own):

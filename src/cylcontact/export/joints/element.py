@@ -121,17 +121,24 @@ class Element:
     @cached_property
     def law(self) -> tuple[Step, ...]:
         """The steps from a penetration > 0 in mm, or the nodes around it, to f in N/mm."""
-        if self.table is not None:
-            return steps_of(_TABLE_STEPS)
-        return tuple(renamed(step, self._law_names) for step in self._law_steps)
+        return self._law[0]
 
     @property
     def law_constants(self) -> dict[str, float]:
         """The numbers that the steps of the law use."""
-        law, names = self.joint.law, self._law_names
-        numbers = law.numbers_at(self.joint.pair) if isinstance(law, Law) else {}
-        own = {names[name]: float(x) for name, x in numbers.items() if name in names}
-        return _used(self.law, {"pi": math.pi, **own})
+        return _used(self.law, {"pi": math.pi, **self._law[1]})
+
+    @cached_property
+    def _law(self) -> tuple[tuple[Step, ...], dict[str, float]]:
+        """The steps of the law and the numbers of its formula at the pair."""
+        law, pair = self.joint.law, self.joint.pair
+        if self.table is not None or not isinstance(law, Law):
+            return steps_of(_TABLE_STEPS), {}
+        numbers = law.numbers_at(pair)
+        steps = needed(law.formula_for(pair.contact).scalar_steps, "f")
+        names = safe_names(steps, numbers)
+        own = {names[name]: float(value) for name, value in numbers.items()}
+        return tuple(renamed(step, names) for step in steps), own
 
     @property
     def table(self) -> tuple[FloatArray, FloatArray, FloatArray] | None:
@@ -140,20 +147,6 @@ class Element:
             return None
         x, y, slopes = self.joint.kernel.parameters[1:].reshape(3, -1)
         return x, y, slopes
-
-    @cached_property
-    def _law_steps(self) -> tuple[Step, ...]:
-        """The steps of the law's formula to f, if it has one."""
-        law = self.joint.law
-        if self.table is not None or not isinstance(law, Law):
-            return ()
-        return needed(law.formula_for(self.joint.pair.contact).scalar_steps, "f")
-
-    @cached_property
-    def _law_names(self) -> dict[str, str]:
-        """The names of the law's steps and numbers in the export."""
-        used = set().union(*(names_in(step.value) for step in flat(self._law_steps)))
-        return safe_names(self._law_steps, sorted(used))
 
     def constants(self, steps: Iterable[Step]) -> dict[str, float]:
         """Return the numbers that some steps use."""
