@@ -34,7 +34,7 @@ DIALECT = Dialect(
 
 # At first touch the steps may have no value, as ln 0.
 _BODY = """\
-*load = penetration < 0.0 ? 0.0 : NAN;
+*load = penetration < 0.0 ? 0.0 : (double)NAN;
 *stiffness = *load;
 if (!($domain)) {
     return;

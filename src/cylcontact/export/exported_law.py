@@ -280,10 +280,12 @@ def safe_names(
     loops = (step.name for step in flat(steps) if step.body)
     words = {name: name for name in (*others, *assigned_in(steps), *loops) if name not in names}
     for name, text in (words | dict(wanted or {})).items():
-        word = identifier(text) or "turn"
-        word = word if word[0].isalpha() else f"x{word}"
+        word = identifier(text) or ("x" if text.strip("_") else "turn")
+        word = first = word if word[0].isalpha() else f"x{word}"
+        number = 1
         while word.lower() in taken:
-            word += "_"
+            number += 1
+            word = f"{first}_{number}"
         taken.add(word.lower())
         names[name] = word
     return names
