@@ -101,11 +101,6 @@ BAD_INPUT = {
         lambda R_j: CylinderPair.external(1.0, R_j, STEEL),
         (0.0, np.nan, -np.inf, [5.0, np.inf]),
     ),
-    "Johnson's law: pair.R_j = {!r}: must be finite: the law is stated in ΔR, which a plane does "
-    "not have; give two rollers, or take a law of the effective radius": (
-        lambda R_j: limits.johnson_limit_load(CylinderPair.external(1.0, R_j, STEEL)),
-        (np.inf,),
-    ),
     "CylinderPair: length = {!r}: must be positive and finite; give it in mm": (
         lambda length: CylinderPair.internal(10.0, 9.5, STEEL, length=length),
         (0.0,),

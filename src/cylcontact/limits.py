@@ -221,7 +221,6 @@ def johnson_limit_load(pair: CylinderPair) -> FloatArray:
     >>> print(johnson_limit_load(pair).round(1))
     [493.8 658.4]
     """
-    pair.require_finite_dR("Johnson's law")
     return Johnson().max_load(pair)
 
 

@@ -97,17 +97,15 @@ class Material:
         self._check()
 
     def _check(self) -> None:
-        """Raise `InputError` for a value out of its range; own the arrays."""
+        """Raise `InputError` for ν or a yield stress out of range; own the arrays."""
         source = f"Material {self.name!r}"
         nu = as_numbers(self.nu, source, "nu")
-        require_one_shape(source, E=_require_modulus(self.E, source, "E"), nu=nu)
+        require_one_shape(source, E=self.E, nu=nu)
         rule, remedy = "Poisson's ratio must lie in [0, 0.5]", "give e.g. 0.3 for steel"
         require((nu >= 0) & (nu <= 0.5), source, "nu", self.nu, rule, remedy)
         if self.yield_stress is not None:
-            rule, remedy = (
-                "yield stress must be positive and finite",
-                "give it in MPa, or leave it out",
-            )
+            remedy = "give it in MPa, or leave it out"
+            rule = "yield stress must be positive and finite"
             require_positive(self.yield_stress, source, "yield_stress", remedy, rule)
         own_arrays(self)
 
@@ -135,10 +133,9 @@ class Material:
         >>> Material.named("low-carbon steel")
         Material(name='low-carbon steel', E=200000.0, nu=0.3, yield_stress=250.0)
         """
-        others = ", or give Material(name, E, nu)"
-        return find_material(
-            name, shipped_materials(), "Material.named", "name", "the table that ships", others
-        ).material
+        table, others = "the table that ships", ", or give Material(name, E, nu)"
+        rows = shipped_materials()
+        return find_material(name, rows, "Material.named", "name", table, others).material
 
     def __eq__(self, other: object) -> bool:
         return same_fields(self, other)
@@ -163,6 +160,7 @@ def material_in_MPa(
 
     For values from tables and files that name their unit, and for normalised pairs with E* = 1.
     """
+    _require_modulus(E, f"Material {name!r}", "E")
     material = object.__new__(Material)
     values = {"name": name, "E": E, "nu": nu, "yield_stress": yield_stress}
     for field, value in values.items():
@@ -188,10 +186,8 @@ def modulus_in_MPa(E: float | str | FloatArray, source: str, key: str = "E") -> 
     smallest, largest = float(np.min(number)), float(np.max(number))
     if largest > LARGEST_MODULUS:
         rule = "is beyond any material, diamond has 1.2e6 MPa"
-        remedy = (
-            "mind the unit" if unit else f'did you mean "{largest * 1e-9:g} GPa"? Give it in MPa'
-        )
-        raise InputError(source, key, E, rule, remedy)
+        meant = f'did you mean "{largest * 1e-9:g} GPa"? Give it in MPa'
+        raise InputError(source, key, E, rule, "mind the unit" if unit else meant)
     if not unit and smallest < _SMALLEST_BARE:
         remedy = f'did you mean "{smallest:g} GPa"? For a material as soft as that write '
         remedy += f'"{smallest:g} MPa"' + (", one Material each" if np.ndim(number) else "")
@@ -209,12 +205,9 @@ def _with_unit(text: str, source: str, key: str) -> tuple[float | FloatArray, st
         raise InputError(source, key, text, rule, remedy) from None
 
 
-def _require_modulus(E: float | FloatArray, source: str, key: str) -> FloatArray:
-    rule, remedy = (
-        "Young's modulus must be positive and finite",
-        "give it in MPa, e.g. 207e3 for steel",
-    )
-    return require_positive(E, source, key, remedy, rule)
+def _require_modulus(E: float | FloatArray, source: str, key: str) -> None:
+    rule = "Young's modulus must be positive and finite"
+    require_positive(E, source, key, "give it in MPa, e.g. 207e3 for steel", rule)
 
 
 @dataclass(frozen=True)

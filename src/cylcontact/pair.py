@@ -440,12 +440,6 @@ class CylinderPair:
         remedy = "use laws.Conformal() or laws.Johnson() for plane stress"
         require(self.plane == "strain", source, "pair.plane", self.plane, rule, remedy)
 
-    def require_finite_dR(self, source: str) -> None:
-        """Raise `InputError` for a plane, for laws that are stated in ΔR."""
-        rule = "must be finite: the law is stated in ΔR, which a plane does not have"
-        remedy = "give two rollers, or take a law of the effective radius"
-        require(not self.is_flat, source, "pair.R_j", self.R_j, rule, remedy)
-
 
 def roles(contact: Contact) -> tuple[str, str]:
     """Return what bodies i and j are: the hole and the pin, or rollers."""
