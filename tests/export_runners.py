@@ -78,7 +78,9 @@ def run_cpp(case, folder):
     names = {what: f"{case.name}::{what}" for what in ("load", "stiffness")}
     names["both"] = f"{case.name}::evaluate"
     include, linkage = f'#include "{law}"', 'extern "C"'
-    return _compiled("g++", CPP_FLAGS, "run.cpp", C_WRAPPER, case, folder, include, linkage, **names)
+    return _compiled(
+        "g++", CPP_FLAGS, "run.cpp", C_WRAPPER, case, folder, include, linkage, **names
+    )
 
 
 def run_fortran(case, folder):
@@ -161,7 +163,9 @@ def run_json(case, _folder):
             if all(eval(condition, known) for condition in document["conditions"]):
                 for step in document["steps"]:
                     exec(step, known)
-                f, k = (0.0 if row[0] == 0 and math.isnan(x) else x for x in (known["f"], known["k"]))
+                f, k = (
+                    0.0 if row[0] == 0 and math.isnan(x) else x for x in (known["f"], known["k"])
+                )
             answers.append((f, k))
     return np.array(answers).T
 

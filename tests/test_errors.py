@@ -162,7 +162,7 @@ BAD_INPUT = {
         lambda _: laws.Johnson().load(1e-3, MIXED),
         (None,),
     ),
-    "CylinderPair: length: the law of Lankarani and Nikravesh per unit length needs the axial "
+    "CylinderPair: length: the lankarani-nikravesh law needs the axial "
     "length and this pair has none; pass length= in mm when the pair is built": (
         lambda _: laws.LankaraniNikravesh().load(1e-3, OUTSIDE),
         (None,),
