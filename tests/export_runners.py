@@ -1,78 +1,110 @@
-"""Exported laws run in their own languages, each over columns of arguments."""
+"""Exported laws run in their own languages, each over columns of arguments.
+
+Each runner returns load and stiffness of every row.
+"""
 
 import ctypes
+import json
+import math
 import subprocess
 
 import numpy as np
 
 from cylcontact.export import export
-from tests.programs import require_program
+from tests.programs import require_package, require_program
 
 LIBRARY = ("-Wall", "-Wextra", "-Werror", "-O2", "-fPIC", "-shared")
-STRICT = ("-pedantic", "-Wconversion", "-Wshadow", "-Wmissing-prototypes", "-Wdouble-promotion")
-C_FLAGS = ("-std=c99", *LIBRARY, *STRICT)
+STRICT = ("-pedantic", "-Wconversion", "-Wshadow", "-Wdouble-promotion")
+C_FLAGS = ("-std=c99", *LIBRARY, *STRICT, "-Wmissing-prototypes")
+CPP_FLAGS = ("-std=c++11", *LIBRARY, *STRICT)
 FORTRAN_FLAGS = ("-std=f2008", "-pedantic", *LIBRARY)
 
-# Names that C can find, and arrays instead of scalars.
+C_WRAPPER = """
+{include}
+{linkage} void run(int rows, const double *x, double *y);
+void run(int rows, const double *x, double *y)
+{{
+    for (int k = 0; k < rows; k++, x += {columns}, y += 4) {{
+        {both}({given}, y, y + 1);
+        y[2] = {load}({given});
+        y[3] = {stiffness}({given});
+    }}
+}}
+"""
 FORTRAN_WRAPPER = """
-subroutine run(m, {names}, load, stiffness, f, k) bind(c)
+subroutine run(rows, x, y) bind(c)
     use, intrinsic :: iso_c_binding, only: c_int, c_double
-    use {function}_law, only: both => {function}
-    use {function}_law, only: only_load => {function}_load
-    use {function}_law, only: only_stiffness => {function}_stiffness
+    use {name}_law, only: {name}
+    use {name}_law, only: {name}_load
+    use {name}_law, only: {name}_stiffness
     implicit none
-    integer(c_int), value :: m
-    real(c_double), intent(in) :: {shaped}
-    real(c_double), intent(out) :: load(m), stiffness(m), f(m), k(m)
-    call both({names}, load, stiffness)
-    f = only_load({names})
-    k = only_stiffness({names})
+    integer(c_int), value :: rows
+    real(c_double), intent(in) :: x({columns}, rows)
+    real(c_double), intent(out) :: y(4, rows)
+    call {name}( &
+        {given}, y(1, :), y(2, :))
+    y(3, :) = {name}_load( &
+        {given})
+    y(4, :) = {name}_stiffness( &
+        {given})
 end subroutine run
 """
-
-# Every case in one Octave: columns in, columns out.
 OCTAVE_CASE = """
 addpath('{folder}');
 id = fopen('{folder}/in', 'r'); x = fread(id, [{rows}, {columns}], 'double'); fclose(id);
 x = num2cell(x, 1);
-[f, k] = {function}(x{{:}});
+[f, k] = {name}(x{{:}});
 id = fopen('{folder}/out', 'w'); fwrite(id, [f, k], 'double'); fclose(id);
 rmpath('{folder}');
 """
 
 
+def write(case, target, folder, file):
+    """Write an export; return its path."""
+    path = folder / file
+    path.write_text(export(case.law, case.contact, target), encoding="ascii")
+    return path
+
+
 def run_c(case, folder):
-    """Compile the C export and return load and stiffness of every row."""
-    source, library = folder / "law.c", folder / "law_c.so"
-    source.write_text(export(case.law, case.contact, "c"), encoding="ascii")
-    compile_with("gcc", *C_FLAGS, source, "-o", library, "-lm")
-    loaded = ctypes.CDLL(str(library))
-    columns = [column.tolist() for column in case.arguments.values()]
-    answers = []
-    for which in ("load", "stiffness"):
-        function = loaded[f"{case.function}_{which}"]
-        function.argtypes, function.restype = [ctypes.c_double] * len(columns), ctypes.c_double
-        answers.append(np.array(list(map(function, *columns))))
-    return answers
+    law = write(case, "c", folder, "law.c")
+    include = f'#include "{law}"'
+    names = {"both": case.name, "load": f"{case.name}_load", "stiffness": f"{case.name}_stiffness"}
+    return _compiled("gcc", C_FLAGS, "run.c", C_WRAPPER, case, folder, include, "", **names)
+
+
+def run_cpp(case, folder):
+    law = write(case, "cpp", folder, "law.hpp")
+    names = {what: f"{case.name}::{what}" for what in ("load", "stiffness")}
+    names["both"] = f"{case.name}::evaluate"
+    include, linkage = f'#include "{law}"', 'extern "C"'
+    return _compiled(
+        "g++", CPP_FLAGS, "run.cpp", C_WRAPPER, case, folder, include, linkage, **names
+    )
 
 
 def run_fortran(case, folder):
-    """Compile the Fortran export and return load and stiffness, by subroutine and functions."""
-    names = [f"x{i}" for i in range(len(case.arguments))]
-    wrapper = FORTRAN_WRAPPER.format(
-        function=case.function,
-        names=", ".join(names),
-        shaped=", ".join(f"{name}(m)" for name in names),
+    law = write(case, "fortran", folder, "law.f90")
+    flags = (*FORTRAN_FLAGS, f"-J{folder}", law)
+    return _compiled("gfortran", flags, "run.f90", FORTRAN_WRAPPER, case, folder)
+
+
+def _compiled(compiler, flags, file, wrapper, case, folder, include="", linkage="", **names):
+    """Compile an export with a loop over rows around it, and run that."""
+    columns = len(case.arguments)
+    first, form = (1, "x({}, :)") if compiler == "gfortran" else (0, "x[{}]")
+    given = ", ".join(form.format(k + first) for k in range(columns))
+    text = wrapper.format(
+        include=include, linkage=linkage, name=case.name, columns=columns, given=given, **names
     )
-    source, driver, library = folder / "law.f90", folder / "run.f90", folder / "law_f.so"
-    source.write_text(export(case.law, case.contact, "fortran"), encoding="ascii")
-    driver.write_text(wrapper, encoding="ascii")
-    compile_with("gfortran", *FORTRAN_FLAGS, f"-J{folder}", source, driver, "-o", library)
-    columns = [np.ascontiguousarray(column) for column in case.arguments.values()]
-    answers = [np.empty(case.rows) for _ in range(4)]
-    pointers = [column.ctypes.data_as(ctypes.c_void_p) for column in (*columns, *answers)]
+    driver, library = folder / file, folder / f"{file}.so"
+    driver.write_text(text, encoding="ascii")
+    compile_with(compiler, *flags, driver, "-o", library, "-lm")
+    x, y = np.column_stack(list(case.arguments.values())), np.empty((case.rows, 4))
+    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (np.ascontiguousarray(x), y)]
     ctypes.CDLL(str(library)).run(ctypes.c_int(case.rows), *pointers)
-    return answers
+    np.testing.assert_array_equal(y[:, :2], y[:, 2:])
+    return y[:, 0], y[:, 1]
 
 
 def run_octave(cases, folder, more=""):
@@ -82,14 +114,66 @@ def run_octave(cases, folder, more=""):
     for name, case in cases.items():
         place = folder / name
         place.mkdir()
-        text = export(case.law, case.contact, "matlab")
-        (place / f"{case.function}.m").write_text(text, encoding="ascii")
+        write(case, "matlab", place, f"{case.name}.m")
         np.column_stack(list(case.arguments.values())).T.tofile(place / "in")
         shape = {"rows": case.rows, "columns": len(case.arguments)}
-        script.append(OCTAVE_CASE.format(folder=place, function=case.function, **shape))
+        script.append(OCTAVE_CASE.format(folder=place, name=case.name, **shape))
     (folder / "all.m").write_text("1;\n" + "".join(script) + more, encoding="ascii")
     run_program("octave-cli", "--no-gui", "--norc", "--quiet", folder / "all.m")
     return {name: np.fromfile(folder / name / "out").reshape(2, -1) for name in cases}
+
+
+def module_of(case, target):
+    """Return the names of a Python module."""
+    names = {}
+    exec(export(case.law, case.contact, target), names)
+    return names
+
+
+def run_python(case, _folder):
+    evaluate = module_of(case, "python")["evaluate"]
+    return np.array([evaluate(*row) for row in case.each_row()]).T
+
+
+def run_jax(case, _folder):
+    """Load and stiffness under jit, grad and vmap."""
+    jax = require_jax()
+    both = jax.jit(jax.vmap(jax.value_and_grad(module_of(case, "jax")["load"])))
+    return [np.asarray(answer) for answer in both(*case.arguments.values())]
+
+
+def require_jax():
+    """Return JAX in double precision; skip without it."""
+    jax = require_package("jax")
+    jax.config.update("jax_enable_x64", True)
+    return jax
+
+
+def run_json(case, _folder):
+    """Follow the steps of a JSON export, as its readers would."""
+    document = json.loads(export(case.law, case.contact, "json"))
+    names = ("log", "log1p", "exp", "sqrt", "sin", "cos", "pi", "nan", "inf")
+    vocabulary = {name: getattr(np, name) for name in names} | {"atan": np.arctan, "max": max}
+    answers = []
+    with np.errstate(all="ignore"):
+        for row in case.each_row():
+            values = dict(zip(document["arguments"], map(np.float64, row), strict=True))
+            known = vocabulary | document["constants"] | values
+            f = k = 0.0 if row[0] < 0 else math.nan
+            if all(eval(condition, known) for condition in document["conditions"]):
+                for step in document["steps"]:
+                    exec(step, known)
+                f, k = (
+                    0.0 if row[0] == 0 and math.isnan(x) else x for x in (known["f"], known["k"])
+                )
+            answers.append((f, k))
+    return np.array(answers).T
+
+
+RUNNERS = {
+    "c": run_c, "cpp": run_cpp, "fortran": run_fortran, "python": run_python, "jax": run_jax,
+    "json": run_json,
+}  # fmt: skip
 
 
 def compile_with(compiler, *arguments):

@@ -10,7 +10,7 @@ from cylcontact.export.joints.fmu import VARIABLES
 from cylcontact.mechanism.assembly import assemble, evaluate, joint_table
 from cylcontact.mechanism.clearance_joint import JointState
 
-REALS = [v.name for v in VARIABLES if v.quantity != "flag"]
+REALS = [name for name, quantity, *_ in VARIABLES if quantity]
 INPUTS, OUTPUTS = list(range(12)), list(range(12, len(REALS)))
 
 

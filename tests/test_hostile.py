@@ -190,7 +190,7 @@ def in_source_of_a_law(text, _fitted, _tmp_path):
 def in_source_of_a_joint(text, _fitted, _tmp_path):
     lines = Element(joint_of(text)).comment("use", "//").split("\n")
     assert all(line.startswith("//") and line.isascii() and line.isprintable() for line in lines)
-    description, tame = (fmu._description(joint_of(x), "{0}") for x in (text, TAME))
+    description, tame = (fmu.model_of(joint_of(x)).description("{0}") for x in (text, TAME))
     shape = [
         [(e.tag, tuple(e.attrib)) for e in ET.fromstring(x).iter()] for x in (description, tame)
     ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection
-from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -25,8 +24,17 @@ def __dir__() -> list[str]:
     return __all__
 
 
-# Each is a module of this package, whose function `source` returns the text of a file.
-TARGETS = ("c", "fortran", "matlab", "json")
+# Each is a module of this package; with the suffix of its file.
+TARGETS = {
+    "c": ".c",
+    "cpp": ".hpp",
+    "fortran": ".f90",
+    "matlab": ".m",
+    "python": ".py",
+    "jax": ".py",
+    "json": ".json",
+    "fmu": ".fmu",
+}
 # Each is a module of `joints`; with the suffix of the file that is named.
 JOINT_TARGETS = {
     "c": ".c",
@@ -76,14 +84,13 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     const double a = 0.965;
     """
     # The command line reads the names of the targets, so the rest is imported here.
-    from cylcontact.export.formulas import formula_of
+    from cylcontact.export.exported_law import exported
     from cylcontact.export.soundness import require_contact_law
 
     _require_target(target)
-    formula = formula_of(law, _contact(contact))
-    require_contact_law(law, formula.contact)
-    formula = replace(formula, origin=origin or formula.origin)
-    text: str = import_module(f"{__name__}.{target}").source(formula)
+    chosen = exported(law, _contact(contact), origin)
+    require_contact_law(law, chosen.contact)
+    text: str | bytes = import_module(f"{__name__}.{target}").source(chosen)
     return text
 
 

@@ -4,23 +4,52 @@ from __future__ import annotations
 
 import ast
 
-import numpy as np
-
+from cylcontact.export.exported_law import ExportedLaw
 from cylcontact.export.render import Dialect
-from cylcontact.laws.formula import Formula
 
-__all__ = ["DIALECT", "source"]
+# Lambert's w = -1 - W(-p/e), W the lower branch: a start in closed form and one step.
+_LAMBERT = """
+static double branch_distance(double p)
+{
+    $steps
+    return $w;
+}"""
 
 DIALECT = Dialect(
     comment="//",
     number=repr,
     power="pow({x}, {y})",
     assignment="const double {name} = {value};",
-    choice="const double {name} = ({test}) ? {yes} : {no};",
-    joint=" && ",
-    names={"pi": repr(np.pi), "nan": "(double)NAN", "max": "fmax"},
+    variable="double {name} = {value};",
+    again="{name} = {value};",
+    choice="{test} ? {yes} : {no}",
+    loop=(
+        "for (int {name} = {first}; {name} {before} {stop}; {name} += {step}) {{\n{body}\n}}"
+    ),
+    counter="(double){name}",
+    names={"nan": "(double)NAN", "inf": "(double)INFINITY", "max": "fmax"},
     symbols={ast.And: "&&", ast.Or: "||"},
+    lambert=_LAMBERT,
 )
+
+# At first touch the steps may have no value, as ln 0.
+_BODY = """\
+*load = penetration < 0.0 ? 0.0 : (double)NAN;
+*stiffness = *load;
+if (!($domain)) {
+    return;
+}
+$constants
+$at_pair
+$last
+$at_depth
+*load = penetration > 0.0 || f >= 0.0 ? f : 0.0;
+*stiffness = penetration > 0.0 || k >= 0.0 ? k : 0.0;
+"""
+_LAST = """\
+if (!($ends)) {
+    return;
+}"""
 
 _FRAME = """\
 $comment
@@ -37,25 +66,13 @@ double ${name}_load(
     $parameters);
 double ${name}_stiffness(
     $parameters);
+$helpers
 
 void $name(
     $parameters,
     double *load, double *stiffness)
 {
-    if (penetration < 0.0) {
-        *load = 0.0;
-        *stiffness = 0.0;
-        return;
-    }
-    if (!($domain)) {
-        *load = NAN;
-        *stiffness = NAN;
-        return;
-    }
-    $constants
-    $steps
-    *load = f;
-    *stiffness = k;
+    $body
 }
 
 double ${name}_load(
@@ -76,16 +93,8 @@ double ${name}_stiffness(
 """
 
 
-def source(formula: Formula) -> str:
-    """Return the C source of a formula.
-
-    Examples
-    --------
-    >>> from cylcontact.export.formulas import formula_of
-    >>> from cylcontact.laws.liu import Liu
-    >>> text = source(formula_of(Liu(), "internal"))
-    >>> print(*[line for line in text.splitlines() if "root =" in line])
-        const double root = sqrt(penetration / (2.0 * (dR + penetration)));
-    """
-    parameters = ", ".join(f"double {name}" for name in formula.arguments)
-    return DIALECT.source(formula, _FRAME, parameters=parameters)
+def source(law: ExportedLaw, frame: str = _FRAME) -> str:
+    """Return the C source of a law; `frame` may be another, as for C++."""
+    parameters = ", ".join(f"double {name}" for name in law.arguments)
+    last = _LAST if law.ends else ""
+    return law.source(DIALECT, frame, parameters=parameters, last=last, body=_BODY)

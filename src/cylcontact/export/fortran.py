@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterable
 from textwrap import wrap
 
-import numpy as np
-
-from cylcontact.export.comments import WIDTH
-from cylcontact.export.render import Dialect
-from cylcontact.laws.formula import Formula
-
-__all__ = ["DIALECT", "source"]
+from cylcontact.export.exported_law import ExportedLaw, flat
+from cylcontact.export.render import WIDTH, Dialect
+from cylcontact.laws.formula import Step, assigned_in
 
 # atanh is accurate for small x, also with a compiler that reorders sums.
 _LOG1P = """
@@ -26,17 +23,35 @@ elemental function log1p(x) result(y)
     end if
 end function log1p"""
 
+# Lambert's w = -1 - W(-p/e), W the lower branch: a start in closed form and one step.
+_LAMBERT = """
+elemental function branch_distance(p) result(w)
+    real(wp), intent(in) :: p
+    real(wp) :: w
+    real(wp) :: inner, g, r, u, start, t
+
+    $steps
+    w = $w
+end function branch_distance"""
+
 DIALECT = Dialect(
     comment="!",
     number="{!r}_wp".format,
     power="{x}**{y}",
     assignment="{name} = {value}",
-    choice="if ({test}) then\n    {name} = {yes}\nelse\n    {name} = {no}\nend if",
-    joint=" .and. &\n            ",
-    constant="real(wp), parameter :: {name} = {value}_wp",
-    names={"pi": f"{np.pi!r}_wp", "nan": "ieee_value(1.0_wp, ieee_quiet_nan)"},
+    choice="merge({yes}, {no}, {test})",
+    branch="if ({test}) then\n    {name} = {yes}\nelse\n    {name} = {no}\nend if",
+    loop="do {name} = {first}, {last}, {step}\n{body}\nend do",
+    counter="real({name}, wp)",
+    constant="real(wp), parameter :: {name} = {value}",
+    continued=" &",
+    names={
+        "nan": "ieee_value(1.0_wp, ieee_quiet_nan)",
+        "inf": "ieee_value(1.0_wp, ieee_positive_inf)",
+    },
     symbols={ast.And: ".and.", ast.Or: ".or."},
     helpers={"log1p": _LOG1P},
+    lambert=_LAMBERT,
 )
 
 _FRAME = """\
@@ -45,7 +60,7 @@ $comment
 ! Fortran 2008. The procedures are elemental: the arguments may be arrays.
 module ${name}_law
     use, intrinsic :: iso_fortran_env, only: wp => real64
-    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan$infinity
     implicit none
     private
     public :: $name
@@ -61,35 +76,34 @@ contains
         $constants
         $variables
 
-        if (penetration < 0.0_wp) then
-            load = 0.0_wp
-            stiffness = 0.0_wp
-            return
-        end if
-        if (.not. ($domain)) then
-            load = ieee_value(1.0_wp, ieee_quiet_nan)
-            stiffness = ieee_value(1.0_wp, ieee_quiet_nan)
-            return
-        end if
-        $steps
-        load = f
-        stiffness = k
+        load = ieee_value(1.0_wp, ieee_quiet_nan)
+        if (penetration < 0.0_wp) load = 0.0_wp
+        stiffness = load
+        $check
+        $at_pair
+        $last
+        $at_depth
+        ! At first touch the steps may have no value, as ln 0.
+        load = merge(f, 0.0_wp, penetration > 0.0_wp .or. f >= 0.0_wp)
+        stiffness = merge(k, 0.0_wp, penetration > 0.0_wp .or. k >= 0.0_wp)
     end subroutine $name
 
-    elemental function ${name}_load($arguments) &
-        result(load)
+    elemental function ${name}_load( &
+        $arguments) result(load)
         real(wp), intent(in) :: $arguments
         real(wp) :: load, stiffness
 
-        call $name($arguments, load, stiffness)
+        call $name( &
+            $arguments, load, stiffness)
     end function ${name}_load
 
-    elemental function ${name}_stiffness($arguments) &
-        result(stiffness)
+    elemental function ${name}_stiffness( &
+        $arguments) result(stiffness)
         real(wp), intent(in) :: $arguments
         real(wp) :: load, stiffness
 
-        call $name($arguments, load, stiffness)
+        call $name( &
+            $arguments, load, stiffness)
     end function ${name}_stiffness
     $helpers
 
@@ -97,16 +111,27 @@ end module ${name}_law
 """
 
 
-def source(formula: Formula) -> str:
-    """Return the Fortran source of a formula.
+def source(law: ExportedLaw) -> str:
+    """Return the Fortran source of a law."""
+    domain = DIALECT.wrapped(f"if (.not. ({DIALECT.render(law.domain)})) return")
+    return law.source(
+        DIALECT,
+        _FRAME,
+        infinity=", ieee_positive_inf" if law.uses("inf") else "",
+        variables=declared(law.steps),
+        check=domain,
+        last="if (.not. ($ends)) return" if law.ends else "",
+    )
 
-    Examples
-    --------
-    >>> from cylcontact.export.formulas import formula_of
-    >>> from cylcontact.laws.liu import Liu
-    >>> text = source(formula_of(Liu(), "internal"))
-    >>> print(*[line.strip() for line in text.splitlines() if "root =" in line])
-    root = sqrt(penetration / (2.0_wp * (dR + penetration)))
-    """
-    names = wrap(", ".join(step.name for step in formula.steps), WIDTH - 24)
-    return DIALECT.source(formula, _FRAME, variables="real(wp) :: " + " &\n    ".join(names))
+
+def declared(steps: Iterable[Step]) -> str:
+    """Return the declaration of the variables that steps assign, and of what loops count."""
+    steps = tuple(steps)
+    kinds = {
+        "real(wp)": list(assigned_in(steps)),
+        "integer": list(dict.fromkeys(step.name for step in flat(steps) if step.body)),
+    }
+    return "\n".join(
+        f"{kind} :: " + " &\n    ".join(wrap(", ".join(names), WIDTH - 24))
+        for kind, names in kinds.items() if names
+    )  # fmt: skip

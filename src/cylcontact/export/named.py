@@ -10,15 +10,17 @@ from typing import TYPE_CHECKING
 from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
 from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.law import formula_of
+from cylcontact.laws.user import user_law
 from cylcontact.pair import Contact
 
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
 
-__all__ = ["EXPORTABLE", "FoundLaw", "find_law"]
-
-# `find_law` accepts the name of a law without a closed form too, and `formula_of` reports that.
-EXPORTABLE = tuple(LAWS)
+# `find_law` accepts the name of a law without a closed form too, and `exported` reports that.
+EXPORTABLE = tuple(
+    name for name, law in LAWS.items() if formula_of(law(), "internal") is not None
+)
 
 
 @dataclass(frozen=True)
@@ -51,12 +53,14 @@ def find_law(what: str, contact: Contact | None) -> FoundLaw:
         )
     if Path(what).suffix == ".json" or _exists(what):
         return _from_result(what, contact)
+    if ":" in what:
+        return FoundLaw(user_law(what, Path.cwd()), contact, "a function of the user's own")
     raise InputError(
         "export",
         "law",
         what,
         "is neither a law that can be exported nor a fit result",
-        f"choose {', '.join(EXPORTABLE)}, or the path of a result",
+        f"choose {', '.join(EXPORTABLE)}, module:function of your own, or the path of a result",
     )
 
 

@@ -1,34 +1,26 @@
-"""Formulas in the notation of a language, in the frame of its file."""
+"""Steps in the notation of a language, in the frame of its file."""
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
 from string import Template
-from textwrap import indent
+from textwrap import indent, wrap
+from typing import Any
 
-from cylcontact.export.comments import comment_lines
-from cylcontact.laws.formula import Formula, Step, expression
+from cylcontact.laws.formula import Formula, Step, names_in, needed
+from cylcontact.laws.lambert import branch_distance_steps
 
-__all__ = ["Dialect", "filled"]
-
-# Operator precedence, the same in all targets.
-_OR, _AND, _COMPARISON, _SUM, _PRODUCT, _POWER, _ATOM = range(7)
-
+WIDTH = 90
+# Operator precedence, the same in all languages.
+_CHOICE, _OR, _AND, _COMPARISON, _SUM, _PRODUCT, _POWER, _ATOM = range(8)
 _SYMBOLS: Mapping[type[ast.AST], str] = {
-    ast.Add: "+",
-    ast.Sub: "-",
-    ast.Mult: "*",
-    ast.Div: "/",
-    ast.Gt: ">",
-    ast.GtE: ">=",
-    ast.Lt: "<",
-    ast.LtE: "<=",
-    ast.And: "and",
-    ast.Or: "or",
-}
+    ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Gt: ">", ast.GtE: ">=",
+    ast.Lt: "<", ast.LtE: "<=", ast.And: "and", ast.Or: "or",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -46,18 +38,24 @@ class Dialect:
     assignment : str
         Format string of a statement that gives `name` a `value`.
     choice : str
-        Format string of a statement that gives `name` the value `yes` or `no` by a `test`. Only
-        one side may be evaluated.
-    joint : str
-        The text between the conditions of the domain.
-    constant : str
-        Format string of a constant, if it differs from an assignment.
-    names : mapping
-        Names and functions with another spelling, such as pi and nan.
-    symbols : mapping
-        Operators with another spelling, by Python's node type.
+        Format string of the expression that is `yes` or `no` by a `test`.
+    loop : str
+        Format string of a loop of `name` from `first` to `last`, below or above `stop`, by `step`,
+        with its `body`; `before` is < or >.
+    branch : str
+        Format string of a choice as a statement, if only one side may be evaluated there.
+    constant, variable, again : str
+        As `assignment`, for a constant, and for the first and the next values of a variable.
+    counter : str
+        Format string of the number that a loop counts, in an expression.
+    continued : str
+        The end of a line that goes on.
+    names, symbols : mapping
+        Names and functions, and operators by Python's node type, with another spelling.
     helpers : mapping
         Definitions of functions that the language lacks, by name.
+    lambert : str
+        The frame of the function of Lambert's w, with $steps.
     """
 
     comment: str
@@ -65,68 +63,94 @@ class Dialect:
     power: str
     assignment: str
     choice: str
-    joint: str
+    loop: str
+    branch: str = ""
     constant: str = ""
+    variable: str = ""
+    again: str = ""
+    counter: str = "{name}"
+    continued: str = ""
     names: Mapping[str, str] = field(default_factory=dict)
     symbols: Mapping[type[ast.AST], str] = field(default_factory=dict)
     helpers: Mapping[str, str] = field(default_factory=dict)
+    lambert: str = ""
 
-    def source(self, formula: Formula, frame: str, **own: str) -> str:
-        """Return a formula as the text of a file.
-
-        Parameters
-        ----------
-        formula : Formula
-            The formula.
-        frame : str
-            The text with $comment, $name, $arguments, $domain, $constants, $steps and, if the
-            language has any, $helpers. A placeholder alone on its line may stand for several
-            lines, indented as it is, or for none.
-        **own : str
-            Further parts of the frame.
-        """
-        steps = self.statements(formula.steps)
-        parts = {
-            "comment": comment_lines(formula, self.comment),
-            "name": formula.name,
-            "arguments": ", ".join(formula.arguments),
-            "domain": self.joint.join(
-                self.render(expression(text)) for text in formula.requirements
-            ),
-            "constants": self.constants(formula.constants),
-            "steps": steps,
-            "helpers": self.helpers_of(steps),
-        }
-        return filled(frame, parts | own)
-
-    def statements(self, steps: Iterable[Step]) -> str:
-        """Return steps in this language, one a line."""
-        return "\n".join(map(self._statement, steps))
+    def statements(self, steps: Sequence[Step], others: Sequence[Step] = ()) -> str:
+        """Return steps in this language, one a line; `others` follow somewhere later."""
+        variables = _variables((*steps, *others)) if self.variable else set()
+        lines, declared = [], set[str]()
+        for step in steps:
+            inside = {name for name, _, assigned in _places(step.body) if assigned}
+            for name in sorted(inside & variables - declared):
+                lines.append(self.variable.format(name=name, value=self.number(0.0)))
+            lines.append(self._statement(step, variables, declared))
+            declared |= inside | {step.name}
+        return "\n".join(self.wrapped(line) for text in lines for line in text.splitlines())
 
     def constants(self, numbers: Mapping[str, float]) -> str:
         """Return constants in this language, one a line."""
         form = self.constant or self.assignment
-        return "\n".join(form.format(name=name, value=value) for name, value in numbers.items())
+        return "\n".join(
+            form.format(name=self.names.get(name, name), value=self.number(value))
+            for name, value in numbers.items()
+        )
 
-    def helpers_of(self, steps: str) -> str:
-        """Return the definitions of the functions that rendered steps call."""
-        return "".join(text for name, text in self.helpers.items() if f"{name}(" in steps)
+    def helpers_of(self, text: str) -> str:
+        """Return the definitions of the functions that a rendered text calls."""
+        parts = []
+        if re.search(r"\bbranch_distance\(", text):
+            own = replace(self, names={**self.names, "penetration": "p"})
+            *steps, last = lambert_steps()
+            w = {"steps": own.statements(steps), "w": own.render(last.value)}
+            parts.append(filled(self.lambert, w))
+            text += parts[0]
+        parts += (code for name, code in self.helpers.items() if re.search(rf"\b{name}\(", text))
+        return "\n".join(parts)
 
     def render(self, node: ast.expr) -> str:
         """Return an expression in this language."""
         return self._text(node)[0]
 
-    def _statement(self, step: Step) -> str:
+    def _statement(self, step: Step, variables: set[str], declared: set[str]) -> str:
         """Return a step in this language."""
         name = self.names.get(step.name, step.name)
-        if not isinstance(step.value, ast.IfExp):
-            return self.assignment.format(name=name, value=self.render(step.value))
-        test, yes, no = map(self.render, (step.value.test, step.value.body, step.value.orelse))
-        return self.choice.format(name=name, test=test, yes=yes, no=no)
+        if step.body:
+            return self._loop(step, variables)
+        form = self.assignment
+        if step.name in variables:
+            form = self.again if step.name in declared else self.variable
+        if isinstance(step.value, ast.IfExp) and self.branch:
+            parts = (step.value.test, step.value.body, step.value.orelse)
+            test, yes, no = map(self.render, parts)
+            return self.branch.format(name=name, test=test, yes=yes, no=no)
+        return form.format(name=name, value=self.render(step.value))
+
+    def _loop(self, step: Step, variables: set[str]) -> str:
+        """Return a loop in this language."""
+        limits = range(*(ast.literal_eval(ast.unparse(each)) for each in step.value.args))  # type: ignore[attr-defined]
+        inner = replace(
+            self, names={**self.names, step.name: self.counter.format(name=step.name)}
+        )
+        body = (inner._statement(each, variables, variables) for each in step.body)
+        return self.loop.format(
+            name=step.name, first=limits.start, stop=limits.stop, step=limits.step,
+            last=limits.stop - (1 if limits.step > 0 else -1),
+            before="<" if limits.step > 0 else ">", body=indent("\n".join(body), "    "),
+        )  # fmt: skip
+
+    def wrapped(self, line: str) -> str:
+        """Return a line, cut between words if it is long."""
+        deeper = " " * (len(line) - len(line.lstrip()) + 4)
+        parts = wrap(
+            line, WIDTH, subsequent_indent=deeper, break_long_words=False, break_on_hyphens=False
+        )
+        return f"{self.continued}\n".join(parts)
 
     def _text(self, node: ast.expr) -> tuple[str, int]:
-        """Return the text of any node of the notation, and its precedence."""
+        """Return the text of a node, and its precedence."""
         match node:
+            case ast.Constant(value=int() | float() as value) if value < 0:
+                return f"-{self.number(-float(value))}", _SUM
             case ast.Constant(value=int() | float() as value):
                 return self.number(float(value)), _ATOM
             case ast.Name(id=name):
@@ -134,27 +158,31 @@ class Dialect:
             case ast.Call(func=ast.Name(id=name), args=args):
                 inside = ", ".join(map(self.render, args))
                 return f"{self.names.get(name, name)}({inside})", _ATOM
-        return self._operation(node)
-
-    def _operation(self, node: ast.expr) -> tuple[str, int]:
-        """Return the text of an operation, and its precedence."""
-        match node:
             case ast.UnaryOp(op=ast.USub(), operand=operand):
-                # In parentheses, because Fortran does not allow two operators in a row.
-                return f"(-{self._above(operand, _PRODUCT)})", _ATOM
+                # As a sum, because Fortran does not allow two operators in a row.
+                return f"-{self._above(operand, _SUM)}", _SUM
             case ast.BinOp(op=ast.Pow(), left=left, right=right):
                 x, y = self._above(left, _POWER), self._above(right, _POWER)
                 return self.power.format(x=x, y=y), _POWER
             case ast.BinOp(op=op, left=left, right=right):
                 level = _SUM if isinstance(op, ast.Add | ast.Sub) else _PRODUCT
                 x, y = self._above(left, level - 1), self._above(right, level)
+                if level == _PRODUCT and self.render(left).startswith("-"):
+                    x, level = self.render(left), _SUM
                 return f"{x} {self._symbol(op)} {y}", level
             case ast.Compare(left=left, ops=[op], comparators=[right]):
-                x, y = self.render(left), self.render(right)
+                x, y = self._above(left, _COMPARISON), self._above(right, _COMPARISON)
                 return f"{x} {self._symbol(op)} {y}", _COMPARISON
             case ast.BoolOp(op=op, values=values):
-                level = _AND if isinstance(op, ast.And) else _OR
-                return f" {self._symbol(op)} ".join(self._above(v, level) for v in values), level
+                level, symbol = _AND if isinstance(op, ast.And) else _OR, self._symbol(op)
+                # & and | of arrays bind more tightly than comparisons.
+                least = _COMPARISON if symbol in "&|" else level
+                return f" {symbol} ".join(self._above(v, least) for v in values), level
+            case ast.IfExp(test=test, body=yes, orelse=no):
+                form, parts = self.choice, (test, yes, no)
+                inside = [self._above(part, _CHOICE) for part in parts]
+                text = form.format(test=inside[0], yes=inside[1], no=inside[2])
+                return text, _ATOM if form.endswith(")") else _CHOICE
         raise NotImplementedError(ast.unparse(node))
 
     def _above(self, node: ast.expr, level: int) -> str:
@@ -163,9 +191,44 @@ class Dialect:
         return text if binding > level else f"({text})"
 
     def _symbol(self, operator: ast.AST) -> str:
-        """Return an operator in this language."""
-        kind = type(operator)
-        return self.symbols.get(kind) or _SYMBOLS[kind]
+        return self.symbols.get(type(operator)) or _SYMBOLS[type(operator)]
+
+
+def _variables(steps: Iterable[Step]) -> set[str]:
+    """Return the names that change, or that are used outside the loop which assigns them."""
+    places = list(_places(steps))
+    homes: dict[str, list[tuple[int, ...]]] = {}
+    for name, path, assigned in places:
+        if assigned:
+            homes.setdefault(name, []).append(path)
+    changing = {name for name, paths in homes.items() if len(paths) > 1}
+    return changing | {
+        name for name, path, _ in places
+        if name in homes and path[: len(homes[name][0])] != homes[name][0]
+    }  # fmt: skip
+
+
+def _places(
+    steps: Iterable[Step], path: tuple[int, ...] = ()
+) -> Iterator[tuple[str, tuple[int, ...], bool]]:
+    """Yield each name, the loops that it is in, and whether it is assigned there."""
+    for number, step in enumerate(steps):
+        if step.body:
+            yield from _places(step.body, (*path, number))
+        else:
+            yield from ((name, path, False) for name in names_in(step.value))
+            yield step.name, path, True
+
+
+def _w(penetration: Any, pair: Any) -> Any:
+    """Return Lambert's w as a formula of one argument, for its steps."""
+    return branch_distance_steps(penetration)
+
+
+@cache
+def lambert_steps() -> tuple[Step, ...]:
+    """Return the steps from p, here called penetration, to w, here called f."""
+    return needed(Formula(_w).steps, "f")
 
 
 def filled(frame: str, parts: Mapping[str, str]) -> str:

@@ -338,6 +338,9 @@ def _constants(function: Callable[..., Any], first: int) -> dict[str, float | No
         elif not isinstance(value, int | float):
             rule = f"has a default for {argument.name} that is not a number"
             raise _refusal(function, rule, writing)
+        if argument.name in _RESULTS:
+            rule = f"has a constant {argument.name}, which names a result of a formula"
+            raise _refusal(function, rule, writing)
         constants[argument.name] = value
     return constants
 

@@ -17,8 +17,6 @@ from cylcontact.export.joints.element import (
 from cylcontact.export.render import filled
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
 
-__all__ = ["body_parts", "source"]
-
 _USAGE = """\
 #include "$stem.h" and link with -lm:
 

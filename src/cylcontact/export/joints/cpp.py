@@ -7,8 +7,6 @@ from cylcontact.export.joints.element import Element
 from cylcontact.export.render import filled
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
 
-__all__ = ["source"]
-
 _USAGE = """\
 #include "$stem.hpp":
 

@@ -6,7 +6,7 @@ language has formulas of its own. Only the law is in mm: the step `depth` is the
 
 from __future__ import annotations
 
-import ast
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,18 +16,17 @@ from textwrap import wrap
 import numpy as np
 
 from cylcontact.arrays import FloatArray, require
-from cylcontact.dissipation import RATIO_BEND
-from cylcontact.export.comments import WIDTH, paragraph
-from cylcontact.export.render import Dialect
-from cylcontact.laws.formula import MEANINGS, Step, needed, steps_of
-from cylcontact.laws.kernels import steps_for
+from cylcontact.export.exported_law import MEANINGS, flat, paragraph, renamed, safe_names
+from cylcontact.export.render import WIDTH, Dialect
+from cylcontact.impact import RATIO_BEND
+from cylcontact.laws.formula import Step, names_in, needed, steps_of
+from cylcontact.laws.kernels import TABLE
+from cylcontact.laws.law import Law
 from cylcontact.materials import Material
 from cylcontact.mechanism import contact
 from cylcontact.mechanism.clearance_joint import ClearanceJoint, JointState
 from cylcontact.mechanism.system import TANGENT_FROM
 from cylcontact.plain_text import RESERVED, comment
-
-__all__ = ["RESULTS", "Element", "argument_names", "bodies_of", "require_importable", "rows_of"]
 
 # The motion of a body as it is passed; in the steps bearing_x and so on.
 _MOTION = ("x", "y", "angle", "vx", "vy", "spin")
@@ -112,31 +111,39 @@ class Element:
     @cached_property
     def evaluate(self) -> tuple[Step, ...]:
         """The steps from the motion and the state to `RESULTS`."""
-        return needed(self._text, *RESULTS)
+        return needed(steps_of(self._text), *RESULTS)
 
     @cached_property
     def accept(self) -> tuple[Step, ...]:
         """The steps to `next_rate`."""
-        return needed(self._text, "next_rate")
+        return needed(steps_of(self._text), "next_rate")
 
     @cached_property
     def law(self) -> tuple[Step, ...]:
         """The steps from a penetration > 0 in mm, or the nodes around it, to f in N/mm."""
-        kernel = steps_for(self.joint.law)
-        return steps_of(_TABLE_STEPS) if kernel is None else needed(kernel.steps, "f")
+        return self._law[0]
 
     @property
     def law_constants(self) -> dict[str, float]:
         """The numbers that the steps of the law use."""
-        kernel = steps_for(self.joint.law)
-        names = () if kernel is None else kernel.names
-        numbers = dict(zip(names, map(float, self.joint.kernel.parameters), strict=False))
-        return _used(self.law, numbers)
+        return _used(self.law, {"pi": math.pi, **self._law[1]})
+
+    @cached_property
+    def _law(self) -> tuple[tuple[Step, ...], dict[str, float]]:
+        """The steps of the law and the numbers of its formula at the pair."""
+        law, pair = self.joint.law, self.joint.pair
+        if self.table is not None or not isinstance(law, Law):
+            return steps_of(_TABLE_STEPS), {}
+        numbers = law.numbers_at(pair)
+        steps = needed(law.formula_for(pair.contact).scalar_steps, "f")
+        names = safe_names(steps, numbers)
+        own = {names[name]: float(value) for name, value in numbers.items()}
+        return tuple(renamed(step, names) for step in steps), own
 
     @property
     def table(self) -> tuple[FloatArray, FloatArray, FloatArray] | None:
         """ln of the penetration, ln of the load and slopes; None if the law has a formula."""
-        if steps_for(self.joint.law) is not None:
+        if self.joint.kernel.kind != TABLE:
             return None
         x, y, slopes = self.joint.kernel.parameters[1:].reshape(3, -1)
         return x, y, slopes
@@ -242,6 +249,7 @@ class Element:
             *(
                 f"  {name:<16} {value!r:<24} {unit:<7} {meaning}"
                 for name, value in self.law_constants.items()
+                if name != "pi"
                 for unit, meaning in [MEANINGS.get(name, ("", "of the law"))]
             ),
             "",
@@ -347,7 +355,9 @@ def bodies_of(element: Element, dialect: Dialect) -> dict[str, str]:
     """Return the bodies of law, `evaluate` and `accept`, each with its constants, in a language."""
     parts = {
         "law": dialect.statements(element.law),
-        "law_constants": dialect.constants(element.law_constants),
+        "law_constants": dialect.constants(
+            {n: x for n, x in element.law_constants.items() if n not in dialect.names}
+        ),
     }
     for function, steps in (("evaluate", element.evaluate), ("accept", element.accept)):
         parts[function] = dialect.statements(steps)
@@ -391,15 +401,13 @@ def _rows(title: str, texts: Iterable[str]) -> Iterator[str]:
 
 def _used(steps: Iterable[Step], numbers: Mapping[str, float]) -> dict[str, float]:
     """Return the numbers whose names some steps use."""
-    names = {
-        node.id for step in steps for node in ast.walk(step.value) if isinstance(node, ast.Name)
-    }
+    names = set().union(*(names_in(step.value) for step in flat(steps)))
     return {name: value for name, value in numbers.items() if name in names}
 
 
 def _law_text(joint: ClearanceJoint) -> str:
     """Return the law and the origin of its coefficients in words."""
-    is_table = steps_for(joint.law) is None
+    is_table = joint.kernel.kind == TABLE
     form = "a table, cubic in ln f over ln d" if is_table else "its formula at this pair"
     origin = f"; {comment(joint.origin)}" if joint.origin else ""
     return f"'{comment(joint.law.name)}', {form}{origin}"

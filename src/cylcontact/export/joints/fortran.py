@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
-from textwrap import wrap
 
 from cylcontact.arrays import FloatArray
-from cylcontact.export.comments import WIDTH
-from cylcontact.export.fortran import DIALECT
+from cylcontact.export.fortran import DIALECT, declared
 from cylcontact.export.joints.element import (
     RESULTS,
     Element,
@@ -18,10 +15,7 @@ from cylcontact.export.joints.element import (
     table_parts,
 )
 from cylcontact.export.render import filled
-from cylcontact.laws.formula import Step
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
-
-__all__ = ["source"]
 
 # The standard allows 255 lines for a statement; a table is cut into arrays of as many nodes.
 _NODES = 800
@@ -161,24 +155,18 @@ def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
     parts = {
         "name": joint.identifier,
         **bodies,
-        "evaluate_variables": _declared(element.evaluate),
-        "accept_variables": _declared(element.accept),
-        "law_variables": _declared(step for step in element.law if step.name != "f"),
+        "evaluate_variables": declared(element.evaluate),
+        "accept_variables": declared(element.accept),
+        "law_variables": declared(step for step in element.law if step.name != "f"),
         **table_parts(element, _arrays, _LOOKUP, 1),
         "results": _RESULTS.format(*RESULTS),
         "helpers": DIALECT.helpers_of(bodies["law"]),
         "nan_module": "",
     }
-    if DIALECT.names["nan"] in bodies["law"]:
-        parts["nan_module"] = "use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan"
+    if "ieee_value" in bodies["law"]:
+        parts["nan_module"] = "use, intrinsic :: ieee_arithmetic"
     parts["comment"] = element.comment(filled(_USAGE, parts), "!")
     return {f"{stem}.f90": filled(_FRAME, parts)}
-
-
-def _declared(steps: Iterable[Step]) -> str:
-    """Return the declaration of the variables that steps assign."""
-    lines = wrap(", ".join(step.name for step in steps), WIDTH - 24)
-    return "real(wp) :: " + " &\n    ".join(lines) if lines else ""
 
 
 def _arrays(table: tuple[FloatArray, ...]) -> str:

@@ -18,8 +18,6 @@ from cylcontact.export.matlab import DIALECT
 from cylcontact.export.render import filled
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
 
-__all__ = ["source"]
-
 _USAGE = """\
 joint = $stem();                                     (this file is $stem.m)
 
@@ -98,8 +96,8 @@ wrench.flag = {10};"""
 # For numbers, not arrays as the laws are exported.
 _DIALECT = replace(
     DIALECT,
-    choice="if {test}\n    {name} = {yes};\nelse\n    {name} = {no};\nend",
-    names={"nan": "NaN", "law": "law_load", **argument_names("{body}({k})", 1)},
+    branch="if {test}\n    {name} = {yes};\nelse\n    {name} = {no};\nend",
+    names={**DIALECT.names, "law": "law_load", **argument_names("{body}({k})", 1)},
     helpers={},
 )
 

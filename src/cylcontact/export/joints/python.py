@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import ast
-import math
-
-import numpy as np
+from dataclasses import replace
 
 from cylcontact.arrays import FloatArray
 from cylcontact.export.joints.element import (
@@ -17,19 +14,14 @@ from cylcontact.export.joints.element import (
     rows_of,
     table_parts,
 )
-from cylcontact.export.render import Dialect, filled
+from cylcontact.export.python import DIALECT
+from cylcontact.export.render import filled
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
 
-__all__ = ["source"]
-
-_DIALECT = Dialect(
-    comment="#",
-    number=repr,
+_DIALECT = replace(
+    DIALECT,
     power="{x}**{y}",
-    assignment="{name} = {value}",
-    choice="{name} = {yes} if {test} else {no}",
-    joint=" and ",
-    names={"pi": repr(np.pi), "law": "_law", **argument_names("{body}[{k}]", 0)},
+    names={**DIALECT.names, "law": "_law", **argument_names("{body}[{k}]", 0)},
 )
 
 _USAGE = """\
@@ -44,7 +36,7 @@ $comment
 #
 # Python 3; needs the standard library only.
 
-from math import $functions
+import math
 from typing import NamedTuple
 
 
@@ -91,7 +83,7 @@ $table
 
 # The nodes around a penetration, by bisection.
 _LOOKUP = """\
-at = log(penetration)
+at = math.log(penetration)
 low, high = 0, {last}
 while high - low > 1:
     middle = (low + high) // 2
@@ -123,25 +115,11 @@ def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
     parts = {
         "imported": "import joint" if stem == "joint" else f"import {stem} as joint",
         **bodies_of(element, _DIALECT),
-        "functions": ", ".join(_functions(element)),
         **table_parts(element, _arrays, _LOOKUP, 0),
         "results": _RESULTS.format(*RESULTS),
     }
     parts["comment"] = element.comment(filled(_USAGE, parts), "#")
     return {f"{stem}.py": filled(_FRAME, parts)}
-
-
-def _functions(element: Element) -> list[str]:
-    """Return the names of the module `math` that the steps use."""
-    used = {
-        node.id
-        for step in (*element.evaluate, *element.law)
-        for node in ast.walk(step.value)
-        if isinstance(node, ast.Name)
-    }
-    lookup = set() if element.table is None else {"log"}
-    assigned = {step.name for step in (*element.evaluate, *element.law)}
-    return sorted((used - assigned | lookup) & set(vars(math)) - {"pi"})
 
 
 def _arrays(table: tuple[FloatArray, ...]) -> str:

@@ -1,17 +1,20 @@
 /*
- * FMI 2.0 around a clearance joint, for model exchange and co-simulation. `cylcontact export` puts a
- * few definitions before this text: JOINT(name), GUID, RATE_FLOOR, TOUCH and the joint's header.
+ * FMI 2.0 around a model in C, for model exchange and co-simulation. `cylcontact export` puts before
+ * this text the name and GUID of the model, the type Memory with all that a saved state holds, and
+ * these parts of the model:
  *
- * The inputs are the positions and velocities of the two bodies, the outputs the wrench that follows
- * from them. There are no continuous states, and one event indicator, the penetration. The impact
- * rate is the only memory. It changes in `settle`: at events and completed integrator steps in model
- * exchange, at the end of each step in co-simulation. During a communication step the bodies go on
- * at the velocities that were set, so the outputs after it are those at its end.
+ *   INPUTS, REALS       real variables that can be set, with the lowest references, and all of them
+ *   INDICATORS          event indicators
+ *   start(memory)       the initial state
+ *   settle(memory, at_event)
+ *                       let discrete variables follow; return whether anything changed
+ *   reals_of(memory, reals), integer_of(memory, which, value), indicators_of(memory, indicators)
+ *
+ * There are no continuous states. During a communication step `memory->ahead` grows.
  *
  * The types are those of fmi2TypesPlatform.h and fmi2FunctionTypes.h of the FMI standard 2.0.
  */
 #include <stdlib.h>
-#include <string.h>
 
 typedef void *fmi2Component;
 typedef void *fmi2ComponentEnvironment;
@@ -65,78 +68,18 @@ typedef struct {
 #endif
 #endif
 
-/* Value references as in modelDescription.xml: inputs, outputs, and what is local. */
-enum { INPUTS = 12, REALS = 25 };
-
-/* All that a saved state of the FMU holds. */
-typedef struct {
-    double input[INPUTS]; /* bearing, then pin: x, y, angle, v_x, v_y, spin */
-    double ahead;         /* the time that the bodies have gone on since */
-    JOINT(state) contact;
-    int flag; /* as of the last event or step: a discrete variable */
-} Memory;
-
 typedef struct {
     Memory memory;
     fmi2CallbackFunctions callbacks;
     char *name;
 } Instance;
 
-static fmi2Status refuse(const Instance *joint, const char *message)
+static fmi2Status refuse(const Instance *instance, const char *message)
 {
-    if (joint->callbacks.logger != NULL)
-        joint->callbacks.logger(joint->callbacks.componentEnvironment, joint->name, fmi2Error,
-                                "logStatusError", "%s", message);
+    if (instance->callbacks.logger != NULL)
+        instance->callbacks.logger(instance->callbacks.componentEnvironment, instance->name,
+                                   fmi2Error, "logStatusError", "%s", message);
     return fmi2Error;
-}
-
-/* Both bodies where they are now. */
-static void bodies_of(const Memory *memory, double bodies[INPUTS])
-{
-    int k;
-    memcpy(bodies, memory->input, sizeof memory->input);
-    for (k = 0; k < 3; k++) {
-        bodies[k] += memory->ahead * bodies[k + 3];
-        bodies[k + 6] += memory->ahead * bodies[k + 9];
-    }
-}
-
-static void wrench_of(const Memory *memory, JOINT(wrench) *wrench)
-{
-    double bodies[INPUTS];
-    bodies_of(memory, bodies);
-    JOINT(evaluate)(&memory->contact, bodies, bodies + 6, wrench);
-}
-
-/*
- * Let the contact begin, last or end, and the flag follow; return whether anything changed.
- * An importer may locate the event of a touch a hair before it: within TOUCH, an approach is one.
- */
-static int settle(Memory *memory, int at_event)
-{
-    const double rate = memory->contact.impact_rate;
-    const int flag = memory->flag;
-    double bodies[INPUTS];
-    JOINT(wrench) wrench;
-
-    bodies_of(memory, bodies);
-    wrench_of(memory, &wrench);
-    if (wrench.penetration > 0.0 || wrench.penetration < -TOUCH || !(wrench.penetration_rate > 0.0))
-        JOINT(accept)(&memory->contact, bodies, bodies + 6);
-    else if (at_event && !(rate > 0.0))
-        memory->contact.impact_rate =
-            wrench.penetration_rate > RATE_FLOOR ? wrench.penetration_rate : RATE_FLOOR;
-    wrench_of(memory, &wrench);
-    memory->flag = wrench.flag;
-    /* Not a comparison of floats with !=, which compilers warn of. */
-    return memory->flag != flag || memory->contact.impact_rate < rate
-           || memory->contact.impact_rate > rate;
-}
-
-static void start(Memory *memory)
-{
-    memset(memory, 0, sizeof *memory);
-    JOINT(start)(&memory->contact);
 }
 
 /* ---- Common functions ---- */
@@ -163,29 +106,29 @@ EXPORT fmi2Component NAME(fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2S
                                            const fmi2CallbackFunctions *callbacks,
                                            fmi2Boolean visible, fmi2Boolean logging)
 {
-    Instance *joint;
+    Instance *instance;
     const size_t length = name == NULL ? 1 : strlen(name) + 1;
     (void)type, (void)resources, (void)visible, (void)logging;
-    joint = (Instance *)calloc(1, sizeof *joint);
-    if (joint == NULL)
+    instance = (Instance *)calloc(1, sizeof *instance);
+    if (instance == NULL)
         return NULL;
-    joint->name = (char *)calloc(length, 1);
-    if (joint->name == NULL) {
-        free(joint);
+    instance->name = (char *)calloc(length, 1);
+    if (instance->name == NULL) {
+        free(instance);
         return NULL;
     }
     if (name != NULL)
-        memcpy(joint->name, name, length);
+        memcpy(instance->name, name, length);
     if (callbacks != NULL)
-        joint->callbacks = *callbacks;
+        instance->callbacks = *callbacks;
     if (guid == NULL || strcmp(guid, GUID) != 0) {
-        refuse(joint, "the GUID is not that of this FMU: unpack it anew");
-        free(joint->name);
-        free(joint);
+        refuse(instance, "the GUID is not that of this FMU: unpack it anew");
+        free(instance->name);
+        free(instance);
         return NULL;
     }
-    start(&joint->memory);
-    return joint;
+    start(&instance->memory);
+    return instance;
 }
 
 EXPORT void NAME(fmi2FreeInstance)(fmi2Component c)
@@ -231,29 +174,14 @@ EXPORT fmi2Status NAME(fmi2Reset)(fmi2Component c)
 EXPORT fmi2Status NAME(fmi2GetReal)(fmi2Component c, const fmi2ValueReference which[], size_t count,
                                     fmi2Real values[])
 {
-    const Instance *joint = (const Instance *)c;
+    const Instance *instance = (const Instance *)c;
     double all[REALS];
-    JOINT(wrench) wrench;
     size_t k;
 
-    wrench_of(&joint->memory, &wrench);
-    memcpy(all, joint->memory.input, sizeof joint->memory.input);
-    all[12] = wrench.force_bearing[0];
-    all[13] = wrench.force_bearing[1];
-    all[14] = wrench.moment_bearing;
-    all[15] = wrench.force_pin[0];
-    all[16] = wrench.force_pin[1];
-    all[17] = wrench.moment_pin;
-    all[18] = wrench.penetration;
-    all[19] = wrench.penetration_rate;
-    all[20] = wrench.normal_force;
-    all[21] = wrench.friction_force;
-    all[22] = wrench.tangential_velocity;
-    all[23] = wrench.dissipated_power;
-    all[24] = joint->memory.contact.impact_rate;
+    reals_of(&instance->memory, all);
     for (k = 0; k < count; k++) {
         if (which[k] >= REALS)
-            return refuse(joint, "there is no such real variable");
+            return refuse(instance, "there is no such real variable");
         values[k] = all[which[k]];
     }
     return fmi2OK;
@@ -262,12 +190,11 @@ EXPORT fmi2Status NAME(fmi2GetReal)(fmi2Component c, const fmi2ValueReference wh
 EXPORT fmi2Status NAME(fmi2GetInteger)(fmi2Component c, const fmi2ValueReference which[],
                                        size_t count, fmi2Integer values[])
 {
-    const Instance *joint = (const Instance *)c;
+    const Instance *instance = (const Instance *)c;
     size_t k;
     for (k = 0; k < count; k++) {
-        if (which[k] != 0)
-            return refuse(joint, "there is no such integer variable");
-        values[k] = joint->memory.flag;
+        if (!integer_of(&instance->memory, which[k], &values[k]))
+            return refuse(instance, "there is no such integer variable");
     }
     return fmi2OK;
 }
@@ -289,13 +216,13 @@ EXPORT fmi2Status NAME(fmi2GetString)(fmi2Component c, const fmi2ValueReference 
 EXPORT fmi2Status NAME(fmi2SetReal)(fmi2Component c, const fmi2ValueReference which[], size_t count,
                                     const fmi2Real values[])
 {
-    Instance *joint = (Instance *)c;
+    Instance *instance = (Instance *)c;
     size_t k;
     for (k = 0; k < count; k++) {
         if (which[k] >= INPUTS)
-            return refuse(joint, "only the inputs can be set");
-        joint->memory.input[which[k]] = values[k];
-        joint->memory.ahead = 0.0;
+            return refuse(instance, "only inputs and parameters can be set");
+        instance->memory.input[which[k]] = values[k];
+        instance->memory.ahead = 0.0;
     }
     return fmi2OK;
 }
@@ -427,9 +354,9 @@ EXPORT fmi2Status NAME(fmi2SetTime)(fmi2Component c, fmi2Real time)
     return fmi2OK;
 }
 
-static fmi2Status without_states(const Instance *joint, size_t count)
+static fmi2Status without_states(const Instance *instance, size_t count)
 {
-    return count == 0 ? fmi2OK : refuse(joint, "there are no continuous states");
+    return count == 0 ? fmi2OK : refuse(instance, "there are no continuous states");
 }
 
 EXPORT fmi2Status NAME(fmi2SetContinuousStates)(fmi2Component c, const fmi2Real x[], size_t count)
@@ -460,11 +387,10 @@ EXPORT fmi2Status NAME(fmi2GetNominalsOfContinuousStates)(fmi2Component c, fmi2R
 EXPORT fmi2Status NAME(fmi2GetEventIndicators)(fmi2Component c, fmi2Real indicators[],
                                                size_t count)
 {
-    JOINT(wrench) wrench;
-    if (count != 1)
-        return refuse((const Instance *)c, "there is one event indicator");
-    wrench_of(&((const Instance *)c)->memory, &wrench);
-    indicators[0] = wrench.penetration;
+    const Instance *instance = (const Instance *)c;
+    if (count != INDICATORS)
+        return refuse(instance, "there are fewer or more event indicators");
+    indicators_of(&instance->memory, indicators);
     return fmi2OK;
 }
 
@@ -503,9 +429,9 @@ EXPORT fmi2Status NAME(fmi2CancelStep)(fmi2Component c)
 }
 
 /* No step is ever pending, so that there is nothing to ask. */
-static fmi2Status no_status(const Instance *joint)
+static fmi2Status no_status(const Instance *instance)
 {
-    refuse(joint, "no step is pending");
+    refuse(instance, "no step is pending");
     return fmi2Discard;
 }
 

@@ -1,0 +1,328 @@
+"""A law as it is exported: steps and constants by names that every language takes."""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import version
+from textwrap import wrap
+
+from cylcontact.errors import InputError
+from cylcontact.export.render import WIDTH, Dialect, filled
+from cylcontact.laws import LAWS, Johnson
+from cylcontact.laws.adapters import ScaledLaw
+from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.formula import (
+    FUNCTIONS,
+    OF_PAIR,
+    Formula,
+    Step,
+    assigned_in,
+    names_in,
+    needed,
+    steps_of,
+)
+from cylcontact.laws.law import Law, formula_of
+from cylcontact.pair import CONTACTS, Contact
+from cylcontact.plain_text import RESERVED, comment, identifier
+
+# Unit and meaning of the arguments and results of exported functions.
+MEANINGS: Mapping[str, tuple[str, str]] = {
+    "penetration": ("mm", "penetration of the surfaces; negative where they do not touch"),
+    "E_star": ("MPa", "composite modulus, 1/E_star = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j"),
+    "dR": ("mm", "R_i - R_j, internal (pin j in hole i); R_i + R_j, external (rollers)"),
+    "R_i": ("mm", "radius of body i"),
+    "R_j": ("mm", "radius of body j"),
+    "length": ("mm", "axial length of the contact"),
+    "alpha": ("-", "w_j - w_i with w_k = E_star*(1 - nu_k^2)/E_k; body j is the pin"),
+    "beta": ("-", "w_j*g_j - w_i*g_i with g_k = (1 - 2*nu_k)/(2 - 2*nu_k)"),
+}
+RESULTS: Mapping[str, tuple[str, str]] = {
+    "load": ("N/mm", "load per unit of axial length, f below"),
+    "stiffness": ("N/mm^2", "d(load)/d(penetration) per unit of axial length, k below"),
+}
+# What pairs can have; other arguments are positive.
+_OF_TWO_MATERIALS = {"alpha": "alpha * alpha < 1", "beta": "beta * beta < 0.251"}
+# Names that a language or a frame has for something else.
+_TAKEN = ["load", "stiffness", "law", "wp", "outside", "inside", "apart", "power", "choose", "numbers", "atanh", "range", "jnp", "jax", "math", "abs", "isnan", "result", "evaluate", "nargin", "program", "module", "subroutine", "call", "do", "implicit", "none"]
+
+
+@dataclass(frozen=True)
+class ExportedLaw:
+    """A law for a contact, or for both, as steps; `base` is what a scaled law scales."""
+
+    law: ContactLaw
+    contact: Contact | None
+    origin: str
+    base: Law
+    formula: Formula
+    coefficients: Mapping[str, float]
+    load_factor: float = 1.0
+    penetration_factor: float = 1.0
+
+    @property
+    def name(self) -> str:
+        """The name of the exported function."""
+        # Of 63 letters at most in Fortran, with what follows it.
+        word = identifier(f"cylcontact {self.law.name}")[:43]
+        return f"{word}_{self.contact}" if self.contact else word
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """The arguments of the function, in order."""
+        own = self.formula.arguments
+        return ("penetration", *(n for n in OF_PAIR if n in ("E_star", "dR") or n in own))
+
+    @property
+    def conditions(self) -> tuple[str, ...]:
+        """Conditions on the arguments, in Python's syntax."""
+        of_pair = (_OF_TWO_MATERIALS.get(name, f"{name} > 0") for name in self.arguments[1:])
+        return ("penetration >= 0", *of_pair)
+
+    @cached_property
+    def constants(self) -> dict[str, float]:
+        """The numbers of the steps by name, pi among them."""
+        factors = {"load_factor": self.load_factor, "penetration_factor": self.penetration_factor}
+        own = {**self.coefficients, **factors}
+        numbers = {"pi": math.pi} | {self._names.get(name, name): x for name, x in own.items()}
+        return {name: value for name, value in numbers.items() if self.uses(name)}
+
+    @property
+    def domain(self) -> ast.expr:
+        """All `conditions` as one."""
+        return expression(" and ".join(self.conditions))
+
+    @property
+    def ends(self) -> str:
+        """The condition on what the steps of the pair give; empty for a law without an end."""
+        if self.formula.end is None:
+            return ""
+        factor = f" / {self._names['penetration_factor']}" if self.penetration_factor != 1 else ""
+        return f"penetration{factor} <= last"
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """All steps, to f and k."""
+        return self.at_pair + self.at_depth
+
+    def uses(self, name: str) -> bool:
+        """Return whether the steps or the end use a name."""
+        return any(name in names_in(s.value) for s in flat(self.steps)) or name in self.ends
+
+    @cached_property
+    def at_pair(self) -> tuple[Step, ...]:
+        """The steps before the penetration."""
+        return tuple(s for s in self._chosen if not {*assigned_in([s])} & self._dependent)
+
+    @cached_property
+    def at_depth(self) -> tuple[Step, ...]:
+        """The steps from the penetration to f and k."""
+        names = self._names
+        steps = tuple(s for s in self._chosen if {*assigned_in([s])} & self._dependent)
+        factor, by = names["load_factor"], ""
+        if self.penetration_factor != 1:
+            by = f" / {names['penetration_factor']}"
+            steps = steps_of(f"{names['penetration']} = penetration{by}") + steps
+        if names["f"] != "f":
+            scaled = f"f = {factor} * {names['f']}\nk = {factor}{by} * {names['k']}"
+            steps += steps_of(scaled)
+        return steps
+
+    @cached_property
+    def _chosen(self) -> tuple[Step, ...]:
+        """The steps that f, k and the end need, in the names of the export."""
+        results = ("f", "k", *(("last",) if self.formula.end else ()))
+        return tuple(renamed(s, self._names) for s in needed(self.formula.steps, *results))
+
+    @cached_property
+    def _dependent(self) -> set[str]:
+        """The names of the export whose values depend on the penetration."""
+        return {self._names.get(name, name) for name in assigned_in(self.formula.at_depth)}
+
+    @cached_property
+    def _names(self) -> dict[str, str]:
+        """The names in the export, by those of the formula."""
+        own = [*self.coefficients, "load_factor", "penetration_factor"]
+        scaled = (self.load_factor, self.penetration_factor) != (1, 1)
+        return safe_names(
+            self.formula.steps, own,
+            ({"penetration": "depth"} if self.penetration_factor != 1 else {})
+            | ({"f": "alone", "k": "slope"} if scaled else {}),
+        )  # fmt: skip
+
+    def source(self, dialect: Dialect, frame: str, **own: str) -> str:
+        """Return the law as the text of a file: a frame with the statements of a language.
+
+        `own` are further parts of the frame, each filled with those before it.
+        """
+        constants = {n: x for n, x in self.constants.items() if n not in dialect.names}
+        parts = {
+            "comment": self.comment(dialect.comment),
+            "name": self.name,
+            "arguments": ", ".join(self.arguments),
+            "pair": ", ".join(self.arguments[1:]),
+            "domain": dialect.render(self.domain),
+            "ends": dialect.render(expression(self.ends)) if self.ends else "",
+            "constants": dialect.constants(constants),
+            "at_pair": dialect.statements(self.at_pair, self.at_depth),
+            "at_depth": dialect.statements(self.at_depth),
+        }
+        parts["helpers"] = dialect.helpers_of(parts["at_pair"] + parts["at_depth"])
+        for key, text in own.items():
+            parts[key] = filled(text, parts).rstrip("\n")
+        return filled(frame, parts)
+
+    def comment(self, mark: str) -> str:
+        """Return the comment at the top of a file, each line behind a `mark`."""
+        contact = f"{self.contact} contact" if self.contact else "internal or external contact"
+        origin = f"exported by cylcontact {version('cylcontact')}"
+        if self.coefficients:
+            origin += f"; coefficients: {comment(self.origin)}"
+        lines = [
+            self.name,
+            "",
+            f"The contact law '{comment(self.law.name)}' for parallel cylinders, {contact}.",
+            "",
+            *paragraph("Formula", _plain(self.formula.equation)),
+            *paragraph("Remark", _plain(self.formula.remark)),
+            *paragraph("Provenance", origin),
+            *(f"  {name} = {value!r}" for name, value in self.listed.items()),
+            "",
+            "Arguments, in this order:",
+            *table({name: MEANINGS[name] for name in self.arguments}),
+            "Results:",
+            *table(RESULTS),
+            "",
+            *paragraph("Domain", ", ".join(filter(None, (*self.conditions, self.ends)))),
+            "Outside it both are NaN; at a negative penetration both are 0.",
+        ]
+        return "\n".join(f"{mark} {line}".rstrip() for line in lines)
+
+    @property
+    def listed(self) -> dict[str, float]:
+        """The coefficients, and the factors of a scaled law, for readers."""
+        scaled = {"load_factor": self.load_factor, "penetration_factor": self.penetration_factor}
+        factors = {name: value for name, value in scaled.items() if value != 1}
+        own = {self._names[name]: value for name, value in self.coefficients.items()}
+        return own | factors
+
+
+def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> ExportedLaw:
+    """Return a law for export.
+
+    Raises `InputError` if it has no formula, is for the other contact, or differs between the
+    contacts and none is given.
+    """
+    base, load_factor, penetration_factor = law, 1.0, 1.0
+    while isinstance(base, ScaledLaw):
+        load_factor *= base.load_factor
+        penetration_factor *= base.penetration_factor
+        base = base.base
+    contacts: tuple[Contact, ...] = getattr(base, "contacts", CONTACTS)
+    formula = formula_of(base, contacts[0])
+    if formula is None or not isinstance(base, Law):
+        raise InputError(
+            "export", "law", getattr(law, "name", law),
+            "has no closed form to write in another language",
+            "export explicit, which follows conformal contact",
+        )  # fmt: skip
+    if contact is not None and contact not in contacts:
+        rule, remedy = f"the law '{law.name}' is for a pin in a hole", "or export johnson"
+        raise InputError("export", "--contact", contact, rule, f"give --contact internal, {remedy}")
+    if isinstance(base, Johnson) and base.datum is not None:
+        rule, remedy = "is for a plane, which has no dR to give to a function", "leave it out"
+        raise InputError("export", "datum", base.datum, rule, remedy)
+    own = getattr(getattr(base, "coefficients", None), "contact", None)
+    if own is not None:
+        if contact not in (None, own):
+            rule = f"the coefficients are for {own} contact"
+            raise InputError("export", "--contact", contact, rule, "leave it out")
+        contact = own
+    if contact is None and len(contacts) == 1:
+        contact = contacts[0]
+    of_contact = [(base.formula_for(each), base.constants_for(each)) for each in contacts]
+    if contact is None and of_contact[0] != of_contact[-1]:
+        rule = f"is missing, and the {law.name} law has other coefficients for each"
+        remedy = "give --contact internal or --contact external"
+        raise InputError("export", "--contact", None, rule, remedy)
+    formula, numbers = of_contact[contacts.index(contact) if contact else 0]
+    return ExportedLaw(
+        law, contact, origin or _origin(law), base, formula, numbers, load_factor,
+        penetration_factor,
+    )  # fmt: skip
+
+
+def _origin(law: ContactLaw) -> str:
+    """Return where the coefficients of a law come from, in words."""
+    if law.name not in LAWS or law != LAWS[law.name]():
+        return "given by the caller"
+    return "published" if getattr(law, "published", True) else "calibrated by this package"
+
+
+def safe_names(
+    steps: Iterable[Step], others: Iterable[str], wanted: Mapping[str, str] | None = None
+) -> dict[str, str]:
+    """Return the names of an export by those of steps and others: words of every language.
+
+    No two differ in case alone, because Fortran ignores it. Arguments and results stay as they are,
+    unless other names are `wanted`.
+    """
+    steps, fixed = tuple(steps), (*OF_PAIR, "penetration", "f", "k", "last", "pi", "nan", "inf")
+    taken = {name.lower() for name in (*fixed, *FUNCTIONS, *_TAKEN, *RESERVED)}
+    names = {name: name for name in fixed}
+    loops = (step.name for step in flat(steps) if step.body)
+    words = {name: name for name in (*others, *assigned_in(steps), *loops) if name not in names}
+    for name, text in (words | dict(wanted or {})).items():
+        word = identifier(text) or ("x" if text.strip("_") else "turn")
+        word = first = word if word[0].isalpha() else f"x{word}"
+        number = 1
+        while word.lower() in taken:
+            number += 1
+            word = f"{first}_{number}"
+        taken.add(word.lower())
+        names[name] = word
+    return names
+
+
+def flat(steps: Iterable[Step]) -> Iterable[Step]:
+    """Yield all steps, those of loops too."""
+    for step in steps:
+        yield step
+        yield from flat(step.body)
+
+
+def renamed(step: Step, names: Mapping[str, str]) -> Step:
+    """Return a step in other names."""
+
+    class Renamer(ast.NodeTransformer):
+        def visit_Name(self, node: ast.Name) -> ast.Name:
+            return ast.Name(names.get(node.id, node.id))
+
+    value: ast.expr = Renamer().visit(expression(ast.unparse(step.value)))
+    body = tuple(renamed(each, names) for each in step.body)
+    return Step(names.get(step.name, step.name), value, body)
+
+
+def expression(text: str) -> ast.expr:
+    """Return one expression in Python's syntax as its node."""
+    return ast.parse(text, mode="eval").body
+
+
+def _plain(text: str) -> str:
+    """Return a formula or a remark for a comment of any language."""
+    return re.sub(r"[^ -\[\]-~]|\?", "_", " ".join(text.split()))
+
+
+def paragraph(title: str, text: str) -> list[str]:
+    """Return `title: text`, wrapped; nothing for no text."""
+    whole = f"{title}: {text}.".replace("..", ".")
+    return wrap(whole, WIDTH, subsequent_indent="  ") if text else []
+
+
+def table(rows: Mapping[str, tuple[str, str]]) -> list[str]:
+    """Return a line for each name, with unit and meaning."""
+    return [f"  {name:<12} {unit:<7} {meaning}" for name, (unit, meaning) in rows.items()]

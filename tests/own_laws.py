@@ -1,0 +1,16 @@
+"""Functions of a user's own, as laws: names that other languages have, letters of other scripts."""
+
+from numpy import log1p, maximum, where
+
+
+def awkward(penetration, pair, double=1.2, γ=0.3, End=2.0, end=0.5):  # noqa: PLC2401
+    load = penetration / pair.dR
+    stiffness = double * pair.E_star
+    inside = where(load < γ, load, γ)
+    S = log1p(inside) * End
+    s = maximum(load - end, 0)
+    return stiffness * (S + s + load) * pair.dR
+
+
+def untranslatable(penetration, pair, n=1.5):
+    return pair.E_star * abs(penetration) ** n
