@@ -16,7 +16,7 @@ from cylcontact.laws import (
     sphere,
     winkler,
 )
-from cylcontact.laws.conformal import ClampedPlate, Conformal, Persson
+from cylcontact.laws.conformal import Conformal, Persson
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.difference import difference_percent
 from cylcontact.laws.enhanced import (
@@ -27,6 +27,7 @@ from cylcontact.laws.enhanced import (
 )
 from cylcontact.laws.explicit import Explicit, ExplicitCoefficients, explicit_penetration
 from cylcontact.laws.explicit_pair import ExplicitPair, ExplicitPairCoefficients
+from cylcontact.laws.housing import Housing, Sector
 from cylcontact.laws.liu import Liu
 from cylcontact.laws.logarithmic import Johnson, LogarithmicLaw
 from cylcontact.laws.logarithmic_variants import (
@@ -48,7 +49,6 @@ __all__ = [
     "LAWS",
     "PUBLISHED",
     "REFERENCES",
-    "ClampedPlate",
     "Conformal",
     "ContactLaw",
     "DubowskyFreudenstein",
@@ -61,6 +61,7 @@ __all__ = [
     "ExternalCoefficients",
     "Goldsmith",
     "HertzCylinder",
+    "Housing",
     "InternalCoefficients",
     "Johnson",
     "LankaraniNikravesh",
@@ -73,6 +74,7 @@ __all__ = [
     "Radzimovsky",
     "RadzimovskyRadii",
     "RoarkYoung",
+    "Sector",
     "Winkler",
     "difference_percent",
     "explicit_penetration",

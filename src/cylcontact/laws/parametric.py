@@ -29,11 +29,12 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
-from cylcontact.laws.conformal import ClampedPlate, Conformal, in_units_of
+from cylcontact.laws.conformal import Conformal, in_units_of
 from cylcontact.laws.contact_law import ContactLaw, depth_of
 from cylcontact.laws.definition import Coefficients, Definition, KernelSteps, LawModel, Parameter
 from cylcontact.laws.formula import Formula, function_name
 from cylcontact.laws.glauert import estimated_c
+from cylcontact.laws.housing import Housing as ClampedPlate
 from cylcontact.pair import Contact, CylinderPair
 
 __all__ = [
