@@ -53,14 +53,15 @@ from cylcontact.html_repr import law_html
 from cylcontact.laws.adapters import scaled_model
 from cylcontact.laws.contact_law import Unlimited, depth_of, require_hole
 from cylcontact.laws.definition import Definition
-from cylcontact.laws.glauert import Remainder, estimated_c, housed, persson_peak, remainder
+from cylcontact.laws.glauert import Housed, Remainder, estimated_c, housed, persson_peak, remainder
 from cylcontact.laws.housing import Housing, Kernel, is_number
 from cylcontact.pair import CylinderPair
 
 # A step of Newton's method of this relative size is the last, because it leaves its square.
 _STEPS, _LAST_STEP = 100, 1e-8
-# Used instead of zero and infinity for φ and d; no arc is sought beyond the q that is the last.
-_TINY, _SMALL, _HUGE, _LEAST_Q = 1e-307, 1e-300, 1e300, 1e-70
+# Used instead of zero and infinity for φ and d, and the largest and the smallest arc.
+_TINY, _SMALL, _HUGE = 1e-307, 1e-300, 1e300
+_LEAST_Q, _MOST_Q = 1e-70, 1e308
 # Numbers at a time: what the steps hold of them stays in the cache of a core.
 _BLOCK = 4096
 
@@ -151,7 +152,7 @@ class Bodies:
             return arc.k - arc.S * K, arc.k_slope - arc.c * arc.k
 
         end = _q_of(self.last)
-        return self._root(miss, as_floats(K + end), end)
+        return self._one_arc(self._root(miss, as_floats(K + end), end))
 
     def arc_of_penetration(self, d: FloatArray) -> Arc:
         """Return the arc at the penetration d = δ/ΔR ≥ 0, where d·K = L.
@@ -166,9 +167,9 @@ class Bodies:
 
         end, least = _q_of(self.last), self.last.L
         small = self.C + self.w_i + (0.0 if self.kernel is None else self.kernel.h)
-        each_of_L = np.exp(small - least) * each
+        each_of_L = np.exp(np.minimum(small - least, 10.0)) * each
         L = least + np.log1p(each_of_L * (least + np.log1p(2.7 * each_of_L)))
-        return self._root(miss, as_floats(L * each + end), end)
+        return self._one_arc(self._root(miss, as_floats(L * each + end), end))
 
     def peak(self, arc: Arc) -> FloatArray:
         """Return R·p/f at θ = 0."""
@@ -185,20 +186,29 @@ class Bodies:
     ) -> Arc:
         """Return the arc q ≥ `end` where a function that increases with q vanishes.
 
-        `miss` gives it and its slope by ln b², both times S. A step of Newton's method that leaves
-        the bracket on the right ends between.
+        `miss` gives it and its slope by ln b², both times S. Where a step of Newton's method leaves
+        the bracket, its middle in ln q takes its place.
         """
-        low, high = end, np.full_like(q, np.inf)
+        low, high = end, np.full_like(q, _MOST_Q)
         for _ in range(_STEPS):
             arc = self.arc(q)
             value, slope = miss(arc)
             low, high = np.where(value > 0, low, q), np.where(value > 0, q, high)
-            new = np.maximum(q + q * (1 + arc.S) * value / slope, low)
-            new = np.where(new > high, np.sqrt(q) * np.sqrt(high), new)
+            new = q + q * (1 + arc.S) * value / slope
+            inside = (new >= low) & (new <= high)
+            if not np.all(inside):
+                new = np.where(inside, new, np.sqrt(low) * np.sqrt(high))
             if np.all(np.abs(new - q) <= _LAST_STEP * q):
                 break
             q = new
         return self.arc(new)
+
+    def _one_arc(self, arc: Arc) -> Arc:
+        """Return an arc, NaN where the pin would leave a housing within it."""
+        if not isinstance(self.remainder, Housed):
+            return arc
+        whole = arc.angle <= self.remainder.whole_to
+        return Arc(*(as_floats(np.where(whole, value, np.nan)) for value in arc))
 
 
 def _q_of(arc: Arc) -> FloatArray:
@@ -209,167 +219,6 @@ def _q_of(arc: Arc) -> FloatArray:
 def _q_of_angle(angle: FloatArray) -> FloatArray:
     """Return (1 − S)²/S of the arc from −`angle` to `angle` in radians."""
     return as_floats((np.cos(angle / 2) ** 2 / np.sin(angle / 2)) ** 2)
-
-
-Datum = Literal["body-force", "diametral"]
-
-# A step of Newton's method of this relative size is the last, because it leaves its square.
-_STEPS, _LAST_STEP = 100, 1e-8
-# Used instead of zero and infinity for φ and d; no arc is sought beyond the q that is the last.
-_TINY, _SMALL, _HUGE, _LEAST_Q = 1e-307, 1e-300, 1e300, 1e-70
-# Numbers at a time: what the steps hold of them stays in the cache of a core.
-_BLOCK = 4096
-
-
-class Arc(NamedTuple):
-    """A contact arc: b² = tan²(ε/2), S, c = 1 − S, k = S·K and L; slopes are by ln b²."""
-
-    b2: FloatArray
-    S: FloatArray
-    c: FloatArray
-    k: FloatArray
-    k_slope: FloatArray
-    L: FloatArray
-    L_slope: FloatArray
-
-    @property
-    def angle(self) -> FloatArray:
-        """The semi-angle ε in radians."""
-        return as_floats(2 * np.arctan(np.sqrt(self.b2)))
-
-    @property
-    def compliance(self) -> FloatArray:
-        """π·E*·dδ/df, that is d(φL)/dφ."""
-        return as_floats(self.L - self.L_slope * self.k / (self.k_slope - self.c * self.k))
-
-
-@dataclass(frozen=True)
-class Bodies:
-    """Bodies of one β: the share w_i of the hole, Dundurs' β, the datum's C, and the housing.
-
-    Examples
-    --------
-    The largest arcs of a rigid pin, equal bodies, and a hole of three times the pin's modulus:
-
-    >>> bodies = Bodies(np.array([1.0, 0.5, 0.25]), beta=0.0, C=np.float64(0.0))
-    >>> print(np.degrees(bodies.last.angle).round(2))
-    [72.35 84.83 96.64]
-    """
-
-    w_i: FloatArray
-    beta: float
-    C: FloatArray
-    kernel: Kernel | None = None
-
-    @cached_property
-    def remainder(self) -> Remainder | None:
-        """What β and the housing add to the closed forms."""
-        if self.kernel is None:
-            return remainder(self.beta)
-        return housed(self.beta, float(np.min(self.w_i)), self.kernel)
-
-    @cached_property
-    def last(self) -> Arc:
-        """The arc that no load exceeds, where K = 0."""
-        c = estimated_c(np.maximum(self.w_i + self.beta, np.sqrt(_LEAST_Q)))
-        q, end = as_floats(c**2 / (1 - c)), _LEAST_Q
-        if self.remainder is not None:
-            end = float(_q_of_angle(as_floats(self.remainder.top)))
-        return self._root(lambda arc: (arc.k, arc.k_slope), q, as_floats(np.full_like(q, end)))
-
-    def arc(self, q: FloatArray) -> Arc:
-        """Return the arc with (1 − S)²/S = 1/(b²(1 + b²)) = q."""
-        b2 = 2 / (q * (1 + np.sqrt(1 + 4 / q)))
-        c = 1 / (1 + b2)
-        S, cc, fall = b2 * c, c * c, np.log1p(b2)  # fall = −ln c
-        H = 2 * S + cc * (fall / S)
-        H_slope = c * (2 * S + c - c * fall * (2 + c / S))
-        k = cc - self.w_i * (S * H)
-        k_slope = -2 * S * cc - self.w_i * (S * (c * H + H_slope))
-        L = fall - np.log(b2) + S * S / 2 + self.w_i * H + self.C
-        L_slope = c * (S * S - 1) + self.w_i * H_slope
-        if self.remainder is not None:
-            b = np.sqrt(b2)
-            rate = b * c  # dε/dln b²
-            a, h, M, a_rate, h_rate, M_rate = self.remainder.additions(2 * np.arctan(b))
-            H, H_slope = S * h, S * (c * h + rate * h_rate)
-            k = k + a - self.w_i * (S * H)
-            k_slope = k_slope + rate * a_rate - self.w_i * (S * (c * H + H_slope))
-            L = L + M - (1 - self.w_i) * H
-            L_slope = L_slope + rate * M_rate - (1 - self.w_i) * H_slope
-        return Arc(b2, S, c, k, k_slope, L, L_slope)
-
-    def arc_of_load(self, phi: FloatArray) -> Arc:
-        """Return the arc under the load φ = f/(E*·ΔR) ≥ 0, where K = π/φ."""
-        K = np.pi / np.clip(phi, _TINY, _HUGE)
-
-        def miss(arc: Arc) -> tuple[FloatArray, FloatArray]:
-            return arc.k - arc.S * K, arc.k_slope - arc.c * arc.k
-
-        end = _q_of(self.last)
-        return self._root(miss, as_floats(K + end), end)
-
-    def arc_of_penetration(self, d: FloatArray) -> Arc:
-        """Return the arc at the penetration d = δ/ΔR ≥ 0, where d·K = L.
-
-        The start is exact for small and large d, where L tends to ln(L/d) and to a constant.
-        """
-        each = 1 / np.clip(d, _SMALL, _HUGE)
-
-        def miss(arc: Arc) -> tuple[FloatArray, FloatArray]:
-            part = arc.S * each
-            return arc.k - part * arc.L, arc.k_slope - arc.c * arc.k - part * arc.L_slope
-
-        end, least = _q_of(self.last), self.last.L
-        small = self.C + self.w_i + (0.0 if self.kernel is None else self.kernel.h)
-        each_of_L = np.exp(small - least) * each
-        L = least + np.log1p(each_of_L * (least + np.log1p(2.7 * each_of_L)))
-        return self._root(miss, as_floats(L * each + end), end)
-
-    def peak(self, arc: Arc) -> FloatArray:
-        """Return R·p/f at θ = 0."""
-        peak = persson_peak(np.sqrt(arc.b2))
-        if self.remainder is not None:
-            peak = peak * (1 + self.remainder.peak(arc.angle))
-        return as_floats(peak)
-
-    def _root(
-        self,
-        miss: Callable[[Arc], tuple[FloatArray, FloatArray]],
-        q: FloatArray,
-        end: FloatArray,
-    ) -> Arc:
-        """Return the arc q ≥ `end` where a function that increases with q vanishes.
-
-        `miss` gives it and its slope by ln b², both times S. A step of Newton's method that leaves
-        the bracket on the right ends between.
-        """
-        low, high = end, np.full_like(q, np.inf)
-        for _ in range(_STEPS):
-            arc = self.arc(q)
-            value, slope = miss(arc)
-            low, high = np.where(value > 0, low, q), np.where(value > 0, q, high)
-            new = np.maximum(q + q * (1 + arc.S) * value / slope, low)
-            new = np.where(new > high, np.sqrt(q) * np.sqrt(high), new)
-            if np.all(np.abs(new - q) <= _LAST_STEP * q):
-                break
-            q = new
-        return self.arc(new)
-
-
-def _q_of(arc: Arc) -> FloatArray:
-    """Return (1 − S)²/S of an arc."""
-    return as_floats(arc.c**2 / arc.S)
-
-
-def _q_of_angle(angle: FloatArray) -> FloatArray:
-    """Return (1 − S)²/S of the arc from −`angle` to `angle` in radians."""
-    return as_floats((np.cos(angle / 2) ** 2 / np.sin(angle / 2)) ** 2)
-
-
-def _is_number(value: object) -> bool:
-    """Return whether a value is one finite number."""
-    return isinstance(value, (int, float, np.number)) and bool(np.isfinite(value))
 
 
 Datum = Literal["johnson"] | float | Housing
@@ -538,7 +387,10 @@ class Conformal(Unlimited):
         C: FloatArray | float = 0.0,
     ) -> FloatArray:
         """Return `answer` of numbers that broadcast against a pair, for one β and housing at a time."""
-        w_i, beta = pair.shares[0], np.round(pair.beta, 15)  # what differs by rounding is solved once
+        w_i, beta = (
+            pair.shares[0],
+            np.round(pair.beta, 15),
+        )  # what differs by rounding is solved once
         which, kernels = np.array(0), [None]
         if isinstance(self.datum, Housing):
             which, kernels = self.datum.kernels(pair)

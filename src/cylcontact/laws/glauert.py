@@ -28,6 +28,7 @@ largest arc.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -42,11 +43,13 @@ from cylcontact.laws.housing import Kernel
 # Terms of the series, as many again for each 8 of b (large arcs need a small β), and nodes in ε.
 _TERMS, _B_PER_TERMS = 96, 8.0
 _NODES = 24
-# For a housing: nodes until the last terms are rounding, how far beyond the largest arc the series
-# ends, arcs at most this long, and the points of the table of the largest pressure.
-_HOUSED_NODES, _ROUNDING = (32, 64, 128), 1e-11
+# For a housing: nodes until the last terms are this small, how far beyond the largest arc the series
+# ends, arcs at most this long, and how many points the table of the largest pressure has.
+_LAST_TERMS, _MOST_NODES = 1e-10, 144
 _END_WITHIN, _LARGEST_ARC = np.radians(3.0), np.radians(165.0)
-_PEAKS, _PEAKS_ALONG = 1025, 257
+_PEAKS = 1025
+# Where the pressure is negative, sought on so many arcs and points along half of each.
+_ARCS, _ALONG, _NO_PRESSURE = 129, 65, 1e-6
 # Below this the remainder is proportional to β: what is of second order in β is below 1e-10.
 _SMALL_BETA = 1e-5
 # Below this S, (H − 1)/S is 1/2 + Σ 2Sⁿ⁻¹/((n − 1)n(n + 1)), because the closed form loses digits.
@@ -140,9 +143,13 @@ def glauert(
     system[:, m, m] -= np.pi**2 / 2 * (2 * m + 1)
     if g is not None:
         n = np.arange(g.shape[0])
-        waves = np.cos(2 * np.arctan(np.sqrt(y2))[..., None] * n)
-        harmonics = rule.sines.T @ (weight[..., None] * waves)  # of each term of the pressure
-        system += harmonics @ ((1 - n[:, None] ** 2) * g) @ harmonics.transpose(0, 2, 1)
+        waves = np.empty((n.size, *y2.shape))  # cos nθ by its recurrence
+        waves[0], waves[1] = 1, (1 - y2) / (1 + y2)
+        for k in n[2:]:
+            waves[k] = 2 * waves[1] * waves[k - 1] - waves[k - 2]
+        harmonics = (weight * waves) @ rule.sines  # of each term of the pressure
+        added = np.tensordot((1 - n[:, None] ** 2) * g, harmonics, 1)
+        system += harmonics.transpose(1, 2, 0) @ added.transpose(1, 0, 2)
     by_load, by_shift = np.moveaxis(
         np.linalg.solve(system, -np.stack([(1 - beta) * carried, total], axis=-1)), -1, 0
     )
@@ -208,18 +215,28 @@ class Housed(Remainder):
     coefficients: FloatArray
 
     @cached_property
+    def whole_to(self) -> float:
+        """The angle from which on the pressure would be negative somewhere on the arc."""
+        angle, p = self._pressures(_ARCS, _ALONG)
+        split = p.min(axis=1) < -_NO_PRESSURE * p.max(axis=1)
+        return float(angle[np.argmax(split)]) if split.any() else math.inf
+
+    @cached_property
     def _peaks(self) -> tuple[FloatArray, FloatArray]:
         """Angles, and the largest pressure over Persson's there, less 1."""
-        position = np.linspace(-1, 1, _PEAKS)
-        v = np.linspace(0, np.pi / 2, _PEAKS_ALONG)[1:]
-        sines = np.sin(np.outer(2 * np.arange(self.coefficients.shape[1]) + 1, v))
-        p = chebyshev.chebval(position, self.coefficients).T @ sines
-        angle = self.top * (1 + position) / 2
+        angle, p = self._pressures(_PEAKS, _PEAKS)
         b = np.tan(np.maximum(angle, 1e-6) / 2)
         return angle, as_floats(p.max(axis=1) / (b * persson_peak(b)) - 1)
 
+    def _pressures(self, arcs: int, along: int) -> tuple[FloatArray, FloatArray]:
+        """Return angles, and pressures times tan(ε/2) along half of each arc."""
+        position, v = np.linspace(-1, 1, arcs), np.linspace(0, np.pi / 2, along + 1)[1:]
+        sines = np.sin(np.outer(2 * np.arange(self.coefficients.shape[1]) + 1, v))
+        p = chebyshev.chebval(position, self.coefficients).T @ sines
+        return as_floats(self.top * (1 + position) / 2), as_floats(p)
+
     def peak(self, angle: FloatArray) -> FloatArray:
-        """Return the largest pressure over Persson's on the same arc, less 1; within 1e-6."""
+        """Return the largest pressure over Persson's on the same arc, less 1."""
         return as_floats(np.interp(angle, *self._peaks))
 
 
@@ -255,12 +272,19 @@ def _built(beta: float) -> Remainder:
 def housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
     """Return the remainder of a β and a housing, for pairs whose hole has at least the share w_i."""
     top = _end(beta, w_i, kernel.g)
-    for nodes in _HOUSED_NODES:
+    for nodes in range(32 if len(kernel.g) < 30 else 48, _MOST_NODES + 1, 16):
         series, solution, b = _series(top, beta, nodes, kernel)
-        if np.all(np.abs(series[-5:-2, :2]).max(axis=0) < _ROUNDING * np.abs(series[:, :2]).max(axis=0)):
-            break
-    coefficients = _fitted(solution.coefficients * b[:, None])
-    return Housed(top, series, np.zeros(1), coefficients)
+        values, last = np.abs(series[:, :2]), np.abs(series[-5:-2, :2])
+        if np.all(last.max(axis=0) < _LAST_TERMS * values.max(axis=0)):
+            coefficients = _fitted(solution.coefficients * b[:, None])
+            return Housed(top, series, np.zeros(1), coefficients)
+    raise InputError(
+        "Housing",
+        "R_o",
+        None,
+        "makes a ring so thin that the pin does not touch it along one arc",
+        "give a thicker one, or the datum as a number",
+    )
 
 
 def _end(beta: float, w_i: float, g: FloatArray) -> float:
@@ -271,7 +295,9 @@ def _end(beta: float, w_i: float, g: FloatArray) -> float:
         b = np.tan(np.array([angle]) / 2)
         solution = glauert(b, beta, enough_terms(b[0]), g)
         S = np.sin(angle / 2) ** 2
-        low, high = (angle, high) if solution.a[0] > w_i * S * (1 + S * solution.h[0]) else (low, angle)
+        low, high = (
+            (angle, high) if solution.a[0] > w_i * S * (1 + S * solution.h[0]) else (low, angle)
+        )
         if high < np.pi and high - low < _END_WITHIN:
             return high
         if low > _LARGEST_ARC:

@@ -62,7 +62,7 @@ from cylcontact.pair import CylinderPair
 PinDatum = Literal["body-force", "diametral"]
 
 # g is cut off where its terms, which fall like ρ^(−2n), are below this.
-_LEAST_TERM = 1e-13
+_LEAST_TERM = 1e-11
 # Thinner rings need more harmonics than the series has.
 _LEAST_RATIO = 1.05
 # The last harmonic of one's own g over the largest, at most.
@@ -166,7 +166,12 @@ class Kernel:
         S = (1 + np.polynomial.chebyshev.chebpts1(2 * count + 1)) / 2
         P, F = pressure_harmonics(S, count)[1:], _harmonic_slopes(S, count)[1:]
         first, rest = self.g[0, 1:], self.g[1:, 1:]
-        rows = first @ P, np.sum(P * (rest @ P), axis=0), first @ F, 2 * np.sum(F * (rest @ P), axis=0)
+        rows = (
+            first @ P,
+            np.sum(P * (rest @ P), axis=0),
+            first @ F,
+            2 * np.sum(F * (rest @ P), axis=0),
+        )
         return tuple(Chebyshev.fit(S, row, 2 * count, domain=[0, 1]) for row in rows)
 
     def compact(self, S: ArrayLike) -> Compact:
@@ -186,7 +191,9 @@ class Kernel:
         top_slope = 2 * (H_slope * first_F + H * first_bend) + rest_bend
         T = 2 * (g_00 * H + first) + top / F
         T_slope = 2 * (g_00 * H_slope + half * first_F) + (top_slope - top / F * _F_slope(S, F)) / F
-        return Compact(*map(as_floats, (g_00 * H**2 + 2 * H * first + rest, T * H_slope, T, T_slope)))
+        return Compact(
+            *map(as_floats, (g_00 * H**2 + 2 * H * first + rest, T * H_slope, T, T_slope))
+        )
 
 
 def pressure_harmonics(S: ArrayLike, count: int) -> FloatArray:
@@ -311,9 +318,7 @@ class Housing:
         )
 
     @classmethod
-    def from_compliances(
-        cls, g: ArrayLike | str | Path, pin: PinDatum = "body-force"
-    ) -> Housing:
+    def from_compliances(cls, g: ArrayLike | str | Path, pin: PinDatum = "body-force") -> Housing:
         """Return a housing of known coefficients g_nm, as from one's own finite elements.
 
         Parameters
@@ -564,7 +569,9 @@ def _read_numbers(path: Path) -> FloatArray:
         return as_floats(np.loadtxt(path, delimiter=",", ndmin=1))
     except (OSError, ValueError) as error:
         rule = f"cannot be read as numbers: {error}"
-        raise InputError(str(path), "g", None, rule, "give a file of comma-separated g_nm") from None
+        raise InputError(
+            str(path), "g", None, rule, "give a file of comma-separated g_nm"
+        ) from None
 
 
 def is_number(value: object) -> bool:
