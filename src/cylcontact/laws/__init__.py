@@ -111,6 +111,14 @@ LAWS: dict[str, Callable[[], ContactLaw]] = {
 REFERENCES = tuple(d.law.name for d in DEFINITIONS if d.has_defaults and not d.needs)
 
 
+def ClampedPlate(*_: object, **__: object) -> None:
+    """Say what has taken the place of a former name."""
+    raise InputError(
+        "laws", "ClampedPlate", None, "is now a Housing, which is exact in narrow rings, too",
+        "write laws.Housing(R_o=…)",
+    )  # fmt: skip
+
+
 def reference_law(name: str) -> ContactLaw:
     """Return the law that grid specs call `name`.
 

@@ -43,8 +43,8 @@ from cylcontact.laws.housing import Kernel
 # Terms of the series, as many again for each 8 of b (large arcs need a small β), and nodes in ε.
 _TERMS, _B_PER_TERMS = 96, 8.0
 _NODES = 24
-# For a housing: nodes until the last terms are this small, how far beyond the largest arc the series
-# ends, arcs at most this long, and how many points the table of the largest pressure has.
+# For a housing: nodes until the last terms are this small, how far beyond the largest arc the
+# series ends, arcs at most this long, and how many points the table of the largest pressure has.
 _LAST_TERMS, _MOST_NODES = 1e-10, 144
 _END_WITHIN, _LARGEST_ARC = np.radians(3.0), np.radians(165.0)
 _PEAKS = 1025
@@ -270,7 +270,7 @@ def _built(beta: float) -> Remainder:
 
 @lru_cache(maxsize=256)
 def housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
-    """Return the remainder of a β and a housing, for pairs whose hole has at least the share w_i."""
+    """Return the remainder of a β and a housing, for holes of at least the share w_i."""
     top = _end(beta, w_i, kernel.g)
     for nodes in range(32 if len(kernel.g) < 30 else 48, _MOST_NODES + 1, 16):
         series, solution, b = _series(top, beta, nodes, kernel)

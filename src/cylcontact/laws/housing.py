@@ -16,9 +16,9 @@ where C is the part of the pin alone, because g_11 has the plate's. With P_m = �
 **A ring.** By Kolosov 2μ(u_r + i·u_θ)·e^{iθ} = κφ − z·φ̄′ − ψ̄ and σ_rr − iσ_rθ = 2Re φ′ −
 e^{2iθ}(z̄·φ″ + ψ′). For cos nθ there are four terms, φ = z^(1±n) and ψ = z^(−1±n); for n = 1 the
 second is φ = ln z with ψ = −κ·ln z, which has a resultant. Bonded rings of several materials share
-displacements and tractions at their interfaces. With a unit pressure cos nθ on the bore, U_n = 2μu_r
-there and (κ + 1)/(8μ) = w_i/E*, g_nn = 2w_i/(κ + 1)·(U_n − that of the plate), half of it for n = 0.
-One ring on a rigid frame has, with Q = ρ² and Z = Qⁿ, the closed form
+displacements and tractions at their interfaces. With a unit pressure cos nθ on the bore, U_n =
+2μu_r there and (κ + 1)/(8μ) = w_i/E*, g_nn is 2w_i/(κ + 1)·(U_n − that of the plate), and half of
+it for n = 0. One ring on a rigid frame has, with Q = ρ² and Z = Qⁿ, the closed form
 
     g_0 = −w_i/(2 + (κ − 1)Q),
     g_n = −w_i/(n² − 1)·{Z[(n + 1)κ²Q² + (n² − 1)(n(Q − 1)² + Q²) − n(n − 1)] + 2κnQ}
@@ -143,8 +143,7 @@ class Compact(NamedTuple):
 class Kernel:
     """The symmetric g_nm of one housing, n and m from 0, with the terms of the compact law.
 
-    `polynomials` are those of S on [0, 1] in Γ = g_00·H² + 2H·G₁ + G₂: G₁, G₂, and their derivatives
-    over (1 − S²)/2.
+    Γ = g_00·H² + 2H·G₁ + G₂, where G₁ and G₂ are polynomials of S.
     """
 
     g: FloatArray
@@ -286,19 +285,25 @@ class Housing:
     g: tuple[tuple[float, ...], ...] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "layers", tuple(map(tuple, self.layers)))
         if self.g is not None:
             _require_own(self.g)
         else:
-            radii = [*(layer[-1] for layer in self.layers), self.R_o]
+            layers = [
+                layer if isinstance(layer, list | tuple) else (layer,) for layer in self.layers
+            ]
+            object.__setattr__(self, "layers", tuple(map(tuple, layers)))
+            pairs = all(len(layer) == 2 and isinstance(layer[0], Material) for layer in layers)
+            radii = [*(layer[-1] for layer in layers), self.R_o]
             positive = all(is_number(radius) and radius > 0 for radius in radii)
             require(
-                positive and radii == sorted(set(radii)),
+                pairs and positive and radii == sorted(set(radii)),
                 "Housing",
-                "layers" if self.layers else "R_o",
+                "layers" if layers else "R_o",
                 self.layers or self.R_o,
-                "must be a number, positive and finite; inner radii of layers increase up to R_o",
-                "give the radius in mm of the clamped rim, e.g. Housing(R_o=20.0)",
+                "must be pairs of a Material and its inner radius, increasing up to R_o"
+                if layers
+                else "must be a number, positive and finite",
+                "give radii in mm, e.g. Housing(R_o=20.0, layers=[(lug, 12.0)])",
             )
         require(
             isinstance(self.clamp, Sector) or self.clamp == "rim",
@@ -324,11 +329,11 @@ class Housing:
         Parameters
         ----------
         g : array_like, shape (N,) or (N, N), or path
-            With n and m from 0. Press p = (f/R)·cos ms on the bore, subtract the radial displacement
-            of the infinite plate from that of the bore, and expand it times πE*/(2f) in cos nθ:
-            the amplitudes over π, over 2π for m = 0, are g_nm. For n = m = 1 that of the plate is
-            w_i·π/(2(κ_i + 1)). One row is the diagonal, which is all that a whole rim has.
-            A file has numbers with commas between them, a line for each n.
+            With n and m from 0. Press p = (f/R)·cos ms on the bore, subtract the radial
+            displacement of the infinite plate from that of the bore, and expand it times πE*/(2f)
+            in cos nθ: the amplitudes over π, over 2π for m = 0, are g_nm. For n = m = 1 that of
+            the plate is w_i·π/(2(κ_i + 1)). One row is the diagonal, which is all that a whole rim
+            has. A file has numbers with commas between them, a line for each n.
         pin : {"body-force", "diametral"}
             As for `Housing`.
 
@@ -388,11 +393,11 @@ class Housing:
             "give a thicker one",
         )
         around = [replace(pair, material_i=material) for material, _ in self.layers]
-        columns = [R_i, pair.shares[0]]
+        numbers = [R_i, pair.shares[0]]
         for one in (pair, *around):
             kappa = one.kolosov[0]
-            columns += [kappa, one.moduli[0] * (kappa + 1)]  # 8μ
-        columns = np.broadcast_arrays(*columns)
+            numbers += [kappa, one.moduli[0] * (kappa + 1)]  # 8μ
+        columns = np.broadcast_arrays(*numbers)
         rows, which = np.unique(
             np.stack([column.ravel() for column in columns]), axis=1, return_inverse=True
         )
@@ -482,9 +487,6 @@ def _terms(n: IndexArray, ring: _Ring, r: float) -> FloatArray:
 
 def _uniform(rings: tuple[_Ring, ...]) -> tuple[float, FloatArray, FloatArray]:
     """Return the same for n = 0: u_r = (κ − 1)·A·r − D/r and σ_rr = 2A + D/r²."""
-    rows = []
-    for radius in (rings[0].inner, *(ring.outer for ring in rings)):
-        rows.append(radius)
     size = 2 * len(rings)
     system, applied = np.zeros((size, size)), np.zeros((size, 2))
 
@@ -528,9 +530,9 @@ def _free_arc(
     for i, rows in enumerate((odd, even)):
         for j, columns in enumerate((odd, even)):
             A[rows, columns] = (phi[rows] * (e * radius * D[:, i, j])) @ phi[columns].T
-    # The rest of Σ n·φ_kn·φ_ln, whose terms are k·l·cos((k − l)π/2)/(πFn²) on average.
-    signs = np.cos((k[:, None] - k) * np.pi / 2) * k[:, None] * k / (np.pi * F) * F**2 / F**2
-    tail = radius * np.pi / last / (n.size + 0.5) * signs
+    # The rest of Σ n·φ_kn·φ_ln, where J_k·J_l is cos((k − l)π/2)/(πnF) on average.
+    pairs = k[:, None] * k * np.cos((k[:, None] - k) * np.pi / 2)
+    tail = radius * pairs / (F * last * (n.size + 0.5))
     A[odd, odd] += D[last, 0, 0] * tail[odd, odd]
     A[even, even] += D[last, 1, 1] * tail[even, even]
     count = T.shape[0]
