@@ -228,12 +228,12 @@ class Parametric(Conformal):
 
     Examples
     --------
-    A steel pin in an aluminium plate, counted from C = 1.745:
+    A steel pin in an aluminium plate, counted from C = 1.744896:
 
     >>> from cylcontact import CylinderPair, Material, laws
     >>> steel, aluminium = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)
     >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.99, material=aluminium, material_j=steel)
-    >>> fast, reference = Parametric(1.745), Conformal(1.745)
+    >>> fast, reference = Parametric(1.744896), Conformal(1.744896)
     >>> print(f"{fast.load(0.01, pair):.2f} N/mm, {reference.load(0.01, pair):.2f} N/mm")
     422.12 N/mm, 422.12 N/mm
     """
