@@ -37,8 +37,8 @@ CAPTION = (
 METHOD = (
     "Lines are for a housing clamped on its whole rim R_o and a pin under a body force, plane "
     "strain, no friction. Johnson's datum has no housing; it is the convention C = 2 ln 2 - 2 + "
-    "w_j, with w_j the pin's share of 1/E*. Below zero in (b-d) the joint is stiffer than by that datum. "
-    "The pairs and ρ are our choice. Material values that are not "
+    "w_j, with w_j the pin's share of 1/E*. Below zero in (b-d) the joint is stiffer than by that "
+    "datum. The pairs and ρ are our choice. Material values that are not "
     "the paper's: {origins}."
 )
 

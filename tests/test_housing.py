@@ -15,7 +15,7 @@ from skfem.helpers import ddot, eye, sym_grad, trace
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.datasets.finite_element.solve import clamped_nodes
-from cylcontact.laws import ClampedPlate, Conformal, Housing, Parametric, Sector, glauert
+from cylcontact.laws import ClampedPlate, Conformal, Housing, Sector, glauert
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.housing import pressure_harmonics
 from cylcontact.materials import material_in_MPa
@@ -537,7 +537,6 @@ def test_contact_by_elements_is_the_same_in_every_housing(name, plane, clamp, rh
             "Housing: g: has fewer harmonics than the kernel needs",
         ),
         (lambda: Housing.from_compliances("no/such/file"), "no/such/file: g: cannot be read"),
-        (lambda: Parametric(Housing(20.0)), "cannot be a Housing; use laws.Conformal"),
         (lambda: ClampedPlate(R_o=20.0), "is now a Housing"),
     ],
 )

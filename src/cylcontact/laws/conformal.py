@@ -286,7 +286,7 @@ class Conformal(Unlimited):
 
     >>> joint = Conformal(datum=Housing(R_o=20.0))
     >>> print(f"{joint.penetration(f, pair) / pair.dR:.6f}")
-    1.324271
+    0.577766
     """
 
     datum: Datum = "johnson"
