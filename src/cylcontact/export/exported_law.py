@@ -131,8 +131,9 @@ class ExportedLaw:
             by = f" / {names['penetration_factor']}"
             steps = steps_of(f"{names['penetration']} = penetration{by}") + steps
         if names["f"] != "f":
-            scaled = f"f = {factor} * {names['f']}\nk = {factor}{by} * {names['k']}"
-            steps += steps_of(scaled)
+            f, k = steps_of(f"f = {factor} * {names['f']}\nk = {factor}{by} * {names['k']}")
+            known = max(n for n, s in enumerate(steps, 1) if names["f"] in assigned_in([s]))
+            steps = (*steps[:known], f, *steps[known:], k)
         return steps
 
     @cached_property
