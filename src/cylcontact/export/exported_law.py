@@ -324,7 +324,8 @@ def _plain(text: str) -> str:
 def paragraph(title: str, text: str) -> list[str]:
     """Return `title: text`, wrapped; nothing for no text."""
     whole = f"{title}: {text}.".replace("..", ".")
-    return wrap(whole, WIDTH, subsequent_indent="  ") if text else []
+    lines = wrap(whole, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
+    return lines if text else []
 
 
 def table(rows: Mapping[str, tuple[str, str]]) -> list[str]:

@@ -59,6 +59,7 @@ def source(law: ExportedLaw) -> str:
         "coefficients": dict(law.listed),
         "arguments": {name: _described(*MEANINGS[name]) for name in law.arguments},
         "results": {name: _described(*about) for name, about in RESULTS.items()},
+        "domain": ", ".join(filter(None, (*law.conditions, law.ends))),
         "outside_domain": _OUTSIDE,
         "without_contact": _APART,
         "conditions": list(law.conditions),
