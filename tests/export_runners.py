@@ -78,9 +78,7 @@ def run_cpp(case, folder):
     names = {what: f"{case.name}::{what}" for what in ("load", "stiffness")}
     names["both"] = f"{case.name}::evaluate"
     include, linkage = f'#include "{law}"', 'extern "C"'
-    return _compiled(
-        "g++", CPP_FLAGS, "run.cpp", C_WRAPPER, case, folder, include, linkage, **names
-    )
+    return _compiled("g++", CPP_FLAGS, "run.cpp", C_WRAPPER, case, folder, include, linkage, **names)
 
 
 def run_fortran(case, folder):
@@ -154,6 +152,7 @@ def run_json(case, _folder):
     document = json.loads(export(case.law, case.contact, "json"))
     names = ("log", "log1p", "exp", "sqrt", "sin", "cos", "pi", "nan", "inf")
     vocabulary = {name: getattr(np, name) for name in names} | {"atan": np.arctan, "max": max}
+    steps = compile("\n".join(document["steps"]), "steps", "exec")
     answers = []
     with np.errstate(all="ignore"):
         for row in case.each_row():
@@ -161,11 +160,8 @@ def run_json(case, _folder):
             known = vocabulary | document["constants"] | values
             f = k = 0.0 if row[0] < 0 else math.nan
             if all(eval(condition, known) for condition in document["conditions"]):
-                for step in document["steps"]:
-                    exec(step, known)
-                f, k = (
-                    0.0 if row[0] == 0 and math.isnan(x) else x for x in (known["f"], known["k"])
-                )
+                exec(steps, known)
+                f, k = known["f"], known["k"]
             answers.append((f, k))
     return np.array(answers).T
 

@@ -257,7 +257,7 @@ def laws(
 def export(
     what: Annotated[
         str | None,
-        typer.Argument(metavar="[RESULT|LAW]", help="A fit result, or a law, e.g. johnson."),
+        typer.Argument(metavar="[RESULT|LAW]", help="A fit result, or a law: johnson, or mine:load."),
     ] = None,
     *,
     joint: Annotated[
@@ -291,11 +291,16 @@ def export(
     if out is not None:
         require_writable(out)
     source = export_named(what, contact, target)
-    if out is None:
-        typer.echo(source, nl=False)
-        return
+    if isinstance(source, str):
+        if out is None:
+            typer.echo(source, nl=False)
+            return
+        source = source.encode("ascii")
+    elif out is None:
+        remedy = "name the file, e.g. -o law.fmu"
+        raise InputError("export", "--out", None, "is missing for an FMU", remedy)
     with replacing(out) as temporary:
-        temporary.write_text(source, encoding="ascii")
+        temporary.write_bytes(source)
     say(f"{what} written to {out}")
 
 

@@ -46,35 +46,38 @@ JOINT_TARGETS = {
 }
 
 
-def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str:
-    """Return a law with its coefficients as self-contained source text.
+def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str | bytes:
+    """Return a law with its coefficients as self-contained source text, or as an FMU.
 
     The text has a function of penetration (mm), E* (MPa) and ΔR (mm), for some laws also of R_i,
-    R_j and the length (mm). It returns load (N/mm) and stiffness (N/mm²), both NaN outside the
-    law's domain and 0 where the bodies do not touch.
+    R_j and the length (mm), α and β. It returns load (N/mm) and stiffness (N/mm²), both NaN outside
+    the law's domain and 0 where the bodies do not touch. For JAX it has `load` and `penetration`,
+    which differentiate.
 
     Parameters
     ----------
     law : ContactLaw
-        A law of the package with a closed form for the load, one of `EXPORTABLE` or a power law.
+        A law with a formula, of the package, of your own or scaled.
     contact : {"internal", "external"} or None
         The contact; may be None if the law or its coefficients determine it, or if it makes no
         difference.
-    target : {"c", "fortran", "matlab", "json"}
+    target : {"c", "cpp", "fortran", "matlab", "python", "jax", "json", "fmu"}
         The language.
     origin : str, optional
         Where user-defined coefficients come from, for the comments.
 
     Returns
     -------
-    str
-        The text of one file. For MATLAB the file must have the name of the function.
+    str or bytes
+        The text of one file, which for MATLAB must have the name of the function; of an FMU the
+        bytes.
 
     Raises
     ------
     InputError
-        If the target or contact is unknown, the law has no closed form or is not for the
-        contact, or its load is negative or decreases for some pair.
+        If the target or contact is unknown, the law has no formula that can be written in another
+        language or is not for the contact, its load is negative or decreases for some pair, or an
+        FMU finds no C compiler.
 
     Examples
     --------
@@ -94,22 +97,22 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     return text
 
 
-def export_named(what: str, contact: str | None, target: str) -> str:
-    """Return the source text of a law given by name, or of a fit result given by path.
+def export_named(what: str, contact: str | None, target: str) -> str | bytes:
+    """Return `export` of a law given by name, or of a fit result given by path.
 
     Parameters
     ----------
     what : str
-        A law's name, e.g. "johnson", or the path of a fit result.
+        A law's name, e.g. "johnson", "module:function" of your own, or the path of a fit result.
     contact : {"internal", "external"} or None
         The contact; a result knows its own.
-    target : {"c", "fortran", "matlab", "json"}
+    target : {"c", "cpp", "fortran", "matlab", "python", "jax", "json", "fmu"}
         The language.
 
     Returns
     -------
-    str
-        The text of one file.
+    str or bytes
+        The text of one file, or an FMU.
 
     Raises
     ------

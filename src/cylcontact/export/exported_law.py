@@ -128,8 +128,9 @@ class ExportedLaw:
             by = f" / {names['penetration_factor']}"
             steps = steps_of(f"{names['penetration']} = penetration{by}") + steps
         if names["f"] != "f":
-            scaled = f"f = {factor} * {names['f']}\nk = {factor}{by} * {names['k']}"
-            steps += steps_of(scaled)
+            f, k = steps_of(f"f = {factor} * {names['f']}\nk = {factor}{by} * {names['k']}")
+            known = max(n for n, s in enumerate(steps, 1) if names["f"] in assigned_in([s]))
+            steps = (*steps[:known], f, *steps[known:], k)
         return steps
 
     @cached_property
@@ -320,7 +321,8 @@ def _plain(text: str) -> str:
 def paragraph(title: str, text: str) -> list[str]:
     """Return `title: text`, wrapped; nothing for no text."""
     whole = f"{title}: {text}.".replace("..", ".")
-    return wrap(whole, WIDTH, subsequent_indent="  ") if text else []
+    lines = wrap(whole, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
+    return lines if text else []
 
 
 def table(rows: Mapping[str, tuple[str, str]]) -> list[str]:

@@ -60,7 +60,7 @@ $comment
 ! Fortran 2008. The procedures are elemental: the arguments may be arrays.
 module ${name}_law
     use, intrinsic :: iso_fortran_env, only: wp => real64
-    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan$infinity
+    use, intrinsic :: ieee_arithmetic
     implicit none
     private
     public :: $name
@@ -117,7 +117,6 @@ def source(law: ExportedLaw) -> str:
     return law.source(
         DIALECT,
         _FRAME,
-        infinity=", ieee_positive_inf" if law.uses("inf") else "",
         variables=declared(law.steps),
         check=domain,
         last="if (.not. ($ends)) return" if law.ends else "",

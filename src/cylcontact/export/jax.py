@@ -69,14 +69,14 @@ def _numbers(*values):
 def _evaluate($arguments):
     """Return load and stiffness."""
     $constants
-    apart = penetration <= 0.0
     outside = ~($domain)
     $at_pair
     $last
-    penetration = jnp.where(apart | outside, 0.5 * $least, penetration)
+    still = (penetration < 0.0) | (penetration == 0.0) & ~outside
+    penetration = jnp.where(still | outside, 0.5 * $least, penetration)
     $at_depth
-    f, k = (jnp.where(apart, 0.0, jnp.where(outside, jnp.nan, x)) for x in (f, k))
-    return f, k
+    f, k = (jnp.where(outside, jnp.nan, x) for x in (f, k))
+    return jnp.where(still, 0.0, f), jnp.where(still, 0.0, k)
 
 
 @jax.custom_jvp
@@ -86,7 +86,7 @@ def _load($arguments):
 
 @_load.defjvp
 def _(primals, tangents):
-    depth, *pair = primals
+    depth, pair = primals[0], primals[1:]
     f, k = _evaluate(depth, *pair)
     _, by_pair = jax.jvp(lambda *pair: _evaluate(depth, *pair)[0], pair, tangents[1:])
     return f, k * tangents[0] + by_pair
@@ -120,8 +120,7 @@ def _penetration(load, $pair):
 
 @_penetration.defjvp
 def _(primals, tangents):
-    force, *pair = primals
-    depth = _penetration(*primals)
+    depth, pair = _penetration(*primals), primals[1:]
     _, k = _evaluate(depth, *pair)
     _, by_pair = jax.jvp(lambda *pair: _evaluate(depth, *pair)[0], pair, tangents[1:])
     return depth, (tangents[0] - by_pair) / jnp.where(k == 0.0, jnp.inf, k)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from cylcontact.errors import InputError
 from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw, renamed
 from cylcontact.export.render import lambert_steps
 from cylcontact.formats import marked
@@ -27,7 +28,7 @@ _SYNTAX = (
     "stiffness"
 )
 _OUTSIDE = "load and stiffness are NaN"
-_APART = "at a negative penetration, and at 0 where the steps give NaN, load and stiffness are 0"
+_APART = "at a negative penetration load and stiffness are 0; conditions and steps do not matter"
 
 _MATERIALS = (Material("aluminium", E=69e3, nu=0.33), Material("steel", E=207e3, nu=0.3))
 # Radii of hole and pin, and of two rollers, and axial lengths, in mm.
@@ -45,8 +46,10 @@ def source(law: ExportedLaw) -> str:
     """Return a law as a JSON document."""
     rows = list(_check_values(law))
     steps = [*_unrolled(law.steps)]
-    if law.ends:
-        steps += [f"{name} = {name} if {law.ends} else nan" for name in ("f", "k")]
+    for name in ("f", "k"):  # at first touch the steps may have no value, as ln 0
+        steps.append(f"{name} = {name} if penetration > 0 or {name} >= 0 else 0")
+        if law.ends:
+            steps.append(f"{name} = {name} if {law.ends} else nan")
     document: dict[str, Any] = {
         "function": law.name,
         "law": law.law.name,
@@ -56,6 +59,7 @@ def source(law: ExportedLaw) -> str:
         "coefficients": dict(law.listed),
         "arguments": {name: _described(*MEANINGS[name]) for name in law.arguments},
         "results": {name: _described(*about) for name, about in RESULTS.items()},
+        "domain": ", ".join(filter(None, (*law.conditions, law.ends))),
         "outside_domain": _OUTSIDE,
         "without_contact": _APART,
         "conditions": list(law.conditions),
@@ -98,7 +102,11 @@ def _check_values(exported: ExportedLaw) -> Iterator[dict[str, float | str]]:
     for material, pin, radii, length in product(_MATERIALS, pins, _RADII[contact], lengths):
         pair = build(*radii, material, length, pin)
         arguments = _arguments(pair)
-        for penetration in _penetrations(law, pair):
+        try:
+            penetrations = _penetrations(law, pair)
+        except InputError:  # some laws are for steel alone
+            continue
+        for penetration in penetrations:
             values = {"penetration": penetration, **arguments}
             row: dict[str, float | str] = {name: values[name] for name in exported.arguments}
             row["load"] = _plain(law.load(penetration, pair))

@@ -11,6 +11,8 @@ from string import Template
 from textwrap import indent, wrap
 from typing import Any
 
+import numpy as np
+
 from cylcontact.laws.formula import Formula, Step, names_in, needed
 from cylcontact.laws.lambert import branch_distance_steps
 
@@ -222,7 +224,7 @@ def _places(
 
 def _w(penetration: Any, pair: Any) -> Any:
     """Return Lambert's w as a formula of one argument, for its steps."""
-    return branch_distance_steps(penetration)
+    return np.where(penetration > 0, branch_distance_steps(penetration), np.inf)
 
 
 @cache

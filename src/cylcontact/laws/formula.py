@@ -108,7 +108,7 @@ def needed(steps: Sequence[Step], *results: str) -> tuple[Step, ...]:
             inside = needed(step.body, *wanted)
             if inside:  # what one turn needs, the turn before has to give
                 while True:
-                    used = wanted.union(*(names_in(each.value) for each in inside))
+                    used = wanted.union(*(names_in(each.value) for each in _flat(inside)))
                     if used == wanted:
                         break
                     wanted, inside = used, needed(step.body, *used)
@@ -258,6 +258,9 @@ def _dependent(steps: Sequence[Step]) -> set[str]:
         more = depends | {
             s.name for s in _flat(steps) if names_in(s.value) & depends and not s.body
         }
+        for s in steps:  # a loop runs as a whole
+            if s.body and more & {*assigned_in([s])}:
+                more |= {*assigned_in([s])}
         if more == depends:
             return depends
         depends = more

@@ -5,9 +5,9 @@
 const Laws = (() => {
   const FUNCTIONS = {
     log: Math.log, log1p: Math.log1p, exp: Math.exp, sqrt: Math.sqrt, sin: Math.sin,
-    atan: Math.atan, max: Math.max,
+    cos: Math.cos, atan: Math.atan, max: Math.max,
   };
-  const NUMBERS = { pi: Math.PI, nan: NaN };
+  const NUMBERS = { pi: Math.PI, nan: NaN, inf: Infinity };
   const BINDING = {
     "or": 1, "and": 2, "<": 3, "<=": 3, ">": 3, ">=": 3, "+": 4, "-": 4, "*": 5, "/": 5, "**": 7,
   };
@@ -137,9 +137,9 @@ const Laws = (() => {
       stiffness: (penetration, pair) => both(penetration, pair)[1],
     };
     const limit = steps.find(([name]) => name === "f_max");
-    return limit
-      ? { ...law, ...logarithmic(document.constants.kappa, (pair) => limit[1](namesOf(pair))) }
-      : { ...law, ...unlimited(both) };
+    if (!limit) return { ...law, ...unlimited(both) };
+    const { kappa, load_factor: B = 1, penetration_factor: D = 1 } = document.constants;
+    return { ...law, ...logarithmic(kappa * D / B, (pair) => B * limit[1](namesOf(pair))) };
   }
 
   // Logarithmic laws, delta = kappa/(pi E*) f (ln(Lambda E*/f) + c), are explicit in the load:
