@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
 
 # `find_law` accepts the name of a law without a closed form too, and `exported` reports that.
-EXPORTABLE = tuple(
-    name for name, law in LAWS.items() if formula_of(law(), "internal") is not None
-)
+EXPORTABLE = tuple(name for name, law in LAWS.items() if formula_of(law(), "internal") is not None)
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,19 @@ DIALECT = Dialect(
     continued=" \\",
     names={
         name: f"math.{name}"
-        for name in ("log", "log1p", "exp", "sqrt", "sin", "cos", "atan", "hypot", "pi", "nan", "inf")
+        for name in (
+            "log",
+            "log1p",
+            "exp",
+            "sqrt",
+            "sin",
+            "cos",
+            "atan",
+            "hypot",
+            "pi",
+            "nan",
+            "inf",
+        )
     },
     helpers={"power": _POWER},
     lambert=_LAMBERT,

@@ -130,9 +130,7 @@ class Dialect:
     def _loop(self, step: Step, variables: set[str]) -> str:
         """Return a loop in this language."""
         limits = range(*(ast.literal_eval(ast.unparse(each)) for each in step.value.args))  # type: ignore[attr-defined]
-        inner = replace(
-            self, names={**self.names, step.name: self.counter.format(name=step.name)}
-        )
+        inner = replace(self, names={**self.names, step.name: self.counter.format(name=step.name)})
         body = (inner._statement(each, variables, variables) for each in step.body)
         return self.loop.format(
             name=step.name, first=limits.start, stop=limits.stop, step=limits.step,

@@ -199,8 +199,9 @@ class Parametric(Law, Conformal):
         """Return the penetration in mm under `load` in N/mm."""
         f = as_floats(load)
         if isinstance(self.datum, Housing):
-            one = self.at_pair(pair).is_single
-            return (super() if one else super(Law, self)).penetration(f, pair)
+            if self.at_pair(pair).is_single:
+                return super().penetration(f, pair)
+            return Conformal.penetration(self, f, pair)
         touching, phi = in_units_of(self.load_unit(pair), f)
         w_i, w_j, c0 = shares(pair.alpha, pair.beta)
         own = asdict(self.constants)

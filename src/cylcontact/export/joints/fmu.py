@@ -78,9 +78,7 @@ def source(joint: ClearanceJoint, stem: str = "") -> dict[str, bytes]:
     Raises `InputError` if there is no C compiler, or it fails.
     """
     name = joint.identifier
-    definitions = _DEFINITIONS.format(
-        name=name, floor=joint.rate_floor, touch=_TOUCH / joint.in_mm
-    )
+    definitions = _DEFINITIONS.format(name=name, floor=joint.rate_floor, touch=_TOUCH / joint.in_mm)
     hooks = (Path(__file__).parent / "fmi2_joint.c").read_text(encoding="ascii")
     return {f"{stem or name}.fmu": fmu(model_of(joint), c.source(joint), definitions, hooks)}
 
