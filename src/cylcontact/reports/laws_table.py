@@ -228,7 +228,7 @@ def to_text(
     ]
     if housing is not None:
         parts.insert(1, _of_housing(pair, load, housing))
-    if not pair.of_one_material:
+    elif not pair.of_one_material:
         parts.insert(1, _advice(pair, side_by_side, errors))
     elif contact == "internal":
         parts += [
