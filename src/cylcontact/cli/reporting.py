@@ -257,7 +257,9 @@ def laws(
 def export(
     what: Annotated[
         str | None,
-        typer.Argument(metavar="[RESULT|LAW]", help="A fit result, or a law: johnson, or mine:load."),
+        typer.Argument(
+            metavar="[RESULT|LAW]", help="A fit result, or a law: johnson, or mine:load."
+        ),
     ] = None,
     *,
     joint: Annotated[

@@ -23,9 +23,7 @@ DIALECT = Dialect(
     variable="double {name} = {value};",
     again="{name} = {value};",
     choice="{test} ? {yes} : {no}",
-    loop=(
-        "for (int {name} = {first}; {name} {before} {stop}; {name} += {step}) {{\n{body}\n}}"
-    ),
+    loop=("for (int {name} = {first}; {name} {before} {stop}; {name} += {step}) {{\n{body}\n}}"),
     counter="(double){name}",
     names={"nan": "(double)NAN", "inf": "(double)INFINITY", "max": "fmax"},
     symbols={ast.And: "&&", ast.Or: "||"},

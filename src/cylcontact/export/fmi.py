@@ -27,7 +27,6 @@ _FLAGS = ("-shared", "-fPIC", "-O2", "-std=c99")
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-
 class Variable(NamedTuple):
     """A variable of an FMU, real with a unit or an integer without one."""
 
@@ -118,9 +117,7 @@ class Model:
         return "".join(lines)
 
 
-def fmu(
-    model: Model, sources: Mapping[str, str], definitions: str, hooks: str
-) -> bytes:
+def fmu(model: Model, sources: Mapping[str, str], definitions: str, hooks: str) -> bytes:
     """Return an FMU, the same for the same sources, version and compiler.
 
     `definitions`, with $guid, and `hooks` come before the text of fmi2.c.

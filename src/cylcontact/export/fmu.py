@@ -76,7 +76,9 @@ def source(law: ExportedLaw) -> bytes:
     rows = {**{name: MEANINGS[name] for name in law.arguments}, **RESULTS}
     variables = (
         Variable(name, unit.replace("^", ""), kind, meaning, start.get(name, 0.0))
-        for (name, (unit, meaning)), kind in zip(rows.items(), (*kinds, "output", "output"), strict=True)
+        for (name, (unit, meaning)), kind in zip(
+            rows.items(), (*kinds, "output", "output"), strict=True
+        )
     )
     hooks = _HOOKS.format(
         name=law.name,

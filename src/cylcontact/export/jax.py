@@ -32,7 +32,9 @@ _DIALECT = Dialect(
     loop="for {name} in range({first}, {stop}, {step}):\n{body}",
     continued=" \\",
     names={
-        **{n: f"jnp.{n}" for n in ("log", "log1p", "exp", "sqrt", "sin", "cos", "pi", "nan", "inf")},
+        **{
+            n: f"jnp.{n}" for n in ("log", "log1p", "exp", "sqrt", "sin", "cos", "pi", "nan", "inf")
+        },
         "atan": "jnp.arctan",
         "max": "jnp.maximum",
     },

@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
 
 # `find_law` accepts the name of a law without a closed form too, and `exported` reports that.
-EXPORTABLE = tuple(
-    name for name, law in LAWS.items() if formula_of(law(), "internal") is not None
-)
+EXPORTABLE = tuple(name for name, law in LAWS.items() if formula_of(law(), "internal") is not None)
 
 
 @dataclass(frozen=True)
@@ -35,15 +33,7 @@ class FoundLaw:
 def find_law(what: str, contact: Contact | None) -> FoundLaw:
     """Return the law with the name `what`, or that of the fit result at this path.
 
-    Raises
-    ------
-    InputError
-        If it is neither, or the result is for the other contact.
-
-    Examples
-    --------
-    >>> find_law("liu", None).law
-    Liu()
+    Raises `InputError` if it is neither, or the result is for the other contact.
     """
     if what in LAWS:
         return FoundLaw(LAWS[what](), contact)

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
-from cylcontact.export.exported_law import ExportedLaw, flat
+from cylcontact.export.exported_law import ExportedLaw
 from cylcontact.export.render import Dialect
-from cylcontact.laws.formula import names_in
 
 _POWER = """
 def power(x, y):
@@ -38,7 +35,19 @@ DIALECT = Dialect(
     continued=" \\",
     names={
         name: f"math.{name}"
-        for name in ("log", "log1p", "exp", "sqrt", "sin", "cos", "atan", "hypot", "pi", "nan", "inf")
+        for name in (
+            "log",
+            "log1p",
+            "exp",
+            "sqrt",
+            "sin",
+            "cos",
+            "atan",
+            "hypot",
+            "pi",
+            "nan",
+            "inf",
+        )
     },
     helpers={"power": _POWER},
     lambert=_LAMBERT,
