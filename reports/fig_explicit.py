@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray
-from cylcontact.laws import ClampedPlate, Conformal, difference_percent
+from cylcontact.laws import Conformal, Housing, difference_percent
 from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing, new_figure, plain_log
@@ -101,13 +101,13 @@ def _rows(curve: Curve, contact: str, reference: str) -> pd.DataFrame:
 def added_by_housing(ratio: float, phi: ArrayLike) -> FloatArray:
     """Return what a steel housing clamped at R_o/R_i adds to the penetration, in percent."""
     load = np.asarray(phi) * PAIR.E_star * DR
-    return difference_percent(Conformal(ClampedPlate(ratio * R_I)), Conformal(), load, PAIR)
+    return difference_percent(Conformal(Housing(ratio * R_I)), Conformal(), load, PAIR)
 
 
 def lost_by_housing(ratio: float, phi: ArrayLike) -> FloatArray:
     """Return what it adds to the load at equal penetration, in percent; negative, a loss."""
     load = np.asarray(phi) * PAIR.E_star * DR
-    housed = Conformal(ClampedPlate(ratio * R_I)).load(Conformal().penetration(load, PAIR), PAIR)
+    housed = Conformal(Housing(ratio * R_I)).load(Conformal().penetration(load, PAIR), PAIR)
     return 100 * (housed / load - 1)
 
 

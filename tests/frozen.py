@@ -26,7 +26,7 @@ OWN = {
     "enhanced refitted": laws.Enhanced({"a": 0.4, "b": 1.05, "n": 1.09}),
     "explicit own": laws.Explicit({"c": 1.4, "A": 0.36, "B": 3.0}),
     "winkler stiff": laws.Winkler(depth=0.3),
-    "conformal clamped": laws.Conformal(laws.ClampedPlate(R_o=500.0)),
+    "conformal clamped": laws.Conformal(laws.Housing(R_o=500.0)),
 }
 
 
@@ -79,17 +79,18 @@ def public_face():
     """Return each public name with its signature, or what it is."""
     faces = ["cylcontact"]
     for face in faces:
-        module = importlib.import_module(face)
+        module = _thing(face)
         faces += [f"{face}.{n}" for n in _names(module) if inspect.ismodule(getattr(module, n))]
     pages = sorted((ROOT / "docs/reference").glob("*.md"))
     documented = re.findall(r"^::: (\S+)", "".join(p.read_text("utf-8") for p in pages), re.M)
-    names, met = {}, {}
+    names, met, modules = {}, {}, []
     for path in dict.fromkeys([*faces, *sorted(documented)]):
         thing = _thing(path)
         if not inspect.ismodule(thing):
             _describe(path, thing, names, met)
             continue
-        for name in _names(thing):
+        modules.append(thing)  # which may have been met under another name
+        for name in _names(thing) if modules.count(thing) == 1 else ():
             _describe(f"{path}.{name}", getattr(thing, name), names, met)
     return dict(sorted(names.items()))
 
@@ -104,9 +105,9 @@ def _thing(path):
 
 
 def _names(module):
-    """Return what a module exports, or without `__all__` the public names that it defines."""
-    defined = {n: getattr(v, "__module__", None) for n, v in vars(module).items()}
-    own = [n for n, home in defined.items() if not n.startswith("_") and home == module.__name__]
+    """Return what a module exports, or without `__all__` its classes, functions and constants."""
+    homes = {n: getattr(v, "__module__", None) for n, v in vars(module).items() if n[0] != "_"}
+    own = [n for n, home in homes.items() if home == (None if n.isupper() else module.__name__)]
     return getattr(module, "__all__", own)
 
 

@@ -70,9 +70,7 @@ def test_without_beta_it_is_exact_for_unlike_bodies_too():
 @pytest.mark.parametrize(
     ("pin", "hole"), [(STEEL, ALUMINIUM), (ALUMINIUM, STEEL), (PEEK, STEEL), (STEEL, PEEK)]
 )
-@pytest.mark.parametrize(
-    "datum", [laws.ClampedPlate(R_o=200.0), laws.ClampedPlate(R_o=500.0, pin="diametral"), 2.5]
-)
+@pytest.mark.parametrize("datum", [1.5, 2.5])
 def test_any_datum_shifts_the_law_as_it_shifts_the_reference(pin, hole, datum):
     pair = CylinderPair.internal(R_i=10.0, R_j=9.99, material=hole, material_j=pin)
     loads = PHI * pair.E_star * pair.dR

@@ -106,7 +106,7 @@ SOFT = CylinderPair.internal(10.0, 9.97, material=STEEL, material_j=PEEK, length
 DATUMS = {
     "more": ("explicit", 0.5, laws.Explicit(), PAIR),
     "less": ("explicit", -0.5, laws.Explicit(), PAIR),
-    "housing": ("conformal", 0.0, laws.Conformal(datum=laws.ClampedPlate(R_o=200.0)), SOFT),
+    "housing": ("conformal", 0.0, laws.Conformal(datum=laws.Housing(R_o=200.0)), SOFT),
     "johnson": ("johnson", 0.0, laws.Johnson(), PAIR),
 }
 

@@ -31,7 +31,7 @@ BAD_INPUT = {
     "Material 'clay': E = {!r}: Young's modulus must be positive and finite; "
     "give it in MPa, e.g. 207e3 for steel": (
         lambda E: material("E", E),
-        (*NO_NUMBERS, [1e3, -1e3], "0 GPa", "-2"),
+        (*NO_NUMBERS, [1e3, -1e3]),
     ),
     "Material 'clay': E = {!r}: a bare number is in MPa; did you mean \"207 GPa\"? "
     'For a material as soft as that write "207 MPa"': (
@@ -93,9 +93,13 @@ BAD_INPUT = {
         (-10.0, np.inf),
     ),
     "CylinderPair: R_j = {!r}: must be positive and finite; give it in mm": (
-        [lambda R_j: CylinderPair.internal(10.0, R_j, STEEL),
-         lambda R_j: CylinderPair.external(1.0, R_j, STEEL)],
-        (0.0, np.nan),
+        lambda R_j: CylinderPair.internal(10.0, R_j, STEEL),
+        (0.0, np.nan, np.inf),
+    ),
+    "CylinderPair: R_j = {!r}: must be positive and finite; give it in mm, or inf alone for a "
+    "plane": (
+        lambda R_j: CylinderPair.external(1.0, R_j, STEEL),
+        (0.0, np.nan, -np.inf, [5.0, np.inf]),
     ),
     "CylinderPair: length = {!r}: must be positive and finite; give it in mm": (
         lambda length: CylinderPair.internal(10.0, 9.5, STEEL, length=length),
@@ -158,7 +162,7 @@ BAD_INPUT = {
         lambda _: laws.Johnson().load(1e-3, MIXED),
         (None,),
     ),
-    "CylinderPair: length: the law of Lankarani and Nikravesh per unit length needs the axial "
+    "CylinderPair: length: the lankarani-nikravesh law needs the axial "
     "length and this pair has none; pass length= in mm when the pair is built": (
         lambda _: laws.LankaraniNikravesh().load(1e-3, OUTSIDE),
         (None,),

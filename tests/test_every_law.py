@@ -42,7 +42,7 @@ CASES = [
 BRONZE_IN_STEEL = CylinderPair.internal(R_i=10.0, R_j=9.5, material=STEEL, material_j=BRONZE)
 CASES += [
     pytest.param(law, BRONZE_IN_STEEL, id=f"{law.name}-steel on bronze")
-    for law in (laws.Johnson(), laws.Conformal(), laws.Conformal(laws.ClampedPlate(R_o=50.0)))
+    for law in (laws.Johnson(), laws.Conformal(), laws.Conformal(laws.Housing(R_o=50.0)))
 ]
 every_case = pytest.mark.parametrize(("law", "pair"), CASES)
 

@@ -47,7 +47,7 @@ def joint(pin, plate, cells=12, outer_ratio=80.0, plane="strain"):
 
 def clamped(setup):
     """Return the reference law with the set-up's datum."""
-    return laws.Conformal(datum=laws.ClampedPlate(R_o=setup.outer_radius))
+    return laws.Conformal(datum=laws.Housing(R_o=setup.outer_radius))
 
 
 def semi_angle(case):

@@ -53,9 +53,10 @@ def hertz_constant(nu, criterion):
 
 
 @pytest.mark.parametrize("criterion", ["von Mises", "Tresca"])
+@pytest.mark.parametrize("R_j", [7.0, np.inf])
 @pytest.mark.parametrize("nu", [0.0, 0.1, 0.2, 0.3, 0.45])
-def test_rollers_yield_where_hertz_s_stresses_on_the_axis_do(nu, criterion):
-    pair = CylinderPair.external(10.0, 7.0, Material("any", 1e5, nu, yield_stress=300.0))
+def test_rollers_yield_where_hertz_s_stresses_on_the_axis_do(nu, R_j, criterion):
+    pair = CylinderPair.external(10.0, R_j, Material("any", 1e5, nu, yield_stress=300.0))
     at = limits.first_yield(pair, criterion)
     constant, depth = hertz_constant(nu, criterion)
     assert limits.hertz_stress(at.load, pair) * constant == pytest.approx(300.0, rel=1e-6)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from scipy.integrate import quad
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.laws.formula import FUNCTIONS, Formula, lines_of, needed
@@ -14,6 +15,7 @@ from cylcontact.laws.law import Law
 from tests.strategies import ROUNDING
 
 STEEL = Material("steel", E=207e3, nu=0.3)
+BRONZE = Material("bronze", E=110e3, nu=0.34)
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=12.0)
 ROLLERS = CylinderPair.external(R_i=10.0, R_j=25.0, material=STEEL, length=12.0)
 TWO = 2.0
@@ -202,6 +204,88 @@ def test_bearing_laws_are_for_steel_of_a_known_length(law):
     ):
         with pytest.raises(InputError, match=words):
             law().load(1e-3, pair)
+
+
+ON_PLANE = CylinderPair.external(R_i=10.0, R_j=np.inf, material=STEEL, material_j=BRONZE)
+HALF_WIDTH = np.sqrt(4 * 100.0 * 10.0 / (np.pi * ON_PLANE.E_star))  # Hertz's, under 100 N/mm
+
+
+def hertz(function):
+    """Average a function of the distance from the middle over Hertz's pressure."""
+    weight = lambda t: 4 / np.pi * np.sqrt(1 - t * t)  # noqa: E731
+    return quad(lambda t: weight(t) * function(t * HALF_WIDTH), 0, 1, limit=200)[0]
+
+
+def of_roller(E, nu, R):
+    """The approach of a roller's centre to its contact (Johnson, half of a diameter)."""
+    return 100.0 * (1 - nu**2) / (np.pi * E) * (2 * np.log(4 * R / HALF_WIDTH) - 1)
+
+
+@pytest.mark.parametrize("depth", [20.0, 500.0])
+def test_the_half_plane_is_flamants_integral_over_hertzs_pressure(depth):
+    """u_z of a line load: −(1 + ν)f/(πE)·[2(1 − ν)·ln r − z²/r²], surface less the point below."""
+    E, nu = 110e3, 0.34
+
+    def flamant(x, z):
+        r2 = x * x + z * z
+        return -(1 + nu) / (np.pi * E) * ((1 - nu) * np.log(r2) - z * z / r2)
+
+    plane = 100.0 * hertz(lambda x: flamant(x, 0.0) - flamant(x, depth))
+    expected = plane + of_roller(207e3, 0.3, 10.0)
+    # The closed form takes the width for small beside the depth.
+    actual = laws.Johnson(datum=depth).penetration(100.0, ON_PLANE)
+    assert actual == pytest.approx(expected, rel=1e-4)
+    assert laws.Johnson(datum=depth).load(actual, ON_PLANE) == pytest.approx(100.0, rel=1e-13)
+
+
+def test_the_block_is_the_fourier_integral_of_an_elastic_layer():
+    """w(x) = 2f(1 − ν²)/(πE)·∫L(ξ)·cos(ξx/H)/ξ dξ, L = (cosh 2ξ − 1)/(sinh 2ξ + 2ξ)."""
+    E, nu, H = 110e3, 0.34, 50.0
+
+    def less_log(t):
+        """The integral + ln t: ∫(cos ξt − e^−ξ)/ξ dξ = −ln t takes out the slow part."""
+        L = lambda s: np.expm1(2 * s) ** 2 / (np.expm1(4 * s) + 4 * s * np.exp(2 * s))  # noqa: E731
+        part = lambda s: ((L(s) - 1) * np.cos(s * t) + np.exp(-s)) / s  # noqa: E731
+        return quad(part, 1e-12, 30, limit=400)[0]
+
+    block = 2 * 100.0 * (1 - nu**2) / (np.pi * E) * hertz(lambda x: less_log(x / H) - np.log(x / H))
+    expected = block + of_roller(207e3, 0.3, 10.0)
+    actual = laws.Johnson(datum=laws.Block(H)).penetration(100.0, ON_PLANE)
+    assert actual == pytest.approx(expected, rel=1e-5)
+
+
+def test_a_large_roller_is_a_plane_that_is_held_at_its_centre():
+    """With ν = 1/2 the half-plane's ν/(1 − ν) is the roller's 1, and 4R is twice the depth 2R."""
+    rubber = Material("rubber", E=10e3, nu=0.5)
+    large = CylinderPair.external(R_i=10.0, R_j=1e7, material=rubber)
+    plane = CylinderPair.external(R_i=10.0, R_j=np.inf, material=rubber)
+    law = laws.Johnson(datum=2e7)
+    assert law.penetration(5.0, plane) == pytest.approx(
+        laws.Johnson().penetration(5.0, large), rel=1e-5
+    )
+
+
+@pytest.mark.parametrize(
+    ("law", "pair", "words"),
+    [
+        (laws.Johnson(), ON_PLANE, "datum.*is missing: the pair is a cylinder on a plane"),
+        (laws.Johnson(datum=5.0), ROLLERS, "datum = 5.0: is for a cylinder on a plane"),
+        (laws.Explicit(), ON_PLANE, "is a plane"),
+        (laws.Enhanced(), ON_PLANE, "is a plane"),
+    ],
+)
+def test_a_plane_needs_a_datum_and_a_law_that_takes_one(law, pair, words):
+    for ask in (law.load, law.penetration, law.stiffness):
+        with pytest.raises(InputError, match=words):
+            ask(1e-3, pair)
+
+
+@pytest.mark.parametrize("datum", [0.0, -1.0, np.inf, "deep"])
+def test_a_datum_is_a_length(datum):
+    with pytest.raises(InputError, match="must be positive and finite"):
+        laws.Johnson(datum=datum)
+    with pytest.raises(InputError, match="must be positive and finite"):
+        laws.Block(datum)
 
 
 def test_every_law_states_its_equation_for_exported_files():

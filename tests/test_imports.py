@@ -35,7 +35,7 @@ LAYERS = (
     {"laws"},
     {"stress"},
     {"yield_search"},
-    {"limits", "dissipation", "friction"},
+    {"limits", "impact"},
     {"datasets", "plots"},
     {"fitting", "mechanism"},
     {"export", "reports"},

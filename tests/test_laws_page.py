@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import brentq
 
 from cylcontact import CylinderPair, InputError, Material, laws, limits
-from cylcontact.dissipation import FACTORS, achieved_restitution
+from cylcontact.impact import FACTORS, achieved_restitution
 from cylcontact.laws import parametric
 from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.reports import laws_bounds, laws_table

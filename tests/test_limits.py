@@ -14,6 +14,8 @@ from tests.strategies import NOT_TOUCHING, ROUNDING, gaps, loads, materials
 ALUMINIUM = Material("aluminium", E=69e3, nu=0.33, yield_stress=276.0)
 TITANIUM = Material("titanium", E=120e3, nu=0.34, yield_stress=830.0)
 
+PLANE = CylinderPair.external(10.0, np.inf, ALUMINIUM, material_j=TITANIUM)
+
 radii_pairs = st.builds(
     lambda contact, R_j, ratio, one, other: getattr(CylinderPair, contact)(
         ratio * R_j, R_j, one, material_j=other
@@ -184,8 +186,29 @@ def test_hertz_pressure_carries_the_load_and_ends_at_the_half_width(pair):
 
 def test_hertz_half_width_is_that_of_the_gap_it_closes(pair):
     """Elliptic pressure makes the curvature p₀·2/(b·E*) of the two surfaces: it must be 1/R."""
-    peak, half_width = limits.hertz_stress(70.0, pair), limits.hertz_half_width(70.0, pair)
-    assert 2 * peak / (half_width * pair.E_star) == pytest.approx(1 / pair.R, rel=1e-14)
+    for one, curvature in ((pair, 1 / pair.R_j - 1 / pair.R_i), (PLANE, 1 / 10.0)):
+        peak, half_width = limits.hertz_stress(70.0, one), limits.hertz_half_width(70.0, one)
+        assert 2 * peak / (half_width * one.E_star) == pytest.approx(curvature, rel=1e-13)
+
+
+def test_a_plane_is_what_ever_larger_rollers_come_to():
+    flatter = CylinderPair.external(10.0, 1e10, ALUMINIUM, material_j=TITANIUM)
+    for limit in (
+        lambda pair: limits.hertz_stress([1.0, 100.0], pair),
+        lambda pair: limits.hertz_half_width([1.0, 100.0], pair),
+        lambda pair: limits.yield_load(pair, "Hertz"),
+        limits.yield_load,
+        lambda pair: limits.first_yield(pair, "Tresca").depth,
+    ):
+        assert limit(PLANE) == pytest.approx(limit(flatter), rel=1e-8)
+    assert limits.first_yield(PLANE).body == "i"
+    assert "in body i" in limits.yield_warning(1e6, PLANE)
+
+
+def test_the_paper_s_yield_load_of_rollers_on_a_plane_is_its_closed_form():
+    pair = CylinderPair.external([10.0, 20.0], np.inf, ALUMINIUM)
+    expected = np.pi * 276.0**2 * np.array([10.0, 20.0]) / (69e3 / (2 * (1 - 0.33**2)))
+    assert limits.yield_load(pair, "Hertz") == pytest.approx(expected, rel=1e-14)
 
 
 def test_hertz_contact_without_load_has_no_width_and_no_pressure(pair):

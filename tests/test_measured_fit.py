@@ -320,7 +320,7 @@ def test_a_function_of_ones_own_is_fitted_like_a_law(tmp_path, objective):
     power = MODELS["power", "internal"].build(TRUTHS["power", "internal"])
     assert law.penetration(LOADS, pair) == pytest.approx(power.penetration(LOADS, pair), rel=1e-12)
     assert law.stiffness(1e-3, pair) == pytest.approx(power.stiffness(1e-3, pair), rel=1e-8)
-    assert np.isnan(law.load(-1.0, pair))
+    assert law.load(-1.0, pair) == 0
     assert law.penetration(0.0, pair) == 0
     assert np.isinf(law.max_load(pair))
     assert np.isinf(law.max_penetration(pair))
@@ -334,9 +334,9 @@ def test_a_function_of_ones_own_is_fitted_like_a_law(tmp_path, objective):
         ("absent_module:load", "law", "cannot be imported (ModuleNotFoundError"),
         ("bad:load", "law", "cannot be imported (SyntaxError"),
         (":load", "law", "cannot be imported"),
-        ("mine:starred", "law", "must take a penetration, a pair and named parameters"),
+        ("mine:starred", "law", "must take a penetration, a pair and named constants"),
         ("builtins:max", "law", "has no signature to read"),
-        ("mine:short", "law", "must take a penetration, a pair and named parameters"),
+        ("mine:short", "law", "has no constant to fit"),
         ("mine:worded", "law", "has a default for kind that is not a number"),
         ("mine:flat", "load", "returns an array of another shape"),
         ("mine:broken", "load", "stopped with RuntimeError: no such thing"),

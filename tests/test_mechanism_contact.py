@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cylcontact import dissipation, friction
+from cylcontact import impact
 from cylcontact.laws import LAWS
 from cylcontact.mechanism import augmented, constraints, contact, simulate
 from cylcontact.mechanism.system import build
@@ -29,7 +29,7 @@ def test_the_normal_force_is_that_of_the_law_and_the_dissipation(law, clearance)
             e, e_dot = (0.0, joint.radial + delta), (0.0, rate)
             actual = contact.contact_force(e, e_dot, 0.0, 0.0, p)
             elastic = joint.law.load(delta * 1e3, joint.pair) * joint.length
-            wanted = dissipation.dissipative_load(elastic, rate * 1e3, 0.7e3, joint.chi)
+            wanted = impact.dissipative_load(elastic, rate * 1e3, 0.7e3, joint.chi)
             # δ is a difference of numbers of the size of the clearance.
             digits = 1e-8 + 1e-18 / delta
             assert actual[4] == pytest.approx(float(wanted), rel=digits)
@@ -43,7 +43,7 @@ def test_the_friction_is_that_of_the_modified_coulomb_law(v_t):
     joint, p = mechanism.clearance, in_contact(mechanism)
     # n = (0, 1), t = [n_y, −n_x] = (1, 0), so that ė_x is v_t.
     actual = contact.contact_force((0.0, joint.radial + 1e-6), (v_t, 0.0), 0.0, 0.0, p)
-    wanted = friction.friction_load(actual[4], v_t * 1e3, joint.friction, 1.0, 10.0)
+    wanted = impact.friction_load(actual[4], v_t * 1e3, joint.friction, 1.0, 10.0)
     assert actual[0] == pytest.approx(float(wanted), abs=1e-9)
     assert actual[6] == pytest.approx(-float(wanted) * v_t, abs=1e-9)
 

@@ -291,8 +291,10 @@ class TestLaws:
         assert (axes.lines[-1].get_color(), axes.lines[-1].get_linewidth()) == ("blue", 4.0)
 
     def test_all_laws_at_once_are_distinct(self) -> None:
-        pair = CylinderPair.internal(R_i=10.0, R_j=9.98, material=BRONZE, length=10.0)
-        laws = [name for name in cc.laws.LAWS if name != "clamped-plate"]
+        pair = CylinderPair.internal(
+            R_i=10.0, R_j=9.98, material=Material("steel", 207e3, 0.3), length=10.0
+        )
+        laws = list(cc.laws.LAWS)
         lines = plot_laws(laws, pair).lines
         looks = {(line.get_color(), line.get_marker()) for line in lines}
         assert len(looks) == len(laws) > 5

@@ -9,7 +9,7 @@ import pytest
 from cylcontact import CylinderPair, Material, limits
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.report import labels
-from cylcontact.laws import ClampedPlate, Conformal
+from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.reports import Bench
 from cylcontact.reports.build import find_recipes
 from cylcontact.reports.laws_bounds import departure_number, johnson_end, johnson_shortfall
@@ -89,7 +89,8 @@ def test_the_numbers_between_the_tables(figures):
 def test_what_the_housing_changes():
     steel, bronze = (Material.named(name) for name in ("high-strength steel", "bronze"))
     pair = CylinderPair.internal(R_i=10.0, R_j=9.95, material=bronze, material_j=steel)
-    for datum in ("johnson", ClampedPlate(R_o=100.0), ClampedPlate(R_o=1000.0)):
+    eye = Housing(R_o=20.0, clamp=Sector(60, side="far"))
+    for datum in ("johnson", Housing(R_o=100.0), Housing(R_o=1000.0), eye):
         assert f"{1e3 * Conformal(datum).penetration(1000.0, pair):.0f} µm" in README
 
 

@@ -5,7 +5,7 @@ import pytest
 from _cylcontact_bench.fig_restitution import LABELS, WANTED
 from mpmath import mp
 
-from cylcontact.dissipation import FACTORS
+from cylcontact.impact import FACTORS
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from cylcontact.friction import friction_load
+from cylcontact.impact import friction_load
 from cylcontact.laws import Enhanced
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.bench import Bench

@@ -10,7 +10,7 @@ from scipy.special import lambertw
 
 from cylcontact import limits
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.dissipation import achieved_restitution, exact_factor, lankarani_nikravesh
+from cylcontact.impact import achieved_restitution, exact_factor, lankarani_nikravesh
 from cylcontact.laws import LAWS, Enhanced, Johnson, LankaraniNikravesh, Persson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.materials import Material

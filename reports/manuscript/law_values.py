@@ -525,7 +525,7 @@ def _unlike_by_elements() -> float:
         own = {"pin_E": pin[0], "pin_nu": pin[1]}
         setup = Setup(HOLE, FE_RATIO, E=E, nu=nu, clamp="whole", **own)  # type: ignore[arg-type]
         pair, dR = setup.pair(HOLE / 1000), HOLE / 1000
-        one = laws.Conformal(datum=laws.ClampedPlate(R_o=FE_RATIO * HOLE))
+        one = laws.Conformal(datum=laws.Housing(R_o=FE_RATIO * HOLE))
         for phi in FE_PHI:
             load = phi * float(pair.E_star) * dR
             (solution,) = solve(setup, dR, [load])

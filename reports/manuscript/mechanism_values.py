@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from cylcontact.arrays import FloatArray
-from cylcontact.dissipation import FACTORS, achieved_restitution, exact_factor, hysteresis_factor
+from cylcontact.impact import FACTORS, achieved_restitution, exact_factor, hysteresis_factor
 from cylcontact.mechanism import Case
 from cylcontact.mechanism.batch_means import BATCHES
 from cylcontact.mechanism.studies import AGREEMENT

@@ -3,7 +3,9 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from cylcontact import dissipation, friction, laws, limits
+from cylcontact import impact as dissipation
+from cylcontact import impact as friction
+from cylcontact import laws, limits
 from cylcontact.errors import InputError
 from cylcontact.laws import ContactLaw
 from cylcontact.materials import Material

@@ -6,22 +6,9 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cylcontact.errors import InputError
-
-__all__ = [
-    "BoolArray",
-    "FloatArray",
-    "IndexArray",
-    "as_floats",
-    "as_numbers",
-    "inside_or_nan",
-    "own_arrays",
-    "require",
-    "require_one_shape",
-    "same_fields",
-]
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -50,17 +37,16 @@ def as_numbers(values: object, source: str, key: str) -> FloatArray:
     return as_floats(array)
 
 
-def require_one_shape(source: str, **arrays: object) -> None:
+def require_one_shape(source: str, **arrays: ArrayLike) -> None:
     """Raise `InputError` for arrays that do not broadcast against each other."""
-    shapes = {name: np.shape(as_floats(value)) for name, value in arrays.items()}
+    shapes = {name: shape for name, value in arrays.items() if (shape := np.shape(value))}
     try:
         np.broadcast_shapes(*shapes.values())
     except ValueError:
-        text = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
-        raise InputError(
-            source, "", None, f"the shapes do not go together: {text}",
-            "give arrays of the same length, or single numbers",
-        ) from None  # fmt: skip
+        text = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        rule = f"the shapes do not go together: {text}"
+        remedy = "give arrays of the same length, or single numbers"
+        raise InputError(source, "", None, rule, remedy) from None
 
 
 def inside_or_nan(values: FloatArray, inside: BoolArray) -> FloatArray:
@@ -95,6 +81,15 @@ def require(
     # Laws are made thousands of times in a fit: `np.all` takes longer than the rest.
     if not (holds if isinstance(holds, bool | np.bool_) else np.all(holds)):
         raise InputError(source, key, value, rule, remedy)
+
+
+def require_positive(
+    value: object, source: str, key: str, remedy: str, rule: str = "must be positive and finite"
+) -> FloatArray:
+    """Return real numbers; raise `InputError` unless all are positive and finite."""
+    numbers = as_numbers(value, source, key)
+    require((numbers > 0) & np.isfinite(numbers), source, key, value, rule, remedy)
+    return numbers
 
 
 def same_fields(instance: Any, other: object) -> bool:

@@ -8,24 +8,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.arrays import FloatArray, as_floats, require, require_positive
 from cylcontact.errors import InputError
 from cylcontact.laws import Johnson
 from cylcontact.pair import CylinderPair
 from cylcontact.yield_search import Criterion, FirstYield, find_first_yield
-
-__all__ = [
-    "FirstYield",
-    "elastic_limit_clearance",
-    "first_yield",
-    "hertz_half_width",
-    "hertz_pressure",
-    "hertz_stress",
-    "johnson_limit_load",
-    "stress_at_johnson_limit",
-    "yield_load",
-    "yield_warning",
-]
 
 
 def hertz_stress(load: ArrayLike, pair: CylinderPair) -> FloatArray:
@@ -57,19 +44,9 @@ def hertz_stress(load: ArrayLike, pair: CylinderPair) -> FloatArray:
 
 
 def hertz_half_width(load: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the half-width of Hertz's line contact, b = 2·√(f·R/(π·E*)).
+    """Return the half-width of Hertz's line contact in mm, b = 2·√(f·R/(π·E*)).
 
-    Parameters
-    ----------
-    load : array_like
-        Load per unit length in N/mm.
-    pair : CylinderPair
-        A pair with known radii.
-
-    Returns
-    -------
-    array of float
-        Half-width in mm; NaN where the load is negative.
+    Arguments as for `hertz_stress`; NaN where the load is negative.
 
     Examples
     --------
@@ -86,21 +63,10 @@ def hertz_half_width(load: ArrayLike, pair: CylinderPair) -> FloatArray:
 
 
 def hertz_pressure(x: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the elliptic pressure of Hertz's line contact, p = p₀·√(1 − x²/b²).
+    """Return the elliptic pressure of Hertz's line contact in MPa, p = p₀·√(1 − x²/b²).
 
-    Parameters
-    ----------
-    x : array_like
-        Distance from the middle of the contact in mm.
-    load : array_like
-        Load per unit length in N/mm.
-    pair : CylinderPair
-        A pair with known radii.
-
-    Returns
-    -------
-    array of float
-        Pressure in MPa; zero outside the contact, NaN where the load is negative.
+    `x` is the distance from the middle of the contact in mm, the others are as for `hertz_stress`.
+    Zero outside the contact, NaN where the load is negative.
 
     Examples
     --------
@@ -155,9 +121,8 @@ def yield_load(
     [ 901. 3614. 3618.] [  339.  3556. 17850.]
     """
     if criterion == "Hertz":
-        return as_floats(
-            np.pi * min(_yield_stresses(pair, yield_stress)) ** 2 * pair.R / pair.E_star
-        )
+        weaker = min(_yield_stresses(pair, yield_stress))
+        return as_floats(np.pi * weaker**2 * pair.R / pair.E_star)
     return first_yield(pair, criterion, yield_stress).load
 
 
@@ -211,30 +176,18 @@ def first_yield(
     901 N/mm, in the hole, 0.87 mm deep
     3618 N/mm, in the hole, 0.00 mm deep
     """
-    require(
-        criterion in ("von Mises", "Tresca"),
-        "yield limit",
-        "criterion",
-        criterion,
-        "must be 'von Mises', 'Tresca' or, for the load alone, 'Hertz'",
-        "'Hertz' is the paper's estimate of the load",
-    )
+    rule = "must be 'von Mises', 'Tresca' or, for the load alone, 'Hertz'"
+    remedy = "'Hertz' is the paper's estimate of the load"
+    known = criterion in ("von Mises", "Tresca")
+    require(known, "yield limit", "criterion", criterion, rule, remedy)
     return find_first_yield(pair, _yield_stresses(pair, yield_stress), criterion)
 
 
 def yield_warning(load: ArrayLike, pair: CylinderPair) -> str | None:
     """Return a sentence if a load is above first yield by von Mises; None if none is.
 
-    Parameters
-    ----------
-    load : array_like
-        Loads per unit length in N/mm; NaN counts for nothing.
-    pair : CylinderPair
-        One pair. None is returned as well if a radius or a yield stress is not known.
-
-    Returns
-    -------
-    str or None
+    Of loads in N/mm, where NaN counts for nothing, and one pair. None is returned as well if a
+    radius or a yield stress is not known.
 
     Examples
     --------
@@ -253,10 +206,8 @@ def yield_warning(load: ArrayLike, pair: CylinderPair) -> str | None:
     largest, at = np.nanmax(as_floats(load), initial=0.0), first_yield(pair)
     if largest <= at.load:
         return None
-    return (
-        f"the largest load, {largest:,.0f} N/mm, is above first yield at {at}; all laws here are "
-        "elastic"
-    )
+    load_and_limit = f"the largest load, {largest:,.0f} N/mm, is above first yield at {at}"
+    return f"{load_and_limit}; all laws here are elastic"
 
 
 def johnson_limit_load(pair: CylinderPair) -> FloatArray:
@@ -317,31 +268,14 @@ def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
     >>> print(f"{stress_at_johnson_limit(at_dR):.6f} MPa")
     250.000000 MPa
     """
-    require(
-        pair.contact == "internal",
-        "elastic_limit_clearance",
-        "pair.contact",
-        pair.contact,
-        "must be internal",
-        "external contact has no clearance",
-    )
-    require(
-        pair.material_i.plane_strain_modulus == pair.material_j.plane_strain_modulus,
-        "elastic_limit_clearance",
-        "pair.material_j",
-        pair.material_j.name,
-        "must be as stiff as material_i, or Johnson's limit is not that of Eq 8",
-        "give a pair of one material",
-    )
-    radius = as_floats(R_i)
-    require(
-        (radius > 0) & np.isfinite(radius),
-        "elastic_limit_clearance",
-        "R_i",
-        R_i,
-        "must be positive and finite",
-        "give it in mm",
-    )
+    source = "elastic_limit_clearance"
+    rule, remedy = "must be internal", "external contact has no clearance"
+    require(pair.contact == "internal", source, "pair.contact", pair.contact, rule, remedy)
+    equal = pair.material_i.plane_strain_modulus == pair.material_j.plane_strain_modulus
+    rule = "must be as stiff as material_i, or Johnson's limit is not that of Eq 8"
+    remedy = "give a pair of one material"
+    require(equal, source, "pair.material_j", pair.material_j.name, rule, remedy)
+    radius = require_positive(R_i, source, "R_i", "give it in mm")
     m = (math.e * min(_yield_stresses(pair, None)) / (2 * pair.E_star)) ** 2
     return as_floats(2 * radius / (1 + np.sqrt(1 + 4 / m)))
 
@@ -351,19 +285,9 @@ def _yield_stresses(pair: CylinderPair, given: float | None) -> tuple[float, flo
     own = pair.material_i.yield_stress, pair.material_j.yield_stress
     stress_i, stress_j = own if given is None else (given, given)
     if stress_i is None or stress_j is None:
-        raise InputError(
-            "yield limit",
-            "yield_stress",
-            None,
-            "is not known for both materials",
-            "give the materials a yield_stress in MPa, or pass one",
-        )
-    require(
-        stress_i > 0 and stress_j > 0 and np.isfinite(stress_i) and np.isfinite(stress_j),
-        "yield limit",
-        "yield_stress",
-        given,
-        "must be positive and finite",
-        "give it in MPa",
-    )
+        rule = "is not known for both materials"
+        remedy = "give the materials a yield_stress in MPa, or pass one"
+        raise InputError("yield limit", "yield_stress", None, rule, remedy)
+    if given is not None:  # those of materials are positive
+        require_positive(given, "yield limit", "yield_stress", "give it in MPa")
     return stress_i, stress_j

@@ -17,6 +17,7 @@ from cylcontact.arrays import (
     own_arrays,
     require,
     require_one_shape,
+    require_positive,
     same_fields,
 )
 from cylcontact.errors import InputError
@@ -25,39 +26,22 @@ from cylcontact.reading import beside_or_above, plain_number
 from cylcontact.tables import finite_numbers, read_table
 from cylcontact.units import QUANTITIES
 
-__all__ = [
-    "COLUMNS",
-    "LARGEST_MODULUS",
-    "PROVENANCES",
-    "SHIPPED",
-    "Material",
-    "MaterialRow",
-    "find_material",
-    "known_materials",
-    "material_in_MPa",
-    "modulus_in_MPa",
-    "own_table",
-    "read_materials",
-    "shipped_materials",
-]
-
 # The largest modulus that is taken, ten times diamond's: what is above was given in Pa.
 LARGEST_MODULUS = 1e7  # MPa
 PROVENANCES = ("paper", "derived", "assumed")
-_NUMBER_COLUMNS = {"E_GPa": "E_provenance", "nu": "nu_provenance"}
-_YIELD_COLUMNS = {"yield_stress_MPa": "yield_provenance"}
-COLUMNS = (
-    "name",
-    *(c for pair in (_NUMBER_COLUMNS | _YIELD_COLUMNS).items() for c in pair),
-    "note",
-)
+# Columns of numbers, and those that say where the numbers come from.
+_ORIGINS = {
+    "E_GPa": "E_provenance",
+    "nu": "nu_provenance",
+    "yield_stress_MPa": "yield_provenance",
+}
+_REQUIRED = ("name", "E_GPa", "nu")
+COLUMNS = ("name", *(column for pair in _ORIGINS.items() for column in pair), "note")
 # A smaller bare number was probably meant in GPa; stiff plastics begin here.
 _SMALLEST_BARE = 1000.0  # MPa
 # The table of the package; a table of the user adds to it, by default the one in `_OWN`.
 SHIPPED = Path(__file__).parent / "data" / "materials.csv"
 _OWN = "datasets/materials.csv"
-_REQUIRED = ("name", *_NUMBER_COLUMNS)
-_NUMBERS = (*_NUMBER_COLUMNS, *_YIELD_COLUMNS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,29 +97,16 @@ class Material:
         self._check()
 
     def _check(self) -> None:
-        """Raise `InputError` for a value out of its range; own the arrays."""
+        """Raise `InputError` for ν or a yield stress out of range; own the arrays."""
         source = f"Material {self.name!r}"
-        ratio = as_numbers(self.nu, source, "nu")
-        require_one_shape(source, E=as_numbers(self.E, source, "E"), nu=ratio)
-        _require_modulus(self.E, source, "E")
-        require(
-            (ratio >= 0) & (ratio <= 0.5),
-            source,
-            "nu",
-            self.nu,
-            "Poisson's ratio must lie in [0, 0.5]",
-            "give e.g. 0.3 for steel",
-        )
+        nu = as_numbers(self.nu, source, "nu")
+        require_one_shape(source, E=self.E, nu=nu)
+        rule, remedy = "Poisson's ratio must lie in [0, 0.5]", "give e.g. 0.3 for steel"
+        require((nu >= 0) & (nu <= 0.5), source, "nu", self.nu, rule, remedy)
         if self.yield_stress is not None:
-            stress = as_numbers(self.yield_stress, source, "yield_stress")
-            require(
-                (stress > 0) & np.isfinite(stress),
-                source,
-                "yield_stress",
-                self.yield_stress,
-                "yield stress must be positive and finite",
-                "give it in MPa, or leave it out",
-            )
+            remedy = "give it in MPa, or leave it out"
+            rule = "yield stress must be positive and finite"
+            require_positive(self.yield_stress, source, "yield_stress", remedy, rule)
         own_arrays(self)
 
     @classmethod
@@ -162,10 +133,9 @@ class Material:
         >>> Material.named("low-carbon steel")
         Material(name='low-carbon steel', E=200000.0, nu=0.3, yield_stress=250.0)
         """
-        others = ", or give Material(name, E, nu)"
-        return find_material(
-            name, shipped_materials(), "Material.named", "name", "the table that ships", others
-        ).material
+        table, others = "the table that ships", ", or give Material(name, E, nu)"
+        rows = shipped_materials()
+        return find_material(name, rows, "Material.named", "name", table, others).material
 
     def __eq__(self, other: object) -> bool:
         return same_fields(self, other)
@@ -184,23 +154,16 @@ class Material:
 
 
 def material_in_MPa(
-    name: str,
-    E: float | FloatArray,
-    nu: float | FloatArray,
-    yield_stress: float | None = None,
+    name: str, E: float | FloatArray, nu: float | FloatArray, yield_stress: float | None = None
 ) -> Material:
     """Return a material whose modulus is known to be in MPa, however small.
 
     For values from tables and files that name their unit, and for normalised pairs with E* = 1.
-
-    Examples
-    --------
-    >>> material_in_MPa("of unit modulus", 1.0, 0.0).plane_strain_modulus
-    np.float64(1.0)
     """
+    _require_modulus(E, f"Material {name!r}", "E")
     material = object.__new__(Material)
-    fields = {"name": name, "E": E, "nu": nu, "yield_stress": yield_stress}
-    for field, value in fields.items():
+    values = {"name": name, "E": E, "nu": nu, "yield_stress": yield_stress}
+    for field, value in values.items():
         object.__setattr__(material, field, value)
     material._check()
     return material
@@ -209,79 +172,42 @@ def material_in_MPa(
 def modulus_in_MPa(E: float | str | FloatArray, source: str, key: str = "E") -> float | FloatArray:
     """Return Young's modulus in MPa from a number in MPa, or from a text with a unit.
 
-    Parameters
-    ----------
-    E : float, str or array of float
-        A number, "207 GPa", or "207000", which is a bare number too.
-    source, key : str
-        For errors.
-
-    Raises
-    ------
-    InputError
-        If a bare number is below 1000 MPa, any modulus above 1e7 MPa, or the text is not a positive
-        number with a unit.
+    Refused are bare numbers below 1000 MPa, and all above 1e7 MPa.
 
     Examples
     --------
     >>> modulus_in_MPa("207 GPa", "example")
     207000.0
     """
-    unit = ""
-    number: float | FloatArray
-    if isinstance(E, str):
-        number, unit = _with_unit(E, source, key)
-    else:
-        number = E
-    _require_modulus(number, source, key, E)
+    number, unit = _with_unit(E, source, key) if isinstance(E, str) else (E, "")
+    _require_modulus(number, source, key)
     if unit:
         number = number * QUANTITIES["E"][unit]
-    largest = float(np.max(as_floats(number)))
-    require(
-        largest <= LARGEST_MODULUS,
-        source,
-        key,
-        E,
-        "is beyond any material, diamond has 1.2e6 MPa",
-        "mind the unit" if unit else f'did you mean "{largest * 1e-9:g} GPa"? Give it in MPa',
-    )
-    if unit:
-        return number
-    smallest = np.min(as_floats(number))
-    meant = f'did you mean "{smallest:g} GPa"? For a material as soft as that write'
-    require(
-        smallest >= _SMALLEST_BARE,
-        source,
-        key,
-        E,
-        "a bare number is in MPa",
-        f'{meant} "{smallest:g} MPa"' + (", one Material each" if np.ndim(number) else ""),
-    )
+    smallest, largest = float(np.min(number)), float(np.max(number))
+    if largest > LARGEST_MODULUS:
+        rule = "is beyond any material, diamond has 1.2e6 MPa"
+        meant = f'did you mean "{largest * 1e-9:g} GPa"? Give it in MPa'
+        raise InputError(source, key, E, rule, "mind the unit" if unit else meant)
+    if not unit and smallest < _SMALLEST_BARE:
+        remedy = f'did you mean "{smallest:g} GPa"? For a material as soft as that write '
+        remedy += f'"{smallest:g} MPa"' + (", one Material each" if np.ndim(number) else "")
+        raise InputError(source, key, E, "a bare number is in MPa", remedy)
     return number
 
 
-def _with_unit(text: str, source: str, key: str) -> tuple[float, str]:
+def _with_unit(text: str, source: str, key: str) -> tuple[float | FloatArray, str]:
     """Return the number and the unit of a text; no unit for a bare number."""
     match = re.fullmatch(r"\s*(\S+?)\s*([GM]?Pa)?\s*", text)
     try:
         return plain_number(match[1] if match else text), (match[2] or "" if match else "")
     except ValueError:
-        raise InputError(
-            source, key, text, "must be a number with a unit", 'write e.g. "207 GPa" or "200 MPa"'
-        ) from None
+        rule, remedy = "must be a number with a unit", 'write e.g. "207 GPa" or "200 MPa"'
+        raise InputError(source, key, text, rule, remedy) from None
 
 
-def _require_modulus(E: float | FloatArray, source: str, key: str, given: object = None) -> None:
-    """Raise `InputError` unless E is positive and finite."""
-    modulus = as_numbers(E, source, key)
-    require(
-        (modulus > 0) & np.isfinite(modulus),
-        source,
-        key,
-        E if given is None else given,
-        "Young's modulus must be positive and finite",
-        "give it in MPa, e.g. 207e3 for steel",
-    )
+def _require_modulus(E: float | FloatArray, source: str, key: str) -> None:
+    rule = "Young's modulus must be positive and finite"
+    require_positive(E, source, key, "give it in MPa, e.g. 207e3 for steel", rule)
 
 
 @dataclass(frozen=True)
@@ -294,48 +220,22 @@ class MaterialRow:
 
 
 def shipped_materials() -> dict[str, MaterialRow]:
-    """Return the package's table of materials.
-
-    Examples
-    --------
-    >>> shipped_materials()["aluminium alloy"].provenance["E_GPa"]
-    'derived'
-    """
+    """Return the package's table of materials."""
     return read_materials(SHIPPED)
 
 
 def known_materials(own: Path | str | None = None) -> dict[str, MaterialRow]:
-    """Return the package's materials together with those of your own table.
+    """Return the package's materials, and after them those of a table of one's own.
 
-    Parameters
-    ----------
-    own : path, optional
-        A table as `read_materials` reads it.
-
-    Returns
-    -------
-    dict
-        Rows by the name of the material, those of the package first.
-
-    Raises
-    ------
-    InputError
-        If the table is wrong, or one of its names is already in the package's table.
+    Refused is a table that names one of the package's anew.
     """
     rows = shipped_materials()
-    if own is None:
-        return rows
-    added = read_materials(own)
+    added = {} if own is None else read_materials(own)
     shipped = {_plain(name) for name in rows}
     for name in added:
         if _plain(name) in shipped:
-            raise InputError(
-                str(own),
-                "name",
-                name,
-                "is the name of a material that ships with the package",
-                "choose another name",
-            )
+            rule = "is the name of a material that ships with the package"
+            raise InputError(str(own), "name", name, rule, "choose another name")
     return rows | added
 
 
@@ -350,9 +250,8 @@ def find_material(
     """Return the row of a material, whether its name is in small or capital letters."""
     row = rows.get(name) or {_plain(known): row for known, row in rows.items()}.get(_plain(name))
     if row is None:
-        raise InputError(
-            source, key, name, f"is not in {table}", f"choose {', '.join(rows)}{others}"
-        )
+        remedy = f"choose {', '.join(rows)}{others}"
+        raise InputError(source, key, name, f"is not in {table}", remedy)
     return row
 
 
@@ -375,23 +274,9 @@ def own_table(given: str | None, folder: Path, source: str, key: str = "material
 def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     r"""Read a table of materials.
 
-    Parameters
-    ----------
-    path : path
-        A table as those of measurements, with the columns name, E_GPa and nu. It may have
-        yield_stress_MPa too, a note, and E_provenance, nu_provenance and yield_provenance, which
-        are "paper", "derived" or "assumed", the default.
-
-    Returns
-    -------
-    dict
-        Rows by the name of the material, in the order of the file.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a column is missing or unknown, a row is too short or too
-        long, a cell is not a number, a provenance is not one of the three, or a name is repeated.
+    It has the columns name, E_GPa and nu, written as tables of measurements are, and may have
+    yield_stress_MPa, a note, and E_provenance, nu_provenance and yield_provenance, which are
+    "paper", "derived" or "assumed", the default.
 
     Examples
     --------
@@ -405,15 +290,14 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     table = read_table(path)
     columns = dict(zip(table.names, table.columns, strict=True))
     _require_columns(table.source, table.names)
-    of_numbers = [table.names.index(c) for c in _NUMBERS if c in columns]
+    of_numbers = [table.names.index(column) for column in _ORIGINS if column in columns]
     # An empty yield stress is none; no other number may be empty.
     filled = [
-        ["0" if cell is None and name in _YIELD_COLUMNS else cell for cell in cells]
+        ["0" if cell is None and name == "yield_stress_MPa" else cell for cell in cells]
         for name, cells in columns.items()
     ]
     numbers = finite_numbers(replace(table, columns=filled), of_numbers)
     rows: dict[str, MaterialRow] = {}
-    names: dict[str, str] = {}
     for k, line in enumerate(table.lines):
         source = f"{table.source}, {table.row_word} {line}"
         cells = {name: cell[k] for name, cell in columns.items()}
@@ -424,10 +308,9 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
         }
         row = _row(source, cells, given)
         name = row.material.name
-        if _plain(name) in names:
+        if _plain(name) in map(_plain, rows):
             rule, remedy = "is used twice", "give each material a name of its own"
             raise InputError(source, "name", name, rule, remedy)
-        names[_plain(name)] = name
         rows[name] = row
     return rows
 
@@ -439,40 +322,31 @@ def _require_columns(source: str, names: list[str]) -> None:
     optional = ", ".join(name for name in COLUMNS if name not in _REQUIRED)
     if missing:
         rule, remedy = f"lacks {', '.join(missing)}", f"add it; {optional} may be left out"
-        raise InputError(source, "columns", names, rule, remedy)
-    if others:
+    elif others:
         rule = f"{others[0]!r} is not known, or there twice"
         remedy = f"leave it out; besides {', '.join(_REQUIRED)} there may be {optional}"
-        raise InputError(source, "columns", names, rule, remedy)
+    else:
+        return
+    raise InputError(source, "columns", names, rule, remedy)
 
 
 def _row(source: str, cells: Mapping[str, object], numbers: Mapping[str, float]) -> MaterialRow:
-    """Return the material of a row with its provenance."""
+    """Return the material of a row with its provenance, "assumed" in a table that says none."""
     if cells["name"] is None:
         raise InputError(source, "name", None, "is required", "name the material")
-    origins = _NUMBER_COLUMNS | _YIELD_COLUMNS
-    provenance = {c: _provenance(source, origins[c], cells) for c in numbers}
+    provenance = {}
+    for column in numbers:
+        origin = str(cells.get(_ORIGINS[column], "assumed") or "")
+        if origin not in PROVENANCES:
+            rule = f"must be one of {', '.join(PROVENANCES)}"
+            raise InputError(source, _ORIGINS[column], origin, rule, "say which")
+        provenance[column] = origin
+    E, stress = f"{numbers['E_GPa']!r} GPa", numbers.get("yield_stress_MPa")
     try:
-        material = Material(
-            str(cells["name"]),
-            f"{numbers['E_GPa']!r} GPa",
-            numbers["nu"],
-            numbers.get("yield_stress_MPa"),
-        )
+        material = Material(str(cells["name"]), E, numbers["nu"], stress)
     except InputError as error:
         column = {"E": "E_GPa", "yield_stress": "yield_stress_MPa"}.get(error.key, error.key)
-        raise InputError(
-            source, column, cells[column], error.rule, "mind the unit in the column's name"
-        ) from error
+        remedy = "mind the unit in the column's name"
+        raise InputError(source, column, cells[column], error.rule, remedy) from error
     note = cells.get("note")
     return MaterialRow(material, provenance, "" if note is None else str(note))
-
-
-def _provenance(source: str, column: str, cells: Mapping[str, object]) -> str:
-    """Return the provenance of a number; "assumed" in a table that says none."""
-    given = str(cells.get(column, "assumed") or "")
-    if given not in PROVENANCES:
-        raise InputError(
-            source, column, given, f"must be one of {', '.join(PROVENANCES)}", "say which"
-        )
-    return given

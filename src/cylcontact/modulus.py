@@ -10,8 +10,6 @@ from cylcontact.errors import InputError
 from cylcontact.materials import modulus_in_MPa
 from cylcontact.spec import broken
 
-__all__ = ["Modulus"]
-
 # In GPa, above diamond's 1200: a larger bare number was probably meant in MPa.
 _LARGEST_BARE = 1500.0
 

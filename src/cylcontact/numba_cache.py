@@ -26,7 +26,7 @@ _SETTINGS: Any = numba.config
 
 PACKAGE = Path(__file__).parent
 # The packages and modules that contain compiled functions and their constants.
-PARTS = ("dissipation", "laws", "mechanism")
+PARTS = ("impact", "laws", "mechanism")
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 

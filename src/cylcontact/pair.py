@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -15,45 +16,34 @@ from cylcontact.arrays import (
     own_arrays,
     require,
     require_one_shape,
+    require_positive,
     same_fields,
 )
 from cylcontact.errors import InputError, short
 from cylcontact.html_repr import table_html
 from cylcontact.materials import Material, material_in_MPa
 
-__all__ = [
-    "CONTACTS",
-    "PLANES",
-    "Contact",
-    "CylinderPair",
-    "Length",
-    "Plane",
-    "are_possible",
-    "roles",
-    "unusual_lengths",
-]
-
 Contact = Literal["internal", "external"]
 CONTACTS: tuple[Contact, ...] = ("internal", "external")
 Plane = Literal["strain", "stress"]
 PLANES: tuple[Plane, ...] = ("strain", "stress")
-
 Length = float | FloatArray
 
+_SOURCE = "CylinderPair"
 # ΔR may differ from that of the radii by rounding, as a part of the larger one.
 _AGREEMENT = 1e-6
+# α and β may leave the possible ones by that much.
+_ROUNDING = 1e-12
 # What lengths can hardly be meant, outside all that is built: metres or µm for mm, a diameter for a
 # radius, a wrong millimetre.
 _LENGTHS = 0.1, 5000.0  # mm
 _CLEARANCES = 1e-5, 0.08  # over the radius of the hole
 _SLENDERNESS = 0.02, 100.0  # length over radius
-# And α and β may leave the possible ones by that much.
-_ROUNDING = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class CylinderPair:
-    """Two parallel cylinders: a pin in a hole (internal) or two rollers (external).
+    """Two parallel cylinders: a pin in a hole (internal), two rollers or a roller on a plane.
 
     Build one with `internal`, `external` or `from_dR`; the constructor takes all numbers as they
     are and derives none.
@@ -64,11 +54,11 @@ class CylinderPair:
         For internal contact, *i* is the hole and *j* the pin.
     dR : float or array_like
         ΔR in mm: R_i − R_j for internal contact (the radial clearance), R_i + R_j for
-        external contact.
+        external contact, inf for a plane.
     material_i, material_j : Material
         The materials of the two bodies: of hole and pin, or of the rollers.
     R_i, R_j : float or array_like, optional
-        The radii in mm, if known.
+        The radii in mm, if known; R_j is inf for a plane.
     length : float, optional
         Axial length of the contact in mm.
     plane : {"strain", "stress"}
@@ -82,8 +72,7 @@ class CylinderPair:
 
     Notes
     -----
-    All arrays broadcast against each other and against the loads and penetrations passed to
-    laws.
+    All arrays broadcast against each other and against the loads and penetrations of laws.
 
     Examples
     --------
@@ -104,41 +93,28 @@ class CylinderPair:
 
     def __post_init__(self) -> None:
         _require_contact(self.contact)
-        require(
-            self.plane in PLANES,
-            "CylinderPair",
-            "plane",
-            self.plane,
-            "must be 'strain' or 'stress'",
-            "plane strain is for long cylinders, plane stress for thin sheets",
-        )
+        rule = "must be 'strain' or 'stress'"
+        remedy = "plane strain is for long cylinders, plane stress for thin sheets"
+        require(self.plane in PLANES, _SOURCE, "plane", self.plane, rule, remedy)
+        remedy = "e.g. Material.named('bronze'), or Material(name, E, nu)"
+        shapes: dict[str, Length] = {}
         for key in ("material_i", "material_j"):
-            require(
-                isinstance(getattr(self, key), Material),
-                "CylinderPair",
-                key,
-                getattr(self, key),
-                "must be a Material",
-                "e.g. Material.named('bronze'), or Material(name, E, nu)",
-            )
-        lengths = ("dR", "R_i", "R_j", "length")
-        for key in lengths:
-            if key == "dR" or getattr(self, key) is not None:
-                _require_positive(key, getattr(self, key))
+            body = getattr(self, key)
+            require(isinstance(body, Material), _SOURCE, key, body, "must be a Material", remedy)
+            shapes |= {f"E of {key}": body.E, f"nu of {key}": body.nu}
+        optional = {"R_i": self.R_i, "R_j": self.R_j, "length": self.length}
+        given = {key: value for key, value in optional.items() if value is not None}
+        is_external = self.contact == "external"
+        both_known = "R_i" in given and "R_j" in given
+        flat = ("dR", "R_j") if is_external and both_known else ()
+        lengths = _lengths(flat, dR=self.dR, **given)
+        require_one_shape(_SOURCE, **lengths, **shapes)
         own_arrays(self)
-        given = {key: getattr(self, key) for key in lengths}
-        bodies = {"material_i": self.material_i, "material_j": self.material_j}
-        given |= {f"E of {key}": body.E for key, body in bodies.items()}
-        given |= {f"nu of {key}": body.nu for key, body in bodies.items()}
-        if any(isinstance(value, np.ndarray) for value in given.values()):
-            known = {key: value for key, value in given.items() if value is not None}
-            require_one_shape("CylinderPair", **known)
-        if self.R_i is not None and self.R_j is not None:
-            _require_agreement(self.contact, self.dR, self.R_i, self.R_j)
-        elif self.R_i is not None:
-            _other_radius("CylinderPair", self.contact, self.dR, R_i=self.R_i)
-        elif self.R_j is not None and self.contact == "external":
-            _other_radius("CylinderPair", self.contact, self.dR, R_j=self.R_j)
+        if both_known:
+            _require_agreement(self, lengths["R_i"], lengths["R_j"])
+        elif "R_i" in given or ("R_j" in given and is_external):
+            key = "R_i" if "R_i" in given else "R_j"
+            _other_radius(_SOURCE, self.contact, self.dR, key, lengths[key])
 
     def __eq__(self, other: object) -> bool:
         return same_fields(self, other)
@@ -146,12 +122,12 @@ class CylinderPair:
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        shown = ", ".join(
+        values = ", ".join(
             f"{field.name}={getattr(self, field.name)!r}"
             for field in fields(self)
             if field.name != "plane" or self.plane != "strain"
         )
-        return f"CylinderPair({shown})"
+        return f"{_SOURCE}({values})"
 
     def _repr_html_(self) -> str:
         first, second = roles(self.contact)
@@ -161,11 +137,12 @@ class CylinderPair:
             f"material, {first}": self.material_i.name,
             f"R_j, {second} (mm)": self.R_j,
             f"material, {second}": self.material_j.name,
+            "length (mm)": self.length,
+            "E* (MPa)": self.E_star,
         }
-        rows |= {"length (mm)": self.length, "E* (MPa)": self.E_star}
         if self.plane != "strain":
             rows["plane"] = self.plane
-        return table_html(f"CylinderPair, {self.contact} contact", rows)
+        return table_html(f"{_SOURCE}, {self.contact} contact", rows)
 
     @classmethod
     def internal(
@@ -186,16 +163,12 @@ class CylinderPair:
         ----------
         R_i, R_j : float or array_like
             Radii of the hole and of the pin in mm, R_i > R_j.
-        material : Material, optional
-            The material of the hole, and of the pin unless `material_j` is given.
-        length : float, optional
-            Axial length in mm.
-        material_j : Material, optional
-            The material of the pin.
+        material, material_j : Material, optional
+            The materials of the hole and of the pin; one serves both.
         pin, hole : Material, optional
             The two materials by name, in place of `material` and `material_j`.
-        plane : {"strain", "stress"}
-            Plane strain, or plane stress for thin sheets.
+        length, plane
+            Axial length in mm and state of stress, as for the class.
 
         Returns
         -------
@@ -213,16 +186,12 @@ class CylinderPair:
         >>> pair.material_j.name
         'bronze'
         """
-        outer, inner = _lengths(R_i=R_i, R_j=R_j)
-        require(
-            outer > inner,
-            "CylinderPair.internal",
-            "R_j",
-            R_j,
-            f"the pin must be smaller than the hole (R_i = {short(R_i)})",
-            "give R_i, the radius of the hole, the larger value; both are radii, not diameters",
-        )
-        first, second = _bodies("CylinderPair.internal", material, material_j, pin, hole)
+        source = "CylinderPair.internal"
+        outer, inner = _lengths((), R_i=R_i, R_j=R_j).values()
+        rule = f"the pin must be smaller than the hole (R_i = {short(R_i)})"
+        remedy = "give R_i, the radius of the hole, the larger value; both are radii, not diameters"
+        require(outer > inner, source, "R_j", R_j, rule, remedy)
+        first, second = _bodies(source, material, material_j, pin, hole)
         return cls("internal", outer - inner, first, second, R_i, R_j, length, plane)
 
     @classmethod
@@ -236,29 +205,36 @@ class CylinderPair:
         *,
         plane: Plane = "strain",
     ) -> CylinderPair:
-        """Return two rollers of radii `R_i` and `R_j` (mm).
+        """Return two rollers of radii `R_i` and `R_j` (mm), or a roller on a plane.
 
         Parameters
         ----------
         R_i, R_j : float or array_like
-            Radii in mm.
-        material : Material
-            The material of roller *i*, and of roller *j* unless `material_j` is given.
-        length : float, optional
-            Axial length in mm.
-        material_j : Material, optional
-            The material of roller *j*.
-        plane : {"strain", "stress"}
-            Plane strain, or plane stress for thin sheets.
+            Radii in mm. R_j = inf is a plane: ΔR is inf as well, and the effective radius is R_i.
+        material, material_j : Material
+            The materials of bodies *i* and *j*; one serves both.
+        length, plane
+            Axial length in mm and state of stress, as for the class.
 
         Returns
         -------
         CylinderPair
+
+        Raises
+        ------
+        InputError
+            If a radius is not positive, or only some of the R_j are inf.
+
+        Examples
+        --------
+        >>> from cylcontact import limits
+        >>> roller = CylinderPair.external(R_i=10.0, R_j=np.inf, material=Material("", 207e3, 0.3))
+        >>> print(f"{roller.R:.0f} mm, {limits.hertz_stress(100.0, roller):.1f} MPa")
+        10 mm, 601.7 MPa
         """
-        outer, inner = _lengths(R_i=R_i, R_j=R_j)
-        return cls(
-            "external", outer + inner, material, material_j or material, R_i, R_j, length, plane
-        )
+        outer, inner = _lengths(("R_j",), R_i=R_i, R_j=R_j).values()
+        other = material_j or material
+        return cls("external", outer + inner, material, other, R_i, R_j, length, plane)
 
     @classmethod
     def from_dR(
@@ -282,18 +258,14 @@ class CylinderPair:
             Pin in hole, or two rollers.
         dR : float or array_like
             ΔR in mm.
-        material : Material, optional
-            The material of both bodies, or of the hole or first roller when `material_j` is given.
-        length : float, optional
-            Axial length in mm.
+        material, material_j : Material, optional
+            The materials of the hole and pin or of the rollers; one serves both.
         R_i : float or array_like, optional
             The radius of the hole or first roller in mm; the other radius then follows from ΔR.
-        material_j : Material, optional
-            The material of the pin or second roller.
         pin, hole : Material, optional
             The two materials of internal contact, in place of `material` and `material_j`.
-        plane : {"strain", "stress"}
-            Plane strain, or plane stress for thin sheets.
+        length, plane
+            Axial length in mm and state of stress, as for the class.
 
         Returns
         -------
@@ -305,17 +277,13 @@ class CylinderPair:
             If `R_i` and ΔR leave no room for the pin or second roller, or the materials are not
             given just once.
         """
-        R_j = None
+        source = "CylinderPair.from_dR"
         _require_contact(contact)
-        if R_i is None:
-            _require_positive("dR", dR)
-        else:
-            R_j = _other_radius("CylinderPair.from_dR", contact, dR, R_i=R_i)
-        require(
-            contact == "internal" or (pin is None and hole is None), "CylinderPair.from_dR",
-            "contact", contact, "has no pin and no hole", "give material and material_j",
-        )  # fmt: skip
-        first, second = _bodies("CylinderPair.from_dR", material, material_j, pin, hole)
+        R_j = None if R_i is None else _other_radius(source, contact, dR, "R_i", R_i)
+        has_no_names = contact == "internal" or (pin is None and hole is None)
+        rule, remedy = "has no pin and no hole", "give material and material_j"
+        require(has_no_names, source, "contact", contact, rule, remedy)
+        first, second = _bodies(source, material, material_j, pin, hole)
         return cls(contact, dR, first, second, R_i, R_j, length, plane)
 
     @classmethod
@@ -348,29 +316,29 @@ class CylinderPair:
         1.000 MPa, alpha = 0.4866, beta = 0.1153
         """
         a, b = np.broadcast_arrays(as_floats(alpha), as_floats(beta))
-        remedy = "choose |alpha| < 1 and beta from (alpha - 1)/4 to (alpha + 1)/4"
         source = "CylinderPair.from_dundurs"
+        remedy = "choose |alpha| < 1 and beta from (alpha - 1)/4 to (alpha + 1)/4"
         require(np.abs(a) < 1, source, "alpha", alpha, "must lie inside ]-1, 1[", remedy)
-        require(
-            are_possible(a, b), source, "beta", beta, f"no materials have it at alpha = {a}", remedy
-        )
-        w_i, w_j = (1 - a) / 2, (1 + a) / 2
-        # Either body's part of β is w·g with g = (1 − 2ν)/(2 − 2ν).
-        hole = _of_unit_share("hole", w_i, np.maximum(-b, 0) / w_i)
-        pin = _of_unit_share("pin", w_j, np.maximum(b, 0) / w_j)
-        return cls("internal", 1.0, hole, pin)
+        rule = f"no materials have it at alpha = {a}"
+        require(are_possible(a, b), source, "beta", beta, rule, remedy)
+
+        def body(name: str, share: FloatArray, own_beta: FloatArray) -> Material:
+            # Its part of β is w·g with g = (1 − 2ν)/(2 − 2ν), which rounding may carry above 1/2.
+            g = np.minimum(np.maximum(own_beta, 0) / share, 0.5)
+            nu = (1 - 2 * g) / (2 - 2 * g)
+            return material_in_MPa(name, as_floats((1 - nu**2) / share), as_floats(nu))
+
+        return cls("internal", 1.0, body("hole", (1 - a) / 2, -b), body("pin", (1 + a) / 2, b))
 
     @property
     def moduli(self) -> tuple[FloatArray, FloatArray]:
         """The moduli of bodies i and j in MPa: E/(1 − ν²) in plane strain, E in plane stress."""
-        bodies = self.material_i, self.material_j
+        one, other = self.material_i, self.material_j
         if self.plane == "stress":
-            modulus_i, modulus_j = (as_floats(body.E) for body in bodies)
-        else:
-            modulus_i, modulus_j = (body.plane_strain_modulus for body in bodies)
-        return modulus_i, modulus_j
+            return as_floats(one.E), as_floats(other.E)
+        return one.plane_strain_modulus, other.plane_strain_modulus
 
-    @property
+    @cached_property
     def E_star(self) -> FloatArray:
         """Composite modulus in MPa: 1/E* = (1 − ν_i²)/E_i + (1 − ν_j²)/E_j, or without ν².
 
@@ -382,7 +350,9 @@ class CylinderPair:
         103500.00 MPa
         """
         modulus_i, modulus_j = self.moduli
-        return as_floats(1 / (1 / modulus_i + 1 / modulus_j))
+        E_star = as_floats(1 / (1 / modulus_i + 1 / modulus_j))
+        E_star.setflags(write=False)
+        return E_star
 
     @property
     def shares(self) -> tuple[FloatArray, FloatArray]:
@@ -426,23 +396,17 @@ class CylinderPair:
     @property
     def of_one_material(self) -> bool:
         """Whether both bodies have the same E and ν, in every element."""
-        hole, pin = self.material_i, self.material_j
-        return bool(np.all((hole.E == pin.E) & (hole.nu == pin.nu)))
+        one, other = self.material_i, self.material_j
+        return bool(np.all((one.E == other.E) & (one.nu == other.nu)))
 
-    def require_plane_strain(self, source: str) -> None:
-        """Raise `InputError` in plane stress, for laws that are stated for plane strain only."""
-        require(
-            self.plane == "strain",
-            source,
-            "pair.plane",
-            self.plane,
-            "must be 'strain': the source states it for plane strain only",
-            "use laws.Conformal() or laws.Johnson() for plane stress",
-        )
+    @cached_property
+    def is_flat(self) -> bool:
+        """Whether body j has a flat surface: R_j and ΔR are inf."""
+        return self.R_j is not None and bool(np.all(np.isinf(self.R_j)))
 
     @property
     def R(self) -> FloatArray:
-        """Effective radius R_i·R_j/ΔR in mm.
+        """Effective radius R_i·R_j/ΔR in mm; R_i for a plane.
 
         Raises
         ------
@@ -450,36 +414,41 @@ class CylinderPair:
             If the radii are not known.
         """
         R_i, R_j = self.radii("the effective radius")
+        if self.is_flat:
+            return as_floats(R_i + np.zeros_like(R_j))
         return as_floats(R_i * R_j / as_floats(self.dR))
 
     def radii(self, purpose: str) -> tuple[FloatArray, FloatArray]:
         """Return R_i and R_j in mm; raise `InputError` naming `purpose` if they are not known."""
         if self.R_i is None or self.R_j is None:
-            raise InputError(
-                "CylinderPair",
-                "R_i, R_j",
-                None,
-                f"{purpose} needs both radii and this pair knows only ΔR",
-                "build it with CylinderPair.internal or .external, or pass R_i to from_dR",
-            )
+            rule = f"{purpose} needs both radii and this pair knows only ΔR"
+            remedy = "build it with CylinderPair.internal or .external, or pass R_i to from_dR"
+            raise InputError(_SOURCE, "R_i, R_j", None, rule, remedy)
         return as_floats(self.R_i), as_floats(self.R_j)
 
     def contact_length(self, purpose: str) -> float:
         """Return the axial length in mm; raise `InputError` naming `purpose` if it is not known."""
         if self.length is None:
-            raise InputError(
-                "CylinderPair",
-                "length",
-                None,
-                f"{purpose} needs the axial length and this pair has none",
-                "pass length= in mm when the pair is built",
-            )
+            rule = f"{purpose} needs the axial length and this pair has none"
+            remedy = "pass length= in mm when the pair is built"
+            raise InputError(_SOURCE, "length", None, rule, remedy)
         return self.length
+
+    def require_plane_strain(self, source: str) -> None:
+        """Raise `InputError` in plane stress, for laws that are stated for plane strain only."""
+        rule = "must be 'strain': the source states it for plane strain only"
+        remedy = "use laws.Conformal() or laws.Johnson() for plane stress"
+        require(self.plane == "strain", source, "pair.plane", self.plane, rule, remedy)
 
 
 def roles(contact: Contact) -> tuple[str, str]:
     """Return what bodies i and j are: the hole and the pin, or rollers."""
     return ("hole", "pin") if contact == "internal" else ("roller i", "roller j")
+
+
+def are_possible(alpha: FloatArray, beta: FloatArray) -> BoolArray:
+    """Return where two materials can have α and β, with Poisson's ratios from 0 to 0.5."""
+    return (alpha - 1 <= 4 * beta + _ROUNDING) & (4 * beta <= alpha + 1 + _ROUNDING)
 
 
 def unusual_lengths(pair: CylinderPair) -> tuple[str, ...]:
@@ -493,9 +462,10 @@ def unusual_lengths(pair: CylinderPair) -> tuple[str, ...]:
     """
     first, second = roles(pair.contact)
     unit = "lengths are in mm, not in metres or µm"
+    R_j = None if pair.is_flat else pair.R_j
     checks: list[tuple[str, Length | None, tuple[float, float], str]] = [
         (f"the radius of the {first} in mm", pair.R_i, _LENGTHS, unit),
-        (f"the radius of the {second} in mm", pair.R_j, _LENGTHS, unit),
+        (f"the radius of the {second} in mm", R_j, _LENGTHS, unit),
         ("the axial length in mm", pair.length, _LENGTHS, unit),
     ]
     if pair.R_i is not None and pair.contact == "internal":
@@ -507,13 +477,12 @@ def unusual_lengths(pair: CylinderPair) -> tuple[str, ...]:
         ratio = as_floats(pair.length) / as_floats(pair.R_i)
         name = f"the axial length over the radius of the {first}"
         checks.append((name, ratio, _SLENDERNESS, "is one of them in another unit?"))
-    found = []
+    sentences = []
     for name, values, (low, high), cause in checks:
         numbers = np.atleast_1d(low if values is None else as_floats(values))
         outside = numbers[(numbers < low) | (numbers > high)]
-        if outside.size:
-            found.append(f"{name} is {outside[0]:.4g}: {cause}")
-    return tuple(found)
+        sentences += [f"{name} is {number:.4g}: {cause}" for number in outside[:1]]
+    return tuple(sentences)
 
 
 def _bodies(
@@ -540,83 +509,48 @@ def _bodies(
     return hole, pin
 
 
-def are_possible(alpha: FloatArray, beta: FloatArray) -> BoolArray:
-    """Return where two materials can have α and β, with Poisson's ratios from 0 to 0.5."""
-    return (alpha - 1 <= 4 * beta + _ROUNDING) & (4 * beta <= alpha + 1 + _ROUNDING)
-
-
-def _of_unit_share(name: str, share: FloatArray, g: FloatArray) -> Material:
-    """Return the material of one body, from its share of the compliance at E* = 1 and its g."""
-    g = np.minimum(g, 0.5)  # rounding may exceed it
-    nu = (1 - 2 * g) / (2 - 2 * g)
-    return material_in_MPa(name, as_floats((1 - nu**2) / share), as_floats(nu))
-
-
 def _require_contact(contact: object) -> None:
     """Raise `InputError` for a contact that is neither internal nor external."""
-    require(
-        contact in CONTACTS,
-        "CylinderPair",
-        "contact",
-        contact,
-        "must be 'internal' or 'external'",
-        "internal is a pin in a hole, external two rollers",
-    )
+    rule = "must be 'internal' or 'external'"
+    remedy = "internal is a pin in a hole, external two rollers"
+    require(contact in CONTACTS, _SOURCE, "contact", contact, rule, remedy)
 
 
-def _require_agreement(contact: Contact, dR: Length, R_i: Length, R_j: Length) -> None:
+def _require_agreement(pair: CylinderPair, R_i: FloatArray, R_j: FloatArray) -> None:
     """Raise `InputError` if ΔR differs from that of the radii by a millionth of them."""
-    outer, inner = as_floats(R_i), as_floats(R_j)
-    own = outer - inner if contact == "internal" else outer + inner
-    require(
-        np.abs(as_floats(dR) - own) <= _AGREEMENT * np.maximum(outer, inner),
-        "CylinderPair",
-        "dR",
-        dR,
-        f"contradicts R_i = {short(R_i)} and R_j = {short(R_j)}, which give {short(own)}",
-        "change the radii with it, or leave them out",
-    )
+    own = R_i - R_j if pair.contact == "internal" else R_i + R_j
+    with np.errstate(invalid="ignore"):  # inf − inf of a plane
+        agrees = np.abs(pair.dR - own) <= _AGREEMENT * np.maximum(R_i, R_j)
+    if not np.all(pair.dR == own if pair.is_flat else agrees):
+        rule = f"contradicts R_i = {short(R_i)} and R_j = {short(R_j)}, which give {short(own)}"
+        remedy = "change the radii with it, or leave them out"
+        raise InputError(_SOURCE, "dR", pair.dR, rule, remedy)
 
 
-def _other_radius(source: str, contact: Contact, dR: Length, **given: Length) -> FloatArray:
-    """Return what ΔR leaves of R_j if R_i is given, or of R_i for a roller; refuse what is not > 0.
-
-    Raises
-    ------
-    InputError
-        If it is not positive.
-    """
-    ((key, radius),) = given.items()
-    own, distance = _lengths(**given, dR=dR)
+def _other_radius(
+    source: str, contact: Contact, dR: Length, key: str, radius: Length
+) -> FloatArray:
+    """Return what ΔR leaves of R_j, or of R_i for a roller; refuse what is not positive."""
+    own, distance = _lengths((), **{key: radius, "dR": dR}).values()
     other = own - distance if contact == "internal" else distance - own
-    body = "the pin" if contact == "internal" else roles(contact)[key == "R_i"]
-    require(
-        other > 0,
-        source,
-        "dR",
-        dR,
-        f"leaves {body} a radius that is not positive ({key} = {short(radius)})",
-        f"internal contact needs dR < R_i, external contact dR > {key}",
-    )
+    if not np.all(other > 0):
+        body = "the pin" if contact == "internal" else roles(contact)[key == "R_i"]
+        rule = f"leaves {body} a radius that is not positive ({key} = {short(radius)})"
+        remedy = f"internal contact needs dR < R_i, external contact dR > {key}"
+        raise InputError(source, "dR", dR, rule, remedy)
     return other
 
 
-def _lengths(**given: Length) -> list[FloatArray]:
-    """Return lengths that go together; raise `InputError` for others."""
-    numbers = [_require_positive(key, value) for key, value in given.items()]
-    require_one_shape("CylinderPair", **given)
-    return numbers
+def _lengths(flat: tuple[str, ...], /, **given: Length) -> dict[str, FloatArray]:
+    """Return lengths by name, positive and of shapes that go together; refuse others.
 
-
-def _require_positive(key: str, value: object) -> FloatArray:
-    """Return a length; raise `InputError` for one that is not positive and finite."""
-    numbers = as_numbers(value, "CylinderPair", key)
-    require(
-        (numbers > 0) & np.isfinite(numbers),
-        "CylinderPair",
-        key,
-        value,
-        "must be positive and finite",
-        "give it in mm",
-    )
-    return numbers
+    Those named in `flat` may be infinite in all elements.
+    """
+    lengths = {}
+    for key, value in given.items():
+        remedy = "give it in mm, or inf alone for a plane" if key in flat else "give it in mm"
+        is_plane = key in flat and np.all(as_numbers(value, _SOURCE, key) == np.inf)
+        numbers = as_floats(value) if is_plane else require_positive(value, _SOURCE, key, remedy)
+        lengths[key] = numbers
+    require_one_shape(_SOURCE, **lengths)
+    return lengths

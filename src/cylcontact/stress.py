@@ -50,8 +50,6 @@ from numpy.typing import NDArray
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.laws.glauert import enough_terms, glauert
 
-__all__ = ["ComplexArray", "PlaneStress", "Pressure", "in_pin", "in_plate", "pressure_along"]
-
 ComplexArray = NDArray[np.complex128]
 
 # The Fourier coefficient of the pressure that carries the load.
@@ -69,18 +67,10 @@ class PlaneStress(NamedTuple):
 
 @dataclass(frozen=True)
 class Pressure:
-    """The pressure along arcs, as an analytic function. Build it with `pressure_along`.
+    """The pressure along k arcs as an analytic function; build it with `pressure_along`."""
 
-    Attributes
-    ----------
-    b : array of float, shape (k, 1)
-        tan(ε/2) of each arc.
-    coefficients : array of float, shape (terms, k, 1), or None
-        Those of Glauert's series; None for the closed form of β = 0.
-    """
-
-    b: FloatArray
-    coefficients: FloatArray | None
+    b: FloatArray  # tan(ε/2) of each arc, shape (k, 1)
+    coefficients: FloatArray | None  # of Glauert's series, shape (terms, k, 1); None for β = 0
 
     @property
     def mean(self) -> FloatArray:
@@ -147,18 +137,9 @@ def _log1p(z: ComplexArray) -> ComplexArray:
 
 
 def in_pin(eta: ComplexArray, pressure: Pressure) -> PlaneStress:
-    """Return the stresses in the pin at z = (1 + iη)/(1 − iη), under an even body force.
+    """Return the stresses in the pin at z = (1 + iη)/(1 − iη), shape (k, points).
 
-    Parameters
-    ----------
-    eta : array of complex, shape (k, points)
-        Points of the upper half plane; η = i is the centre.
-    pressure : Pressure
-        Of k arcs.
-
-    Returns
-    -------
-    PlaneStress
+    The load is balanced by an even body force; η = i is the centre.
     """
     # At the centre the formula is 0/0; the stresses are smooth there.
     w, inside, P, slope = _disk(np.where(eta == 1j, (1 + _NEAR) * 1j, eta), pressure)
@@ -167,20 +148,9 @@ def in_pin(eta: ComplexArray, pressure: Pressure) -> PlaneStress:
 
 
 def in_plate(eta: ComplexArray, pressure: Pressure, kappa: float) -> PlaneStress:
-    """Return the stresses in the plate at z = (1 − iη)/(1 + iη), loaded at infinity.
+    """Return the stresses in the plate at z = (1 − iη)/(1 + iη), shape (k, points).
 
-    Parameters
-    ----------
-    eta : array of complex, shape (k, points)
-        Points of the upper half plane; η = i is at infinity.
-    pressure : Pressure
-        Of k arcs.
-    kappa : float
-        Kolosov's κ of the plate.
-
-    Returns
-    -------
-    PlaneStress
+    The plate of Kolosov's κ is loaded at infinity, η = i.
 
     Examples
     --------

@@ -29,8 +29,6 @@ from cylcontact.laws.glauert import persson_peak, remainder
 from cylcontact.pair import CylinderPair
 from cylcontact.stress import PlaneStress, Pressure, in_pin, in_plate, pressure_along
 
-__all__ = ["Body", "Criterion", "FirstYield", "find_first_yield"]
-
 Criterion = Literal["von Mises", "Tresca", "Hertz"]
 
 # Arcs at the start of a table, and how often a cell is halved at most; the accuracy of m, relative,
@@ -80,20 +78,11 @@ class FirstYield:
 
 @dataclass(frozen=True)
 class Body:
-    """One body of a pair: what it is, κ, and ν if the plane strain makes a stress across it.
-
-    Parameters
-    ----------
-    name : {"hole", "pin"}
-    kappa : float
-        Kolosov's κ; only the plate's stresses depend on it.
-    nu : float
-        σ_zz/(σ_rr + σ_θθ): ν in plane strain, 0 in plane stress.
-    """
+    """One body of a pair; its stresses depend on β and, in the plate around a hole, on κ."""
 
     name: _Name
-    kappa: float
-    nu: float
+    kappa: float  # Kolosov's
+    nu: float  # σ_zz/(σ_rr + σ_θθ): ν in plane strain, 0 in plane stress
 
 
 class _Table(NamedTuple):
@@ -107,13 +96,7 @@ class _Table(NamedTuple):
 def find_first_yield(
     pair: CylinderPair, stresses: tuple[float, float], criterion: Criterion
 ) -> FirstYield:
-    """Return the first yield of a pair whose bodies i and j have these yield stresses in MPa.
-
-    Raises
-    ------
-    InputError
-        If the radii are not known.
-    """
+    """Return the first yield of a pair whose bodies i and j have these yield stresses in MPa."""
     find = _of_hole if pair.contact == "internal" else _of_rollers
     loads, depths = find(pair, stresses, criterion)
     second = loads[1] < loads[0]
@@ -279,6 +262,4 @@ def _at_hertz(nu: float, criterion: Criterion) -> tuple[float, float]:
 def _across(pair: CylinderPair) -> tuple[FloatArray, FloatArray]:
     """Return σ_zz/(σ_rr + σ_θθ) in bodies i and j."""
     share = 0.0 if pair.plane == "stress" else 1.0
-    return as_floats(share * as_floats(pair.material_i.nu)), as_floats(
-        share * as_floats(pair.material_j.nu)
-    )
+    return share * as_floats(pair.material_i.nu), share * as_floats(pair.material_j.nu)

@@ -228,7 +228,7 @@ def laws(
     *,
     pair: PairOptions,
     load: Annotated[float, typer.Option(help="Load per unit length, N/mm.", **NUMBER)] = 100.0,
-    law: Annotated[
+    own: Annotated[
         str | None, typer.Option(help="A function of your own to list as well, module:function.")
     ] = None,
 ) -> None:
@@ -247,8 +247,8 @@ def laws(
     rows = known_materials(own_table(pair.materials, Path(), "laws", "--materials"))
     cylinders = pair_of(constants, options, contact, rows, "laws", case())
     advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
-    own = None if law is None else user_law(law, Path.cwd())
-    show(joined([advice, to_text(cylinders, load, own)], "\n\n"))
+    listed_too = None if own is None else user_law(own, Path.cwd())
+    show(joined([advice, to_text(cylinders, load, listed_too)], "\n\n"))
     for warning in (yield_warning(load, cylinders), *unusual_lengths(cylinders)):
         if warning is not None:
             say(f"warning: {warning}", err=True)

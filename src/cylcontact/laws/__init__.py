@@ -4,8 +4,9 @@ from collections.abc import Callable
 from typing import Any
 
 from cylcontact.errors import InputError
+from cylcontact.laws.arcs import ParametricCoefficients
 from cylcontact.laws.bearings import Iso16281, Palmgren
-from cylcontact.laws.conformal import ClampedPlate, Conformal, Persson
+from cylcontact.laws.conformal import Conformal, Persson
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.difference import difference_percent
 from cylcontact.laws.enhanced import (
@@ -16,6 +17,7 @@ from cylcontact.laws.enhanced import (
 )
 from cylcontact.laws.explicit import Explicit, ExplicitCoefficients, explicit_penetration
 from cylcontact.laws.explicit_pair import ExplicitPair, ExplicitPairCoefficients
+from cylcontact.laws.housing import Housing, Sector
 from cylcontact.laws.liu import Liu
 from cylcontact.laws.logarithmic import (
     Block,
@@ -29,7 +31,7 @@ from cylcontact.laws.logarithmic import (
     RadzimovskyRadii,
     RoarkYoung,
 )
-from cylcontact.laws.parametric import Parametric, ParametricCoefficients
+from cylcontact.laws.parametric import Parametric
 from cylcontact.laws.power import PowerLaw
 from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import Winkler
@@ -40,7 +42,6 @@ __all__ = [
     "PUBLISHED",
     "REFERENCES",
     "Block",
-    "ClampedPlate",
     "Conformal",
     "ContactLaw",
     "DubowskyFreudenstein",
@@ -53,6 +54,7 @@ __all__ = [
     "ExternalCoefficients",
     "Goldsmith",
     "HertzCylinder",
+    "Housing",
     "InternalCoefficients",
     "Iso16281",
     "Johnson",
@@ -67,6 +69,7 @@ __all__ = [
     "Radzimovsky",
     "RadzimovskyRadii",
     "RoarkYoung",
+    "Sector",
     "Winkler",
     "difference_percent",
     "explicit_penetration",
@@ -109,6 +112,14 @@ LAWS: dict[str, Callable[[], ContactLaw]] = {
 
 # Those that need ΔR only, no radii or length, which a grid can sample.
 REFERENCES = tuple(name for name, law in LAWS.items() if not getattr(law, "needs", ()))
+
+
+def ClampedPlate(*_: object, **__: object) -> None:
+    """Say what has taken the place of a former name."""
+    raise InputError(
+        "laws", "ClampedPlate", None, "is now a Housing, which is exact in narrow rings, too",
+        "write laws.Housing(R_o=…)",
+    )  # fmt: skip
 
 
 def reference_law(name: str) -> ContactLaw:

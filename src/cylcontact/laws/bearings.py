@@ -34,9 +34,11 @@ class OfSteel(PowerShaped):
     """A law for steel alone, which needs the length."""
 
     needs = ("length",)
+    any_plane = False
 
     def require_pair(self, pair: CylinderPair) -> None:
-        """Raise `InputError` for other materials than steel."""
+        """Raise `InputError` for other materials than steel, or plane stress."""
+        super().require_pair(pair)
         for body in (pair.material_i, pair.material_j):
             inside = (_STEEL[0] <= np.asarray(body.E)) & (np.asarray(body.E) <= _STEEL[1])
             rule = f"is no steel (E from {_STEEL[0] / 1e3:g} to {_STEEL[1] / 1e3:g} GPa)"

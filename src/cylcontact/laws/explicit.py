@@ -17,17 +17,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import asdict, dataclass
+from functools import partial
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy import log, log1p, pi
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
+from cylcontact.errors import InputError
+from cylcontact.laws.arcs import CALIBRATED as PARAMETRIC
+from cylcontact.laws.contact_law import require_hole
 from cylcontact.laws.definition import Parameter
+from cylcontact.laws.explicit_pair import load as five_logarithms
 from cylcontact.laws.formula import Formula
-from cylcontact.laws.law import Law
+from cylcontact.laws.housed import FiveConstants, five_constants
+from cylcontact.laws.housing import Housing
+from cylcontact.laws.law import AtPair, Law
+from cylcontact.laws.parametric import Parametric
 from cylcontact.pair import Contact, CylinderPair
 
 
@@ -41,6 +49,9 @@ def load(penetration, pair, c, A, B):
     return pi * pair.E_star * penetration / third
 
 
+_FIVE = Formula(five_logarithms)
+# The five constants are taken up to this error.
+_CLOSE = 0.01
 _EQUATION = (
     "f = pi*E_star*penetration/L with d = penetration/dR and "
     "L = c + ln(1 + A/d*(c + ln(1 + A/d*ln(B/d))))"
@@ -107,6 +118,11 @@ class Explicit(Law):
     ----------
     coefficients : ExplicitCoefficients or mapping, optional
         By default those calibrated for the contact of the pair.
+    datum : "johnson" or Housing
+        Where the penetration of a pin in a hole is counted from. In a housing the law is
+        f = π·E*·δ/{c + ln[1 + (B/d)·(ln(1 + A/d + G/√d) + D)]} with five constants fitted to
+        `Parametric` for each joint (`five_constants`), materials and all. Where they miss it by
+        more than 1 %, as for thin eyes in pull, the law is that of `Parametric` itself.
 
     Notes
     -----
@@ -126,9 +142,15 @@ class Explicit(Law):
     """
 
     coefficients: ExplicitCoefficients | Mapping[str, float] | None = None
+    datum: Literal["johnson"] | Housing = "johnson"
     name: ClassVar[str] = "explicit"
 
     def __post_init__(self) -> None:
+        known = self.datum == "johnson" or isinstance(self.datum, Housing)
+        remedy = "e.g. datum=laws.Housing(R_o=20.0), without coefficients"
+        rule = "must be 'johnson' or a Housing, whose coefficients are fitted"
+        alone = self.datum == "johnson" or self.coefficients is None
+        require(known and alone, "Explicit", "datum", self.datum, rule, remedy)
         if isinstance(self.coefficients, Mapping):
             object.__setattr__(self, "coefficients", ExplicitCoefficients(**self.coefficients))
 
@@ -142,6 +164,52 @@ class Explicit(Law):
     published = False
     on_grid = True
     dimensionless = True
+
+    def constants_for(self, contact: Contact) -> dict[str, float]:
+        """Return the constants by name."""
+        if isinstance(self.datum, Housing):
+            rule, remedy = "depends on the joint", "export a joint with a table [housing]"
+            raise InputError("export", "datum", self.datum, rule, remedy)
+        return asdict(self.coefficients_for(contact))
+
+    def five_constants(self, pair: CylinderPair) -> FiveConstants:
+        """Return the five constants in the housing, and how far the law is from `Parametric`."""
+        housing = self.datum
+        require(
+            isinstance(housing, Housing), "Explicit", "datum", housing, "has no five constants",
+            "give a housing, e.g. datum=laws.Housing(R_o=20.0)",
+        )  # fmt: skip
+        require_hole("Explicit", pair)
+        return five_constants(housing, pair, PARAMETRIC)  # type: ignore[arg-type]
+
+    def formula_at(self, pair: CylinderPair) -> Formula | None:
+        """Return the formula; None in a housing that its five constants do not follow."""
+        if not isinstance(self.datum, Housing):
+            return self.formula
+        return _FIVE if self.five_constants(pair).error <= _CLOSE else None
+
+    def numbers_at(self, pair: CylinderPair) -> dict[str, FloatArray]:
+        """Return the numbers of the formula at a pair."""
+        if not isinstance(self.datum, Housing):
+            return super().numbers_at(pair)
+        c, B, A, G, D, _ = self.five_constants(pair)
+        values = _FIVE.of_pair(E_star=pair.E_star, dR=pair.dR, c=c, B=B, A=A, G=G, D=D)
+        return dict(zip(_FIVE.numbers, map(as_floats, values), strict=True))
+
+    def table(self, pair: CylinderPair) -> FloatArray:
+        """Return ln f over ln δ in a housing, as compiled code takes it."""
+        return Parametric(self.datum).table(pair)
+
+    def at_pair(self, pair: CylinderPair) -> AtPair:
+        """Return the law at a pair."""
+        if not isinstance(self.datum, Housing):
+            return super().at_pair(pair)
+        parametric = Parametric(self.datum).at_pair(pair)
+        if not parametric.is_single or self.five_constants(pair).error > _CLOSE:
+            return parametric
+        numbers = self.numbers_at(pair)
+        load, stiffness = partial(_FIVE.load, **numbers), partial(_FIVE.stiffness, **numbers)
+        return AtPair(load, stiffness, as_floats(np.inf), is_single=True)
 
     def coefficients_for(self, contact: Contact) -> ExplicitCoefficients:
         """Return the coefficients of this law, by default those calibrated for `contact`."""

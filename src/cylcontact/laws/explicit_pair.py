@@ -24,11 +24,11 @@ import numpy as np
 from numpy import exp, log, log1p, maximum, pi, sqrt
 
 from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.laws.arcs import CALIBRATED as P
+from cylcontact.laws.arcs import arc, shares
 from cylcontact.laws.definition import Parameter
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import Law
-from cylcontact.laws.parametric import CALIBRATED as P
-from cylcontact.laws.parametric import arc, shares
 from cylcontact.pair import Contact, CylinderPair
 
 
@@ -112,9 +112,9 @@ def five(pair, A0, A1, A2, B0, B1, B2, B3, B4, B5, D0, D1, D2, D3, D4, D5, G0, G
     least = maximum(c0, 1e-6)
     x = log((1 - least) / least)
     for _ in range(3):
-        S, rest, k, k_slope, L, L_slope = largest_arc(pair, x)
+        S, rest, k, k_slope, L, L_slope, H, H_slope = largest_arc(pair, x)
         x = x - k / k_slope
-    S, rest, k, k_slope, L, L_slope = largest_arc(pair, x)
+    S, rest, k, k_slope, L, L_slope, H, H_slope = largest_arc(pair, x)
     g, b = L - 1.4, pair.beta
     B = exp(B0 + g * (B1 + B3 * g + B4 * b) + b * (B2 + B5 * b))
     D = D0 + g * (D1 + D3 * g + D4 * b) + b * (D2 + D5 * b)

@@ -19,24 +19,37 @@ gives 1e-8.
 **Reciprocity** (see `cylcontact.laws.conformal`) gives the penetration from Â and H alone, without
 a quadrature of the logarithmic kernel.
 
-`remainder` has the difference to the closed forms of β = 0 for one β as Chebyshev series in ε. All
-of its functions are analytic at ε = 0; their singularity at 180° is beyond the largest arc.
+A housing adds Σ(1 − n²)·g_nm·P_m·cos nθ to the equation (`cylcontact.laws.housing`).
+
+`remainder` has the difference to the closed forms of β = 0 for one β, and one housing, as Chebyshev
+series in ε. All of its functions are analytic at ε = 0; their singularity at 180° is beyond the
+largest arc.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 
 from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.errors import InputError
+from cylcontact.laws.housing import Kernel
 
 # Terms of the series, as many again for each 8 of b (large arcs need a small β), and nodes in ε.
 _TERMS, _B_PER_TERMS = 96, 8.0
 _NODES = 24
+# For a housing: nodes until the last terms are this small, how far beyond the largest arc the
+# series ends, arcs at most this long, and how many points the table of the largest pressure has.
+_LAST_TERMS, _MOST_NODES = 1e-10, 144
+_END_WITHIN, _LARGEST_ARC = np.radians(3.0), np.radians(165.0)
+_PEAKS = 1025
+# Where the pressure is negative, sought on so many arcs and points along half of each.
+_ARCS, _ALONG, _NO_PRESSURE = 129, 65, 1e-6
 # Below this the remainder is proportional to β: what is of second order in β is below 1e-10.
 _SMALL_BETA = 1e-5
 # Below this S, (H − 1)/S is 1/2 + Σ 2Sⁿ⁻¹/((n − 1)n(n + 1)), because the closed form loses digits.
@@ -103,8 +116,12 @@ def enough_terms(b: float) -> int:
     return _TERMS * (1 + int(b / _B_PER_TERMS))
 
 
-def glauert(b: FloatArray, beta: float, terms: int = _TERMS) -> Solution:
+def glauert(
+    b: FloatArray, beta: float, terms: int = _TERMS, g: FloatArray | None = None
+) -> Solution:
     """Solve the contact along arcs of b = tan(ε/2) > 0, shape (k,), by Galerkin's method.
+
+    `g` are the coefficients g_nm of a housing.
 
     Examples
     --------
@@ -124,6 +141,15 @@ def glauert(b: FloatArray, beta: float, terms: int = _TERMS) -> Solution:
     carried = total - versine  # of cos θ
     system = beta * np.pi * products
     system[:, m, m] -= np.pi**2 / 2 * (2 * m + 1)
+    if g is not None:
+        n = np.arange(g.shape[0])
+        waves = np.empty((n.size, *y2.shape))  # cos nθ by its recurrence
+        waves[0], waves[1] = 1, (1 - y2) / (1 + y2)
+        for k in n[2:]:
+            waves[k] = 2 * waves[1] * waves[k - 1] - waves[k - 2]
+        harmonics = (weight * waves) @ rule.sines  # of each term of the pressure
+        added = np.tensordot((1 - n[:, None] ** 2) * g, harmonics, 1)
+        system += harmonics.transpose(1, 2, 0) @ added.transpose(1, 0, 2)
     by_load, by_shift = np.moveaxis(
         np.linalg.solve(system, -np.stack([(1 - beta) * carried, total], axis=-1)), -1, 0
     )
@@ -156,9 +182,9 @@ def _rule(terms: int) -> _Rule:
     return _Rule(v, weights * np.pi / 2, sines, np.cos(np.outer(v, 2 * np.arange(2 * terms))))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Remainder:
-    """What β adds to the closed forms, as Chebyshev series in ε from 0 to `top`.
+    """What β and a housing add to the closed forms, as Chebyshev series in ε from 0 to `top`.
 
     `top` is beyond the largest arc of every pair with this β. `series`, shape (n, 6), adds to
     a and h, to M = π·E*·δ/f + w_j·H − C, and to their derivatives by ε; `peak_series` is the
@@ -182,6 +208,38 @@ class Remainder:
         return as_floats(np.minimum(2 * angle / self.top - 1, 1.0))
 
 
+@dataclass(frozen=True, eq=False)
+class Housed(Remainder):
+    """The same for one housing, with the aₘ·tan(ε/2) of the pressure, shape (n, terms)."""
+
+    coefficients: FloatArray
+
+    @cached_property
+    def whole_to(self) -> float:
+        """The angle from which on the pressure would be negative somewhere on the arc."""
+        angle, p = self._pressures(_ARCS, _ALONG)
+        split = p.min(axis=1) < -_NO_PRESSURE * p.max(axis=1)
+        return float(angle[np.argmax(split)]) if split.any() else math.inf
+
+    @cached_property
+    def _peaks(self) -> tuple[FloatArray, FloatArray]:
+        """Angles, and the largest pressure over Persson's there, less 1."""
+        angle, p = self._pressures(_PEAKS, _PEAKS)
+        b = np.tan(np.maximum(angle, 1e-6) / 2)
+        return angle, as_floats(p.max(axis=1) / (b * persson_peak(b)) - 1)
+
+    def _pressures(self, arcs: int, along: int) -> tuple[FloatArray, FloatArray]:
+        """Return angles, and pressures times tan(ε/2) along half of each arc."""
+        position, v = np.linspace(-1, 1, arcs), np.linspace(0, np.pi / 2, along + 1)[1:]
+        sines = np.sin(np.outer(2 * np.arange(self.coefficients.shape[1]) + 1, v))
+        p = chebyshev.chebval(position, self.coefficients).T @ sines
+        return as_floats(self.top * (1 + position) / 2), as_floats(p)
+
+    def peak(self, angle: FloatArray) -> FloatArray:
+        """Return the largest pressure over Persson's on the same arc, less 1."""
+        return as_floats(np.interp(angle, *self._peaks))
+
+
 @lru_cache(maxsize=1024)
 def remainder(beta: float) -> Remainder | None:
     """Return the remainder for one β, None for β = 0, where there is none.
@@ -203,24 +261,80 @@ def remainder(beta: float) -> Remainder | None:
 
 @lru_cache(maxsize=1024)
 def _built(beta: float) -> Remainder:
-    """Return the remainder from the solutions at Chebyshev's nodes."""
+    """Return the remainder of a β from the solutions at Chebyshev's nodes."""
     # w_i is at least 0 and at least −2β, so that w_i + β is at least |β|.
     top = float(2 * np.arccos(np.sqrt(0.9 * estimated_c(abs(beta)))))
-    position = chebyshev.chebpts1(_NODES)
+    series, solution, b = _series(top, beta, _NODES)
+    return Remainder(top, series, _fitted(solution.peak / persson_peak(b) - 1))
+
+
+@lru_cache(maxsize=256)
+def housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
+    """Return the remainder of a β and a housing, for holes of at least the share w_i."""
+    top = _end(beta, w_i, kernel.g)
+    for nodes in range(32 if len(kernel.g) < 30 else 48, _MOST_NODES + 1, 16):
+        series, solution, b = _series(top, beta, nodes, kernel)
+        values, last = np.abs(series[:, :2]), np.abs(series[-5:-2, :2])
+        if np.all(last.max(axis=0) < _LAST_TERMS * values.max(axis=0)):
+            coefficients = _fitted(solution.coefficients * b[:, None])
+            return Housed(top, series, np.zeros(1), coefficients)
+    raise InputError(
+        "Housing",
+        "R_o",
+        None,
+        "makes a ring so thin that the pin does not touch it along one arc",
+        "give a thicker one, or the datum as a number",
+    )
+
+
+def _end(beta: float, w_i: float, g: FloatArray) -> float:
+    """Return an angle beyond the largest arc in a housing, by at most a few degrees."""
+    low, high = 0.0, np.pi
+    angle = float(2 * np.arccos(np.sqrt(estimated_c(max(w_i + beta, 1e-6)))))
+    for _ in range(40):
+        b = np.tan(np.array([angle]) / 2)
+        solution = glauert(b, beta, enough_terms(b[0]), g)
+        S = np.sin(angle / 2) ** 2
+        low, high = (
+            (angle, high) if solution.a[0] > w_i * S * (1 + S * solution.h[0]) else (low, angle)
+        )
+        if high < np.pi and high - low < _END_WITHIN:
+            return high
+        if low > _LARGEST_ARC:
+            raise InputError(
+                "Housing",
+                "pair",
+                None,
+                f"closes all around: the contact is longer than {2 * np.degrees(low):.0f} degrees",
+                "give the datum as a number, for a pin that is much softer than its housing",
+            )
+        angle = low + (high - low) / 2 if high < np.pi else angle + (np.pi - angle) / 4
+    return high
+
+
+def _series(
+    top: float, beta: float, nodes: int, kernel: Kernel | None = None
+) -> tuple[FloatArray, Solution, FloatArray]:
+    """Return the series of a remainder, and the solutions at Chebyshev's nodes of b = tan(ε/2)."""
+    position = chebyshev.chebpts1(nodes)
     angle = top * (1 + position) / 2
     b = np.tan(angle / 2)
-    solution, closed = glauert(b, beta, enough_terms(b[-1])), closed_forms(b**2)
-
-    def fitted(values: FloatArray) -> FloatArray:
-        return as_floats(chebyshev.chebfit(position, values, _NODES - 1))
-
-    series = np.zeros((_NODES + 1, 6))
-    series[:-1, :2] = fitted(np.stack([solution.a - closed.a, solution.h - closed.h], axis=-1))
+    g, start = (None, 0.0) if kernel is None else (kernel.g, kernel.h)
+    solution, closed = glauert(b, beta, enough_terms(b[-1]), g), closed_forms(b**2)
+    series = np.zeros((nodes + 1, 6))
+    series[:-1, :2] = _fitted(np.stack([solution.a - closed.a, solution.h - closed.h], axis=-1))
     series[:-2, 3:5] = chebyshev.chebder(series[:-1, :2]) * 2 / top
     slopes = as_floats(chebyshev.chebval(position, series[:, 3:5]))
-    series[:-1, 5] = fitted(_approach_rate(angle, solution, closed, slopes))
+    series[:-1, 5] = _fitted(_approach_rate(angle, solution, closed, slopes))
     series[:, 2] = chebyshev.chebint(series[:-1, 5], lbnd=-1) * top / 2
-    return Remainder(top, series, fitted(solution.peak / persson_peak(b) - 1))
+    series[0, 2] += start
+    return series, solution, b
+
+
+def _fitted(values: FloatArray) -> FloatArray:
+    """Return the Chebyshev series through values at its nodes."""
+    nodes = len(values)
+    return as_floats(chebyshev.chebfit(chebyshev.chebpts1(nodes), values, nodes - 1))
 
 
 def estimated_c(share: FloatArray | float) -> FloatArray:

@@ -27,7 +27,7 @@ from cylcontact.arrays import FloatArray, require
 from cylcontact.laws import LAW_TYPES
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.formula import Formula, lines_of, needed
-from cylcontact.laws.law import Law, formula_of
+from cylcontact.laws.law import Law, has_formula
 from cylcontact.laws.tabulated import cubic, tabulate
 from cylcontact.numba_cache import compiled, inlined
 from cylcontact.pair import CylinderPair
@@ -120,10 +120,11 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
         f"the {law.name} law is undefined for this pair",
         "choose another law, or a pair within its range",
     )
-    formula = formula_of(law, pair.contact)
+    formula = law.formula_at(pair) if isinstance(law, Law) and has_formula(law) else None
     key = None if formula is None else _key(formula)
     if not isinstance(law, Law) or key not in _KINDS:
-        table = tabulate(law, pair)
+        own = getattr(law, "table", None) if formula is None else None
+        table = tabulate(law, pair) if own is None else own(pair)
         return Kernel(TABLE, table, float(table[0]))
     numbers = [float(number) for number in law.numbers_at(pair).values()]
     return Kernel(_KEYS.index(key), np.array(numbers), float(limit))

@@ -77,6 +77,10 @@ class Law(OverLength):
         """Return the formula for a contact."""
         return self.formula
 
+    def formula_at(self, pair: CylinderPair) -> Formula | None:
+        """Return the formula at a pair; None where the law is a table."""
+        return self.formula_for(pair.contact)
+
     def constants_for(self, contact: Contact) -> dict[str, float]:
         """Return the constants of the formula for a contact, by name."""
         own = fields(self)  # type: ignore[arg-type]  # every subclass is a dataclass
@@ -245,8 +249,11 @@ def _inverse(at: AtPair, f: FloatArray, unit: FloatArray, dR: FloatArray) -> Flo
     return np.where(positive, depth, np.where((f == 0) & (at.end > 0), 0.0, np.nan))
 
 
+def has_formula(law: ContactLaw) -> bool:
+    """Return whether the load of a law is that of its formula."""
+    return isinstance(law, Law) and type(law).load is Law.load
+
+
 def formula_of(law: ContactLaw, contact: Contact) -> Formula | None:
     """Return the formula that computes a law's load; None if it has none."""
-    if isinstance(law, Law) and type(law).load is Law.load:
-        return law.formula_for(contact)
-    return None
+    return law.formula_for(contact) if isinstance(law, Law) and has_formula(law) else None

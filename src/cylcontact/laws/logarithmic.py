@@ -223,6 +223,9 @@ class Johnson(LogarithmicLaw):
         if self.datum is not None and not isinstance(self.datum, Block):
             _require_length("Johnson", "datum", self.datum)
 
+    def __repr__(self) -> str:
+        return "Johnson()" if self.datum is None else f"Johnson(datum={self.datum!r})"
+
     def numbers_at(self, pair: CylinderPair) -> dict[str, FloatArray]:
         """Return the largest load and penetration, which are others on a plane."""
         on_plane = np.all(np.isinf(pair.dR))

@@ -1,16 +1,7 @@
 """The fast law for a pin in a hole of any two materials: `Conformal` with eight constants.
 
-In the solution of `cylcontact.laws.unlike` the functions 2Â, H and M of the arc have closed forms
-at β = 0. For other β this law adds β times a polynomial in u = sin(ε/2) = √S to each:
-
-    2Â = [(1 − S)² + βu(A0 + A1·u + A2·u² + A3·u³)]/S,
-    H  = 2S − (1 − S)²·ln(1 − S)/S + H3·βu³,
-    M  = −ln S + S²/2 + H(β = 0) + βu(M0 + M1·u + M2·u²),
-
-and with K = 2Â − w_i·H and L = M − w_j·H + C, as there, δ/ΔR = d is the root of d·K = L, and
-φ = π·d/L. A0 = −16/(3π) and M0 = 80/(9π) are the limits for small arcs, where the pressure is
-Hertz's. The other six are calibrated (`fitting/parametric.toml`) and rounded to the digits that
-the accuracy needs.
+`cylcontact.laws.arcs` has its functions of the arc. With K = 2Â − w_i·H and L = M − w_j·H + C, as
+there, δ/ΔR = d is the root of d·K = L, and φ = π·d/L.
 
 **No iteration to watch.** A start from two formulas, for small arcs and for the largest, is within
 a factor of two of tan²(ε/2) for all pairs; four steps of Newton's method then reach the last
@@ -24,85 +15,22 @@ from dataclasses import asdict, dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy import exp, log, log1p, maximum, nan, pi, sqrt, where
+from numpy import exp, log, maximum, nan, pi, where
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
+from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.errors import InputError
+from cylcontact.laws.arcs import CALIBRATED, ParametricCoefficients, arc, first_arc, shares
 from cylcontact.laws.conformal import Conformal, in_units_of
 from cylcontact.laws.definition import Parameter
 from cylcontact.laws.formula import Formula
-from cylcontact.laws.law import Law
+from cylcontact.laws.housed import at_pair, curve_of, table_of
+from cylcontact.laws.housing import Housing
+from cylcontact.laws.law import AtPair, Law
 from cylcontact.pair import Contact, CylinderPair
 
 # About L − C + C_J for the largest arc, C_J being Johnson's datum, and the least start for L.
 _LAST_L, _LEAST_L = 1.43, 0.1
-
-
-@dataclass(frozen=True)
-class ParametricCoefficients:
-    """The constants of the polynomials of `Parametric`, of which A0 and M0 are exact.
-
-    Raises
-    ------
-    InputError
-        If one is not finite.
-    """
-
-    A1: float
-    A2: float
-    A3: float
-    H3: float
-    M1: float
-    M2: float
-    A0: float = -16 / (3 * np.pi)
-    M0: float = 80 / (9 * np.pi)
-
-    def __post_init__(self) -> None:
-        for key, value in asdict(self).items():
-            remedy = "leave the coefficients out to use the calibrated ones"
-            require(bool(np.isfinite(value)), "Parametric", key, value, "must be finite", remedy)
-
-
-CALIBRATED = ParametricCoefficients(
-    A1=1.6238, A2=0.3116, A3=-2.1986, H3=0.0053, M1=-1.1141, M2=0.6367
-)
-
-
-def shares(alpha, beta):
-    """Return w_i, w_j and about 1 − S of the largest arc, as `glauert.estimated_c`."""
-    w_i, w_j = (1 - alpha) / 2, (1 + alpha) / 2
-    root = sqrt(maximum(w_i + beta, 0))
-    return w_i, w_j, sqrt(2) * root / (1 + 1.17 * root)
-
-
-def arc(x, w_i, w_j, beta, datum, A0, A1, A2, A3, H3, M0, M1, M2):
-    """Return S, c = 1 − S, k = S·K and L at tan²(ε/2) = eˣ, and the slopes of the last two."""
-    b = exp(x)
-    c = 1 / (1 + b)
-    S = b * c
-    fall = log1p(b)
-    slow = c * fall
-    u = sqrt(S)
-    v = beta * u
-    closed = 2 * S + slow / b
-    rise = c * (2 * S + c - slow * (2 + 1 / b))
-    extra = H3 * v * S
-    H = closed + extra
-    H_slope = rise + 1.5 * c * extra
-    bent = v * c / 2
-    k = c * c + v * (A0 + u * (A1 + u * (A2 + u * A3))) - w_i * S * H
-    k_slope = bent * (A0 + u * (2 * A1 + u * (3 * A2 + u * 4 * A3))) - S * (
-        2 * c * c + w_i * (c * H + H_slope)
-    )
-    L = fall - x + S * S / 2 + closed + v * (M0 + u * (M1 + u * M2)) - w_j * H + datum
-    M_slope = c * (S * S - 1) + rise + bent * (M0 + u * (2 * M1 + u * 3 * M2))
-    return S, c, k, k_slope, L, M_slope - w_j * H_slope
-
-
-def first_arc(q):
-    """Return the x at which 1/(b²(1 + b²)) = q, with b² = eˣ."""
-    return -log(q * (1 + sqrt(1 + 4 / q)) / 2)
 
 
 def load(penetration, pair, C_0, C_alpha, A0, A1, A2, A3, H3, M0, M1, M2):
@@ -114,7 +42,7 @@ def load(penetration, pair, C_0, C_alpha, A0, A1, A2, A3, H3, M0, M1, M2):
     L0 = maximum(datum - johnson + log(exp(_LAST_L) + 4 / d), _LEAST_L)
     x = first_arc(L0 / d + c0 * c0 / (1 - c0))
     for _ in range(4):
-        S, c, k, k_slope, L, L_slope = arc(
+        S, c, k, k_slope, L, L_slope, H, H_slope = arc(
             x, w_i, w_j, pair.beta, datum, A0, A1, A2, A3, H3, M0, M1, M2
         )
         part = S / d
@@ -122,7 +50,7 @@ def load(penetration, pair, C_0, C_alpha, A0, A1, A2, A3, H3, M0, M1, M2):
         x = x + step
     last = L + L_slope * step
     f = pi * pair.E_star * penetration / where(last > 0, last, nan)  # own constants may have none
-    S, c, k, k_slope, L, L_slope = arc(
+    S, c, k, k_slope, L, L_slope, H, H_slope = arc(
         x, w_i, w_j, pair.beta, datum, A0, A1, A2, A3, H3, M0, M1, M2
     )
     fell = k_slope - c * k
@@ -230,9 +158,34 @@ class Parametric(Law, Conformal):
                 "datum",
                 self.datum,
                 "depends on the radii and the materials",
-                "give its number: datum=float(law.constant(pair))",
+                "export a joint with a table [housing]",
             )
         return by_alpha | asdict(self.constants)
+
+    def formula_at(self, pair: CylinderPair) -> Formula | None:
+        """Return the formula; None in a housing, where the law is a curve of arcs."""
+        return None if isinstance(self.datum, Housing) else self.formula
+
+    def table(self, pair: CylinderPair) -> FloatArray:
+        """Return ln f over ln δ in a housing, as compiled code takes it."""
+        assert isinstance(self.datum, Housing)
+        return table_of(curve_of(self.datum, pair, self.constants), pair)
+
+    def at_pair(self, pair: CylinderPair) -> AtPair:
+        """Return the law at a pair: in a housing the curve of one joint, the series of many."""
+        if not isinstance(self.datum, Housing):
+            return super().at_pair(pair)
+        self.require_pair(pair)
+        if np.ndim(pair.E_star) == np.ndim(pair.dR) == np.ndim(pair.R_i) == 0:
+            return at_pair(curve_of(self.datum, pair, self.constants), pair)
+        end = as_floats(np.full_like(pair.E_star * as_floats(pair.dR), np.inf))
+        load, stiffness = Conformal.load, Conformal.stiffness
+        return AtPair(
+            lambda depth: load(self, depth, pair),
+            lambda depth: stiffness(self, depth, pair),
+            end,
+            is_single=False,
+        )
 
     def constants_at(self, pair: CylinderPair) -> Mapping[str, Any]:
         """Return the constants, and C at a pair."""
@@ -245,6 +198,9 @@ class Parametric(Law, Conformal):
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm."""
         f = as_floats(load)
+        if isinstance(self.datum, Housing):
+            one = self.at_pair(pair).is_single
+            return (super() if one else super(Law, self)).penetration(f, pair)
         touching, phi = in_units_of(self.load_unit(pair), f)
         w_i, w_j, c0 = shares(pair.alpha, pair.beta)
         own = asdict(self.constants)
@@ -252,7 +208,7 @@ class Parametric(Law, Conformal):
         with np.errstate(over="ignore", invalid="ignore"):  # own constants may have no root
             x = first_arc(K + c0 * c0 / (1 - c0))
             for _ in range(4):
-                S, c, k, k_slope, L, L_slope = arc(
+                S, c, k, k_slope, L, L_slope, H, H_slope = arc(
                     x, w_i, w_j, pair.beta, self.constant(pair), **own
                 )
                 step = (S * K - k) / (k_slope - S * c * K)

@@ -170,22 +170,25 @@ class PowerLaw(PowerShaped):
         K = Parameter("K", 1.0, 1e9, unit="N/mm/mm^n", meaning="factor, of this pair only")
         K_star = Parameter("K_star", 1e-3, 1e3, unit="mm^(2-n)", meaning="factor of E*/ΔR")
         C = Parameter("C", 1e-3, 1e3, meaning="factor of E*·ΔR")
-
-        def constant(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
-            K_star, n = candidates.T[:, :, None] + np.zeros_like(dR)
-            return K_star, n
-
-        def with_dR(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
-            C, n = candidates.T[:, :, None] + np.zeros_like(dR)
-            return as_floats(C * dR ** (2 - n)), n
-
-        free: Any = {"power_form": with_dR, "on_grid": True, "dimensionless": True}
+        free: Any = {"power_form": _with_dR, "on_grid": True, "dimensionless": True}
         return tuple(
             model
             for contact in CONTACTS
             for model in (
                 LawModel("power-one-pair", contact, (K, n), cls.fitted),
-                LawModel("power", contact, (K_star, n), cls.fitted, constant, on_grid=True),
+                LawModel("power", contact, (K_star, n), cls.fitted, _constant, on_grid=True),
                 LawModel("power-dimensionless", contact, (C, n), cls.fitted, **free),
             )
         )
+
+
+def _constant(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the same K* and n at every ΔR (Eqs 3-4)."""
+    K_star, n = candidates.T[:, :, None] + np.zeros_like(dR)
+    return K_star, n
+
+
+def _with_dR(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return K* = C·ΔR^(2 − n), and n."""
+    C, n = candidates.T[:, :, None] + np.zeros_like(dR)
+    return as_floats(C * dR ** (2 - n)), n

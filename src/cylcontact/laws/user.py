@@ -30,6 +30,7 @@ from cylcontact.errors import InputError
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import AtPair, Law
 from cylcontact.pair import Contact, CylinderPair
+from cylcontact.reading import SPEC_BYTES, read_bytes
 
 _NAMING = "name it as module:function; the campaign's folder is searched first, then this one"
 _RELATIVE_STEP = 1e-6
@@ -135,7 +136,7 @@ class UserLaw(Law):
         except (Exception, SystemExit) as error:
             rule = f"stopped with {type(error).__name__}: {error}"
             remedy = "correct the function; it gets arrays, of penetration in mm and in the pair"
-            raise InputError(self.name, "law", None, rule, remedy) from error
+            raise InputError(self.name, "load", None, rule, remedy) from error
         kinds = {"c": "complex numbers", "b": "true or false", "U": "text"}
         kind = loads.dtype.kind
         rule = f"returns {kinds.get(kind, 'what is not an array of numbers')}"
@@ -145,7 +146,7 @@ class UserLaw(Law):
             )
         if kind not in "iuf" or loads.shape != shape:
             remedy = "return an array of numbers, one load in N/mm for each penetration"
-            raise InputError(self.name, "law", None, rule, remedy)
+            raise InputError(self.name, "load", None, rule, remedy)
         return as_floats(loads)
 
 
@@ -201,4 +202,4 @@ def _file_of(spec: str, folder: str) -> Path:
 
 def _digest(path: Path) -> str:
     """Return the hash of a file, empty if there is none."""
-    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
+    return hashlib.sha256(read_bytes(path, SPEC_BYTES)).hexdigest() if path.is_file() else ""

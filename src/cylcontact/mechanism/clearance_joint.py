@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cylcontact.arrays import FloatArray, as_floats, require
-from cylcontact.dissipation import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.errors import InputError
+from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.laws import LAWS, ContactLaw
 from cylcontact.laws.kernels import Kernel, kernel
 from cylcontact.laws.user import user_law
@@ -122,7 +122,7 @@ class ClearanceJoint:
     Notes
     -----
     Beyond nine tenths of the largest penetration of a law that ends, the load continues along its
-    tangent. The damping is at most 20χ times the elastic load (`dissipation.bounded_ratio`), and an
+    tangent. The damping is at most 20χ times the elastic load (`impact.bounded_ratio`), and an
     impact slower than 1 mm/s counts as one of 1 mm/s.
 
     Examples

@@ -24,7 +24,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from cylcontact.dissipation import RATIO_BEND
+from cylcontact.impact import RATIO_BEND
 from cylcontact.laws.kernels import kernel_load
 from cylcontact.numba_cache import compiled, inlined
 
@@ -114,7 +114,7 @@ def _elastic(penetration: float, p: NDArray[np.float64], law: NDArray[np.float64
 
 @inlined
 def bounded_ratio(ratio: float) -> float:
-    """Return `dissipation.bounded_ratio` of one number."""
+    """Return `impact.bounded_ratio` of one number."""
     v = abs(ratio) / RATIO_BEND - 1.0
     if v <= 0.0:
         return ratio

@@ -1,7 +1,7 @@
 """An isolated impact of a free journal against its bearing.
 
 It uses the same equations, events and integrator as a mechanism, without joints and drive, so that
-its restitution can be compared with the closed form of `cylcontact.dissipation`.
+its restitution can be compared with the closed form of `cylcontact.impact`.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Strict, model_validator
 
-from cylcontact.dissipation import FACTORS
+from cylcontact.impact import FACTORS
 from cylcontact.modulus import Modulus
 from cylcontact.spec import Spec, broken
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cylcontact.dissipation import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.errors import InputError
+from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.laws import LAWS, ContactLaw
 from cylcontact.materials import Material, find_material, known_materials, own_table
 from cylcontact.mechanism.assumptions import assumptions

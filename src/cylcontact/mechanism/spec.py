@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Strict, model_validator
 
-from cylcontact.dissipation import FACTORS
+from cylcontact.impact import FACTORS
 from cylcontact.laws import LAWS
 from cylcontact.mechanism.assumptions import check_provenance
 from cylcontact.modulus import Modulus

@@ -24,6 +24,8 @@ IntArray = NDArray[np.intp]
 # Half-width of the pin's square core, in radii.
 _CORE = 0.35
 _QUARTER = np.pi / 4
+# The smallest cells at the end of a clamp, in radii of the hole, and their growth away from it.
+_EDGE, _EDGE_GROWTH = 0.003, 1.25
 # 200 cells over the half-width of the narrowest real contact need some 3000.
 _MOST_CELLS = 5000
 
@@ -166,7 +168,13 @@ def _graded(length: float, grading: Grading, radius: float = 1.0) -> FloatArray:
     return np.array(points) * (length / points[-1])
 
 
-def make_mesh(hole_radius: float, dR: float, outer_radius: float, grading: Grading) -> Mesh:
+def make_mesh(
+    hole_radius: float,
+    dR: float,
+    outer_radius: float,
+    grading: Grading,
+    clamp_end: float | None = None,
+) -> Mesh:
     """Mesh a pin in a hole.
 
     Parameters
@@ -175,6 +183,8 @@ def make_mesh(hole_radius: float, dR: float, outer_radius: float, grading: Gradi
         R_i, ΔR and the plate's outer radius in mm.
     grading : Grading
         The lengths of the cells.
+    clamp_end : float, optional
+        An angle in radians from the top where the boundary begins to be free or held.
 
     Returns
     -------
@@ -194,7 +204,7 @@ def make_mesh(hole_radius: float, dR: float, outer_radius: float, grading: Gradi
     # The pairs extend to 79°; contact of bodies of one material stays below 85° at any load.
     facing = np.concatenate([top, right[1 : 3 * (right.size // 8) + 1]])
     rays = np.arctan2(pin_radius * np.sin(facing), dR + pin_radius * np.cos(facing))
-    plate, outer = _plate(hole_radius, outer_radius, rays, inwards)
+    plate, outer = _plate(hole_radius, outer_radius, rays, inwards, clamp_end)
     return Mesh(plate, pin, centre, outer, _pairs(plate, pin, hole_radius, facing.size))
 
 
@@ -206,7 +216,11 @@ def _pin_angles(radius: float, grading: Grading) -> tuple[FloatArray, FloatArray
 
 
 def _plate(
-    radius: float, outer_radius: float, rays: FloatArray, grading: Grading
+    radius: float,
+    outer_radius: float,
+    rays: FloatArray,
+    grading: Grading,
+    clamp_end: float | None,
 ) -> tuple[Body, IntArray]:
     """Mesh the plate, a ring with `rays` as its first angles."""
     onwards = replace(grading, size=(rays[-1] - rays[-2]) * radius)
@@ -216,6 +230,17 @@ def _plate(
     theta = np.concatenate([rays, rays[-1] + to_side[1:-1], below])
     outwards = replace(grading, largest=2 * grading.largest)
     r = radius + _graded(outer_radius - radius, outwards, radius)
+    if clamp_end is not None:
+        edge = replace(grading, size=_EDGE * radius, growth=_EDGE_GROWTH, even=0.0)
+        half = (outer_radius - radius) / 2
+        inner = _graded(half, replace(outwards, largest=grading.largest), radius)
+        r = radius + np.append(inner, 2 * half - _graded(half, edge, radius)[-2::-1])
+        if clamp_end > rays[-1]:
+            middle, rest = (clamp_end - rays[-1]) / 2, np.pi - clamp_end
+            before = _graded(middle * radius, onwards, radius) / radius
+            to_end, after = (_graded(a * radius, edge, radius) / radius for a in (middle, rest))
+            before = np.append(rays[-1] + before[1:], clamp_end - to_end[-2::-1])
+            theta = np.concatenate([rays, before, clamp_end + after[1:]])
     points = _polar(r[:, None], theta[None, :])
     nodes = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
     # θ runs clockwise, so with r outwards the corners turn counter-clockwise in this order.

@@ -10,7 +10,7 @@ import numpy as np
 from cylcontact.arrays import FloatArray, require
 from cylcontact.datasets.finite_element.mesh import Grading, Mesh, make_mesh
 from cylcontact.errors import InputError
-from cylcontact.laws import Conformal
+from cylcontact.laws import Conformal, Sector
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair, Plane
 
@@ -48,9 +48,10 @@ class Setup:
         Distribution of the load: over the pin, over a disc at its centre, or at the centre node.
     disc_ratio : float
         Radius of that disc over the radius of the pin.
-    clamp : {"upper half", "whole"}
+    clamp : {"upper half", "whole"} or Sector
         The part of the plate's outer boundary that is fixed; the pin is pushed towards the upper
-        half.
+        half. A sector, as a `Housing` has it, ends at the node next to its angle; the cells are
+        graded to its end, unless that is in front of where contact may extend.
     cells : int
         Number of cells over the half-width of the contact at the smallest load.
     size : float, optional
@@ -86,7 +87,7 @@ class Setup:
     plane: Plane = "strain"
     load_on: LoadOn = "pin"
     disc_ratio: float = 0.25
-    clamp: Clamp = "upper half"
+    clamp: Clamp | Sector = "upper half"
     cells: int = 16
     size: float | None = None
     contact_size: float | None = None
@@ -141,6 +142,14 @@ class Setup:
             "internal", dR, R_i=self.hole_radius, pin=pin, hole=plate, plane=self.plane
         )
 
+    @property
+    def clamp_end(self) -> float | None:
+        """Where a clamped sector ends, in radians from the top."""
+        if not isinstance(self.clamp, Sector):
+            return None
+        half = np.radians(self.clamp.angle) / 2
+        return float(half if self.clamp.side == "near" else np.pi - half)
+
     def half_width(self, dR: float, load: float) -> float:
         """Return the half-width of the contact in mm by the reference law, to grade the mesh."""
         pair = self.pair(dR)
@@ -165,7 +174,7 @@ class Setup:
             even = min(1.1 * narrow, _EVEN_CELLS * self.size)
             fine = np.inf if self.contact_size is None else self.contact_size
             grading = Grading(self.size, even, _GROWTH, _LARGEST, fine, 1.1 * wide)
-        return make_mesh(self.hole_radius, dR, self.outer_radius, grading)
+        return make_mesh(self.hole_radius, dR, self.outer_radius, grading, self.clamp_end)
 
 
 def require_room(setup: Setup, dR: float) -> None:

@@ -18,6 +18,7 @@ from cylcontact.datasets.finite_element.elasticity import (
 )
 from cylcontact.datasets.finite_element.mesh import Body, IntArray, Mesh
 from cylcontact.datasets.finite_element.setup import BodyName, Setup
+from cylcontact.laws import Sector
 from cylcontact.memory import require_memory
 
 __all__ = ["Solution", "clamped_nodes", "node_shares", "solve"]
@@ -187,6 +188,11 @@ def clamped_nodes(setup: Setup, mesh: Mesh) -> IntArray:
     held: IntArray = mesh.outer
     if setup.clamp == "upper half":
         held = held[mesh.plate.points[held, 1] >= 0]
+    elif isinstance(setup.clamp, Sector):
+        x, y = mesh.plate.points[held].T
+        theta = np.arctan2(x, y)
+        end = int(np.abs(theta - setup.clamp_end).argmin())
+        held = held[: end + 1] if setup.clamp.side == "near" else held[end:]
     return held
 
 

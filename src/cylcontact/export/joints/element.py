@@ -16,9 +16,9 @@ from textwrap import wrap
 import numpy as np
 
 from cylcontact.arrays import FloatArray, require
-from cylcontact.dissipation import RATIO_BEND
 from cylcontact.export.exported_law import MEANINGS, flat, paragraph, renamed, safe_names
 from cylcontact.export.render import WIDTH, Dialect
+from cylcontact.impact import RATIO_BEND
 from cylcontact.laws.formula import Step, names_in, needed, steps_of
 from cylcontact.laws.kernels import TABLE
 from cylcontact.laws.law import Law

@@ -1,7 +1,7 @@
-"""Dissipation in an impact: the hysteresis factors, and the restitution each one gives.
+"""Dissipation in an impact, and friction.
 
-The models of Eqs 2, 3 and 5 all dissipate in the same way: they multiply an elastic law by a
-term in the penetration rate δ̇, made dimensionless by the rate δ̇⁽⁻⁾ at first touch,
+**Hysteresis factors.** The models of Eqs 2, 3 and 5 all dissipate in the same way: they multiply an
+elastic law by a term in the penetration rate δ̇, made dimensionless by the rate δ̇⁽⁻⁾ at first touch,
 
     F = F_el(δ)·(1 + χ·δ̇/δ̇⁽⁻⁾),
 
@@ -27,6 +27,16 @@ impact is never negative before the bodies separate.
 
 with Langevin's function L, which can be computed to full precision everywhere. The form with
 W₀ loses half the digits as χ → 0, where its argument rounds to the branch point −1/e.
+
+**Friction** is Coulomb's, modified (Eqs 14–15). The paper's Eq 14 makes f_t a vector,
+−c_f·c_d·f_n·**v**_t/v_t, and Eq 13 then multiplies it by the tangent **t** as if it were a scalar;
+**v**_t is not defined. Here f_t is the scalar. With the velocities of the two bodies at the contact
+point,
+
+    v_t = (v_i − v_j)·t,    f_t = −c_f·c_d(|v_t|)·f_n·sgn(v_t),
+
+and f_t·t acts on body i, −f_t·t on body j. Reversing t changes the sign of both v_t
+and f_t, and leaves the force unchanged. The power f_t·v_t of the pair of forces is never positive.
 """
 
 from __future__ import annotations
@@ -36,28 +46,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require, require_positive
 from cylcontact.errors import InputError
-
-__all__ = [
-    "FACTORS",
-    "IMPACT_RATE_FLOOR",
-    "RATIO_BEND",
-    "HysteresisFactor",
-    "achieved_restitution",
-    "bounded_ratio",
-    "dissipative_load",
-    "exact_factor",
-    "flores",
-    "gonthier",
-    "herbert_mcwhannell",
-    "hu_guo",
-    "hunt_crossley",
-    "hysteresis_factor",
-    "lankarani_nikravesh",
-    "lee_wang",
-    "zhiying_qishao",
-]
 
 HysteresisFactor = Callable[[ArrayLike], FloatArray]
 
@@ -67,6 +57,7 @@ IMPACT_RATE_FLOOR = 1.0
 # Assumed: |δ̇|/δ̇⁽⁻⁾ up to which the damping is that of the models; twice that is its bound.
 RATIO_BEND = 10.0
 
+_OF_RESTITUTION = "take it from a wanted restitution, e.g. exact_factor(0.9)"
 # Newton's method reaches machine precision after four steps in the worst case.
 _NEWTON_STEPS = 5
 
@@ -105,13 +96,11 @@ def dissipative_load(
 
     Notes
     -----
-    s is `bounded_ratio`, the identity up to |δ̇| = 10·δ̇⁽⁻⁾. An isolated impact never exceeds
-    δ̇⁽⁻⁾, but a contact that starts slowly and is then pressed together does, and without a bound
-    its damping could be any multiple of the elastic load.
+    s is `bounded_ratio`, the identity up to |δ̇| = 10·δ̇⁽⁻⁾. Without it the damping of a contact that
+    starts slowly and is then pressed together could be any multiple of the elastic load.
 
-    With δ̇⁽⁻⁾ replaced by max(δ̇⁽⁻⁾, floor), an impact slower than the floor has the factor
-    χ·δ̇⁽⁻⁾/floor instead of χ. It dissipates less, and e → 1 as the impact gets slower, as for
-    real bodies.
+    An impact slower than the floor has the factor χ·δ̇⁽⁻⁾/floor instead of χ: e → 1 as it gets
+    slower, as for real bodies.
 
     The load is clipped at zero, because contact does not pull. Clipping does not occur in an
     isolated impact, but can occur when other forces pull the bodies apart.
@@ -121,15 +110,9 @@ def dissipative_load(
     >>> print(dissipative_load(100.0, [50.0, 0.0, -50.0, -500.0], 50.0, chi=0.25))
     [125. 100.  75.   0.]
     """
-    factor = _hysteresis(chi)
-    require(
-        floor > 0 and np.isfinite(floor),
-        "dissipative_load",
-        "floor",
-        floor,
-        "must be positive and finite",
-        "give the slowest impact rate that counts, in mm/s",
-    )
+    factor = _not_negative(chi, "hysteresis factor", "chi", _OF_RESTITUTION)
+    remedy = "give the slowest impact rate that counts, in mm/s"
+    require_positive(floor, "dissipative_load", "floor", remedy)
     ratio = as_floats(penetration_rate) / np.maximum(as_floats(impact_rate), floor)
     damping = factor * bounded_ratio(ratio)
     return as_floats(np.maximum(as_floats(elastic_load) * (1 + damping), 0.0))
@@ -138,24 +121,13 @@ def dissipative_load(
 def bounded_ratio(ratio: ArrayLike) -> FloatArray:
     """Return s(u), the velocity ratio u = δ̇/δ̇⁽⁻⁾ bounded by ±2U, with U = 10.
 
-    s(u) = u for |u| ≤ U, and sgn(u)·U·(1 + v/√(1 + v²)) with v = |u|/U − 1 beyond.
+    s(u) = u for |u| ≤ U, and sgn(u)·U·(1 + v/√(1 + v²)) with v = |u|/U − 1 beyond, which is twice
+    continuously differentiable and keeps the shape of `ratio`.
 
-    Parameters
-    ----------
-    ratio : array_like
-        u; 1 at first touch, and never beyond ±1 in an isolated impact.
-
-    Returns
-    -------
-    array of float
-        s, twice continuously differentiable, of the shape of `ratio`.
-
-    Notes
-    -----
     The bound is ours, not the paper's: no dissipation model of the kind says what happens when a
-    contact becomes faster than its first touch. With s the damping never exceeds 2U·χ times the
-    elastic load. The restitution of every isolated impact stays as it is. U is assumed; in the
-    slider-crank of Sect. 4 a joint in permanent contact reaches |u| = 6.
+    contact becomes faster than its first touch. The restitution of every isolated impact, in which
+    |u| ≤ 1, stays as it is. U is assumed; in the slider-crank of Sect. 4 a joint in permanent
+    contact reaches |u| = 6.
 
     Examples
     --------
@@ -201,7 +173,7 @@ def achieved_restitution(chi: ArrayLike) -> FloatArray:
     >>> print(f"wanted 0.9, achieved {achieved_restitution(chi):.4f}")
     wanted 0.9, achieved 0.9132
     """
-    factor = _hysteresis(chi)
+    factor = _not_negative(chi, "hysteresis factor", "chi", _OF_RESTITUTION)
     p = np.minimum(factor, (1 + factor) / 2)
     for _ in range(_NEWTON_STEPS):
         L, complement, _ = _langevin(p)
@@ -319,22 +291,7 @@ FACTORS: dict[str, HysteresisFactor] = {
 
 
 def hysteresis_factor(name: str) -> HysteresisFactor:
-    """Return the factor χ(e) that specs call `name`.
-
-    Parameters
-    ----------
-    name : str
-        One of `FACTORS`.
-
-    Returns
-    -------
-    callable
-        From the restitution e, 0 < e ≤ 1, to χ.
-
-    Raises
-    ------
-    InputError
-        If there is no such factor.
+    """Return the factor χ(e), 0 < e ≤ 1, that specs call `name`; raise `InputError` for others.
 
     Examples
     --------
@@ -342,38 +299,90 @@ def hysteresis_factor(name: str) -> HysteresisFactor:
     [0.5625 0.1425]
     """
     if name not in FACTORS:
-        raise InputError(
-            "hysteresis factor", "name", name, "is not known", f"choose {', '.join(FACTORS)}"
-        )
+        remedy = f"choose {', '.join(FACTORS)}"
+        raise InputError("hysteresis factor", "name", name, "is not known", remedy)
     return FACTORS[name]
+
+
+def friction_load(
+    normal_load: ArrayLike,
+    tangential_velocity: ArrayLike,
+    coefficient: ArrayLike,
+    v0: float,
+    v1: float,
+) -> FloatArray:
+    """Return f_t = −c_f·c_d·f_n·sgn(v_t), the friction on body i along the tangent (Eq 14).
+
+    Parameters
+    ----------
+    normal_load : array_like
+        f_n ≥ 0, in N or N/mm.
+    tangential_velocity : array_like
+        v_t = (v_i − v_j)·t at the contact point, in mm/s.
+    coefficient : array_like
+        Friction coefficient c_f ≥ 0.
+    v0, v1 : float
+        The speeds of Eq 15 in mm/s, 0 ≤ v0 < v1.
+
+    Returns
+    -------
+    array of float
+        In the unit of `normal_load`, of the broadcast shape; 0 at v_t = 0, and NaN where the
+        normal load is negative (no contact).
+
+    Raises
+    ------
+    InputError
+        If the coefficient is negative or not finite, or not 0 ≤ v0 < v1.
+
+    Examples
+    --------
+    >>> print(friction_load(50.0, [-20.0, 2.0, 20.0], coefficient=0.1, v0=1.0, v1=5.0))
+    [ 5.   -1.25 -5.  ]
+    """
+    remedy = "give e.g. 0.1, or 0 for no friction"
+    c_f = _not_negative(coefficient, "friction", "coefficient", remedy)
+    f_n = as_floats(normal_load)
+    c_d = dynamic_correction(tangential_velocity, v0, v1)
+    touching = f_n >= 0
+    # The sign of −v_t instead of minus the sign of v_t avoids a negative zero at rest.
+    direction = np.sign(0.0 - as_floats(tangential_velocity))
+    return inside_or_nan(c_f * c_d * np.where(touching, f_n, 0.0) * direction, touching)
+
+
+def dynamic_correction(speed: ArrayLike, v0: float, v1: float) -> FloatArray:
+    """Return c_d: 0 up to v0, 1 from v1 on, linear in between (Eq 15).
+
+    Speeds are in mm/s, v_t of either sign; raises `InputError` unless 0 ≤ v0 < v1. Without the
+    correction friction would jump where v_t changes sign, and an integrator would chatter there.
+
+    Examples
+    --------
+    >>> print(dynamic_correction([0.0, 1.0, 2.0, 5.0, 100.0], v0=1.0, v1=5.0))
+    [0.   0.   0.25 1.   1.  ]
+    """
+    rule = "must be finite, with 0 ≤ v0 < v1"
+    remedy = "give two speeds in mm/s, the smaller one first"
+    require(0 <= v0 < v1 and np.isfinite(v1), "friction", "v0, v1", (v0, v1), rule, remedy)
+    # Clip first: a very large speed would overflow in the quotient.
+    return as_floats((np.clip(np.abs(as_floats(speed)), v0, v1) - v0) / (v1 - v0))
 
 
 def _restitution(value: ArrayLike) -> FloatArray:
     """Return e as float64; raise `InputError` outside (0, 1]."""
     e = as_floats(value)
-    require(
-        (e > 0) & (e <= 1),
-        "hysteresis factor",
-        "restitution",
-        value,
-        "must lie in (0, 1]",
-        "give 1 for an elastic impact, less for one that dissipates",
-    )
+    remedy = "give 1 for an elastic impact, less for one that dissipates"
+    inside = (e > 0) & (e <= 1)
+    require(inside, "hysteresis factor", "restitution", value, "must lie in (0, 1]", remedy)
     return e
 
 
-def _hysteresis(value: ArrayLike) -> FloatArray:
-    """Return χ as float64; raise `InputError` where it is negative or not finite."""
-    chi = as_floats(value)
-    require(
-        (chi >= 0) & np.isfinite(chi),
-        "hysteresis factor",
-        "chi",
-        value,
-        "must be finite and not negative",
-        "take it from a wanted restitution, e.g. exact_factor(0.9)",
-    )
-    return chi
+def _not_negative(value: ArrayLike, source: str, key: str, remedy: str) -> FloatArray:
+    """Return finite numbers that are not negative; raise `InputError` for others."""
+    numbers = as_floats(value)
+    holds = (numbers >= 0) & np.isfinite(numbers)
+    require(holds, source, key, value, "must be finite and not negative", remedy)
+    return numbers
 
 
 def _langevin(p: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

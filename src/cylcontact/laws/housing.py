@@ -1,0 +1,581 @@
+"""The compliance of the housing around a hole: a ring, or an eye, that is clamped on its rim.
+
+The housing i has the bore R (= 1 below) and the rim ρ = R_o/R. It differs from the infinite plate
+of `cylcontact.laws.conformal` by a smooth kernel
+
+    γ(θ, s) = Σ g_nm·cos nθ·cos ms = (πE*/2)·(compliance of the housing − that of the plate),
+
+the compliance being the radial displacement of the bore under a radial pressure. Then
+
+    2∫p(s)·[kernel of the plate + γ(θ, s)]ds + K − (K + L − C)·cos θ = 0,
+
+where C is the part of the pin alone, because g_11 has the plate's. With P_m = ∫p·cos ms ds, M gains
+2Σ g_nm·P_m, and the operator 1 + d²/dθ² adds Γ'(θ) = Σ(1 − n²)·g_nm·P_m·cos nθ to the equation of
+`cylcontact.laws.glauert`. g is symmetric, so reciprocity holds as without a housing.
+
+**A ring.** By Kolosov 2μ(u_r + i·u_θ)·e^{iθ} = κφ − z·φ̄′ − ψ̄ and σ_rr − iσ_rθ = 2Re φ′ −
+e^{2iθ}(z̄·φ″ + ψ′). For cos nθ there are four terms, φ = z^(1±n) and ψ = z^(−1±n); for n = 1 the
+second is φ = ln z with ψ = −κ·ln z, which has a resultant. Bonded rings of several materials share
+displacements and tractions at their interfaces. With a unit pressure cos nθ on the bore, U_n =
+2μu_r there and (κ + 1)/(8μ) = w_i/E*, g_nn is 2w_i/(κ + 1)·(U_n − that of the plate), and half of
+it for n = 0. One ring on a rigid frame has, with Q = ρ² and Z = Qⁿ, the closed form
+
+    g_0 = −w_i/(2 + (κ − 1)Q),
+    g_n = −w_i/(n² − 1)·{Z[(n + 1)κ²Q² + (n² − 1)(n(Q − 1)² + Q²) − n(n − 1)] + 2κnQ}
+          / {κQ(Z² + 1) + Z[κ²Q² + 1 + (n² − 1)(Q − 1)²]},    n ≥ 2.
+
+**A clamped sector.** The rest of the rim is released: displacements of the free arc are a sum of
+modes √(1 − x²)·U_{k−1}(x), x = angle/F, odd k in u_r and even k in u_θ, whose Fourier coefficients
+are φ_kn = F·k·J_k(nF)/(nF). With D_n the tractions of the rim under its displacements and T_n those
+of the bore, both without traction on the bore, the free arc has the stiffness A = Σ e_n·ρ·φ·D·φ
+(e_0 = 2π, e_n = π), a pressure does the work B_kn = e_n·φ_kn·T_n on mode k, and g gains
+2w_i/(π(κ + 1))·BᵀA⁻¹B/((1 + δ_n0)(1 + δ_m0)).
+
+**The compact law.** With Persson's pressure P_n is a polynomial of S = sin²(ε/2),
+
+    dP_n/dS = −(n² − 1)/2·(1 − S²)·₂F₁(2 − n, n + 2; 3; S),    P_n(0) = 1,
+
+which is a Jacobi polynomial, and P_0 = H. With Γ(S) = Σ g_nm·P_n·P_m, Ritz's method gives
+K = K∞ − T and L = L∞ + 2Γ − (H − 1)·T with T = Γ_S/H_S. For small loads L = L∞ + h, h = 2Σ g_nm.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.polynomial import Chebyshev
+from numpy.polynomial.polynomial import polyval
+from numpy.typing import ArrayLike
+from scipy.special import eval_jacobi, jv
+
+from cylcontact.arrays import FloatArray, IndexArray, as_floats, as_numbers, require
+from cylcontact.errors import InputError
+from cylcontact.materials import Material
+from cylcontact.pair import CylinderPair
+
+PinDatum = Literal["body-force", "diametral"]
+
+# g is cut off where its terms, which fall like ρ^(−2n), are below this.
+_LEAST_TERM = 1e-11
+# Thinner rings need more harmonics than the series has.
+_LEAST_RATIO = 1.05
+# The last harmonic of one's own g over the largest, at most.
+_LAST_SHARE = 1e-3
+# Modes of the free arc, harmonics of its stiffness, and where D_n begins to be proportional to n.
+_MODES, _RIM_HARMONICS, _LINEAR_FROM = 32, 4000, 400
+# Above this h the error of the compact law may exceed 1 %, and the series takes over.
+COMPACT_UP_TO = 4.0
+# ₂F₁(2, 2; 3; S) as a power series, used below this S, and the largest S.
+_SERIES, _SERIES_END, _ONE = 2 * np.arange(1.0, 17.0) / np.arange(2.0, 18.0), 0.1, 1 - 1e-15
+
+
+class _Ring(NamedTuple):
+    """A ring of one material: radii over the bore's, κ, and μ over that of the bore."""
+
+    inner: float
+    outer: float
+    kappa: float
+    mu: float
+
+
+@dataclass(frozen=True)
+class Sector:
+    """The clamped part of a rim: `angle` degrees centred on the load's side or opposite to it.
+
+    The shank of a rod eye is near when the rod is pushed, and far when it is pulled.
+
+    Parameters
+    ----------
+    angle : float
+        The whole angle of the sector in degrees, from 10 to 350.
+    side : {"near", "far"}
+        Whether the pin is pressed towards the sector's middle or away from it.
+
+    Raises
+    ------
+    InputError
+        If the angle or the side is not one of these.
+
+    Examples
+    --------
+    >>> Sector(60, side="far")
+    Sector(angle=60, side='far')
+    """
+
+    angle: float
+    side: Literal["near", "far"] = "near"
+
+    def __post_init__(self) -> None:
+        require(
+            is_number(self.angle) and 10 <= self.angle <= 350,
+            "Sector",
+            "angle",
+            self.angle,
+            "must be from 10 to 350 degrees",
+            'give the angle of the clamped part of the rim, or clamp="rim" for all of it',
+        )
+        require(
+            self.side in ("near", "far"),
+            "Sector",
+            "side",
+            self.side,
+            "must be 'near' or 'far'",
+            "near if the pin is pressed towards the clamp, far if away from it",
+        )
+
+
+class Compact(NamedTuple):
+    """Γ(S), T(S) = Γ_S/H_S, and their derivatives by S."""
+
+    gamma: FloatArray
+    gamma_slope: FloatArray
+    T: FloatArray
+    T_slope: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """The symmetric g_nm of one housing, n and m from 0, with the terms of the compact law.
+
+    Γ = g_00·H² + 2H·G₁ + G₂, where G₁ and G₂ are polynomials of S.
+    """
+
+    g: FloatArray
+
+    @cached_property
+    def h(self) -> float:
+        """What the housing adds to L at small loads, 2Σ g_nm."""
+        return float(2 * self.g.sum())
+
+    @property
+    def needs_series(self) -> bool:
+        """Whether the compact law may be wrong by more than 1 %."""
+        return self.h > COMPACT_UP_TO
+
+    @cached_property
+    def polynomials(self) -> tuple[Chebyshev, ...]:
+        """G₁, G₂, and their derivatives over (1 − S²)/2."""
+        count = self.g.shape[0]
+        S = (1 + np.polynomial.chebyshev.chebpts1(2 * count + 1)) / 2
+        P, F = pressure_harmonics(S, count)[1:], _harmonic_slopes(S, count)[1:]
+        first, rest = self.g[0, 1:], self.g[1:, 1:]
+        rows = (
+            first @ P,
+            np.sum(P * (rest @ P), axis=0),
+            first @ F,
+            2 * np.sum(F * (rest @ P), axis=0),
+        )
+        return tuple(Chebyshev.fit(S, row, 2 * count, domain=[0, 1]) for row in rows)
+
+    def compact(self, S: ArrayLike) -> Compact:
+        """Return Γ and T on arcs of S = sin²(ε/2) < 1.
+
+        >>> kernel, step = Kernel(np.array([[-0.1, 0.0], [0.0, 0.3]])), 1e-6
+        >>> low, at, high = (kernel.compact(S) for S in (0.3 - step, 0.3, 0.3 + step))
+        >>> print(f"{(high.gamma - low.gamma) / (2 * step) / at.gamma_slope:.9f}")
+        1.000000000
+        """
+        S = as_floats(S)
+        H, F = pressure_harmonics(S, 1)[0], _harmonic_slopes(S, 1)[0]
+        half, H_slope = (1 - S**2) / 2, (1 - S**2) / 2 * F
+        first, rest, first_F, rest_F = (polynomial(S) for polynomial in self.polynomials)
+        first_bend, rest_bend = (polynomial.deriv()(S) for polynomial in self.polynomials[2:])
+        top, g_00 = 2 * H * first_F + rest_F, self.g[0, 0]
+        top_slope = 2 * (H_slope * first_F + H * first_bend) + rest_bend
+        T = 2 * (g_00 * H + first) + top / F
+        T_slope = 2 * (g_00 * H_slope + half * first_F) + (top_slope - top / F * _F_slope(S, F)) / F
+        return Compact(
+            *map(as_floats, (g_00 * H**2 + 2 * H * first + rest, T * H_slope, T, T_slope))
+        )
+
+
+def pressure_harmonics(S: ArrayLike, count: int) -> FloatArray:
+    """Return P_0 … P_(count−1) of Persson's pressure on arcs of S = sin²(ε/2), stacked first.
+
+    >>> print(pressure_harmonics(0.3, 3).round(6), 1 - 3 * 0.3 / 2 + 0.3**3 / 2)
+    [1.182569 1.       0.5635  ] 0.5635
+    """
+    S = as_floats(S)
+    x, weights = np.polynomial.legendre.leggauss(count // 2 + 8)
+    inside = S[..., None] * (1 + x) / 2
+    slopes = (1 - inside**2) / 2 * _harmonic_slopes(inside, count)
+    P = 1 + np.sum(slopes * weights, axis=-1) * S / 2
+    far = np.clip(S, _SERIES_END, _ONE)
+    P[0] = np.where(S > _SERIES_END, 2 * far - (1 - far) ** 2 * np.log1p(-far) / far, P[0])
+    return as_floats(P)
+
+
+def _harmonic_slopes(S: FloatArray, count: int) -> FloatArray:
+    """Return 2/(1 − S²)·dP_n/dS, which is (1 − n²)·₂F₁(2 − n, n + 2; 3; S), stacked first."""
+    slopes = np.zeros((count, *np.shape(S)))
+    far = np.clip(S, _SERIES_END, _ONE)
+    closed = 2 * (2 + (1 - far) / far * (1 + np.log1p(-far) * (1 + far) / far)) / (1 - far**2)
+    slopes[0] = np.where(S < _SERIES_END, polyval(np.minimum(S, _SERIES_END), _SERIES), closed)
+    for n in range(2, count):
+        slopes[n] = (1 - n**2) * eval_jacobi(n - 2, 2, 1, 1 - 2 * S) * 2 / (n * (n - 1))
+    return slopes
+
+
+def _F_slope(S: FloatArray, F: FloatArray) -> FloatArray:
+    """Return the derivative of F = ₂F₁(2, 2; 3; S), for which (S²F)′ = 2S/(1 − S)²."""
+    far = np.clip(S, _SERIES_END, _ONE)
+    closed = (2 / (1 - far) ** 2 - 2 * F) / far
+    series = polyval(np.minimum(S, _SERIES_END), _SERIES[1:] * np.arange(1, _SERIES.size))
+    return as_floats(np.where(S < _SERIES_END, series, closed))
+
+
+@dataclass(frozen=True)
+class Housing:
+    """A datum: the pin's centre against the clamped rim of the housing, less the clearance.
+
+    The housing is a ring between the hole and R_o, clamped on its whole rim as a bush that is
+    pressed into a rigid frame, or on a sector of it as an eye on its shank.
+
+    Parameters
+    ----------
+    R_o : float
+        The radius of the rim in mm, larger than the hole.
+    clamp : "rim" or Sector
+        What is clamped of the rim.
+    pin : {"body-force", "diametral"}
+        How the pin is loaded: by a force spread evenly over its section, or by a line load
+        opposite the contact.
+    layers : sequence of (Material, float)
+        Rings bonded around the hole's own, from within, each with its inner radius in mm: a bush
+        of the pair's material for the hole, in a lug of another.
+
+    Raises
+    ------
+    InputError
+        If a radius is not one positive and finite number, or the clamp, the loading of the pin or a
+        layer is none; when it is used, if the rim is not outside the hole, or the ring is thinner
+        than 5 % of the hole's radius.
+
+    Notes
+    -----
+    Linear elasticity of plane rings without friction, of one material for the whole housing or one
+    for each layer. The coefficients of a whole rim are exact, those of a sector within 5e-4. A
+    sector has a direction: the load acts along its middle. Terms of the order of ΔR/R are left out.
+    The derivation is in `cylcontact.laws.housing`.
+
+    Examples
+    --------
+    A steel pin in a bronze lug under 1 kN/mm, in a rigid frame, and in an eye pulled by its shank:
+
+    >>> from cylcontact import CylinderPair, Material, laws
+    >>> steel, bronze = Material("steel", 207e3, 0.3), Material("bronze", 110e3, 0.34)
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.95, material=bronze, material_j=steel)
+    >>> for clamp in ("rim", Sector(60, side="far")):
+    ...     law = laws.Conformal(Housing(R_o=20.0, clamp=clamp))
+    ...     print(f"{1e3 * law.penetration(1000.0, pair):.2f} µm")
+    10.17 µm
+    48.15 µm
+    """
+
+    R_o: float
+    clamp: Literal["rim"] | Sector = "rim"
+    pin: PinDatum = "body-force"
+    layers: Sequence[tuple[Material, float]] = ()
+    g: tuple[tuple[float, ...], ...] | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.g is not None:
+            _require_own(self.g)
+        else:
+            layers = [
+                layer if isinstance(layer, list | tuple) else (layer,) for layer in self.layers
+            ]
+            object.__setattr__(self, "layers", tuple(map(tuple, layers)))
+            pairs = all(len(layer) == 2 and isinstance(layer[0], Material) for layer in layers)
+            radii = [*(layer[-1] for layer in layers), self.R_o]
+            positive = all(is_number(radius) and radius > 0 for radius in radii)
+            require(
+                pairs and positive and radii == sorted(set(radii)),
+                "Housing",
+                "layers" if layers else "R_o",
+                self.layers or self.R_o,
+                "must be pairs of a Material and its inner radius, increasing up to R_o"
+                if layers
+                else "must be a number, positive and finite",
+                "give radii in mm, e.g. Housing(R_o=20.0, layers=[(lug, 12.0)])",
+            )
+        require(
+            isinstance(self.clamp, Sector) or self.clamp == "rim",
+            "Housing",
+            "clamp",
+            self.clamp,
+            "must be 'rim' or a Sector",
+            'e.g. clamp=laws.Sector(60, side="far")',
+        )
+        require(
+            self.pin in ("body-force", "diametral"),
+            "Housing",
+            "pin",
+            self.pin,
+            "must be 'body-force' or 'diametral'",
+            "say how the pin is loaded",
+        )
+
+    @classmethod
+    def from_compliances(cls, g: ArrayLike | str | Path, pin: PinDatum = "body-force") -> Housing:
+        """Return a housing of known coefficients g_nm, as from one's own finite elements.
+
+        Parameters
+        ----------
+        g : array_like, shape (N,) or (N, N), or path
+            With n and m from 0. Press p = (f/R)·cos ms on the bore, subtract the radial
+            displacement of the infinite plate from that of the bore, and expand it times πE*/(2f)
+            in cos nθ: the amplitudes over π, over 2π for m = 0, are g_nm. For n = m = 1 that of
+            the plate is w_i·π/(2(κ_i + 1)). One row is the diagonal, which is all that a whole rim
+            has. A file has numbers with commas between them, a line for each n.
+        pin : {"body-force", "diametral"}
+            As for `Housing`.
+
+        Returns
+        -------
+        Housing
+
+        Raises
+        ------
+        InputError
+            If g is no such array, not symmetric, or has fewer harmonics than the kernel needs.
+
+        Examples
+        --------
+        >>> own = Housing.from_compliances([-0.1, 0.4, -0.05, -0.001, 0.0])
+        >>> print(f"{own.kernels(None)[1][0].h:.3f}")
+        0.498
+        """
+        if isinstance(g, str | Path):
+            g = _read_numbers(Path(g))
+        table = as_numbers(g, "Housing", "g")
+        table = np.diag(table) if table.ndim == 1 else np.atleast_2d(table)
+        return cls(math.inf, pin=pin, g=tuple(map(tuple, table.tolist())))
+
+    def constant(self, pair: CylinderPair) -> FloatArray:
+        """Return C, which is the pin's part alone: the rest depends on the arc."""
+        (_, w_j), (_, kappa_j) = pair.shares, pair.kolosov
+        part = -1 / (kappa_j + 1) if self.pin == "body-force" else 2 * np.log(2) - 1
+        return as_floats(w_j * part)
+
+    def kernels(self, pair: CylinderPair) -> tuple[IndexArray, list[Kernel]]:
+        """Return which of the kernels that follow each element of a pair has, and the kernels.
+
+        Raises
+        ------
+        InputError
+            If the radii are not known, or the rim or a layer does not fit the hole.
+        """
+        if self.g is not None:
+            return np.array(0), [_own_kernel(self.g)]
+        R_i, _ = pair.radii(f"the datum {self!r}")
+        inner = min([*(radius for _, radius in self.layers), self.R_o])
+        require(
+            inner > R_i,
+            "Housing",
+            "layers" if self.layers else "R_o",
+            self.layers or self.R_o,
+            f"must be larger than the hole (R_i = {np.max(R_i):g} mm)",
+            "the housing is clamped outside the hole",
+        )
+        require(
+            inner >= _LEAST_RATIO * R_i,
+            "Housing",
+            "layers" if self.layers else "R_o",
+            self.layers or self.R_o,
+            f"makes a ring thinner than {100 * (_LEAST_RATIO - 1):.0f} % of the hole's radius",
+            "give a thicker one",
+        )
+        around = [replace(pair, material_i=material) for material, _ in self.layers]
+        numbers = [R_i, pair.shares[0]]
+        for one in (pair, *around):
+            kappa = one.kolosov[0]
+            numbers += [kappa, one.moduli[0] * (kappa + 1)]  # 8μ
+        columns = np.broadcast_arrays(*numbers)
+        rows, which = np.unique(
+            np.stack([column.ravel() for column in columns]), axis=1, return_inverse=True
+        )
+        return which.reshape(columns[0].shape), [self._kernel(row) for row in rows.T.tolist()]
+
+    def _kernel(self, row: list[float]) -> Kernel:
+        """Return the kernel of one pair from its R_i, w_i, and κ and 8μ of each ring."""
+        R_i, w_i, *elastic = row
+        radii = [1.0, *(radius / R_i for _, radius in self.layers), self.R_o / R_i]
+        rings = tuple(
+            _Ring(radii[k], radii[k + 1], elastic[2 * k], elastic[2 * k + 1] / elastic[1])
+            for k in range(len(radii) - 1)
+        )
+        return _kernel_of(rings, w_i, None if self.clamp == "rim" else self.clamp)
+
+
+@lru_cache(maxsize=256)
+def _kernel_of(rings: tuple[_Ring, ...], w_i: float, sector: Sector | None) -> Kernel:
+    """Return the kernel of bonded rings, clamped on the whole rim or on a sector of it."""
+    count = _harmonics(rings[0].outer)
+    n = np.arange(1, max(count, 1 if sector is None else _LINEAR_FROM) + 1)
+    kappa = rings[0].kappa
+    bore, rim, through = _responses(n, rings)
+    plate = np.where(n == 1, 0.25, (kappa / np.maximum(n - 1, 1) + 1 / (n + 1)) / 2)
+    bore_0, rim_0, through_0 = _uniform(rings)
+    share = 2 * w_i / (kappa + 1)
+    g = np.diag(share * np.append((bore_0 - 1) / 2, (bore - plate)[:count]))
+    if sector is not None:
+        D, T = np.concatenate([rim_0[None], rim]), np.concatenate([through_0[None], through])
+        B, A = _free_arc(sector, D, T[: count + 1], rings[-1].outer)
+        B[:, 0] /= 2
+        g = g + share / np.pi * (B.T @ np.linalg.solve(A, B))
+    return Kernel(as_floats((g + g.T) / 2))
+
+
+def _harmonics(ratio: float) -> int:
+    """Return how many harmonics g needs for a ring of this ratio: n²·ρ^(−2n) is nothing then."""
+    n = np.arange(4, 1000)
+    return int(n[np.argmax(np.log(n) - n * np.log(ratio) < np.log(_LEAST_TERM) / 2)])
+
+
+def _responses(n: IndexArray, rings: tuple[_Ring, ...]) -> tuple[FloatArray, ...]:
+    """Return U_n of the bore with the rim clamped, and D_n and T_n with the bore free.
+
+    The unknowns are four terms a ring; the equations two tractions of the bore, continuity at each
+    interface, and two displacements of the rim.
+    """
+    size = 4 * len(rings)
+    system, applied = np.zeros((n.size, size, size)), np.zeros((n.size, size, 3))
+    for k, ring in enumerate(rings):
+        terms, own = 4 * k, slice(4 * k, 4 * k + 4)
+        inner, outer = _terms(n, ring, ring.inner), _terms(n, ring, ring.outer)
+        if k == 0:
+            system[:, :2, own] = inner[:, 2:]
+        else:
+            system[:, terms - 2 : terms + 2, own] = inner
+        if k == len(rings) - 1:
+            system[:, -2:, own] = outer[:, :2]
+        else:
+            system[:, terms + 2 : terms + 6, own] = -outer
+    applied[:, 0, 0] = -1
+    applied[:, -2, 1] = applied[:, -1, 2] = 1
+    solved = np.linalg.solve(system, applied)
+    bore = _terms(n, rings[0], 1.0)[:, 0, None] @ solved[:, :4]
+    rim = _terms(n, rings[-1], rings[-1].outer)[:, 2:] @ solved[:, -4:, 1:]
+    return bore[:, 0, 0], rim, bore[:, 0, 1:]
+
+
+def _terms(n: IndexArray, ring: _Ring, r: float) -> FloatArray:
+    """Return 2μu_r, 2μu_θ, σ_rr and σ_rθ of the four terms of each n ≥ 1 at r, shape (n, 4, 4).
+
+    μ is that of the bore, and each term is at most about 1 in its ring.
+    """
+    kappa, one, log = ring.kappa, np.ones(n.shape), np.log(r)
+    is_one = n == 1
+    rows = [
+        [kappa - n - 1, np.where(is_one, 2 * kappa * log - 1, kappa - 1 + n), -one, -one],
+        [kappa + n + 1, np.where(is_one, -2 * kappa * log - 1, n - 1 - kappa), one, -one],
+        [(n + 1) * (2 - n), np.where(is_one, 3 + kappa, (1 - n) * (2 + n)), 1 - n, n + 1],
+        [n * (n + 1), np.where(is_one, 1 - kappa, n * (1 - n)), n - 1, n + 1],
+    ]
+    grow, fall = np.log(r / ring.outer), np.log(r / ring.inner)
+    powers = np.exp([(n + 1) * grow, (1 - n) * fall, (n - 1) * grow, -(n + 1) * fall])
+    units = np.array([1 / ring.mu, 1 / ring.mu, 1 / r, 1 / r])
+    return as_floats(np.einsum("ijn,jn,i->nij", np.array(rows), powers, units))
+
+
+def _uniform(rings: tuple[_Ring, ...]) -> tuple[float, FloatArray, FloatArray]:
+    """Return the same for n = 0: u_r = (κ − 1)·A·r − D/r and σ_rr = 2A + D/r²."""
+    size = 2 * len(rings)
+    system, applied = np.zeros((size, size)), np.zeros((size, 2))
+
+    def at(ring: _Ring, r: float) -> FloatArray:
+        return np.array([[(ring.kappa - 1) * r / ring.mu, -1 / (r * ring.mu)], [2, 1 / r**2]])
+
+    for k, ring in enumerate(rings):
+        inner, outer, own = at(ring, ring.inner), at(ring, ring.outer), slice(2 * k, 2 * k + 2)
+        if k == 0:
+            system[0, own] = inner[1]
+        else:
+            system[2 * k - 1 : 2 * k + 1, own] = inner
+        if k == len(rings) - 1:
+            system[-1, own] = outer[0]
+        else:
+            system[2 * k + 1 : 2 * k + 3, own] = -outer
+    applied[0, 0], applied[-1, 1] = -1, 1
+    solved = np.linalg.solve(system, applied)
+    bore = at(rings[0], 1.0)[0] @ solved[:2]
+    rim = at(rings[-1], rings[-1].outer)[1] @ solved[-2:, 1]
+    return float(bore[0]), np.diag([rim, 0.0]), np.array([bore[1], 0.0])
+
+
+def _free_arc(
+    sector: Sector, D: FloatArray, T: FloatArray, radius: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return B, shape (modes, harmonics), and the stiffness A of the free arc of the rim."""
+    F = np.pi - np.radians(sector.angle) / 2
+    n, k = np.arange(1, _RIM_HARMONICS + 1), np.arange(1, _MODES + 1)
+    phi = np.zeros((_MODES, n.size + 1))
+    phi[:, 1:] = k[:, None] * jv(k[:, None], n * F) / n
+    phi[0, 0] = F / 4
+    if sector.side == "near":  # the free arc is opposite to the load
+        phi[:, 1::2] *= -1
+    e = np.where(np.arange(n.size + 1) == 0, 2 * np.pi, np.pi)
+    last = D.shape[0] - 1
+    beyond = np.arange(last + 1, n.size + 1) / last
+    D = np.concatenate([D, D[-1] * beyond[:, None, None]])
+    odd, even = slice(0, None, 2), slice(1, None, 2)  # modes in u_r and u_θ
+    A = np.zeros((_MODES, _MODES))
+    for i, rows in enumerate((odd, even)):
+        for j, columns in enumerate((odd, even)):
+            A[rows, columns] = (phi[rows] * (e * radius * D[:, i, j])) @ phi[columns].T
+    # The rest of Σ n·φ_kn·φ_ln, where J_k·J_l is cos((k − l)π/2)/(πnF) on average.
+    pairs = k[:, None] * k * np.cos((k[:, None] - k) * np.pi / 2)
+    tail = radius * pairs / (F * last * (n.size + 0.5))
+    A[odd, odd] += D[last, 0, 0] * tail[odd, odd]
+    A[even, even] += D[last, 1, 1] * tail[even, even]
+    count = T.shape[0]
+    B = np.zeros((_MODES, count))
+    B[odd] = phi[odd, :count] * (e[:count] * T[:, 0])
+    B[even] = phi[even, :count] * (e[:count] * T[:, 1])
+    return B, (A + A.T) / 2
+
+
+def _require_own(g: tuple[tuple[float, ...], ...]) -> None:
+    """Raise `InputError` unless g is square, finite, symmetric, and long enough."""
+    rule, remedy = "", "give g_nm for n and m from 0, or its diagonal"
+    table = np.array(g)
+    if table.ndim != 2 or table.shape[0] != table.shape[1] or table.shape[0] < 3:
+        rule = f"has the shape {table.shape}: must be (N,) or (N, N) with N at least 3"
+    elif not np.all(np.isfinite(table)):
+        rule = "must be finite"
+    elif np.max(np.abs(table - table.T)) > 1e-3 * np.max(np.abs(table)):
+        rule = "must be symmetric: the work of two loads does not depend on their order"
+    elif np.abs(table[-1]).max() > _LAST_SHARE * np.abs(table).max():
+        rule = f"has fewer harmonics than the kernel needs: that of n = {len(g) - 1} is not small"
+        remedy = "give more harmonics"
+    if rule:
+        raise InputError("Housing", "g", None, rule, remedy)
+
+
+@lru_cache(maxsize=64)
+def _own_kernel(g: tuple[tuple[float, ...], ...]) -> Kernel:
+    table = np.array(g)
+    return Kernel(as_floats((table + table.T) / 2))
+
+
+def _read_numbers(path: Path) -> FloatArray:
+    """Return the numbers of a file."""
+    try:
+        return as_floats(np.loadtxt(path, delimiter=",", ndmin=1))
+    except (OSError, ValueError) as error:
+        rule = f"cannot be read as numbers: {error}"
+        raise InputError(
+            str(path), "g", None, rule, "give a file of comma-separated g_nm"
+        ) from None
+
+
+def is_number(value: object) -> bool:
+    """Return whether a value is one finite number."""
+    return isinstance(value, (int, float, np.number)) and bool(np.isfinite(value))
