@@ -78,7 +78,9 @@ def run_cpp(case, folder):
     names = {what: f"{case.name}::{what}" for what in ("load", "stiffness")}
     names["both"] = f"{case.name}::evaluate"
     include, linkage = f'#include "{law}"', 'extern "C"'
-    return _compiled("g++", CPP_FLAGS, "run.cpp", C_WRAPPER, case, folder, include, linkage, **names)
+    return _compiled(
+        "g++", CPP_FLAGS, "run.cpp", C_WRAPPER, case, folder, include, linkage, **names
+    )
 
 
 def run_fortran(case, folder):

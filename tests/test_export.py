@@ -89,9 +89,7 @@ PARTS = np.concatenate(
         [1 + EPS, 1 + 1e-9, 1.1, 10.0, 1e3, 1e10],
     ]
 )
-MATERIALS = [
-    material_in_MPa("any", E=E, nu=nu) for E, nu in ((207e3, 0.3), (2.0, 0.5))
-]
+MATERIALS = [material_in_MPa("any", E=E, nu=nu) for E, nu in ((207e3, 0.3), (2.0, 0.5))]
 GAPS = {
     "internal": (
         *(0.001, np.nextafter(0.005, 0), 0.005, 0.05, 0.34954, 1.0),
@@ -227,8 +225,19 @@ def test_a_law_in_matlab_is_the_law(name, octave):
     case_of(name).compare(*octave[name])
 
 
-@pytest.mark.parametrize("name", ["johnson-internal", "parametric-internal", "scaled-johnson",
-                                  "scaled-parametric", "looped", "own", "power", "explicit-external"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "johnson-internal",
+        "parametric-internal",
+        "scaled-johnson",
+        "scaled-parametric",
+        "looped",
+        "own",
+        "power",
+        "explicit-external",
+    ],
+)
 def test_jax_differentiates_the_inverse_and_by_the_pair(name):
     """Against the stiffness, and differences over a tenth of the digits for the pair."""
     jax = require_jax()
@@ -294,7 +303,11 @@ def test_the_fmu_of_a_law_is_the_law(name, tmp_path):
     kinds = {v.name: v.causality for v in description.modelVariables}
     assert kinds["penetration"] == "input"
     assert kinds["dR"] == "parameter"
-    rows = [row for k, row in enumerate(zip(*case.arguments.values(), *case.answers, strict=True)) if k % 97 == 0]
+    rows = [
+        row
+        for k, row in enumerate(zip(*case.arguments.values(), *case.answers, strict=True))
+        if k % 97 == 0
+    ]
     for kind, of in (("ModelExchange", fmpy.fmi2.FMU2Model), ("CoSimulation", fmpy.fmi2.FMU2Slave)):
         unit = of(
             guid=description.guid, unzipDirectory=folder, instanceName="law",
@@ -392,5 +405,7 @@ def test_a_load_that_is_negative_or_falls_is_refused_with_its_penetration(falls)
             load = super().load(penetration, pair)
             return np.where(penetration > 0.01, load / 1e3 if falls else -load, load)
 
-    with pytest.raises(InputError, match=f"its load {'decreases' if falls else 'is negative'} at 0.0"):
+    with pytest.raises(
+        InputError, match=f"its load {'decreases' if falls else 'is negative'} at 0.0"
+    ):
         require_contact_law(Odd(), "internal")

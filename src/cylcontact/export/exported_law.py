@@ -48,35 +48,11 @@ RESULTS: Mapping[str, tuple[str, str]] = {
 # What pairs can have; other arguments are positive.
 _OF_TWO_MATERIALS = {"alpha": "alpha * alpha < 1", "beta": "beta * beta < 0.251"}
 # Names that a language or a frame has for something else.
-_TAKEN = [
-    "load",
-    "stiffness",
-    "law",
-    "wp",
-    "outside",
-    "inside",
-    "apart",
-    "power",
-    "choose",
-    "numbers",
-    "atanh",
-    "range",
-    "jnp",
-    "jax",
-    "math",
-    "abs",
-    "isnan",
-    "result",
-    "evaluate",
-    "nargin",
-    "program",
-    "module",
-    "subroutine",
-    "call",
-    "do",
-    "implicit",
-    "none",
-]
+_TAKEN = (
+    "load", "stiffness", "law", "wp", "outside", "inside", "apart", "still", "power", "choose",
+    "numbers", "atanh", "range", "jnp", "jax", "math", "abs", "isnan", "result", "evaluate",
+    "program", "module", "subroutine", "call", "implicit", "none",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

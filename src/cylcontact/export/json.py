@@ -99,8 +99,8 @@ def _check_values(exported: ExportedLaw) -> Iterator[dict[str, float | str]]:
     lengths = _LENGTHS if "length" in exported.arguments else _LENGTHS[:1]
     pins = _MATERIALS if "alpha" in exported.arguments else (None,)
     build = CylinderPair.internal if contact == "internal" else CylinderPair.external
-    for material, pin, radii, length in product(_MATERIALS, pins, _RADII[contact], lengths):
-        pair = build(*radii, material, length, pin)
+    for material, pin, (R_i, R_j), length in product(_MATERIALS, pins, _RADII[contact], lengths):
+        pair = build(R_i, R_j, material, length, pin)
         arguments = _arguments(pair)
         try:
             penetrations = _penetrations(law, pair)

@@ -33,15 +33,7 @@ class FoundLaw:
 def find_law(what: str, contact: Contact | None) -> FoundLaw:
     """Return the law with the name `what`, or that of the fit result at this path.
 
-    Raises
-    ------
-    InputError
-        If it is neither, or the result is for the other contact.
-
-    Examples
-    --------
-    >>> find_law("liu", None).law
-    Liu()
+    Raises `InputError` if it is neither, or the result is for the other contact.
     """
     if what in LAWS:
         return FoundLaw(LAWS[what](), contact)

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from string import Template
 from textwrap import indent, wrap
-from typing import Any
 
 import numpy as np
 
@@ -27,55 +26,25 @@ _SYMBOLS: Mapping[type[ast.AST], str] = {
 
 @dataclass(frozen=True)
 class Dialect:
-    """The notation of a language.
-
-    Attributes
-    ----------
-    comment : str
-        The mark of a comment.
-    number : callable
-        Returns the literal of a number in double precision.
-    power : str
-        Format string of `x` to the power of `y`.
-    assignment : str
-        Format string of a statement that gives `name` a `value`.
-    choice : str
-        Format string of the expression that is `yes` or `no` by a `test`.
-    loop : str
-        Format string of a loop of `name` from `first` to `last`, below or above `stop`, by `step`,
-        with its `body`; `before` is < or >.
-    branch : str
-        Format string of a choice as a statement, if only one side may be evaluated there.
-    constant, variable, again : str
-        As `assignment`, for a constant, and for the first and the next values of a variable.
-    counter : str
-        Format string of the number that a loop counts, in an expression.
-    continued : str
-        The end of a line that goes on.
-    names, symbols : mapping
-        Names and functions, and operators by Python's node type, with another spelling.
-    helpers : mapping
-        Definitions of functions that the language lacks, by name.
-    lambert : str
-        The frame of the function of Lambert's w, with $steps.
-    """
+    """The notation of a language, mostly as format strings."""
 
     comment: str
     number: Callable[[float], str]
-    power: str
+    power: str  # of x to the power of y
     assignment: str
-    choice: str
+    choice: str  # the expression yes or no by a test
+    # From first to last, below or above stop, by step, with a body; before is < or >.
     loop: str
-    branch: str = ""
-    constant: str = ""
+    branch: str = ""  # a choice as a statement, where only one side may be evaluated
+    constant: str = ""  # as assignment; variable and again are the first and the next values
     variable: str = ""
     again: str = ""
-    counter: str = "{name}"
-    continued: str = ""
+    counter: str = "{name}"  # what a loop counts, in an expression
+    continued: str = ""  # the end of a line that goes on
     names: Mapping[str, str] = field(default_factory=dict)
-    symbols: Mapping[type[ast.AST], str] = field(default_factory=dict)
-    helpers: Mapping[str, str] = field(default_factory=dict)
-    lambert: str = ""
+    symbols: Mapping[type[ast.AST], str] = field(default_factory=dict)  # by Python's node type
+    helpers: Mapping[str, str] = field(default_factory=dict)  # functions that it lacks, by name
+    lambert: str = ""  # the frame of the function of Lambert's w, with $steps and $w
 
     def statements(self, steps: Sequence[Step], others: Sequence[Step] = ()) -> str:
         """Return steps in this language, one a line; `others` follow somewhere later."""
@@ -158,6 +127,15 @@ class Dialect:
             case ast.Call(func=ast.Name(id=name), args=args):
                 inside = ", ".join(map(self.render, args))
                 return f"{self.names.get(name, name)}({inside})", _ATOM
+            case ast.IfExp(test=test, body=yes, orelse=no):
+                a, b, c = (self._above(part, _CHOICE) for part in (test, yes, no))
+                text = self.choice.format(test=a, yes=b, no=c)
+                return text, _ATOM if self.choice.endswith(")") else _CHOICE
+        return self._operation(node)
+
+    def _operation(self, node: ast.expr) -> tuple[str, int]:
+        """Return the text of an operation, and its precedence."""
+        match node:
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 # As a sum, because Fortran does not allow two operators in a row.
                 return f"-{self._above(operand, _SUM)}", _SUM
@@ -178,11 +156,6 @@ class Dialect:
                 # & and | of arrays bind more tightly than comparisons.
                 least = _COMPARISON if symbol in "&|" else level
                 return f" {symbol} ".join(self._above(v, least) for v in values), level
-            case ast.IfExp(test=test, body=yes, orelse=no):
-                form, parts = self.choice, (test, yes, no)
-                inside = [self._above(part, _CHOICE) for part in parts]
-                text = form.format(test=inside[0], yes=inside[1], no=inside[2])
-                return text, _ATOM if form.endswith(")") else _CHOICE
         raise NotImplementedError(ast.unparse(node))
 
     def _above(self, node: ast.expr, level: int) -> str:
@@ -220,9 +193,10 @@ def _places(
             yield step.name, path, True
 
 
-def _w(penetration: Any, pair: Any) -> Any:
+def _w(penetration, _pair):  # type: ignore[no-untyped-def]  # read as a law's formula is
     """Return Lambert's w as a formula of one argument, for its steps."""
-    return np.where(penetration > 0, branch_distance_steps(penetration), np.inf)
+    w = branch_distance_steps(penetration)  # type: ignore[no-untyped-call]
+    return np.where(penetration > 0, w, np.inf)
 
 
 @cache

@@ -138,14 +138,7 @@ _RESULTS = """\
 
 
 def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
-    """Return the text of the source and of the header, by file name.
-
-    Examples
-    --------
-    >>> from cylcontact.mechanism import read_joint
-    >>> list(source(read_joint("datasets/joint.toml"), "pin"))
-    ['pin.c', 'pin.h']
-    """
+    """Return the text of the source and of the header, by file name."""
     element, stem = Element(joint), stem or joint.identifier
     names = {"name": joint.identifier, "stem": stem, "capitals": joint.identifier.upper()}
     comment = element.comment(filled(_USAGE, names), "//")

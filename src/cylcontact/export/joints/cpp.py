@@ -80,14 +80,7 @@ private:
 
 
 def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
-    """Return the text of the header, by file name.
-
-    Examples
-    --------
-    >>> from cylcontact.mechanism import read_joint
-    >>> list(source(read_joint("datasets/joint.toml"), "pin"))
-    ['pin.hpp']
-    """
+    """Return the text of the header, by file name."""
     element, stem = Element(joint), stem or joint.identifier
     names = {"name": joint.identifier, "stem": stem, "capitals": joint.identifier.upper()}
     comment = element.comment(filled(_USAGE, names), "//")

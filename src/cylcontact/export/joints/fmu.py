@@ -25,7 +25,7 @@ _WRENCH = (
 _BODIES = {"bearing": "of the body with the hole", "pin": "of the body with the pin"}
 # Name, quantity (empty for the integer), causality and description, in the order of the value
 # references; fmi2_joint.c has the same.
-VARIABLES = (
+VARIABLES: tuple[tuple[str, str, str, str], ...] = (
     *(
         (f"{body}.{name}", quantity, "input", f"{text} {of}")
         for body, of in _BODIES.items()
@@ -86,16 +86,17 @@ def source(joint: ClearanceJoint, stem: str = "") -> dict[str, bytes]:
 def model_of(joint: ClearanceJoint) -> Model:
     """Return what the FMU of a joint says of it."""
     title, law = comment(joint.name), comment(joint.law.name)
-    units = {q: row[0 if joint.units == "SI" else 1] for q, row in _UNITS.items()}
-    based = {
-        units[quantity]: exponents | ({} if units[quantity] == in_SI else {"factor": 0.001})
-        for quantity, (in_SI, _, exponents) in _UNITS.items()
-    }
+    in_units = {"": ""}
+    bases: dict[str, dict[str, float]] = {}
+    for quantity, (in_SI, in_mm, exponents) in _UNITS.items():
+        unit = in_SI if joint.units == "SI" else in_mm
+        in_units[quantity] = unit
+        bases[unit] = exponents if unit == in_SI else {**exponents, "factor": 0.001}
     return Model(
         joint.identifier,
         title,
         f"The clearance joint '{title}': law {law}, clearance {float(joint.pair.dR):.6g} mm",
-        tuple(Variable(n, units.get(quantity, ""), *more) for n, quantity, *more in VARIABLES),
-        based,
+        tuple(Variable(n, in_units[q], causality, text) for n, q, causality, text in VARIABLES),
+        bases,
         indicators=1,
     )

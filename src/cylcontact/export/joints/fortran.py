@@ -141,14 +141,7 @@ wrench%flag = nint({10})"""
 
 
 def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
-    """Return the text of the module, by file name.
-
-    Examples
-    --------
-    >>> from cylcontact.mechanism import read_joint
-    >>> list(source(read_joint("datasets/joint.toml"), "pin"))
-    ['pin.f90']
-    """
+    """Return the text of the module, by file name."""
     element, stem = Element(joint), stem or joint.identifier
     names = argument_names("{body}({k})", 1) | {"impact_rate": "state%impact_rate"}
     bodies = bodies_of(element, replace(DIALECT, names={**DIALECT.names, **names}))

@@ -103,14 +103,7 @@ _DIALECT = replace(
 
 
 def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
-    """Return the text of the file, by its name, which is that of the function.
-
-    Examples
-    --------
-    >>> from cylcontact.mechanism import read_joint
-    >>> list(source(read_joint("datasets/joint.toml"), "pin"))
-    ['pin.m']
-    """
+    """Return the text of the file, by its name, which is that of the function."""
     element, stem = Element(joint), stem or joint.identifier
     require_importable(stem)
     parts = {

@@ -102,14 +102,7 @@ return Wrench(
 
 
 def source(joint: ClearanceJoint, stem: str = "") -> dict[str, str]:
-    """Return the text of the module, by file name.
-
-    Examples
-    --------
-    >>> from cylcontact.mechanism import read_joint
-    >>> list(source(read_joint("datasets/joint.toml"), "pin"))
-    ['pin.py']
-    """
+    """Return the text of the module, by file name."""
     element, stem = Element(joint), stem or joint.identifier
     require_importable(stem)
     parts = {

@@ -102,7 +102,7 @@ def _fitted_laws(results: Mapping[Path, FitResult]) -> Iterator[dict[str, Any]]:
         yield _law(f"fit:{path.stem}", label, result.contact, text)
 
 
-def _law(name: str, label: str, contact: str, exported: str | None) -> dict[str, Any]:
+def _law(name: str, label: str, contact: str, exported: str | bytes | None) -> dict[str, Any]:
     """Return one law as data."""
     document = json.loads(exported) if exported else None
     return {
