@@ -176,7 +176,7 @@ class Parametric(Law, Conformal):
         if not isinstance(self.datum, Housing):
             return super().at_pair(pair)
         self.require_pair(pair)
-        if np.ndim(pair.E_star) == np.ndim(pair.dR) == np.ndim(pair.R_i) == 0:
+        if not any(np.asarray(each).ndim for each in (pair.E_star, pair.dR, pair.R_i)):
             return at_pair(curve_of(self.datum, pair, self.constants), pair)
         end = as_floats(np.full_like(pair.E_star * as_floats(pair.dR), np.inf))
         load, stiffness = Conformal.load, Conformal.stiffness
