@@ -199,7 +199,7 @@ def test_a_joint_takes_a_whole_rim_and_is_exported_with_it(tmp_path, run):
     assert code == 0, errors
     text = (tmp_path / "eye.py").read_text()
     assert "in a housing of R_o = 20 mm" in text
-    assert "five constants fitted to it, within" in " ".join(text.replace("#", " ").split())
+    assert "five constants, fitted to this joint within" in " ".join(text.replace("#", " ").split())
     scope = {"__name__": "eye"}
     exec(compile(text, "eye.py", "exec"), scope)
     bearing, pin = [0.0] * 6, [0.05 + 0.005, 0.0, 0.0, 0.0, 0.0, 0.0]
