@@ -234,7 +234,7 @@ def test_a_recipe_with_arguments_and_a_picture_are_figures(bench):
         "max(LOADS)}", "float(load)}"
     )
     (bench.root / "reports/fig99.py").write_text(recipe)
-    shutil.copy(ROOT / "docs/explicit.png", bench.root / "reports/mine/my map.png")
+    shutil.copy(ROOT / "docs/housing.png", bench.root / "reports/mine/my map.png")
     text = "![A.](<fig99 load=8>)\n\n![B.](<my map.png>)\n\n{{figure.fig99.largest load, N/mm:.0f}}"
     made, latex = typeset_text(bench, text)
     assert [part in latex for part in ("{figures/fig99-8.pdf}", "{figures/my map.png}")]
@@ -419,7 +419,7 @@ def test_a_folder_with_a_dot_is_refused(bench, run):
 def test_two_figures_of_one_name_are_refused(bench, run):
     for name in ("a", "b"):
         (bench.root / "reports/mine" / name).mkdir()
-        shutil.copy(ROOT / "docs/explicit.png", bench.root / "reports/mine" / name / "x.png")
+        shutil.copy(ROOT / "docs/housing.png", bench.root / "reports/mine" / name / "x.png")
     (bench.root / "reports/mine/a.md").write_text(f"{HEAD}![A](a/x.png)\n\n![B](b/x.png)\n")
     refused(bench, run, "'a/x.png': would be figures/x.png, and so would another figure; rename")
 

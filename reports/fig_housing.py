@@ -1,0 +1,92 @@
+"""What the housing does to the penetration of one joint: the figure of the README."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from cylcontact.arrays import FloatArray
+from cylcontact.laws import Conformal, Explicit, Housing, Johnson, Sector
+from cylcontact.pair import CylinderPair
+from cylcontact.plots.figure import Drawing, new_figure, plain_log
+from cylcontact.plots.style import COLOURS, QUIET
+from cylcontact.reports.bench import Bench
+
+from .joints import STEEL, origins_of
+
+# The joint of the README and of the page of laws, under this load in N/mm.
+PIN, HOLE, R_I, R_J, LOAD = STEEL, "bronze", 10.0, 9.95, 1000.0
+CLAMPS: dict[str, tuple[str, Literal["rim"] | Sector]] = {
+    "rim": ("whole rim", "rim"),
+    "near_60": ("60° near: rod pushes", Sector(60, "near")),
+    "far_180": ("180° far", Sector(180, "far")),
+    "far_120": ("120° far", Sector(120, "far")),
+    "far_60": ("60° far: rod pulls", Sector(60, "far")),
+}
+# R_o/R_i of the lines, of the explicit law's marks, and of the headline.
+RATIOS: FloatArray = np.geomspace(1.3, 20.0, 13)
+MARKED, NAMED = np.array([1.3, 2.0, 3.0, 5.0, 10.0, 20.0]), (1.5, 3.0, 10.0)
+CAPTION = (
+    "The same joint in other housings: penetration (µm) of a steel pin in a bronze hole against "
+    "R_o/R_i (-), the radius of the clamped rim over the hole's. Lines: exact series for the whole "
+    "rim clamped, or a sector of it near the contact or opposite to it. Circles: the explicit law "
+    "in the same housing. Dotted: Johnson's law, which knows no housing."
+)
+METHOD = (
+    "R_i = 10 mm, R_j = 9.95 mm, 1000 N/mm, plane strain, no friction, the pin under a body force. "
+    "The penetration is the displacement of the pin's centre against the clamped rim, less the "
+    "clearance. Where five constants miss the series by more than 1 %, the explicit law is a table "
+    "of it. The joint is our choice. Material values that are not the paper's: {origins}."
+)
+
+
+def draw(bench: Bench) -> Drawing:
+    pin, hole = (bench.material(name).material for name in (PIN, HOLE))
+    pair = CylinderPair.internal(R_i=R_I, R_j=R_J, pin=pin, hole=hole)
+    table = pd.DataFrame({"ratio": np.unique([*RATIOS, *MARKED])})
+    for name, (_, clamp) in CLAMPS.items():
+        housings = [Housing(R_I * ratio, clamp=clamp) for ratio in table["ratio"]]
+        table[f"{name}_um"] = [_micrometres(Conformal(each), pair) for each in housings]
+        table[f"{name}_explicit_um"] = [
+            _micrometres(Explicit(datum=each), pair) if each.R_o / R_I in MARKED else np.nan
+            for each in housings
+        ]
+    johnson = _micrometres(Johnson(), CylinderPair.internal(R_i=R_I, R_j=R_J, pin=pin, hole=hole))
+    headline = {"Johnson's law, µm": johnson}
+    for name, (words, clamp) in CLAMPS.items():
+        for ratio in NAMED:
+            law = Conformal(Housing(R_I * ratio, clamp=clamp))
+            headline[f"{words}, R_o/R_i = {ratio:g}, µm"] = _micrometres(law, pair)
+        marked = table.dropna()
+        error = marked[f"{name}_explicit_um"] / marked[f"{name}_um"] - 1
+        headline[f"{words}: explicit off by at most, %"] = float(100 * error.abs().max())
+    method = METHOD.format(origins=origins_of(bench, [(PIN, HOLE)]))
+    return Drawing(_draw(table, johnson), table, headline, CAPTION, method)
+
+
+def _micrometres(law: Conformal | Explicit | Johnson, pair: CylinderPair) -> float:
+    """Return the penetration in µm under the load."""
+    return float(1e3 * law.penetration(LOAD, pair))
+
+
+def _draw(table: pd.DataFrame, johnson: float) -> Figure:
+    """Draw the penetration over the housing, a line per clamp."""
+    figure = new_figure("full", 92.0)
+    axes = figure.subplots()
+    for number, (name, (words, _)) in enumerate(CLAMPS.items()):
+        style = {"color": COLOURS[number], "linestyle": "-", "marker": ""}
+        axes.plot(table["ratio"], table[f"{name}_um"], label=words, **style)
+        style |= {"linestyle": "", "marker": "o", "markerfacecolor": "none"}
+        axes.plot(table["ratio"], table[f"{name}_explicit_um"], **style)
+    axes.axhline(johnson, color=QUIET, linestyle=":", marker="", zorder=1)
+    axes.text(19.5, johnson * 0.97, "Johnson's law", ha="right", va="top", color=QUIET)
+    axes.set(xscale="log", yscale="log", xlim=(1.25, 20.8))
+    plain_log(axes, "x", (1.3, 1.5, 2, 3, 5, 10, 20))
+    plain_log(axes, "y", (7, 10, 20, 50, 100, 200))
+    axes.set_xlabel(r"housing $R_o/R_i$ (-)")
+    axes.set_ylabel("penetration (µm)")
+    axes.legend(title="clamped", loc="upper right")
+    return figure
