@@ -24,6 +24,7 @@ from cylcontact.cli.pair import (
     PairOptions,
     blaming_options,
     constants_of,
+    housing_of,
 )
 from cylcontact.cli.terminal import progress_bars, show
 from cylcontact.errors import InputError
@@ -191,6 +192,7 @@ def _table(
             )
     if "load_error" in given:
         given["load_error"] = _share(str(path), "--load-error", given["load_error"])
+    housing = housing_of(given, str(path), given["contact"])
     constants, blamed = constants_of(given, str(path), given["contact"])
     given = {name: value for name, value in given.items() if name not in IN_CONSTANTS}
     columns = _columns(str(path), given.pop("columns", []))
@@ -202,6 +204,8 @@ def _table(
         "parameters": parameters or None,
     }
     settings["columns"] = columns or None
+    if housing is not None:
+        settings["housing"] = housing.model_dump(exclude_none=True)
     runs = search.runs
     settings |= {"starts": runs} if optimizer is None else {"genetic": runs and {"runs": runs}}
     law, contact = settings.pop("law"), settings.pop("contact")

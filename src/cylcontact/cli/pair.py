@@ -14,8 +14,10 @@ from cylcontact.arrays import require
 from cylcontact.choices import listed
 from cylcontact.cli.options import NUMBER, Materials, option_of, require_internal
 from cylcontact.errors import InputError
+from cylcontact.housing_spec import HousingSpec, clamp_of
 from cylcontact.materials import Material, MaterialRow, find_material, modulus_in_MPa
 from cylcontact.pair import CONTACTS, CylinderPair, roles
+from cylcontact.spec import parse_spec
 
 __all__ = [
     "IN_CONSTANTS",
@@ -84,6 +86,14 @@ class PairOptions:
         float | None, _option("--pin-diameter", "Diameter of the pin, mm.", **NUMBER)
     ] = None
     length_mm: Annotated[float | None, _option("--length", "Axial length, mm.", **NUMBER)] = None
+    R_o: Annotated[
+        float | None,
+        _option("--R-o", "Radius of the housing's rim, mm; laws that know it take it.", **NUMBER),
+    ] = None
+    clamp: Annotated[
+        str | None,
+        _option("--clamp", "What is clamped of the rim: rim (all of it), near:60 or far:60."),
+    ] = None
 
 
 # What stands for a constant under another name, and the factor from one to the other.
@@ -98,7 +108,7 @@ OF_PIN_AND_HOLE = {*_OTHERS, "E_i_MPa", "E_j_MPa", "nu_i", "nu_j"}
 _APART = [f"{name}_{body}" for name in ("material", "nu") for body in "ij"]
 _APART += [f"E_{body}_MPa" for body in "ij"]
 # The options that `constants_of` takes.
-IN_CONSTANTS = {*PairOptions.__dataclass_fields__} - {"contact", "materials"}
+IN_CONSTANTS = {*PairOptions.__dataclass_fields__} - {"contact", "materials", "R_o", "clamp"}
 
 
 def constants_of(
@@ -123,6 +133,18 @@ def constants_of(
         if name in values:
             values[name] = float(modulus_in_MPa(values[name], source, options[name]))
     return values, options
+
+
+def housing_of(given: dict[str, Any], source: str, contact: str) -> HousingSpec | None:
+    """Return the housing that the options give, and take them away."""
+    R_o, clamp = given.pop("R_o", None), given.pop("clamp", None)
+    if R_o is None and clamp is None:
+        return None
+    require_internal(source, contact, "leave out --R-o and --clamp, or give --contact internal")
+    require(R_o is not None, source, "--R-o", None, "is missing beside --clamp", "give the radius")
+    data = {"R_o": R_o, **clamp_of(clamp or "rim", source)}
+    with blaming_options({"R_o": "--R-o", "angle": "--clamp"}):
+        return parse_spec(HousingSpec, data, source)
 
 
 @contextmanager

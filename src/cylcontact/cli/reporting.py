@@ -21,7 +21,7 @@ from cylcontact.cli.options import (
     expand_options,
     split,
 )
-from cylcontact.cli.pair import PairOptions, constants_of, pair_of
+from cylcontact.cli.pair import PairOptions, constants_of, housing_of, pair_of
 from cylcontact.cli.renamed import renamed
 from cylcontact.cli.terminal import cores, progress_bars, say, show
 from cylcontact.errors import InputError
@@ -243,12 +243,14 @@ def laws(
 
     given = {name: value for name, value in vars(pair).items() if value is not None}
     contact = given.get("contact", "internal")
+    housing = housing_of(given, "laws", contact)
     constants, options = constants_of(given, "laws", contact)
     rows = known_materials(own_table(pair.materials, Path(), "laws", "--materials"))
     cylinders = pair_of(constants, options, contact, rows, "laws", case())
     advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
     listed_too = None if own is None else user_law(own, Path.cwd())
-    show(joined([advice, to_text(cylinders, load, listed_too)], "\n\n"))
+    around = None if housing is None else housing.housing
+    show(joined([advice, to_text(cylinders, load, listed_too, around)], "\n\n"))
     for warning in (yield_warning(load, cylinders), *unusual_lengths(cylinders)):
         if warning is not None:
             say(f"warning: {warning}", err=True)

@@ -29,6 +29,7 @@ from cylcontact.fitting.law_models import (
     RIG_NAMES,
     for_measurements,
     grid_model_of,
+    housed_model,
     is_user_law,
     model_of,
     named_user_model,
@@ -46,6 +47,7 @@ from cylcontact.fitting.specs import (
     parameters_of,
     require_complete,
 )
+from cylcontact.housing_spec import takes_housing
 from cylcontact.html_repr import table_html
 from cylcontact.laws.definition import LawModel, Parameter
 from cylcontact.laws.user import UserFunction
@@ -466,6 +468,13 @@ def _law_model(law: str, spec: MeasuredSpec, folder: Path, source: str) -> LawMo
     """Return the model of a law of the package, or of a function of the user's own."""
     if is_user_law(law):
         return user_model(law, spec.contact, source, folder, Path.cwd())
+    return _package_model(law, spec, source)
+
+
+def _package_model(law: str, spec: MeasuredSpec, source: str) -> LawModel:
+    """Return the model of a law of the package, in a known housing if it takes one."""
+    if spec.housing is not None and (takes_housing(law) or law == spec.law):
+        return housed_model(law, spec.contact, spec.housing.housing, source)
     return model_of(law, spec.contact, source)
 
 
@@ -547,7 +556,7 @@ def _on_table(
 def _stored_model(spec: MeasuredSpec, source: str) -> LawModel:
     """Return the model of a result's law; a user's function is not imported."""
     if not is_user_law(spec.law):
-        return model_of(spec.law, spec.contact, source)
+        return _package_model(spec.law, spec, source)
     own = [key for key in spec.named if key not in RIG_NAMES]
     named = tuple(Parameter(key, -math.inf, math.inf) for key in own)
     return named_user_model(UserFunction(spec.law, None), named, spec.contact)

@@ -43,6 +43,7 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.estimates import uncertainty_of
 from cylcontact.fitting.uncertainty.information import log_likelihood, number_estimated
 from cylcontact.fitting.uncertainty.residual_model import residual_model_at, with_rows
+from cylcontact.housing_spec import takes_housing
 from cylcontact.laws import LAW_TYPES
 from cylcontact.pair import Contact
 from cylcontact.plain_text import brief, html
@@ -362,7 +363,9 @@ def choose_law(
         If no law can be fitted.
     """
     data, spec = table.measurements, table.spec
-    chosen = list(names) or laws_for(data.contact, len(data.groups("pair")[0]))
+    # Without names the laws that know the housing are one curve: the reference stands for them.
+    known = ["conformal"] if spec.housing is not None else []
+    chosen = list(names) or known + laws_for(data.contact, len(data.groups("pair")[0]))
     fitted: list[tuple[str, Problem, FloatArray, float]] = []
     left_out: dict[str, str] = {}
     for number, name in enumerate(chosen):
@@ -430,10 +433,12 @@ def _require_some(
 
 
 def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> Campaign:
-    """Return the campaign of a law with a free offset and compliance, unless they are given."""
+    """Return the campaign of a law with offset and, in an unknown housing, compliance free."""
     if starts is not None:
         table = replace(table, spec=table.spec.model_copy(update={"starts": starts}))
-    return table.campaign(law, [name for name in _FREED if name not in table.spec.named])
+    known = table.spec.housing is not None and takes_housing(law)
+    freed = _FREED[:1] if known else _FREED
+    return table.campaign(law, [name for name in freed if name not in table.spec.named])
 
 
 def _parts(objective: MeasuredObjective, seed: int) -> tuple[list[Indices], str]:

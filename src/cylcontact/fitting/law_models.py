@@ -19,9 +19,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cylcontact.errors import InputError
+from cylcontact.housing_spec import HousingSpec, in_housing
 from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
 from cylcontact.laws.definition import Coefficients, LawModel, Parameter
+from cylcontact.laws.housing import Housing
 from cylcontact.laws.user import UserFunction, UserLaw
 from cylcontact.pair import Contact
 
@@ -207,6 +209,15 @@ def named_user_model(
     )
 
 
+def housed_model(law: str, contact: Contact, housing: Housing, source: str) -> LawModel:
+    """Return the model of a law in a known housing: it has no constants of its own."""
+    if contact == "external":
+        rule, remedy = "is for a pin in a hole", "leave it out for rollers"
+        raise InputError(source, "housing", None, rule, remedy)
+    in_housing(law, housing, source)
+    return LawModel(law, contact, (), lambda _: in_housing(law, housing, source))
+
+
 def is_user_law(law: str) -> bool:
     """Return whether a law's name is module:function."""
     return ":" in law
@@ -235,6 +246,11 @@ def law_of(result: FitResult, source: str = "") -> ContactLaw:
             "is a Python function of your own, and this needs a law of the package",
             "fit a law of the package, e.g. explicit",
         )
-    model = model_of(result.law, result.contact, source or result.name)
+    housing = result.settings["campaign"].get("housing")
+    if housing is None:
+        model = model_of(result.law, result.contact, source or result.name)
+    else:
+        known = HousingSpec(**housing).housing
+        model = housed_model(result.law, result.contact, known, source or result.name)
     contact = _without_rig(model, result.coefficients)
     return with_rig(model, contact).build(contact)

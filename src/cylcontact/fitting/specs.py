@@ -17,6 +17,7 @@ from cylcontact.fitting.noise_model import NOISES
 from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.ties import require_valid
+from cylcontact.housing_spec import HousingSpec
 from cylcontact.laws.definition import LawModel, Parameter
 from cylcontact.pair import Contact
 from cylcontact.spec import Spec, broken
@@ -180,6 +181,9 @@ class MeasuredSpec(Spec):
         {}, description="a table [constants] of values for all rows, e.g. dR_um = 50"
     )
     materials: str | None = Field(None, description="the path of a table of materials")
+    housing: HousingSpec | None = Field(
+        None, description="a table [housing] of the rim's radius R_o and its clamp"
+    )
     ignore: tuple[str, ...] = Field((), strict=False, description="a list of columns to leave out")
     columns: dict[str, str] | None = Field(
         None, description='a table [columns] of what columns are, e.g. load_N = "Kraft"'

@@ -187,7 +187,7 @@ def _five(curve: Curve) -> FiveConstants:
         with np.errstate(invalid="ignore", divide="ignore"):
             inner = np.log(1 + np.exp(ln_A) / d + G / np.sqrt(d)) + D
             form = c + np.log1p(np.exp(ln_B) / d * inner)
-            return np.nan_to_num(np.log(form / L), nan=1.0, posinf=1.0, neginf=1.0)
+            return as_floats(np.nan_to_num(np.log(form / L), nan=1.0, posinf=1.0, neginf=1.0))
 
     best = min(
         (

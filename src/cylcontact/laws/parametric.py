@@ -176,7 +176,7 @@ class Parametric(Law, Conformal):
         if not isinstance(self.datum, Housing):
             return super().at_pair(pair)
         self.require_pair(pair)
-        if np.ndim(pair.E_star) == np.ndim(pair.dR) == np.ndim(pair.R_i) == 0:
+        if not any(np.asarray(each).ndim for each in (pair.E_star, pair.dR, pair.R_i)):
             return at_pair(curve_of(self.datum, pair, self.constants), pair)
         end = as_floats(np.full_like(pair.E_star * as_floats(pair.dR), np.inf))
         load, stiffness = Conformal.load, Conformal.stiffness
@@ -199,8 +199,9 @@ class Parametric(Law, Conformal):
         """Return the penetration in mm under `load` in N/mm."""
         f = as_floats(load)
         if isinstance(self.datum, Housing):
-            one = self.at_pair(pair).is_single
-            return (super() if one else super(Law, self)).penetration(f, pair)
+            if self.at_pair(pair).is_single:
+                return super().penetration(f, pair)
+            return Conformal.penetration(self, f, pair)
         touching, phi = in_units_of(self.load_unit(pair), f)
         w_i, w_j, c0 = shares(pair.alpha, pair.beta)
         own = asdict(self.constants)

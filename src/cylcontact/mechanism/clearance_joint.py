@@ -18,8 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.errors import InputError
+from cylcontact.housing_spec import HousingSpec, in_housing
 from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
-from cylcontact.laws import LAWS, ContactLaw
+from cylcontact.laws import LAWS, ContactLaw, Explicit
+from cylcontact.laws.explicit import CLOSE
 from cylcontact.laws.kernels import Kernel, kernel
 from cylcontact.laws.user import user_law
 from cylcontact.limits import yield_load
@@ -372,6 +374,8 @@ def joint_from(
     )
     pair = CylinderPair.internal(spec.bearing.R, spec.pin.R, length=spec.length, pin=pin, hole=hole)
     law, origin = _law(spec.law, source)
+    if spec.housing is not None:
+        law, origin = _in_housing(spec.law, spec.housing, pair, source)
     deepest = np.asarray(law.max_penetration(pair))
     load = law.load(np.minimum(1e-3 * float(pair.dR), 0.5 * deepest), pair)
     require(
@@ -413,6 +417,26 @@ def _material(source: str, key: str, body: BodySpec, own: Path | None) -> Materi
     ).material  # fmt: skip
     stress = body.yield_stress or named.yield_stress
     return Material(named.name, f"{float(named.E)!r} MPa", named.nu, stress)
+
+
+def _in_housing(
+    what: str, spec: HousingSpec, pair: CylinderPair, source: str
+) -> tuple[ContactLaw, str]:
+    """Return a law in the housing of a joint, and in words what it is."""
+    require(
+        spec.clamp == "rim", source, "housing.clamp", spec.clamp,
+        "has a direction, and a joint turns", "a joint takes a rim that is clamped all around",
+    )  # fmt: skip
+    law = in_housing(what, spec.housing, source)
+    origin = f"in a housing of R_o = {spec.R_o:g} mm, its whole rim clamped"
+    if isinstance(law, Explicit):
+        error = law.five_constants(pair).error
+        close = error <= CLOSE
+        by = (
+            "five constants, fitted to this joint within" if close else "a table; constants miss by"
+        )
+        origin += f": {by} {100 * error:.2g} % of the load"
+    return law, origin
 
 
 def _law(what: str, source: str) -> tuple[ContactLaw, str]:

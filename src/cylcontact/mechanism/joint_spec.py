@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Strict, model_validator
 
+from cylcontact.housing_spec import HousingSpec
 from cylcontact.impact import FACTORS
 from cylcontact.modulus import Modulus
 from cylcontact.spec import Spec, broken
@@ -78,6 +79,9 @@ class ClearanceJointSpec(Spec):
     name: str = Field(description="the joint's name")
     units: Literal["SI", "mm"] = Field(description='"SI" (m, N, s, rad) or "mm" (mm, N, s, rad)')
     length: float = Field(gt=0, description="the axial length in mm")
+    housing: HousingSpec | None = Field(
+        None, description="a table [housing] of the rim's radius R_o, for laws that know it"
+    )
     law: str = Field(description="a contact law, e.g. explicit, or the path of a fit result")
     bearing: BodySpec = Field(description="a table [bearing]")
     pin: BodySpec = Field(description="a table [pin]")

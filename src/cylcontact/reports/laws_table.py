@@ -11,8 +11,11 @@ import pandas as pd
 from cylcontact.arrays import FloatArray, require
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw
+from cylcontact.housing_spec import in_housing, takes_housing
+from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw, Explicit, Housing, Parametric
 from cylcontact.laws.definition import Parameter
+from cylcontact.laws.explicit import CLOSE
+from cylcontact.laws.housed import needs_series
 from cylcontact.limits import first_yield
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
@@ -50,7 +53,12 @@ def case(dR: float = 0.05) -> CylinderPair:
     return CylinderPair.from_dR("internal", dR, material, LENGTH, R_I)
 
 
-def comparison(pair: CylinderPair, load: float, own: ContactLaw | None = None) -> pd.DataFrame:
+def comparison(
+    pair: CylinderPair,
+    load: float,
+    own: ContactLaw | None = None,
+    housing: Housing | None = None,
+) -> pd.DataFrame:
     """Evaluate every law of `cylcontact.laws.LAWS` for one pair under one load.
 
     Parameters
@@ -61,6 +69,8 @@ def comparison(pair: CylinderPair, load: float, own: ContactLaw | None = None) -
         Load per unit length in N/mm, positive.
     own : ContactLaw, optional
         A law of one's own, in the last row.
+    housing : Housing, optional
+        The datum of the laws that take one.
 
     Returns
     -------
@@ -87,7 +97,11 @@ def comparison(pair: CylinderPair, load: float, own: ContactLaw | None = None) -
         "must be positive and finite",
         "give it in N/mm",
     )
-    every = [law() for law in LAWS.values()] + ([] if own is None else [own])
+    every = [
+        law() if housing is None or not takes_housing(name) else in_housing(name, housing, "laws")
+        for name, law in LAWS.items()
+    ]
+    every += [] if own is None else [own]
     return pd.DataFrame([_answers(law, pair, load) for law in every])
 
 
@@ -113,6 +127,24 @@ def _answers(law: ContactLaw, pair: CylinderPair, load: float) -> dict[str, obje
         "max_load_N_per_mm": highest,
         "note": note,
     }
+
+
+def _of_housing(pair: CylinderPair, load: float, housing: Housing) -> str:
+    """Return what the housing does to the penetration, and which of its laws is which."""
+    five = Explicit(datum=housing).five_constants(pair)
+    there = float(Parametric(housing).penetration(load, pair))
+    by_johnson = float(Parametric().penetration(load, pair))
+    basis = "the series" if needs_series(housing, pair) else "the compact law"
+    follows = (
+        f"explicit follows it within {100 * five.error:.2f} % by five constants"
+        if five.error <= CLOSE
+        else f"explicit is that curve: five constants would miss it by {100 * five.error:.0f} %"
+    )
+    return (
+        f"in {housing}: {1e3 * there:.4g} µm, {there / by_johnson:.2f} times the penetration by "
+        f"Johnson's datum, to which all laws but conformal, parametric and explicit keep;\n"
+        f"parametric is {basis}, {follows}"
+    )
 
 
 def _finite(value: FloatArray) -> float:
@@ -153,7 +185,12 @@ def deviations(pair: CylinderPair) -> pd.DataFrame:
     return pd.DataFrame.from_dict(rows, orient="index", columns=list(numbers)).rename_axis("law")
 
 
-def to_text(pair: CylinderPair, load: float, own: ContactLaw | None = None) -> Report:
+def to_text(
+    pair: CylinderPair,
+    load: float,
+    own: ContactLaw | None = None,
+    housing: Housing | None = None,
+) -> Report:
     """Return the whole comparison of laws for a pair and a load as text.
 
     Parameters
@@ -164,6 +201,8 @@ def to_text(pair: CylinderPair, load: float, own: ContactLaw | None = None) -> R
         Load per unit length in N/mm, positive.
     own : ContactLaw, optional
         A law of one's own, compared with the others.
+    housing : Housing, optional
+        The datum of the laws that take one.
 
     Returns
     -------
@@ -179,7 +218,7 @@ def to_text(pair: CylinderPair, load: float, own: ContactLaw | None = None) -> R
     """
     contact = pair.contact
     truth = truth_of(pair).name
-    side_by_side, errors = comparison(pair, load, own), deviations(pair)
+    side_by_side, errors = comparison(pair, load, own, housing), deviations(pair)
     parts = [
         f"{contact} contact, ΔR = {float(pair.dR):g} mm, E* = {float(pair.E_star):.2f} MPa, "
         f"f = {load:g} N/mm, φ = f/(E*·ΔR) = {load / float(pair.E_star * pair.dR):.6g}",
@@ -187,7 +226,9 @@ def to_text(pair: CylinderPair, load: float, own: ContactLaw | None = None) -> R
         f"penetration against {truth}'s at equal load, percent, at φ =",
         _deviations(errors),
     ]
-    if not pair.of_one_material:
+    if housing is not None:
+        parts.insert(1, _of_housing(pair, load, housing))
+    elif not pair.of_one_material:
         parts.insert(1, _advice(pair, side_by_side, errors))
     elif contact == "internal":
         parts += [
