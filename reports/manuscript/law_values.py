@@ -21,7 +21,7 @@ from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import collect_samples, form_of
 from cylcontact.fitting.uncertainty.profiles import FAIRLY, TOLERANCE
-from cylcontact.laws import PUBLISHED, explicit, explicit_pair, parametric
+from cylcontact.laws import PUBLISHED, arcs, explicit, explicit_pair
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN, PUBLISHED_DR
 from cylcontact.limits import first_yield, yield_load
@@ -461,7 +461,7 @@ def pairs(bench: Bench) -> Group:
         "alpha": Quantity(EDGE, "", 3),
         "parametric": _at_most(of_parametric, "%", 2),
         "explicit": _at_most(of_explicit, "%", 2),
-        "parametric_constants": Quantity(len(fields(parametric.CALIBRATED))),
+        "parametric_constants": Quantity(len(fields(arcs.CALIBRATED))),
         "explicit_constants": Quantity(len(fields(explicit_pair.CALIBRATED))),
         "metals": Quantity((float(metals.min()), float(metals.max())), "%", 2),
         "plane_phi": Quantity(1),

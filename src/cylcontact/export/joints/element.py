@@ -132,10 +132,10 @@ class Element:
     def _law(self) -> tuple[tuple[Step, ...], dict[str, float]]:
         """The steps of the law and the numbers of its formula at the pair."""
         law, pair = self.joint.law, self.joint.pair
-        if self.table is not None or not isinstance(law, Law):
+        formula = law.formula_at(pair) if isinstance(law, Law) else None
+        if self.table is not None or formula is None or not isinstance(law, Law):
             return steps_of(_TABLE_STEPS), {}
-        numbers = law.numbers_at(pair)
-        steps = needed(law.formula_for(pair.contact).scalar_steps, "f")
+        numbers, steps = law.numbers_at(pair), needed(formula.scalar_steps, "f")
         names = safe_names(steps, numbers)
         own = {names[name]: float(value) for name, value in numbers.items()}
         return tuple(renamed(step, names) for step in steps), own
