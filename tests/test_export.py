@@ -16,9 +16,7 @@ from cylcontact.export.soundness import require_contact_law
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws.adapters import ScaledLaw
-from cylcontact.laws.formula import Formula
 from cylcontact.laws.lambert import branch_distance
-from cylcontact.laws.law import Law
 from cylcontact.laws.logarithmic import adjusted_logarithmic
 from cylcontact.laws.user import user_law
 from cylcontact.materials import material_in_MPa
@@ -35,27 +33,8 @@ def coefficients(path):
     return FitResult.read(path).coefficients
 
 
-def looped(penetration, pair, n):
-    """Loops in loops, whose numbers divide each other."""
-    x = penetration / pair.dR
-    total, slope = 0.0, 0.0
-    for j in range(5, 2, -1):
-        share = 1.0 / j
-        for i in range(1, 3):
-            total = total + n * share * i / j * x
-        slope = slope + share
-    f = pair.E_star * pair.dR * (x + total * x + slope * x)
-    return f, pair.E_star * (1 + 2 * total + slope)
-
-
-@dataclass(frozen=True)
-class Looped(Law):
-    n: float = 1.3
-    name = "looped"
-    formula = Formula(looped)
-
-
-OWN = user_law("own_laws:awkward", Path(__file__).parent)
+FOLDER = Path(__file__).parent
+OWN, LOOPED = (user_law(f"own_laws:{name}", FOLDER) for name in ("awkward", "looped"))
 LAWS = {
     **{
         f"{name}-{contact}": (laws.LAWS[name](), contact)
@@ -73,7 +52,7 @@ LAWS = {
     "scaled-johnson": (adjusted_logarithmic(laws.Johnson(), 1.3, -0.7, 2.0), "internal"),
     "scaled-parametric": (ScaledLaw(laws.Parametric(), 1.3, 0.8), "internal"),
     "scaled-twice": (ScaledLaw(ScaledLaw(laws.Winkler(), 0.7, 2.0), 1.5), "internal"),
-    "looped": (Looped(), "internal"),
+    "looped": (LOOPED, "internal"),
     "own": (OWN, "internal"),
     "own-scaled": (ScaledLaw(OWN, 0.7, 1.5), "external"),
 }
@@ -368,7 +347,7 @@ ERRORS = {
     ),
     "not translatable": (
         lambda: export(user_law("own_laws:untranslatable", Path(__file__).parent), None, "c"),
-        "line 16 = 'abs(penetration)': is not known in other languages",
+        "line 29 = 'abs(penetration)': is not known in other languages",
     ),
     "no such result": (lambda: export_named("nothing.json", None, "c"), "No such file"),
 }  # fmt: skip

@@ -25,13 +25,13 @@ end function log1p"""
 
 # Lambert's w = -1 - W(-p/e), W the lower branch: a start in closed form and one step.
 _LAMBERT = """
-elemental function branch_distance(p) result(w)
+elemental function branch_distance(p) result(distance)
     real(wp), intent(in) :: p
-    real(wp) :: w
-    real(wp) :: inner, g, r, u, start, t
+    real(wp) :: distance
+    real(wp) :: $names
 
     $steps
-    w = $w
+    distance = $w
 end function branch_distance"""
 
 DIALECT = Dialect(

@@ -107,9 +107,10 @@ def _penetration(load, $pair):
         depth = jnp.exp(x)
         f, k = _evaluate(depth, $pair)
         low, high = jnp.where(f < load, x, low), jnp.where(f < load, high, x)
-        new = x + (jnp.log(load) - jnp.log(f)) * f / (k * depth)
-        inside = (new >= low) & (new <= high)
-        solved = inside & (jnp.abs(new - x) <= narrow)
+        miss = jnp.log(load) - jnp.log(f)
+        new = x + miss * f / (k * depth)
+        solved = (jnp.abs(miss) <= narrow) & (jnp.abs(new - x) <= narrow)
+        inside = solved | (new >= low) & (new <= high)
         return count + 1, jnp.where(inside, new, (low + high) / 2.0), low, high, solved
 
     def is_going_on(state):

@@ -72,8 +72,12 @@ class Dialect:
         if re.search(r"\bbranch_distance\(", text):
             own = replace(self, names={**self.names, "penetration": "p"})
             *steps, last = lambert_steps()
-            w = {"steps": own.statements(steps), "w": own.render(last.value)}
-            parts.append(filled(self.lambert, w))
+            own_parts = {
+                "steps": own.statements(steps),
+                "names": ", ".join(step.name for step in steps),
+                "w": own.render(last.value),
+            }
+            parts.append(filled(self.lambert, own_parts))
             text += parts[0]
         parts += (code for name, code in self.helpers.items() if re.search(rf"\b{name}\(", text))
         return "\n".join(parts)

@@ -508,7 +508,7 @@ class _Frame:
             n.id for s in body for n in ast.walk(s)
             if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
         )  # fmt: skip
-        going_on = [each for each in stores if each in self.given]
+        going_on = [each for each in stores if each in self.given and each not in self.changing]
         for each in going_on:
             self.steps.append(Step(self.reader.fresh(each), self.given[each]))
             self.given[each] = ast.Name(self.steps[-1].name)

@@ -130,7 +130,8 @@ class UserLaw(Law):
         try:  # its own array, for it may write into it; what it prints is no part of a report
             with contextlib.redirect_stdout(sys.stderr):
                 given = np.array(np.broadcast_to(depth, shape))[()]
-                loads = np.asarray(self.user.function(given, pair, **self.values))
+                returned = self.user.function(given, pair, **self.values)
+                loads = np.asarray(returned[0] if isinstance(returned, tuple) else returned)
         except InputError:
             raise
         except (Exception, SystemExit) as error:
