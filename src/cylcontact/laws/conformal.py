@@ -436,7 +436,7 @@ class Conformal(Unlimited):
 
 @dataclass(frozen=True)
 class Persson(Conformal):
-    """The reference law for a pin in a hole of one material, exact for large contact arcs as well.
+    """The reference law for a pin in a hole, exact for large contact arcs as well.
 
     δ = f·Z(u)/(π·E*) with u = tan²(ε/2) from f/(E*·ΔR) = 2π·u(1 + u)/(2 − 2u² − ln(1 + u)) and
 
