@@ -370,8 +370,9 @@ class Conformal(Unlimited):
         return inside_or_nan(np.where(phi == 0, 0.0, np.degrees(angle)), touching)
 
     def peak_pressure(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the largest pressure in MPa, on the line of `load` in N/mm.
+        """Return the largest pressure in MPa under `load` in N/mm.
 
+        It is on the line of the load, but in thin eyes, which press on the pin from both sides.
         The radii must be known. The theory makes no difference between them; R here is √(R_i·R_j),
         so that small loads give exactly Hertz's pressure.
         """
