@@ -69,6 +69,8 @@ _LEAST_RATIO = 1.05
 _LAST_SHARE = 1e-3
 # Modes of the free arc, harmonics of its stiffness, and where D_n begins to be proportional to n.
 _MODES, _RIM_HARMONICS, _LINEAR_FROM = 32, 4000, 400
+# What is left out of the compact law's polynomials, of their largest Chebyshev coefficient.
+_POLYNOMIALS = 1e-13
 # Above this h the error of the compact law may exceed 1 %, and the series takes over.
 COMPACT_UP_TO = 4.0
 # ₂F₁(2, 2; 3; S) as a power series, used below this S, and the largest S.
@@ -171,7 +173,8 @@ class Kernel:
             first @ F,
             2 * np.sum(F * (rest @ P), axis=0),
         )
-        return tuple(Chebyshev.fit(S, row, 2 * count, domain=[0, 1]) for row in rows)
+        fitted = (Chebyshev.fit(S, row, 2 * count, domain=[0, 1]) for row in rows)
+        return tuple(p.trim(_POLYNOMIALS * float(np.abs(p.coef).max())) for p in fitted)
 
     def compact(self, S: ArrayLike) -> Compact:
         """Return Γ and T on arcs of S = sin²(ε/2) < 1.
