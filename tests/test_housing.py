@@ -326,9 +326,13 @@ def test_the_largest_pressure_of_a_thin_eye_is_beside_the_line_of_the_load():
 
 def test_the_law_ends_where_the_pin_would_leave_the_eye_in_the_middle():
     pair, law = pair_of("steel in aluminium"), Conformal(Housing(13.0, Sector(300, "far")))
-    f = np.array([1.0, 30.0]) * pair.E_star * 0.01
+    end = law.max_load(pair)
+    assert 1 < end / (pair.E_star * 0.01) < 10
+    assert law.penetration(end * (1 - 1e-9), pair) == pytest.approx(law.max_penetration(pair))
     for answer in (law.penetration, law.contact_angle, law.peak_pressure):
-        np.testing.assert_array_equal(np.isnan(answer(f, pair)), [False, True])
+        values = answer(end * np.array([1 - 1e-9, 1 + 1e-9]), pair)
+        np.testing.assert_array_equal(np.isnan(values), [False, True])
+    assert Conformal(Housing(20.0)).max_load(pair) == np.inf
 
 
 def test_families_are_their_members():

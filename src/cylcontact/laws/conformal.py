@@ -122,6 +122,16 @@ class Bodies:
             end = float(_q_of_angle(as_floats(self.remainder.top)))
         return self._root(lambda arc: (arc.k, arc.k_slope), q, as_floats(np.full_like(q, end)))
 
+    @cached_property
+    def ends(self) -> tuple[FloatArray, FloatArray]:
+        """φ and d where the pin would leave a housing within the arc, inf where it never does."""
+        whole_to = self.remainder.whole_to if isinstance(self.remainder, Housed) else np.inf
+        if whole_to >= self.last.angle:
+            return as_floats(np.inf), as_floats(np.inf)
+        arc = self.arc(_q_of_angle(as_floats(whole_to)))
+        phi = np.pi * arc.S / arc.k
+        return as_floats(phi), as_floats(phi * arc.L / np.pi)
+
     def arc(self, q: FloatArray) -> Arc:
         """Return the arc with (1 − S)²/S = 1/(b²(1 + b²)) = q."""
         b2 = 2 / (q * (1 + np.sqrt(1 + 4 / q)))
@@ -352,6 +362,21 @@ class Conformal(Unlimited):
             C = self.constant(pair)
             self._each(lambda bodies, _: self._checked(bodies).last.L, C, pair, C)
 
+    def max_load(self, pair: CylinderPair) -> FloatArray:
+        """Return inf, but the load in N/mm at which the pin leaves a thin eye within the arc."""
+        return self._ends(0, self.load_unit(pair), pair)
+
+    def max_penetration(self, pair: CylinderPair) -> FloatArray:
+        """Return inf, but the penetration in mm at `max_load` where there is one."""
+        return self._ends(1, self.load_unit(pair) / pair.E_star, pair)
+
+    def _ends(self, which: int, unit: FloatArray, pair: CylinderPair) -> FloatArray:
+        """Return one of the ends in its unit."""
+        if not isinstance(self.datum, Housing):
+            return as_floats(np.full_like(unit, np.inf))
+        C = self.constant(pair)
+        return unit * self._each(lambda bodies, _: bodies.ends[which], unit, pair, C)
+
     def load_unit(self, pair: CylinderPair) -> FloatArray:
         """Return E*·ΔR in N/mm; raise `InputError` for a pair that the law is not for."""
         self.require_pair(pair)
@@ -368,8 +393,9 @@ class Conformal(Unlimited):
         return inside_or_nan(np.where(phi == 0, 0.0, np.degrees(angle)), touching)
 
     def peak_pressure(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
-        """Return the largest pressure in MPa, on the line of `load` in N/mm.
+        """Return the largest pressure in MPa under `load` in N/mm.
 
+        It is on the line of the load, but in thin eyes, which press on the pin from both sides.
         The radii must be known. The theory makes no difference between them; R here is √(R_i·R_j),
         so that small loads give exactly Hertz's pressure.
         """
@@ -434,7 +460,7 @@ class Conformal(Unlimited):
 
 @dataclass(frozen=True)
 class Persson(Conformal):
-    """The reference law for a pin in a hole of one material, exact for large contact arcs as well.
+    """The reference law for a pin in a hole, exact for large contact arcs as well.
 
     δ = f·Z(u)/(π·E*) with u = tan²(ε/2) from f/(E*·ΔR) = 2π·u(1 + u)/(2 − 2u² − ln(1 + u)) and
 

@@ -69,6 +69,8 @@ _LEAST_RATIO = 1.05
 _LAST_SHARE = 1e-3
 # Modes of the free arc, harmonics of its stiffness, and where D_n begins to be proportional to n.
 _MODES, _RIM_HARMONICS, _LINEAR_FROM = 32, 4000, 400
+# What is left out of the compact law's polynomials, of their largest Chebyshev coefficient.
+_POLYNOMIALS = 1e-13
 # Above this h the error of the compact law may exceed 1 %, and the series takes over.
 COMPACT_UP_TO = 4.0
 # ₂F₁(2, 2; 3; S) as a power series, used below this S, and the largest S.
@@ -171,7 +173,8 @@ class Kernel:
             first @ F,
             2 * np.sum(F * (rest @ P), axis=0),
         )
-        return tuple(Chebyshev.fit(S, row, 2 * count, domain=[0, 1]) for row in rows)
+        fitted = (Chebyshev.fit(S, row, 2 * count, domain=[0, 1]) for row in rows)
+        return tuple(p.trim(_POLYNOMIALS * float(np.abs(p.coef).max())) for p in fitted)
 
     def compact(self, S: ArrayLike) -> Compact:
         """Return Γ and T on arcs of S = sin²(ε/2) < 1.
@@ -348,9 +351,11 @@ class Housing:
 
         Examples
         --------
-        >>> own = Housing.from_compliances([-0.1, 0.4, -0.05, -0.001, 0.0])
-        >>> print(f"{own.kernels(None)[1][0].h:.3f}")
-        0.498
+        >>> from cylcontact import CylinderPair, Material, laws
+        >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", 207e3, 0.3))
+        >>> law = laws.Conformal(Housing.from_compliances([-0.1, 0.4, -0.05, -0.001, 0.0]))
+        >>> print(f"{1e3 * law.penetration(1000.0, pair):.2f} µm")
+        10.78 µm
         """
         if isinstance(g, str | Path):
             g = _read_numbers(Path(g))
@@ -419,15 +424,17 @@ def _kernel_of(rings: tuple[_Ring, ...], w_i: float, sector: Sector | None) -> K
     """Return the kernel of bonded rings, clamped on the whole rim or on a sector of it."""
     count = _harmonics(rings[0].outer)
     n = np.arange(1, max(count, 1 if sector is None else _LINEAR_FROM) + 1)
+    (bore_0, rim_0, through_0), (bore, rim, through) = (
+        _responses(orders, rings) for orders in (np.array([0]), n)
+    )
     kappa = rings[0].kappa
-    bore, rim, through = _responses(n, rings)
     plate = np.where(n == 1, 0.25, (kappa / np.maximum(n - 1, 1) + 1 / (n + 1)) / 2)
-    bore_0, rim_0, through_0 = _uniform(rings)
     share = 2 * w_i / (kappa + 1)
     g = np.diag(share * np.append((bore_0 - 1) / 2, (bore - plate)[:count]))
     if sector is not None:
-        D, T = np.concatenate([rim_0[None], rim]), np.concatenate([through_0[None], through])
-        B, A = _free_arc(sector, D, T[: count + 1], rings[-1].outer)
+        D, T = np.zeros((n.size + 1, 2, 2)), np.zeros((count + 1, 2))
+        D[0, 0, 0], T[0, 0], D[1:], T[1:] = rim_0[0, 0, 0], through_0[0, 0], rim, through[:count]
+        B, A = _free_arc(sector, D, T, rings[-1].outer)
         B[:, 0] /= 2
         g = g + share / np.pi * (B.T @ np.linalg.solve(A, B))
     return Kernel(as_floats((g + g.T) / 2))
@@ -443,27 +450,26 @@ def _responses(n: IndexArray, rings: tuple[_Ring, ...]) -> tuple[FloatArray, ...
     """Return U_n of the bore with the rim clamped, and D_n and T_n with the bore free.
 
     The unknowns are four terms a ring; the equations two tractions of the bore, continuity at each
-    interface, and two displacements of the rim.
+    interface, and two displacements of the rim. For n = 0 they are half as many.
     """
-    size = 4 * len(rings)
-    system, applied = np.zeros((n.size, size, size)), np.zeros((n.size, size, 3))
+    half = 1 if n[0] == 0 else 2
+    chosen = np.ix_(range(n.size), *(([0, 2], [0, 3]) if half == 1 else (range(4), range(4))))
+    size = 2 * half * len(rings)
+    system, applied = np.zeros((n.size, size, size)), np.zeros((n.size, size, 1 + half))
     for k, ring in enumerate(rings):
-        terms, own = 4 * k, slice(4 * k, 4 * k + 4)
-        inner, outer = _terms(n, ring, ring.inner), _terms(n, ring, ring.outer)
-        if k == 0:
-            system[:, :2, own] = inner[:, 2:]
-        else:
-            system[:, terms - 2 : terms + 2, own] = inner
-        if k == len(rings) - 1:
-            system[:, -2:, own] = outer[:, :2]
-        else:
-            system[:, terms + 2 : terms + 6, own] = -outer
+        inner, outer = (_terms(n, ring, r)[chosen] for r in (ring.inner, ring.outer))
+        start = 2 * half * k
+        own = slice(start, start + 2 * half)
+        system[:, max(start - half, 0) : start + half, own] = inner if k else inner[:, half:]
+        system[:, start + half : start + 3 * half, own] = (
+            outer[:, :half] if ring is rings[-1] else -outer
+        )
     applied[:, 0, 0] = -1
-    applied[:, -2, 1] = applied[:, -1, 2] = 1
+    applied[:, -half:, 1:] = np.eye(half)
     solved = np.linalg.solve(system, applied)
-    bore = _terms(n, rings[0], 1.0)[:, 0, None] @ solved[:, :4]
-    rim = _terms(n, rings[-1], rings[-1].outer)[:, 2:] @ solved[:, -4:, 1:]
-    return bore[:, 0, 0], rim, bore[:, 0, 1:]
+    bore = _terms(n, rings[0], 1.0)[chosen][:, :1] @ solved[:, : 2 * half]
+    last = _terms(n, rings[-1], rings[-1].outer)[chosen]
+    return bore[:, 0, 0], last[:, half:] @ solved[:, -2 * half :, 1:], bore[:, 0, 1:]
 
 
 def _terms(n: IndexArray, ring: _Ring, r: float) -> FloatArray:
@@ -483,31 +489,6 @@ def _terms(n: IndexArray, ring: _Ring, r: float) -> FloatArray:
     powers = np.exp([(n + 1) * grow, (1 - n) * fall, (n - 1) * grow, -(n + 1) * fall])
     units = np.array([1 / ring.mu, 1 / ring.mu, 1 / r, 1 / r])
     return as_floats(np.einsum("ijn,jn,i->nij", np.array(rows), powers, units))
-
-
-def _uniform(rings: tuple[_Ring, ...]) -> tuple[float, FloatArray, FloatArray]:
-    """Return the same for n = 0: u_r = (κ − 1)·A·r − D/r and σ_rr = 2A + D/r²."""
-    size = 2 * len(rings)
-    system, applied = np.zeros((size, size)), np.zeros((size, 2))
-
-    def at(ring: _Ring, r: float) -> FloatArray:
-        return np.array([[(ring.kappa - 1) * r / ring.mu, -1 / (r * ring.mu)], [2, 1 / r**2]])
-
-    for k, ring in enumerate(rings):
-        inner, outer, own = at(ring, ring.inner), at(ring, ring.outer), slice(2 * k, 2 * k + 2)
-        if k == 0:
-            system[0, own] = inner[1]
-        else:
-            system[2 * k - 1 : 2 * k + 1, own] = inner
-        if k == len(rings) - 1:
-            system[-1, own] = outer[0]
-        else:
-            system[2 * k + 1 : 2 * k + 3, own] = -outer
-    applied[0, 0], applied[-1, 1] = -1, 1
-    solved = np.linalg.solve(system, applied)
-    bore = at(rings[0], 1.0)[0] @ solved[:2]
-    rim = at(rings[-1], rings[-1].outer)[1] @ solved[-2:, 1]
-    return float(bore[0]), np.diag([rim, 0.0]), np.array([bore[1], 0.0])
 
 
 def _free_arc(

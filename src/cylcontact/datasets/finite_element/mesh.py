@@ -24,8 +24,8 @@ IntArray = NDArray[np.intp]
 # Half-width of the pin's square core, in radii.
 _CORE = 0.35
 _QUARTER = np.pi / 4
-# The smallest cells at the end of a clamp, in radii of the hole, and their growth away from it.
-_EDGE, _EDGE_GROWTH = 0.003, 1.25
+# The smallest cells at the end of a clamp, in radii of the hole.
+_EDGE = 0.001
 # 200 cells over the half-width of the narrowest real contact need some 3000.
 _MOST_CELLS = 5000
 
@@ -231,7 +231,7 @@ def _plate(
     outwards = replace(grading, largest=2 * grading.largest)
     r = radius + _graded(outer_radius - radius, outwards, radius)
     if clamp_end is not None:
-        edge = replace(grading, size=_EDGE * radius, growth=_EDGE_GROWTH, even=0.0)
+        edge = replace(grading, size=_EDGE * radius, even=0.0)
         half = (outer_radius - radius) / 2
         inner = _graded(half, replace(outwards, largest=grading.largest), radius)
         r = radius + np.append(inner, 2 * half - _graded(half, edge, radius)[-2::-1])
