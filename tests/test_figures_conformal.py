@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from cylcontact import CylinderPair, Material
+from cylcontact.laws import Conformal, Housing
 from cylcontact.plots.figure import Drawing
 from cylcontact.reports.bench import Bench
 from tests.drawn_figures import DrawnFigures
@@ -137,18 +139,15 @@ class TestComparison:
         assert rows["load_error_percent"].iloc[0] == pytest.approx(error, rel=1e-6)
 
     def test_what_a_clamped_housing_adds(self, comparison: Drawing) -> None:
-        """C·φ/π less that by Johnson's datum, from the closed form of the plate's constant."""
-        kappa, w, table = 3 - 4 * 0.3, 0.5, comparison.table
+        """Of the penetration by Johnson's datum, from the law itself."""
+        table, steel = comparison.table, Material("steel", 200e3, 0.3)
+        pair = CylinderPair.internal(R_i=10.0, R_j=9.99, material=steel)
         for ratio in (10, 50):
-            A = -(1 + (kappa - 1) / (2 * ratio**2)) / (2 * (kappa * ratio**2 + ratio**-2))
-            U = (kappa + 1) / 4 + kappa * math.log(ratio) + A * (kappa - 1 + 2 * ratio**2)
-            plate = 4 * w * U / (kappa + 1) ** 2 - w / (kappa + 1)
-            more = plate - w / (kappa + 1) - C_DATUM
+            law = Conformal(Housing(10.0 * ratio))
             rows = table[table["law"] == f"conformal, clamped at R_o/R_i = {ratio}"].iloc[::20]
             for phi, added in zip(rows["phi"], rows["penetration_error_percent"], strict=True):
-                assert added == pytest.approx(
-                    100 * more * phi / math.pi / persson_at(phi), rel=1e-6
-                )
+                held = law.penetration(phi * pair.E_star * pair.dR, pair) / pair.dR
+                assert added == pytest.approx(100 * (held / persson_at(phi) - 1), rel=1e-6)
 
 
 class TestSearch:

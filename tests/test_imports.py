@@ -33,7 +33,7 @@ LAYERS = (
     },
     {"materials", "modulus", "pair"},
     {"laws"},
-    {"stress"},
+    {"housing_spec", "stress"},
     {"yield_search"},
     {"limits", "impact"},
     {"datasets", "plots"},

@@ -653,8 +653,9 @@ def test_the_fitted_law_is_exported_with_its_constants(tmp_path, example, run):
     code, said, _ = run("export", tmp_path / "r.json", "--to", "json")
     assert code == 0
     exported = json.loads(said)["coefficients"]
-    assert exported["kappa"] == pytest.approx(example.coefficients["kappa"], rel=1e-14)
-    assert exported["c"] == pytest.approx(example.coefficients["c"], rel=1e-14)
+    B, D = exported["load_factor"], exported["penetration_factor"]  # δ = D·δ₀(f/B)
+    assert exported["kappa"] * D / B == pytest.approx(example.coefficients["kappa"], rel=1e-14)
+    assert exported["c"] + np.log(B) == pytest.approx(example.coefficients["c"], rel=1e-14)
 
 
 def test_what_cannot_be_exported_says_so(tmp_path, run):

@@ -6,7 +6,7 @@ Annotations are no texts here: those of `PairOptions` are read in the modules th
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,10 +14,11 @@ from cylcontact.arrays import require
 from cylcontact.choices import listed
 from cylcontact.cli.options import NUMBER, Materials, option_of, require_internal
 from cylcontact.errors import InputError
-from cylcontact.housing_spec import HousingSpec, clamp_of
 from cylcontact.materials import Material, MaterialRow, find_material, modulus_in_MPa
 from cylcontact.pair import CONTACTS, CylinderPair, roles
-from cylcontact.spec import parse_spec
+
+if TYPE_CHECKING:
+    from cylcontact.housing_spec import HousingSpec
 
 __all__ = [
     "IN_CONSTANTS",
@@ -135,11 +136,14 @@ def constants_of(
     return values, options
 
 
-def housing_of(given: dict[str, Any], source: str, contact: str) -> HousingSpec | None:
+def housing_of(given: dict[str, Any], source: str, contact: str) -> "HousingSpec | None":
     """Return the housing that the options give, and take them away."""
     R_o, clamp = given.pop("R_o", None), given.pop("clamp", None)
     if R_o is None and clamp is None:
         return None
+    from cylcontact.housing_spec import HousingSpec, clamp_of
+    from cylcontact.spec import parse_spec
+
     require_internal(source, contact, "leave out --R-o and --clamp, or give --contact internal")
     require(R_o is not None, source, "--R-o", None, "is missing beside --clamp", "give the radius")
     data = {"R_o": R_o, **clamp_of(clamp or "rim", source)}

@@ -100,7 +100,7 @@ class Iso16281(OfSteel):
     >>> steel = Material("steel", E=207e3, nu=0.3)
     >>> pair = CylinderPair.external(R_i=5.0, R_j=20.0, material=steel, length=10.0)
     >>> print(f"{1e3 * 2 * Iso16281().penetration(100.0, pair):.3f} µm")
-    6.309 µm
+    6.308 µm
     """
 
     name: ClassVar[str] = "iso-16281"

@@ -18,7 +18,6 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, least_squares
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.laws.arcs import ParametricCoefficients, arc
@@ -114,6 +113,8 @@ def _curve(
     kernel: Kernel, w_i: float, beta: float, C: float, constants: ParametricCoefficients
 ) -> Curve:
     """Return the curve from the series if the kernel needs it, else from the compact law."""
+    from scipy.optimize import brentq  # which takes longer to import than the package
+
     by_series = _needs_series(kernel, w_i)
     if by_series:
         bodies = Bodies(as_floats(w_i), beta, as_floats(C), kernel)
@@ -177,6 +178,8 @@ def _five_of(
 
 def _five(curve: Curve) -> FiveConstants:
     """Fit the five constants to a curve, by least squares of ln φ from several starts."""
+    from scipy.optimize import least_squares
+
     d = np.exp(np.interp(np.log(_PHI), curve.y, curve.x))
     phi = curve.at(as_floats(d))[0]
     L = np.pi * d / phi  # what the form has to give

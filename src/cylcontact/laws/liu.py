@@ -35,7 +35,7 @@ class Liu(Law):
 
     Examples
     --------
-    >>> from cylcontact import Material
+    >>> from cylcontact import CylinderPair, Material
     >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
     >>> law = Liu()
     >>> delta = law.penetration(100.0, pair)
