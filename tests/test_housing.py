@@ -414,12 +414,13 @@ COMPACT = [
     ("steel in steel", 2.0, "far60", 5.1),
     ("steel in aluminium", 3.0, "far60", 1.4),
     ("steel in PEEK", 10.0, "far60", 0.08),
+    ("PEEK in steel", 1.3, "far60", 4.9),
 ]
 
 
 @pytest.mark.parametrize(("name", "rho", "clamp", "percent"), COMPACT)
 def test_the_compact_law_is_as_near_to_the_series_as_printed(name, rho, clamp, percent):
-    """K = K∞ − T, L = L∞ + 2Γ − (H − 1)·T; above h = 4 it may be wrong by more than 1 %."""
+    """K = K∞ − T, L = L∞ + 2Γ − (H − 1)·T; the series takes over where it may miss 1 %."""
     pair, housing = pair_of(name), Housing(10 * rho, CLAMPS[clamp])
     kernel, beta = kernel_of(housing, pair), float(pair.beta)
     plate = Bodies(pair.shares[0], beta, housing.constant(pair))
@@ -432,9 +433,7 @@ def test_the_compact_law_is_as_near_to_the_series_as_printed(name, rho, clamp, p
     exact = Conformal(housing).penetration(phi * pair.E_star * 0.01, pair) / 0.01
     largest = 100 * np.abs(phi * L[inside] / np.pi / exact - 1).max()
     assert largest < 1.05 * percent + 0.15
-    assert kernel.needs_series == (kernel.h > 4)
-    if not kernel.needs_series:
-        assert largest < 1
+    assert kernel.needs_series or largest < 1
 
 
 # --- contact finite elements --------------------------------------------------------------------
