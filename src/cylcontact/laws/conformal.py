@@ -137,8 +137,9 @@ class Bodies:
         b2 = 2 / (q * (1 + np.sqrt(1 + 4 / q)))
         c = 1 / (1 + b2)
         S, cc, fall = b2 * c, c * c, np.log1p(b2)  # fall = −ln c
-        H = 2 * S + cc * (fall / S)
-        H_slope = c * (2 * S + c - c * fall * (2 + c / S))
+        part = q * fall
+        H = 2 * S + part
+        H_slope = c * (2 * S + c - 2 * c * fall - part)
         k = cc - self.w_i * (S * H)
         k_slope = -2 * S * cc - self.w_i * (S * (c * H + H_slope))
         L = fall - np.log(b2) + S * S / 2 + self.w_i * H + self.C
@@ -194,7 +195,7 @@ class Bodies:
         q: FloatArray,
         end: FloatArray,
     ) -> Arc:
-        """Return the arc q ≥ `end` where a function that increases with q vanishes.
+        """Return the arc q ≥ `end` where a function that increases with q vanishes, but for slopes.
 
         `miss` gives it and its slope by ln b², both times S. Where a step of Newton's method leaves
         the bracket, its middle in ln q takes its place.
@@ -211,7 +212,18 @@ class Bodies:
             if np.all(np.abs(new - q) <= _LAST_STEP * q):
                 break
             q = new
-        return self.arc(new)
+        step = (q - new) / (q * (1 + arc.S))  # in ln b²; its square is below rounding
+        return arc._replace(
+            b2=arc.b2 * (1 + step),
+            S=arc.S * (1 + arc.c * step),
+            c=arc.c * (1 - arc.S * step),
+            k=arc.k + arc.k_slope * step,
+            L=arc.L + arc.L_slope * step,
+        )
+
+    def with_slopes(self, arc: Arc) -> Arc:
+        """Return an arc with the slopes there, which a search leaves a step before."""
+        return self.arc(as_floats(1 / (arc.b2 * (1 + arc.b2))))
 
     def _one_arc(self, arc: Arc) -> Arc:
         """Return an arc, NaN where the pin would leave a housing within it."""
@@ -342,13 +354,15 @@ class Conformal(Unlimited):
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
         delta = depth_of(penetration)
-        touching, L = self._at(lambda arc: arc.L, delta, pair)
+        touching, L = self._at(lambda arc, _: arc.L, delta, pair)
         return inside_or_nan(np.pi * pair.E_star * (delta / L), touching)
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm² at `penetration` in mm; 0 at first touch."""
         delta = depth_of(penetration)
-        touching, compliance = self._at(lambda arc: arc.compliance, delta, pair)
+        touching, compliance = self._at(
+            lambda arc, bodies: bodies.with_slopes(arc).compliance, delta, pair
+        )
         stiffness = np.pi * pair.E_star / compliance
         return inside_or_nan(np.where(delta == 0, 0.0, stiffness), touching)
 
@@ -406,13 +420,16 @@ class Conformal(Unlimited):
         return inside_or_nan(f / np.sqrt(R_i * R_j) * peak, touching)
 
     def _at(
-        self, answer: Callable[[Arc], FloatArray], penetration: FloatArray, pair: CylinderPair
+        self,
+        answer: Callable[[Arc, Bodies], FloatArray],
+        penetration: FloatArray,
+        pair: CylinderPair,
     ) -> tuple[BoolArray, FloatArray]:
         """Return where the penetration is not negative, and a number of the arc there."""
         touching, d = in_units_of(self.load_unit(pair) / pair.E_star, penetration)
 
         def at_depth(bodies: Bodies, d: FloatArray) -> FloatArray:
-            return answer(self._checked(bodies).arc_of_penetration(d))
+            return answer(self._checked(bodies).arc_of_penetration(d), bodies)
 
         return touching, self._each(at_depth, d, pair, self.constant(pair))
 

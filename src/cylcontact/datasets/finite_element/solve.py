@@ -41,7 +41,8 @@ class Solution:
         Displacement of the pin's centre from first touch in mm.
     half_width : float
         Half-width of the contact in mm, from Hertz's ellipse through the flank of the pressure:
-        within 1 % of the reference law's up to f/(E*·ΔR) = 0.3, and 3 % low at 3.
+        within 1 % of the reference law's up to f/(E*·ΔR) = 0.3, and 3 % low at 3. NaN in thin eyes,
+        where the pressure does not fall like an ellipse.
     arc, pressure : array of float
         Distance from the top along the hole in mm and contact pressure in MPa, at the pairs of
         nodes that may touch.
@@ -221,7 +222,8 @@ def _edge(arc: FloatArray, pressure: FloatArray) -> float:
     share = pressure / pressure.max()
     flank = (share > 0.3) & (share < 0.9)
     slope, level = np.polyfit(arc[flank] ** 2, pressure[flank] ** 2, 1)
-    return float(np.sqrt(-level / slope))
+    square = -level / slope
+    return float(np.sqrt(square)) if square > 0 else np.nan
 
 
 def _factorised(setup: Setup, mesh: Mesh) -> tuple[Elastic, Elastic]:
