@@ -70,6 +70,17 @@ def test_at_the_plates_radius_the_housing_is_no_more():
     np.testing.assert_allclose(far.penetration(f, PAIR), numeric.penetration(f, PAIR), rtol=1e-6)
 
 
+def test_the_curve_ends_where_the_pin_leaves_a_thin_eye():
+    """At its last node before the end of the series, which it never passes."""
+    pair, housing = pair_of(STEEL, ALUMINIUM), Housing(13.0, Sector(300, "far"))
+    end = float(laws.Conformal(housing).max_penetration(pair))
+    law = laws.Parametric(housing)
+    assert np.isfinite(end)
+    assert 0.7 * end < law.max_penetration(pair) <= end
+    assert np.isnan(law.load(1.01 * end, pair))
+    assert law.max_load(pair) <= laws.Conformal(housing).max_load(pair)
+
+
 def test_many_pairs_are_each_of_them():
     many = CylinderPair.internal(R_i=10.0, R_j=np.array([9.95, 9.9]), pin=STEEL, hole=BRONZE)
     for law in (laws.Parametric(Housing(20.0)), laws.Explicit(datum=Housing(20.0))):

@@ -22,7 +22,7 @@ import numpy as np
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.laws.arcs import ParametricCoefficients, arc
 from cylcontact.laws.conformal import Bodies
-from cylcontact.laws.housing import Housing, Kernel
+from cylcontact.laws.housing import Housing, Kernel, Sector
 from cylcontact.laws.law import AtPair
 from cylcontact.laws.tabulated import cubic
 from cylcontact.pair import CylinderPair
@@ -30,8 +30,8 @@ from cylcontact.pair import CylinderPair
 # The nodes in t, and their largest d.
 _T = np.arange(80.0, -9.0, -0.15)
 _DEEPEST = 1e3
-# From this h on, or this h over w_i, the compact law may be wrong by more than 1 %.
-_SERIES_FROM, _SERIES_FROM_BY_SHARE = 4.0, 60.0
+# Eyes of up to this R_o/R_i are thin.
+_THIN = 2.0
 # Where the five constants are fitted, and the starts: factors of A, of B, and D.
 _PHI = np.geomspace(1e-4, 10.0, 101)
 _STARTS = ((1.0, 1.0, 1.5), (0.3, 3.0, 1.0), (3.0, 0.3, 2.0), (1.0, 10.0, 0.0))
@@ -71,20 +71,24 @@ class FiveConstants(NamedTuple):
 
 
 def needs_series(housing: Housing, pair: CylinderPair) -> bool:
-    """Return whether a joint is that of the series, because the compact law is not close enough."""
+    """Return whether a joint's curve is that of the series, as the compact law is not close enough.
+
+    Thin eyes are, too: only the series knows whether the pin leaves them within the arc.
+    """
+    kernel, *_ = _numbers_of(housing, pair)
+    thin = isinstance(housing.clamp, Sector) and housing.R_o < _THIN * float(pair.R_i or 0.0)
+    return thin or kernel.needs_series
+
+
+def _numbers_of(housing: Housing, pair: CylinderPair) -> tuple[Kernel, float, float, float]:
+    """Return the kernel of one pair, w_i, β and C."""
     _, (kernel, *_) = housing.kernels(pair)
-    return _needs_series(kernel, float(pair.shares[0]))
-
-
-def _needs_series(kernel: Kernel, w_i: float) -> bool:
-    return kernel.h > min(_SERIES_FROM, _SERIES_FROM_BY_SHARE * w_i)
+    return kernel, float(pair.shares[0]), float(pair.beta), float(housing.constant(pair))
 
 
 def curve_of(housing: Housing, pair: CylinderPair, constants: ParametricCoefficients) -> Curve:
     """Return the curve of one pair in a housing."""
-    _, (kernel, *_) = housing.kernels(pair)
-    numbers = (float(pair.shares[0]), float(pair.beta), float(housing.constant(pair)))
-    return _curve(kernel, *numbers, constants)
+    return _curve(*_numbers_of(housing, pair), constants, needs_series(housing, pair))
 
 
 def at_pair(curve: Curve, pair: CylinderPair) -> AtPair:
@@ -110,15 +114,21 @@ def table_of(curve: Curve, pair: CylinderPair) -> FloatArray:
 
 @lru_cache(maxsize=64)
 def _curve(
-    kernel: Kernel, w_i: float, beta: float, C: float, constants: ParametricCoefficients
+    kernel: Kernel,
+    w_i: float,
+    beta: float,
+    C: float,
+    constants: ParametricCoefficients,
+    by_series: bool,
 ) -> Curve:
-    """Return the curve from the series if the kernel needs it, else from the compact law."""
+    """Return the curve from the series, or from the compact law."""
     from scipy.optimize import brentq  # which takes longer to import than the package
 
-    by_series = _needs_series(kernel, w_i)
+    deepest = _DEEPEST
     if by_series:
         bodies = Bodies(as_floats(w_i), beta, as_floats(C), kernel)
         x_last = float(np.log(bodies.last.b2))
+        deepest = min(deepest, float(bodies.ends[1]))  # the pin leaves a thin eye within the arc
     else:
         grid = np.linspace(-60.0, 30.0, 361)
         k = _compact(grid, kernel, w_i, beta, C, constants)[2]
@@ -137,7 +147,7 @@ def _curve(
         S, c, k, k_slope, L, L_slope = _compact(x, kernel, w_i, beta, C, constants)
     by_arc = c - k_slope / k
     nodes = np.log(L * S / k), np.log(np.pi * S / k), by_arc / (L_slope / L + by_arc)
-    count = int(np.searchsorted(nodes[0], np.log(_DEEPEST))) + 1
+    count = int(np.searchsorted(nodes[0], np.log(deepest))) + (deepest == _DEEPEST)
     return Curve(*(as_floats(each[:count]) for each in nodes))
 
 
@@ -164,16 +174,19 @@ def five_constants(
     housing: Housing, pair: CylinderPair, constants: ParametricCoefficients
 ) -> FiveConstants:
     """Return the constants that follow the curve of one pair in a housing most closely."""
-    _, (kernel, *_) = housing.kernels(pair)
-    numbers = (float(pair.shares[0]), float(pair.beta), float(housing.constant(pair)))
-    return _five_of(kernel, *numbers, constants)
+    return _five_of(*_numbers_of(housing, pair), constants, needs_series(housing, pair))
 
 
 @lru_cache(maxsize=64)
 def _five_of(
-    kernel: Kernel, w_i: float, beta: float, C: float, constants: ParametricCoefficients
+    kernel: Kernel,
+    w_i: float,
+    beta: float,
+    C: float,
+    constants: ParametricCoefficients,
+    by_series: bool,
 ) -> FiveConstants:
-    return _five(_curve(kernel, w_i, beta, C, constants))
+    return _five(_curve(kernel, w_i, beta, C, constants, by_series))
 
 
 def _five(curve: Curve) -> FiveConstants:
