@@ -52,7 +52,6 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike
-from scipy.special import eval_jacobi, jv
 
 from cylcontact.arrays import FloatArray, IndexArray, as_floats, as_numbers, require
 from cylcontact.errors import InputError
@@ -219,6 +218,8 @@ def pressure_harmonics(S: ArrayLike, count: int) -> FloatArray:
 
 def _harmonic_slopes(S: FloatArray, count: int) -> FloatArray:
     """Return 2/(1 − S²)·dP_n/dS, which is (1 − n²)·₂F₁(2 − n, n + 2; 3; S), stacked first."""
+    from scipy.special import eval_jacobi
+
     slopes = np.zeros((count, *np.shape(S)))
     far = np.clip(S, _SERIES_END, _ONE)
     closed = 2 * (2 + (1 - far) / far * (1 + np.log1p(-far) * (1 + far) / far)) / (1 - far**2)
@@ -498,6 +499,8 @@ def _free_arc(
     sector: Sector, D: FloatArray, T: FloatArray, radius: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return B, shape (modes, harmonics), and the stiffness A of the free arc of the rim."""
+    from scipy.special import jv
+
     F = np.pi - np.radians(sector.angle) / 2
     n, k = np.arange(1, _RIM_HARMONICS + 1), np.arange(1, _MODES + 1)
     phi = np.zeros((_MODES, n.size + 1))
