@@ -63,7 +63,7 @@ _STEPS, _LAST_STEP = 100, 1e-8
 _TINY, _SMALL, _HUGE = 1e-307, 1e-300, 1e300
 _LEAST_Q, _MOST_Q = 1e-70, 1e308
 # Numbers at a time: what the steps hold of them stays in the cache of a core.
-_BLOCK = 4096
+_BLOCK = 16384
 
 
 class Arc(NamedTuple):
