@@ -18,6 +18,7 @@ from cylcontact.laws.kernels import kernel, kernel_load
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.5, material=Material("steel", E=207e3, nu=0.3))
 JOHNSON, ENHANCED, EXPLICIT = laws.Johnson(), laws.Enhanced(), laws.Explicit()
 PARAMETRIC, EXPLICIT_PAIR = laws.Parametric(), laws.ExplicitPair()
+HOUSED = laws.Parametric(laws.Housing(R_o=20.0))
 E_STAR, DR = float(PAIR.E_star), float(PAIR.dR)
 K, N = float(ENHANCED.factor(PAIR)), float(ENHANCED.exponent(PAIR))
 # scipy's Lambert function loses digits near the limit, so the comparison stops before it.
@@ -51,6 +52,7 @@ def _in_arrays(deltas: np.ndarray, rounds: int) -> list[Row]:
             Side(f"cylcontact: {type(law).__name__}().load", partial(law.load, deltas, PAIR))
             for law in (EXPLICIT, EXPLICIT_PAIR, PARAMETRIC)
         ),
+        Side("cylcontact: the same in a housing", partial(HOUSED.load, deltas, PAIR)),
     ]
     return _rows("array", deltas, sides, limits, rounds)
 
