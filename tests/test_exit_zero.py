@@ -1,6 +1,7 @@
 """Exit code 0 means that what was asked for is there and can be read again."""
 
 import json
+import zipfile
 from pathlib import Path
 
 import matplotlib.image
@@ -50,6 +51,7 @@ def text(path):
     return path.read_text("utf-8")
 
 
+READERS = {"fmu": zipfile.is_zipfile}
 TABLE = ("measured.csv", "--contact", "internal", "--E", "207 GPa", "--nu", 0.3, "--Ri", 10)
 # The arguments, the output and what reads it; without an output the report is what was asked for.
 CASES = [
@@ -68,7 +70,10 @@ CASES = [
     (("compare", "r.json"), None, None),
     (("verify", "r.json", "-j", 1), None, None),
     (("laws",), None, None),
-    *((("export", "r.json", "--to", to, "-o", f"law.{to}"), f"law.{to}", text) for to in TARGETS),
+    *(
+        (("export", "r.json", "--to", to, "-o", f"law.{to}"), f"law.{to}", READERS.get(to, text))
+        for to in TARGETS
+    ),
     (("export", "explicit", "--contact", "internal", "--to", "json", "-o", "e.json"), "e.json",
      of_json),
     (("simulate", CRANK, *SHORT), None, None),

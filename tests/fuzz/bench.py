@@ -38,11 +38,10 @@ def planned(*_, **__):
     raise Planned
 
 
-# Where work begins: workers, samples, a law of one's own, descents, steps of a mechanism, a
-# compiler, copies of files.
+# Where work begins: workers, samples, descents, steps of a mechanism, a compiler, copies of files.
 SEAMS = (
     *(f"cylcontact.parallel.run.{name}" for name in ("in_processes", "in_threads", "on_cluster")),
-    *("cylcontact.datasets.sampling.blocks", "cylcontact.fitting.user_process.UserProcess"),
+    *("cylcontact.fitting.uncertainty.discrepancy.blocks", "cylcontact.datasets.sampling.blocks"),
     *("cylcontact.fitting.measured_fit.descend", "cylcontact.fitting.choice.descend"),
     *("cylcontact.mechanism.simulate.advance", "cylcontact.mechanism.impact.advance"),
     *("cylcontact.export.fmi._library", "cylcontact.cli.init.copy_files"),
