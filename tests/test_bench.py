@@ -394,7 +394,8 @@ class TestShippedBench:
                 if isinstance(node, ast.Constant) and id(node) not in docstrings
                 if "Pereira" in str(node.value)
             }
-        assert not naming
+        # Exported formulas cite the source of their coefficients.
+        assert naming == {"laws/enhanced.py"}
         assets = (SOURCE / "reports" / "html").rglob("*.[jc]*")
         assert not [path for path in assets if b"Pereira" in path.read_bytes()]
 

@@ -263,9 +263,11 @@ def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> Expo
 
 def _origin(law: ContactLaw) -> str:
     """Return where the coefficients of a law come from, in words."""
-    if law.name not in LAWS or law != LAWS[law.name]():
+    if not isinstance(law, Law) or law.name not in LAWS or law != LAWS[law.name]():
         return "given by the caller"
-    return "published" if getattr(law, "published", True) else "calibrated by this package"
+    if not law.published:
+        return "calibrated by this package"
+    return f"published, {law._source}" if law._source else "published"
 
 
 def safe_names(

@@ -115,7 +115,7 @@ REFERENCES = tuple(name for name, law in LAWS.items() if not getattr(law, "needs
 
 
 def ClampedPlate(*_: object, **__: object) -> None:
-    """Say what has taken the place of a former name."""
+    """Raise `InputError`: the former name of a clamped housing is `Housing` now."""
     raise InputError(
         "laws", "ClampedPlate", None, "is now a Housing, which is exact in narrow rings, too",
         "write laws.Housing(R_o=…)",

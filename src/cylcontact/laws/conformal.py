@@ -55,6 +55,7 @@ from cylcontact.laws.contact_law import Unlimited, depth_of, require_hole
 from cylcontact.laws.definition import LawModel
 from cylcontact.laws.glauert import Housed, Remainder, estimated_c, housed, persson_peak, remainder
 from cylcontact.laws.housing import Housing, Kernel, is_number
+from cylcontact.laws.law import BLOCK
 from cylcontact.pair import Contact, CylinderPair
 
 # A step of Newton's method of this relative size is the last, because it leaves its square.
@@ -62,8 +63,6 @@ _STEPS, _LAST_STEP = 100, 1e-8
 # Used instead of zero and infinity for φ and d, and the largest and the smallest arc.
 _TINY, _SMALL, _HUGE = 1e-307, 1e-300, 1e300
 _LEAST_Q, _MOST_Q = 1e-70, 1e308
-# Numbers at a time: what the steps hold of them stays in the cache of a core.
-_BLOCK = 16384
 
 
 class Arc(NamedTuple):
@@ -108,7 +107,7 @@ class Bodies:
 
     @cached_property
     def remainder(self) -> Remainder | None:
-        """What β and the housing add to the closed forms."""
+        """The series in ε that β and the housing add to 2Â, H and M; None if they add nothing."""
         if self.kernel is None:
             return remainder(self.beta)
         return housed(self.beta, float(np.min(self.w_i)), self.kernel)
@@ -450,8 +449,8 @@ class Conformal(Unlimited):
         if np.size(w_i) == np.size(beta) == np.size(C) == np.size(which) == 1:
             bodies = _bodies(*(np.asarray(x).item() for x in (w_i, beta, C)), kernels[0])
             flat, filled = np.broadcast_to(numbers, results.shape).ravel(), results.reshape(-1)
-            for first in range(0, flat.size, _BLOCK):
-                part = slice(first, first + _BLOCK)
+            for first in range(0, flat.size, BLOCK):
+                part = slice(first, first + BLOCK)
                 filled[part] = answer(bodies, flat[part])
             return as_floats(results)
         numbers, w_i, beta, C, which = np.broadcast_arrays(numbers, w_i, beta, C, which)

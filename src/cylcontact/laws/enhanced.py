@@ -181,12 +181,10 @@ class Enhanced(PowerShaped):
     name: ClassVar[str] = "enhanced"
     units: ClassVar[Mapping[str, str]] = {"a": "mm^(1-n)", "b": "mm^(2-n)", "Y_slope": "1/mm"}
 
-    def __post_init__(self) -> None:
-        if isinstance(self.coefficients, Mapping):
-            object.__setattr__(self, "coefficients", coefficients_from(self.coefficients))
-
     defaults = PUBLISHED
     on_grid = True
+    _source = "Pereira, Ramalho and Ambrosio 2015"
+    _coefficients_from = staticmethod(coefficients_from)
 
     formula = _FORMULAS["internal"]
 

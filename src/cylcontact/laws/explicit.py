@@ -151,8 +151,7 @@ class Explicit(Law):
         rule = "must be 'johnson' or a Housing, whose coefficients are fitted"
         alone = self.datum == "johnson" or self.coefficients is None
         require(known and alone, "Explicit", "datum", self.datum, rule, remedy)
-        if isinstance(self.coefficients, Mapping):
-            object.__setattr__(self, "coefficients", ExplicitCoefficients(**self.coefficients))
+        super().__post_init__()
 
     formula = Formula(load, equation=_EQUATION, remark=_REMARK)
     parameters = (
@@ -213,8 +212,8 @@ class Explicit(Law):
 
     def coefficients_for(self, contact: Contact) -> ExplicitCoefficients:
         """Return the coefficients of this law, by default those calibrated for `contact`."""
-        given = self.coefficients
-        return given if isinstance(given, ExplicitCoefficients) else CALIBRATED[contact]
+        own: ExplicitCoefficients = self._coefficients_for(contact)
+        return own
 
 
 def explicit_penetration(load: ArrayLike, pair: CylinderPair) -> FloatArray:

@@ -204,11 +204,6 @@ class ExplicitPair(Law):
     coefficients: ExplicitPairCoefficients | Mapping[str, float] | None = None
     name: ClassVar[str] = "explicit-pair"
 
-    def __post_init__(self) -> None:
-        if isinstance(self.coefficients, Mapping):
-            chosen = ExplicitPairCoefficients(**self.coefficients)
-            object.__setattr__(self, "coefficients", chosen)
-
     formula = Formula(load, five, equation=_EQUATION, remark=_REMARK)
     contacts = ("internal",)
     parameters = _PARAMETERS
@@ -220,8 +215,8 @@ class ExplicitPair(Law):
     @property
     def constants(self) -> ExplicitPairCoefficients:
         """The coefficients, by default the calibrated ones."""
-        given = self.coefficients
-        return given if isinstance(given, ExplicitPairCoefficients) else CALIBRATED
+        own: ExplicitPairCoefficients = self._coefficients_for("internal")
+        return own
 
     def numbers(self, pair: CylinderPair) -> PairNumbers:
         """Return the five numbers of a pair, in the shape of its materials."""

@@ -185,7 +185,7 @@ class Formula:
 
     @cached_property
     def arguments(self) -> tuple[str, ...]:
-        """What the formula asks of a pair."""
+        """The properties of a pair that the formula uses, those of `OF_PAIR`."""
         used = set().union(*(names_in(step.value) for step in _flat(self.steps)))
         return tuple(name for name in OF_PAIR if name in used)
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.laws.arcs import ParametricCoefficients, arc
+from cylcontact.laws.arcs import CALIBRATED, ParametricCoefficients, arc
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.housing import Housing, Kernel, Sector
 from cylcontact.laws.law import AtPair
@@ -70,25 +70,36 @@ class FiveConstants(NamedTuple):
     error: float
 
 
+class _Joint(NamedTuple):
+    """One pair in a housing: all that its curve depends on."""
+
+    kernel: Kernel
+    w_i: float
+    beta: float
+    C: float
+    constants: ParametricCoefficients
+    by_series: bool
+
+
 def needs_series(housing: Housing, pair: CylinderPair) -> bool:
     """Return whether a joint's curve is that of the series, as the compact law is not close enough.
 
     Thin eyes are, too: only the series knows whether the pin leaves them within the arc.
     """
-    kernel, *_ = _numbers_of(housing, pair)
-    thin = isinstance(housing.clamp, Sector) and housing.R_o < _THIN * float(pair.R_i or 0.0)
-    return thin or kernel.needs_series
+    return _joint(housing, pair, CALIBRATED).by_series
 
 
-def _numbers_of(housing: Housing, pair: CylinderPair) -> tuple[Kernel, float, float, float]:
-    """Return the kernel of one pair, w_i, β and C."""
+def _joint(housing: Housing, pair: CylinderPair, constants: ParametricCoefficients) -> _Joint:
+    """Return one pair in a housing."""
     _, (kernel, *_) = housing.kernels(pair)
-    return kernel, float(pair.shares[0]), float(pair.beta), float(housing.constant(pair))
+    thin = isinstance(housing.clamp, Sector) and housing.R_o < _THIN * float(pair.R_i or 0.0)
+    w_i, beta, C = float(pair.shares[0]), float(pair.beta), float(housing.constant(pair))
+    return _Joint(kernel, w_i, beta, C, constants, thin or kernel.needs_series)
 
 
 def curve_of(housing: Housing, pair: CylinderPair, constants: ParametricCoefficients) -> Curve:
     """Return the curve of one pair in a housing."""
-    return _curve(*_numbers_of(housing, pair), constants, needs_series(housing, pair))
+    return _curve(_joint(housing, pair, constants))
 
 
 def at_pair(curve: Curve, pair: CylinderPair) -> AtPair:
@@ -113,53 +124,40 @@ def table_of(curve: Curve, pair: CylinderPair) -> FloatArray:
 
 
 @lru_cache(maxsize=64)
-def _curve(
-    kernel: Kernel,
-    w_i: float,
-    beta: float,
-    C: float,
-    constants: ParametricCoefficients,
-    by_series: bool,
-) -> Curve:
+def _curve(joint: _Joint) -> Curve:
     """Return the curve from the series, or from the compact law."""
     from scipy.optimize import brentq  # which takes longer to import than the package
 
     deepest = _DEEPEST
-    if by_series:
-        bodies = Bodies(as_floats(w_i), beta, as_floats(C), kernel)
+    if joint.by_series:
+        bodies = Bodies(as_floats(joint.w_i), joint.beta, as_floats(joint.C), joint.kernel)
         x_last = float(np.log(bodies.last.b2))
         deepest = min(deepest, float(bodies.ends[1]))  # the pin leaves a thin eye within the arc
     else:
         grid = np.linspace(-60.0, 30.0, 361)
-        k = _compact(grid, kernel, w_i, beta, C, constants)[2]
+        k = _compact(grid, joint)[2]
         first = int(np.argmax(k <= 0))  # K falls to 0 at the largest arc
 
         def rest(x: float) -> float:
-            return float(_compact(np.array([x]), kernel, w_i, beta, C, constants)[2][0])
+            return float(_compact(np.array([x]), joint)[2][0])
 
         x_last = float(brentq(rest, grid[first - 1], grid[first], xtol=1e-15))
     x = x_last - np.logaddexp(0.0, _T)
-    if by_series:
+    if joint.by_series:
         b2 = np.exp(x)
         at = bodies.arc(as_floats(1 / (b2 * (1 + b2))))
         S, c, k, k_slope, L, L_slope = at.S, at.c, at.k, at.k_slope, at.L, at.L_slope
     else:
-        S, c, k, k_slope, L, L_slope = _compact(x, kernel, w_i, beta, C, constants)
+        S, c, k, k_slope, L, L_slope = _compact(x, joint)
     by_arc = c - k_slope / k
     nodes = np.log(L * S / k), np.log(np.pi * S / k), by_arc / (L_slope / L + by_arc)
     count = int(np.searchsorted(nodes[0], np.log(deepest))) + (deepest == _DEEPEST)
     return Curve(*(as_floats(each[:count]) for each in nodes))
 
 
-def _compact(
-    x: FloatArray,
-    kernel: Kernel,
-    w_i: float,
-    beta: float,
-    C: float,
-    constants: ParametricCoefficients,
-) -> tuple[FloatArray, ...]:
+def _compact(x: FloatArray, joint: _Joint) -> tuple[FloatArray, ...]:
     """Return S, c, k = S·K, L and the slopes by x of the last two, with the housing's terms."""
+    kernel, w_i, beta, C, constants, _ = joint
     own = asdict(constants)
     S, c, k, k_slope, L, L_slope, H, H_slope = arc(x, w_i, 1 - w_i, beta, C, **own)
     gamma, gamma_S, T, T_S = kernel.compact(S)
@@ -174,25 +172,15 @@ def five_constants(
     housing: Housing, pair: CylinderPair, constants: ParametricCoefficients
 ) -> FiveConstants:
     """Return the constants that follow the curve of one pair in a housing most closely."""
-    return _five_of(*_numbers_of(housing, pair), constants, needs_series(housing, pair))
+    return _five(_joint(housing, pair, constants))
 
 
 @lru_cache(maxsize=64)
-def _five_of(
-    kernel: Kernel,
-    w_i: float,
-    beta: float,
-    C: float,
-    constants: ParametricCoefficients,
-    by_series: bool,
-) -> FiveConstants:
-    return _five(_curve(kernel, w_i, beta, C, constants, by_series))
-
-
-def _five(curve: Curve) -> FiveConstants:
+def _five(joint: _Joint) -> FiveConstants:
     """Fit the five constants to a curve, by least squares of ln φ from several starts."""
     from scipy.optimize import least_squares
 
+    curve = _curve(joint)
     d = np.exp(np.interp(np.log(_PHI), curve.y, curve.x))
     phi = curve.at(as_floats(d))[0]
     L = np.pi * d / phi  # what the form has to give

@@ -385,19 +385,20 @@ class Housing:
             return np.array(0), [_own_kernel(self.g)]
         R_i, _ = pair.radii(f"the datum {self!r}")
         inner = min([*(radius for _, radius in self.layers), self.R_o])
+        key, given = ("layers", self.layers) if self.layers else ("R_o", self.R_o)
         require(
             inner > R_i,
             "Housing",
-            "layers" if self.layers else "R_o",
-            self.layers or self.R_o,
+            key,
+            given,
             f"must be larger than the hole (R_i = {np.max(R_i):g} mm)",
             "the housing is clamped outside the hole",
         )
         require(
             inner >= _LEAST_RATIO * R_i,
             "Housing",
-            "layers" if self.layers else "R_o",
-            self.layers or self.R_o,
+            key,
+            given,
             f"makes a ring thinner than {100 * (_LEAST_RATIO - 1):.0f} % of the hole's radius",
             "give a thicker one",
         )

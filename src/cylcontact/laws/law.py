@@ -69,6 +69,13 @@ class Law(OverLength):
     published: ClassVar[bool] = True
     on_grid: ClassVar[bool] = False
     dimensionless: ClassVar[bool] = False
+    # Where published coefficients are from, in ASCII, for exported files.
+    _source: ClassVar[str] = ""
+
+    def __post_init__(self) -> None:
+        given: Any = getattr(self, "coefficients", None)
+        if isinstance(given, Mapping):
+            object.__setattr__(self, "coefficients", self._coefficients_from(given))
 
     def _repr_html_(self) -> str:
         return completed_law_html(self, self.defaults)
@@ -86,8 +93,18 @@ class Law(OverLength):
         own = fields(self)  # type: ignore[arg-type]  # every subclass is a dataclass
         if [field.name for field in own] != ["coefficients"]:
             return {field.name: float(getattr(self, field.name)) for field in own}
-        given: Any = getattr(self, own[0].name)
-        return asdict(self.defaults[contact] if given is None else given)
+        return asdict(self._coefficients_for(contact))
+
+    @classmethod
+    def _coefficients_from(cls, values: Mapping[str, float]) -> Any:
+        """Return coefficients from their values by name."""
+        (kind,) = {type(default) for default in cls.defaults.values()}
+        return kind(**values)
+
+    def _coefficients_for(self, contact: Contact) -> Any:
+        """Return the coefficients, by default those for a contact."""
+        given: Any = getattr(self, "coefficients", None)
+        return self.defaults[contact] if given is None else given
 
     def constants_at(self, pair: CylinderPair) -> Mapping[str, Any]:
         """Return the constants of the formula at a pair."""

@@ -139,14 +139,13 @@ class Parametric(Law, Conformal):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if isinstance(self.coefficients, Mapping):
-            object.__setattr__(self, "coefficients", ParametricCoefficients(**self.coefficients))
+        Conformal.__post_init__(self)
 
     @property
     def constants(self) -> ParametricCoefficients:
         """The coefficients, by default the calibrated ones."""
-        given = self.coefficients
-        return given if isinstance(given, ParametricCoefficients) else CALIBRATED
+        own: ParametricCoefficients = self._coefficients_for("internal")
+        return own
 
     def constants_for(self, contact: Contact) -> dict[str, float]:
         """Return the constants, and C = C_0 + C_alpha·α of a datum that no pair changes."""
