@@ -50,8 +50,6 @@ def load(penetration, pair, c, A, B):
 
 
 _FIVE = Formula(five_logarithms)
-# The five constants are taken up to this error.
-CLOSE = 0.01
 _EQUATION = (
     "f = pi*E_star*penetration/L with d = penetration/dR and "
     "L = c + ln(1 + A/d*(c + ln(1 + A/d*ln(B/d))))"
@@ -185,7 +183,7 @@ class Explicit(Law):
         """Return the formula; None in a housing that its five constants do not follow."""
         if not isinstance(self.datum, Housing):
             return self.formula
-        return _FIVE if self.five_constants(pair).error <= CLOSE else None
+        return _FIVE if self.five_constants(pair).is_close else None
 
     def numbers_at(self, pair: CylinderPair) -> dict[str, FloatArray]:
         """Return the numbers of the formula at a pair."""
@@ -204,7 +202,7 @@ class Explicit(Law):
         if not isinstance(self.datum, Housing):
             return super().at_pair(pair)
         parametric = Parametric(self.datum).at_pair(pair)
-        if not parametric.is_single or self.five_constants(pair).error > CLOSE:
+        if not parametric.is_single or not self.five_constants(pair).is_close:
             return parametric
         numbers = self.numbers_at(pair)
         load, stiffness = partial(_FIVE.load, **numbers), partial(_FIVE.stiffness, **numbers)

@@ -30,6 +30,8 @@ from cylcontact.pair import CylinderPair
 # The nodes in t, and their largest d.
 _T = np.arange(80.0, -9.0, -0.15)
 _DEEPEST = 1e3
+# Relative error in the load up to which five constants stand for a curve.
+_CLOSE = 0.01
 # Eyes of up to this R_o/R_i are thin.
 _THIN = 2.0
 # Where the five constants are fitted, and the starts: factors of A, of B, and D.
@@ -68,6 +70,11 @@ class FiveConstants(NamedTuple):
     G: float
     D: float
     error: float
+
+    @property
+    def is_close(self) -> bool:
+        """Whether the explicit law takes them; otherwise it is the curve itself."""
+        return self.error <= _CLOSE
 
 
 class _Joint(NamedTuple):

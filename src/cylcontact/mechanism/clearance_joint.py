@@ -21,7 +21,6 @@ from cylcontact.errors import InputError
 from cylcontact.housing_spec import HousingSpec, in_housing
 from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
 from cylcontact.laws import LAWS, ContactLaw, Explicit
-from cylcontact.laws.explicit import CLOSE
 from cylcontact.laws.kernels import Kernel, kernel
 from cylcontact.laws.user import user_law
 from cylcontact.limits import yield_load
@@ -430,12 +429,10 @@ def _in_housing(
     law = in_housing(what, spec.housing, source)
     origin = f"in a housing of R_o = {spec.R_o:g} mm, its whole rim clamped"
     if isinstance(law, Explicit):
-        error = law.five_constants(pair).error
-        close = error <= CLOSE
-        by = (
-            "five constants, fitted to this joint within" if close else "a table; constants miss by"
-        )
-        origin += f": {by} {100 * error:.2g} % of the load"
+        five = law.five_constants(pair)
+        fitted = "five constants, fitted to this joint within"
+        by = fitted if five.is_close else "a table; constants miss by"
+        origin += f": {by} {100 * five.error:.2g} % of the load"
     return law, origin
 
 

@@ -14,7 +14,6 @@ from cylcontact.fitting.law_models import MODELS
 from cylcontact.housing_spec import in_housing, takes_housing
 from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw, Explicit, Housing, Parametric
 from cylcontact.laws.definition import Parameter
-from cylcontact.laws.explicit import CLOSE
 from cylcontact.laws.housed import needs_series
 from cylcontact.limits import first_yield
 from cylcontact.materials import Material
@@ -137,7 +136,7 @@ def _of_housing(pair: CylinderPair, load: float, housing: Housing) -> str:
     basis = "the series" if needs_series(housing, pair) else "the compact law"
     follows = (
         f"explicit follows it within {100 * five.error:.2f} % by five constants"
-        if five.error <= CLOSE
+        if five.is_close
         else f"explicit is that curve: five constants would miss it by {100 * five.error:.0f} %"
     )
     return (
