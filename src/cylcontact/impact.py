@@ -82,28 +82,20 @@ def dissipative_load(
     chi : array_like
         Hysteresis factor χ ≥ 0.
     floor : float, optional
-        Lower bound in mm/s of the δ̇⁽⁻⁾ that divides.
+        Lower bound in mm/s of the δ̇⁽⁻⁾ that divides. A slower impact has the factor χ·δ̇⁽⁻⁾/floor
+        instead of χ: e → 1 as it gets slower, as for real bodies.
 
     Returns
     -------
     array of float
-        In the unit of `elastic_load`, of the broadcast shape; NaN where an input is NaN.
+        In the unit of `elastic_load`, of the broadcast shape; NaN where an input is NaN. It is
+        clipped at zero, because contact does not pull. An isolated impact never comes to that, but
+        other forces may pull the bodies apart.
 
     Raises
     ------
     InputError
         If χ is negative or not finite, or the floor is not positive and finite.
-
-    Notes
-    -----
-    s is `bounded_ratio`, the identity up to |δ̇| = 10·δ̇⁽⁻⁾. Without it the damping of a contact that
-    starts slowly and is then pressed together could be any multiple of the elastic load.
-
-    An impact slower than the floor has the factor χ·δ̇⁽⁻⁾/floor instead of χ: e → 1 as it gets
-    slower, as for real bodies.
-
-    The load is clipped at zero, because contact does not pull. Clipping does not occur in an
-    isolated impact, but can occur when other forces pull the bodies apart.
 
     Examples
     --------
@@ -122,11 +114,11 @@ def bounded_ratio(ratio: ArrayLike) -> FloatArray:
     """Return s(u), the velocity ratio u = δ̇/δ̇⁽⁻⁾ bounded by ±2U, with U = 10.
 
     s(u) = u for |u| ≤ U, and sgn(u)·U·(1 + v/√(1 + v²)) with v = |u|/U − 1 beyond, which is twice
-    continuously differentiable and keeps the shape of `ratio`.
+    continuously differentiable.
 
-    The bound is ours, not the paper's: no dissipation model of the kind says what happens when a
-    contact becomes faster than its first touch. The restitution of every isolated impact, in which
-    |u| ≤ 1, stays as it is. U is assumed; in the slider-crank of Sect. 4 a joint in permanent
+    The bound is ours, not the paper's: without it the damping of a contact that starts slowly and
+    is then pressed together could be any multiple of the elastic load. Isolated impacts, in which
+    |u| ≤ 1, stay as they are. U is assumed; in the slider-crank of Sect. 4 a joint in permanent
     contact reaches |u| = 6.
 
     Examples
@@ -142,25 +134,10 @@ def bounded_ratio(ratio: ArrayLike) -> FloatArray:
 
 
 def achieved_restitution(chi: ArrayLike) -> FloatArray:
-    """Return the coefficient of restitution that a hysteresis factor gives.
+    """Return the coefficient of restitution that a hysteresis factor χ ≥ 0 gives.
 
-    e = [1 + W₀(−(1 + χ)·exp(−(1 + χ)))]/χ, derived in the module's docstring.
-
-    Parameters
-    ----------
-    chi : array_like
-        Hysteresis factor χ ≥ 0.
-
-    Returns
-    -------
-    array of float
-        e, from 1 at χ = 0 towards 1/χ as χ → ∞; the relative error is a few units in the
-        last place.
-
-    Raises
-    ------
-    InputError
-        If χ is negative or not finite.
+    e = [1 + W₀(−(1 + χ)·exp(−(1 + χ)))]/χ, from 1 at χ = 0 towards 1/χ as χ → ∞, with a relative
+    error of a few units in the last place. Raises `InputError` if χ is negative or not finite.
 
     Notes
     -----
@@ -184,24 +161,10 @@ def achieved_restitution(chi: ArrayLike) -> FloatArray:
 
 
 def exact_factor(restitution: ArrayLike) -> FloatArray:
-    """Return the hysteresis factor that gives exactly the restitution e.
+    """Return the hysteresis factor that gives exactly the restitution e, 0 < e ≤ 1.
 
-    It is the root χ of χ(1 + e) = ln[(1 + χ)/(1 − χe)].
-
-    Parameters
-    ----------
-    restitution : array_like
-        Coefficient of restitution e, 0 < e ≤ 1.
-
-    Returns
-    -------
-    array of float
-        χ; the relative error is a few units in the last place.
-
-    Raises
-    ------
-    InputError
-        If e is outside (0, 1].
+    It is the root χ of χ(1 + e) = ln[(1 + χ)/(1 − χe)], with a relative error of a few units in the
+    last place. Raises `InputError` if e is outside (0, 1].
 
     Notes
     -----
@@ -230,8 +193,7 @@ def exact_factor(restitution: ArrayLike) -> FloatArray:
 
 def hunt_crossley(restitution: ArrayLike) -> FloatArray:
     """Return 3(1 − e)/2 (Hunt and Crossley, J. Appl. Mech. 42 (1975) 440–445)."""
-    e = _restitution(restitution)
-    return as_floats(3 * (1 - e) / 2)
+    return 3 * (1 - _restitution(restitution)) / 2
 
 
 def herbert_mcwhannell(restitution: ArrayLike) -> FloatArray:
@@ -242,20 +204,19 @@ def herbert_mcwhannell(restitution: ArrayLike) -> FloatArray:
 
 def lee_wang(restitution: ArrayLike) -> FloatArray:
     """Return 3(1 − e)/4 (Lee and Wang, J. Mech. Transm. Autom. Des. 105 (1983) 534–540)."""
-    e = _restitution(restitution)
-    return as_floats(3 * (1 - e) / 4)
+    return 3 * (1 - _restitution(restitution)) / 4
 
 
 def lankarani_nikravesh(restitution: ArrayLike) -> FloatArray:
     """Return 3(1 − e²)/4, the paper's (Lankarani and Nikravesh, J. Mech. Des. 112 (1990) 369)."""
     e = _restitution(restitution)
-    return as_floats(3 * (1 - e) * (1 + e) / 4)
+    return 3 * (1 - e) * (1 + e) / 4
 
 
 def gonthier(restitution: ArrayLike) -> FloatArray:
     """Return (1 − e²)/e (Gonthier et al., Multibody Syst. Dyn. 11 (2004) 209–233)."""
     e = _restitution(restitution)
-    return as_floats((1 - e) * (1 + e) / e)
+    return (1 - e) * (1 + e) / e
 
 
 def zhiying_qishao(restitution: ArrayLike) -> FloatArray:
@@ -267,13 +228,13 @@ def zhiying_qishao(restitution: ArrayLike) -> FloatArray:
 def flores(restitution: ArrayLike) -> FloatArray:
     """Return 8(1 − e)/(5e) (Flores et al., Multibody Syst. Dyn. 25 (2011) 357–375)."""
     e = _restitution(restitution)
-    return as_floats(8 * (1 - e) / (5 * e))
+    return 8 * (1 - e) / (5 * e)
 
 
 def hu_guo(restitution: ArrayLike) -> FloatArray:
     """Return 3(1 − e)/(2e) (Hu and Guo, Multibody Syst. Dyn. 35 (2015) 131–151)."""
     e = _restitution(restitution)
-    return as_floats(3 * (1 - e) / (2 * e))
+    return 3 * (1 - e) / (2 * e)
 
 
 # Keyed by the names that specs and reports use, in order of publication, the exact one last.
@@ -370,10 +331,9 @@ def dynamic_correction(speed: ArrayLike, v0: float, v1: float) -> FloatArray:
 
 def _restitution(value: ArrayLike) -> FloatArray:
     """Return e as float64; raise `InputError` outside (0, 1]."""
-    e = as_floats(value)
+    e, rule = as_floats(value), "must lie in (0, 1]"
     remedy = "give 1 for an elastic impact, less for one that dissipates"
-    inside = (e > 0) & (e <= 1)
-    require(inside, "hysteresis factor", "restitution", value, "must lie in (0, 1]", remedy)
+    require((e > 0) & (e <= 1), "hysteresis factor", "restitution", value, rule, remedy)
     return e
 
 

@@ -26,8 +26,12 @@ from cylcontact.reading import beside_or_above, plain_number
 from cylcontact.tables import finite_numbers, read_table
 from cylcontact.units import QUANTITIES
 
+Number = float | FloatArray
+
 # The largest modulus that is taken, ten times diamond's: what is above was given in Pa.
 LARGEST_MODULUS = 1e7  # MPa
+# A smaller bare number was probably meant in GPa; stiff plastics begin here.
+_SMALLEST_BARE = 1000.0  # MPa
 PROVENANCES = ("paper", "derived", "assumed")
 # Columns of numbers, and those that say where the numbers come from.
 _ORIGINS = {
@@ -37,8 +41,6 @@ _ORIGINS = {
 }
 _REQUIRED = ("name", "E_GPa", "nu")
 COLUMNS = ("name", *(column for pair in _ORIGINS.items() for column in pair), "note")
-# A smaller bare number was probably meant in GPa; stiff plastics begin here.
-_SMALLEST_BARE = 1000.0  # MPa
 # The table of the package; a table of the user adds to it, by default the one in `_OWN`.
 SHIPPED = Path(__file__).parent / "data" / "materials.csv"
 _OWN = "datasets/materials.csv"
@@ -77,23 +79,18 @@ class Material:
     """
 
     name: str
-    E: float | FloatArray
-    nu: float | FloatArray
+    E: Number
+    nu: Number
     yield_stress: float | None = None
 
     if TYPE_CHECKING:
 
         def __init__(
-            self,
-            name: str,
-            E: float | str | FloatArray,
-            nu: float | FloatArray,
-            yield_stress: float | None = None,
+            self, name: str, E: Number | str, nu: Number, yield_stress: float | None = None
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        E = modulus_in_MPa(self.E, f"Material {self.name!r}")
-        object.__setattr__(self, "E", E)
+        object.__setattr__(self, "E", modulus_in_MPa(self.E, f"Material {self.name!r}"))
         self._check()
 
     def _check(self) -> None:
@@ -104,9 +101,10 @@ class Material:
         rule, remedy = "Poisson's ratio must lie in [0, 0.5]", "give e.g. 0.3 for steel"
         require((nu >= 0) & (nu <= 0.5), source, "nu", self.nu, rule, remedy)
         if self.yield_stress is not None:
-            remedy = "give it in MPa, or leave it out"
-            rule = "yield stress must be positive and finite"
-            require_positive(self.yield_stress, source, "yield_stress", remedy, rule)
+            rule, remedy = "must be positive and finite", "give it in MPa, or leave it out"
+            require_positive(
+                self.yield_stress, source, "yield_stress", remedy, f"yield stress {rule}"
+            )
         own_arrays(self)
 
     @classmethod
@@ -118,10 +116,6 @@ class Material:
         name : str
             Its name in the table, in small or capital letters; `shipped_materials` lists the names,
             with the provenance of each number.
-
-        Returns
-        -------
-        Material
 
         Raises
         ------
@@ -154,7 +148,7 @@ class Material:
 
 
 def material_in_MPa(
-    name: str, E: float | FloatArray, nu: float | FloatArray, yield_stress: float | None = None
+    name: str, E: Number, nu: Number, yield_stress: float | None = None
 ) -> Material:
     """Return a material whose modulus is known to be in MPa, however small.
 
@@ -162,20 +156,16 @@ def material_in_MPa(
     """
     _require_modulus(E, f"Material {name!r}", "E")
     material = object.__new__(Material)
-    values = {"name": name, "E": E, "nu": nu, "yield_stress": yield_stress}
-    for field, value in values.items():
-        object.__setattr__(material, field, value)
+    material.__dict__.update(name=name, E=E, nu=nu, yield_stress=yield_stress)
     material._check()
     return material
 
 
-def modulus_in_MPa(E: float | str | FloatArray, source: str, key: str = "E") -> float | FloatArray:
+def modulus_in_MPa(E: Number | str, source: str, key: str = "E") -> Number:
     """Return Young's modulus in MPa from a number in MPa, or from a text with a unit.
 
     Refused are bare numbers below 1000 MPa, and all above 1e7 MPa.
 
-    Examples
-    --------
     >>> modulus_in_MPa("207 GPa", "example")
     207000.0
     """
@@ -195,7 +185,7 @@ def modulus_in_MPa(E: float | str | FloatArray, source: str, key: str = "E") -> 
     return number
 
 
-def _with_unit(text: str, source: str, key: str) -> tuple[float | FloatArray, str]:
+def _with_unit(text: str, source: str, key: str) -> tuple[Number, str]:
     """Return the number and the unit of a text; no unit for a bare number."""
     match = re.fullmatch(r"\s*(\S+?)\s*([GM]?Pa)?\s*", text)
     try:
@@ -205,7 +195,7 @@ def _with_unit(text: str, source: str, key: str) -> tuple[float | FloatArray, st
         raise InputError(source, key, text, rule, remedy) from None
 
 
-def _require_modulus(E: float | FloatArray, source: str, key: str) -> None:
+def _require_modulus(E: Number, source: str, key: str) -> None:
     rule = "Young's modulus must be positive and finite"
     require_positive(E, source, key, "give it in MPa, e.g. 207e3 for steel", rule)
 
@@ -230,8 +220,8 @@ def known_materials(own: Path | str | None = None) -> dict[str, MaterialRow]:
     Refused is a table that names one of the package's anew.
     """
     rows = shipped_materials()
-    added = {} if own is None else read_materials(own)
     shipped = {_plain(name) for name in rows}
+    added = {} if own is None else read_materials(own)
     for name in added:
         if _plain(name) in shipped:
             rule = "is the name of a material that ships with the package"
@@ -278,8 +268,6 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     yield_stress_MPa, a note, and E_provenance, nu_provenance and yield_provenance, which are
     "paper", "derived" or "assumed", the default.
 
-    Examples
-    --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = Path(folder, "mine.csv")
@@ -288,25 +276,21 @@ def read_materials(path: Path | str) -> dict[str, MaterialRow]:
     Material(name='brass', E=102500.0, nu=0.34, yield_stress=None)
     """
     table = read_table(path)
-    columns = dict(zip(table.names, table.columns, strict=True))
     _require_columns(table.source, table.names)
-    of_numbers = [table.names.index(column) for column in _ORIGINS if column in columns]
+    columns = dict(zip(table.names, table.columns, strict=True))
     # An empty yield stress is none; no other number may be empty.
     filled = [
         ["0" if cell is None and name == "yield_stress_MPa" else cell for cell in cells]
         for name, cells in columns.items()
     ]
-    numbers = finite_numbers(replace(table, columns=filled), of_numbers)
+    names = [name for name in _ORIGINS if name in columns]
+    places = [table.names.index(name) for name in names]
+    numbers = finite_numbers(replace(table, columns=filled), places)
     rows: dict[str, MaterialRow] = {}
     for k, line in enumerate(table.lines):
         source = f"{table.source}, {table.row_word} {line}"
-        cells = {name: cell[k] for name, cell in columns.items()}
-        given = {
-            table.names[column]: values[k]
-            for column, values in zip(of_numbers, numbers, strict=True)
-            if cells[table.names[column]] is not None
-        }
-        row = _row(source, cells, given)
+        cells = {name: cells[k] for name, cells in columns.items()}
+        row = _row(source, cells, {n: x[k] for n, x in zip(names, numbers, strict=True)})
         name = row.material.name
         if _plain(name) in map(_plain, rows):
             rule, remedy = "is used twice", "give each material a name of its own"
@@ -334,19 +318,18 @@ def _row(source: str, cells: Mapping[str, object], numbers: Mapping[str, float])
     """Return the material of a row with its provenance, "assumed" in a table that says none."""
     if cells["name"] is None:
         raise InputError(source, "name", None, "is required", "name the material")
-    provenance = {}
-    for column in numbers:
-        origin = str(cells.get(_ORIGINS[column], "assumed") or "")
-        if origin not in PROVENANCES:
-            rule = f"must be one of {', '.join(PROVENANCES)}"
-            raise InputError(source, _ORIGINS[column], origin, rule, "say which")
-        provenance[column] = origin
-    E, stress = f"{numbers['E_GPa']!r} GPa", numbers.get("yield_stress_MPa")
+    given = {name: number for name, number in numbers.items() if cells[name] is not None}
+    provenance = {name: str(cells.get(_ORIGINS[name], "assumed") or "") for name in given}
+    for name, origin in provenance.items():
+        rule = f"must be one of {', '.join(PROVENANCES)}"
+        require(origin in PROVENANCES, source, _ORIGINS[name], origin, rule, "say which")
+    E, stress = f"{given['E_GPa']!r} GPa", given.get("yield_stress_MPa")
     try:
-        material = Material(str(cells["name"]), E, numbers["nu"], stress)
+        material = Material(str(cells["name"]), E, given["nu"], stress)
     except InputError as error:
         column = {"E": "E_GPa", "yield_stress": "yield_stress_MPa"}.get(error.key, error.key)
         remedy = "mind the unit in the column's name"
         raise InputError(source, column, cells[column], error.rule, remedy) from error
-    note = cells.get("note")
-    return MaterialRow(material, provenance, "" if note is None else str(note))
+    return MaterialRow(
+        material, provenance, "" if cells.get("note") is None else str(cells["note"])
+    )

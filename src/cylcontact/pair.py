@@ -97,24 +97,33 @@ class CylinderPair:
         remedy = "plane strain is for long cylinders, plane stress for thin sheets"
         require(self.plane in PLANES, _SOURCE, "plane", self.plane, rule, remedy)
         remedy = "e.g. Material.named('bronze'), or Material(name, E, nu)"
-        shapes: dict[str, Length] = {}
+        moduli: dict[str, Length] = {}
         for key in ("material_i", "material_j"):
             body = getattr(self, key)
             require(isinstance(body, Material), _SOURCE, key, body, "must be a Material", remedy)
-            shapes |= {f"E of {key}": body.E, f"nu of {key}": body.nu}
-        optional = {"R_i": self.R_i, "R_j": self.R_j, "length": self.length}
-        given = {key: value for key, value in optional.items() if value is not None}
-        is_external = self.contact == "external"
-        both_known = "R_i" in given and "R_j" in given
-        flat = ("dR", "R_j") if is_external and both_known else ()
-        lengths = _lengths(flat, dR=self.dR, **given)
-        require_one_shape(_SOURCE, **lengths, **shapes)
+            moduli |= {f"E of {key}": body.E, f"nu of {key}": body.nu}
+        given = {"R_i": self.R_i, "R_j": self.R_j, "length": self.length}
+        given = {key: value for key, value in given.items() if value is not None}
+        is_external, known = self.contact == "external", given.keys() & {"R_i", "R_j"}
+        flat = ("dR", "R_j") if is_external and len(known) == 2 else ()
+        lengths = _lengths(*flat, dR=self.dR, **given)
+        require_one_shape(_SOURCE, **lengths, **moduli)
         own_arrays(self)
-        if both_known:
-            _require_agreement(self, lengths["R_i"], lengths["R_j"])
-        elif "R_i" in given or ("R_j" in given and is_external):
-            key = "R_i" if "R_i" in given else "R_j"
+        if len(known) == 2:
+            self._require_agreement(lengths["R_i"], lengths["R_j"])
+        elif known and (is_external or "R_i" in known):
+            (key,) = known
             _other_radius(_SOURCE, self.contact, self.dR, key, lengths[key])
+
+    def _require_agreement(self, R_i: FloatArray, R_j: FloatArray) -> None:
+        """Raise `InputError` if ΔR differs from that of the radii by a millionth of them."""
+        own = R_i - R_j if self.contact == "internal" else R_i + R_j
+        with np.errstate(invalid="ignore"):  # inf − inf of a plane
+            agrees = np.abs(self.dR - own) <= _AGREEMENT * np.maximum(R_i, R_j)
+        if not np.all(self.dR == own if self.is_flat else agrees):
+            rule = f"contradicts R_i = {short(R_i)} and R_j = {short(R_j)}, which give {short(own)}"
+            remedy = "change the radii with it, or leave them out"
+            raise InputError(_SOURCE, "dR", self.dR, rule, remedy)
 
     def __eq__(self, other: object) -> bool:
         return same_fields(self, other)
@@ -122,16 +131,13 @@ class CylinderPair:
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        values = ", ".join(
-            f"{field.name}={getattr(self, field.name)!r}"
-            for field in fields(self)
-            if field.name != "plane" or self.plane != "strain"
-        )
-        return f"{_SOURCE}({values})"
+        names = [field.name for field in fields(self)]
+        values = [f"{name}={getattr(self, name)!r}" for name in names]
+        return f"{_SOURCE}({', '.join(values[: -1 if self.plane == 'strain' else None])})"
 
     def _repr_html_(self) -> str:
         first, second = roles(self.contact)
-        rows: dict[str, object] = {
+        rows = {
             "ΔR (mm)": self.dR,
             f"R_i, {first} (mm)": self.R_i,
             f"material, {first}": self.material_i.name,
@@ -139,9 +145,7 @@ class CylinderPair:
             f"material, {second}": self.material_j.name,
             "length (mm)": self.length,
             "E* (MPa)": self.E_star,
-        }
-        if self.plane != "strain":
-            rows["plane"] = self.plane
+        } | ({} if self.plane == "strain" else {"plane": self.plane})
         return table_html(f"{_SOURCE}, {self.contact} contact", rows)
 
     @classmethod
@@ -170,10 +174,6 @@ class CylinderPair:
         length, plane
             Axial length in mm and state of stress, as for the class.
 
-        Returns
-        -------
-        CylinderPair
-
         Raises
         ------
         InputError
@@ -187,12 +187,12 @@ class CylinderPair:
         'bronze'
         """
         source = "CylinderPair.internal"
-        outer, inner = _lengths((), R_i=R_i, R_j=R_j).values()
+        outer, inner = _lengths(R_i=R_i, R_j=R_j).values()
         rule = f"the pin must be smaller than the hole (R_i = {short(R_i)})"
         remedy = "give R_i, the radius of the hole, the larger value; both are radii, not diameters"
         require(outer > inner, source, "R_j", R_j, rule, remedy)
-        first, second = _bodies(source, material, material_j, pin, hole)
-        return cls("internal", outer - inner, first, second, R_i, R_j, length, plane)
+        bodies = _bodies(source, material, material_j, pin, hole)
+        return cls("internal", outer - inner, *bodies, R_i, R_j, length, plane)
 
     @classmethod
     def external(
@@ -216,10 +216,6 @@ class CylinderPair:
         length, plane
             Axial length in mm and state of stress, as for the class.
 
-        Returns
-        -------
-        CylinderPair
-
         Raises
         ------
         InputError
@@ -232,9 +228,9 @@ class CylinderPair:
         >>> print(f"{roller.R:.0f} mm, {limits.hertz_stress(100.0, roller):.1f} MPa")
         10 mm, 601.7 MPa
         """
-        outer, inner = _lengths(("R_j",), R_i=R_i, R_j=R_j).values()
-        other = material_j or material
-        return cls("external", outer + inner, material, other, R_i, R_j, length, plane)
+        outer, inner = _lengths("R_j", R_i=R_i, R_j=R_j).values()
+        bodies = material, material_j or material
+        return cls("external", outer + inner, *bodies, R_i, R_j, length, plane)
 
     @classmethod
     def from_dR(
@@ -258,18 +254,10 @@ class CylinderPair:
             Pin in hole, or two rollers.
         dR : float or array_like
             ΔR in mm.
-        material, material_j : Material, optional
-            The materials of the hole and pin or of the rollers; one serves both.
         R_i : float or array_like, optional
             The radius of the hole or first roller in mm; the other radius then follows from ΔR.
-        pin, hole : Material, optional
-            The two materials of internal contact, in place of `material` and `material_j`.
-        length, plane
-            Axial length in mm and state of stress, as for the class.
-
-        Returns
-        -------
-        CylinderPair
+        material, material_j, pin, hole, length, plane
+            As for `internal` and `external`; a roller is neither pin nor hole.
 
         Raises
         ------
@@ -283,26 +271,22 @@ class CylinderPair:
         has_no_names = contact == "internal" or (pin is None and hole is None)
         rule, remedy = "has no pin and no hole", "give material and material_j"
         require(has_no_names, source, "contact", contact, rule, remedy)
-        first, second = _bodies(source, material, material_j, pin, hole)
-        return cls(contact, dR, first, second, R_i, R_j, length, plane)
+        bodies = _bodies(source, material, material_j, pin, hole)
+        return cls(contact, dR, *bodies, R_i, R_j, length, plane)
 
     @classmethod
     def from_dundurs(cls, alpha: Length, beta: Length) -> CylinderPair:
         """Return a pin in a hole of given α and β, with E* = 1 MPa and ΔR = 1 mm.
 
-        Loads of this pair in N/mm are φ = f/(E*·ΔR), its penetrations in mm are d = δ/ΔR.
+        Loads of this pair in N/mm are φ = f/(E*·ΔR), its penetrations in mm are d = δ/ΔR. It is in
+        plane strain, and of the materials with these α and β it has those of which one is
+        incompressible.
 
         Parameters
         ----------
         alpha, beta : float or array_like
             Dundurs' parameters, α inside ]−1, 1[ and β from (α − 1)/4 to (α + 1)/4. Other values
             need a negative Poisson's ratio, or one above 0.5.
-
-        Returns
-        -------
-        CylinderPair
-            In plane strain. Of the materials with these α and β it has those of which one is
-            incompressible.
 
         Raises
         ------
@@ -350,16 +334,14 @@ class CylinderPair:
         103500.00 MPa
         """
         modulus_i, modulus_j = self.moduli
-        E_star = as_floats(1 / (1 / modulus_i + 1 / modulus_j))
-        E_star.setflags(write=False)
-        return E_star
+        return _fixed(1 / (1 / modulus_i + 1 / modulus_j))
 
-    @property
+    @cached_property
     def shares(self) -> tuple[FloatArray, FloatArray]:
         """The shares w_i and w_j of the bodies in the compliance: w_k = E*/modulus_k, sum 1."""
         modulus_i, modulus_j = self.moduli
         total = modulus_i + modulus_j
-        return as_floats(modulus_j / total), as_floats(modulus_i / total)
+        return _fixed(modulus_j / total), _fixed(modulus_i / total)
 
     @property
     def kolosov(self) -> tuple[FloatArray, FloatArray]:
@@ -369,8 +351,8 @@ class CylinderPair:
         """
         nu_i, nu_j = as_floats(self.material_i.nu), as_floats(self.material_j.nu)
         if self.plane == "stress":
-            return as_floats((3 - nu_i) / (1 + nu_i)), as_floats((3 - nu_j) / (1 + nu_j))
-        return as_floats(3 - 4 * nu_i), as_floats(3 - 4 * nu_j)
+            return (3 - nu_i) / (1 + nu_i), (3 - nu_j) / (1 + nu_j)
+        return 3 - 4 * nu_i, 3 - 4 * nu_j
 
     @property
     def alpha(self) -> FloatArray:
@@ -384,16 +366,18 @@ class CylinderPair:
         alpha = 0.4866, beta = 0.1153
         """
         w_i, w_j = self.shares
-        return as_floats(w_j - w_i)
+        return w_j - w_i
 
-    @property
+    @cached_property
     def beta(self) -> FloatArray:
         """Dundurs' β = w_j·g_j − w_i·g_i with g = (κ − 1)/(κ + 1), from −w_i/2 to w_j/2."""
-        (w_i, w_j), (kappa_i, kappa_j) = self.shares, self.kolosov
-        own_i, own_j = w_i * (kappa_i - 1) / (kappa_i + 1), w_j * (kappa_j - 1) / (kappa_j + 1)
-        return as_floats(own_j - own_i)
+        own_i, own_j = (
+            w * (kappa - 1) / (kappa + 1)
+            for w, kappa in zip(self.shares, self.kolosov, strict=True)
+        )
+        return _fixed(own_j - own_i)
 
-    @property
+    @cached_property
     def of_one_material(self) -> bool:
         """Whether both bodies have the same E and ν, in every element."""
         one, other = self.material_i, self.material_j
@@ -414,9 +398,7 @@ class CylinderPair:
             If the radii are not known.
         """
         R_i, R_j = self.radii("the effective radius")
-        if self.is_flat:
-            return as_floats(R_i + np.zeros_like(R_j))
-        return as_floats(R_i * R_j / as_floats(self.dR))
+        return R_i + np.zeros_like(R_j) if self.is_flat else R_i * R_j / as_floats(self.dR)
 
     def radii(self, purpose: str) -> tuple[FloatArray, FloatArray]:
         """Return R_i and R_j in mm; raise `InputError` naming `purpose` if they are not known."""
@@ -441,6 +423,12 @@ class CylinderPair:
         require(self.plane == "strain", source, "pair.plane", self.plane, rule, remedy)
 
 
+def _fixed(values: FloatArray) -> FloatArray:
+    """Return values computed once, as no caller can change them."""
+    values.setflags(write=False)
+    return values
+
+
 def roles(contact: Contact) -> tuple[str, str]:
     """Return what bodies i and j are: the hole and the pin, or rollers."""
     return ("hole", "pin") if contact == "internal" else ("roller i", "roller j")
@@ -454,29 +442,25 @@ def are_possible(alpha: FloatArray, beta: FloatArray) -> BoolArray:
 def unusual_lengths(pair: CylinderPair) -> tuple[str, ...]:
     """Return a sentence for each length of a pair that can hardly be meant, with a likely cause.
 
-    Examples
-    --------
     >>> steel = Material("steel", E=207e3, nu=0.3)
     >>> print(*unusual_lengths(CylinderPair.internal(20.0, 9.95, steel, 20.0)))
     the radial clearance over the hole's radius is 0.5025: is a radius a diameter, or wrong?
     """
     first, second = roles(pair.contact)
-    unit = "lengths are in mm, not in metres or µm"
-    R_j = None if pair.is_flat else pair.R_j
+    unit, R_i, length = "lengths are in mm, not in metres or µm", pair.R_i, pair.length
     checks: list[tuple[str, Length | None, tuple[float, float], str]] = [
-        (f"the radius of the {first} in mm", pair.R_i, _LENGTHS, unit),
-        (f"the radius of the {second} in mm", R_j, _LENGTHS, unit),
-        ("the axial length in mm", pair.length, _LENGTHS, unit),
+        (f"the radius of the {first} in mm", R_i, _LENGTHS, unit),
+        (f"the radius of the {second} in mm", None if pair.is_flat else pair.R_j, _LENGTHS, unit),
+        ("the axial length in mm", length, _LENGTHS, unit),
     ]
-    if pair.R_i is not None and pair.contact == "internal":
-        share = as_floats(pair.dR) / as_floats(pair.R_i)
+    if R_i is not None and pair.contact == "internal":
+        share = as_floats(pair.dR) / R_i
         name, cause = "the radial clearance over the hole's radius", "is a radius a diameter, or "
         cause += "wrong?" if np.max(share) > _CLEARANCES[0] else "the clearance in metres?"
         checks.append((name, share, _CLEARANCES, cause))
-    if pair.R_i is not None and pair.length is not None:
-        ratio = as_floats(pair.length) / as_floats(pair.R_i)
-        name = f"the axial length over the radius of the {first}"
-        checks.append((name, ratio, _SLENDERNESS, "is one of them in another unit?"))
+    if R_i is not None and length is not None:
+        name, cause = f"the axial length over the radius of the {first}", "is one of them in "
+        checks.append((name, length / as_floats(R_i), _SLENDERNESS, cause + "another unit?"))
     sentences = []
     for name, values, (low, high), cause in checks:
         numbers = np.atleast_1d(low if values is None else as_floats(values))
@@ -494,19 +478,18 @@ def _bodies(
 ) -> tuple[Material, Material]:
     """Return the materials of bodies i and j, given by body or by what the body is."""
     if pin is None and hole is None:
-        if material is None:
-            rule, remedy = "is missing", "give material, or pin and hole"
-            raise InputError(source, "material", None, rule, remedy)
-        return material, material_j or material
-    for key, other in (("material", material), ("material_j", material_j)):
-        if other is not None:
-            rule, remedy = "is given beside pin or hole", "leave it out, or those"
-            raise InputError(source, key, None, rule, remedy)
-    if pin is None or hole is None:
-        key, given = ("pin", "hole") if pin is None else ("hole", "pin")
-        rule, remedy = f"is missing beside {given}", "give both, or material for both bodies"
-        raise InputError(source, key, None, rule, remedy)
-    return hole, pin
+        if material is not None:
+            return material, material_j or material
+        key, rule, remedy = "material", "is missing", "give material, or pin and hole"
+    elif material is not None or material_j is not None:
+        key = "material_j" if material is None else "material"
+        rule, remedy = "is given beside pin or hole", "leave it out, or those"
+    elif pin is not None and hole is not None:
+        return hole, pin
+    else:
+        key, other = ("pin", "hole") if pin is None else ("hole", "pin")
+        rule, remedy = f"is missing beside {other}", "give both, or material for both bodies"
+    raise InputError(source, key, None, rule, remedy)
 
 
 def _require_contact(contact: object) -> None:
@@ -516,22 +499,11 @@ def _require_contact(contact: object) -> None:
     require(contact in CONTACTS, _SOURCE, "contact", contact, rule, remedy)
 
 
-def _require_agreement(pair: CylinderPair, R_i: FloatArray, R_j: FloatArray) -> None:
-    """Raise `InputError` if ΔR differs from that of the radii by a millionth of them."""
-    own = R_i - R_j if pair.contact == "internal" else R_i + R_j
-    with np.errstate(invalid="ignore"):  # inf − inf of a plane
-        agrees = np.abs(pair.dR - own) <= _AGREEMENT * np.maximum(R_i, R_j)
-    if not np.all(pair.dR == own if pair.is_flat else agrees):
-        rule = f"contradicts R_i = {short(R_i)} and R_j = {short(R_j)}, which give {short(own)}"
-        remedy = "change the radii with it, or leave them out"
-        raise InputError(_SOURCE, "dR", pair.dR, rule, remedy)
-
-
 def _other_radius(
     source: str, contact: Contact, dR: Length, key: str, radius: Length
 ) -> FloatArray:
     """Return what ΔR leaves of R_j, or of R_i for a roller; refuse what is not positive."""
-    own, distance = _lengths((), **{key: radius, "dR": dR}).values()
+    own, distance = _lengths(**{key: radius, "dR": dR}).values()
     other = own - distance if contact == "internal" else distance - own
     if not np.all(other > 0):
         body = "the pin" if contact == "internal" else roles(contact)[key == "R_i"]
@@ -541,7 +513,7 @@ def _other_radius(
     return other
 
 
-def _lengths(flat: tuple[str, ...], /, **given: Length) -> dict[str, FloatArray]:
+def _lengths(*flat: str, **given: Length) -> dict[str, FloatArray]:
     """Return lengths by name, positive and of shapes that go together; refuse others.
 
     Those named in `flat` may be infinite in all elements.

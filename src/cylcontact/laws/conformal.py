@@ -43,15 +43,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats, inside_or_nan, require
+from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
 from cylcontact.laws.adapters import scaled_model
-from cylcontact.laws.contact_law import Unlimited, depth_of, require_hole
+from cylcontact.laws.contact_law import OverLength, depth_of, require_hole
 from cylcontact.laws.definition import LawModel
 from cylcontact.laws.glauert import Housed, Remainder, estimated_c, housed, persson_peak, remainder
 from cylcontact.laws.housing import Housing, Kernel, is_number
@@ -82,17 +83,15 @@ class Arc(NamedTuple):
         return as_floats(2 * np.arctan(np.sqrt(self.b2)))
 
     @property
-    def compliance(self) -> FloatArray:
-        """π·E*·dδ/df, that is d(φL)/dφ."""
-        return as_floats(self.L - self.L_slope * self.k / (self.k_slope - self.c * self.k))
+    def q(self) -> FloatArray:
+        """(1 − S)²/S, by which arcs are sought."""
+        return as_floats(self.c**2 / self.S)
 
 
 @dataclass(frozen=True)
 class Bodies:
     """Bodies of one β: the share w_i of the hole, Dundurs' β, the datum's C, and the housing.
 
-    Examples
-    --------
     The largest arcs of a rigid pin, equal bodies, and a hole of three times the pin's modulus:
 
     >>> bodies = Bodies(np.array([1.0, 0.5, 0.25]), beta=0.0, C=np.float64(0.0))
@@ -116,10 +115,8 @@ class Bodies:
     def last(self) -> Arc:
         """The arc that no load exceeds, where K = 0."""
         c = estimated_c(np.maximum(self.w_i + self.beta, np.sqrt(_LEAST_Q)))
-        q, end = as_floats(c**2 / (1 - c)), _LEAST_Q
-        if self.remainder is not None:
-            end = float(_q_of_angle(as_floats(self.remainder.top)))
-        return self._root(lambda arc: (arc.k, arc.k_slope), q, as_floats(np.full_like(q, end)))
+        end = _LEAST_Q if self.remainder is None else _q_of_angle(self.remainder.top)
+        return self._root(lambda arc: (arc.k, arc.k_slope), as_floats(c**2 / (1 - c)), end)
 
     @cached_property
     def ends(self) -> tuple[FloatArray, FloatArray]:
@@ -127,9 +124,9 @@ class Bodies:
         whole_to = self.remainder.whole_to if isinstance(self.remainder, Housed) else np.inf
         if whole_to >= self.last.angle:
             return as_floats(np.inf), as_floats(np.inf)
-        arc = self.arc(_q_of_angle(as_floats(whole_to)))
+        arc = self.arc(_q_of_angle(whole_to))
         phi = np.pi * arc.S / arc.k
-        return as_floats(phi), as_floats(phi * arc.L / np.pi)
+        return phi, phi * arc.L / np.pi
 
     def arc(self, q: FloatArray) -> Arc:
         """Return the arc with (1 − S)²/S = 1/(b²(1 + b²)) = q."""
@@ -156,13 +153,12 @@ class Bodies:
 
     def arc_of_load(self, phi: FloatArray) -> Arc:
         """Return the arc under the load φ = f/(E*·ΔR) ≥ 0, where K = π/φ."""
-        K = np.pi / np.clip(phi, _TINY, _HUGE)
+        K, end = np.pi / np.clip(phi, _TINY, _HUGE), self.last.q
 
         def miss(arc: Arc) -> tuple[FloatArray, FloatArray]:
             return arc.k - arc.S * K, arc.k_slope - arc.c * arc.k
 
-        end = _q_of(self.last)
-        return self._one_arc(self._root(miss, as_floats(K + end), end))
+        return self._one_arc(self._root(miss, K + end, end))
 
     def arc_of_penetration(self, d: FloatArray) -> Arc:
         """Return the arc at the penetration d = δ/ΔR ≥ 0, where d·K = L.
@@ -175,40 +171,38 @@ class Bodies:
             part = arc.S * each
             return arc.k - part * arc.L, arc.k_slope - arc.c * arc.k - part * arc.L_slope
 
-        end, least = _q_of(self.last), self.last.L
+        end, least = self.last.q, self.last.L
         small = self.C + self.w_i + (0.0 if self.kernel is None else self.kernel.h)
         each_of_L = np.exp(np.minimum(small - least, 10.0)) * each
         L = least + np.log1p(each_of_L * (least + np.log1p(2.7 * each_of_L)))
-        return self._one_arc(self._root(miss, as_floats(L * each + end), end))
+        return self._one_arc(self._root(miss, L * each + end, end))
 
     def peak(self, arc: Arc) -> FloatArray:
         """Return R·p/f at θ = 0."""
         peak = persson_peak(np.sqrt(arc.b2))
-        if self.remainder is not None:
-            peak = peak * (1 + self.remainder.peak(arc.angle))
-        return as_floats(peak)
+        return peak if self.remainder is None else peak * (1 + self.remainder.peak(arc.angle))
 
     def _root(
         self,
         miss: Callable[[Arc], tuple[FloatArray, FloatArray]],
         q: FloatArray,
-        end: FloatArray,
+        end: FloatArray | float,
     ) -> Arc:
         """Return the arc q ≥ `end` where a function that increases with q vanishes, but for slopes.
 
         `miss` gives it and its slope by ln b², both times S. Where a step of Newton's method leaves
         the bracket, its middle in ln q takes its place.
         """
-        low, high = end, np.full_like(q, _MOST_Q)
+        low, high = end, _MOST_Q
         for _ in range(_STEPS):
             arc = self.arc(q)
             value, slope = miss(arc)
-            low, high = np.where(value > 0, low, q), np.where(value > 0, q, high)
+            low, high = _where(value > 0, low, q), _where(value > 0, q, high)
             new = q + q * (1 + arc.S) * value / slope
             inside = (new >= low) & (new <= high)
-            if not np.all(inside):
-                new = np.where(inside, new, np.sqrt(low) * np.sqrt(high))
-            if np.all(np.abs(new - q) <= _LAST_STEP * q):
+            if not inside.all():
+                new = _where(inside, new, np.sqrt(low) * np.sqrt(high))
+            if (abs(new - q) <= _LAST_STEP * q).all():
                 break
             q = new
         step = (q - new) / (q * (1 + arc.S))  # in ln b²; its square is below rounding
@@ -220,9 +214,10 @@ class Bodies:
             L=arc.L + arc.L_slope * step,
         )
 
-    def with_slopes(self, arc: Arc) -> Arc:
-        """Return an arc with the slopes there, which a search leaves a step before."""
-        return self.arc(as_floats(1 / (arc.b2 * (1 + arc.b2))))
+    def compliance(self, arc: Arc) -> FloatArray:
+        """Return π·E*·dδ/df, that is d(φL)/dφ, at an arc that was sought."""
+        arc = self.arc(1 / (arc.b2 * (1 + arc.b2)))  # with the slopes there, not a step before
+        return arc.L - arc.L_slope * arc.k / (arc.k_slope - arc.c * arc.k)
 
     def _one_arc(self, arc: Arc) -> Arc:
         """Return an arc, NaN where the pin would leave a housing within it."""
@@ -232,21 +227,21 @@ class Bodies:
         return Arc(*(as_floats(np.where(whole, value, np.nan)) for value in arc))
 
 
-def _q_of(arc: Arc) -> FloatArray:
-    """Return (1 − S)²/S of an arc."""
-    return as_floats(arc.c**2 / arc.S)
+def _where(condition: Any, one: Any, other: Any) -> Any:
+    """Return `np.where`, for single numbers at a tenth of its cost."""
+    return (one if condition else other) if condition.ndim == 0 else np.where(condition, one, other)
 
 
-def _q_of_angle(angle: FloatArray) -> FloatArray:
+def _q_of_angle(angle: FloatArray | float) -> FloatArray:
     """Return (1 − S)²/S of the arc from −`angle` to `angle` in radians."""
-    return as_floats((np.cos(angle / 2) ** 2 / np.sin(angle / 2)) ** 2)
+    return as_floats((np.cos(as_floats(angle) / 2) ** 2 / np.sin(as_floats(angle) / 2)) ** 2)
 
 
 Datum = Literal["johnson"] | float | Housing
 
 
 @dataclass(frozen=True)
-class Conformal(Unlimited):
+class Conformal(OverLength):
     """A pin in a hole of any two materials: the reference law, exact for large arcs as well.
 
     δ = f·L/(π·E*) and f = π·E*·ΔR/K, with the semi-angle ε of the contact as parameter. For two
@@ -335,33 +330,26 @@ class Conformal(Unlimited):
         """Return C, which is π·E*·δ/f's additive constant, for a pair."""
         if isinstance(self.datum, Housing):
             return self.datum.constant(pair)
-        if isinstance(self.datum, str):
-            return as_floats(2 * np.log(2) - 2 + pair.shares[1])
-        return as_floats(self.datum)
+        johnson = isinstance(self.datum, str)
+        return as_floats(2 * np.log(2) - 2 + pair.shares[1] if johnson else self.datum)
 
     def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the penetration in mm under `load` in N/mm."""
         f = as_floats(load)
         touching, phi = in_units_of(self.load_unit(pair), f)
-
-        def L(bodies: Bodies, phi: FloatArray) -> FloatArray:
-            return self._checked(bodies).arc_of_load(phi).L
-
-        L_there = self._each(L, phi, pair, self.constant(pair))
-        return inside_or_nan(f / (np.pi * pair.E_star) * L_there, touching)
+        L = self._each(lambda bodies, phi: self._checked(bodies).arc_of_load(phi).L, phi, pair)
+        return inside_or_nan(f / (np.pi * pair.E_star) * L, touching)
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
         delta = depth_of(penetration)
-        touching, L = self._at(lambda arc, _: arc.L, delta, pair)
+        touching, L = self._at(lambda _, arc: arc.L, delta, pair)
         return inside_or_nan(np.pi * pair.E_star * (delta / L), touching)
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm² at `penetration` in mm; 0 at first touch."""
         delta = depth_of(penetration)
-        touching, compliance = self._at(
-            lambda arc, bodies: bodies.with_slopes(arc).compliance, delta, pair
-        )
+        touching, compliance = self._at(Bodies.compliance, delta, pair)
         stiffness = np.pi * pair.E_star / compliance
         return inside_or_nan(np.where(delta == 0, 0.0, stiffness), touching)
 
@@ -372,28 +360,20 @@ class Conformal(Unlimited):
     def require_datum(self, pair: CylinderPair) -> None:
         """Raise `InputError` if the datum makes the penetration of a pair decrease."""
         if self.datum != "johnson":
-            C = self.constant(pair)
-            self._each(lambda bodies, _: self._checked(bodies).last.L, C, pair, C)
+            self._each(lambda bodies, _: self._checked(bodies).last.L, as_floats(0.0), pair)
 
     def max_load(self, pair: CylinderPair) -> FloatArray:
         """Return inf, but the load in N/mm at which the pin leaves a thin eye within the arc."""
-        return self._ends(0, self.load_unit(pair), pair)
+        return self._end(0, self.load_unit(pair), pair)
 
     def max_penetration(self, pair: CylinderPair) -> FloatArray:
         """Return inf, but the penetration in mm at `max_load` where there is one."""
-        return self._ends(1, self.load_unit(pair) / pair.E_star, pair)
-
-    def _ends(self, which: int, unit: FloatArray, pair: CylinderPair) -> FloatArray:
-        """Return one of the ends in its unit."""
-        if not isinstance(self.datum, Housing):
-            return as_floats(np.full_like(unit, np.inf))
-        C = self.constant(pair)
-        return unit * self._each(lambda bodies, _: bodies.ends[which], unit, pair, C)
+        return self._end(1, self.load_unit(pair) / pair.E_star, pair)
 
     def load_unit(self, pair: CylinderPair) -> FloatArray:
         """Return E*·ΔR in N/mm; raise `InputError` for a pair that the law is not for."""
         self.require_pair(pair)
-        return as_floats(pair.E_star * as_floats(pair.dR))
+        return pair.E_star * as_floats(pair.dR)
 
     def contact_angle(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the semi-angle ε of the contact arc in degrees under `load` in N/mm.
@@ -418,9 +398,15 @@ class Conformal(Unlimited):
         peak = self._each(lambda bodies, phi: bodies.peak(bodies.arc_of_load(phi)), phi, pair)
         return inside_or_nan(f / np.sqrt(R_i * R_j) * peak, touching)
 
+    def _end(self, which: int, unit: FloatArray, pair: CylinderPair) -> FloatArray:
+        """Return where a law ends in a housing, φ or d, in its unit."""
+        if not isinstance(self.datum, Housing):
+            return as_floats(np.full_like(unit, np.inf))
+        return unit * self._each(lambda bodies, _: bodies.ends[which], unit, pair)
+
     def _at(
         self,
-        answer: Callable[[Arc, Bodies], FloatArray],
+        answer: Callable[[Bodies, Arc], FloatArray],
         penetration: FloatArray,
         pair: CylinderPair,
     ) -> tuple[BoolArray, FloatArray]:
@@ -428,32 +414,34 @@ class Conformal(Unlimited):
         touching, d = in_units_of(self.load_unit(pair) / pair.E_star, penetration)
 
         def at_depth(bodies: Bodies, d: FloatArray) -> FloatArray:
-            return answer(self._checked(bodies).arc_of_penetration(d), bodies)
+            return answer(bodies, self._checked(bodies).arc_of_penetration(d))
 
-        return touching, self._each(at_depth, d, pair, self.constant(pair))
+        return touching, self._each(at_depth, d, pair)
 
     def _each(
         self,
         answer: Callable[[Bodies, FloatArray], FloatArray],
         numbers: FloatArray,
         pair: CylinderPair,
-        C: FloatArray | float = 0.0,
     ) -> FloatArray:
         """Return `answer` of numbers that broadcast against a pair, by β and housing."""
-        w_i, beta = pair.shares[0], np.round(pair.beta, 15)  # rounding makes no other β
+        w_i, beta = pair.shares[0], pair.beta.round(15)  # rounding makes no other β
         which: IndexArray = np.array(0)
         kernels: Sequence[Kernel | None] = [None]
         if isinstance(self.datum, Housing):
             which, kernels = self.datum.kernels(pair)
-        results = np.empty(np.broadcast_shapes(*map(np.shape, (numbers, w_i, beta, C, which))))
-        if np.size(w_i) == np.size(beta) == np.size(C) == np.size(which) == 1:
-            bodies = _bodies(*(np.asarray(x).item() for x in (w_i, beta, C)), kernels[0])
+        parts = numbers, w_i, beta, self.constant(pair), which
+        results = np.empty(np.broadcast_shapes(*(part.shape for part in parts)))
+        if all(part.size == 1 for part in parts[1:]):
+            bodies = _bodies(*(part.item() for part in parts[1:4]), kernels[0])
+            if results.ndim == 0:
+                return answer(bodies, numbers)
             flat, filled = np.broadcast_to(numbers, results.shape).ravel(), results.reshape(-1)
             for first in range(0, flat.size, BLOCK):
-                part = slice(first, first + BLOCK)
-                filled[part] = answer(bodies, flat[part])
-            return as_floats(results)
-        numbers, w_i, beta, C, which = np.broadcast_arrays(numbers, w_i, beta, C, which)
+                block = slice(first, first + BLOCK)
+                filled[block] = answer(bodies, flat[block])
+            return results
+        numbers, w_i, beta, C, which = np.broadcast_arrays(*parts)
         for value, k in np.unique(np.stack([beta.ravel(), which.ravel()]), axis=1).T:
             here = (beta == value) & (which == k)
             bodies = Bodies(w_i[here], float(value), C[here], kernels[int(k)])
@@ -463,14 +451,10 @@ class Conformal(Unlimited):
     def _checked(self, bodies: Bodies) -> Bodies:
         """Return the bodies; raise `InputError` if δ decreases with the load at the last arc."""
         least = bodies.last.L
-        require(
-            least > 0,
-            type(self).__name__,
-            "datum",
-            self.datum,
-            "makes the penetration decrease at large loads",
-            f"this pair needs C > {np.max(bodies.C - least):.6g}",
-        )
+        if not np.all(least > 0):
+            rule = "makes the penetration decrease at large loads"
+            remedy = f"this pair needs C > {np.max(bodies.C - least):.6g}"
+            raise InputError(type(self).__name__, "datum", self.datum, rule, remedy)
         return bodies
 
 
