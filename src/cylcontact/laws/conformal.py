@@ -14,9 +14,8 @@ leaves the equation that `cylcontact.laws.glauert` solves, with 2Â = K + w_i·H
 
     K = 2Â − w_i·H,    L = M − w_j·H + C,
 
-and 2Â, H and M depend on ε and β alone: **α enters linearly**.
-
-**β = 0, any α.** With S = sin²(ε/2) and c = 1 − S
+and 2Â, H and M depend on ε and β alone: **α enters linearly**. For β = 0, with S = sin²(ε/2) and
+c = 1 − S, they are
 
     2Â = c²/S,    H = 2S − c²·ln(c)/S,    M = −ln S + S²/2 + H,
 
@@ -270,37 +269,32 @@ class Conformal(OverLength):
     Notes
     -----
     The pressure is that of Persson (1964) for β = 0. Ciavarella and Decuzzi (Int. J. Solids
-    Struct. 38 (2001) 4507–4523) treat unlike bodies. The equation is Prandtl's of the lifting
-    line, which Glauert's series solves; the derivation is in `cylcontact.laws.conformal`. Plane
-    strain, or plane stress if the pair says so. ΔR is small beside the radii, and there is no
+    Struct. 38 (2001) 4507–4523) treat unlike bodies. `cylcontact.laws.conformal` derives the law.
+    Plane strain, or plane stress if the pair says so. ΔR is small beside the radii, and there is no
     friction.
 
     Relative errors are those of rounding for β = 0. For other pairs they are below 1e-11 in load,
     penetration, stiffness and angle, and below 1e-9 in the largest pressure, against four times
     the terms over every possible (α, β); for |β| < 1e-5 and arcs beyond 172.7°, which only a pin
-    1e5 times softer than the plate reaches, below 1e-7. Each β costs 0.02 s once. No ratio of the
-    moduli is too large: the law tends to that of one rigid body.
+    1e5 times softer than the plate reaches, below 1e-7. No ratio of the moduli is too large.
 
     In a housing of at least 1.3 times the hole's radius they are below 1e-9, and below 1e-4 in the
-    largest pressure, which leaves the line of the load in thin eyes. Each housing costs 0.02 s once
-    with its whole rim clamped, about 0.1 s with a sector. Where the pin would leave a thin eye
-    between two places of contact, the answer is NaN.
+    largest pressure, which leaves the line of the load in thin eyes. Where the pin would leave a
+    thin eye between two places of contact, the answer is NaN. Each β costs 0.02 s once, each
+    housing as much with its whole rim clamped, about 0.1 s with a sector.
 
     Examples
     --------
-    A steel pin in an aluminium plate has 5 % less penetration than equal bodies of the same E*:
+    A steel pin in an aluminium plate, and in a lug of twice the hole's radius that is clamped on
+    its rim, the pin under a body force:
 
     >>> from cylcontact import CylinderPair, Material, laws
     >>> steel, aluminium = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)
     >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.99, material=aluminium, material_j=steel)
+    >>> law, joint = Conformal(), Conformal(datum=Housing(R_o=20.0))
     >>> f = pair.E_star * pair.dR
-    >>> law = Conformal()
     >>> print(f"{law.penetration(f, pair) / pair.dR:.6f}, {law.contact_angle(f, pair):.5f} degrees")
     0.655212, 50.50110 degrees
-
-    In a lug of twice the hole's radius, clamped on its rim, and the pin under a body force:
-
-    >>> joint = Conformal(datum=Housing(R_o=20.0))
     >>> print(f"{joint.penetration(f, pair) / pair.dR:.6f}")
     0.577766
     """
@@ -310,21 +304,17 @@ class Conformal(OverLength):
     contacts: ClassVar[tuple[Contact, ...]] = ("internal",)
     _repr_html_ = law_html
 
+    def __post_init__(self) -> None:
+        known = self.datum == "johnson" if isinstance(self.datum, str) else is_number(self.datum)
+        known = known or isinstance(self.datum, Housing)
+        rule = "must be 'johnson', a finite number C or a Housing"
+        remedy = "e.g. datum=laws.Housing(R_o=20.0)"
+        require(known, type(self).__name__, "datum", self.datum, rule, remedy)
+
     @classmethod
     def models(cls) -> tuple[LawModel, ...]:
         """Return none: a fit on equal bodies would try the same curve as Persson's twice."""
         return ()
-
-    def __post_init__(self) -> None:
-        named = isinstance(self.datum, str) and self.datum == "johnson"
-        require(
-            named or isinstance(self.datum, Housing) or is_number(self.datum),
-            type(self).__name__,
-            "datum",
-            self.datum,
-            "must be 'johnson', a finite number C or a Housing",
-            "e.g. datum=laws.Housing(R_o=20.0)",
-        )
 
     def constant(self, pair: CylinderPair) -> FloatArray:
         """Return C, which is π·E*·δ/f's additive constant, for a pair."""
@@ -505,15 +495,12 @@ class Persson(Conformal):
 
     def require_pair(self, pair: CylinderPair) -> None:
         """Raise `InputError` for external contact or bodies of different materials."""
-        require_hole("Persson's law", pair)
-        require(
-            pair.of_one_material,
-            "Persson's law",
-            "pair.material_j",
-            pair.material_j.name,
-            "must have the same E and ν as material_i, or the solution does not hold",
-            "give a pair of one material, or use laws.Conformal()",
-        )
+        law = "Persson's law"
+        require_hole(law, pair)
+        rule = "must have the same E and ν as material_i, or the solution does not hold"
+        remedy = "give a pair of one material, or use laws.Conformal()"
+        other = pair.material_j.name
+        require(pair.of_one_material, law, "pair.material_j", other, rule, remedy)
 
 
 def load_at_angle(angle: ArrayLike, pair: CylinderPair) -> FloatArray:

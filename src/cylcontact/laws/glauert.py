@@ -59,15 +59,12 @@ _SERIES = np.concatenate([[0.5], 2 / ((_N - 1) * _N * (_N + 1))])
 
 
 class Solution(NamedTuple):
-    """The contact along arcs: S·2Â, (H − 1)/S with H = ∫p dθ, and the pressure at θ = 0.
-
-    `coefficients`, shape (k, terms), are the aₘ of the pressure.
-    """
+    """The contact along arcs: S·2Â, (H − 1)/S with H = ∫p dθ, and the pressure at θ = 0."""
 
     a: FloatArray
     h: FloatArray
     peak: FloatArray
-    coefficients: FloatArray
+    coefficients: FloatArray  # the aₘ of the pressure, shape (k, terms)
 
 
 class ClosedForms(NamedTuple):
@@ -83,8 +80,6 @@ class ClosedForms(NamedTuple):
 def closed_forms(b2: FloatArray) -> ClosedForms:
     """Return the solution for β = 0 at b² = tan²(ε/2): a = c² and H = 2S − c²·ln(c)/S, c = 1 − S.
 
-    Examples
-    --------
     >>> print(closed_forms(np.array([1e-30, 1.0])).h.round(6))
     [0.5      0.693147]
     """
@@ -121,11 +116,7 @@ def glauert(
 ) -> Solution:
     """Solve the contact along arcs of b = tan(ε/2) > 0, shape (k,), by Galerkin's method.
 
-    `g` are the coefficients g_nm of a housing.
-
-    Examples
-    --------
-    Without β it is the closed form:
+    `g` are the coefficients g_nm of a housing. Without β and g it is the closed form:
 
     >>> b = np.array([0.5, 1.0])
     >>> np.abs(glauert(b, 0.0).h - closed_forms(b**2).h).max() < 1e-12
@@ -244,8 +235,6 @@ class Housed(Remainder):
 def remainder(beta: float) -> Remainder | None:
     """Return the remainder for one β, None for β = 0, where there is none.
 
-    Examples
-    --------
     The series end some degrees beyond the largest arc:
 
     >>> print(f"{np.degrees(remainder(0.5).top):.1f}")
@@ -254,14 +243,9 @@ def remainder(beta: float) -> Remainder | None:
     if beta == 0:
         return None
     if abs(beta) < _SMALL_BETA:
-        full, factor = _built(float(np.copysign(_SMALL_BETA, beta))), abs(beta) / _SMALL_BETA
+        full, factor = remainder(math.copysign(_SMALL_BETA, beta)), abs(beta) / _SMALL_BETA
+        assert full is not None
         return Remainder(full.top, full.series * factor, full.peak_series * factor)
-    return _built(beta)
-
-
-@lru_cache(maxsize=1024)
-def _built(beta: float) -> Remainder:
-    """Return the remainder of a β from the solutions at Chebyshev's nodes."""
     # w_i is at least 0 and at least −2β, so that w_i + β is at least |β|.
     top = float(2 * np.arccos(np.sqrt(0.9 * estimated_c(abs(beta)))))
     series, solution, b = _series(top, beta, _NODES)
@@ -278,13 +262,8 @@ def housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
         if np.all(last.max(axis=0) < _LAST_TERMS * values.max(axis=0)):
             coefficients = _fitted(solution.coefficients * b[:, None])
             return Housed(top, series, np.zeros(1), coefficients)
-    raise InputError(
-        "Housing",
-        "R_o",
-        None,
-        "makes a ring so thin that the pin does not touch it along one arc",
-        "give a thicker one, or the datum as a number",
-    )
+    rule = "makes a ring so thin that the pin does not touch it along one arc"
+    raise InputError("Housing", "R_o", None, rule, "give a thicker one, or the datum as a number")
 
 
 def _end(beta: float, w_i: float, g: FloatArray) -> float:
@@ -301,13 +280,11 @@ def _end(beta: float, w_i: float, g: FloatArray) -> float:
         if high < np.pi and high - low < _END_WITHIN:
             return high
         if low > _LARGEST_ARC:
-            raise InputError(
-                "Housing",
-                "pair",
-                None,
-                f"closes all around: the contact is longer than {2 * np.degrees(low):.0f} degrees",
-                "give the datum as a number, for a pin that is much softer than its housing",
+            rule = (
+                f"closes all around: the contact is longer than {2 * np.degrees(low):.0f} degrees"
             )
+            remedy = "give the datum as a number, for a pin that is much softer than its housing"
+            raise InputError("Housing", "pair", None, rule, remedy)
         angle = low + (high - low) / 2 if high < np.pi else angle + (np.pi - angle) / 4
     return high
 
