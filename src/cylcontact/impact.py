@@ -139,11 +139,6 @@ def achieved_restitution(chi: ArrayLike) -> FloatArray:
     e = [1 + W₀(−(1 + χ)·exp(−(1 + χ)))]/χ, from 1 at χ = 0 towards 1/χ as χ → ∞, with a relative
     error of a few units in the last place. Raises `InputError` if χ is negative or not finite.
 
-    Notes
-    -----
-    p(1 + L(p)) = χ is solved by Newton's method. The left-hand side is convex and grows, and
-    p = min(χ, (1 + χ)/2) is above the root, so the iteration converges monotonically.
-
     Examples
     --------
     >>> chi = lankarani_nikravesh(0.9)
@@ -151,6 +146,7 @@ def achieved_restitution(chi: ArrayLike) -> FloatArray:
     wanted 0.9, achieved 0.9132
     """
     factor = _not_negative(chi, "hysteresis factor", "chi", _OF_RESTITUTION)
+    # Newton's method for p(1 + L(p)) = χ: convex and growing, and this start is above the root.
     p = np.minimum(factor, (1 + factor) / 2)
     for _ in range(_NEWTON_STEPS):
         L, complement, _ = _langevin(p)
@@ -164,17 +160,14 @@ def exact_factor(restitution: ArrayLike) -> FloatArray:
     """Return the hysteresis factor that gives exactly the restitution e, 0 < e ≤ 1.
 
     It is the root χ of χ(1 + e) = ln[(1 + χ)/(1 − χe)], with a relative error of a few units in the
-    last place. Raises `InputError` if e is outside (0, 1].
+    last place. Close to e = 1 it is (3/2)(1 − e) + (3/2)(1 − e)² + …, and Hu and Guo's factor has
+    both terms; for small e it is 1/e, like Gonthier's. Raises `InputError` if e is outside (0, 1].
 
     Notes
     -----
     χ = 2p/(1 + e) with p = L⁻¹((1 − e)/(1 + e)). The inverse of Langevin's function has no
-    closed form in elementary functions or Lambert's W. Kröger (J. Non-Newtonian Fluid Mech.
-    223 (2015) 77–87) approximates it to 0.3 %. Newton's method on L/(1 − L), which is nearly
-    straight, refines that.
-
-    Close to e = 1 the factor is χ = (3/2)(1 − e) + (3/2)(1 − e)² + …, and Hu and Guo's factor
-    has both terms. For small e it is 1/e, like Gonthier's.
+    closed form. Kröger (J. Non-Newtonian Fluid Mech. 223 (2015) 77–87) approximates it to 0.3 %;
+    Newton's method on L/(1 − L), which is nearly straight, refines that.
 
     Examples
     --------

@@ -16,7 +16,7 @@ from cylcontact.yield_search import Criterion, FirstYield, find_first_yield
 
 
 def hertz_stress(load: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the peak pressure of Hertz's line contact, √(f·E*/(π·R)) (Eq 7).
+    """Return the peak pressure of Hertz's line contact, p₀ = √(f·E*/(π·R)) (Eq 7).
 
     Parameters
     ----------
@@ -33,48 +33,31 @@ def hertz_stress(load: ArrayLike, pair: CylinderPair) -> FloatArray:
     Examples
     --------
     >>> from cylcontact import CylinderPair, Material
-    >>> steel = Material("steel", E=207e3, nu=0.3)
-    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel)
-    >>> print(f"{hertz_stress(100.0, pair):.2f} MPa")
-    138.04 MPa
+    >>> pair = CylinderPair.internal(10.0, 9.5, Material("steel", E=207e3, nu=0.3))
+    >>> peak, b = hertz_stress(100.0, pair), hertz_half_width(100.0, pair)
+    >>> print(f"{peak:.2f} MPa and {b:.4f} mm carry {np.pi / 2 * b * peak:.6f} N/mm")
+    138.04 MPa and 0.4612 mm carry 100.000000 N/mm
+    >>> print(hertz_pressure([0.0, 0.3, 0.5], 100.0, pair).round(2))
+    [138.04 104.84   0.  ]
     """
-    f = as_floats(load)
-    f = np.where(f >= 0, f, np.nan)
-    return as_floats(np.sqrt(f * pair.E_star / (np.pi * pair.R)))
+    return as_floats(np.sqrt(_loads(load) * pair.E_star / (np.pi * pair.R)))
 
 
 def hertz_half_width(load: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the half-width of Hertz's line contact in mm, b = 2·√(f·R/(π·E*)).
+    """Return the half-width in mm of `hertz_stress`'s contact, b = 2·√(f·R/(π·E*))."""
+    return as_floats(2 * np.sqrt(_loads(load) * pair.R / (np.pi * pair.E_star)))
 
-    Arguments as for `hertz_stress`; NaN where the load is negative.
 
-    Examples
-    --------
-    >>> from cylcontact import CylinderPair, Material
-    >>> steel = Material("steel", E=207e3, nu=0.3)
-    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel)
-    >>> b, peak = hertz_half_width(100.0, pair), hertz_stress(100.0, pair)
-    >>> print(f"{b:.4f} mm carry {np.pi / 2 * b * peak:.6f} N/mm")
-    0.4612 mm carry 100.000000 N/mm
-    """
+def _loads(load: ArrayLike) -> FloatArray:
+    """Return loads, NaN where they are negative."""
     f = as_floats(load)
-    f = np.where(f >= 0, f, np.nan)
-    return as_floats(2 * np.sqrt(f * pair.R / (np.pi * pair.E_star)))
+    return np.where(f >= 0, f, np.nan)
 
 
 def hertz_pressure(x: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatArray:
-    """Return the elliptic pressure of Hertz's line contact in MPa, p = p₀·√(1 − x²/b²).
+    """Return the elliptic pressure in MPa of `hertz_stress`'s contact, p = p₀·√(1 − x²/b²).
 
-    `x` is the distance from the middle of the contact in mm, the others are as for `hertz_stress`.
-    Zero outside the contact, NaN where the load is negative.
-
-    Examples
-    --------
-    >>> from cylcontact import CylinderPair, Material
-    >>> steel = Material("steel", E=207e3, nu=0.3)
-    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel)
-    >>> print(hertz_pressure([0.0, 0.3, 0.5], 100.0, pair).round(2))
-    [138.04 104.84   0.  ]
+    `x` is the distance from the middle of the contact in mm; the pressure is zero outside it.
     """
     half_width = hertz_half_width(load, pair)
     inside = np.abs(as_floats(x)) < half_width
@@ -135,12 +118,11 @@ def first_yield(
 
     Parameters
     ----------
-    pair : CylinderPair
-        A pair with known radii, of any two materials, in plane strain or plane stress.
+    pair, yield_stress
+        As for `yield_load`, in plane strain or plane stress.
     criterion : {"von Mises", "Tresca"}
-        Compares an equivalent stress with each body's own yield stress.
-    yield_stress : float, optional
-        In MPa, for both bodies; by default each has that of its material.
+        Compares an equivalent stress with each body's own yield stress. Both are criteria of
+        ductile materials, and say nothing of brittle ones, which break in tension.
 
     Returns
     -------
@@ -158,10 +140,8 @@ def first_yield(
     A pin in a hole: the pressure is that of `cylcontact.laws.Conformal`, and the stresses inside
     both bodies under it are exact; `cylcontact.stress` derives them. The pin's load is balanced by
     an even body force, the plate's at infinity. A lug of finite width carries more hoop tension
-    and yields earlier. Loads are within 2e-4 of the solution, in relative terms.
-
-    Rollers: Hertz's pressure on flat surfaces. Both criteria are those of ductile materials; they
-    say nothing of brittle ones, which break in tension.
+    and yields earlier. Loads are within 2e-4 of the solution, in relative terms. Rollers: Hertz's
+    pressure on flat surfaces.
 
     Examples
     --------
@@ -170,8 +150,7 @@ def first_yield(
     >>> from cylcontact import CylinderPair, Material
     >>> steel = Material("steel", E=200e3, nu=0.3, yield_stress=250.0)
     >>> for R_j in (9.5, 9.99):
-    ...     pair = CylinderPair.internal(R_i=10.0, R_j=R_j, material=steel)
-    ...     at = first_yield(pair)
+    ...     at = first_yield(CylinderPair.internal(R_i=10.0, R_j=R_j, material=steel))
     ...     print(f"{at.load:.0f} N/mm, in the {at.body}, {at.depth:.2f} mm deep")
     901 N/mm, in the hole, 0.87 mm deep
     3618 N/mm, in the hole, 0.00 mm deep
@@ -192,8 +171,7 @@ def yield_warning(load: ArrayLike, pair: CylinderPair) -> str | None:
     Examples
     --------
     >>> from cylcontact import CylinderPair, Material
-    >>> steel = Material("steel", E=200e3, nu=0.3, yield_stress=250.0)
-    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.99, material=steel)
+    >>> pair = CylinderPair.internal(10.0, 9.99, Material("steel", 200e3, 0.3, yield_stress=250.0))
     >>> first, *others = yield_warning([100.0, 5000.0], pair).split(" (")
     >>> print(first)
     the largest load, 5,000 N/mm, is above first yield at 3,618 N/mm
@@ -206,8 +184,8 @@ def yield_warning(load: ArrayLike, pair: CylinderPair) -> str | None:
     largest, at = np.nanmax(as_floats(load), initial=0.0), first_yield(pair)
     if largest <= at.load:
         return None
-    load_and_limit = f"the largest load, {largest:,.0f} N/mm, is above first yield at {at}"
-    return f"{load_and_limit}; all laws here are elastic"
+    sentence = f"the largest load, {largest:,.0f} N/mm, is above first yield at {at}"
+    return f"{sentence}; all laws here are elastic"
 
 
 def johnson_limit_load(pair: CylinderPair) -> FloatArray:
@@ -247,11 +225,6 @@ def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
     pair : CylinderPair
         An internal pair; only its materials are used.
 
-    Returns
-    -------
-    array of float
-        ΔR in mm.
-
     Raises
     ------
     InputError
@@ -282,12 +255,12 @@ def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
 
 def _yield_stresses(pair: CylinderPair, given: float | None) -> tuple[float, float]:
     """Return the yield stresses of bodies i and j in MPa: the given one, else their own."""
-    own = pair.material_i.yield_stress, pair.material_j.yield_stress
-    stress_i, stress_j = own if given is None else (given, given)
+    if given is not None:
+        require_positive(given, "yield limit", "yield_stress", "give it in MPa")
+        return given, given
+    stress_i, stress_j = pair.material_i.yield_stress, pair.material_j.yield_stress
     if stress_i is None or stress_j is None:
         rule = "is not known for both materials"
         remedy = "give the materials a yield_stress in MPa, or pass one"
         raise InputError("yield limit", "yield_stress", None, rule, remedy)
-    if given is not None:  # those of materials are positive
-        require_positive(given, "yield limit", "yield_stress", "give it in MPa")
     return stress_i, stress_j

@@ -76,10 +76,13 @@ class CylinderPair:
 
     Examples
     --------
-    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> steel, aluminium = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)
     >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel, length=10.0)
     >>> print(f"{pair.E_star:.2f} MPa, {pair.dR:.1f} mm, {pair.R:.0f} mm")
     113736.26 MPa, 0.5 mm, 190 mm
+    >>> pair = CylinderPair.from_dR("internal", 0.5, pin=aluminium, hole=steel, plane="stress")
+    >>> print(f"{pair.E_star:.2f} MPa, alpha = {pair.alpha:.4f}, beta = {pair.beta:.4f}")
+    52310.47 MPa, alpha = 0.4946, beta = 0.1619
     """
 
     contact: Contact
@@ -102,8 +105,8 @@ class CylinderPair:
             body = getattr(self, key)
             require(isinstance(body, Material), _SOURCE, key, body, "must be a Material", remedy)
             moduli |= {f"E of {key}": body.E, f"nu of {key}": body.nu}
-        given = {"R_i": self.R_i, "R_j": self.R_j, "length": self.length}
-        given = {key: value for key, value in given.items() if value is not None}
+        optional = {"R_i": self.R_i, "R_j": self.R_j, "length": self.length}
+        given = {key: value for key, value in optional.items() if value is not None}
         is_external, known = self.contact == "external", given.keys() & {"R_i", "R_j"}
         flat = ("dR", "R_j") if is_external and len(known) == 2 else ()
         lengths = _lengths(*flat, dR=self.dR, **given)
@@ -161,7 +164,7 @@ class CylinderPair:
         hole: Material | None = None,
         plane: Plane = "strain",
     ) -> CylinderPair:
-        """Return a pin of radius `R_j` in a hole of radius `R_i` (mm).
+        """Return a pin of radius `R_j` in a hole of radius `R_i`.
 
         Parameters
         ----------
@@ -205,7 +208,7 @@ class CylinderPair:
         *,
         plane: Plane = "strain",
     ) -> CylinderPair:
-        """Return two rollers of radii `R_i` and `R_j` (mm), or a roller on a plane.
+        """Return two rollers of radii `R_i` and `R_j`, or a roller on a plane.
 
         Parameters
         ----------
@@ -324,15 +327,7 @@ class CylinderPair:
 
     @cached_property
     def E_star(self) -> FloatArray:
-        """Composite modulus in MPa: 1/E* = (1 − ν_i²)/E_i + (1 − ν_j²)/E_j, or without ν².
-
-        Examples
-        --------
-        >>> steel = Material("steel", E=207e3, nu=0.3)
-        >>> sheet = CylinderPair.from_dR("internal", 0.5, steel, plane="stress")
-        >>> print(f"{sheet.E_star:.2f} MPa")
-        103500.00 MPa
-        """
+        """Composite modulus in MPa: 1/E* = (1 − ν_i²)/E_i + (1 − ν_j²)/E_j, or without ν²."""
         modulus_i, modulus_j = self.moduli
         return _fixed(1 / (1 / modulus_i + 1 / modulus_j))
 
@@ -356,25 +351,15 @@ class CylinderPair:
 
     @property
     def alpha(self) -> FloatArray:
-        """Dundurs' α = w_j − w_i, from −1 to 1, positive when body j (the pin) is the softer.
-
-        Examples
-        --------
-        >>> steel, aluminium = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)
-        >>> pair = CylinderPair.from_dR("internal", 0.5, steel, material_j=aluminium)
-        >>> print(f"alpha = {pair.alpha:.4f}, beta = {pair.beta:.4f}")
-        alpha = 0.4866, beta = 0.1153
-        """
+        """Dundurs' α = w_j − w_i, from −1 to 1, positive when body j (the pin) is the softer."""
         w_i, w_j = self.shares
         return w_j - w_i
 
     @cached_property
     def beta(self) -> FloatArray:
         """Dundurs' β = w_j·g_j − w_i·g_i with g = (κ − 1)/(κ + 1), from −w_i/2 to w_j/2."""
-        own_i, own_j = (
-            w * (kappa - 1) / (kappa + 1)
-            for w, kappa in zip(self.shares, self.kolosov, strict=True)
-        )
+        (w_i, w_j), (kappa_i, kappa_j) = self.shares, self.kolosov
+        own_i, own_j = w_i * (kappa_i - 1) / (kappa_i + 1), w_j * (kappa_j - 1) / (kappa_j + 1)
         return _fixed(own_j - own_i)
 
     @cached_property
@@ -390,13 +375,7 @@ class CylinderPair:
 
     @property
     def R(self) -> FloatArray:
-        """Effective radius R_i·R_j/ΔR in mm; R_i for a plane.
-
-        Raises
-        ------
-        InputError
-            If the radii are not known.
-        """
+        """Effective radius R_i·R_j/ΔR in mm, R_i for a plane; `InputError` without radii."""
         R_i, R_j = self.radii("the effective radius")
         return R_i + np.zeros_like(R_j) if self.is_flat else R_i * R_j / as_floats(self.dR)
 
@@ -424,7 +403,7 @@ class CylinderPair:
 
 
 def _fixed(values: FloatArray) -> FloatArray:
-    """Return values computed once, as no caller can change them."""
+    """Return what is computed once, so that no caller can change it."""
     values.setflags(write=False)
     return values
 

@@ -96,8 +96,6 @@ class Pressure:
 def pressure_along(b: FloatArray, beta: float) -> Pressure:
     """Return the pressure along arcs of b = tan(ε/2), shape (k,), between bodies of one β.
 
-    Examples
-    --------
     Its real part on the arc is the pressure, here at θ = 0 against Persson's formula:
 
     >>> from cylcontact.laws.glauert import persson_peak
@@ -150,11 +148,8 @@ def in_pin(eta: ComplexArray, pressure: Pressure) -> PlaneStress:
 def in_plate(eta: ComplexArray, pressure: Pressure, kappa: float) -> PlaneStress:
     """Return the stresses in the plate at z = (1 − iη)/(1 + iη), shape (k, points).
 
-    The plate of Kolosov's κ is loaded at infinity, η = i.
-
-    Examples
-    --------
-    The hoop stress of the hole at θ = 0, where the contact extends over a right angle each way:
+    The plate of Kolosov's κ is loaded at infinity, η = i. The hoop stress of the hole at θ = 0,
+    where the contact extends over a right angle each way:
 
     >>> surface = np.zeros((1, 1), dtype=complex)
     >>> total, difference = in_plate(surface, pressure_along(np.array([1.0]), 0.0), kappa=1.8)

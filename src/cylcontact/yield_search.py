@@ -46,8 +46,6 @@ _COARSE, _FINE, _PASSES = 40, 7, 5
 # Each step cuts the error of ln f to half or less.
 _STEPS = 40
 
-_Name = Literal["hole", "pin"]
-
 
 @dataclass(frozen=True)
 class FirstYield:
@@ -76,11 +74,10 @@ class FirstYield:
         return f"{self.load:,.0f} N/mm ({self.criterion}, in {body}, {place})"
 
 
-@dataclass(frozen=True)
-class Body:
+class Body(NamedTuple):
     """One body of a pair; its stresses depend on β and, in the plate around a hole, on κ."""
 
-    name: _Name
+    name: Literal["hole", "pin"]
     kappa: float  # Kolosov's
     nu: float  # σ_zz/(σ_rr + σ_θθ): ν in plane strain, 0 in plane stress
 
@@ -97,13 +94,13 @@ def find_first_yield(
     pair: CylinderPair, stresses: tuple[float, float], criterion: Criterion
 ) -> FirstYield:
     """Return the first yield of a pair whose bodies i and j have these yield stresses in MPa."""
-    find = _of_hole if pair.contact == "internal" else _of_rollers
-    loads, depths = find(pair, stresses, criterion)
+    is_hole = pair.contact == "internal"
+    loads, depths = (_of_hole if is_hole else _of_rollers)(pair, stresses, criterion)
     second = loads[1] < loads[0]
-    names = ("hole", "pin") if pair.contact == "internal" else ("i", "j")
+    first_name, second_name = ("hole", "pin") if is_hole else ("i", "j")
     return FirstYield(
         as_floats(np.where(second, loads[1], loads[0])),
-        np.where(second, names[1], names[0])[()],
+        np.where(second, second_name, first_name)[()],
         as_floats(np.where(second, depths[1], depths[0])),
         criterion,
     )
@@ -112,8 +109,6 @@ def find_first_yield(
 def equivalent(stress: PlaneStress, nu: float, criterion: Criterion) -> FloatArray:
     """Return the equivalent stress by von Mises or Tresca, with σ_zz = ν·(σ_rr + σ_θθ).
 
-    Examples
-    --------
     Equal compression in the plane, in plane strain and in plane stress:
 
     >>> pressed = PlaneStress(np.array(-2.0), np.array(0j))
@@ -189,23 +184,21 @@ def _of_hole(
 ) -> tuple[list[FloatArray], list[FloatArray]]:
     """Return the load of first yield in each body of a pin in a hole, and the depth there."""
     R_i, R_j = pair.radii("the yield load")
-    R, unit = np.sqrt(R_i * R_j), pair.E_star * as_floats(pair.dR)
-    (w_i, _), (kappa_i, kappa_j) = pair.shares, pair.kolosov
-    nu_i, nu_j = _across(pair)
-    columns = np.broadcast_arrays(R, unit, w_i, pair.beta, kappa_i, nu_i, kappa_j, nu_j)
+    (kappa_i, kappa_j), (nu_i, nu_j) = pair.kolosov, _across(pair)
+    own = np.sqrt(R_i * R_j), pair.E_star * as_floats(pair.dR), pair.shares[0]
+    columns = np.broadcast_arrays(*own, pair.beta, kappa_i, nu_i, kappa_j, nu_j)
     R, unit, w_i, *kinds = (column.ravel() for column in columns)
-    kind, which = np.unique(np.stack(kinds), axis=1, return_inverse=True)
+    each, which = np.unique(np.stack(kinds), axis=1, return_inverse=True)
     loads, depths = np.empty((2, R.size)), np.empty((2, R.size))
-    for k, (beta, *numbers) in enumerate(kind.T.tolist()):
+    for k, (beta, *numbers) in enumerate(each.T.tolist()):
         here = which.ravel() == k
         bodies = Bodies(w_i[here], beta, np.zeros(1))
-        for n, name in enumerate[_Name](("hole", "pin")):
-            body = Body(name, *numbers[2 * n : 2 * n + 2])
+        for n, body in enumerate((Body("hole", *numbers[:2]), Body("pin", *numbers[2:]))):
             strength = stresses[n] * R[here] / unit[here]
             phi, depth = _first_arc(strength, bodies, _table(body, beta, criterion))
             loads[n, here], depths[n, here] = phi * unit[here], depth * R[here]
-    shape = columns[0].shape
-    return [load.reshape(shape) for load in loads], [depth.reshape(shape) for depth in depths]
+    shape = (2, *columns[0].shape)
+    return list(loads.reshape(shape)), list(depths.reshape(shape))
 
 
 def _first_arc(
