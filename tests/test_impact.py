@@ -1,4 +1,3 @@
-import itertools
 import math
 
 import numpy as np
@@ -18,7 +17,6 @@ from cylcontact.impact import (
     exact_factor,
     friction_load,
     hysteresis_factor,
-    lankarani_nikravesh,
 )
 from cylcontact.laws import Enhanced, Johnson, PowerLaw
 from cylcontact.mechanism import contact
@@ -86,17 +84,14 @@ def simulated_restitution(law, pair, chi, speed, mass=1e-4):
     return -flight.y_events[0][0, 1] / speed
 
 
-@pytest.mark.parametrize("chi", [0.1425, 1.5, 9.0])
+# χ, speed in mm/s and mass in tonnes, of which only χ matters.
+@pytest.mark.parametrize(
+    ("chi", "speed", "mass"), [(0.1425, 10.0, 1e-4), (1.5, 5000.0, 1e-4), (9.0, 500.0, 1e-6)]
+)
 @pytest.mark.parametrize("impact", IMPACTS)
-def test_a_simulated_impact_achieves_what_the_closed_form_says_whatever_the_law(impact, chi):
-    achieved = simulated_restitution(*IMPACTS[impact], chi, speed=500.0)
+def test_a_simulated_impact_achieves_what_the_closed_form_says(impact, chi, speed, mass):
+    achieved = simulated_restitution(*IMPACTS[impact], chi, speed, mass)
     assert achieved == pytest.approx(achieved_restitution(chi), abs=1e-9)
-
-
-@pytest.mark.parametrize(("speed", "mass"), [(10.0, 1e-4), (5000.0, 1e-4), (500.0, 1e-6)])
-def test_neither_speed_nor_mass_matters(speed, mass):
-    achieved = simulated_restitution(Johnson(), SHAFT, 0.5, speed, mass)
-    assert achieved == pytest.approx(achieved_restitution(0.5), abs=1e-9)
 
 
 @pytest.mark.parametrize("wanted", [0.2, 0.9])
@@ -158,10 +153,10 @@ def test_the_exact_factor_is_exact_to_a_few_roundings(wanted):
     assert error < 8 * ROUNDING
 
 
-@pytest.mark.parametrize("chi", [1e-300, 1e-100, 1e-16])
-def test_without_a_factor_nothing_is_lost(chi):
-    assert achieved_restitution(0.0) == 1.0
-    assert achieved_restitution(chi) == pytest.approx(1.0, abs=2 * ROUNDING)
+def test_without_a_factor_nothing_is_lost():
+    left = achieved_restitution([0.0, 1e-300, 1e-100, 1e-16])
+    np.testing.assert_allclose(left, 1.0, rtol=0, atol=2 * ROUNDING)
+    assert left[0] == 1.0
 
 
 @pytest.mark.parametrize("chi", [50.0, 1e4, 1e16, 1e100, 1e307])
@@ -228,12 +223,6 @@ def test_every_factor_grows_from_nothing_as_the_wanted_restitution_falls(name):
     assert chi[-1] == 0.0
 
 
-def test_the_factor_of_the_paper_loses_too_little():
-    achieved = achieved_restitution(lankarani_nikravesh(0.9))
-    assert achieved == pytest.approx(0.9132, abs=5e-5)
-    assert exact_factor(0.9) == pytest.approx(0.1665, abs=5e-5)
-
-
 def test_four_factors_cannot_stop_a_body_whatever_is_wanted():
     least = {name: achieved_restitution(FACTORS[name](1e-12)) for name in PUBLISHED}
     assert {name for name, e in least.items() if e > 0.45} == set(PUBLISHED[:4])
@@ -242,16 +231,15 @@ def test_four_factors_cannot_stop_a_body_whatever_is_wanted():
 # --- the load ---------------------------------------------------------------------------------
 
 
-def test_the_load_is_eq_3():
-    """K = 2, n = 1.5, δ = 4 mm: 16 N; χ·δ̇/δ̇⁽⁻⁾ = 0.5·3/4."""
-    elastic = 2.0 * 4.0**1.5
-    assert dissipative_load(elastic, 3.0, 4.0, 0.5) == 16.0 * 1.375
-
-
-def test_bodies_that_part_fast_do_not_pull_each_other():
-    rates = np.array([-4.0, -3.999, -9.0, -1e6])
-    load = dissipative_load(100.0, rates, 4.0, 1.0)
-    np.testing.assert_allclose(load, [0.0, 0.025, 0.0, 0.0], rtol=1e-10)
+@pytest.mark.parametrize(
+    ("rate", "factor", "load"),
+    # K = 2, n = 1.5, δ = 4 mm make 16 N, and 4 mm/s at first touch; then fast parting, unknowns.
+    [(3.0, 0.5, 22.0), (-4.0, 1.0, 0.0), (-3.0, 1.0, 4.0), (-1e6, 1.0, 0.0), (np.nan, 1.0, np.nan)],
+)
+def test_the_load_is_eq_3_and_never_pulls(rate, factor, load):
+    np.testing.assert_equal(dissipative_load(16.0, rate, 4.0, factor), load)
+    np.testing.assert_equal(dissipative_load(np.nan, rate, 4.0, factor), np.nan)
+    np.testing.assert_equal(dissipative_load(16.0, rate, np.nan, factor), np.nan)
 
 
 @pytest.mark.parametrize("impact_rate", [2.0, 1e-300, 0.0, -5.0])
@@ -286,13 +274,6 @@ def test_the_load_lies_between_nothing_and_the_elastic_load_while_the_bodies_par
     assert (load - elastic) * rate >= 0  # the damping takes energy out, whichever way they move
 
 
-@pytest.mark.parametrize("place", range(3))
-def test_what_is_not_known_stays_unknown(place):
-    values = [1.0, 1.0, 1.0]
-    values[place] = np.nan
-    assert np.isnan(dissipative_load(*values, chi=0.5))
-
-
 def test_arrays_broadcast_and_single_numbers_give_numpy_scalars():
     elastic, rate = np.ones((4, 1)), np.ones(3)
     assert dissipative_load(elastic, rate, 1.0, 0.5).shape == (4, 3)
@@ -307,17 +288,15 @@ def test_arrays_broadcast_and_single_numbers_give_numpy_scalars():
     assert set(shapes) == {(2, 3)}
 
 
-# --- the correction, Eq 15 --------------------------------------------------------------------
+# --- friction, Eqs 14 and 15 ------------------------------------------------------------------
 
 
 def test_the_correction_is_eq_15():
     speeds = [0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 7.0, np.inf]
     expected = [0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0]
     assert dynamic_correction(speeds, V0, V1).tolist() == expected
-
-
-def test_a_first_speed_of_zero_leaves_nothing_out():
     assert dynamic_correction([0.0, 1.0, 2.0, 4.0], 0.0, 4.0).tolist() == [0.0, 0.25, 0.5, 1.0]
+    assert dynamic_correction(1e308, 0.0, 1e-308) == 1.0
 
 
 @given(velocities, bounds)
@@ -327,32 +306,15 @@ def test_the_correction_lies_between_zero_and_one_and_does_not_see_the_direction
     assert c_d == dynamic_correction(-speed, *bounds)
 
 
-@given(st.floats(0, 1e6), st.floats(0, 1e6), bounds)
-def test_the_correction_never_falls_with_speed_and_meets_both_ends(speed, gain, bounds):
-    assert dynamic_correction(speed, *bounds) <= dynamic_correction(speed + gain, *bounds)
-    assert dynamic_correction(bounds, *bounds).tolist() == [0.0, 1.0]
-
-
-def test_no_speed_overflows():
-    assert dynamic_correction(1e308, 0.0, 1e-308) == 1.0
-
-
-# --- the friction, Eq 14 ----------------------------------------------------------------------
-
-
 def test_the_friction_is_eq_14():
     """50 N, c_f = 0.1: 5 N in full sliding, a quarter of that at v0 + (v1 − v0)/4."""
-    velocities = [-20.0, -2.0, -1.0, 1.0, 2.0, 20.0]
-    expected = [5.0, 1.25, 0.0, 0.0, -1.25, -5.0]
-    assert friction_load(50.0, velocities, 0.1, V0, V1).tolist() == expected
-
-
-@pytest.mark.parametrize("velocity", [0.0, -0.0])
-@pytest.mark.parametrize("v0", [0.0, V0])
-def test_what_does_not_slide_has_no_friction_and_no_negative_zero(velocity, v0):
-    load = friction_load(50.0, velocity, 0.1, v0, V1)
-    assert load == 0.0
-    assert not np.signbit(load)
+    velocities = [-20.0, -2.0, -1.0, -0.0, 0.0, 1.0, 2.0, 20.0]
+    expected = [5.0, 1.25, 0.0, 0.0, 0.0, 0.0, -1.25, -5.0]
+    load = friction_load(50.0, velocities, 0.1, V0, V1)
+    assert load.tolist() == expected
+    assert not np.signbit(load[3:5]).any()  # no negative zero
+    assert np.isnan(friction_load([-1.0, -1e-300, -np.inf, np.nan], 20.0, 0.1, V0, V1)).all()
+    assert np.isnan(friction_load(50.0, np.nan, 0.1, V0, V1))
 
 
 @given(normal_loads, velocities, coefficients, bounds)
@@ -371,67 +333,43 @@ def test_friction_brakes_by_at_most_coulombs_and_turns_with_the_velocity(
 def test_on_two_bodies_in_the_plane_it_dissipates(v_i, v_j, angle, normal_load, coefficient):
     """f_i·v_i + f_j·v_j ≤ 0 with Eq 13's f_i = f_t·t and f_j = −f_i, either way t points."""
     tangent = np.array([np.cos(angle), np.sin(angle)])
-    forces = [
+    force, turned = (
         friction_load(normal_load, (v_i - v_j) @ t, coefficient, V0, V1) * t
         for t in (tangent, -tangent)
-    ]
-    np.testing.assert_array_equal(*forces)
-    power = forces[0] @ v_i - forces[0] @ v_j
-    rounding = 8 * ROUNDING * np.abs(forces[0]).sum() * (np.abs(v_i) + np.abs(v_j)).sum()
-    assert power <= rounding
-
-
-@pytest.mark.parametrize("normal_load", [-1.0, -1e-300, -np.inf, np.nan])
-@pytest.mark.parametrize("velocity", [0.0, 20.0])
-def test_bodies_that_do_not_touch_or_an_unknown_velocity_have_no_answer(normal_load, velocity):
-    assert np.isnan(friction_load(normal_load, velocity, 0.1, V0, V1))
-    assert np.isnan(friction_load(50.0, np.nan, 0.1, V0, V1))
+    )
+    np.testing.assert_array_equal(force, turned)
+    rounding = 8 * ROUNDING * np.abs(force).sum() * (np.abs(v_i) + np.abs(v_j)).sum()
+    assert force @ v_i - force @ v_j <= rounding
 
 
 # --- bad input --------------------------------------------------------------------------------
 
-
-REFUSED = {
-    "hysteresis factor: restitution = {!r}: must lie in (0, 1]; "
-    "give 1 for an elastic impact, less for one that dissipates": (
-        FACTORS.values(),
-        [0.0, -0.5, 1.0000001, np.nan, np.inf, [0.5, 1.5]],
+REFUSED = [
+    *(
+        (factor, "restitution", [0.0, -0.5, 1.0000001, np.nan, np.inf])
+        for factor in FACTORS.values()
     ),
-    "hysteresis factor: chi = {!r}: must be finite and not negative; "
-    "take it from a wanted restitution, e.g. exact_factor(0.9)": (
-        [achieved_restitution, lambda chi: dissipative_load(1.0, 1.0, 1.0, chi)],
-        [-1e-9, -1.0, np.nan, np.inf, [0.5, -0.5]],
-    ),
-    "dissipative_load: floor = {!r}: must be positive and finite; "
-    "give the slowest impact rate that counts, in mm/s": (
-        [lambda floor: dissipative_load(1.0, 1.0, 1.0, 0.5, floor=floor)],
-        [0.0, -1.0, np.nan, np.inf],
-    ),
-    "hysteresis factor: name = {!r}: is not known; choose hunt-crossley, herbert-mcwhannell, "
-    "lee-wang, lankarani-nikravesh, gonthier, zhiying-qishao, flores, hu-guo, exact": (
-        [hysteresis_factor],
-        ["anagnostopoulos"],
-    ),
-    "friction: v0, v1 = {!r}: must be finite, with 0 ≤ v0 < v1; "
-    "give two speeds in mm/s, the smaller one first": (
-        [
-            lambda speeds: dynamic_correction(1.0, *speeds),
-            lambda speeds: friction_load(1.0, 1.0, 0.1, *speeds),
-        ],
+    (exact_factor, "restitution", [[0.5, 1.5]]),
+    (achieved_restitution, "chi", [-1e-9, -1.0, np.nan, np.inf, [0.5, -0.5]]),
+    (lambda chi: dissipative_load(1.0, 1.0, 1.0, chi), "chi", [-1.0, np.nan]),
+    (lambda v: dissipative_load(1.0, 1.0, 1.0, 0.5, floor=v), "floor", [0.0, -1.0, np.nan, np.inf]),
+    (hysteresis_factor, "name", ["anagnostopoulos"]),
+    (
+        lambda speeds: friction_load(1.0, 1.0, 0.1, *speeds),
+        "v0, v1",
         [(-1.0, 5.0), (5.0, 5.0), (5.0, 1.0), (np.nan, 5.0), (1.0, np.nan), (1.0, np.inf)],
     ),
-    "friction: coefficient = {!r}: must be finite and not negative; "
-    "give e.g. 0.1, or 0 for no friction": (
-        [lambda coefficient: friction_load(1.0, 1.0, coefficient, V0, V1)],
+    (
+        lambda coefficient: friction_load(1.0, 1.0, coefficient, V0, V1),
+        "coefficient",
         [-0.1, np.nan, np.inf, [0.1, -0.1]],
     ),
-}
+]
 
 
-@pytest.mark.parametrize("message", REFUSED, ids=lambda message: message.partition(" = ")[0])
-def test_what_is_out_of_its_range_is_refused(message):
-    acts, values = REFUSED[message]
-    for act, value in itertools.product(acts, values):
+@pytest.mark.parametrize(("act", "key", "values"), REFUSED)
+def test_what_is_out_of_its_range_is_refused(act, key, values):
+    for value in values:
         with pytest.raises(InputError) as caught:
             act(value)
-        assert str(caught.value) == message.format(value)
+        assert (caught.value.key, str(caught.value.value)) == (key, str(value))

@@ -50,15 +50,6 @@ def test_hertz_stress_is_the_peak_of_the_elliptic_pressure_that_carries_the_load
     assert error < 6 * ROUNDING
 
 
-@pytest.mark.parametrize("load", NOT_TOUCHING)
-def test_there_is_no_stress_under_a_negative_or_unknown_load(load, pair):
-    assert np.isnan(limits.hertz_stress(load, pair))
-
-
-def test_there_is_no_stress_at_first_touch(pair):
-    assert limits.hertz_stress(0.0, pair) == 0.0
-
-
 @pytest.mark.parametrize("dR", [0.001, 0.0075, 0.05, 0.5, 2.0])
 def test_the_paper_s_yield_load_is_the_closed_form_of_fig_7(dR):
     pair = CylinderPair.from_dR("internal", dR, ALUMINIUM, R_i=10.0)
@@ -73,27 +64,15 @@ def test_the_stress_at_the_paper_s_yield_load_is_the_yield_stress(pair, stress):
     assert limits.hertz_stress(load, pair) == pytest.approx(stress, rel=1e-15, abs=0)
 
 
-def test_the_paper_s_criterion_takes_the_weaker_of_two_materials():
+def test_the_weaker_of_two_materials_counts_unless_a_yield_stress_is_given(pair):
     mixed = CylinderPair.internal(10.0, 9.9, TITANIUM, material_j=ALUMINIUM)
     assert limits.yield_load(mixed, "Hertz") == limits.yield_load(mixed, "Hertz", 276.0)
-
-
-def test_a_given_yield_stress_stands_above_the_materials_own(pair):
     double = 2 * pair.material_i.yield_stress
     own = limits.yield_load(pair, "Hertz")
     assert limits.yield_load(pair, "Hertz", double) == pytest.approx(4 * own, rel=1e-15)
 
 
 # --- Eq 8, Figs 8 and 9: where Johnson's law ends ---------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("material", "dR", "paper"),
-    [(ALUMINIUM, 0.0075, 494), (ALUMINIUM, 0.010, 658), (TITANIUM, 0.0075, 865)],
-)
-def test_johnsons_limit_loads_are_those_of_the_paper(material, dR, paper):
-    pair = CylinderPair.from_dR("internal", dR, material)
-    assert round(float(limits.johnson_limit_load(pair))) == paper
 
 
 @given(materials, gaps)
@@ -107,6 +86,12 @@ def test_johnsons_limits_are_those_of_eq_8(material, dR):
     assert laws.Johnson().max_penetration(pair) == pytest.approx(
         penetration, rel=6 * ROUNDING, abs=0
     )
+
+
+def test_johnsons_limit_loads_are_those_of_the_paper():
+    for material, dR, paper in ((ALUMINIUM, [0.0075, 0.01], [494, 658]), (TITANIUM, 0.0075, 865)):
+        pair = CylinderPair.from_dR("internal", dR, material)
+        assert limits.johnson_limit_load(pair).round().tolist() == paper
 
 
 @given(equal_pairs)
@@ -151,25 +136,13 @@ def test_the_clearance_solves_its_quadratic_for_any_ratio_of_strength_to_stiffne
 
 
 def test_limits_take_the_shape_of_the_pair(pairs):
-    for limit in (
-        limits.yield_load,
-        limits.johnson_limit_load,
-        limits.stress_at_johnson_limit,
-    ):
+    for limit in (limits.yield_load, limits.johnson_limit_load, limits.stress_at_johnson_limit):
         assert limit(pairs).shape == (3, 1)
     assert limits.hertz_stress([1.0, 2.0], pairs).shape == (3, 2)
     assert limits.elastic_limit_clearance(np.array([5.0, 10.0]), pairs).shape == (2,)
-
-
-def test_single_numbers_give_numpy_scalars(pair):
-    values = [
-        limits.hertz_stress(np.array(1.0), pair),
-        limits.yield_load(pair),
-        limits.johnson_limit_load(pair),
-        limits.stress_at_johnson_limit(pair),
-        limits.elastic_limit_clearance(10.0, pair),
-    ]
-    assert {type(value) for value in values} == {np.float64}
+    pair = CylinderPair.internal(10.0, 9.9, ALUMINIUM)
+    assert type(limits.hertz_stress(np.array(1.0), pair)) is np.float64
+    assert type(limits.yield_load(pair)) is np.float64
 
 
 def test_hertz_pressure_carries_the_load_and_ends_at_the_half_width(pair):
@@ -205,13 +178,9 @@ def test_a_plane_is_what_ever_larger_rollers_come_to():
     assert "in body i" in limits.yield_warning(1e6, PLANE)
 
 
-def test_the_paper_s_yield_load_of_rollers_on_a_plane_is_its_closed_form():
-    pair = CylinderPair.external([10.0, 20.0], np.inf, ALUMINIUM)
-    expected = np.pi * 276.0**2 * np.array([10.0, 20.0]) / (69e3 / (2 * (1 - 0.33**2)))
-    assert limits.yield_load(pair, "Hertz") == pytest.approx(expected, rel=1e-14)
-
-
 def test_hertz_contact_without_load_has_no_width_and_no_pressure(pair):
-    assert limits.hertz_half_width(0.0, pair) == 0.0
+    assert limits.hertz_half_width(0.0, pair) == limits.hertz_stress(0.0, pair) == 0.0
+    for limit in (limits.hertz_stress, limits.hertz_half_width):
+        assert np.isnan(limit(NOT_TOUCHING, pair)).all()
     assert limits.hertz_pressure([0.0, 0.1], 0.0, pair) == pytest.approx([0.0, 0.0])
     assert np.isnan(limits.hertz_pressure(0.0, -1.0, pair))
