@@ -13,7 +13,8 @@ from cylcontact.laws.conformal import load_at_angle, pressure
 from cylcontact.laws.winkler import DEPTH, Winkler
 from cylcontact.limits import hertz_stress
 from cylcontact.materials import material_in_MPa
-from tests.strategies import NOT_TOUCHING, gaps, materials, powers_of_ten
+from tests.strategies import gaps, materials, powers_of_ten
+from tests.test_conformal_any_pair import influence
 
 LAW = Persson()
 U = 0.8346152454776572  # the root of 2 − 2u² − ln(1 + u)
@@ -23,9 +24,9 @@ METHODS = ("load", "penetration", "stiffness")
 EPS = np.finfo(float).eps
 # With E* = 1 MPa and ΔR = 1 mm a load is φ and a penetration is δ/ΔR.
 UNIT = CylinderPair.from_dR("internal", 1.0, material_in_MPa("unit", E=2.0, nu=0.0))
-# A radius whose clearance is small, so that R_i and R_j are nearly the same.
 # R_i of a pair of ΔR = 1 mm and √(R_i·R_j) = 1 mm.
 GOLDEN = (1 + 5**0.5) / 2
+# Radii that are nearly the same.
 SLIM = CylinderPair.internal(10.0, 10.0 - 1e-6, Material("steel", 207e3, 0.3))
 
 load_numbers = powers_of_ten(-12, 8)
@@ -149,12 +150,6 @@ def test_the_law_holds_its_digits_however_small_or_complete_the_arc(exponent):
     np.testing.assert_allclose(actual, exact, rtol=8 * EPS)
 
 
-def test_the_limit_is_the_root_that_bounds_the_arc():
-    with mp.workdps(40):
-        assert float(U_mp()) == U
-    assert np.degrees(LIMIT_ANGLE) == pytest.approx(84.8279456, abs=5e-8)
-
-
 # --- the law against quadrature and high precision --------------------------------------------
 
 
@@ -264,6 +259,8 @@ def test_large_loads_close_the_gap_in_proportion(phi):
 
 
 def test_the_angle_never_reaches_its_limit():
+    with mp.workdps(40):
+        assert float(U_mp()) == U
     assert contact_angle(np.inf, UNIT) == pytest.approx(LIMIT_ANGLE, rel=EPS)
     assert np.isnan(load_at_angle([LIMIT_ANGLE, 1.6, -0.1, np.nan], UNIT)).all()
     assert load_at_angle(0.0, UNIT) == 0.0
@@ -287,39 +284,6 @@ def test_the_peak_is_the_closed_form():
 
 
 # --- an independent solution of the contact -----------------------------------------------------
-
-
-def surface_compliance(n, E, nu, E_plate, nu_plate):
-    """Gap in mode n ≥ 2 per unit of pressure cos nθ on r = 1, by complex potentials.
-
-    2μ(u_r + i·u_θ)·e^{iθ} = κφ − z·φ̄′ − ψ̄ and σ_rr − iσ_rθ = 2Re φ′ − e^{2iθ}(z̄·φ″ + ψ′), with
-    φ = αz^(n+1), ψ = βz^(n−1) in the disk and φ = αz^(1−n), ψ = βz^(−n−1) in the plate; α and
-    β from a traction −cos nθ without shear.
-    """
-    kappa, mu = 3 - 4 * nu, E / (2 * (1 + nu))
-    alpha, beta = -1 / (2 * (n + 1)), n / (2 * (n - 1))
-    disk = (kappa * alpha - (n + 1) * alpha - beta) / (2 * mu)
-    kappa, mu = 3 - 4 * nu_plate, E_plate / (2 * (1 + nu_plate))
-    alpha, beta = 1 / (2 * (n - 1)), n / (2 * (n + 1))
-    plate = (kappa * alpha + (n - 1) * alpha - beta) / (2 * mu)
-    return plate - disk
-
-
-def influence(nodes, disk=(2.0, 0.0), plate=(2.0, 0.0), harmonics=400):
-    """Gap at the nodes of a circle by a hat-shaped pressure at node 0, without the mode n = 1.
-
-    The mode n = 1 is a rigid displacement, which the penetration takes up.
-    """
-    n, width = np.arange(nodes * harmonics), 2 * np.pi / nodes
-    gap = np.zeros(n.size)
-    (E, nu), (E_plate, nu_plate) = disk, plate
-    # A uniform pressure: (κ − 1)/(4μ) inwards for the disk, 1/(2μ) outwards for the plate.
-    gap[0] = (1 - 2 * nu) * (1 + nu) / E + (1 + nu_plate) / E_plate
-    gap[2:] = surface_compliance(n[2:], E, nu, E_plate, nu_plate)
-    hat = width / np.pi * np.sinc(n * width / (2 * np.pi)) ** 2
-    hat[0] /= 2
-    folded = (gap * hat).reshape(harmonics, nodes).sum(axis=0)
-    return np.fft.fft(folded).real
 
 
 def solve_contact(phi, green, dR=1.0):
@@ -349,12 +313,12 @@ def solve_contact(phi, green, dR=1.0):
     raise AssertionError("the active set does not settle")
 
 
+NUMERICAL_LOADS = [0.1, 0.2, 0.63, 1.7, 5.0, 50.0, 1000.0]
+
+
 @pytest.fixture(scope="module")
 def green():
-    return influence(2048)
-
-
-NUMERICAL_LOADS = [0.1, 0.2, 0.63, 1.7, 5.0, 50.0, 1000.0]
+    return influence(UNIT, 2048)
 
 
 @pytest.mark.slow
@@ -382,23 +346,10 @@ def test_the_numerical_contact_converges_to_the_law():
     phi, errors = 1.0, []
     pair = CylinderPair.from_dR("internal", 1.0, UNIT.material_i, R_i=GOLDEN)
     for nodes in (256, 1024, 4096):
-        angle, p, _, _ = solve_contact(phi, influence(nodes))
+        angle, p, _, _ = solve_contact(phi, influence(UNIT, nodes))
         errors.append(np.sum(abs(p - pressure(angle, phi, pair))) * angle[1])
     assert errors[0] > 6 * errors[1] > 36 * errors[2]
     assert errors[2] < 1e-5
-
-
-@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
-def test_poissons_ratio_drops_out_when_it_is_the_same(nu, green):
-    material = (2 * (1 - nu**2), nu)
-    np.testing.assert_allclose(influence(2048, material, material), green, rtol=0, atol=1e-15)
-
-
-def test_it_does_not_drop_out_when_it_differs_which_is_why_the_law_refuses(green):
-    """The same E* and the same E/(1 − ν²), but ν = 0 against 0.5: 5 % in the peak pressure."""
-    unequal = influence(2048, disk=(2.0, 0.0), plate=(1.5, 0.5))
-    (_, p, _, _), (_, same, _, _) = (solve_contact(5.0, g) for g in (unequal, green))
-    assert abs(p[0] / same[0] - 1) > 0.05
 
 
 # --- the foundation of Winkler ----------------------------------------------------------------
@@ -442,7 +393,7 @@ def test_the_foundation_is_too_soft_at_small_loads():
     assert Winkler().penetration(1e-6, UNIT) > 10 * LAW.penetration(1e-6, UNIT)
 
 
-# --- what every law answers, of the functions around it; tests/test_every_law.py has the laws ----
+# --- edges and bad input; tests/test_every_law.py has the laws -----------------------------------
 
 
 @pytest.mark.parametrize("law", [LAW, Winkler()])
@@ -451,22 +402,7 @@ def test_nothing_ends_the_law(law):
     assert np.isfinite(law.stiffness(np.inf, UNIT))
 
 
-@pytest.mark.parametrize("function", [contact_angle, peak_pressure])
-def test_the_edge_and_the_peak_follow_the_load(function, pairs):
-    assert np.isnan([function(value, SLIM) for value in NOT_TOUCHING]).all()
-    assert function(0.0, SLIM) == 0.0
-    answers = function([-1.0, 1e-4, 2e-4, np.nan], pairs)
-    np.testing.assert_array_equal(np.isnan(answers), [[True, False, False, True]] * 3)
-
-
-def test_single_numbers_give_numpy_scalars(pair):
-    values = [contact_angle(1.0, pair), load_at_angle(0.1, pair), peak_pressure(1.0, pair)]
-    assert {type(value) for value in [*values, pressure(0.0, 1.0, pair)]} == {np.float64}
-
-
-# --- bad input --------------------------------------------------------------------------------
-
-QUESTIONS = [
+ASKED = [
     *(lambda pair, m=m: getattr(LAW, m)(1.0, pair) for m in METHODS),
     LAW.max_load,
     LAW.max_penetration,
@@ -477,31 +413,19 @@ QUESTIONS = [
 ]
 
 
-@pytest.mark.parametrize("ask", QUESTIONS)
-def test_external_contact_is_refused(ask, steel):
+@pytest.mark.parametrize("ask", ASKED)
+def test_rollers_and_different_materials_are_refused(ask, steel):
     with pytest.raises(InputError, match=r"^Persson's law: pair.contact = 'external': must be int"):
         ask(CylinderPair.external(10.0, 9.0, steel))
-
-
-@pytest.mark.parametrize("ask", QUESTIONS)
-@pytest.mark.parametrize("other", [Material("bronze", 1e5, 0.3), Material("odd steel", 207e3, 0.2)])
-def test_different_materials_are_refused(ask, other, steel):
-    pair = CylinderPair.internal(10.0, 9.0, steel, material_j=other)
-    with pytest.raises(InputError, match=f"material_j = '{other.name}': must have the same E and"):
-        ask(pair)
-
-
-def test_materials_of_the_same_constants_are_the_same(steel):
+    for other in (Material("bronze", 1e5, 0.3), Material("odd steel", 207e3, 0.2)):
+        with pytest.raises(InputError, match=f"material_j = '{other.name}': must have the same E"):
+            ask(CylinderPair.internal(10.0, 9.0, steel, material_j=other))
     twin = Material("twin", steel.E, steel.nu)
-    pair = CylinderPair.internal(10.0, 9.0, steel, material_j=twin)
-    assert LAW.load(1e-3, pair) > 0
-
-
-def test_a_pressure_without_radii_is_refused(steel):
-    pair = CylinderPair.from_dR("internal", 0.5, steel)
-    for ask in (lambda: pressure(0.0, 1.0, pair), lambda: peak_pressure(1.0, pair)):
+    assert ask(CylinderPair.internal(10.0, 9.0, steel, material_j=twin)) > 0
+    bare = CylinderPair.from_dR("internal", 0.5, steel)
+    if ask in ASKED[-2:]:
         with pytest.raises(InputError, match="the contact pressure needs both radii"):
-            ask()
+            ask(bare)
 
 
 @pytest.mark.parametrize("depth", [0.0, -1.0, np.nan, np.inf])

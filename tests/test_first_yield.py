@@ -180,13 +180,6 @@ def test_a_soft_strong_pin_and_a_weak_one_yield_in_their_own_body():
     assert limits.first_yield(snug(weak, STEEL, 0.1)).body == "hole"
 
 
-def test_loads_and_lengths_scale_with_the_radius():
-    small = limits.first_yield(CylinderPair.internal(1.0, 0.99, STEEL, material_j=ALUMINIUM))
-    large = limits.first_yield(CylinderPair.internal(10.0, 9.9, STEEL, material_j=ALUMINIUM))
-    assert large.load == pytest.approx(10 * small.load, rel=1e-9)
-    assert large.depth == pytest.approx(10 * small.depth, rel=1e-9)
-
-
 # --- shapes, families and accuracy --------------------------------------------------------------
 
 
@@ -205,12 +198,6 @@ def test_families_of_pairs_yield_as_their_members_do():
                 assert at.body[m, n] == single.body
 
 
-def test_one_pair_gives_numbers():
-    at = limits.first_yield(CylinderPair.internal(10.0, 9.9, STEEL))
-    assert (type(at.load), type(at.depth), str(at.body)) == (np.float64, np.float64, "hole")
-    assert at.load == limits.yield_load(CylinderPair.internal(10.0, 9.9, STEEL))
-
-
 @pytest.mark.parametrize("name", ["hole", "pin"])
 @pytest.mark.parametrize("criterion", ["von Mises", "Tresca"])
 @pytest.mark.parametrize(
@@ -225,37 +212,26 @@ def test_the_table_is_within_2e_4_between_its_arcs(name, criterion, beta, kappa,
 
 
 def test_a_small_beta_changes_no_more_than_the_table_may_be_wrong():
-    body = Body("hole", 1.8, 0.3)
     angle = np.radians([10.0, 40.0, 70.0])
-    with_beta, without = (_rows(angle, body, beta, "von Mises").ratio for beta in (1e-4, 0.0))
-    assert with_beta == pytest.approx(without, rel=3e-5)
+    one, other = (_rows(angle, Body("hole", 1.8, 0.3), beta, "von Mises") for beta in (1e-4, 0.0))
+    assert one.ratio == pytest.approx(other.ratio, rel=3e-5)
 
 
 # --- the warning --------------------------------------------------------------------------------
 
 
-def test_a_load_above_first_yield_is_warned_of_in_one_sentence():
+def test_a_load_above_first_yield_is_warned_of():
     pair = CylinderPair.internal(10.0, 9.5, STEEL, material_j=ALUMINIUM)
     at = limits.first_yield(pair)
     sentence = limits.yield_warning([1.0, np.nan, 5000.0], pair)
-    assert sentence == (
-        f"the largest load, 5,000 N/mm, is above first yield at {at.load:,.0f} N/mm (von Mises, "
-        f"in the pin, {at.depth:.2g} mm below its surface); all laws here are elastic"
-    )
+    assert f"5,000 N/mm, is above first yield at {at.load:,.0f} N/mm" in sentence
+    assert f"in the pin, {at.depth:.2g} mm below its surface" in sentence
     assert limits.yield_warning([1.0, 0.99 * at.load], pair) is None
-
-
-def test_rollers_are_warned_of_by_their_letter():
-    sentence = limits.yield_warning(1e6, CylinderPair.external(10.0, 9.5, STEEL, plane="stress"))
-    assert "in body i, at its surface" in sentence
-
-
-@pytest.mark.parametrize(
-    "pair",
-    [
+    sheets = CylinderPair.external(10.0, 9.5, STEEL, plane="stress")
+    assert "in body i, at its surface" in limits.yield_warning(1e6, sheets)
+    unknown = Material("unknown", 1e5, 0.3)
+    for pair in (
         CylinderPair.from_dR("internal", 0.5, STEEL),
-        CylinderPair.internal(10.0, 9.5, STEEL, material_j=Material("unknown", 1e5, 0.3)),
-    ],
-)
-def test_no_warning_without_radii_or_a_yield_stress(pair):
-    assert limits.yield_warning(1e9, pair) is None
+        CylinderPair.internal(10.0, 9.5, STEEL, material_j=unknown),
+    ):
+        assert limits.yield_warning(1e9, pair) is None
