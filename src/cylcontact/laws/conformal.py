@@ -176,8 +176,15 @@ class Bodies:
         L = least + np.log1p(each_of_L * (least + np.log1p(2.7 * each_of_L)))
         return self._one_arc(self._root(miss, L * each + end, end))
 
-    def peak(self, arc: Arc) -> FloatArray:
-        """Return R·p/f at θ = 0."""
+    def compliance(self, d: FloatArray) -> FloatArray:
+        """Return π·E*·dδ/df, that is d(φL)/dφ, at the penetration d."""
+        b2 = self.arc_of_penetration(d).b2
+        arc = self.arc(1 / (b2 * (1 + b2)))  # with the slopes there, not a step before
+        return arc.L - arc.L_slope * arc.k / (arc.k_slope - arc.c * arc.k)
+
+    def peak(self, phi: FloatArray) -> FloatArray:
+        """Return R·p/f at θ = 0 under the load φ."""
+        arc = self.arc_of_load(phi)
         peak = persson_peak(np.sqrt(arc.b2))
         return peak if self.remainder is None else peak * (1 + self.remainder.peak(arc.angle))
 
@@ -212,11 +219,6 @@ class Bodies:
             k=arc.k + arc.k_slope * step,
             L=arc.L + arc.L_slope * step,
         )
-
-    def compliance(self, arc: Arc) -> FloatArray:
-        """Return π·E*·dδ/df, that is d(φL)/dφ, at an arc that was sought."""
-        arc = self.arc(1 / (arc.b2 * (1 + arc.b2)))  # with the slopes there, not a step before
-        return arc.L - arc.L_slope * arc.k / (arc.k_slope - arc.c * arc.k)
 
     def _one_arc(self, arc: Arc) -> Arc:
         """Return an arc, NaN where the pin would leave a housing within it."""
@@ -333,13 +335,15 @@ class Conformal(OverLength):
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return the load in N/mm at `penetration` in mm."""
         delta = depth_of(penetration)
-        touching, L = self._at(lambda _, arc: arc.L, delta, pair)
+        touching, d = in_units_of(self.load_unit(pair) / pair.E_star, delta)
+        L = self._each(lambda bodies, d: self._checked(bodies).arc_of_penetration(d).L, d, pair)
         return inside_or_nan(np.pi * pair.E_star * (delta / L), touching)
 
     def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
         """Return d(load)/d(penetration) in N/mm² at `penetration` in mm; 0 at first touch."""
         delta = depth_of(penetration)
-        touching, compliance = self._at(Bodies.compliance, delta, pair)
+        touching, d = in_units_of(self.load_unit(pair) / pair.E_star, delta)
+        compliance = self._each(lambda bodies, d: self._checked(bodies).compliance(d), d, pair)
         stiffness = np.pi * pair.E_star / compliance
         return inside_or_nan(np.where(delta == 0, 0.0, stiffness), touching)
 
@@ -385,7 +389,7 @@ class Conformal(OverLength):
         f = as_floats(load)
         touching, phi = in_units_of(self.load_unit(pair), f)
         R_i, R_j = pair.radii("the contact pressure")
-        peak = self._each(lambda bodies, phi: bodies.peak(bodies.arc_of_load(phi)), phi, pair)
+        peak = self._each(Bodies.peak, phi, pair)
         return inside_or_nan(f / np.sqrt(R_i * R_j) * peak, touching)
 
     def _end(self, which: int, unit: FloatArray, pair: CylinderPair) -> FloatArray:
@@ -393,20 +397,6 @@ class Conformal(OverLength):
         if not isinstance(self.datum, Housing):
             return as_floats(np.full_like(unit, np.inf))
         return unit * self._each(lambda bodies, _: bodies.ends[which], unit, pair)
-
-    def _at(
-        self,
-        answer: Callable[[Bodies, Arc], FloatArray],
-        penetration: FloatArray,
-        pair: CylinderPair,
-    ) -> tuple[BoolArray, FloatArray]:
-        """Return where the penetration is not negative, and a number of the arc there."""
-        touching, d = in_units_of(self.load_unit(pair) / pair.E_star, penetration)
-
-        def at_depth(bodies: Bodies, d: FloatArray) -> FloatArray:
-            return answer(bodies, self._checked(bodies).arc_of_penetration(d))
-
-        return touching, self._each(at_depth, d, pair)
 
     def _each(
         self,
@@ -561,10 +551,6 @@ def in_units_of(unit: FloatArray, values: FloatArray) -> tuple[BoolArray, FloatA
     """Return where loads or penetrations are not negative, and their values in units of `unit`.
 
     Negative values and NaN are replaced by 0, which avoids warnings in later computations.
-
-    >>> touching, numbers = in_units_of(np.array(2.0), np.array([-1.0, 3.0]))
-    >>> print(touching, numbers)
-    [False  True] [0.  1.5]
     """
     touching = np.asarray(values >= 0)
     with np.errstate(over="ignore"):

@@ -122,13 +122,13 @@ def glauert(
     >>> np.abs(glauert(b, 0.0).h - closed_forms(b**2).h).max() < 1e-12
     np.True_
     """
-    rule = _rule(terms)
-    y2 = (b[:, None] * np.cos(rule.v)) ** 2
-    weight = rule.weights * 2 * b[:, None] * np.sin(rule.v) / (1 + y2)
+    v, weights, sines, cosines = _rule(terms)
+    y2 = (b[:, None] * np.cos(v)) ** 2
+    weight = weights * 2 * b[:, None] * np.sin(v) / (1 + y2)
     m = np.arange(terms)
-    moments = weight @ rule.cosines
+    moments = weight @ cosines
     products = (moments[:, abs(m[:, None] - m)] - moments[:, m[:, None] + m + 1]) / 2
-    total, versine = weight @ rule.sines, (weight * 2 * y2 / (1 + y2)) @ rule.sines
+    total, versine = weight @ sines, (weight * 2 * y2 / (1 + y2)) @ sines
     carried = total - versine  # of cos θ
     system = beta * np.pi * products
     system[:, m, m] -= np.pi**2 / 2 * (2 * m + 1)
@@ -138,7 +138,7 @@ def glauert(
         waves[0], waves[1] = 1, (1 - y2) / (1 + y2)
         for k in n[2:]:
             waves[k] = 2 * waves[1] * waves[k - 1] - waves[k - 2]
-        harmonics = (weight * waves) @ rule.sines  # of each term of the pressure
+        harmonics = (weight * waves) @ sines  # of each term of the pressure
         added = np.tensordot((1 - n[:, None] ** 2) * g, harmonics, 1)
         system += harmonics.transpose(1, 2, 0) @ added.transpose(1, 0, 2)
     by_load, by_shift = np.moveaxis(
@@ -155,22 +155,16 @@ def glauert(
     )
 
 
-class _Rule(NamedTuple):
-    """Gauss's rule for the half range of v, doubled, with sin nv and cos 2jv at its nodes."""
-
-    v: FloatArray
-    weights: FloatArray
-    sines: FloatArray
-    cosines: FloatArray
-
-
 @lru_cache(maxsize=4)
-def _rule(terms: int) -> _Rule:
-    """Return the rule for a number of terms; 80 nodes more than the sines need are for W."""
+def _rule(terms: int) -> tuple[FloatArray, ...]:
+    """Return nodes v and weights of Gauss's rule, doubled for half the range, sin nv and cos 2jv.
+
+    It has 80 nodes more than the sines need, for W.
+    """
     x, weights = np.polynomial.legendre.leggauss(2 * terms + 80)
     v = (x + 1) * np.pi / 4
     sines = np.sin(np.outer(v, 2 * np.arange(terms) + 1))
-    return _Rule(v, weights * np.pi / 2, sines, np.cos(np.outer(v, 2 * np.arange(2 * terms))))
+    return v, weights * np.pi / 2, sines, np.cos(np.outer(v, 2 * np.arange(2 * terms)))
 
 
 @dataclass(frozen=True, eq=False)
