@@ -152,7 +152,7 @@ class Bodies:
 
     def arc_of_load(self, phi: FloatArray) -> Arc:
         """Return the arc under the load φ = f/(E*·ΔR) ≥ 0, where K = π/φ."""
-        K, end = np.pi / np.clip(phi, _TINY, _HUGE), self.last.q
+        K, end = np.pi / np.minimum(np.maximum(phi, _TINY), _HUGE), self.last.q
 
         def miss(arc: Arc) -> tuple[FloatArray, FloatArray]:
             return arc.k - arc.S * K, arc.k_slope - arc.c * arc.k
@@ -164,7 +164,7 @@ class Bodies:
 
         The start is exact for small and large d, where L tends to ln(L/d) and to a constant.
         """
-        each = 1 / np.clip(d, _SMALL, _HUGE)
+        each = 1 / np.minimum(np.maximum(d, _SMALL), _HUGE)
 
         def miss(arc: Arc) -> tuple[FloatArray, FloatArray]:
             part = arc.S * each
@@ -411,17 +411,18 @@ class Conformal(OverLength):
         if isinstance(self.datum, Housing):
             which, kernels = self.datum.kernels(pair)
         parts = numbers, w_i, beta, self.constant(pair), which
-        results = np.empty(np.broadcast_shapes(*(part.shape for part in parts)))
         if all(part.size == 1 for part in parts[1:]):
             bodies = _bodies(*(part.item() for part in parts[1:4]), kernels[0])
-            if results.ndim == 0:
+            if not any(part.ndim for part in parts):
                 return answer(bodies, numbers)
+            results = np.empty(np.broadcast_shapes(*(part.shape for part in parts)))
             flat, filled = np.broadcast_to(numbers, results.shape).ravel(), results.reshape(-1)
             for first in range(0, flat.size, BLOCK):
                 block = slice(first, first + BLOCK)
                 filled[block] = answer(bodies, flat[block])
             return results
         numbers, w_i, beta, C, which = np.broadcast_arrays(*parts)
+        results = np.empty(numbers.shape)
         for value, k in np.unique(np.stack([beta.ravel(), which.ravel()]), axis=1).T:
             here = (beta == value) & (which == k)
             bodies = Bodies(w_i[here], float(value), C[here], kernels[int(k)])
@@ -431,7 +432,7 @@ class Conformal(OverLength):
     def _checked(self, bodies: Bodies) -> Bodies:
         """Return the bodies; raise `InputError` if δ decreases with the load at the last arc."""
         least = bodies.last.L
-        if not np.all(least > 0):
+        if not (least > 0).all():
             rule = "makes the penetration decrease at large loads"
             remedy = f"this pair needs C > {np.max(bodies.C - least):.6g}"
             raise InputError(type(self).__name__, "datum", self.datum, rule, remedy)
