@@ -184,8 +184,8 @@ def yield_warning(load: ArrayLike, pair: CylinderPair) -> str | None:
     largest, at = np.nanmax(as_floats(load), initial=0.0), first_yield(pair)
     if largest <= at.load:
         return None
-    sentence = f"the largest load, {largest:,.0f} N/mm, is above first yield at {at}"
-    return f"{sentence}; all laws here are elastic"
+    load_and_limit = f"the largest load, {largest:,.0f} N/mm, is above first yield at {at}"
+    return f"{load_and_limit}; all laws here are elastic"
 
 
 def johnson_limit_load(pair: CylinderPair) -> FloatArray:
@@ -255,12 +255,12 @@ def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
 
 def _yield_stresses(pair: CylinderPair, given: float | None) -> tuple[float, float]:
     """Return the yield stresses of bodies i and j in MPa: the given one, else their own."""
-    if given is not None:
-        require_positive(given, "yield limit", "yield_stress", "give it in MPa")
-        return given, given
-    stress_i, stress_j = pair.material_i.yield_stress, pair.material_j.yield_stress
+    own = pair.material_i.yield_stress, pair.material_j.yield_stress
+    stress_i, stress_j = own if given is None else (given, given)
     if stress_i is None or stress_j is None:
         rule = "is not known for both materials"
         remedy = "give the materials a yield_stress in MPa, or pass one"
         raise InputError("yield limit", "yield_stress", None, rule, remedy)
+    if given is not None:  # those of materials are positive
+        require_positive(given, "yield limit", "yield_stress", "give it in MPa")
     return stress_i, stress_j

@@ -54,22 +54,6 @@ class OverLength:
         return as_floats(self.load(penetration, pair) * pair.contact_length("the force"))
 
 
-class Unlimited(OverLength):
-    """The limits of a law without a largest load."""
-
-    def require_pair(self, pair: CylinderPair) -> None:
-        """Raise `InputError` for a pair that the law is not for; by default it is for all."""
-
-    def max_load(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest load."""
-        self.require_pair(pair)
-        return as_floats(np.full_like(pair.E_star * as_floats(pair.dR), np.inf))
-
-    def max_penetration(self, pair: CylinderPair) -> FloatArray:
-        """Return inf: the law has no largest penetration."""
-        return self.max_load(pair)
-
-
 def require_hole(law: str, pair: CylinderPair) -> None:
     """Raise `InputError` for external contact."""
     require(
