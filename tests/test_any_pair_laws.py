@@ -1,7 +1,6 @@
 """The fast laws for any two materials: their errors, limits, grids and campaigns."""
 
 import json
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,7 +18,6 @@ from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.samples import collect_samples
 from cylcontact.laws import explicit_pair, glauert, parametric
 from cylcontact.laws.conformal import Bodies
-from cylcontact.materials import material_in_MPa
 from cylcontact.progress import silent
 from tests.spec_files import write_toml
 
@@ -52,19 +50,12 @@ def test_the_error_over_pairs_drawn_at_random_is_below_what_is_said(name):
         assert BOUNDS[name] / 3 < np.abs(error).max() < BOUNDS[name]
 
 
-@pytest.mark.parametrize("E", [1.0, 207e3])
-@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
-def test_the_parametric_law_is_exact_without_beta(E, nu):
-    pair = CylinderPair.from_dR("internal", 0.3, material_in_MPa("any", E, nu))
-    delta = 0.3 * np.geomspace(1e-12, 1e3, 200)
-    expected = laws.Persson().load(delta, pair)
+@pytest.mark.parametrize("alpha", [-0.95, -0.3, 0.0, 0.6, 0.999])
+def test_the_parametric_law_is_exact_without_beta(alpha):
+    pair = CylinderPair.from_dundurs(alpha, 0.0)
+    delta = np.geomspace(1e-12, 1e3, 200)
+    expected = laws.Conformal().load(delta, pair)
     np.testing.assert_allclose(laws.Parametric().load(delta, pair), expected, rtol=1e-13)
-
-
-def test_without_beta_it_is_exact_for_unlike_bodies_too():
-    pair = CylinderPair.from_dundurs(np.array([[-0.95], [-0.3], [0.6], [0.999]]), 0.0)
-    d = laws.Conformal().penetration(PHI, pair)
-    np.testing.assert_allclose(laws.Parametric().load(d, pair), PHI + 0 * d, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -132,12 +123,8 @@ def test_the_formula_of_five_numbers_is_the_law():
     L = c + np.log(1 + B / d * (np.log(1 + A / d + G / np.sqrt(d)) + D))
     expected = np.pi * pair.E_star * d * pair.dR / L
     np.testing.assert_allclose(laws.ExplicitPair().load(d * pair.dR, pair), expected, rtol=1e-12)
-
-
-def test_the_formula_is_defined_and_increases_for_every_pair():
-    pair = random_pairs(400, seed=7)
-    load = laws.ExplicitPair().load(np.geomspace(1e-12, 1e4, 300), pair)
-    assert (np.diff(load, axis=-1) > 0).all()
+    many = laws.ExplicitPair().load(np.geomspace(1e-12, 1e4, 300), random_pairs(400, seed=7))
+    assert (np.diff(many, axis=-1) > 0).all()
 
 
 # --- grids of α, β and φ -------------------------------------------------------------------------
@@ -219,13 +206,6 @@ def test_a_reference_that_needs_more_than_alpha_and_beta_is_told():
         grid_from(GRID | {"reference": "persson"}, "inline")
 
 
-def test_impossible_pairs_are_told():
-    with pytest.raises(InputError, match=r"alpha = 1.0: must lie inside"):
-        CylinderPair.from_dundurs(1.0, 0.0)
-    with pytest.raises(InputError, match=r"beta = 0.3: no materials have it at alpha = 0.0"):
-        CylinderPair.from_dundurs(0.0, 0.3)
-
-
 # --- the campaigns -------------------------------------------------------------------------------
 
 
@@ -259,22 +239,7 @@ def test_constants_that_samples_are_made_of_come_back(name):
     assert problem.coefficients(point) == pytest.approx(truth, abs=1e-6)
 
 
-def test_neighbours_of_the_calibrated_constants_are_worse():
-    problem, _ = problem_of(read_campaign(ROOT / "fitting/parametric.toml"), 1, silent)
-    result = json.loads((ROOT / "fitting/results/parametric.json").read_text())
-    best = problem.point(result["coefficients"])
-    steps = 1e-3 * np.random.default_rng(0).normal(size=(40, best.size))
-    assert (problem.values(best + steps) > problem.value(best)).all()
-
-
 def test_a_law_with_units_is_refused_on_a_grid_without():
     settings = {"campaign": {"dataset": "inline", "law": "enhanced"}, "dataset": GRID}
     with pytest.raises(InputError, match="has coefficients with units, and its grid is of alpha"):
         campaign_from_settings("own", settings, "example")
-
-
-def test_a_campaign_without_profiles_says_so():
-    spec = tomllib.loads((ROOT / "fitting/explicit-pair.toml").read_text())
-    assert spec["profiles"] is False
-    result = json.loads((ROOT / "fitting/results/explicit-pair.json").read_text())
-    assert result["profiles"] == {}

@@ -227,6 +227,8 @@ def test_a_plane_is_refused_unless_all_its_lengths_say_so(lengths, key):
         (lambda m: CylinderPair.internal([[10.0], [10.0, 11.0]], 9.0, m), "R_i"),
         (lambda m: CylinderPair.internal(10.0, 9.0, m, length="long"), "length"),
         (lambda m: CylinderPair.from_dR("internal", None, m), "dR"),
+        (lambda _: CylinderPair.from_dundurs(1.0, 0.0), "alpha"),
+        (lambda _: CylinderPair.from_dundurs(0.0, 0.3), "beta"),
         (lambda _: Material("m", [207e3, 70e3], [0.3, 0.3, 0.3]), ""),
         (lambda _: Material("m", 207e3, "0.3"), "nu"),
         (lambda _: Material("m", 207e3, 0.3, "250"), "yield_stress"),
