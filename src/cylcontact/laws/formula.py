@@ -148,6 +148,9 @@ class Formula:
         The law on one line, in ASCII, for exported files.
     remark : str
         What its users should know, for exported files.
+    in_arrays : callable, optional
+        The load as NumPy computes it, from penetration and numbers by name, where that is faster
+        written by hand.
     """
 
     function: Callable[..., Any]
@@ -156,6 +159,7 @@ class Formula:
     energy: Callable[..., Any] | None = None
     equation: str = ""
     remark: str = ""
+    in_arrays: Callable[..., Any] | None = None
 
     @cached_property
     def constants(self) -> dict[str, float | None]:
@@ -231,7 +235,7 @@ class Formula:
     @cached_property
     def load(self) -> Callable[..., Any]:
         """The NumPy function from penetration and numbers by name to the load."""
-        return self._at_depth("f")
+        return self.in_arrays or self._at_depth("f")
 
     @cached_property
     def stiffness(self) -> Callable[..., Any]:

@@ -22,7 +22,6 @@ from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
 from cylcontact.errors import InputError
 from cylcontact.laws.arcs import CALIBRATED, ParametricCoefficients, arc, first_arc, shares
 from cylcontact.laws.conformal import Conformal, in_units_of
-from cylcontact.laws.definition import Parameter
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.housed import at_pair, curve_of, table_of
 from cylcontact.laws.housing import Housing
@@ -59,27 +58,6 @@ def load(penetration, pair, C_0, C_alpha, A0, A1, A2, A3, H3, M0, M1, M2):
 
 _EQUATION = "f = pi*E_star*penetration/L with penetration/dR*K(S) = L(S), see the steps"
 _REMARK = "The penetration is counted from C = C_0 + C_alpha*alpha; Johnson's datum by default."
-_MEANINGS = {
-    "A0": (-3.0, 0.0, "coefficient of β·u in 2Â·S; exactly −16/(3π)"),
-    "A1": (1.0, 2.0, "coefficient of β·u² in 2Â·S"),
-    "A2": (-0.5, 1.5, "coefficient of β·u³ in 2Â·S"),
-    "A3": (-3.0, -1.5, "coefficient of β·u⁴ in 2Â·S"),
-    "H3": (-0.05, 0.05, "coefficient of β·u³ in H"),
-    "M0": (0.0, 5.0, "coefficient of β·u in M; exactly 80/(9π)"),
-    "M1": (-1.6, -0.8, "coefficient of β·u² in M"),
-    "M2": (0.3, 1.2, "coefficient of β·u³ in M"),
-}
-_PARAMETERS = tuple(
-    Parameter(
-        name,
-        low,
-        high,
-        getattr(CALIBRATED, name),
-        value=getattr(CALIBRATED, name) if "exactly" in meaning else None,
-        meaning=meaning,
-    )
-    for name, (low, high, meaning) in _MEANINGS.items()
-)
 
 
 @dataclass(frozen=True)
@@ -129,7 +107,6 @@ class Parametric(Law, Conformal):
 
     formula = Formula(load, equation=_EQUATION, remark=_REMARK)
     contacts = ("internal",)
-    parameters = _PARAMETERS
     defaults: ClassVar[Mapping[Contact, Any]] = {"internal": CALIBRATED}
     published = False
     on_grid = True
@@ -144,7 +121,7 @@ class Parametric(Law, Conformal):
     @property
     def constants(self) -> ParametricCoefficients:
         """The coefficients, by default the calibrated ones."""
-        own: ParametricCoefficients = self._coefficients_for("internal")
+        own: ParametricCoefficients = self.coefficients_for("internal")
         return own
 
     def constants_for(self, contact: Contact) -> dict[str, float]:
