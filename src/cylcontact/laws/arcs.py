@@ -64,18 +64,19 @@ def arc(x, w_i, w_j, beta, datum, A0, A1, A2, A3, H3, M0, M1, M2):
     slow = c * fall
     u = sqrt(S)
     v = beta * u
-    closed = 2 * S + slow / b
-    rise = c * (2 * S + c - slow * (2 + 1 / b))
+    over, c2, S2 = slow / b, c * c, S * S
+    closed = 2 * S + over
+    rise = c * (2 * S + c - 2 * slow - over)
     extra = H3 * v * S
     H = closed + extra
     H_slope = rise + 1.5 * c * extra
     bent = v * c / 2
-    k = c * c + v * (A0 + u * (A1 + u * (A2 + u * A3))) - w_i * S * H
+    k = c2 + v * (A0 + u * (A1 + u * (A2 + u * A3))) - w_i * S * H
     k_slope = bent * (A0 + u * (2 * A1 + u * (3 * A2 + u * 4 * A3))) - S * (
-        2 * c * c + w_i * (c * H + H_slope)
+        2 * c2 + w_i * (c * H + H_slope)
     )
-    L = fall - x + S * S / 2 + closed + v * (M0 + u * (M1 + u * M2)) - w_j * H + datum
-    M_slope = c * (S * S - 1) + rise + bent * (M0 + u * (2 * M1 + u * 3 * M2))
+    L = fall - x + S2 / 2 + closed + v * (M0 + u * (M1 + u * M2)) - w_j * H + datum
+    M_slope = c * (S2 - 1) + rise + bent * (M0 + u * (2 * M1 + u * 3 * M2))
     return S, c, k, k_slope, L, M_slope - w_j * H_slope, H, H_slope
 
 

@@ -121,8 +121,7 @@ class Parametric(Law, Conformal):
     @property
     def constants(self) -> ParametricCoefficients:
         """The coefficients, by default the calibrated ones."""
-        own: ParametricCoefficients = self.coefficients_for("internal")
-        return own
+        return self.coefficients_for("internal")  # type: ignore[no-any-return]
 
     def constants_for(self, contact: Contact) -> dict[str, float]:
         """Return the constants, and C = C_0 + C_alpha·α of a datum that no pair changes."""
@@ -131,13 +130,8 @@ class Parametric(Law, Conformal):
         elif isinstance(self.datum, (int, float)):
             by_alpha = {"C_0": float(self.datum), "C_alpha": 0.0}
         else:
-            raise InputError(
-                "export",
-                "datum",
-                self.datum,
-                "depends on the radii and the materials",
-                "export a joint with a table [housing]",
-            )
+            rule, remedy = "depends on the joint", "export a joint with a table [housing]"
+            raise InputError("export", "datum", self.datum, rule, remedy)
         return by_alpha | asdict(self.constants)
 
     def formula_at(self, pair: CylinderPair) -> Formula | None:
