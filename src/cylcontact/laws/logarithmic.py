@@ -246,14 +246,8 @@ class Johnson(LogarithmicLaw):
         if isinstance(depth, Block):
             depth, below = depth.height, as_floats(1 + 2 * _LAYER)
         # Each body's logarithm as 2·ln(length/a), with a² = 4f·R/(π·E*).
-        R = as_floats(pair.R_i)
-        c = (
-            2 * w_i * log(4 * R)
-            + 2 * w_j * log(2 * float(depth or 0))
-            - w_i
-            + w_j * below
-            - log(4 * R)
-        )
+        ln_4R, ln_2H = log(4 * as_floats(pair.R_i)), log(2 * float(depth or 0))
+        c = 2 * w_i * ln_4R + 2 * w_j * ln_2H - w_i + w_j * below - ln_4R
         f_max = as_floats(pi * pair.E_star * exp(c - 1))
         deepest = as_floats(f_max / (pi * pair.E_star))
         return {"f_max": f_max, "deepest": deepest, "last": deepest}
