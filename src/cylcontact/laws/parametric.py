@@ -31,7 +31,7 @@ from cylcontact.pair import Contact, CylinderPair
 # About L − C + C_J for the largest arc, C_J being Johnson's datum, and the least start for L.
 _LAST_L, _LEAST_L = 1.43, 0.1
 # Numbers of a pair for its arcs, and where d is in single precision.
-_OF_ARCS = ("w_i", "w_j", "beta", "A0", "A1", "A2", "A3", "H3", "M0", "M1", "M2")
+_OF_ARCS = ("w_i", "w_j", "beta", "datum", "A0", "A1", "A2", "A3", "H3", "M0", "M1", "M2")
 _RANGE = 1e-30, 1e30
 
 
@@ -68,22 +68,24 @@ def load(penetration, pair, C_0, C_alpha, A0, A1, A2, A3, H3, M0, M1, M2):
     return f, pi * pair.E_star * fell / (L * fell - L_slope * k)
 
 
-def load_in_arrays(penetration, E_star, dR, datum, johnson, c0, **numbers):
+_PLAIN = Formula(load)
+
+
+def load_in_arrays(penetration, **numbers):
     """Return f alone, at one pair with the first two steps in single precision: half as long."""
-    numbers = {name: numbers[name] for name in _OF_ARCS} | {"datum": datum}
-    d = penetration / dR
-    rough, half = d, numbers
-    single = not any(np.ndim(number) for number in (datum, *numbers.values()))
-    if single and np.ndim(d) and d.size and _RANGE[0] < d.min() and d.max() < _RANGE[1]:
-        rough = d.astype(np.float32)
-        half = {name: np.float32(number) for name, number in numbers.items()}
-    x = start(rough, datum, johnson, c0).astype(np.result_type(rough))
+    d = penetration / numbers["dR"]
+    single = np.ndim(d) and not any(np.ndim(number) for number in numbers.values())
+    if not (single and d.size and _RANGE[0] < d.min() and d.max() < _RANGE[1]):
+        return _PLAIN.load(penetration, **numbers)
+    of_arcs = {name: numbers[name] for name in _OF_ARCS}
+    rough, half = d.astype(np.float32), {name: np.float32(x) for name, x in of_arcs.items()}
+    x = start(rough, numbers["datum"], numbers["johnson"], numbers["c0"]).astype(np.float32)
     for _ in range(2):
         x, last = newton(x, rough, **half)
     x = x.astype(np.float64)
     for _ in range(2):
-        x, last = newton(x, d, **numbers)
-    return pi * E_star * penetration / where(last > 0, last, nan)
+        x, last = newton(x, d, **of_arcs)
+    return pi * numbers["E_star"] * penetration / where(last > 0, last, nan)
 
 
 _EQUATION = "f = pi*E_star*penetration/L with penetration/dR*K(S) = L(S), see the steps"
