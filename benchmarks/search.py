@@ -14,7 +14,7 @@ from cylcontact.fitting import genetic
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import RmsLogPenetration
 from cylcontact.fitting.problem import Problem
-from cylcontact.laws.definition import Parameter
+from cylcontact.laws.law import Parameter
 
 # The bounds of the paper's internal campaign.
 BOUNDS = {

@@ -15,7 +15,7 @@ from cylcontact.fitting.campaign import campaign_from_settings, read_campaign
 from cylcontact.fitting.polish import minimise, polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.laws import PUBLISHED
-from cylcontact.laws.definition import Parameter
+from cylcontact.laws.law import Parameter
 from cylcontact.pair import CONTACTS, Contact
 from cylcontact.progress import silent
 from cylcontact.reports.bench import Bench

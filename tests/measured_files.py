@@ -9,7 +9,7 @@ import numpy as np
 from cylcontact import CylinderPair, Material
 from cylcontact.fitting.campaign import Campaign, campaign_of_table
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.laws.definition import Parameter
+from cylcontact.laws.law import Parameter
 
 USER_LAW = """\
 import numpy as np

@@ -10,7 +10,7 @@ from mpmath import mp
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.laws import Johnson, Persson
 from cylcontact.laws.conformal import load_at_angle, pressure
-from cylcontact.laws.winkler import DEPTH, Winkler
+from cylcontact.laws.foundation import DEPTH, Winkler
 from cylcontact.limits import hertz_stress
 from cylcontact.materials import material_in_MPa
 from tests.strategies import gaps, materials, powers_of_ten

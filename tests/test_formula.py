@@ -3,6 +3,7 @@
 # ruff: noqa: ARG001
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,6 +79,16 @@ def test_load_and_stiffness_are_those_of_the_steps_at_forty_digits(name):
             exact, slope = load(mpf(depth)), mp.diff(load, mpf(depth), h=mpf(depth) * 1e-12)
         assert formula.load(depth, **numbers) == pytest.approx(float(exact), rel=1e-14)
         assert formula.stiffness(depth, **numbers) == pytest.approx(float(slope), rel=1e-12)
+
+
+@pytest.mark.parametrize("law", [laws.Johnson(), laws.Parametric(), laws.Parametric(3.0)])
+@pytest.mark.parametrize("end", [1e-25, 1e-40])
+def test_a_load_by_hand_in_arrays_is_that_of_the_formula(law, end):
+    pair = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, material_j=BRONZE)
+    formula, numbers = law.formula, law.numbers_at(pair)
+    depth = np.geomspace(end, min(0.9 * numbers.get("last", np.inf), 1e3), 3001)
+    expected = replace(formula, in_arrays=None).load(depth, **numbers)
+    np.testing.assert_allclose(formula.load(depth, **numbers), expected, rtol=40 * ROUNDING)
 
 
 def test_a_function_of_ones_own_is_read_as_it_runs():

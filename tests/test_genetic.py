@@ -13,7 +13,7 @@ from cylcontact.fitting.objectives import OBJECTIVES, make_objective
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.samples import Samples, form_of
-from cylcontact.laws.definition import Parameter
+from cylcontact.laws.law import Parameter
 
 BOUNDS = {
     "internal": {

@@ -185,6 +185,13 @@ def test_nan_takes_only_the_elements_outside_the_domain(pair):
     np.testing.assert_array_equal(load[[1, 3]], [LAW.load(1e-3, pair), LAW.load(2e-3, pair)])
 
 
+def test_the_end_is_exact_beside_elements_outside_the_domain(pair):
+    limit = LAW.max_penetration(pair)
+    given = [0.0, limit, 2 * limit, np.nan, -1.0]
+    np.testing.assert_array_equal(LAW.load(given, pair), [0, LAW.max_load(pair), np.nan, np.nan, 0])
+    np.testing.assert_array_equal(LAW.stiffness(given[1:], pair), [np.inf, np.nan, np.nan, 0])
+
+
 # --- one curve --------------------------------------------------------------------------------
 
 UNIT = CylinderPair.from_dR("internal", 1.0, material_in_MPa("unit", E=2.0, nu=0.0))  # E* = ΔR = 1

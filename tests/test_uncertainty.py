@@ -30,7 +30,7 @@ from cylcontact.fitting.uncertainty.profiles import (
 from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
 from cylcontact.fitting.uncertainty.residual_model import residual_model_at
 from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
-from cylcontact.laws.definition import LawModel, Parameter
+from cylcontact.laws.law import LawModel, Parameter
 from tests.measured_files import (
     CONSTANTS,
     STEEL,

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from cylcontact.errors import InputError
 from cylcontact.laws import Conformal, Explicit, Housing, Parametric, Sector
-from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.law import ContactLaw
 from cylcontact.spec import Spec, broken
 
 # The laws that know the housing.

@@ -11,7 +11,7 @@ from cylcontact.arrays import require
 from cylcontact.choices import listed
 from cylcontact.errors import InputError
 from cylcontact.export.named import EXPORTABLE, find_law
-from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.law import ContactLaw
 from cylcontact.pair import CONTACTS, Contact
 
 if TYPE_CHECKING:

@@ -15,7 +15,6 @@ from cylcontact.errors import InputError
 from cylcontact.export.render import WIDTH, Dialect, filled
 from cylcontact.laws import LAWS, Johnson
 from cylcontact.laws.adapters import ScaledLaw
-from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.formula import (
     FUNCTIONS,
     OF_PAIR,
@@ -26,7 +25,7 @@ from cylcontact.laws.formula import (
     needed,
     steps_of,
 )
-from cylcontact.laws.law import Law, formula_of
+from cylcontact.laws.law import ContactLaw, Law, formula_of
 from cylcontact.pair import CONTACTS, Contact
 from cylcontact.plain_text import RESERVED, comment, identifier
 

@@ -16,8 +16,8 @@ from cylcontact.errors import InputError
 from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw, renamed
 from cylcontact.export.render import lambert_steps
 from cylcontact.formats import marked
-from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.formula import FUNCTIONS, Step, names_in
+from cylcontact.laws.law import ContactLaw
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 

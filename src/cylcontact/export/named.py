@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
-from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.law import formula_of
+from cylcontact.laws.law import ContactLaw, formula_of
 from cylcontact.laws.user import user_law
 from cylcontact.pair import Contact
 

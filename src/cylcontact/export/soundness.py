@@ -6,7 +6,7 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
-from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.law import ContactLaw
 from cylcontact.materials import Material
 from cylcontact.pair import CONTACTS, Contact, CylinderPair
 

@@ -49,7 +49,7 @@ from cylcontact.fitting.specs import (
 )
 from cylcontact.housing_spec import takes_housing
 from cylcontact.html_repr import table_html
-from cylcontact.laws.definition import LawModel, Parameter
+from cylcontact.laws.law import LawModel, Parameter
 from cylcontact.laws.user import UserFunction
 from cylcontact.materials import own_table
 from cylcontact.pair import Contact

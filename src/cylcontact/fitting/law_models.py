@@ -22,8 +22,8 @@ from cylcontact.errors import InputError
 from cylcontact.housing_spec import HousingSpec, in_housing
 from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
-from cylcontact.laws.definition import Coefficients, LawModel, Parameter
 from cylcontact.laws.housing import Housing
+from cylcontact.laws.law import Coefficients, LawModel, Parameter
 from cylcontact.laws.user import UserFunction, UserLaw
 from cylcontact.pair import Contact
 

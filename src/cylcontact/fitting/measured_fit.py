@@ -19,8 +19,7 @@ from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.records import RunRecord
 from cylcontact.fitting.uncertainty.residual_model import MEDIAN_TO_SIGMA
 from cylcontact.laws.adapters import RigCompliance, ScaledLaw
-from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.definition import Coefficients
+from cylcontact.laws.law import Coefficients, ContactLaw
 from cylcontact.laws.user import UserLaw
 from cylcontact.parallel import Call, call
 

@@ -25,8 +25,7 @@ from cylcontact.fitting.loss import Loss
 from cylcontact.fitting.noise_model import FittedNoise
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.samples import Form, LawForm, law_form_of
-from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.definition import LawModel
+from cylcontact.laws.law import ContactLaw, LawModel
 
 __all__ = ["STANDARDISED", "MeasuredObjective", "laws_of", "measured", "objective_name"]
 

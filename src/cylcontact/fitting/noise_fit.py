@@ -21,7 +21,7 @@ from cylcontact.fitting.noise_model import FittedNoise, NoiseModel
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.restricted_likelihood import Likelihood, estimate
 from cylcontact.fitting.specs import MeasuredSpec
-from cylcontact.laws.definition import Parameter
+from cylcontact.laws.law import Parameter
 
 __all__ = ["at_best", "fit_noise", "likelihood_at", "noise_of", "with_noise"]
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices, Measurements
-from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.law import ContactLaw
 
 __all__ = [
     "FEWEST_RANDOM",

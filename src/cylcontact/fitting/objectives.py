@@ -24,7 +24,7 @@ from cylcontact.datasets.grid import AnyGrid
 from cylcontact.datasets.moments import Moments
 from cylcontact.datasets.sampling import blocks
 from cylcontact.fitting.samples import Form, PowerForm, Samples, form_of, samples_of
-from cylcontact.laws.definition import LawModel
+from cylcontact.laws.law import LawModel
 from cylcontact.parallel import Workers, call, run_calls
 
 __all__ = [

@@ -13,7 +13,7 @@ from cylcontact.arrays import FloatArray
 from cylcontact.fitting.objectives import Objective
 from cylcontact.fitting.samples import Form
 from cylcontact.fitting.ties import evaluate
-from cylcontact.laws.definition import LawModel, Parameter
+from cylcontact.laws.law import LawModel, Parameter
 
 __all__ = ["Problem"]
 

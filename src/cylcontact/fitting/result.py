@@ -32,7 +32,7 @@ from cylcontact.fitting.uncertainty.estimates import Uncertainty
 from cylcontact.fitting.uncertainty.profiles import Profile
 from cylcontact.fitting.uncertainty.study import problem_of_result
 from cylcontact.formats import marked, upgraded
-from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reading import RESULT_BYTES, read_text
 from cylcontact.spec import Spec, parse_spec, parser_reason, require_other_kind

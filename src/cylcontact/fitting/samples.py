@@ -16,8 +16,7 @@ from cylcontact.arrays import FloatArray, IndexArray, as_floats
 from cylcontact.datasets.grid import AnyGrid, DimensionlessGrid
 from cylcontact.datasets.sampling import Block, Counts, blocks, reduce_grid
 from cylcontact.errors import InputError
-from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.definition import LawModel
+from cylcontact.laws.law import ContactLaw, LawModel
 from cylcontact.materials import material_in_MPa
 from cylcontact.pair import Contact, CylinderPair
 

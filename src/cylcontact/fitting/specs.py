@@ -18,7 +18,7 @@ from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.ties import require_valid
 from cylcontact.housing_spec import HousingSpec
-from cylcontact.laws.definition import LawModel, Parameter
+from cylcontact.laws.law import LawModel, Parameter
 from cylcontact.pair import Contact
 from cylcontact.spec import Spec, broken
 

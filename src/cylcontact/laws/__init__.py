@@ -5,10 +5,7 @@ from typing import Any
 
 from cylcontact.errors import InputError
 from cylcontact.laws.arcs import ParametricCoefficients
-from cylcontact.laws.bearings import Iso16281, Palmgren
 from cylcontact.laws.conformal import Conformal, Persson
-from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.difference import difference_percent
 from cylcontact.laws.enhanced import (
     PUBLISHED,
     Enhanced,
@@ -17,8 +14,9 @@ from cylcontact.laws.enhanced import (
 )
 from cylcontact.laws.explicit import Explicit, ExplicitCoefficients, explicit_penetration
 from cylcontact.laws.explicit_pair import ExplicitPair, ExplicitPairCoefficients
+from cylcontact.laws.foundation import Liu, Winkler
 from cylcontact.laws.housing import Housing, Sector
-from cylcontact.laws.liu import Liu
+from cylcontact.laws.law import ContactLaw, difference_percent
 from cylcontact.laws.logarithmic import (
     Block,
     DubowskyFreudenstein,
@@ -32,9 +30,7 @@ from cylcontact.laws.logarithmic import (
     RoarkYoung,
 )
 from cylcontact.laws.parametric import Parametric
-from cylcontact.laws.power import PowerLaw
-from cylcontact.laws.sphere import LankaraniNikravesh
-from cylcontact.laws.winkler import Winkler
+from cylcontact.laws.power import Iso16281, LankaraniNikravesh, Palmgren, PowerLaw
 
 __all__ = [
     "LAWS",
@@ -125,15 +121,6 @@ def ClampedPlate(*_: object, **__: object) -> None:
 def reference_law(name: str) -> ContactLaw:
     """Return the law that grid specs call `name`.
 
-    Parameters
-    ----------
-    name : str
-        One of `REFERENCES`.
-
-    Returns
-    -------
-    ContactLaw
-
     Raises
     ------
     InputError
@@ -145,11 +132,7 @@ def reference_law(name: str) -> ContactLaw:
     Johnson()
     """
     if name not in REFERENCES:
-        raise InputError(
-            "reference law",
-            "name",
-            name,
-            "is not a law that a grid can sample",
-            f"choose among {', '.join(REFERENCES)}",
-        )
+        rule = "is not a law that a grid can sample"
+        remedy = f"choose among {', '.join(REFERENCES)}"
+        raise InputError("reference law", "name", name, rule, remedy)
     return LAWS[name]()

@@ -8,8 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
-from cylcontact.laws.contact_law import ContactLaw, OverLength, depth_of
-from cylcontact.laws.definition import Coefficients, LawModel, Parameter
+from cylcontact.laws.law import (
+    Coefficients,
+    ContactLaw,
+    LawModel,
+    OverLength,
+    Parameter,
+    depth_of,
+)
 from cylcontact.pair import CylinderPair
 
 # Newton's method takes about eight steps, more only near the end of a law's domain.
@@ -25,37 +31,14 @@ _SHORT_OF_THE_END = 1e-13
 class RigCompliance(OverLength):
     """δ = δ₀(f) + compliance·f + offset: the reading of a test rig, with δ₀ the law of the contact.
 
-    A measured approach includes an unknown reading at first touch and the compliance of the rig.
-    The approach of a plane body is known only up to a constant C times f/(π·E*), which depends on
-    the points between which it is read and on the housing. The compliance therefore has either
+    Offset and compliance, in mm and mm per N/mm, belong to the rig and to another datum than the
+    law's. The approach of a plane body is known only up to a constant C times f/(π·E*), which
+    depends on the points between which it is read and on the housing, so the compliance has either
     sign: C/(π·E*) more than the law's own datum counts, and what the rig gives way. It and the c of
     a logarithmic law cannot be identified separately from measurements at a single E*.
 
     With a negative compliance the domain ends where the reading would no longer increase with the
     load, at dδ₀/df = −compliance.
-
-    Parameters
-    ----------
-    base : ContactLaw
-        The law of the contact alone.
-    offset : float
-        The reading at first touch in mm.
-    compliance : float
-        Compliance of the rig, and of another datum than the law's, in mm per N/mm.
-
-    Raises
-    ------
-    InputError
-        If one of them is not finite.
-
-    Examples
-    --------
-    >>> from cylcontact import CylinderPair, Material, laws
-    >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
-    >>> law = RigCompliance(laws.Johnson(), offset=1e-4, compliance=2e-6)
-    >>> reading = law.penetration(100.0, pair)
-    >>> print(f"{1e3 * reading:.3f} µm, {law.load(reading, pair):.9f} N/mm")
-    1.859 µm, 100.000000000 N/mm
     """
 
     base: ContactLaw
@@ -65,14 +48,8 @@ class RigCompliance(OverLength):
     def __post_init__(self) -> None:
         for key, unit in (("offset", "mm"), ("compliance", "mm per N/mm")):
             value = getattr(self, key)
-            require(
-                np.isfinite(value),
-                "RigCompliance",
-                key,
-                value,
-                "must be finite",
-                f"give it in {unit}",
-            )
+            remedy = f"give it in {unit}"
+            require(np.isfinite(value), "RigCompliance", key, value, "must be finite", remedy)
 
     @property
     def name(self) -> str:
@@ -171,26 +148,6 @@ class ScaledLaw(OverLength):
     For a law in f/(E*·ΔR) and δ/ΔR alone, such as Persson's and Liu's, D is the ratio of an
     effective clearance to the real one, and B/D the ratio of the moduli. Every logarithmic law is a
     scaled Johnson's law: see `laws.logarithmic.adjusted_logarithmic`.
-
-    Parameters
-    ----------
-    base : ContactLaw
-        The law f₀.
-    load_factor, penetration_factor : float
-        B and D, positive.
-
-    Raises
-    ------
-    InputError
-        If a factor is not positive and finite.
-
-    Examples
-    --------
-    >>> from cylcontact import CylinderPair, Material, laws
-    >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
-    >>> law = ScaledLaw(laws.Johnson(), load_factor=2.0)
-    >>> print(law.load(1e-3, pair) / laws.Johnson().load(1e-3, pair))
-    2.0
     """
 
     base: ContactLaw
@@ -200,14 +157,8 @@ class ScaledLaw(OverLength):
     def __post_init__(self) -> None:
         for key in ("load_factor", "penetration_factor"):
             value = getattr(self, key)
-            require(
-                bool(value > 0 and np.isfinite(value)),
-                "ScaledLaw",
-                key,
-                value,
-                "must be positive and finite",
-                "1 leaves the law as it is",
-            )
+            rule, remedy = "must be positive and finite", "1 leaves the law as it is"
+            require(bool(0 < value < np.inf), "ScaledLaw", key, value, rule, remedy)
 
     @property
     def name(self) -> str:

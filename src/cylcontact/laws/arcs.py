@@ -14,16 +14,18 @@ needs. Each function here is a part of a law's formula.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from numpy import exp, log, log1p, maximum, sqrt
 
-from cylcontact.arrays import require
+from cylcontact.laws.law import Constants, constant
+
+_A0, _M0 = -16 / (3 * np.pi), 80 / (9 * np.pi)
 
 
 @dataclass(frozen=True)
-class ParametricCoefficients:
+class ParametricCoefficients(Constants):
     """The constants of the polynomials of `Parametric`, of which A0 and M0 are exact.
 
     Raises
@@ -32,24 +34,18 @@ class ParametricCoefficients:
         If one is not finite.
     """
 
-    A1: float
-    A2: float
-    A3: float
-    H3: float
-    M1: float
-    M2: float
-    A0: float = -16 / (3 * np.pi)
-    M0: float = 80 / (9 * np.pi)
-
-    def __post_init__(self) -> None:
-        for key, value in asdict(self).items():
-            remedy = "leave the coefficients out to use the calibrated ones"
-            require(bool(np.isfinite(value)), "Parametric", key, value, "must be finite", remedy)
+    A0: float = constant(-3.0, 0.0, "coefficient of β·u in 2Â·S; exactly −16/(3π)", _A0, value=_A0)
+    A1: float = constant(1.0, 2.0, "coefficient of β·u² in 2Â·S", 1.6238)
+    A2: float = constant(-0.5, 1.5, "coefficient of β·u³ in 2Â·S", 0.3116)
+    A3: float = constant(-3.0, -1.5, "coefficient of β·u⁴ in 2Â·S", -2.1986)
+    H3: float = constant(-0.05, 0.05, "coefficient of β·u³ in H", 0.0053)
+    M0: float = constant(0.0, 5.0, "coefficient of β·u in M; exactly 80/(9π)", _M0, value=_M0)
+    M1: float = constant(-1.6, -0.8, "coefficient of β·u² in M", -1.1141)
+    M2: float = constant(0.3, 1.2, "coefficient of β·u³ in M", 0.6367)
+    law = "Parametric"
 
 
-CALIBRATED = ParametricCoefficients(
-    A1=1.6238, A2=0.3116, A3=-2.1986, H3=0.0053, M1=-1.1141, M2=0.6367
-)
+CALIBRATED = ParametricCoefficients()
 
 
 def shares(alpha, beta):
@@ -68,18 +64,19 @@ def arc(x, w_i, w_j, beta, datum, A0, A1, A2, A3, H3, M0, M1, M2):
     slow = c * fall
     u = sqrt(S)
     v = beta * u
-    closed = 2 * S + slow / b
-    rise = c * (2 * S + c - slow * (2 + 1 / b))
+    over, c2, S2 = slow / b, c * c, S * S
+    closed = 2 * S + over
+    rise = c * (2 * S + c - 2 * slow - over)
     extra = H3 * v * S
     H = closed + extra
     H_slope = rise + 1.5 * c * extra
     bent = v * c / 2
-    k = c * c + v * (A0 + u * (A1 + u * (A2 + u * A3))) - w_i * S * H
+    k = c2 + v * (A0 + u * (A1 + u * (A2 + u * A3))) - w_i * S * H
     k_slope = bent * (A0 + u * (2 * A1 + u * (3 * A2 + u * 4 * A3))) - S * (
-        2 * c * c + w_i * (c * H + H_slope)
+        2 * c2 + w_i * (c * H + H_slope)
     )
-    L = fall - x + S * S / 2 + closed + v * (M0 + u * (M1 + u * M2)) - w_j * H + datum
-    M_slope = c * (S * S - 1) + rise + bent * (M0 + u * (2 * M1 + u * 3 * M2))
+    L = fall - x + S2 / 2 + closed + v * (M0 + u * (M1 + u * M2)) - w_j * H + datum
+    M_slope = c * (S2 - 1) + rise + bent * (M0 + u * (2 * M1 + u * 3 * M2))
     return S, c, k, k_slope, L, M_slope - w_j * H_slope, H, H_slope
 
 

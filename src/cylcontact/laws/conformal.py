@@ -51,11 +51,9 @@ from cylcontact.arrays import BoolArray, FloatArray, IndexArray, as_floats, insi
 from cylcontact.errors import InputError
 from cylcontact.html_repr import law_html
 from cylcontact.laws.adapters import scaled_model
-from cylcontact.laws.contact_law import OverLength, depth_of, require_hole
-from cylcontact.laws.definition import LawModel
 from cylcontact.laws.glauert import Housed, Remainder, estimated_c, housed, persson_peak, remainder
 from cylcontact.laws.housing import Housing, Kernel, is_number
-from cylcontact.laws.law import BLOCK
+from cylcontact.laws.law import BLOCK, LawModel, OverLength, depth_of, require_hole
 from cylcontact.pair import Contact, CylinderPair
 
 # A step of Newton's method of this relative size is the last, because it leaves its square.

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
-from numbers import Real
+from dataclasses import asdict, dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy import log, maximum, nan, where
 
-from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
-from cylcontact.laws.definition import LawModel, Parameter
 from cylcontact.laws.formula import Formula
+from cylcontact.laws.law import Constants, LawModel, constant
 from cylcontact.laws.power import IN_MM, PowerShaped, end, energy, load
 from cylcontact.pair import Contact, CylinderPair
 
@@ -24,36 +22,29 @@ INTERNAL_DR_MAX = 10.0
 
 
 @dataclass(frozen=True)
-class InternalCoefficients:
+class InternalCoefficients(Constants):
     """Coefficients for internal contact; the defaults are the published ones (Eq 6)."""
 
-    a: float = 0.965
-    b: float = 0.0965
-    Y_log_scale: float = 1.51
-    Y_log_exponent: float = -0.151
-    Y_slope: float = 0.0151
-    Y_offset: float = 1.151
-    n_exponent: float = -0.005
+    a: float = constant(0.1, 1.5, "slope of K* over ΔR", 0.965, unit="mm^(1-n)")
+    b: float = constant(0.0, 0.5, "K* at ΔR = 0", 0.0965, unit="mm^(2-n)")
+    Y_log_scale: float = constant(1.0, 3.0, "factor of the logarithmic branch of Y", 1.51)
+    Y_log_exponent: float = constant(-0.6, 0.0, "exponent of ln(1000·ΔR)", -0.151, shift=True)
+    Y_slope: float = constant(-0.1, 0.1, "slope of Y over ΔR", 0.0151, shift=True, unit="1/mm")
+    Y_offset: float = constant(0.8, 1.6, "Y of the linear branch at ΔR = 0", 1.151, shift=True)
+    n_exponent: float = constant(-0.1, 0.1, "exponent of ΔR in n", -0.005, shift=True)
     contact: ClassVar[Contact] = "internal"
-
-    def exponent(self, dR: FloatArray) -> FloatArray:
-        """Return n at ΔR in mm (Eq 6c)."""
-        names = ("Y_log_scale", "Y_log_exponent", "Y_slope", "Y_offset", "n_exponent")
-        return as_floats(internal_exponent(dR, *(getattr(self, name) for name in names)))
+    law = "Enhanced"
 
 
 @dataclass(frozen=True)
-class ExternalCoefficients:
+class ExternalCoefficients(Constants):
     """Coefficients for external contact; the defaults are the published ones (Eq 6)."""
 
-    a: float = 0.39
-    b: float = 0.85
-    n: float = 1.094
+    a: float = constant(0.1, 1.5, "slope of K* over ΔR", 0.39, unit="mm^(1-n)")
+    b: float = constant(0.0, 3.0, "K* at ΔR = 0", 0.85, unit="mm^(2-n)")
+    n: float = constant(1.0, 1.5, "exponent of the penetration", 1.094)
     contact: ClassVar[Contact] = "external"
-
-    def exponent(self, dR: FloatArray) -> FloatArray:
-        """Return n, the same at every ΔR (Eq 6c)."""
-        return as_floats(np.full_like(dR, self.n))
+    law = "Enhanced"
 
 
 Coefficients = InternalCoefficients | ExternalCoefficients
@@ -103,52 +94,6 @@ _FORMULAS: Mapping[Contact, Formula] = {
     "internal": Formula(load, internal, end, energy, _WITH_Y, IN_MM),
     "external": Formula(load, external, end, energy, _EQUATION, IN_MM),
 }
-_PARAMETERS: Mapping[Contact, tuple[Parameter, ...]] = {
-    "internal": (
-        Parameter("a", 0.1, 1.5, unit="mm^(1-n)", meaning="slope of K* over ΔR"),
-        Parameter("b", 0.0, 0.5, unit="mm^(2-n)", meaning="K* at ΔR = 0"),
-        Parameter("Y_log_scale", 1.0, 3.0, meaning="factor of the logarithmic branch of Y"),
-        Parameter("Y_log_exponent", -0.6, 0.0, shift=True, meaning="exponent of ln(1000·ΔR)"),
-        Parameter("Y_slope", -0.1, 0.1, shift=True, unit="1/mm", meaning="slope of Y over ΔR"),
-        Parameter("Y_offset", 0.8, 1.6, shift=True, meaning="Y of the linear branch at ΔR = 0"),
-        Parameter("n_exponent", -0.1, 0.1, shift=True, meaning="exponent of ΔR in n"),
-    ),
-    "external": (
-        Parameter("a", 0.1, 1.5, unit="mm^(1-n)", meaning="slope of K* over ΔR"),
-        Parameter("b", 0.0, 3.0, unit="mm^(2-n)", meaning="K* at ΔR = 0"),
-        Parameter("n", 1.0, 1.5, meaning="exponent of the penetration"),
-    ),
-}
-
-
-def coefficients_from(values: Mapping[str, float]) -> Coefficients:
-    """Return coefficients from their values; the names decide between internal and external.
-
-    Raises
-    ------
-    InputError
-        If the names are not exactly those of one contact, or a value is not a finite number.
-    """
-    for name, value in values.items():
-        require(
-            isinstance(value, Real) and np.isfinite(value),
-            "Enhanced",
-            name,
-            value,
-            "a coefficient must be a finite number",
-            "give the value that a fit or the paper gives",
-        )
-    for kind in (InternalCoefficients, ExternalCoefficients):
-        if set(values) == {field.name for field in fields(kind)}:
-            return kind(**values)
-    internal, external = (", ".join(asdict(kind)) for kind in PUBLISHED.values())
-    raise InputError(
-        "Enhanced",
-        "coefficients",
-        sorted(values),
-        "the names must be those of one contact",
-        f"internal: {internal}; external: {external}",
-    )
 
 
 @dataclass(frozen=True)
@@ -184,13 +129,23 @@ class Enhanced(PowerShaped):
     defaults = PUBLISHED
     on_grid = True
     _source = "Pereira, Ramalho and Ambrosio 2015"
-    _coefficients_from = staticmethod(coefficients_from)
 
     formula = _FORMULAS["internal"]
 
     def formula_for(self, contact: Contact) -> Formula:
         """Return Eqs 5 and 6 for a contact."""
         return _FORMULAS[contact]
+
+    @classmethod
+    def _coefficients_from(cls, values: Mapping[str, float]) -> Coefficients:
+        """Return coefficients from their values; the names decide between the contacts."""
+        for published in PUBLISHED.values():
+            if set(values) == set(asdict(published)):
+                return type(published)(**values)
+        internal, external = (", ".join(asdict(kind)) for kind in PUBLISHED.values())
+        rule, remedy = "the names must be those of one contact", f"internal: {internal}"
+        names = sorted(values)
+        raise InputError("Enhanced", "coefficients", names, rule, f"{remedy}; external: {external}")
 
     def require_pair(self, pair: CylinderPair) -> None:
         """Raise `InputError` if the coefficients are not for the pair."""
@@ -205,20 +160,11 @@ class Enhanced(PowerShaped):
     @classmethod
     def models(cls) -> tuple[LawModel, ...]:
         """Return how the law is fitted, with the published coefficients as nominal values."""
-        return tuple(
-            LawModel(
-                cls.name,
-                contact,
-                tuple(replace(p, nominal=getattr(PUBLISHED[contact], p.name)) for p in parameters),
-                cls.fitted,
-                power_form=_power_form,
-                smooth_form=_smooth_internal_form if contact == "internal" else None,
-                on_grid=True,
-                dR_min=INTERNAL_DR_MIN if contact == "internal" else 0.0,
-                dR_max=INTERNAL_DR_MAX if contact == "internal" else math.inf,
-            )
-            for contact, parameters in _PARAMETERS.items()
+        inside = {"dR_min": INTERNAL_DR_MIN, "dR_max": INTERNAL_DR_MAX}
+        internal = cls.model(
+            "internal", power_form=_power_form, smooth_form=_smooth_internal_form, **inside
         )
+        return internal, cls.model("external", power_form=_power_form)
 
 
 def _power_form(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatArray]:

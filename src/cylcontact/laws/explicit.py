@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar, Literal
 
@@ -28,13 +28,11 @@ from numpy.typing import ArrayLike
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.errors import InputError
 from cylcontact.laws.arcs import CALIBRATED as PARAMETRIC
-from cylcontact.laws.contact_law import require_hole
-from cylcontact.laws.definition import Parameter
 from cylcontact.laws.explicit_pair import load as five_logarithms
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.housed import FiveConstants, five_constants
 from cylcontact.laws.housing import Housing
-from cylcontact.laws.law import AtPair, Law
+from cylcontact.laws.law import AtPair, Constants, Law, constant, require_hole
 from cylcontact.laws.parametric import Parametric
 from cylcontact.pair import Contact, CylinderPair
 
@@ -58,7 +56,7 @@ _REMARK = "Dimensionless in penetration/dR and f/(E_star*dR); no largest penetra
 
 
 @dataclass(frozen=True)
-class ExplicitCoefficients:
+class ExplicitCoefficients(Constants):
     """The constants c, A and B of the explicit law, all positive.
 
     Raises
@@ -67,39 +65,27 @@ class ExplicitCoefficients:
         If one is not positive and finite, or the law is not defined for every penetration.
     """
 
-    c: float
-    A: float
-    B: float
+    c: float = constant(0.5, 3.0, "constant in L", shift=True)
+    A: float = constant(0.05, 5.0, "factor of 1/d in the logarithms")
+    B: float = constant(0.5, 20.0, "numerator of the innermost logarithm")
+    law = "Explicit"
 
     def __post_init__(self) -> None:
-        for key in ("c", "A", "B"):
-            value = getattr(self, key)
-            require(
-                bool(value > 0 and np.isfinite(value)),
-                "Explicit",
-                key,
-                value,
-                "must be positive and finite",
-                "leave the coefficients out to use the calibrated ones",
-            )
+        for key, value in vars(self).items():
+            remedy = "leave the coefficients out to use the calibrated ones"
+            positive = bool(value > 0 and np.isfinite(value))
+            require(positive, "Explicit", key, value, "must be positive and finite", remedy)
+        # The innermost 1 + (A/d)·ln(B/d) is least, 1 − A/(e·B), at d = e·B. If c + ln of that is
+        # positive, so are the arguments of the other logarithms.
+        least = 1 - self.A / (math.e * self.B)
         require(
-            is_defined(self.c, self.A, self.B),
+            least > 0 and self.c + math.log(least) > 0,
             "Explicit",
             "c, A, B",
             (self.c, self.A, self.B),
             "c + ln(1 − A/(e·B)) must be positive, or a logarithm fails at some penetration",
             "raise c or B, or lower A",
         )
-
-
-def is_defined(c: float, A: float, B: float) -> bool:
-    """Return whether the law with these constants is defined for every penetration.
-
-    The innermost 1 + (A/d)·ln(B/d) has its minimum 1 − A/(e·B) at d = e·B. If c + ln of this
-    minimum is positive, so are the arguments of the other logarithms.
-    """
-    least = 1 - A / (math.e * B) if B > 0 else 0.0
-    return bool(min(c, A, B, least) > 0 and c + np.log(least) > 0)
 
 
 CALIBRATED: Mapping[Contact, ExplicitCoefficients] = {
@@ -152,11 +138,6 @@ class Explicit(Law):
         super().__post_init__()
 
     formula = Formula(load, equation=_EQUATION, remark=_REMARK)
-    parameters = (
-        Parameter("c", 0.5, 3.0, shift=True, meaning="constant in L"),
-        Parameter("A", 0.05, 5.0, meaning="factor of 1/d in the logarithms"),
-        Parameter("B", 0.5, 20.0, meaning="numerator of the innermost logarithm"),
-    )
     defaults = CALIBRATED
     published = False
     on_grid = True
@@ -167,7 +148,7 @@ class Explicit(Law):
         if isinstance(self.datum, Housing):
             rule, remedy = "depends on the joint", "export a joint with a table [housing]"
             raise InputError("export", "datum", self.datum, rule, remedy)
-        return asdict(self.coefficients_for(contact))
+        return super().constants_for(contact)
 
     def five_constants(self, pair: CylinderPair) -> FiveConstants:
         """Return the five constants in the housing, and how far the law is from `Parametric`."""
@@ -207,11 +188,6 @@ class Explicit(Law):
         numbers = self.numbers_at(pair)
         load, stiffness = partial(_FIVE.load, **numbers), partial(_FIVE.stiffness, **numbers)
         return AtPair(load, stiffness, as_floats(np.inf), is_single=True)
-
-    def coefficients_for(self, contact: Contact) -> ExplicitCoefficients:
-        """Return the coefficients of this law, by default those calibrated for `contact`."""
-        own: ExplicitCoefficients = self._coefficients_for(contact)
-        return own
 
 
 def explicit_penetration(load: ArrayLike, pair: CylinderPair) -> FloatArray:

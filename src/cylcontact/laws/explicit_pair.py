@@ -17,23 +17,22 @@ accuracy needs.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy import exp, log, log1p, maximum, pi, sqrt
 
-from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.laws.arcs import CALIBRATED as P
 from cylcontact.laws.arcs import arc, shares
-from cylcontact.laws.definition import Parameter
 from cylcontact.laws.formula import Formula
-from cylcontact.laws.law import Law
+from cylcontact.laws.law import Constants, Law, constant
 from cylcontact.pair import Contact, CylinderPair
 
 
 @dataclass(frozen=True)
-class ExplicitPairCoefficients:
+class ExplicitPairCoefficients(Constants):
     """The eighteen constants of `ExplicitPair`.
 
     Raises
@@ -42,51 +41,28 @@ class ExplicitPairCoefficients:
         If one is not finite.
     """
 
-    A0: float
-    A1: float
-    A2: float
-    B0: float
-    B1: float
-    B2: float
-    B3: float
-    B4: float
-    B5: float
-    D0: float
-    D1: float
-    D2: float
-    D3: float
-    D4: float
-    D5: float
-    G0: float
-    G1: float
-    G2: float
-
-    def __post_init__(self) -> None:
-        for key, value in asdict(self).items():
-            remedy = "leave the coefficients out to use the calibrated ones"
-            require(bool(np.isfinite(value)), "ExplicitPair", key, value, "must be finite", remedy)
+    A0: float = constant(-1.0, 1.0, "coefficient of 1 in ln A", 0.108)
+    A1: float = constant(-1.0, 1.0, "coefficient of g in ln A", 0.2164)
+    A2: float = constant(0.0, 3.0, "coefficient of β in ln A", 1.4281)
+    B0: float = constant(-2.0, 0.0, "coefficient of 1 in ln B", -0.9086)
+    B1: float = constant(-2.5, -0.5, "coefficient of g in ln B", -1.4268)
+    B2: float = constant(-1.0, 1.0, "coefficient of β in ln B", 0.0388)
+    B3: float = constant(-3.0, 3.0, "coefficient of g² in ln B", -0.1754)
+    B4: float = constant(-3.0, 3.0, "coefficient of gβ in ln B", 0.4352)
+    B5: float = constant(-3.0, 3.0, "coefficient of β² in ln B", -0.1459)
+    D0: float = constant(0.5, 2.5, "coefficient of 1 in D", 1.5739)
+    D1: float = constant(0.5, 2.5, "coefficient of g in D", 1.4329)
+    D2: float = constant(0.5, 2.5, "coefficient of β in D", 1.4019)
+    D3: float = constant(-2.0, 4.0, "coefficient of g² in D", 0.8681)
+    D4: float = constant(-5.0, 1.0, "coefficient of gβ in D", -1.5185)
+    D5: float = constant(0.0, 5.0, "coefficient of β² in D", 2.5993)
+    G0: float = constant(-2.0, 0.0, "coefficient of 1 in G", -0.9641)
+    G1: float = constant(-1.5, 0.5, "coefficient of g in G", -0.6562)
+    G2: float = constant(-1.0, 1.0, "coefficient of β in G", 0.0517)
+    law = "ExplicitPair"
 
 
-CALIBRATED = ExplicitPairCoefficients(
-    A0=0.108,
-    A1=0.2164,
-    A2=1.4281,
-    B0=-0.9086,
-    B1=-1.4268,
-    B2=0.0388,
-    B3=-0.1754,
-    B4=0.4352,
-    B5=-0.1459,
-    D0=1.5739,
-    D1=1.4329,
-    D2=1.4019,
-    D3=0.8681,
-    D4=-1.5185,
-    D5=2.5993,
-    G0=-0.9641,
-    G1=-0.6562,
-    G2=0.0517,
-)
+CALIBRATED = ExplicitPairCoefficients()
 
 
 class PairNumbers(NamedTuple):
@@ -139,29 +115,6 @@ _EQUATION = (
 _REMARK = "The datum of the penetration is Johnson's, to whose law it tends at small loads."
 
 
-_OF = {"A": "ln A", "B": "ln B", "D": "D", "G": "G"}
-_TERMS = ("1", "g", "β", "g²", "gβ", "β²")
-# Where the constants are searched, in the order of the terms.
-_BOUNDS = {
-    "A": ((-1, 1), (-1, 1), (0, 3)),
-    "B": ((-2, 0), (-2.5, -0.5), (-1, 1), (-3, 3), (-3, 3), (-3, 3)),
-    "D": ((0.5, 2.5), (0.5, 2.5), (0.5, 2.5), (-2, 4), (-5, 1), (0, 5)),
-    "G": ((-2, 0), (-1.5, 0.5), (-1, 1)),
-}
-
-
-_PARAMETERS = tuple(
-    Parameter(
-        f"{letter}{number}",
-        float(low),
-        float(high),
-        meaning=f"coefficient of {_TERMS[number]} in {_OF[letter]}",
-    )
-    for letter, bounds in _BOUNDS.items()
-    for number, (low, high) in enumerate(bounds)
-)
-
-
 @dataclass(frozen=True)
 class ExplicitPair(Law):
     """A pin in a hole of any two materials in one line, within 1.1 % of `Conformal`.
@@ -206,17 +159,10 @@ class ExplicitPair(Law):
 
     formula = Formula(load, five, equation=_EQUATION, remark=_REMARK)
     contacts = ("internal",)
-    parameters = _PARAMETERS
     defaults: ClassVar[Mapping[Contact, Any]] = {"internal": CALIBRATED}
     published = False
     on_grid = True
     dimensionless = True
-
-    @property
-    def constants(self) -> ExplicitPairCoefficients:
-        """The coefficients, by default the calibrated ones."""
-        own: ExplicitPairCoefficients = self._coefficients_for("internal")
-        return own
 
     def numbers(self, pair: CylinderPair) -> PairNumbers:
         """Return the five numbers of a pair, in the shape of its materials."""

@@ -83,25 +83,13 @@ def names_in(node: ast.AST) -> set[str]:
 
 
 def steps_of(text: str) -> tuple[Step, ...]:
-    r"""Return the steps of assignments in Python's syntax, one a line.
-
-    Examples
-    --------
-    >>> [step.name for step in steps_of("d = penetration / dR\nf = E_star * d")]
-    ['d', 'f']
-    """
+    """Return the steps of assignments in Python's syntax, one a line."""
     assigned = [node for node in ast.parse(text).body if isinstance(node, ast.Assign)]
     return tuple(Step(ast.unparse(node.targets[0]), node.value) for node in assigned)
 
 
 def needed(steps: Sequence[Step], *results: str) -> tuple[Step, ...]:
-    """Return the steps that some results need.
-
-    Examples
-    --------
-    >>> [step.name for step in needed(steps_of("a = x; b = a + 1; c = 2 * a"), "c")]
-    ['a', 'c']
-    """
+    """Return the steps that some results need."""
     wanted, chosen = set(results), []
     for step in reversed(steps):
         if step.body:
@@ -148,6 +136,9 @@ class Formula:
         The law on one line, in ASCII, for exported files.
     remark : str
         What its users should know, for exported files.
+    in_arrays : callable, optional
+        The load as NumPy computes it, from penetration and numbers by name, where that is faster
+        written by hand.
     """
 
     function: Callable[..., Any]
@@ -156,6 +147,7 @@ class Formula:
     energy: Callable[..., Any] | None = None
     equation: str = ""
     remark: str = ""
+    in_arrays: Callable[..., Any] | None = None
 
     @cached_property
     def constants(self) -> dict[str, float | None]:
@@ -231,7 +223,7 @@ class Formula:
     @cached_property
     def load(self) -> Callable[..., Any]:
         """The NumPy function from penetration and numbers by name to the load."""
-        return self._at_depth("f")
+        return self.in_arrays or self._at_depth("f")
 
     @cached_property
     def stiffness(self) -> Callable[..., Any]:
@@ -575,11 +567,16 @@ class _Frame:
             case ast.Call(keywords=[]) if self.is_helper(node):
                 return self.called(node)[0]
             case ast.Call(func=function, args=arguments, keywords=[]):
-                value = self.of_vocabulary(function, [self.value(a) for a in arguments], node)
-                is_choice = isinstance(value, ast.IfExp)
-                if alone or (not is_choice and self.function_of(function) != "branch_distance"):
-                    return value
-                return self.placed("chosen" if is_choice else "w", value)
+                values = [self.value(argument) for argument in arguments]
+                called = self.function_of(function)
+                if called is None:
+                    rule, remedy = "is not known in other languages", f"use {', '.join(FUNCTIONS)}"
+                    raise self.refusal(rule, remedy, node)
+                is_choice = called == "where"
+                made = ast.IfExp(*values) if is_choice else ast.Call(ast.Name(called), values, [])
+                if alone or called not in ("where", "branch_distance"):
+                    return made
+                return self.placed("chosen" if is_choice else "w", made)
         raise self.refusal(
             "cannot be written in another language",
             f"use + - * / **, comparisons, {', '.join(FUNCTIONS)} and functions of these", node,
@@ -608,18 +605,6 @@ class _Frame:
             if any(called is function for function in functions):
                 return name
         return None
-
-    def of_vocabulary(
-        self, function: ast.expr, arguments: list[ast.expr], node: ast.expr
-    ) -> ast.expr:
-        """Return a call of the vocabulary."""
-        name = self.function_of(function)
-        if name is None:
-            rule, remedy = "is not known in other languages", f"use {', '.join(FUNCTIONS)}"
-            raise self.refusal(rule, remedy, node)
-        if name == "where":
-            return ast.IfExp(*arguments)
-        return ast.Call(ast.Name(name), arguments, [])
 
     def called(self, node: ast.Call) -> list[ast.expr]:
         """Return the values of another function, whose steps are appended."""
@@ -689,14 +674,9 @@ def _slope(node: ast.expr, slopes: Mapping[str, ast.expr], name: str) -> ast.exp
             du, dv = _slope(u, slopes, ""), _slope(v, slopes, "")
             return _slope_of_operation(ast.Name(name) if name else node, u, op, v, du, dv)
         case ast.Call(func=ast.Name(id="log"), args=[ast.BinOp(left=u, op=ast.Div(), right=v)]):
-            apart = ast.BinOp(_logarithm(u), ast.Sub(), _logarithm(v))
-            return _slope(apart, slopes, "")
+            return _slope(_filled("log(u) - log(v)", u=u, v=v), slopes, "")
         case ast.Call(func=ast.Name(id="max"), args=[u, v]):
-            first, second = _slope(u, slopes, ""), _slope(v, slopes, "")
-            if first is None and second is None:
-                return None
-            test = ast.Compare(u, [ast.GtE()], [v])
-            return ast.IfExp(test, first or ast.Constant(0), second or ast.Constant(0))
+            return _slope(_filled("u if u >= v else v", u=u, v=v), slopes, "")
         case ast.Call(func=ast.Name(id="branch_distance"), args=[u]):
             inner, w = _slope(u, slopes, ""), ast.Name(name)
             outer = _filled("-(1 + w) / (x * w)", x=u, w=w)
@@ -706,10 +686,6 @@ def _slope(node: ast.expr, slopes: Mapping[str, ast.expr], name: str) -> ast.exp
             y = ast.Name(name) if name else node
             return None if inner is None else _filled(_SLOPES[function], x=u, y=y, s=inner)
     return None
-
-
-def _logarithm(node: ast.expr) -> ast.expr:
-    return ast.Call(ast.Name("log"), [node], [])
 
 
 def _slope_of_operation(
@@ -742,9 +718,9 @@ def _slope_of_operation(
             return ast.BinOp(rest, ast.Div(), v)
     if dv is None:
         return _times(_filled("v * u ** (v - 1)", u=u, v=v), du or u)
-    by_base = _filled("v / u", u=u, v=v)
-    grown = _times(_filled("log(u)", u=u), dv)
-    inner = grown if du is None else ast.BinOp(_times(by_base, du), ast.Add(), grown)
+    inner = _times(_filled("log(u)", u=u), dv)
+    if du is not None:
+        inner = ast.BinOp(_times(_filled("v / u", u=u, v=v), du), ast.Add(), inner)
     return ast.BinOp(ast.BinOp(u, ast.Pow(), v), ast.Mult(), inner)
 
 

@@ -25,9 +25,8 @@ from numba import njit
 
 from cylcontact.arrays import FloatArray, require
 from cylcontact.laws import LAW_TYPES
-from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.formula import Formula, lines_of, needed
-from cylcontact.laws.law import Law, has_formula
+from cylcontact.laws.law import ContactLaw, Law, has_formula
 from cylcontact.laws.tabulated import cubic, tabulate
 from cylcontact.numba_cache import compiled, inlined
 from cylcontact.pair import CylinderPair
@@ -48,15 +47,9 @@ _KEYS = list(_KINDS)
 class Kernel:
     """A law at one pair, ready for `kernel_load` and `kernel_stiffness`.
 
-    Attributes
-    ----------
-    kind : int
-        The number of the formula, or `TABLE`.
-    parameters : array of float, shape (k,)
-        Its numbers.
-    max_penetration : float
-        In mm; beyond it the load is NaN. A table ends at 1000·ΔR, unless the law ends before;
-        Persson's law has no end itself.
+    `kind` is the number of the formula, or `TABLE`; `parameters` are its numbers. Beyond
+    `max_penetration`, in mm, the load is NaN. A table ends at 1000·ΔR, unless the law ends before;
+    Persson's law has no end itself.
     """
 
     kind: int
@@ -104,23 +97,12 @@ def kernel(law: ContactLaw, pair: CylinderPair) -> Kernel:
     40.730908413 N/mm
     """
     limit = np.asarray(law.max_penetration(pair))
-    require(
-        limit.ndim == 0,
-        "kernel",
-        "pair",
-        f"{limit.size} pairs",
-        "must be a single one",
-        "make a kernel for each",
-    )
-    require(
-        limit > 0,
-        "kernel",
-        "pair.dR",
-        pair.dR,
-        f"the {law.name} law is undefined for this pair",
-        "choose another law, or a pair within its range",
-    )
-    formula = law.formula_at(pair) if isinstance(law, Law) and has_formula(law) else None
+    rule, remedy = "must be a single one", "make a kernel for each"
+    require(limit.ndim == 0, "kernel", "pair", f"{limit.size} pairs", rule, remedy)
+    rule = f"the {law.name} law is undefined for this pair"
+    remedy = "choose another law, or a pair within its range"
+    require(limit > 0, "kernel", "pair.dR", pair.dR, rule, remedy)
+    formula = law.formula_at(pair) if has_formula(law) else None
     key = None if formula is None else _key(formula)
     if not isinstance(law, Law) or key not in _KINDS:
         own = getattr(law, "table", None) if formula is None else None
@@ -219,17 +201,7 @@ _energy = _of_all_kinds("energy", _quadrature)
 def kernel_load(kind: int, parameters: FloatArray, penetration: float) -> float:
     """Return the load in N/mm at `penetration` in mm.
 
-    Parameters
-    ----------
-    kind, parameters
-        Of a `Kernel`.
-    penetration : float
-        In mm.
-
-    Returns
-    -------
-    float
-        Zero where there is no penetration, NaN beyond the kernel's `max_penetration`.
+    Zero where there is no penetration, NaN beyond the kernel's `max_penetration`.
     """
     if penetration <= 0:
         return 0.0
@@ -240,19 +212,9 @@ def kernel_load(kind: int, parameters: FloatArray, penetration: float) -> float:
 def kernel_stiffness(kind: int, parameters: FloatArray, penetration: float) -> float:
     """Return d(load)/d(penetration) in N/mm² at `penetration` in mm.
 
-    Parameters
-    ----------
-    kind, parameters
-        Of a `Kernel`.
-    penetration : float
-        In mm.
-
-    Returns
-    -------
-    float
-        Zero where there is no penetration, NaN beyond the kernel's `max_penetration`. The slope
-        of a table is right to about 1e-7; that of a logarithmic law loses digits next to its end,
-        8e-12 at a relative distance of 1e-12.
+    Zero where there is no penetration, NaN beyond the kernel's `max_penetration`. The slope of a
+    table is right to about 1e-7; that of a logarithmic law loses digits next to its end, 1e-10 at a
+    relative distance of 1e-12.
     """
     if penetration <= 0:
         return 0.0
@@ -263,18 +225,7 @@ def kernel_stiffness(kind: int, parameters: FloatArray, penetration: float) -> f
 def kernel_energy(kind: int, parameters: FloatArray, penetration: float) -> float:
     """Return ∫ f dδ from 0 to `penetration` in mm: the stored energy per unit length, in N.
 
-    Parameters
-    ----------
-    kind, parameters
-        Of a `Kernel`.
-    penetration : float
-        In mm.
-
-    Returns
-    -------
-    float
-        Zero where there is no penetration. In closed form for logarithmic and power laws, else by
-        quadrature to some ten digits.
+    In closed form for logarithmic and power laws, else by quadrature to some ten digits.
     """
     if penetration <= 0:
         return 0.0

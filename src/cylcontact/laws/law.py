@@ -1,21 +1,23 @@
-"""A law that one formula states."""
+"""What a contact law is, what of it is fitted, and how one formula gives all of it."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields, replace
+from dataclasses import MISSING, asdict, dataclass, field, fields
 from functools import partial
-from typing import Any, ClassVar, NamedTuple
+from numbers import Real
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.html_repr import completed_law_html
-from cylcontact.laws.contact_law import ContactLaw, OverLength, require_hole
-from cylcontact.laws.definition import LawModel, Parameter
 from cylcontact.laws.formula import Formula
 from cylcontact.pair import CONTACTS, Contact, CylinderPair
+
+Coefficients = Mapping[str, float]
 
 # Numbers at a time: what a formula makes of them stays in the cache of a core.
 BLOCK = 16384
@@ -23,6 +25,225 @@ BLOCK = 16384
 # is sought.
 _STEPS, _LAST_STEP, _REACH = 200, 1e-8, 1e120
 _ROUNDING, _LEAST = 1e-13, 1e-300
+
+
+class ContactLaw(Protocol):
+    """Load per unit length against penetration for a pair of parallel cylinders.
+
+    Loads are in N/mm, penetrations in mm, stiffness in N/mm². All arguments broadcast, also
+    against array-valued pairs. At a negative penetration the bodies do not touch: load and
+    stiffness are 0. Elements outside a law's domain are NaN, as is the penetration under a negative
+    load.
+    """
+
+    @property
+    def name(self) -> str:
+        """The law's name in specs and reports."""
+        ...
+
+    def penetration(self, load: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the penetration in mm under `load` in N/mm."""
+        ...
+
+    def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the load in N/mm at `penetration` in mm."""
+        ...
+
+    def stiffness(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return d(load)/d(penetration) in N/mm² at `penetration` in mm."""
+        ...
+
+    def max_load(self, pair: CylinderPair) -> FloatArray:
+        """Return the largest load in N/mm; inf where there is none."""
+        ...
+
+    def max_penetration(self, pair: CylinderPair) -> FloatArray:
+        """Return the largest penetration in mm; inf where there is none."""
+        ...
+
+
+class OverLength:
+    """The total force of a law that gives the load per unit length."""
+
+    def force(self: ContactLaw, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the force in N at `penetration` in mm: the load times the length of the pair."""
+        return as_floats(self.load(penetration, pair) * pair.contact_length("the force"))
+
+
+def require_hole(law: str, pair: CylinderPair) -> None:
+    """Raise `InputError` for external contact."""
+    rule = "must be internal: the law is for a pin in a hole"
+    remedy = "use laws.Johnson() for external contact"
+    require(pair.contact == "internal", law, "pair.contact", pair.contact, rule, remedy)
+
+
+def depth_of(penetration: ArrayLike) -> FloatArray:
+    """Return the penetration, 0 where it is negative and the bodies do not touch."""
+    return as_floats(np.maximum(as_floats(penetration), 0.0))
+
+
+def difference_percent(
+    law: ContactLaw, reference: ContactLaw, load: ArrayLike, pair: CylinderPair
+) -> FloatArray:
+    """Return 100·(δ_law − δ_reference)/δ_reference in percent at equal load (Eq 9).
+
+    Parameters
+    ----------
+    law, reference : ContactLaw
+        The law and the one it is compared with.
+    load : array_like
+        Load per unit length in N/mm.
+    pair : CylinderPair
+        The pair, possibly array-valued.
+
+    Returns
+    -------
+    array of float
+        Percent, of the broadcast shape; NaN at zero load and where either law is undefined.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material, laws
+    >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
+    >>> print(difference_percent(laws.Enhanced(), laws.Johnson(), [10.0, 100.0], pair).round(2))
+    [ 8.51 -2.88]
+    """
+    delta = law.penetration(load, pair)
+    delta_reference = reference.penetration(load, pair)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return as_floats(100 * (delta - delta_reference) / delta_reference)
+
+
+# --- what is fitted -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a law: searched between two bounds, fixed at a value, or tied to others.
+
+    `nominal` is a value to start from, that of the law's source if the model says so; `tie` the
+    expression that sets it, e.g. "a/10" (`fitting.ties`). The zero of a `shift` is arbitrary, so
+    that a relative error has no meaning. A `stiffness` sets how stiff the contact is, and is free
+    by default in a fit to measurements.
+    """
+
+    name: str
+    low: float = math.nan
+    high: float = math.nan
+    nominal: float | None = None
+    value: float | None = None
+    tie: str | None = None
+    shift: bool = False
+    stiffness: bool = False
+    unit: str = ""
+    meaning: str = ""
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it is fixed."""
+        return self.value is not None
+
+    @property
+    def is_free(self) -> bool:
+        """Whether it is searched."""
+        return not self.fixed and self.tie is None
+
+
+@dataclass(frozen=True)
+class LawModel:
+    """A law with named parameters, as it is fitted.
+
+    Attributes
+    ----------
+    law : str
+        Its name in campaigns.
+    contact : {"internal", "external"}
+        The contact it is for.
+    parameters : tuple of Parameter
+        Its parameters, each with default bounds, or fixed.
+    build : callable
+        From values by name to the law. Raises InputError if they define none.
+    power_form : callable, optional
+        For power laws at each clearance: from candidates, shape (P, k), and clearances ΔR in mm,
+        shape (m,), to K* and n in f = K*·E*/ΔR·δⁿ, shape (P, m) each. Such a law can be evaluated
+        from moments and has a lower bound.
+    smooth_form : callable, optional
+        From candidates, clearances and ε to K*, n and their derivatives by the parameters, shape
+        (P, k, m), with every maximum in the law smoothed over ε. At ε = 0 it is `power_form`.
+    on_grid : bool
+        Whether the law can be fitted on a grid, where a sample has ΔR and f/E* only.
+    dimensionless : bool
+        Whether the coefficients have no units, so that it can be fitted on a grid of α, β and φ.
+    nominal_is_published : bool
+        Whether the nominal values are those of the law's source, not of this project.
+    dR_min, dR_max : float
+        The range of ΔR in mm, both ends included: calibration may use the open end of [0.005, 10[,
+        which the law itself excludes.
+    digest : str
+        The hash of the file of a user's own law; empty for others.
+    """
+
+    law: str
+    contact: Contact
+    parameters: tuple[Parameter, ...]
+    build: Callable[[Coefficients], ContactLaw]
+    power_form: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
+    smooth_form: Callable[[FloatArray, FloatArray, float], tuple[FloatArray, ...]] | None = None
+    on_grid: bool = False
+    dimensionless: bool = False
+    nominal_is_published: bool = True
+    dR_min: float = 0.0
+    dR_max: float = math.inf
+    digest: str = ""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the parameters, in the order of the columns of candidates."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @property
+    def published(self) -> dict[str, float] | None:
+        """The published values of the parameters, if all have one."""
+        nominal = {p.name: p.nominal for p in self.parameters if p.nominal is not None}
+        is_published = self.nominal_is_published and len(nominal) == len(self.parameters)
+        return nominal if is_published else None
+
+    def candidates(self, *coefficients: Coefficients) -> FloatArray:
+        """Return P sets of coefficients by name as candidates, shape (P, k)."""
+        return np.array([[values[name] for name in self.names] for values in coefficients])
+
+
+def constant(
+    low: float, high: float, meaning: str, default: Any = MISSING, **others: Any
+) -> Any:  # the type of a field
+    """Return the field of a constant, with what `Parameter` says of it."""
+    about = {"low": low, "high": high, "meaning": meaning, **others}
+    return field(default=default, metadata=about)
+
+
+class Constants:
+    """The constants of a law; a subclass is a frozen dataclass whose fields are `constant`s."""
+
+    law: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            finite = isinstance(value, Real) and math.isfinite(value)
+            rule = "a coefficient must be a finite number"
+            remedy = "give the value that a fit or the paper gives"
+            require(finite, self.law, name, value, rule, remedy)
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The constants as they are fitted, their values as nominal ones."""
+        own: Any = self
+        return tuple(
+            Parameter(each.name, nominal=getattr(self, each.name), **each.metadata)
+            for each in fields(own)
+        )
+
+
+# --- the law of a formula -----------------------------------------------------------------------
 
 
 class AtPair(NamedTuple):
@@ -52,9 +273,9 @@ class Law(OverLength):
     any_plane : bool
         Whether it also holds in plane stress, with the E* of that.
     parameters : tuple of Parameter
-        Its constants as they are fitted.
+        Its constants as they are fitted, if it has no coefficients.
     defaults : mapping
-        The coefficients by contact of a law that is made from `coefficients`.
+        The coefficients by contact, `Constants`, of a law that is made from `coefficients`.
     published, on_grid, dimensionless : bool
         As `LawModel` has them.
     """
@@ -80,6 +301,17 @@ class Law(OverLength):
     def _repr_html_(self) -> str:
         return completed_law_html(self, self.defaults)
 
+    @classmethod
+    def _coefficients_from(cls, values: Coefficients) -> Any:
+        """Return coefficients from their values by name."""
+        (kind,) = {type(default) for default in cls.defaults.values()}
+        return kind(**values)
+
+    def coefficients_for(self, contact: Contact) -> Any:
+        """Return the coefficients, by default those for a contact."""
+        given: Any = getattr(self, "coefficients", None)
+        return self.defaults[contact] if given is None else given
+
     def formula_for(self, contact: Contact) -> Formula:
         """Return the formula for a contact."""
         return self.formula
@@ -90,21 +322,10 @@ class Law(OverLength):
 
     def constants_for(self, contact: Contact) -> dict[str, float]:
         """Return the constants of the formula for a contact, by name."""
-        own = fields(self)  # type: ignore[arg-type]  # every subclass is a dataclass
-        if [field.name for field in own] != ["coefficients"]:
-            return {field.name: float(getattr(self, field.name)) for field in own}
-        return asdict(self._coefficients_for(contact))
-
-    @classmethod
-    def _coefficients_from(cls, values: Mapping[str, float]) -> Any:
-        """Return coefficients from their values by name."""
-        (kind,) = {type(default) for default in cls.defaults.values()}
-        return kind(**values)
-
-    def _coefficients_for(self, contact: Contact) -> Any:
-        """Return the coefficients, by default those for a contact."""
-        given: Any = getattr(self, "coefficients", None)
-        return self.defaults[contact] if given is None else given
+        if self.defaults:
+            return asdict(self.coefficients_for(contact))
+        own: Any = self  # every subclass is a dataclass
+        return {each.name: float(getattr(self, each.name)) for each in fields(own)}
 
     def constants_at(self, pair: CylinderPair) -> Mapping[str, Any]:
         """Return the constants of the formula at a pair."""
@@ -121,19 +342,20 @@ class Law(OverLength):
         """Return the numbers of the formula at a pair, by name."""
         self.require_pair(pair)
         formula = self.formula_for(pair.contact)
-        asked: dict[str, Any] = {}
-        for name in formula.arguments:
-            if name in ("R_i", "R_j"):
-                asked["R_i"], asked["R_j"] = pair.radii(f"the {self.name} law")
-            elif name == "length":
-                asked["length"] = pair.contact_length(f"the {self.name} law")
-            else:
-                asked[name] = as_floats(getattr(pair, name))
+        law = f"the {self.name} law"
+        ask: dict[str, Callable[[], Any]] = {
+            "R_i": lambda: pair.radii(law)[0],
+            "R_j": lambda: pair.radii(law)[1],
+            "length": lambda: pair.contact_length(law),
+        }
+        asked = {
+            name: as_floats(ask[name]() if name in ask else getattr(pair, name))
+            for name in formula.arguments
+        }
         rule = "is a plane, and the law needs a finite ΔR"
         remedy = "use laws.Johnson(datum=depth in mm) for a cylinder on a plane"
         finite = np.isfinite(asked.get("dR", 0.0))
         require(finite, type(self).__name__, "pair.R_j", pair.R_j, rule, remedy)
-        asked = {name: asked[name] for name in formula.arguments}
         with np.errstate(all="ignore"):
             values = formula.of_pair(**asked, **self.constants_at(pair))
         return dict(zip(formula.numbers, values, strict=True))
@@ -143,12 +365,11 @@ class Law(OverLength):
         numbers = self.numbers_at(pair)
         formula = self.formula_for(pair.contact)
         shape = np.broadcast_shapes(np.shape(pair.E_star), np.shape(pair.dR))
-        end = as_floats(np.broadcast_to(numbers.get("last", np.inf), shape))
         return AtPair(
             partial(formula.load, **numbers),
             partial(formula.stiffness, **numbers),
-            end,
-            not (shape or any(np.ndim(value) for value in numbers.values())),
+            as_floats(np.broadcast_to(numbers.get("last", np.inf), shape)),
+            is_single=not (shape or any(np.ndim(value) for value in numbers.values())),
         )
 
     def load(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
@@ -184,7 +405,7 @@ class Law(OverLength):
         return _in_blocks(lambda f: _inverse(at, f, unit, dR), load, at)
 
     @classmethod
-    def fitted(cls, values: Mapping[str, float]) -> ContactLaw:
+    def fitted(cls, values: Coefficients) -> ContactLaw:
         """Return the law with these values of its parameters."""
         given: Any = cls
         law: ContactLaw = given(coefficients=values) if cls.defaults else given(**values)
@@ -192,21 +413,17 @@ class Law(OverLength):
 
     @classmethod
     def models(cls) -> tuple[LawModel, ...]:
-        """Return how the law is fitted, for each of its contacts."""
-        return tuple(cls.model(contact) for contact in cls.contacts if cls.parameters)
+        """Return how the law is fitted, for each of its contacts, if it has constants."""
+        has_constants = cls.parameters or cls.defaults
+        return tuple(cls.model(contact) for contact in cls.contacts if has_constants)
 
     @classmethod
     def model(cls, contact: Contact, **forms: Any) -> LawModel:
         """Return how the law is fitted for a contact, with its default coefficients as nominal."""
-        nominal = asdict(cls.defaults[contact]) if cls.defaults else {}
-        parameters = tuple(
-            replace(p, nominal=nominal[p.name]) if p.nominal is None and p.name in nominal else p
-            for p in cls.parameters
-        )
         return LawModel(
             cls.name,
             contact,
-            parameters,
+            cls.defaults[contact].parameters if cls.defaults else cls.parameters,
             cls.fitted,
             on_grid=cls.on_grid,
             dimensionless=cls.dimensionless,
@@ -266,11 +483,11 @@ def _inverse(at: AtPair, f: FloatArray, unit: FloatArray, dR: FloatArray) -> Flo
     return np.where(positive, depth, np.where((f == 0) & (at.end > 0), 0.0, np.nan))
 
 
-def has_formula(law: ContactLaw) -> bool:
+def has_formula(law: ContactLaw) -> TypeGuard[Law]:
     """Return whether the load of a law is that of its formula."""
     return isinstance(law, Law) and type(law).load is Law.load
 
 
 def formula_of(law: ContactLaw, contact: Contact) -> Formula | None:
     """Return the formula that computes a law's load; None if it has none."""
-    return law.formula_for(contact) if isinstance(law, Law) and has_formula(law) else None
+    return law.formula_for(contact) if has_formula(law) else None

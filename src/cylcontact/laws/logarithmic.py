@@ -37,11 +37,9 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.laws.adapters import ScaledLaw
-from cylcontact.laws.contact_law import ContactLaw
-from cylcontact.laws.definition import LawModel, Parameter
 from cylcontact.laws.formula import Formula
-from cylcontact.laws.lambert import branch_distance
-from cylcontact.laws.law import Law
+from cylcontact.laws.lambert import branch_distance, branch_share
+from cylcontact.laws.law import ContactLaw, Law, LawModel, Parameter
 from cylcontact.pair import Contact, CylinderPair
 
 # c₀ of `Block`.
@@ -93,6 +91,13 @@ def load(penetration, pair, f_max, deepest):
     return f_max * (p / (1 + w)), f_max / (deepest * w)
 
 
+def load_in_arrays(penetration, f_max, deepest, **_):
+    """Return f alone."""
+    f = branch_share(penetration / deepest)
+    f *= f_max
+    return f
+
+
 def end(pair, f_max, deepest):
     """Return the penetration at f_max."""
     return deepest
@@ -111,7 +116,7 @@ def logarithmic(reach: Callable[[Any], Any]) -> Formula:
         f_max = reach(pair) * pair.E_star * exp(c - 1)
         return f_max, kappa / (pi * pair.E_star) * f_max
 
-    return Formula(load, ends, end, energy, _EQUATION, _REMARK)
+    return Formula(load, ends, end, energy, _EQUATION, _REMARK, load_in_arrays)
 
 
 @dataclass(frozen=True)
@@ -241,14 +246,8 @@ class Johnson(LogarithmicLaw):
         if isinstance(depth, Block):
             depth, below = depth.height, as_floats(1 + 2 * _LAYER)
         # Each body's logarithm as 2·ln(length/a), with a² = 4f·R/(π·E*).
-        R = as_floats(pair.R_i)
-        c = (
-            2 * w_i * log(4 * R)
-            + 2 * w_j * log(2 * float(depth or 0))
-            - w_i
-            + w_j * below
-            - log(4 * R)
-        )
+        ln_4R, ln_2H = log(4 * as_floats(pair.R_i)), log(2 * float(depth or 0))
+        c = 2 * w_i * ln_4R + 2 * w_j * ln_2H - w_i + w_j * below - ln_4R
         f_max = as_floats(pi * pair.E_star * exp(c - 1))
         deepest = as_floats(f_max / (pi * pair.E_star))
         return {"f_max": f_max, "deepest": deepest, "last": deepest}

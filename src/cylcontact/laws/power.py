@@ -1,4 +1,4 @@
-"""The power law f = K·δⁿ, Eqs 3–4, and what all laws of this form share."""
+"""The laws f = K·δⁿ: the power law (Eqs 3–4), a point contact (Eq 2), two of bearing practice."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy import inf, isfinite
+from numpy import inf, isfinite, sqrt
 from numpy.typing import ArrayLike
 
-from cylcontact.arrays import FloatArray, as_floats, inside_or_nan
+from cylcontact.arrays import FloatArray, as_floats, inside_or_nan, require
 from cylcontact.errors import InputError
-from cylcontact.laws.definition import LawModel, Parameter
+from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.formula import Formula
-from cylcontact.laws.law import Law
+from cylcontact.laws.law import ContactLaw, Law, LawModel, Parameter
 from cylcontact.pair import CONTACTS, Contact, CylinderPair
 
 IN_MM = "Holds in mm, N and MPa only: its coefficients are not dimensionless."
@@ -59,6 +59,11 @@ class PowerShaped(Law):
     def exponent(self, pair: CylinderPair) -> FloatArray:
         """Return n for `pair`."""
         return self.factor_and_exponent(pair)[1]
+
+
+def _require_exponent(law: Any, remedy: str) -> None:
+    rule = "must be positive and finite"
+    require(law.n > 0 and isfinite(law.n), type(law).__name__, "n", law.n, rule, remedy)
 
 
 def one_pair(pair, K, n):
@@ -127,21 +132,10 @@ class PowerLaw(PowerShaped):
         factors = (self.K, self.K_star, self.C)
         given = [value for value in factors if value is not None]
         if len(given) != 1 or not (given[0] > 0 and isfinite(given[0])):
-            raise InputError(
-                "PowerLaw",
-                "K, K_star, C",
-                factors,
-                "exactly one of them must be given, positive and finite",
-                "use K for one pair, K_star or C for a law that scales to others",
-            )
-        if not (self.n > 0 and isfinite(self.n)):
-            raise InputError(
-                "PowerLaw",
-                "n",
-                self.n,
-                "must be positive and finite",
-                "give the exponent of the penetration",
-            )
+            rule = "exactly one of them must be given, positive and finite"
+            remedy = "use K for one pair, K_star or C for a law that scales to others"
+            raise InputError("PowerLaw", "K, K_star, C", factors, rule, remedy)
+        _require_exponent(self, "give the exponent of the penetration")
 
     @property
     def name(self) -> str:  # type: ignore[override]
@@ -192,3 +186,167 @@ def _with_dR(candidates: FloatArray, dR: FloatArray) -> tuple[FloatArray, FloatA
     """Return K* = C·ΔR^(2 − n), and n."""
     C, n = candidates.T[:, :, None] + np.zeros_like(dR)
     return as_floats(C * dR ** (2 - n)), n
+
+
+# --- a point contact used for cylinders ---------------------------------------------------------
+
+
+def sphere(pair, n):
+    """Return K = (4/3)·E*·√R/L and n."""
+    return 4 / 3 * pair.E_star * sqrt(pair.R) / pair.length, n
+
+
+@dataclass(frozen=True)
+class LankaraniNikravesh(PowerShaped):
+    """Lankarani and Nikravesh (1990), elastic part of Eq 2: F = (4/3)·E*·√R·δⁿ, R = R_i·R_j/ΔR.
+
+    Parameters
+    ----------
+    n : float
+        Exponent, positive; 1.5 for metals.
+
+    Raises
+    ------
+    InputError
+        If the exponent is not positive; when the law is evaluated, if the radii or the length of
+        the pair are not known.
+
+    Notes
+    -----
+    F is the *total* force of a point contact, in N; it does not depend on the axial length. The
+    load per unit length is F/L, so the pair needs a length. The paper prints R_i·R_i where
+    R_i·R_j is meant.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.internal(R_i=10.0, R_j=9.5, material=steel, length=10.0)
+    >>> print(f"{LankaraniNikravesh().load(1e-3, pair):.3f} N/mm")
+    6.610 N/mm
+    """
+
+    n: float = 1.5
+    name: ClassVar[str] = "lankarani-nikravesh"
+    formula = Formula(
+        load, sphere, end, energy,
+        equation="f = 4/3*E_star*sqrt(R_i*R_j/dR)/length*penetration^n",
+        remark="The law gives the total force f*length of a point contact, independent of the "
+        "length; f is that force per unit length.",
+    )  # fmt: skip
+    any_plane = False
+    needs = ("R_i", "R_j", "length")
+    parameters = (
+        Parameter("factor", 1e-2, 1e2, 1.0, stiffness=True, meaning="factor of the law's load"),
+        Parameter("n", 0.8, 2.0, nominal=1.5, meaning="exponent of the penetration"),
+    )
+
+    def __post_init__(self) -> None:
+        _require_exponent(self, "metals have n = 1.5")
+
+    @classmethod
+    def fitted(cls, values: Mapping[str, float]) -> ContactLaw:
+        """Return the law with a factor and an exponent."""
+        return ScaledLaw(cls(n=values["n"]), load_factor=values["factor"])
+
+
+# --- bearing practice: the total force of a steel roller on a raceway ---------------------------
+
+# Moduli in MPa that count as steel.
+_STEEL = 190e3, 220e3
+_OF_BEARINGS = (
+    "For steel and a roller of the given length: the total force f*length does not depend on the "
+    "radii or the moduli. Lengths in mm, forces in N."
+)
+
+
+def palmgren(pair):
+    """Return K and n of δ = 3.84e-5·F^0.9/L^0.8, with f = F/L."""
+    return (pair.length**0.8 / 3.84e-5) ** (1 / 0.9) / pair.length, 1 / 0.9
+
+
+def iso_16281(pair):
+    """Return K and n of F = c_L·(2δ)^(10/9), c_L = 35948·L^(8/9), with f = F/L."""
+    return 35948 * pair.length ** (8 / 9) * 2 ** (10 / 9) / pair.length, 10 / 9
+
+
+class OfSteel(PowerShaped):
+    """A law for steel alone, which needs the length."""
+
+    needs = ("length",)
+    any_plane = False
+
+    def require_pair(self, pair: CylinderPair) -> None:
+        """Raise `InputError` for other materials than steel, or plane stress."""
+        super().require_pair(pair)
+        for body in (pair.material_i, pair.material_j):
+            inside = (_STEEL[0] <= np.asarray(body.E)) & (np.asarray(body.E) <= _STEEL[1])
+            rule = f"is no steel (E from {_STEEL[0] / 1e3:g} to {_STEEL[1] / 1e3:g} GPa)"
+            remedy = "the law holds for steel only; use laws.Johnson() for other materials"
+            require(inside, type(self).__name__, "material", body.name, rule, remedy)
+
+
+@dataclass(frozen=True)
+class Palmgren(OfSteel):
+    """Palmgren's formula for a steel roller on one raceway, δ = 3.84e-5·F^0.9/L^0.8 (mm, N).
+
+    F = f·L is the total force and L the length of the contact. Palmgren fitted it to tests of
+    rollers (*Ball and Roller Bearing Engineering*, 3rd edition, SKF, 1959); bearing handbooks print
+    it. Radii do not enter.
+
+    Raises
+    ------
+    InputError
+        When the law is evaluated, if a body is no steel or the length is not known.
+
+    Examples
+    --------
+    A roller of 10 mm under 1 kN:
+
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.external(R_i=5.0, R_j=20.0, material=steel, length=10.0)
+    >>> print(f"{1e3 * Palmgren().penetration(100.0, pair):.3f} µm")
+    3.050 µm
+    """
+
+    name: ClassVar[str] = "palmgren"
+    formula = Formula(
+        load, palmgren, end, energy,
+        "penetration = 3.84e-5*F^0.9/length^0.8 with F = f*length", _OF_BEARINGS,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Iso16281(OfSteel):
+    """The roller stiffness of ISO/TS 16281, F = c_L·δ^(10/9) with c_L = 35948·L^(8/9) (mm, N).
+
+    In the standard δ is the sum of the two contacts of a roller with the inner and the outer
+    raceway, in series. Here, as for every law, δ is that of one contact, taken as half of the sum:
+    F = c_L·(2δ)^(10/9). The deflection of both is `2 * law.penetration(load, pair)`.
+
+    Raises
+    ------
+    InputError
+        When the law is evaluated, if a body is no steel or the length is not known.
+
+    Notes
+    -----
+    ISO/TS 16281:2008, *Rolling bearings: methods for calculating the modified reference rating life
+    for universally loaded bearings*. The two contacts of a roller of 10 mm under 1 kN give way by
+    6.3 µm, which is 2.07 times Palmgren's deflection of one.
+
+    Examples
+    --------
+    >>> from cylcontact import CylinderPair, Material
+    >>> steel = Material("steel", E=207e3, nu=0.3)
+    >>> pair = CylinderPair.external(R_i=5.0, R_j=20.0, material=steel, length=10.0)
+    >>> print(f"{1e3 * 2 * Iso16281().penetration(100.0, pair):.3f} µm")
+    6.308 µm
+    """
+
+    name: ClassVar[str] = "iso-16281"
+    formula = Formula(
+        load, iso_16281, end, energy,
+        "F = 35948*length^(8/9)*(2*penetration)^(10/9) with F = f*length", _OF_BEARINGS,
+    )  # fmt: skip

@@ -6,11 +6,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray, as_floats, require
-from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.arrays import FloatArray, IndexArray, as_floats, require
+from cylcontact.laws.law import ContactLaw
 from cylcontact.pair import CylinderPair
-
-__all__ = ["DEEPEST", "TABLE_ERROR", "cubic", "tabulate"]
 
 _Number = TypeVar("_Number", float, FloatArray)
 
@@ -31,34 +29,12 @@ _CHECKED = (0.25, 0.5, 0.75)
 def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
     """Return a law at one pair as one flat array.
 
-    Parameters
-    ----------
-    law : ContactLaw
-        A law whose load is positive throughout its domain.
-    pair : CylinderPair
-        A single pair.
-
-    Returns
-    -------
-    array of float, shape (1 + 3·N,)
-        The penetration at which the table ends, in mm, followed by ln δ, ln f and dln f/dln δ at
-        N nodes. The table ends at 1000·ΔR, unless the domain of the law ends before; a law without
-        an end, such as Persson's, is defined beyond the table. A cubic between the nodes, and the
-        first slope below them, give the load to a relative `TABLE_ERROR` from 1e-30·ΔR on. Within
-        1e-12 in ln δ of a vertical tangent or a jump in slope the error may be larger.
-
-    Raises
-    ------
-    InputError
-        If the law is undefined or not smooth somewhere.
-
-    Examples
-    --------
-    >>> from cylcontact import Material, laws
-    >>> pair = CylinderPair.from_dR("internal", 0.05, Material("steel", E=207e3, nu=0.3))
-    >>> table = tabulate(laws.Persson(), pair)
-    >>> float(table[0]), 500 < table.size < 20_000
-    (50.0, True)
+    The penetration at which the table ends, in mm, is followed by ln δ, ln f and dln f/dln δ at N
+    nodes. The table ends at 1000·ΔR, unless the domain of the law ends before; a law without an
+    end, such as Persson's, is defined beyond the table. A cubic between the nodes, and the first
+    slope below them, give the load to a relative `TABLE_ERROR` from 1e-30·ΔR on. Within 1e-12 in
+    ln δ of a vertical tangent or a jump in slope the error may be larger. Raises `InputError` if
+    the law is undefined or not smooth somewhere.
     """
     dR = float(np.asarray(pair.dR))
     end = min(float(law.max_penetration(pair)), DEEPEST * dR)
@@ -69,14 +45,9 @@ def tabulate(law: ContactLaw, pair: CylinderPair) -> FloatArray:
         if not coarse.size:
             return np.concatenate([[end], x, y, slope])
         x = np.insert(x, coarse + 1, (x[coarse] + x[coarse + 1]) / 2)
-        require(
-            x.size <= _MOST_NODES,
-            "tabulate",
-            "law",
-            law.name,
-            f"its load is not smooth: {_MOST_NODES} nodes do not give it to {TABLE_ERROR:g}",
-            "check its load and stiffness",
-        )
+        rule = f"its load is not smooth: {_MOST_NODES} nodes do not give it to {TABLE_ERROR:g}"
+        remedy = "check its load and stiffness"
+        require(x.size <= _MOST_NODES, "tabulate", "law", law.name, rule, remedy)
 
 
 def cubic(
@@ -84,25 +55,8 @@ def cubic(
 ) -> tuple[_Number, _Number]:
     """Return the cubic with given slopes at both ends of an interval, and its slope.
 
-    Parameters
-    ----------
-    part : float or array
-        Position in the interval, from 0 to 1.
-    width : float or array
-        The interval's length.
-    rise : float or array
-        The slope of its chord.
-    first, last : float or array
-        The slopes at its ends.
-
-    Returns
-    -------
-    above, slope : float or array
-        The cubic minus its value at the start of the interval, and its slope.
-
-    Notes
-    -----
-    Plain arithmetic, because `cylcontact.laws.kernels` compiles this function.
+    At a `part` of its `width`, from 0 to 1, with the slope of the chord `rise`, as what it adds to
+    its first value. Plain arithmetic, which `cylcontact.laws.kernels` compiles.
     """
     rest, left, right = 1 - part, first - rise, last - rise
     above = width * part * (rise + rest * (rest * left - part * right))
@@ -117,14 +71,10 @@ def _logarithms(
     delta = np.minimum(np.exp(x), end)
     f, k = law.load(delta, pair), law.stiffness(delta, pair)
     defined = (f > 0) & np.isfinite(f) & (k >= 0)
-    require(
-        defined,
-        "tabulate",
-        "law",
-        law.name,
-        f"its load or its stiffness is not a positive number at {delta[~defined][:1]} mm",
-        "a law must be defined from zero to its max_penetration",
-    )
+    where = f"{delta[~defined][:1]} mm"
+    rule = f"its load or its stiffness is not a positive number at {where}"
+    remedy = "a law must be defined from zero to its max_penetration"
+    require(defined, "tabulate", "law", law.name, rule, remedy)
     with np.errstate(invalid="ignore"):
         slope = delta * k / f
     # In place of a vertical tangent use the chord, the best a cubic can do there.
@@ -133,13 +83,8 @@ def _logarithms(
 
 
 def _coarse(
-    law: ContactLaw,
-    pair: CylinderPair,
-    x: FloatArray,
-    y: FloatArray,
-    slope: FloatArray,
-    end: float,
-) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    law: ContactLaw, pair: CylinderPair, x: FloatArray, y: FloatArray, slope: FloatArray, end: float
+) -> IndexArray:
     """Return the intervals in which the error of the cubic exceeds the tolerance."""
     width = np.diff(x)
     rise = np.diff(y) / width

@@ -11,7 +11,7 @@ from matplotlib.text import Text
 
 from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.laws import difference_percent
-from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.law import ContactLaw
 from cylcontact.limits import yield_load
 from cylcontact.materials import Material
 from cylcontact.pair import CylinderPair

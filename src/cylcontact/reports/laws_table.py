@@ -13,8 +13,8 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.housing_spec import in_housing, takes_housing
 from cylcontact.laws import LAW_TYPES, LAWS, ContactLaw, Explicit, Housing, Parametric
-from cylcontact.laws.definition import Parameter
 from cylcontact.laws.housed import needs_series
+from cylcontact.laws.law import Parameter
 from cylcontact.limits import first_yield
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair

@@ -22,7 +22,7 @@ from cylcontact.fitting.least_squares import jacobian
 from cylcontact.fitting.measured_objective import MeasuredObjective, laws_of, measured
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.residual_model import ResidualModel
-from cylcontact.laws.contact_law import ContactLaw
+from cylcontact.laws.law import ContactLaw
 from cylcontact.pair import CylinderPair
 from cylcontact.spec import Spec
 

@@ -27,7 +27,7 @@ from cylcontact.fitting.least_squares import descend as descend_to_data
 from cylcontact.fitting.polish import affordable_starts, climb_down, descend, polish, scatter
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.residual_model import ResidualModel, residual_model_at
-from cylcontact.laws.definition import Coefficients
+from cylcontact.laws.law import Coefficients
 from cylcontact.spec import Spec
 
 __all__ = [
