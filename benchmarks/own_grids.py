@@ -11,6 +11,7 @@ from collections.abc import Callable
 from functools import partial
 
 from cylcontact.fitting.assessment import SAME_BASIN
+
 from cylcontact.fitting.calibration import RunPlan, execute, plan_runs, problem_of
 from cylcontact.fitting.campaign import Campaign, campaign_from_settings
 from cylcontact.fitting.genetic import search

@@ -164,9 +164,9 @@ def test_a_profile_is_as_low_as_many_restarts_find():
     curve = profile(problem, "a", best, None)
     assert min(curve.objective) >= value * (1 - 1e-9)
     for at in range(0, len(curve.values), 6):
-        held = problem.fixing("a", curve.values[at])
+        held = problem.fixing(a=curve.values[at])
         _, values = polish.descend(held, polish.climb_down(held, starts(held, 60)), 1e-8)
         assert curve.objective[at] <= values.min() * 1.001
     for end in (curve.low, curve.high):
-        held = problem.fixing("a", end)
+        held = problem.fixing(a=end)
         assert polish.minimise(held, held.point(best))[1] == pytest.approx(1.01 * value, rel=1e-4)

@@ -201,7 +201,7 @@ def test_a_linear_problem_has_the_textbook_intervals(tmp_path):
     # ln δ of a power law is linear in ln K_star and 1/n; K_star and n themselves are not, but
     # with n held ln K_star is a mean, whose interval is Student's.
     problem, best, _ = best_of(measured_campaign(tmp_path, "power", noise=NOISE))
-    held = problem.fixing("n", 1.1)
+    held = problem.fixing(n=1.1)
     point, noise = descended(held, held.point(best))
     r = residuals_at(held, point)
     error = r.std(ddof=1) / np.sqrt(r.size) * 1.1  # of ln K_star
@@ -486,7 +486,7 @@ def test_a_verdict_does_not_depend_on_where_zero_is(tmp_path):
     verdicts = []
     for shift in (0.0, 0.5, -2.0):
         problem, best, noise = best_of(measured_campaign(tmp_path, noise=NOISE))
-        moved = problem.fixing("Lambda_factor", float(np.exp(-shift)))
+        moved = problem.fixing(Lambda_factor=float(np.exp(-shift)))
         shifted = {**best, "c": best["c"] + shift, "Lambda_factor": float(np.exp(-shift))}
         assert moved.value_of(shifted) == pytest.approx(problem.value_of(best), rel=1e-9)
         actual = uncertainty_of(moved, shifted, LEVEL)
@@ -518,7 +518,7 @@ def test_an_effect_is_the_relative_change_of_the_prediction(tmp_path, objective)
 @pytest.mark.slow
 def test_a_profile_says_when_it_finds_a_better_fit(noisy):
     problem, best, _ = noisy
-    short = problem.fixing("kappa", best["kappa"] * 1.02)
+    short = problem.fixing(kappa=best["kappa"] * 1.02)
     point, _ = descended(short, short.point(best))
     actual = uncertainty_of(problem, short.coefficients(point), LEVEL)
     assert actual.estimates["c"].profile.lowest < -1e-3
@@ -564,7 +564,7 @@ def test_the_sandwich_is_the_spread_of_repeated_experiments(tmp_path, loss, scal
     # is all there is to refit, and many experiments of a thousand rows are quick.
     campaign = measured_campaign(tmp_path, "power")
     truth = TRUTHS["power", "internal"]
-    problem = plain_problem(campaign).fixing("n", truth["n"])
+    problem = plain_problem(campaign).fixing(n=truth["n"])
     data = measured(problem).data
     data = data.take(np.tile(np.arange(len(data)), 28))
     exact = campaign.model.build(truth).penetration(data.load, data.pair)

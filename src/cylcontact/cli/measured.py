@@ -34,7 +34,8 @@ from cylcontact.reading import TABLE_BYTES, plain_number, require_file
 from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.campaign import Campaign, MeasuredTable
+    from cylcontact.fitting import Campaign, TableCampaign
+    from cylcontact.fitting.table_campaign import MeasuredTable
 
 __all__ = [
     "LawOption",
@@ -152,9 +153,9 @@ def plan(
     options: TableOptions,
     search: SearchOptions,
     optimizer: str | None = None,
-) -> Campaign:
+) -> Campaign | TableCampaign:
     """Return the campaign of a file, or of a table and its options."""
-    from cylcontact.fitting.campaign import read_campaign
+    from cylcontact.fitting import read_campaign
 
     given = _given(asdict(law) | asdict(options))
     if not is_table(path):
@@ -180,7 +181,7 @@ def _table(
     path: Path, given: dict[str, Any], search: SearchOptions, optimizer: str | None = None
 ) -> MeasuredTable:
     """Return a table with the options for it."""
-    from cylcontact.fitting.campaign import read_table
+    from cylcontact.fitting.table_campaign import read_table
 
     require_file(path, TABLE_BYTES)
     if "contact" not in given and OF_PIN_AND_HOLE & {*given}:

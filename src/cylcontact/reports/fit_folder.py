@@ -8,8 +8,7 @@ from pathlib import Path
 from cylcontact.choices import CHOICE_FILES, FIT_FILES
 from cylcontact.files import replacing_all
 from cylcontact.fitting.choice import Choice
-from cylcontact.fitting.drawings import choice_drawing, fit_drawing
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.results import DataFit
 from cylcontact.plain_text import csv_text
 from cylcontact.plots.figure import Drawing
 from cylcontact.plots.style import JOURNAL, figure_style
@@ -34,16 +33,16 @@ def write_choice(choice: Choice, folder: Path) -> None:
         If the folder cannot be written to.
     """
     with figure_style():
-        drawing = choice_drawing(choice)
+        drawing = choice.drawing()
     _write(drawing, folder, CHOICE_FILES, lambda _: None)
 
 
-def write_fit(result: FitResult, folder: Path) -> None:
+def write_fit(result: DataFit, folder: Path) -> None:
     """Write a fit to measurements into a folder; on an error, write none of its files.
 
     Parameters
     ----------
-    result : FitResult
+    result : DataFit
         Of measurements.
     folder : path
         Where to write `choices.FIT_FILES`; made if it does not exist.
@@ -54,7 +53,7 @@ def write_fit(result: FitResult, folder: Path) -> None:
         If the folder cannot be written to.
     """
     with figure_style():
-        drawing = fit_drawing(result)
+        drawing = result.drawing()
     _write(drawing, folder, FIT_FILES, lambda paths: result.write(paths[".json"]))
 
 
