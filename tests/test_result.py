@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from cylcontact import InputError
-from cylcontact.fitting import FitResult, calibrate, compare, read_campaign, verdicts
+from cylcontact.fitting import FitResult, calibrate, compare, read_campaign
 from tests.measured_files import measured_campaign
 from tests.spec_files import DROP, assert_told, changed, labels, tree, write_bench
 
@@ -193,7 +193,7 @@ def test_a_result_that_loads_can_be_reported(tmp_path, small_result):
     """Whatever passes the checks has a report, verdicts and a place in a comparison."""
     small_result.save(tmp_path / "r.json")
     result = FitResult.read(tmp_path / "r.json")
-    assert verdicts(result) == verdicts(small_result)
+    assert result.verdicts == small_result.verdicts
     assert "small" in compare([result, FitResult.read(EXTERNAL)])
 
 

@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from cylcontact.fitting.calibration import calibrate
     from cylcontact.fitting.campaign import Campaign
     from cylcontact.fitting.choice import Choice
-    from cylcontact.fitting.compare import compare
+    from cylcontact.fitting.comparison import compare
     from cylcontact.fitting.own_data import choose, fit
     from cylcontact.fitting.power_fit import PowerFit, fit_power, fit_power_to_law
     from cylcontact.fitting.results import DataFit, FitResult, LawFit
@@ -45,7 +45,7 @@ _MODULES = {
     "calibrate": "calibration",
     "campaign_of_table": "table_campaign",
     "choose": "own_data",
-    "compare": "compare",
+    "compare": "comparison",
     "fit": "own_data",
     "fit_power": "power_fit",
     "fit_power_to_law": "power_fit",

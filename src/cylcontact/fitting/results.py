@@ -42,7 +42,7 @@ from cylcontact.fitting.table_campaign import TableCampaign, campaign_of, requir
 from cylcontact.formats import marked, upgraded
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.plain_text import brief, html
+from cylcontact.plain_text import as_label, brief, html
 from cylcontact.reading import RESULT_BYTES, read_text
 from cylcontact.spec import Spec, parse_spec, parser_reason, require_other_kind
 from cylcontact.text_tables import Report, joined, text_table
@@ -112,7 +112,8 @@ class FitResult(Spec):
         if not isinstance(data, dict):
             raise InputError(source, "", None, "is not a result", "name one that a fit has written")
         kind: type[FitResult] = LawFit
-        if data.get("uncertainty") is not None:
+        settings = data.get("settings")
+        if isinstance(settings, dict) and "measurements" in settings:
             kind, data = DataFit, {k: v for k, v in data.items() if k not in _FORMER}
         result = parse_spec(kind, upgraded("fit result", data, source), source)
         if not isinstance(result, cls):
@@ -187,9 +188,7 @@ class FitResult(Spec):
             If the law is a Python function of your own.
         """
         housing = self.settings["campaign"].get("housing")
-        return fitted_law(
-            self.law, self.contact, self.coefficients, housing, source or self.name
-        )
+        return fitted_law(self.law, self.contact, self.coefficients, housing, source or self.name)
 
     def repeatable(self) -> dict[str, Any]:
         """Return what the same seed reproduces: everything but times and provenance."""
@@ -374,9 +373,8 @@ class LawFit(FitResult):
         if curve is None:
             raise without_profile(self.name, name, self.profiles)
         best, optimum = self.coefficients[name], self.objective
-        return pictures.plot_profile_of_law(
-            curve.values, curve.objective, best, optimum, label_of(name, self.units), ax
-        )
+        label = axis_label(name, self.units)
+        return pictures.plot_profile_of_law(curve.values, curve.objective, best, optimum, label, ax)
 
     def identification(self, name: str) -> str:
         """Return "well", "fairly", "poorly", "at a bound", "fixed", a tie, or "-"."""
@@ -728,7 +726,7 @@ class DataFit(FitResult):
         estimate = estimates.get(name)
         if estimate is None or estimate.profile is None:
             raise without_profile(self.name, name, estimates)
-        label = label_of(name, self.units)
+        label = axis_label(name, self.units)
         return pictures.plot_profile_of_data(
             self.optimum, name, estimate.profile, self.level, label, ax
         )
@@ -869,6 +867,11 @@ class DataFit(FitResult):
 def label_of(name: str, units: Mapping[str, str]) -> str:
     """Return a name with its unit, if it has one."""
     return ", ".join(filter(None, (name, units.get(name))))
+
+
+def axis_label(name: str, units: Mapping[str, str]) -> str:
+    """Return the label of an axis over a coefficient."""
+    return f"{as_label(name)} ({units[name]})" if units.get(name) else as_label(name)
 
 
 def item(sentence: str, mark: str = "- ") -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.compare import by_search, side_by_side
+from cylcontact.fitting.comparison import by_search, side_by_side
 from cylcontact.fitting.results import FitResult
 from cylcontact.reports.bench import Bench
 
