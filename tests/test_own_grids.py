@@ -78,8 +78,8 @@ def test_too_few_runs_at_the_best_are_a_warning_above_the_table(monkeypatch):
     above, below = str(result).split("\n\n", 1)
     assert f"! {said}" in " ".join(above.split())
     assert "- only" not in below
-    assert f"{said}</p><table>" in as_html(result)
-    assert f"<li>{said}" not in as_html(result)
+    assert f"{said}</p><table>" in result._repr_html_()
+    assert f"<li>{said}" not in result._repr_html_()
 
 
 # --- the descents ------------------------------------------------------------------------------
