@@ -315,15 +315,21 @@ class FittedNoise:
         own = np.linalg.lstsq(design, shared)[0]
         return as_floats(own.reshape(-1, len(self.effects)))
 
-    def new_variance(self, depth: FloatArray, load: FloatArray) -> FloatArray:
-        """Return the variance of a new reading of a new series in mm², at depths and loads."""
+    def scatter_variance(self, depth: FloatArray, load: FloatArray) -> FloatArray:
+        """Return the variance of single new readings in mm², without what their series shares."""
         covariance, deviations = self.covariance, self.deviations
-        relative = np.hypot(deviations.get("proportional", 0.0), deviations.get("gain", 0.0))
-        mm = [deviations.get(name, 0.0) for name in ("constant", "offset", "drift")]
         # What is given at the loads of the data is interpolated between them.
         at, place = np.unique(covariance.load, return_inverse=True)
         mean = np.bincount(place, covariance.given) / np.bincount(place)
-        return as_floats(np.interp(load, at, mean) + (relative * depth) ** 2 + np.square(mm).sum())
+        proportional = deviations.get("proportional", 0.0) * depth
+        constant = deviations.get("constant", 0.0)
+        return as_floats(np.interp(load, at, mean) + proportional**2 + constant**2)
+
+    def new_variance(self, depth: FloatArray, load: FloatArray) -> FloatArray:
+        """Return the variance of a new reading of a new series in mm², at depths and loads."""
+        shared = np.square([self.deviations.get(name, 0.0) for name in ("offset", "drift")]).sum()
+        gain = self.deviations.get("gain", 0.0) * depth
+        return as_floats(self.scatter_variance(depth, load) + gain**2 + shared)
 
 
 # --- the deviations by restricted maximum likelihood ------------------------------------------

@@ -469,6 +469,23 @@ class Optimum:
 
     # --- predictions --------------------------------------------------------------------------
 
+    def slopes_of(
+        self, evaluate: Callable[[ContactLaw], ArrayLike]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return m numbers of the fitted law, and their derivatives, shape (m, k).
+
+        NaN where the law has no such number.
+        """
+        centre = np.atleast_1d(as_floats(evaluate(self.law)))
+
+        def values(points: FloatArray) -> FloatArray:
+            laws = map(self.fit.law, points)
+            return np.array(
+                [np.full_like(centre, np.nan) if law is None else evaluate(law) for law in laws]
+            ).reshape(len(points), -1)
+
+        return centre, self.fit.jacobian(self.point, values)
+
     def propagated(
         self, evaluate: Callable[[ContactLaw], ArrayLike], level: float
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -486,15 +503,7 @@ class Optimum:
             remedy = "fix one of them with fixed = true, or choose a wider loss, and fit again"
             blamed = self.blind or list(self.best)
             raise InputError("prediction", "parameters", blamed, rule, remedy)
-        centre = np.atleast_1d(as_floats(evaluate(self.law)))
-
-        def values(points: FloatArray) -> FloatArray:
-            laws = map(self.fit.law, points)
-            return np.array(
-                [np.full_like(centre, np.nan) if law is None else evaluate(law) for law in laws]
-            ).reshape(len(points), -1)
-
-        slopes = self.fit.jacobian(self.point, values)
+        centre, slopes = self.slopes_of(evaluate)
         variance = ((slopes @ self.covariance) * slopes).sum(axis=1)
         return centre, as_floats(variance), half_width(level, self.degrees_of(slopes))
 
@@ -548,6 +557,12 @@ class Optimum:
             new_low=new_low,
             new_high=new_high,
         )
+
+    def variance_of_reading(
+        self, depth: FloatArray, force: FloatArray, pair: CylinderPair
+    ) -> FloatArray:
+        """Return the variance of new readings of the penetration in mm²."""
+        return as_floats(self._noise_of_reading(depth, force, pair, False) * depth**2)
 
     def _noise_of_reading(
         self, depth: FloatArray, force: FloatArray, pair: CylinderPair, of_load: bool

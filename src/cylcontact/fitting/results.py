@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -20,6 +20,7 @@ from cylcontact.arrays import as_floats
 from cylcontact.errors import InputError, short
 from cylcontact.files import replacing
 from cylcontact.fitting.campaign import CampaignBase
+from cylcontact.fitting.design import Design, design
 from cylcontact.fitting.estimates import Uncertainty
 from cylcontact.fitting.law_models import fitted_law, units_of, user_model, with_rig
 from cylcontact.fitting.loss import Loss
@@ -40,12 +41,14 @@ from cylcontact.fitting.records import (
 from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of, require_increasing
 from cylcontact.formats import marked, upgraded
+from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.plain_text import as_label, brief, html
 from cylcontact.reading import RESULT_BYTES, read_text
 from cylcontact.spec import Spec, parse_spec, parser_reason, require_other_kind
 from cylcontact.text_tables import Report, joined, text_table
+from cylcontact.units import column_named, load_in_N_per_mm
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -607,14 +610,17 @@ class DataFit(FitResult):
         return pd.DataFrame(columns)
 
     def predict(
-        self, load: ArrayLike, band: float = 0.95, pair: CylinderPair | None = None
+        self,
+        load: ArrayLike | str | Sequence[str],
+        band: float = 0.95,
+        pair: CylinderPair | None = None,
     ) -> pd.DataFrame:
         """Return what the fitted law predicts for readings, with bands.
 
         Parameters
         ----------
-        load : array_like
-            Loads in N/mm.
+        load : array_like, str or sequence of str
+            Loads in N/mm, or with their unit, such as "4500 N".
         band : float
             Level of the bands.
         pair : CylinderPair, optional
@@ -624,7 +630,9 @@ class DataFit(FitResult):
         -------
         pandas.DataFrame
             Columns load_N_per_mm, penetration_mm, low_mm and high_mm (band of a new reading),
-            curve_low_mm and curve_high_mm (band of the curve).
+            curve_low_mm and curve_high_mm (band of the curve), and beyond (whether the load is
+            beyond the readings). Where the table has other units, the load, the penetration and
+            the band of a new reading in these as well.
 
         Raises
         ------
@@ -632,20 +640,138 @@ class DataFit(FitResult):
             If the data have several pairs and none is given, the coefficients have no covariance,
             or the law is undefined at a load.
         """
-        loads = np.atleast_1d(as_floats(load))
         if not 0 < band < 1:
             rule, remedy = "must lie between 0 and 1", "0.95 is common"
             raise InputError("prediction", "band", band, rule, remedy)
-        ends = self.optimum.band(pair or self._only_pair(), band, load=loads)
-        columns = {
-            "load_N_per_mm": loads,
-            "penetration_mm": ends.value,
-            "low_mm": ends.new_low,
-            "high_mm": ends.new_high,
-            "curve_low_mm": ends.low,
-            "curve_high_mm": ends.high,
-        }
-        return pd.DataFrame(columns)
+        data, pair = self.optimum.fit.data, pair or self._only_pair()
+        texts = [load] if isinstance(load, str) else load
+        if isinstance(texts, Sequence) and all(isinstance(text, str) for text in texts):
+            length = None if pair.length is None else float(np.ravel(pair.length)[0])
+            texts = [load_in_N_per_mm(str(text), length) for text in texts]
+        loads = np.atleast_1d(as_floats(texts))
+        ends = self.optimum.band(pair, band, load=loads)
+        table = pd.DataFrame(
+            {
+                "load_N_per_mm": loads,
+                "penetration_mm": ends.value,
+                "low_mm": ends.new_low,
+                "high_mm": ends.new_high,
+                "curve_low_mm": ends.low,
+                "curve_high_mm": ends.high,
+                "beyond": (loads < data.load.min()) | (loads > data.load.max()),
+            }
+        )
+        return table.assign(**self._in_units_of_the_table(table, pair))
+
+    def _in_units_of_the_table(
+        self, table: pd.DataFrame, pair: CylinderPair
+    ) -> dict[str, pd.Series[float]]:
+        """Return load, penetration and band in the units of the table, if these are others."""
+        units, columns = self.optimum.fit.data.data.units, {}
+        load = column_named(f"load_{units.get('load', '')}")
+        if load is not None and load.unit != "N_per_mm" and not (load.is_total and not pair.length):
+            length = pair.length if load.is_total and pair.length is not None else 1.0
+            columns[load.name] = table["load_N_per_mm"] * length / load.factor
+        depth = column_named(f"penetration_{units.get('penetration', '')}")
+        if depth is not None and depth.unit != "mm":
+            for name in ("penetration", "low", "high"):
+                columns[f"{name}_{depth.unit}"] = table[f"{name}_mm"] / depth.factor
+        return columns
+
+    def interval(
+        self, function: Callable[[ContactLaw], ArrayLike], level: float = 0.95
+    ) -> pd.DataFrame:
+        """Return the interval of any number that follows from the fitted law.
+
+        Parameters
+        ----------
+        function : callable
+            From the law of the contact, without the rig, to a number or to m of them, such as a
+            stiffness at a load or the penetration at the peak of a joint.
+        level : float
+            Of the interval.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each number: value, standard_error, low and high, by the delta method.
+
+        Raises
+        ------
+        InputError
+            If the coefficients have no covariance.
+
+        Examples
+        --------
+        >>> import cylcontact as cc
+        >>> steel = cc.Material("steel", E="207 GPa", nu=0.3)
+        >>> pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+        >>> load, noise = np.geomspace(10.0, 1000.0, 9), 1 + 0.01 * np.cos(np.arange(9))
+        >>> depth = cc.laws.Explicit().penetration(load, pair) * noise
+        >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": 1e3 * depth})
+        >>> result = cc.fit(data, "explicit", pair)
+        >>> print(result.interval(lambda law: 1e3 * law.penetration(500.0, pair)).round(3))
+           value  standard_error    low   high
+        0  6.111           0.022  6.060  6.163
+        """
+
+        def of_contact(law: ContactLaw) -> ArrayLike:
+            return function(law.base if isinstance(law, RigCompliance) else law)
+
+        value, variance, reach = self.optimum.propagated(of_contact, level)
+        error = np.sqrt(variance)
+        columns = {"value": value, "standard_error": error}
+        return pd.DataFrame(
+            {**columns, "low": value - reach * error, "high": value + reach * error}
+        )
+
+    def design(
+        self,
+        candidates: ArrayLike,
+        add: int = 5,
+        *,
+        dR: ArrayLike | None = None,
+        parameter: str | None = None,
+        level: float = 0.95,
+    ) -> Design:
+        """Return which further readings would narrow the intervals most.
+
+        Parameters
+        ----------
+        candidates : array_like
+            Loads in N/mm at which readings can be taken.
+        add : int
+            How many readings are to be added, as one new series.
+        dR : array_like, optional
+            Clearances in mm at which they can be taken; by default that of the first reading.
+        parameter : str, optional
+            The parameter whose interval counts; by default all together.
+        level : float
+            Of the intervals.
+
+        Raises
+        ------
+        InputError
+            If the coefficients have no covariance, or the law is undefined at a candidate.
+
+        Examples
+        --------
+        A modulus is known best from readings at large loads:
+
+        >>> import cylcontact as cc
+        >>> steel = cc.Material("steel", E="207 GPa", nu=0.3)
+        >>> pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+        >>> load, noise = np.geomspace(10.0, 200.0, 9), 0.01 * np.cos(np.arange(9))
+        >>> depth = 1e3 * cc.laws.Explicit().penetration(load, pair) + noise
+        >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": depth})
+        >>> result = cc.fit(data, "explicit", pair, noise="constant")
+        >>> result.design([10.0, 50.0, 200.0], add=2, parameter="stiffness_factor").readings
+           load_N_per_mm  dR_mm  number
+        0          200.0   0.03       2
+        """
+        loads = np.atleast_1d(as_floats(candidates))
+        clearances = None if dR is None else np.atleast_1d(as_floats(dR))
+        return design(self.optimum, loads, clearances, add, parameter, level)
 
     def _only_pair(self) -> CylinderPair:
         """Return the pair of the data; raise `InputError` if they have several."""
@@ -828,6 +954,26 @@ class DataFit(FitResult):
             f"on these data the law has an objective of {self.published.objective:.4g} with its "
             f"published constants, and {self.objective.value:.4g} fitted"
         )
+
+    def __str__(self) -> Report:
+        return joined([super().__str__(), *self._series_table()], "\n\n")
+
+    def _series_table(self) -> list[str]:
+        """Return the table of the series, if there are several."""
+        series = self.uncertainty.noise.series if self.uncertainty.noise else []
+        if len(series) < 2:
+            return []
+        names = {
+            "offset": ("offset, µm", 1e3),
+            "gain": ("gain, %", 100.0),
+            "drift": ("drift, µm", 1e3),
+        }
+        shown = list(series[0].effects)
+        rows = [
+            (one.name, str(one.rows), *(f"{names[k][1] * one.effects[k]:.3g}" for k in shown))
+            for one in series
+        ]
+        return [text_table(("series", "readings", *(names[k][0] for k in shown)), rows)]
 
     def _table(self) -> tuple[tuple[str, ...], Rows]:
         """Return the headings and the rows of the report's table."""

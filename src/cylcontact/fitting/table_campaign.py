@@ -80,9 +80,9 @@ class TableCampaign(CampaignBase):
 
     @property
     def data_settings(self) -> dict[str, Any]:
-        """The whole table; without steps as results have it that were saved before these."""
+        """The whole table; without what results lack that were saved before it was there."""
         data = self.measurements.data
-        without = None if data.steps else {"steps"}
+        without = {name for name in ("steps", "units") if not getattr(data, name)}
         return {"measurements": data.model_dump(mode="json", exclude=without)}
 
     @classmethod

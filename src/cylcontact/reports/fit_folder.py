@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from cylcontact.choices import CHOICE_FILES, FIT_FILES
+from cylcontact.choices import CHOICE_FILES, DESIGN_FILES, FIT_FILES
 from cylcontact.files import replacing_all
 from cylcontact.fitting.choice import Choice
+from cylcontact.fitting.design import Design
 from cylcontact.fitting.results import DataFit
 from cylcontact.plain_text import csv_text
 from cylcontact.plots.figure import Drawing
 from cylcontact.plots.style import JOURNAL, figure_style
 from cylcontact.reports.build import NUMBER_FORMAT, save_picture
-
-__all__ = ["write_choice", "write_fit"]
 
 
 def write_choice(choice: Choice, folder: Path) -> None:
@@ -55,6 +54,13 @@ def write_fit(result: DataFit, folder: Path) -> None:
     with figure_style():
         drawing = result.drawing()
     _write(drawing, folder, FIT_FILES, lambda paths: result.write(paths[".json"]))
+
+
+def write_design(design: Design, folder: Path) -> None:
+    """Write the picture of a design and its table into a folder, as `choices.DESIGN_FILES`."""
+    with figure_style():
+        drawing = design.drawing()
+    _write(drawing, folder, DESIGN_FILES, lambda _: None)
 
 
 def _write(
