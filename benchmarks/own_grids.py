@@ -10,13 +10,13 @@ import time
 from collections.abc import Callable
 from functools import partial
 
-from cylcontact.fitting.assessment import SAME_BASIN
 from cylcontact.fitting.calibration import RunPlan, execute, plan_runs, problem_of
-from cylcontact.fitting.campaign import Campaign, campaign_from_settings
+from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.genetic import search
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.results import SAME_BASIN
 from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.progress import silent
 
@@ -73,7 +73,7 @@ def campaign_of(name: str, **genetic: object) -> Campaign:
             "axes": dict(zip(("E", "nu", "dR", "load"), map(_axis, axes), strict=True)),
         },
     }
-    return campaign_from_settings(name, settings, name)
+    return Campaign.of_settings(name, settings, name)
 
 
 def _axis(axis: tuple[float, float, int]) -> dict[str, object]:

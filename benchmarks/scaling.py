@@ -24,7 +24,6 @@ from benchmarks.harness import exit_interrupted
 from cylcontact.datasets.sampling import BLOCK
 from cylcontact.files import replacing
 from cylcontact.fitting import calibrate, read_campaign
-from cylcontact.fitting.campaign import with_grid
 from cylcontact.tether import tethered
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -77,7 +76,7 @@ def measure(shape: tuple[int, int, int, int]) -> dict[str, float]:
         begun.setdefault(stage, time.perf_counter())
 
     begun["sampling"] = time.perf_counter()
-    result = calibrate(with_grid(campaign, thinned(campaign.data.grid, shape)), JOBS, note)
+    result = calibrate(campaign.on(thinned(campaign.data.grid, shape)), JOBS, note)
     ends = [*(begun[stage] for stage in STAGES), time.perf_counter()]
     seconds = {f"{stage}_s": ends[k + 1] - ends[k] for k, stage in enumerate(STAGES)}
     log = log_pass(result.counts.samples + result.counts.masked)

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MultipleLocator
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.assessment import SAME_BASIN
 from cylcontact.fitting.optimizer_comparison import CSV_COLUMNS
+from cylcontact.fitting.results import SAME_BASIN
 from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title, plain_log
 from cylcontact.plots.style import COLOURS, MARKERS
 from cylcontact.reports.bench import Bench

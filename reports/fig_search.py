@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.axes import Axes
 
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.results import LawFit
 from cylcontact.pair import CONTACTS
 from cylcontact.plots.figure import Drawing, StyledFigure, new_figure, panel_title, plain_log
 from cylcontact.plots.style import COLOURS, MARKERS
@@ -57,12 +57,12 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(_draw_panels(table), table, headline, CAPTION, method)
 
 
-def searches(result: FitResult) -> pd.DataFrame:
+def searches(result: LawFit) -> pd.DataFrame:
     """Return the coefficients that the search of each run reached before the polish.
 
     Parameters
     ----------
-    result : FitResult
+    result : LawFit
         Of a campaign.
 
     Returns

@@ -11,21 +11,15 @@ from matplotlib.axes import Axes
 from matplotlib.contour import QuadContourSet
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.fitting.calibration import calibrate, problem_of
-from cylcontact.fitting.campaign import campaign_from_settings, read_campaign
-from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.uncertainty.discrepancy import RISES
-from cylcontact.fitting.uncertainty.profiles import (
-    DiscrepancyPair,
-    PairMap,
-    discrepancy_pair,
-    pair_map,
-    pairs_of,
-)
-from cylcontact.fitting.uncertainty.residual_model import residual_model_at
+from cylcontact.fitting import Campaign, DataFit, FitResult, LawFit
+from cylcontact.fitting.calibration import problem_of
+from cylcontact.fitting.discrepancy import RISES
+from cylcontact.fitting.optimum import PairMap
+from cylcontact.fitting.profiles import DiscrepancyPair, discrepancy_pair
+from cylcontact.fitting.table_campaign import TableCampaign, read_campaign
+from cylcontact.fitting.table_fit import fit_table
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import ACCENT, COLOURS, LINE_STYLES, small_text
-from cylcontact.progress import silent
 from cylcontact.reports.bench import Bench
 
 Heights = list[list[float | None]]
@@ -46,7 +40,9 @@ MARKS: dict[str, dict[str, Any]] = {
 
 
 def draw(bench: Bench) -> Drawing:
-    measured = calibrate(read_campaign(bench.input("fitting/examples/pin-in-hole.toml")))
+    campaign = read_campaign(bench.input("fitting/examples/pin-in-hole.toml"))
+    assert isinstance(campaign, TableCampaign)
+    measured = fit_table(campaign)
     reference = bench.result("external")
     noise, discrepancy = _noise(measured), _discrepancy(reference)
     figure = new_figure("full", 80.0)
@@ -69,20 +65,18 @@ def draw(bench: Bench) -> Drawing:
     return Drawing(figure, table, _headline(measured), CAPTION, _method(measured, reference))
 
 
-def _noise(result: FitResult) -> PairMap:
+def _noise(result: DataFit) -> PairMap:
     """Return the likelihood over the two parameters of a fit to data."""
-    problem, best = result.problem, result.coefficients
-    estimates = result.uncertainty.estimates if result.uncertainty else {}
+    estimates = result.uncertainty.estimates
     ends = {name: one.profile for name, one in estimates.items() if one.profile is not None}
-    model = residual_model_at(problem, problem.point(best))
-    (names,) = pairs_of(problem)
-    return pair_map(problem, model, names, best, ends, LEVELS)
+    (names,) = result.optimum.pairs
+    return result.optimum.map_of_pair(names, ends, LEVELS)
 
 
-def _discrepancy(result: FitResult) -> DiscrepancyPair:
+def _discrepancy(result: LawFit) -> DiscrepancyPair:
     """Return the rise of the objective over b and n of a fit to a law."""
-    campaign = campaign_from_settings(result.name, result.settings, f"fit {result.name!r}")
-    problem, _ = problem_of(campaign, 1, silent)
+    campaign = Campaign.of_settings(result.name, result.settings, f"fit {result.name!r}")
+    problem, _ = problem_of(campaign)
     return discrepancy_pair(problem, ("b", "n"), result.coefficients, result.profiles)
 
 
@@ -151,9 +145,9 @@ def _table(noise: PairMap, discrepancy: DiscrepancyPair) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _headline(measured: FitResult) -> dict[str, float]:
+def _headline(measured: DataFit) -> dict[str, float]:
     """Return the intervals of the fit to data."""
-    estimates = measured.uncertainty.estimates if measured.uncertainty else {}
+    estimates = measured.uncertainty.estimates
     headline = {}
     for name, estimate in estimates.items():
         headline[f"fitted {name}"] = estimate.value
@@ -163,7 +157,7 @@ def _headline(measured: FitResult) -> dict[str, float]:
     return headline
 
 
-def _method(measured: FitResult, reference: FitResult) -> str:
+def _method(measured: DataFit, reference: LawFit) -> str:
     """Return how both maps were made."""
     return (
         f"(a) The fit {measured.name!r} of the {measured.law} law to {measured.counts.samples} "

@@ -25,7 +25,6 @@ from matplotlib.transforms import blended_transform_factory
 
 from cylcontact.datasets.grid import grid_from
 from cylcontact.errors import InputError
-from cylcontact.fitting.law_models import law_of
 from cylcontact.laws import LAWS, ContactLaw, Enhanced, difference_percent, reference_law
 from cylcontact.limits import yield_load
 from cylcontact.materials import MaterialRow
@@ -171,7 +170,7 @@ def _mapped_law(bench: Bench, law: str, reference: str = "", label: str = "") ->
     source = f"Eqs 5-6; {label}" if result.law == "enhanced" else label
     values = ", ".join(f"{name} = {value:.6g}" for name, value in result.coefficients.items())
     return MappedLaw(
-        law_of(result),
+        result.to_law(),
         reference_law(reference or result.reference),
         f"the {result.law} law ({source})",
         label,

@@ -11,13 +11,12 @@ import numpy as np
 
 from cylcontact.arrays import FloatArray
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.campaign import campaign_from_settings, read_campaign
+from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.polish import minimise, polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.laws import PUBLISHED
 from cylcontact.laws.law import Parameter
 from cylcontact.pair import CONTACTS, Contact
-from cylcontact.progress import silent
 from cylcontact.reports.bench import Bench
 
 Problems = dict[str, Problem]
@@ -52,7 +51,7 @@ def with_axes(settings: dict[str, Any], **axes: dict[str, Any]) -> dict[str, Any
 
 def problem_from(settings: dict[str, Any]) -> Problem:
     """Return the problem of a campaign's settings."""
-    return problem_of(campaign_from_settings("reading", settings, "reading"), 1, silent)[0]
+    return problem_of(Campaign.of_settings("reading", settings, "reading"))[0]
 
 
 def best(problem: Problem) -> tuple[FloatArray, float]:
@@ -123,7 +122,7 @@ def searched_exponents(bench: Bench) -> dict[str, float]:
     for each in CONTACTS:
         rule, remedy = "this campaign does not exist", "cylcontact init lays out a bench with it"
         file = bench.required(f"fitting/recovered-{each}.toml", rule, remedy)
-        settings[each] = read_campaign(file).settings
+        settings[each] = Campaign.read(file).settings
     samples = {"20 points an axis": problem_from(settings["external"])}
     samples |= other_samples(settings, "external")
     return {

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.results import LawFit
 from cylcontact.laws import (
     ContactLaw,
     Enhanced,
@@ -104,7 +104,7 @@ def dimensionless_curves() -> list[Curve]:
     return [curves[0], _formula_curve(), *curves[1:]]
 
 
-def enhanced_curves(refits: dict[str, FitResult]) -> list[Curve]:
+def enhanced_curves(refits: dict[str, LawFit]) -> list[Curve]:
     """Return the enhanced law for the pairs of `EXAMPLE`, published and refitted."""
     laws = {"enhanced": Enhanced()}
     laws |= {name: Enhanced(result.coefficients) for name, result in refits.items()}

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from cylcontact import CylinderPair, Material
-from cylcontact.fitting.campaign import Campaign, campaign_of_table
 from cylcontact.fitting.law_models import MODELS
+from cylcontact.fitting.table_campaign import TableCampaign, campaign_of_table
 from cylcontact.laws.law import Parameter
 
 USER_LAW = """\
@@ -129,7 +129,7 @@ def measured_campaign(
     seed: int = 1,
     parameters: Mapping[str, dict[str, Any]] | None = None,
     **settings: Any,
-) -> Campaign:
+) -> TableCampaign:
     """Return a campaign on points of a law that searches all its constants."""
     table = write_measured(folder / "measured.csv", law, contact, noise, seed)
     searched = all_free(law, contact, parameters)
@@ -142,7 +142,7 @@ def user_campaign(
     objective: str | None = None,
     parameters: dict[str, Any] | None = None,
     text: str = USER_LAW,
-) -> Campaign:
+) -> TableCampaign:
     """Return a campaign on points of a power law for a function of the user's own."""
     (folder / "mine.py").write_text(text)
     (folder / "bad.py").write_text("def load(:\n")

@@ -6,12 +6,9 @@ import numpy as np
 import pandas as pd
 
 from cylcontact import CylinderPair, laws
-from cylcontact.fitting.campaign import campaign_of_table
-from cylcontact.fitting.least_squares import descend
-from cylcontact.fitting.measured_fit import noise_model_of, plain_problem
-from cylcontact.fitting.measured_objective import measured
-from cylcontact.fitting.noise_fit import fit_noise
+from cylcontact.fitting.optimum import Optimum
 from cylcontact.fitting.own_data import constants_of
+from cylcontact.fitting.table_campaign import campaign_of_table
 from tests.measured_files import STEEL
 
 PAIR = CylinderPair.internal(R_i=10.0, R_j=9.97, material=STEEL, length=20.0)
@@ -53,20 +50,17 @@ def readings(
 
 
 def refitted(campaign, frame):
-    """The problem and the optimum of a campaign for the readings of another table."""
-    problem = plain_problem(campaign)
-    data = measured(problem).data
-    data = data.with_values(
+    """The optimum of a campaign for the readings of another table."""
+    data = campaign.measurements.with_values(
         load=frame["load_N_per_mm"].to_numpy(),
         penetration=1e-3 * frame["penetration_um"].to_numpy(),
     )
-    problem = replace(problem, objective=replace(measured(problem), data=data))
-    point = descend(problem, np.array([1.0, OFFSET]))[0]
-    model = noise_model_of(campaign)
-    if model is None:
-        return problem, point
-    problem = fit_noise(problem, model, point)
-    return problem, descend(problem, point)[0]
+    fit = replace(campaign.plain, data=data)
+    point = fit.minimise(np.array([1.0, OFFSET])).point
+    if campaign.noise is not None:
+        fit = fit.estimating(campaign.noise, point)
+        point = fit.minimise(point).point
+    return Optimum(fit, point)
 
 
 def campaign_of(data, law, pair, *, fixed=None, bounds=None, **settings):

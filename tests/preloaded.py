@@ -6,5 +6,5 @@ import cylcontact.cli
 import cylcontact.cli.app
 import cylcontact.datasets.finite_element
 import cylcontact.fitting
-import cylcontact.fitting.uncertainty.profiles
+import cylcontact.fitting.profiles
 import cylcontact.mechanism  # noqa: F401

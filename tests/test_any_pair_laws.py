@@ -11,11 +11,11 @@ from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.datasets import read_grid
 from cylcontact.datasets.grid import grid_from
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.campaign import campaign_from_settings, read_campaign
 from cylcontact.fitting.objectives import make_objective
 from cylcontact.fitting.polish import polish
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.samples import collect_samples
+from cylcontact.fitting.table_campaign import campaign_of, read_campaign
 from cylcontact.laws import explicit_pair, glauert, parametric
 from cylcontact.laws.conformal import Bodies
 from cylcontact.progress import silent
@@ -242,4 +242,4 @@ def test_constants_that_samples_are_made_of_come_back(name):
 def test_a_law_with_units_is_refused_on_a_grid_without():
     settings = {"campaign": {"dataset": "inline", "law": "enhanced"}, "dataset": GRID}
     with pytest.raises(InputError, match="has coefficients with units, and its grid is of alpha"):
-        campaign_from_settings("own", settings, "example")
+        campaign_of("own", settings, "example")

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from cylcontact import laws
-from cylcontact.fitting import calibrate, compare, read_campaign, verdicts
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting import calibrate, compare, read_campaign
+from cylcontact.fitting.results import FitResult
 from cylcontact.fitting.verify import compare_results
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -84,7 +84,7 @@ def test_report_says_that_the_internal_coefficients_are_not_the_optimum(results)
 
 
 def test_report_names_what_is_poorly_identified(results):
-    sentence = next(v for v in verdicts(results["internal-E1000"]) if "poorly" in v)
+    sentence = next(v for v in results["internal-E1000"].verdicts if "poorly" in v)
     assert "n_exponent" in sentence
     assert "Y_offset," not in sentence
     assert " b," in sentence

@@ -7,10 +7,10 @@ import pytest
 
 from cylcontact import InputError
 from cylcontact.fitting import read_campaign
-from cylcontact.fitting.campaign import campaign_from_settings
 from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.fitting.objectives import OBJECTIVES
+from cylcontact.fitting.table_campaign import campaign_of
 from cylcontact.provenance import spec_hash
 from tests.spec_files import (
     CAMPAIGN,
@@ -50,7 +50,7 @@ def test_published_coefficients_lie_within_the_bounds_of_every_search(path):
 def test_the_main_campaigns_search_with_different_populations_and_crossovers(contact):
     campaign = read_campaign(ROOT / f"fitting/{contact}.toml")
     genetic = campaign.spec.genetic
-    assert campaign.data.grid.contact == contact
+    assert campaign.grid.contact == contact
     assert campaign.spec.law == "enhanced"
     assert campaign.spec.objective == "rms-log-penetration"
     assert genetic.runs >= len(genetic.populations) * len(genetic.crossovers) > 1
@@ -63,7 +63,7 @@ def test_settings_come_out_as_written(tmp_path):
     campaign = read_campaign(write_bench(tmp_path))
     assert (campaign.name, campaign.spec.seed, campaign.spec.law) == ("small", 7, "power")
     assert campaign.model.contact == "internal"
-    assert campaign.data.grid.shape == (3, 2, 4, 4)
+    assert campaign.grid.shape == (3, 2, 4, 4)
     K_star, n = campaign.parameters
     assert (K_star.name, K_star.low, K_star.high, K_star.fixed) == ("K_star", 0.5, 10.0, False)
     assert (n.name, n.low, n.high, n.fixed) == ("n", 1.0, 1.5, False)
@@ -117,23 +117,23 @@ def test_runs_and_seed_may_be_given_instead_of_the_files(tmp_path):
 def test_a_dataset_is_found_beside_the_campaign(tmp_path, dataset):
     write_toml(tmp_path / "fitting" / dataset, GRID)
     path = write_toml(tmp_path / "fitting/c.toml", changed(CAMPAIGN, {"dataset": dataset}))
-    assert read_campaign(path).data.grid.size == 96
+    assert read_campaign(path).grid.size == 96
 
 
 def test_a_dataset_is_found_above_the_campaign_from_wherever_it_is_read(tmp_path, monkeypatch):
     path = write_bench(tmp_path)
     monkeypatch.chdir(tmp_path)
-    assert read_campaign(path.relative_to(tmp_path)).data.grid.source == "datasets/small.toml"
+    assert read_campaign(path.relative_to(tmp_path)).grid.source == "datasets/small.toml"
     monkeypatch.chdir(path.parent)
-    assert read_campaign(path.name).data.grid.source == "../datasets/small.toml"
+    assert read_campaign(path.name).grid.source == "../datasets/small.toml"
     monkeypatch.chdir("/")
-    assert read_campaign(path).data.grid.size == 96
+    assert read_campaign(path).grid.size == 96
 
 
 def test_a_dataset_may_be_given_by_its_whole_path(tmp_path):
     dataset = write_toml(tmp_path / "far/away.toml", GRID)
     path = write_bench(tmp_path / "bench", {"dataset": str(dataset)})
-    assert read_campaign(path).data.grid.source == str(dataset)
+    assert read_campaign(path).grid.source == str(dataset)
 
 
 def test_the_key_changes_with_whatever_the_result_depends_on(tmp_path):
@@ -155,10 +155,10 @@ def test_the_key_changes_with_whatever_the_result_depends_on(tmp_path):
 def test_a_campaign_is_redone_from_its_settings(tmp_path):
     campaign = read_campaign(write_bench(tmp_path))
     settings = json.loads(json.dumps(campaign.settings))
-    again = campaign_from_settings("small", settings, "r.json")
+    again = campaign_of("small", settings, "r.json")
     assert again.key == campaign.key
     assert again.parameters == campaign.parameters
-    assert again.data.grid.shape == campaign.data.grid.shape
+    assert again.grid.shape == campaign.grid.shape
 
 
 # --- bad input --------------------------------------------------------------------------------
@@ -311,7 +311,7 @@ def test_replacing_the_runs_of_a_wrong_table_tells_of_the_table(tmp_path):
 def test_settings_that_are_no_campaign_are_refused(tmp_path, changes, source, key, rule):
     settings = json.loads(json.dumps(read_campaign(write_bench(tmp_path)).settings))
     with pytest.raises(InputError) as caught:
-        campaign_from_settings("small", changed(settings, changes), "r.json")
+        campaign_of("small", changed(settings, changes), "r.json")
     assert_told(caught, source, key, DROP, rule, caught.value.remedy)
 
 

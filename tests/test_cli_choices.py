@@ -4,7 +4,7 @@ import pytest
 
 from cylcontact.cli import options
 from cylcontact.fitting.loss import LOSSES
-from cylcontact.fitting.noise_model import NOISES
+from cylcontact.fitting.noise import NOISES
 from cylcontact.plots import style
 from cylcontact.reports import tables
 

@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from cylcontact import InputError
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.results import FitResult
 from cylcontact.laws import PUBLISHED
 from cylcontact.plots.style import WIDTHS_MM
 from cylcontact.reports.bench import Bench

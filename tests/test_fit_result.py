@@ -14,8 +14,6 @@ from scipy import stats
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
 from cylcontact.fitting import FitResult
-from cylcontact.fitting.assessment import warnings
-from cylcontact.fitting.predictions import prediction_table
 from tests.measured_files import CONSTANTS, STEEL, USER_LAW
 from tests.noisy_series import LAW, PAIR, campaign_of, readings, refitted
 
@@ -215,11 +213,10 @@ def test_the_band_covers_new_readings_as_often_as_it_says(kind):
     load = np.geomspace(10.0, 1500.0, 5)
     hits = []
     for seed in range(number):
-        problem, point = refitted(campaign, readings(500 + seed, **simulated))
-        table = prediction_table(problem, problem.coefficients(point), load, 0.95)
+        band = refitted(campaign, readings(500 + seed, **simulated)).band(PAIR, 0.95, load=load)
         new = readings(5000 + seed, **{**simulated, "series": 20, "rows": 5})
         new = 1e-3 * new["penetration_um"].to_numpy().reshape(20, 5)
-        hits.append((table["low_mm"].to_numpy() <= new) & (new <= table["high_mm"].to_numpy()))
+        hits.append((np.array(band.new_low) <= new) & (new <= np.array(band.new_high)))
     assert np.mean(hits) == pytest.approx(0.95, abs=0.02)
     # At the least load and at the greatest too.
     assert np.mean(hits, axis=(0, 1)) == pytest.approx(0.95, abs=0.035)
@@ -262,7 +259,7 @@ def test_the_summary_is_what_print_shows(warned):
     assert f"AIC = {warned.aic:.1f}, BIC = {warned.bic:.1f}" in lines[1]
     said = [k for k, line in enumerate(lines) if line.startswith("! ")]
     table = next(k for k, line in enumerate(lines) if "std. error" in line)
-    assert len(said) == len(warnings(warned)) > 0
+    assert len(said) == len(warned.warnings) > 0
     assert max(said) < table
     assert "--group group" in text[: text.index("std. error")]
 
@@ -409,27 +406,6 @@ def test_a_coefficient_without_a_profile_is_refused(plain, small_result):
             f"fit result {result.name!r}: name = 'speed': has no profile: it was not searched, or "
             f"the data do not determine it; choose {known}"
         )
-
-
-@pytest.mark.parametrize(
-    "use",
-    [
-        lambda result: result.plot(),
-        lambda result: result.plot_residuals(),
-        lambda result: result.residuals,
-        lambda result: result.predict([1.0]),
-    ],
-)
-def test_a_fit_to_a_law_has_no_data(small_result, use):
-    with pytest.raises(InputError, match="was not fitted to measurements") as caught:
-        use(small_result)
-    assert len(str(caught.value).splitlines()) == 1
-
-
-@pytest.mark.parametrize("name", ["correlation", "aic", "bic", "r_squared"])
-def test_a_fit_to_a_law_has_no_likelihood(small_result, name):
-    with pytest.raises(InputError, match=": is for fits to measurements, by least squares"):
-        getattr(small_result, name)
 
 
 def test_a_robust_fit_has_no_likelihood(plain):

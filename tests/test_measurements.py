@@ -11,11 +11,11 @@ from cylcontact.datasets.measurements import (
     measurements_of,
     read_measured,
 )
-from cylcontact.fitting.campaign import campaign_of_table
-from cylcontact.fitting.measured_objective import STANDARDISED, objective_name
+from cylcontact.fitting.measured import STANDARDISED
+from cylcontact.fitting.table_campaign import campaign_of_table
 from cylcontact.materials import COLUMNS
 from cylcontact.units import QUANTITIES, column_named, spellings
-from tests.measured_files import write_table
+from tests.measured_files import USER_LAW, write_table
 from tests.programs import require_package
 from tests.spec_files import assert_told
 
@@ -403,31 +403,35 @@ def test_damaged_data_in_a_result_are_refused(tmp_path, changes, key):
 # --- which objective --------------------------------------------------------------------------
 
 
+def campaign_on(tmp_path, columns, law="power", **settings):
+    """The campaign of a law on a table of these columns."""
+    table = write_table(tmp_path / "t.csv", columns)
+    return campaign_of_table(table, law, "internal", {}, **settings)
+
+
 def test_the_objective_follows_the_standard_deviations(tmp_path):
-    plain = measured(write_table(tmp_path / "a.csv", GOOD))
-    of_load = measured(write_table(tmp_path / "b.csv", {**GOOD, "load_std_N_per_mm": [1, 1, 1]}))
-    of_depth = measured(write_table(tmp_path / "c.csv", {**GOOD, "penetration_std_um": [1] * 3}))
-    assert objective_name(None, None, plain, False, "c") == "rms-log-penetration"
-    assert objective_name(None, None, plain, True, "c") == "rms-log-load"
-    assert objective_name(None, None, of_load, False, "c") == "rms-load"
-    assert objective_name(None, None, of_depth, True, "c") == "rms-penetration"
-    assert objective_name("rms-load", None, plain, False, "c") == "rms-load"
-
-
-def test_noise_is_another_word_for_an_objective(tmp_path):
-    actual = measured(write_table(tmp_path / "t.csv", GOOD))
-    for prefers_load in (False, True):
-        assert objective_name(None, "constant", actual, prefers_load, "c") == "rms-penetration"
-        assert (
-            objective_name(None, "proportional", actual, prefers_load, "c") == "rms-log-penetration"
-        )
+    (tmp_path / "mine.py").write_text(USER_LAW)
+    bounds = {name: {"low": 1.0, "high": 2.0} for name in ("K_star", "n")}
+    own = {"law": "mine:load", "parameters": bounds}
+    of_load, of_depth = {"load_std_N_per_mm": [1] * 3}, {"penetration_std_um": [1] * 3}
+    for added, settings, objective in (
+        ({}, {}, "rms-log-penetration"),
+        ({}, own, "rms-log-load"),
+        (of_load, {}, "rms-load"),
+        (of_depth, own, "rms-penetration"),
+        ({}, {"objective": "rms-load"}, "rms-load"),
+        ({}, {"noise": "constant"}, "rms-penetration"),
+        ({}, {"noise": "proportional"}, "rms-log-penetration"),
+        ({}, {"noise": "constant", **own}, "rms-penetration"),
+    ):
+        assert campaign_on(tmp_path, {**GOOD, **added}, **settings).objective == objective
 
 
 def test_deviations_of_both_quantities_are_a_noise_model(tmp_path):
     both = {**GOOD, "load_std_N_per_mm": [1] * 3, "penetration_std_um": [0.01] * 3}
     campaign = campaign_of_table(write_table(tmp_path / "t.csv", both), "power", "internal", {})
     assert campaign.objective == STANDARDISED
-    assert campaign.data.noise.noise is None
+    assert campaign.noise.noise is None
 
 
 @pytest.mark.parametrize(
@@ -455,8 +459,7 @@ def test_deviations_of_both_quantities_are_a_noise_model(tmp_path):
 def test_an_objective_that_contradicts_the_data_is_refused(
     tmp_path, added, given, noise, key, rule
 ):
-    actual = measured(write_table(tmp_path / "t.csv", {**GOOD, **added}))
     with pytest.raises(InputError) as caught:
-        objective_name(given, noise, actual, False, "c.toml")
-    assert (caught.value.source, caught.value.key) == ("c.toml", key)
+        campaign_on(tmp_path, {**GOOD, **added}, objective=given, noise=noise)
+    assert caught.value.key == key
     assert rule in caught.value.rule

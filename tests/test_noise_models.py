@@ -8,15 +8,19 @@ from scipy.optimize import minimize
 
 import cylcontact as cc
 from cylcontact import CylinderPair, InputError, laws
-from cylcontact.fitting.calibration import calibrate
-from cylcontact.fitting.measured_objective import measured
-from cylcontact.fitting.noise_fit import likelihood_at
-from cylcontact.fitting.noise_model import Covariance, FittedNoise, NoiseModel
-from cylcontact.fitting.restricted_likelihood import Degrees, Likelihood, estimate
-from cylcontact.fitting.uncertainty.estimates import uncertainty_of
-from cylcontact.fitting.uncertainty.findings import findings_of
-from cylcontact.fitting.uncertainty.resampling import leave_one_out
-from cylcontact.fitting.uncertainty.study import Resampling, study_noise
+from cylcontact.fitting.diagnose import findings_of
+from cylcontact.fitting.estimates import uncertainty_of
+from cylcontact.fitting.noise import (
+    Covariance,
+    Degrees,
+    FittedNoise,
+    Likelihood,
+    NoiseModel,
+    estimate,
+)
+from cylcontact.fitting.resampling import leave_one_out
+from cylcontact.fitting.study import Resampling, study_noise
+from cylcontact.fitting.table_fit import fit_table
 from tests.measured_files import CONSTANTS, STEEL
 from tests.noisy_series import LAW, PAIR, campaign_of, readings, refitted
 from tests.programs import require_package
@@ -28,7 +32,7 @@ BOUNDED = {"fixed": LINEAR["fixed"], "bounds": {"compliance": (0.0, 1e-3)}, "sta
 
 def likelihood_of(result):
     """The likelihood of deviations at the best coefficients of a fit."""
-    return likelihood_at(result.problem, result.problem.point(result.coefficients))
+    return result.optimum.likelihood
 
 
 # --- statsmodels ------------------------------------------------------------------------------
@@ -633,8 +637,7 @@ def test_noise_as_assumed_is_found_no_more_often_than_by_chance(name):
     settings = {"noise": "constant"} | settings
     campaign = campaign_of(readings(0, **simulated), "explicit", PAIR, **settings)
     sets = [
-        findings_of(*refitted(campaign, readings(100 + seed, **simulated)))
-        for seed in range(number)
+        findings_of(refitted(campaign, readings(100 + seed, **simulated))) for seed in range(number)
     ]
     assert sum(map(bool, sets)) <= 0.05 * number
 
@@ -751,14 +754,14 @@ def test_a_series_left_out_is_judged_with_the_effects_of_a_random_one():
     # Of five series four remain, which would be too few to estimate a deviation.
     frame = readings(32, 5, 8, offset=2e-4, gain=0.03)
     result = cc.fit(frame, "explicit", PAIR, group="group", noise="constant", starts=2)
-    problem = result.problem
+    problem = result.optimum.fit
     deviations = {"proportional": 0.0, "drift": 0.0, **result.uncertainty.noise.deviations}
     for left, rows in zip(
-        leave_one_out(problem, result.coefficients, "group"),
+        leave_one_out(result.optimum, "group"),
         np.arange(40).reshape(5, 8),
         strict=True,
     ):
-        V, _, _ = dense(measured(problem).noise.covariance.take(rows, np.zeros(8, int)), deviations)
+        V, _, _ = dense(problem.noise.covariance.take(rows, np.zeros(8, int)), deviations)
         law = problem.model.build(left.coefficients)
         r = law.penetration(frame["load_N_per_mm"][rows].to_numpy(), PAIR)
         r = r - 1e-3 * frame["penetration_um"][rows].to_numpy()
@@ -771,9 +774,9 @@ def test_a_series_left_out_is_judged_with_the_effects_of_a_random_one():
 def test_workers_change_nothing(series):
     frame, result = series
     campaign = campaign_of(frame, "explicit", PAIR, group="group", noise="constant", starts=3)
-    with_workers = uncertainty_of(result.problem, result.coefficients, jobs=2)
+    with_workers = uncertainty_of(result.optimum, jobs=2)
     assert with_workers == result.uncertainty
-    assert calibrate(campaign, jobs=2).repeatable() == result.repeatable()
+    assert fit_table(campaign, jobs=2).repeatable() == result.repeatable()
 
 
 def test_the_order_of_the_series_changes_nothing(series):

@@ -8,12 +8,11 @@ import pytest
 from scipy.optimize import least_squares
 
 from benchmarks.own_grids import GRIDS, campaign_of
-from cylcontact.fitting import calibrate, polish, read_campaign, verdicts
-from cylcontact.fitting.assessment import SAME_BASIN
+from cylcontact.fitting import calibrate, polish, read_campaign
 from cylcontact.fitting.calibration import problem_of, search_all
 from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.report import as_html
-from cylcontact.fitting.uncertainty.profiles import profile
+from cylcontact.fitting.profiles import profile
+from cylcontact.fitting.results import SAME_BASIN
 from cylcontact.progress import silent
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -75,12 +74,12 @@ def test_too_few_runs_at_the_best_are_a_warning_above_the_table(monkeypatch):
         "have been missed: make more runs (--runs 24), or hold a coefficient at a value (fixed = "
         "true in the campaign)"
     )
-    assert verdicts(result)[0] == said
+    assert result.verdicts[0] == said
     above, below = str(result).split("\n\n", 1)
     assert f"! {said}" in " ".join(above.split())
     assert "- only" not in below
-    assert f"{said}</p><table>" in as_html(result)
-    assert f"<li>{said}" not in as_html(result)
+    assert f"{said}</p><table>" in result._repr_html_()
+    assert f"<li>{said}" not in result._repr_html_()
 
 
 # --- the descents ------------------------------------------------------------------------------
@@ -106,7 +105,7 @@ def test_slopes_by_formula_are_differences_of_the_residuals(few_points):
 def test_descents_end_where_least_squares_of_scipy_does(few_points):
     """From the same starts; where both are in one basin, they agree to 1e-9."""
     begun = starts(few_points, 12)
-    _, values = polish.descend(few_points, begun, 1e-14)
+    _, values = polish.few_points.minimise(begun, 1e-14)
     theirs = []
     for start in begun:
         solution = least_squares(
@@ -124,10 +123,10 @@ def test_descents_end_where_least_squares_of_scipy_does(few_points):
 
 def test_an_end_does_not_depend_on_the_others_of_its_batch(few_points):
     begun = starts(few_points, 7)
-    together, _ = polish.descend(few_points, polish.climb_down(few_points, begun), 1e-6)
+    together, _ = polish.few_points.minimise(polish.climb_down(few_points, begun), 1e-6)
     for start, end in zip(begun, together, strict=True):
         down = polish.climb_down(few_points, start[None, :])
-        alone, _ = polish.descend(few_points, down, 1e-6)
+        alone, _ = polish.few_points.minimise(down, 1e-6)
         assert np.array_equal(alone[0], end)
 
 
@@ -164,9 +163,9 @@ def test_a_profile_is_as_low_as_many_restarts_find():
     curve = profile(problem, "a", best, None)
     assert min(curve.objective) >= value * (1 - 1e-9)
     for at in range(0, len(curve.values), 6):
-        held = problem.fixing("a", curve.values[at])
-        _, values = polish.descend(held, polish.climb_down(held, starts(held, 60)), 1e-8)
+        held = problem.fixing(a=curve.values[at])
+        _, values = polish.held.minimise(polish.climb_down(held, starts(held, 60)), 1e-8)
         assert curve.objective[at] <= values.min() * 1.001
     for end in (curve.low, curve.high):
-        held = problem.fixing("a", end)
+        held = problem.fixing(a=end)
         assert polish.minimise(held, held.point(best))[1] == pytest.approx(1.01 * value, rel=1e-4)

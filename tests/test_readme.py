@@ -8,7 +8,7 @@ import pytest
 
 from cylcontact import CylinderPair, Material, limits
 from cylcontact.fitting import FitResult
-from cylcontact.fitting.report import labels
+from cylcontact.fitting.comparison import labels
 from cylcontact.laws import Conformal, Housing, Sector
 from cylcontact.reports import Bench
 from cylcontact.reports.build import find_recipes

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from cylcontact import InputError
-from cylcontact.fitting import FitResult, calibrate, compare, read_campaign, verdicts
+from cylcontact.fitting import FitResult, compare, fit_table, read_campaign
 from tests.measured_files import measured_campaign
 from tests.spec_files import DROP, assert_told, changed, labels, tree, write_bench
 
@@ -29,7 +29,7 @@ def test_a_result_comes_back_as_it_was_saved(small_result, tmp_path):
 
 
 def test_a_result_of_measurements_survives_pickling(tmp_path):
-    result = calibrate(measured_campaign(tmp_path, "johnson", starts=1))
+    result = fit_table(measured_campaign(tmp_path, "johnson", starts=1))
     assert len(result.residuals) == len(pickle.loads(pickle.dumps(result)).residuals)
 
 
@@ -105,7 +105,7 @@ def test_outside_git_there_is_no_commit(small_campaign, monkeypatch):
 
 
 def test_a_result_introduces_itself(small_result):
-    assert repr(small_result).startswith("FitResult('small', rms-log-penetration = ")
+    assert repr(small_result).startswith("LawFit('small', rms-log-penetration = ")
     assert str(small_result).startswith("small: power law, internal contact, fitted to johnson")
     assert small_result._repr_html_().startswith("<p>small: power law")
 
@@ -193,7 +193,7 @@ def test_a_result_that_loads_can_be_reported(tmp_path, small_result):
     """Whatever passes the checks has a report, verdicts and a place in a comparison."""
     small_result.save(tmp_path / "r.json")
     result = FitResult.read(tmp_path / "r.json")
-    assert verdicts(result) == verdicts(small_result)
+    assert result.verdicts == small_result.verdicts
     assert "small" in compare([result, FitResult.read(EXTERNAL)])
 
 

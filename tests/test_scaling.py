@@ -14,7 +14,6 @@ from benchmarks import scaling
 from benchmarks.scaling import COLUMNS, SHAPES, log_pass, memory_of, read_table, thinned
 from cylcontact.fitting import calibrate, read_campaign
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.campaign import with_grid
 
 pytestmark = pytest.mark.slow
 
@@ -51,7 +50,7 @@ def peak_of(shape):
 
 def campaign_of(shape):
     campaign = read_campaign(HUGE, runs=1)
-    return with_grid(campaign, thinned(campaign.data.grid, shape))
+    return campaign.on(thinned(campaign.data.grid, shape))
 
 
 def test_the_huge_grid_has_a_thousand_million_samples():

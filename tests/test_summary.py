@@ -2,8 +2,7 @@
 
 import pytest
 
-from cylcontact.fitting import FitResult, compare, verdicts
-from cylcontact.fitting.report import as_html
+from cylcontact.fitting import LawFit, compare
 
 REPORT = """\
 made by hand: enhanced law, external contact, fitted to johnson by rms-log-penetration on 1,200
@@ -82,7 +81,7 @@ def made_by_hand(**changes):
         },
         "provenance": {},
     }
-    return FitResult.model_validate(data | changes)
+    return LawFit.model_validate(data | changes)
 
 
 def test_report_reads_as_it_should():
@@ -91,18 +90,18 @@ def test_report_reads_as_it_should():
 
 def test_published_optimum_is_told():
     paper = {"coefficients": {"a": 0.4, "b": 3.0, "n": 1.1}, "objective": 0.05}
-    message = verdicts(made_by_hand(published=paper))
+    message = made_by_hand(published=paper).verdicts
     assert message[0] == "the published coefficients are the optimum on this grid, within 0.1 %"
 
 
 def test_without_published_coefficients_nothing_is_said_of_them():
     result = made_by_hand(published=None, max_abs_diff_percent={"fitted": 1.0, "published": None})
-    assert not any("published" in sentence for sentence in verdicts(result))
+    assert not any("published" in sentence for sentence in result.verdicts)
     assert "published" in str(result)  # the column stays, with dashes
 
 
 def test_agreeing_runs_leave_no_sentence_about_other_basins():
-    message = verdicts(made_by_hand(runs=[run(0, 0.05), run(1, 0.05)]))
+    message = made_by_hand(runs=[run(0, 0.05), run(1, 0.05)]).verdicts
     assert message[-1] == "2 of 2 runs reached the best objective within 0.1 %"
 
 
@@ -112,12 +111,12 @@ def test_half_of_the_runs_at_the_best_are_no_warning_and_fewer_name_what_to_hold
     fewer = {"runs": [run(0, 0.05), run(1, 0.07), run(2, 0.08)]}
     flat = {"a": profile(0.2, 0.6), "b": profile(2.9, 3.1)}
     result = made_by_hand(**fewer, profiles=flat)
-    assert "make more runs (--runs 12), or hold a at a value" in verdicts(result)[0]
-    assert f"- {verdicts(result)[0][:40]}" in compare([result])
+    assert "make more runs (--runs 12), or hold a at a value" in result.verdicts[0]
+    assert f"- {result.verdicts[0][:40]}" in compare([result])
 
 
 def test_well_identified_coefficients_are_said_to_be():
-    message = verdicts(made_by_hand(profiles={"a": profile(0.399, 0.41), "b": profile(2.9, 3.1)}))
+    message = made_by_hand(profiles={"a": profile(0.399, 0.41), "b": profile(2.9, 3.1)}).verdicts
     assert "every coefficient inside its bounds is at least fairly identified" in message
 
 
@@ -171,33 +170,32 @@ def test_results_of_another_search_have_a_table_of_their_own():
 
 
 def test_verdicts_say_what_was_searched():
-    assert verdicts(tied())[0].startswith("with only a free the published coefficients are not")
+    assert tied().verdicts[0].startswith("with only a free the published coefficients are not")
     free = {"a": {"low": 0.1, "high": 1.5}, "b": {"low": 0, "high": 4}, "n": {"low": 1, "high": 2}}
     settings = {"campaign": {"parameters": free}, "dataset": {"axes": AXES}}
     near = {"coefficients": {"a": 0.4, "b": 3.0, "n": 1.1}, "objective": 0.052}
-    sentence = verdicts(made_by_hand(settings=settings, published=near))[0]
+    sentence = made_by_hand(settings=settings, published=near).verdicts[0]
     assert sentence.startswith("with all coefficients free the published coefficients are not the")
     assert sentence.endswith("their objective is 0.052, 4.0 % above the fitted one")
 
 
 @pytest.mark.parametrize("name", ["<script>alert(1)</script>", "a & b"])
 def test_html_escapes_names(name):
-    html = as_html(made_by_hand(name=name))
+    html = made_by_hand(name=name)._repr_html_()
     assert name not in html
     assert name.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;") in html
     assert html.count("<tr>") == html.count("</tr>") == 6
 
 
 def test_repr_is_short():
-    assert repr(made_by_hand()).startswith("FitResult('made by hand', rms-log-penetration = 0.05")
+    assert repr(made_by_hand()).startswith("LawFit('made by hand', rms-log-penetration = 0.05")
     assert "\n" not in repr(made_by_hand())
 
 
 def test_round_off_is_one_basin_and_the_optimum():
     paper = {"coefficients": {"a": 0.4, "b": 3.0, "n": 1.1}, "objective": 2.6e-8}
     exact = {"objective": {"name": "rms-log-penetration", "value": 1.8e-8}, "bound": 1.8e-8}
-    message = verdicts(
-        made_by_hand(**exact, published=paper, runs=[run(0, 1.8e-8), run(1, 2.6e-8), run(2, 1e-3)])
-    )
+    runs = [run(0, 1.8e-8), run(1, 2.6e-8), run(2, 1e-3)]
+    message = made_by_hand(**exact, published=paper, runs=runs).verdicts
     assert message[0] == "the published coefficients are the optimum on this grid, within 0.1 %"
     assert "2 of 3 runs reached the best objective within 0.1 %" in message

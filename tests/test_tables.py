@@ -17,7 +17,7 @@ from cylcontact.datasets.measurements import (
     read_frame,
     read_measured,
 )
-from cylcontact.fitting.campaign import campaign_from_settings, campaign_of_table, read_campaign
+from cylcontact.fitting.table_campaign import campaign_of, campaign_of_table, read_campaign
 from cylcontact.units import column_named
 from tests.measured_files import CONSTANTS, measured_campaign, write_measured
 from tests.spec_files import assert_told
@@ -519,7 +519,7 @@ def test_readings_below_zero_need_a_free_offset_and_constant_noise(tmp_path):
         assert "--noise constant" in caught.value.remedy
     settings = {"objective": "rms-penetration", "parameters": free}
     plan = campaign_of_table(table, "johnson", "internal", CONSTANTS, **settings)
-    assert plan.data.measurements.penetration[2] == -0.0005
+    assert plan.measurements.penetration[2] == -0.0005
     file = tmp_path / "campaign.toml"
     file.write_text(
         'data = "t.csv"\ncontact = "internal"\nlaw = "johnson"\nnoise = "proportional"\n'
@@ -535,7 +535,7 @@ def test_settings_of_a_plain_table_have_no_new_keys(tmp_path):
     plan = measured_campaign(tmp_path)
     assert "steps" not in plan.settings["measurements"]
     assert not {"columns", "group", "branch"} & {*plan.settings["campaign"]}
-    again = campaign_from_settings("again", plan.settings, "r.json")
+    again = campaign_of("again", plan.settings, "r.json")
     assert again.key == plan.key
     old = MeasuredData(**plan.settings["measurements"])
     assert old.steps == []

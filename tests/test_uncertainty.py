@@ -8,28 +8,16 @@ import pytest
 from scipy import optimize, stats
 
 from cylcontact import CylinderPair, InputError
-from cylcontact.fitting.assessment import noise_verdicts, warnings
-from cylcontact.fitting.calibration import calibrate, problem_of
-from cylcontact.fitting.campaign import campaign_of_table
+from cylcontact.fitting.estimates import uncertainty_of
 from cylcontact.fitting.law_models import MODELS
-from cylcontact.fitting.least_squares import descend, jacobian
 from cylcontact.fitting.loss import Loss
-from cylcontact.fitting.measured_fit import plain_problem
-from cylcontact.fitting.measured_objective import MeasuredObjective, measured
-from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.report import noise_text
-from cylcontact.fitting.samples import PowerForm
-from cylcontact.fitting.uncertainty.bands import bands_of_data, predict
-from cylcontact.fitting.uncertainty.estimates import uncertainty_of
-from cylcontact.fitting.uncertainty.profiles import (
-    fixed_ratio,
-    interval,
-    pair_map,
-    pairs_of,
-)
-from cylcontact.fitting.uncertainty.resampling import bootstrap, leave_one_out
-from cylcontact.fitting.uncertainty.residual_model import residual_model_at
-from cylcontact.fitting.uncertainty.study import problem_of_result, study_noise
+from cylcontact.fitting.measured import Fit
+from cylcontact.fitting.noise_words import noise_verdicts
+from cylcontact.fitting.optimum import Optimum, half_width
+from cylcontact.fitting.resampling import bootstrap, leave_one_out
+from cylcontact.fitting.study import study_noise
+from cylcontact.fitting.table_campaign import campaign_of_table
+from cylcontact.fitting.table_fit import fit_table
 from cylcontact.laws.law import LawModel, Parameter
 from tests.measured_files import (
     CONSTANTS,
@@ -48,17 +36,17 @@ REPLICATES = 200
 
 def on_data(problem, data, **changes):
     """The same problem on other data, perhaps with another objective or loss."""
-    return replace(problem, objective=replace(measured(problem), data=data, **changes))
+    return replace(problem, data=data, **changes)
 
 
 def descended(problem, start):
     """The optimum next to a start, and the noise there."""
-    point, _, _ = descend(problem, np.array(start, dtype=float))
-    return point, residual_model_at(problem, point)
+    point = problem.minimise(np.array(start, dtype=float)).point
+    return point, Optimum(problem, point)
 
 
 def residuals_at(problem, point):
-    return measured(problem).raw(problem.form(point[None, :]))[0]
+    return problem.raw(point[None, :])[0]
 
 
 # --- certified values -------------------------------------------------------------------------
@@ -94,9 +82,9 @@ def curve_problem(campaign, model, x, y, low, high):
     parameters = tuple(Parameter(name, *ends) for name, *ends in zip(names, low, high, strict=True))
     law = LawModel("curve", "internal", parameters, lambda actual: Curve(model, dict(actual)))
     x, y = np.array(x, dtype=float), np.array(y, dtype=float)
-    data = campaign.data.measurements.take(np.zeros(x.size, dtype=int))
+    data = campaign.measurements.take(np.zeros(x.size, dtype=int))
     data = data.with_values(load=y, penetration=x)
-    return Problem(law, parameters, MeasuredObjective(data, "rms-load"))
+    return Fit(law, parameters, "rms-load", data)
 
 
 @pytest.mark.parametrize("name", NIST_MODELS)
@@ -119,11 +107,9 @@ def test_nist_certified_values_and_standard_deviations(tmp_path, name):
 
 
 def best_of(campaign):
-    """The problem of a campaign, its optimum and its noise."""
-    problem = plain_problem(campaign)
-    truth = problem.point(TRUTHS[campaign.model.law, campaign.model.contact])
-    point, noise = descended(problem, truth)
-    return problem, problem.coefficients(point), noise
+    """The optimum of a campaign."""
+    truth = campaign.plain.point(TRUTHS[campaign.model.law, campaign.model.contact])
+    return descended(campaign.plain, truth)[1]
 
 
 def johnson_of(coefficients):
@@ -140,10 +126,10 @@ def noisy(tmp_path):
 def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
     import iminuit
 
-    problem, best, _ = noisy
-    data = measured(problem).data
+    problem, best = noisy.fit, noisy.best
+    data = problem.data
     given = data.with_values(penetration_std=NOISE * data.penetration)
-    known = on_data(problem, given, name="rms-penetration")
+    known = on_data(problem, given, objective="rms-penetration")
     names = [p.name for p in known.free]
 
     def chi_square(values):
@@ -162,7 +148,7 @@ def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
     # Minuit takes all second derivatives; without those of the law the errors are Gauss-Newton's.
     assert np.diag(noise.covariance) ** 0.5 == pytest.approx(np.array(minuit.errors), rel=0.02)
     for name in names:
-        actual = interval(known, noise, name, known.coefficients(point), LEVEL)
+        actual = noise.interval(name, LEVEL)
         merror = minuit.merrors[name]
         assert actual.low == pytest.approx(minuit.values[name] + merror.lower, rel=1e-3)
         assert actual.high == pytest.approx(minuit.values[name] + merror.upper, rel=1e-3)
@@ -171,7 +157,7 @@ def test_iminuit_agrees_on_errors_and_profiles_with_known_deviations(noisy):
 def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
     import lmfit
 
-    problem, best, _ = noisy
+    problem, best = noisy.fit, noisy.best
     names = [p.name for p in problem.free]
 
     def residuals(parameters):
@@ -183,7 +169,7 @@ def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
     fitter = lmfit.Minimizer(residuals, parameters)
     actual = fitter.minimize()
     ends = lmfit.conf_interval(fitter, actual, sigmas=[LEVEL])
-    mine = uncertainty_of(problem, best, LEVEL)
+    mine = uncertainty_of(Optimum.of(problem, best), LEVEL)
     for name in names:
         estimate = mine.estimates[name]
         assert estimate.value == pytest.approx(actual.params[name].value, rel=1e-6)
@@ -200,13 +186,14 @@ def test_lmfit_agrees_on_errors_correlation_and_profiles(noisy):
 def test_a_linear_problem_has_the_textbook_intervals(tmp_path):
     # ln δ of a power law is linear in ln K_star and 1/n; K_star and n themselves are not, but
     # with n held ln K_star is a mean, whose interval is Student's.
-    problem, best, _ = best_of(measured_campaign(tmp_path, "power", noise=NOISE))
-    held = problem.fixing("n", 1.1)
+    noise = best_of(measured_campaign(tmp_path, "power", noise=NOISE))
+    problem, best = noise.fit, noise.best
+    held = problem.fixing(n=1.1)
     point, noise = descended(held, held.point(best))
     r = residuals_at(held, point)
     error = r.std(ddof=1) / np.sqrt(r.size) * 1.1  # of ln K_star
     reach = stats.t.ppf(0.975, r.size - 1) * error
-    actual = interval(held, noise, "K_star", held.coefficients(point), LEVEL)
+    actual = noise.interval("K_star", LEVEL)
     assert actual.low == pytest.approx(point[0] * np.exp(-reach), rel=1e-5)
     assert actual.high == pytest.approx(point[0] * np.exp(reach), rel=1e-5)
 
@@ -227,8 +214,8 @@ COVERED = sorted({key for key in TRUTHS if key[1] == "internal"} | {("enhanced",
 def coverage(campaign, replicates=REPLICATES, seed=7):
     """Repeat an experiment; return the share of intervals that hold the truth, of each kind."""
     truth = TRUTHS[campaign.model.law, campaign.model.contact]
-    problem = plain_problem(campaign)
-    data = measured(problem).data
+    problem = campaign.plain
+    data = problem.data
     law = MODELS[campaign.model.law, campaign.model.contact].build(truth)
     exact = law.penetration(data.load, data.pair)
     names = [p.name for p in problem.free]
@@ -242,14 +229,12 @@ def coverage(campaign, replicates=REPLICATES, seed=7):
         again = on_data(problem, seen)
         point, noise = descended(again, start)
         best = again.coefficients(point)
-        errors = noise.half_width(LEVEL, noise.degrees_of_each()) * np.sqrt(
-            np.diag(noise.covariance)
-        )
+        errors = half_width(LEVEL, noise.degrees_of_each()) * np.sqrt(np.diag(noise.covariance))
         hits["covariance"] += list(np.abs(point - again.point(truth)) <= errors)
-        for place, name in enumerate(names):
-            ratio, _ = fixed_ratio(again, noise, {name: truth[name]}, best)
-            hits["profile"].append(ratio <= noise.threshold(LEVEL, [place]))
-        band = predict(again, noise, best, ahead, LEVEL, load=[20.0])
+        for name in names:
+            ratio, _ = noise.ratio({name: truth[name]}, best)
+            hits["profile"].append(ratio <= noise.threshold(LEVEL, [name]))
+        band = noise.band(ahead, LEVEL, load=[20.0])
         depth = float(law.penetration(20.0, ahead)[0])
         hits["curve"].append(band.low[0] <= depth <= band.high[0])
         new = depth * np.exp(size * rng.normal())
@@ -274,15 +259,15 @@ def test_coverage_of_every_law(tmp_path, law, contact):
 
 
 def test_a_map_of_a_pair_is_the_sum_of_squares_refitted(noisy):
-    problem, best, noise = noisy
-    actual = {n: interval(problem, noise, n, best, LEVEL) for n in ("kappa", "c")}
-    mapped = pair_map(problem, noise, ("kappa", "c"), best, actual, (0.68, LEVEL), points=7)
-    assert pairs_of(problem) == [("kappa", "c")]
+    problem = noisy.fit
+    actual = {n: noisy.interval(n, LEVEL) for n in ("kappa", "c")}
+    mapped = noisy.map_of_pair(("kappa", "c"), actual, (0.68, LEVEL), points=7)
+    assert noisy.pairs == [("kappa", "c")]
     k, m = 2, 4
     value = problem.value(np.array([mapped.x[m], mapped.y[k]]))
-    expected = (noise.rows * value**2 - noise.sum_of_squares) / noise.unit
+    expected = (noisy.r.size * value**2 - noisy.sum_of_squares) / noisy.unit
     assert mapped.ratio[k][m] == pytest.approx(expected, rel=1e-9)
-    quantile = 2 * stats.f.ppf(LEVEL, 2, noise.degrees)
+    quantile = 2 * stats.f.ppf(LEVEL, 2, noisy.degrees)
     assert mapped.thresholds["95"] == pytest.approx(quantile, rel=1e-9)
     assert mapped.thresholds["68"] < mapped.thresholds["95"]
 
@@ -292,7 +277,7 @@ def test_an_interval_that_the_data_leave_open_ends_at_the_bound(tmp_path):
     campaign = measured_campaign(
         tmp_path, "liu", noise=NOISE, parameters=bounds, starts=2, objective="rms-penetration"
     )
-    actual = calibrate(campaign).uncertainty
+    actual = fit_table(campaign).uncertainty
     ends = actual.estimates["clearance_factor"].profile
     assert (ends.low, ends.low_is_bound, ends.high, ends.high_is_bound) == (0.5, True, 2.0, True)
     assert actual.estimates["clearance_factor"].verdict in ("not", "at a bound")
@@ -305,11 +290,11 @@ def test_an_interval_ends_where_the_law_is_undefined_with_the_refit_before(tmp_p
     # reading: at the kappa of one refit the law has no logarithm at the offset of the one before.
     table = write_measured(tmp_path / "measured.csv", "johnson", "internal")
     peek = {"R_i_mm": 10.0, "material_j": "PEEK", "material_i": "low-carbon steel"}
-    result = calibrate(campaign_of_table(table, "johnson", "internal", peek, starts=1))
+    result = fit_table(campaign_of_table(table, "johnson", "internal", peek, starts=1))
     ends = result.uncertainty.estimates["kappa"].profile
     assert (ends.low, ends.low_is_bound, ends.high_is_bound) == (0.2, True, False)
     # The same rise by a search over the offset alone.
-    data = measured(result.problem).data
+    data = result.optimum.fit.data
     law = johnson_of(result.coefficients | {"kappa": ends.high})
     depth = law.penetration(data.load, data.pair)
 
@@ -328,7 +313,7 @@ def test_an_interval_ends_where_the_law_is_undefined_with_the_refit_before(tmp_p
 def test_parameters_that_act_only_together_are_named(tmp_path):
     bounds = {"Lambda_factor": {"low": 0.1, "high": 10.0}}
     campaign = measured_campaign(tmp_path, noise=NOISE, parameters=bounds, starts=2)
-    result = calibrate(campaign)
+    result = fit_table(campaign)
     actual = result.uncertainty
     assert set(actual.only_together) == {"c", "Lambda_factor"}
     assert {e.verdict for e in actual.estimates.values()} == {"not"}
@@ -336,12 +321,11 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
     assert "c and Lambda_factor are not identifiable" in noise_verdicts(actual)[1]
     study = study_noise(result, with_pairs=True)
     assert (study.bands, study.pairs) == ([], [])
-    assert "not identifiable" in noise_text(study)
-    problem = problem_of_result(result)
-    noise = residual_model_at(problem, problem.point(result.coefficients))
+    assert "not identifiable" in str(study)
+    noise = result.optimum
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
     with pytest.raises(InputError, match="are not identifiable one by one"):
-        predict(problem, noise, result.coefficients, pair, LEVEL, load=[1.0])
+        noise.band(pair, LEVEL, load=[1.0])
 
 
 # --- resampling -------------------------------------------------------------------------------
@@ -349,39 +333,38 @@ def test_parameters_that_act_only_together_are_named(tmp_path):
 
 @pytest.mark.slow
 def test_the_bootstrap_agrees_with_the_covariance_and_not_with_the_workers(noisy):
-    problem, best, noise = noisy
-    one = bootstrap(problem, best, "rows", 120, 1, LEVEL)
-    assert one == bootstrap(problem, best, "rows", 120, 1, LEVEL, jobs=2)
-    assert one != bootstrap(problem, best, "rows", 25, 2, LEVEL)
-    errors = np.sqrt(np.diag(noise.covariance))
+    one = bootstrap(noisy, "rows", 120, 1, LEVEL)
+    assert one == bootstrap(noisy, "rows", 120, 1, LEVEL, jobs=2)
+    assert one != bootstrap(noisy, "rows", 25, 2, LEVEL)
+    errors = np.sqrt(np.diag(noisy.covariance))
     assert list(one.standard_errors.values()) == pytest.approx(errors, rel=0.25)
     assert (one.undefined, set(one.intervals)) == (0, {"kappa", "c"})
-    assert bootstrap(problem, best, "rows", 25, 2, LEVEL).intervals == {}
-    over = bootstrap(problem, best, "dR", 25, 1, LEVEL)
+    assert bootstrap(noisy, "rows", 25, 2, LEVEL).intervals == {}
+    over = bootstrap(noisy, "dR", 25, 1, LEVEL)
     assert (over.groups, over.over) == (3, "dR")
 
 
 @pytest.mark.slow
 def test_refits_that_cannot_start_are_left_out_and_counted(noisy):
-    problem, best, _ = noisy
-    data = measured(problem).data
+    problem, best = noisy.fit, noisy.best
+    data = problem.data
     load = data.load.copy()
     load[0] = 1e9  # beyond the end of Johnson's law
     broken = data.with_values(load=load, penetration=data.penetration)
-    actual = bootstrap(on_data(problem, broken), best, "rows", 120, 1, LEVEL)
+    actual = bootstrap(Optimum.of(on_data(problem, broken), best), "rows", 120, 1, LEVEL)
     # A row is missing from a resample with probability (1 − 1/N)^N, near 1/e.
     assert 120 - actual.undefined == pytest.approx(120 * (1 - 1 / 36) ** 36, abs=20)
     load[:] = 1e9
     nowhere = on_data(problem, data.with_values(load=load, penetration=data.penetration))
     with pytest.raises(InputError, match="refits left the law defined in 0"):
-        bootstrap(nowhere, best, "rows", 5, 1, LEVEL)
+        bootstrap(Optimum.of(nowhere, best), "rows", 5, 1, LEVEL)
 
 
 def test_leaving_a_clearance_out_is_fitting_the_others(noisy):
-    problem, best, _ = noisy
-    actual = leave_one_out(problem, best, "dR")
+    problem, best = noisy.fit, noisy.best
+    actual = leave_one_out(noisy, "dR")
     assert [left.group for left in actual] == ["ΔR = 0.1 mm", "ΔR = 0.3 mm", "ΔR = 1 mm"]
-    data = measured(problem).data
+    data = problem.data
     elsewhere = data.columns["dR"] != 0.3
     alone = on_data(problem, data.take(np.flatnonzero(elsewhere)))
     point, _ = descended(alone, alone.point(best))
@@ -391,22 +374,22 @@ def test_leaving_a_clearance_out_is_fitting_the_others(noisy):
 
 
 def test_one_group_cannot_be_resampled(noisy):
-    problem, best, _ = noisy
+    problem, best = noisy.fit, noisy.best
     with pytest.raises(InputError, match="all rows are of one group"):
-        bootstrap(problem, best, "material", 10, 1, LEVEL)
-    small = on_data(problem, measured(problem).data.take(np.array([0, 1, 12])))
+        bootstrap(noisy, "material", 10, 1, LEVEL)
+    small = on_data(problem, problem.data.take(np.array([0, 1, 12])))
     with pytest.raises(InputError, match=r"only 1 rows remain for 2 parameters"):
-        leave_one_out(small, best, "dR")
+        leave_one_out(Optimum.of(small, best), "dR")
 
 
 # --- bands ------------------------------------------------------------------------------------
 
 
 def test_bands_of_load_and_penetration_are_each_others_inverse(noisy):
-    problem, best, noise = noisy
+    best = noisy.best
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
-    depth = predict(problem, noise, best, pair, LEVEL, load=[50.0])
-    force = predict(problem, noise, best, pair, LEVEL, penetration=[depth.value[0]])
+    depth = noisy.band(pair, LEVEL, load=[50.0])
+    force = noisy.band(pair, LEVEL, penetration=[depth.value[0]])
     assert force.value[0] == pytest.approx(50.0)
     law = johnson_of(best)
     n = law.stiffness(depth.value[0], pair) * depth.value[0] / 50.0
@@ -415,22 +398,21 @@ def test_bands_of_load_and_penetration_are_each_others_inverse(noisy):
         of_force = np.log(getattr(force, ends)[0] / getattr(force, others)[0])
         assert of_force == pytest.approx(n * of_depth, rel=1e-4)
     assert np.log(depth.new_high[0] / depth.value[0]) == pytest.approx(
-        stats.t.ppf(0.975, noise.degrees) * noise.sigma, rel=0.05
+        stats.t.ppf(0.975, noisy.degrees) * noisy.sigma, rel=0.05
     )
 
 
 def test_no_band_is_drawn_outside_the_domain(noisy):
-    problem, best, noise = noisy
     pair = CylinderPair.from_dR("internal", 0.3, STEEL, R_i=10.0)
     for given in ({"load": [1.0, 1e9]}, {"penetration": [-1.0]}):
         with pytest.raises(InputError, match="leaves the domain of the fitted law"):
-            predict(problem, noise, best, pair, LEVEL, **given)
+            noisy.band(pair, LEVEL, **given)
 
 
 @pytest.mark.parametrize("objective", ["rms-log-load", "rms-penetration", "rms-load"])
 def test_bands_follow_the_noise_wherever_it_sits(tmp_path, objective):
-    problem, best, noise = best_of(measured_campaign(tmp_path, noise=NOISE, objective=objective))
-    bands = bands_of_data(problem, noise, best, LEVEL)
+    noise = best_of(measured_campaign(tmp_path, noise=NOISE, objective=objective))
+    bands = noise.bands_of_data(LEVEL)
     assert [band.quantity for band in bands[:2]] == ["penetration_mm", "load_N_per_mm"]
     for band in bands:
         edges = np.array([band.new_low, band.low, band.value, band.high, band.new_high])
@@ -441,12 +423,12 @@ def test_bands_follow_the_noise_wherever_it_sits(tmp_path, objective):
 
 
 def with_deviations(noisy, size, loss=Loss()):  # noqa: B008
-    problem, best, _ = noisy
-    data = measured(problem).data
+    problem, best = noisy.fit, noisy.best
+    data = problem.data
     given = data.with_values(penetration_std=size * NOISE * data.penetration)
-    known = on_data(problem, given, name="rms-penetration", loss=loss)
+    known = on_data(problem, given, objective="rms-penetration", loss=loss)
     point, _ = descended(known, known.point(best))
-    return uncertainty_of(known, known.coefficients(point))
+    return uncertainty_of(Optimum(known, point))
 
 
 @pytest.mark.parametrize(
@@ -486,10 +468,10 @@ def test_a_verdict_does_not_depend_on_where_zero_is(tmp_path):
     verdicts = []
     for shift in (0.0, 0.5, -2.0):
         problem, best, noise = best_of(measured_campaign(tmp_path, noise=NOISE))
-        moved = problem.fixing("Lambda_factor", float(np.exp(-shift)))
+        moved = problem.fixing(Lambda_factor=float(np.exp(-shift)))
         shifted = {**best, "c": best["c"] + shift, "Lambda_factor": float(np.exp(-shift))}
         assert moved.value_of(shifted) == pytest.approx(problem.value_of(best), rel=1e-9)
-        actual = uncertainty_of(moved, shifted, LEVEL)
+        actual = uncertainty_of(Optimum.of(moved, shifted))
         verdicts.append({name: e.verdict for name, e in actual.estimates.items()})
         # kappa is a factor, judged by its share of the value.
         assert noise.per_unit[0] == pytest.approx(1 / best["kappa"], rel=1e-6)
@@ -498,8 +480,9 @@ def test_a_verdict_does_not_depend_on_where_zero_is(tmp_path):
 
 @pytest.mark.parametrize("objective", ["rms-penetration", "rms-load", "rms-log-load"])
 def test_an_effect_is_the_relative_change_of_the_prediction(tmp_path, objective):
-    problem, best, noise = best_of(measured_campaign(tmp_path, noise=NOISE, objective=objective))
-    data = measured(problem).data
+    noise = best_of(measured_campaign(tmp_path, noise=NOISE, objective=objective))
+    problem, best = noise.fit, noise.best
+    data = problem.data
     step = 1e-6
 
     def predicted(c):
@@ -517,13 +500,13 @@ def test_an_effect_is_the_relative_change_of_the_prediction(tmp_path, objective)
 
 @pytest.mark.slow
 def test_a_profile_says_when_it_finds_a_better_fit(noisy):
-    problem, best, _ = noisy
-    short = problem.fixing("kappa", best["kappa"] * 1.02)
+    problem, best = noisy.fit, noisy.best
+    short = problem.fixing(kappa=best["kappa"] * 1.02)
     point, _ = descended(short, short.point(best))
-    actual = uncertainty_of(problem, short.coefficients(point), LEVEL)
+    actual = uncertainty_of(Optimum(problem, problem.point(short.coefficients(point))))
     assert actual.estimates["c"].profile.lowest < -1e-3
     assert any("found a better fit" in note for note in noise_verdicts(actual))
-    assert not any("found a better fit" in note for note in uncertainty_of(problem, best).notes)
+    assert not any("found a better fit" in note for note in uncertainty_of(noisy).notes)
 
 
 @pytest.mark.slow
@@ -531,23 +514,23 @@ def test_a_law_of_the_wrong_shape_is_told_by_its_residuals(tmp_path):
     right = measured_campaign(tmp_path, "explicit", noise=0.002)
     table = tmp_path / "measured.csv"
     wrong = campaign_of_table(table, "power", "internal", CONSTANTS, starts=2)
-    of_wrong, of_right = (calibrate(campaign) for campaign in (wrong, right))
+    of_wrong, of_right = (fit_table(campaign) for campaign in (wrong, right))
     assert of_wrong.uncertainty.runs_test_p < 1e-3
-    assert any("wrong shape" in sentence for sentence in warnings(of_wrong))
+    assert any("wrong shape" in sentence for sentence in of_wrong.warnings)
     assert of_right.uncertainty.runs_test_p > 0.01
-    assert not any("wrong shape" in sentence for sentence in warnings(of_right))
+    assert not any("wrong shape" in sentence for sentence in of_right.warnings)
 
 
 def test_the_sandwich_of_a_robust_loss_is_near_least_squares_for_gaussian_noise(noisy):
-    problem, best, plain = noisy
-    data = measured(problem).data
+    problem, best = noisy.fit, noisy.best
+    data = problem.data
     robust = on_data(problem, data, loss=Loss("huber", 1.345 * NOISE))
     _, noise = descended(robust, robust.point(best))
     errors = np.sqrt(np.diag(noise.covariance))
-    assert errors == pytest.approx(np.sqrt(np.diag(plain.covariance)), rel=0.3)
+    assert errors == pytest.approx(noisy.errors, rel=0.3)
     wide = on_data(problem, data, loss=Loss("huber", 1e3))
-    same = residual_model_at(wide, problem.point(best))
-    assert same.unit == pytest.approx(plain.unit, rel=1e-9)
+    same = Optimum(wide, problem.point(best))
+    assert same.unit == pytest.approx(noisy.unit, rel=1e-9)
 
 
 CONTAMINATED = [("huber", 1.345), ("cauchy", 1.345), ("soft_l1", 1.345)]
@@ -564,8 +547,8 @@ def test_the_sandwich_is_the_spread_of_repeated_experiments(tmp_path, loss, scal
     # is all there is to refit, and many experiments of a thousand rows are quick.
     campaign = measured_campaign(tmp_path, "power")
     truth = TRUTHS["power", "internal"]
-    problem = plain_problem(campaign).fixing("n", truth["n"])
-    data = measured(problem).data
+    problem = campaign.plain.fixing(n=truth["n"])
+    data = problem.data
     data = data.take(np.tile(np.arange(len(data)), 28))
     exact = campaign.model.build(truth).penetration(data.load, data.pair)
     rng = np.random.default_rng(5)
@@ -574,7 +557,7 @@ def test_the_sandwich_is_the_spread_of_repeated_experiments(tmp_path, loss, scal
     measured_again = data.with_values(penetration=exact * np.exp(seen))
     again = on_data(problem, measured_again, loss=robust)
     point, noise = descended(again, again.point(truth) * 1.2)
-    assert noise.rows == 1008
+    assert noise.r.size == 1008
     # By the textbook for a location, ψ' written out rather than differenced.
     r = residuals_at(again, point)
     z = (r / robust.scale) ** 2
@@ -596,10 +579,10 @@ def test_the_sandwich_is_the_spread_of_repeated_experiments(tmp_path, loss, scal
 
 def test_the_signed_curvature_is_that_of_the_loss(noisy):
     # With H = Σψ'JJᵀ signed, H is half the Hessian of ΣC²ρ for a model linear in its parameters.
-    problem, best, _ = noisy
+    problem, best = noisy.fit, noisy.best
     rng = np.random.default_rng(2)
     exact = johnson_of(best)
-    data = measured(problem).data
+    data = problem.data
     data = data.take(np.tile(np.arange(len(data)), 28))
     depth = exact.penetration(data.load, data.pair) * np.exp(contaminated(rng, len(data)))
     loss = Loss("cauchy", 0.5 * NOISE)
@@ -608,7 +591,7 @@ def test_the_signed_curvature_is_that_of_the_loss(noisy):
     r = residuals_at(robust, point)
     z = (r / loss.scale) ** 2
     assert (z > 1).mean() > 0.2
-    slopes = jacobian(robust, point, lambda p: measured(robust).raw(robust.form(p)))
+    slopes = noise.slopes
     H = slopes.T @ (slopes * ((1 - z) / (1 + z) ** 2)[:, None])
     G = slopes.T @ (slopes * (loss.psi(r) ** 2)[:, None]) * 1008 / 1006
     expected = np.linalg.inv(H) @ G @ np.linalg.inv(H)
@@ -616,32 +599,16 @@ def test_the_signed_curvature_is_that_of_the_loss(noisy):
 
 
 def test_a_loss_without_curvature_has_no_intervals(noisy):
-    problem, best, _ = noisy
+    problem, best = noisy.fit, noisy.best
     far = problem.coefficients(problem.point(best) * 1.3)
-    robust = on_data(problem, measured(problem).data, loss=Loss("cauchy", 0.01 * NOISE))
-    noise = residual_model_at(robust, robust.point(far))
+    robust = on_data(problem, problem.data, loss=Loss("cauchy", 0.01 * NOISE))
+    noise = Optimum(robust, robust.point(far))
     assert noise.covariance is None
-    assert noise.blind == ()
+    assert noise.blind == []
     assert np.isnan(noise.unit)
-    actual = uncertainty_of(robust, far, LEVEL)
+    actual = uncertainty_of(noise)
     assert {e.verdict for e in actual.estimates.values()} == {"not"}
     assert any("not positive definite" in sentence for sentence in noise_verdicts(actual))
-
-
-def test_a_form_without_laws_is_not_for_measurements(noisy):
-    problem, _, _ = noisy
-    with pytest.raises(TypeError, match="measurements need laws"):
-        problem.objective.raw(PowerForm(np.zeros((1, 1)), np.ones((1, 1))))
-    assert problem.objective.bound == 0
-    assert problem.objective.dR.shape == (36,)
-
-
-def test_only_measurements_have_noise(small_campaign, small_result):
-    problem, _ = problem_of(small_campaign, 1, lambda *_: None)
-    with pytest.raises(TypeError, match="noise is that of measurements"):
-        measured(problem)
-    with pytest.raises(InputError, match="was not fitted to measurements"):
-        problem_of_result(small_result)
 
 
 # --- the command ------------------------------------------------------------------------------
@@ -649,7 +616,7 @@ def test_only_measurements_have_noise(small_campaign, small_result):
 
 @pytest.fixture
 def saved(tmp_path):
-    result = calibrate(measured_campaign(tmp_path, noise=NOISE, loss="huber", starts=2))
+    result = fit_table(measured_campaign(tmp_path, noise=NOISE, loss="huber", starts=2))
     result.save(tmp_path / "r.json")
     return tmp_path / "r.json"
 
@@ -666,7 +633,6 @@ def test_the_command_reports_noise(saved, tmp_path, run):
     for part in ("from the noise", "90 %, bootstrap", few, "3 are few", "ΔR = 0.3 mm", "new ±%"):
         assert part in " ".join(said.split()), part
     study = json.loads(out.read_text("utf-8"))
-    assert study["kind"] == "noise"
     assert study["pairs"][0]["names"] == ["kappa", "c"]
     assert study["bootstrap"]["seed"] == 3
     assert study["uncertainty"]["level"] == 0.9
@@ -677,7 +643,7 @@ def test_the_command_reports_noise(saved, tmp_path, run):
 
 @pytest.mark.slow
 def test_a_law_of_ones_own_is_run_again_only_if_it_is_named(tmp_path, monkeypatch, run):
-    calibrate(user_campaign(tmp_path)).save(tmp_path / "r.json")
+    fit_table(user_campaign(tmp_path)).save(tmp_path / "r.json")
     monkeypatch.chdir(tmp_path)
     assert "not run because a result names it" in run("fit", "r.json")[2]
     assert run("fit", "r.json", "--law", "mine:load")[0] == 0

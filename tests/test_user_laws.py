@@ -128,7 +128,7 @@ def test_runs_of_a_law_that_was_changed_are_not_resumed(fit, tmp_path, monkeypat
     def full(*_):
         raise InputError("disk", "", None, "is full", "make room")
 
-    monkeypatch.setattr("cylcontact.fitting.result.FitResult.save", full)
+    monkeypatch.setattr("cylcontact.fitting.results.FitResult.save", full)
     assert fit(law(f"return {POWER}"))[0] == 2
     kept = (tmp_path / "r.json.partial").read_bytes()
     monkeypatch.undo()

@@ -7,7 +7,7 @@ a search gives the published coefficients; other assumptions are readings.
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict, astuple, replace
 from typing import Any
 
 from cylcontact.fitting.polish import minimise, polish
@@ -269,8 +269,8 @@ def no_single_Y(bench: Bench) -> Finding:
         found[choice] = one_branch(problem), problem.value_of(asdict(PUBLISHED["internal"]))
     # The last of the problems once more.
     held, (*_, (_, published)) = problem, found.values()
-    for name in ("a", "b", "n_exponent"):
-        held = held.fixing(name, getattr(PUBLISHED["internal"], name))
+    a, b, *_, n_exponent = astuple(PUBLISHED["internal"])
+    held = held.fixing(a=a, b=b, n_exponent=n_exponent)
     found[f"only Y searched; {SAMPLES['internal']}"] = one_branch(held), published
     two = problem.value_of(searched(problem, "internal"))
 
@@ -308,7 +308,7 @@ def one_branch(problem: Problem) -> float:
     """Return the least objective with the logarithmic or with the linear branch of Y alone."""
     start = asdict(PUBLISHED["internal"])
     ways = (
-        problem.fixing("Y_slope", 0.0).fixing("Y_offset", 0.0),
-        problem.fixing("Y_log_scale", 0.0).fixing("Y_log_exponent", 0.0),
+        problem.fixing(Y_slope=0.0, Y_offset=0.0),
+        problem.fixing(Y_log_scale=0.0, Y_log_exponent=0.0),
     )
     return min(minimise(way, way.point(start))[1] for way in ways)

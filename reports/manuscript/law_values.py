@@ -16,11 +16,11 @@ from cylcontact import laws
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.datasets.grid import grid_from
-from cylcontact.fitting.assessment import SAME_BASIN, basins, identification
 from cylcontact.fitting.law_models import grid_model_of
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.profiles import TOLERANCE
+from cylcontact.fitting.records import FAIRLY
+from cylcontact.fitting.results import SAME_BASIN, LawFit
 from cylcontact.fitting.samples import collect_samples, form_of
-from cylcontact.fitting.uncertainty.profiles import FAIRLY, TOLERANCE
 from cylcontact.laws import PUBLISHED, arcs, explicit, explicit_pair
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN, PUBLISHED_DR
@@ -184,7 +184,7 @@ def made(bench: Bench) -> Group:
         "practical_refit": Quantity(_rms_over(practical, free["internal"])),
     }
     for contact, result in free.items():
-        (_, agreeing), *_ = basins(result)
+        (_, agreeing), *_ = result.basins()
         values |= {
             f"{contact}_runs": Quantity(len(result.runs)),
             f"{contact}_agreeing": Quantity(agreeing),
@@ -194,7 +194,7 @@ def made(bench: Bench) -> Group:
     return values
 
 
-def _rms_over(samples_of: FitResult, fit: FitResult) -> float:
+def _rms_over(samples_of: LawFit, fit: LawFit) -> float:
     """Return the objective of the coefficients of one fit on the samples of another."""
     samples, _ = collect_samples(grid_from(samples_of.settings["dataset"], samples_of.name))
     model = grid_model_of(fit.law, fit.contact, fit.name)
@@ -202,7 +202,7 @@ def _rms_over(samples_of: FitResult, fit: FitResult) -> float:
     return float(np.sqrt(np.mean(form.log_penetration_ratio(0, samples) ** 2)))
 
 
-def _axes(result: FitResult) -> dict[str, Any]:
+def _axes(result: LawFit) -> dict[str, Any]:
     """Return the axes of the samples of a campaign."""
     axes: dict[str, Any] = result.settings["dataset"]["axes"]
     return axes
@@ -215,14 +215,14 @@ def _one_of_all(numbers: Sequence[float]) -> Quantity:
 
 
 def _coefficient_table(
-    recovered: Mapping[Contact, FitResult], free: Mapping[Contact, FitResult]
+    recovered: Mapping[Contact, LawFit], free: Mapping[Contact, LawFit]
 ) -> pd.DataFrame:
     """Return the coefficients as published, recovered, and with all of them free."""
     rows = []
     for contact, result in recovered.items():
         for name, printed in asdict(PUBLISHED[contact]).items():
             fitted = result.coefficients[name]
-            is_held = identification(result, name) == "fixed"
+            is_held = result.identification(name) == "fixed"
             off = "" if is_held else _cell(100 * (fitted / printed - 1), "+.1f")
             rows.append(
                 {
@@ -238,9 +238,9 @@ def _coefficient_table(
     return with_formulas(rows)
 
 
-def _rule(result: FitResult, name: str) -> str:
+def _rule(result: LawFit, name: str) -> str:
     """Return how a coefficient is set in a search: searched, held, or by its tie."""
-    how = identification(result, name)
+    how = result.identification(name)
     if how.startswith("="):
         return Symbol(how[2:].replace("Y_log_scale", SYMBOLS["Y_log_scale"]))
     return "held" if how == "fixed" else "search"
@@ -275,33 +275,33 @@ def _cell(number: float, form: str) -> str:
     return format(number, form).replace("-", "−")
 
 
-def _largest_off(result: FitResult) -> float:
+def _largest_off(result: LawFit) -> float:
     """Return the largest difference of a searched coefficient from the published, in percent."""
     published = asdict(PUBLISHED[result.contact])
     searched = [name for name in published if _rule(result, name) == "search"]
     return float(max(100 * abs(result.coefficients[k] / published[k] - 1) for k in searched))
 
 
-def _published_ratio(result: FitResult) -> float:
+def _published_ratio(result: LawFit) -> float:
     """Return the objective of the published coefficients over that of the fitted ones."""
     assert result.published is not None
     return result.published.objective / result.objective.value
 
 
-def _penalty(result: FitResult) -> float:
+def _penalty(result: LawFit) -> float:
     """Return by how many percent the published coefficients' objective is above the fitted."""
     return 100 * (_published_ratio(result) - 1)
 
 
-def _above_bound(result: FitResult) -> float:
+def _above_bound(result: LawFit) -> float:
     """Return by how many percent a fit is above its lower bound."""
     assert result.bound is not None
     return 100 * (result.objective.value / result.bound - 1)
 
 
-def _poor(result: FitResult) -> list[str]:
+def _poor(result: LawFit) -> list[str]:
     """Return the coefficients that a fit hardly determines."""
-    return [name for name in result.profiles if identification(result, name) == "poorly"]
+    return [name for name in result.profiles if result.identification(name) == "poorly"]
 
 
 # --- the readings of how the paper fitted -------------------------------------------------------

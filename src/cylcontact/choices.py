@@ -46,6 +46,7 @@ FORMATS: tuple[Format, ...] = get_args(Format)
 FIT_FILES = ("result.json", "residuals.csv", "fit.png", "fit.pdf")
 # What `choose` adds to it.
 CHOICE_FILES = ("choice.csv", "choice.png", "choice.pdf")
+DESIGN_FILES = ("design.csv", "design.png", "design.pdf")
 # Of tables that are read, those in text first, and of those that are written.
 TABLE_SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".xlsx", ".parquet")
 OUTPUT_SUFFIXES = (".csv", ".parquet")

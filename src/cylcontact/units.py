@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from cylcontact.errors import InputError
+
 __all__ = [
     "LABELS",
     "QUANTITIES",
@@ -130,6 +132,35 @@ def named_quantity(name: str, quantity: str, unit: str) -> Column | None:
     """
     plain = _unit(unit)
     return Column(name, quantity, plain) if plain in QUANTITIES.get(quantity, _PURE) else None
+
+
+def load_in_N_per_mm(text: str, length: float | None) -> float:
+    """Return a load with a unit, such as 4500 N or 225 N/mm, per unit of length in N/mm.
+
+    Raises
+    ------
+    InputError
+        If it is not a number with a unit of load, or a total force without a length.
+
+    Examples
+    --------
+    >>> load_in_N_per_mm("4.5 kN", 20.0), load_in_N_per_mm("225 N/mm", None)
+    (225.0, 225.0)
+    """
+    number, _, unit = text.strip().partition(" ")
+    column = named_quantity("load", "load", unit)
+    try:
+        value = float(number)
+    except ValueError:
+        column = None
+    if column is None or not unit:
+        raise InputError(
+            "load", "", text, "is not a load with its unit", 'e.g. "4500 N", "225 N/mm"'
+        )
+    if column.is_total and length is None:
+        rule, remedy = "is a total force, and the axial length is not known", "give it in N/mm"
+        raise InputError("load", "", text, rule, remedy)
+    return value * column.factor / (length if column.is_total and length is not None else 1.0)
 
 
 def quantity_and_unit(name: str) -> tuple[str, str] | None:

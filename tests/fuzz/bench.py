@@ -41,8 +41,8 @@ def planned(*_, **__):
 # Where work begins: workers, samples, descents, steps of a mechanism, a compiler, copies of files.
 SEAMS = (
     *(f"cylcontact.parallel.run.{name}" for name in ("in_processes", "in_threads", "on_cluster")),
-    *("cylcontact.fitting.uncertainty.discrepancy.blocks", "cylcontact.datasets.sampling.blocks"),
-    *("cylcontact.fitting.measured_fit.descend", "cylcontact.fitting.choice.descend"),
+    *("cylcontact.fitting.discrepancy.blocks", "cylcontact.datasets.sampling.blocks"),
+    "cylcontact.fitting.measured.Fit.minimise",
     *("cylcontact.mechanism.simulate.advance", "cylcontact.mechanism.impact.advance"),
     *("cylcontact.export.fmi._library", "cylcontact.cli.init.copy_files"),
 )

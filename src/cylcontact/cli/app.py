@@ -50,6 +50,9 @@ _GROUPS: dict[str, dict[Callable[..., None], str]] = {
         calibration.sample: "sample datasets/internal.toml -o build/internal.parquet",
         calibration.fit: "fit fitting/external-E1000.toml",
         measured.choose: "choose datasets/examples/pin-in-hole.csv --contact internal",
+        measured.predict: 'predict build/data/result.json --load "4500 N"',
+        measured.design: "design datasets/examples/specimens.csv --law explicit --add 5 "
+        "--loads 5:400",
         calibration.compare: "compare fitting/results/internal.json",
     },
     "Laws": {

@@ -28,8 +28,7 @@ from cylcontact.files import owning, replacing, require_suffix, require_writable
 from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.campaign import Campaign
-    from cylcontact.fitting.result import FitResult
+    from cylcontact.fitting import Campaign, FitResult, TableCampaign
     from cylcontact.parallel import Workers
 
 __all__ = ["compare", "fit", "sample", "verify"]
@@ -103,11 +102,16 @@ def fit(
 
 
 def _calibrate(
-    source: Path, planned: Campaign, where: Workers, resume: bool, force: bool, out: Path | None
+    source: Path,
+    planned: Campaign | TableCampaign,
+    where: Workers,
+    resume: bool,
+    force: bool,
+    out: Path | None,
 ) -> None:
     """Fit a law, and write the result."""
-    from cylcontact.fitting import calibrate
-    from cylcontact.fitting.result import require_same_inputs
+    from cylcontact.fitting import Campaign, calibrate, fit_table
+    from cylcontact.fitting.results import require_same_inputs
 
     target, folder = _place(source, planned, out)
     require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
@@ -120,13 +124,19 @@ def _calibrate(
             note = f"no runs are kept in {journal}; all are run" if anew else ""
             with progress_bars() as bars:
                 progress = noting(bars, "searching", note)
-                result = calibrate(planned, where, progress, journal, resume)
+                result: FitResult
+                if isinstance(planned, Campaign):
+                    result = calibrate(planned, where, progress, journal, resume)
+                else:
+                    result = fit_table(planned, where, progress, journal, resume)
             _save(result, target, folder)
     names = f": {', '.join(FIT_FILES)}" if folder else ""
     show(joined([str(result), f"written to {folder or target}{names}"], "\n\n"))
 
 
-def _place(source: Path, planned: Campaign, out: Path | None) -> tuple[Path, Path | None]:
+def _place(
+    source: Path, planned: Campaign | TableCampaign, out: Path | None
+) -> tuple[Path, Path | None]:
     """Return the file of the result, and for a table the folder of all its files.
 
     A campaign's result is a file alone, and so is one that is to be written to a .json. A second
@@ -157,7 +167,9 @@ def _law_in(result: Path) -> str:
 
 def _save(result: FitResult, target: Path, folder: Path | None) -> None:
     """Write a result, with its residuals and picture if it has a folder."""
-    if folder is None:
+    from cylcontact.fitting import DataFit
+
+    if folder is None or not isinstance(result, DataFit):
         result.save(target)
         return
     from cylcontact.reports.fit_folder import write_fit
@@ -166,7 +178,7 @@ def _save(result: FitResult, target: Path, folder: Path | None) -> None:
 
 
 def _compare_optimizers(
-    planned: Campaign, names: list[str], where: Workers, out: Path | None
+    planned: Campaign | TableCampaign, names: list[str], where: Workers, out: Path | None
 ) -> None:
     """Run a campaign with several optimisers, with the same budget, and compare them."""
     from cylcontact.fitting import optimizer_comparison

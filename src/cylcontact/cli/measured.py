@@ -6,15 +6,19 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
-from cylcontact.choices import BRANCHES, CHOICE_FILES, is_table, listed
+from cylcontact.choices import BRANCHES, CHOICE_FILES, DESIGN_FILES, is_table, listed
 from cylcontact.cli.options import (
     LOSSES,
     NOISES,
+    NUMBER,
     Runs,
     Seed,
     expand_options,
+    integer_from,
+    numbers,
     option_of,
     split,
 )
@@ -31,20 +35,15 @@ from cylcontact.errors import InputError
 from cylcontact.files import owning, require_writable
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.reading import TABLE_BYTES, plain_number, require_file
-from cylcontact.text_tables import joined
+from cylcontact.text_tables import frame_table, joined
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.campaign import Campaign, MeasuredTable
-
-__all__ = [
-    "LawOption",
-    "SearchOptions",
-    "TableOptions",
-    "choose",
-    "plan",
-]
+    from cylcontact.fitting import Campaign, TableCampaign
+    from cylcontact.fitting.table_campaign import MeasuredTable
 
 _PANEL = "For a table of measurements"
+# Loads among which a design chooses.
+_DESIGN_LOADS = 41
 
 
 def _option(*names: str, help: str, **details: Any) -> Any:
@@ -152,9 +151,9 @@ def plan(
     options: TableOptions,
     search: SearchOptions,
     optimizer: str | None = None,
-) -> Campaign:
+) -> Campaign | TableCampaign:
     """Return the campaign of a file, or of a table and its options."""
-    from cylcontact.fitting.campaign import read_campaign
+    from cylcontact.fitting import read_campaign
 
     given = _given(asdict(law) | asdict(options))
     if not is_table(path):
@@ -180,7 +179,7 @@ def _table(
     path: Path, given: dict[str, Any], search: SearchOptions, optimizer: str | None = None
 ) -> MeasuredTable:
     """Return a table with the options for it."""
-    from cylcontact.fitting.campaign import read_table
+    from cylcontact.fitting.table_campaign import read_table
 
     require_file(path, TABLE_BYTES)
     if "contact" not in given and OF_PIN_AND_HOLE & {*given}:
@@ -247,6 +246,104 @@ def choose(
             choice = choose_law(measured, law or (), progress)
         write_choice(choice, folder)
     show(joined([str(choice), f"written to {folder}: {', '.join(CHOICE_FILES)}"], "\n\n"))
+
+
+@expand_options
+def design(
+    data: Annotated[Path, typer.Argument(help="A table, .csv, .txt, .xlsx or .parquet.")],
+    *,
+    law: LawOption,
+    loads: Annotated[
+        str,
+        typer.Option("--loads", help="Loads that can be taken, in N/mm.", metavar="LOW:HIGH"),
+    ],
+    add: Annotated[
+        int, typer.Option("--add", help="Readings to add.", parser=integer_from(1), metavar="N")
+    ] = 5,
+    parameter: Annotated[
+        str | None, typer.Option("--parameter", help="The one that counts; all by default.")
+    ] = None,
+    clearances: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--dR-choices",
+            help="Clearances that can be taken, in mm.",
+            metavar="DR[,...]",
+            callback=split,
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="A folder for the picture and its table.")
+    ] = None,
+    table: TableOptions,
+) -> None:
+    """Fit a law to a table, and say which further readings would narrow its intervals most."""
+    from cylcontact.fitting import fit_table
+    from cylcontact.reports.fit_folder import write_design
+
+    if not is_table(data):
+        rule, remedy = "is not a table", "name a table of measurements"
+        raise InputError(str(data), "", None, rule, remedy)
+    ends = _numbers(loads.split(":"))
+    if ends is None or len(ends) != 2 or not 0 < ends[0] < ends[1]:
+        rule, remedy = "must be two positive loads in N/mm", "e.g. --loads 5:400"
+        raise InputError(str(data), "--loads", loads, rule, remedy)
+    if out is not None:
+        require_writable(*(out / name for name in DESIGN_FILES))
+    plan = _table(data, _given(asdict(law) | asdict(table)), SearchOptions())
+    with progress_bars() as progress:
+        fitted = fit_table(plan.campaign(plan.spec.law), 1, progress)
+    chosen = fitted.design(
+        np.geomspace(ends[0], ends[1], _DESIGN_LOADS),
+        add,
+        dR=numbers("--dR-choices", clearances) or None,
+        parameter=parameter,
+    )
+    parts = [str(chosen)]
+    if out is not None:
+        write_design(chosen, out)
+        parts.append(f"written to {out}: {', '.join(DESIGN_FILES)}")
+    show(joined(parts, "\n\n"))
+
+
+def predict(
+    result: Annotated[
+        Path, typer.Argument(help="A fit to a table, e.g. results/NAME/result.json.")
+    ],
+    *,
+    load: Annotated[
+        list[str],
+        typer.Option("--load", help='A load with its unit, e.g. "4500 N"; may be repeated.'),
+    ],
+    level: Annotated[
+        float | None, typer.Option("--level", help="Level of the bands; 0.95 by default.", **NUMBER)
+    ] = None,
+    law: Annotated[
+        str | None, typer.Option("--law", help="Your own function again, if the law is one.")
+    ] = None,
+) -> None:
+    """Predict readings of the penetration with their bands, in the units of the table."""
+    from cylcontact.fitting import DataFit
+
+    fit = DataFit.read(result)
+    fit = fit if law is None else fit.with_law(law)
+    table = fit.predict(load, 0.95 if level is None else level)
+    beyond = table.pop("beyond")
+    own = [
+        name
+        for name in map(str, table)
+        if not name.startswith("curve") and not name.endswith("_mm")
+    ]
+    shown = table[own] if len(own) > 1 else table
+    notes = []
+    if beyond.any():
+        loads = fit.optimum.fit.data.load
+        rows = ", ".join(str(k + 1) for k in np.flatnonzero(beyond))
+        notes = [
+            f"! beyond the readings, which reach from {loads.min():g} to {loads.max():g} N/mm: "
+            f"row {rows}"
+        ]
+    show(joined([frame_table(shown, index=False), *notes], "\n\n"))
 
 
 def _columns(source: str, texts: list[str]) -> dict[str, str]:

@@ -61,10 +61,9 @@ def study_uncertainty(
     out: Path | None,
 ) -> None:
     """Estimate the uncertainty of a fit: noise of measurements, or discrepancy of laws."""
-    from cylcontact.fitting import FitResult
-    from cylcontact.fitting.report import discrepancy_text, noise_text
-    from cylcontact.fitting.uncertainty.discrepancy import DiscrepancyStudy, study_discrepancy
-    from cylcontact.fitting.uncertainty.study import NoiseStudy, Resampling, study_noise
+    from cylcontact.fitting import DataFit, FitResult, LawFit
+    from cylcontact.fitting.discrepancy import DiscrepancyStudy, study_discrepancy
+    from cylcontact.fitting.study import NoiseStudy, Resampling, study_noise
 
     level = 0.95 if options.level is None else options.level
     bootstrap, over, leave_out = options.bootstrap, options.over, options.leave_out
@@ -72,7 +71,7 @@ def study_uncertainty(
     fit = FitResult.read(result)
     study: NoiseStudy | DiscrepancyStudy
     with progress_bars() as progress:
-        if fit.kind == "noise":
+        if isinstance(fit, DataFit):
             study = study_noise(
                 fit,
                 level=level,
@@ -83,8 +82,7 @@ def study_uncertainty(
                 jobs=where,
                 progress=progress,
             )
-            text = noise_text(study)
-        else:
+        elif isinstance(fit, LawFit):
             if bootstrap is not None:
                 raise InputError(
                     str(result),
@@ -100,9 +98,8 @@ def study_uncertainty(
                 jobs=where,
                 progress=progress,
             )
-            text = discrepancy_text(study, fit)
     _write(study, out)
-    show(joined([text, *([f"written to {out}"] if out else [])], "\n\n"))
+    show(joined([str(study), *([f"written to {out}"] if out else [])], "\n\n"))
 
 
 def _require_study(

@@ -118,6 +118,7 @@ class MeasuredData(Spec):
     labels: dict[str, list[str]] = Field(description="columns of words")
     notes: list[str] = Field(description="remarks for the report")
     steps: list[str] = Field([], description="what was done to the table")
+    units: dict[str, str] = Field({}, description="the units of load and penetration in the table")
 
 
 @dataclass(frozen=True, eq=False)
@@ -406,6 +407,7 @@ def _measured_data(
         },
         notes=notes,
         steps=table.steps,
+        units={c.quantity: c.unit for c in columns if c.quantity in ("load", "penetration")},
     )
 
 

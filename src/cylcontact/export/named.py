@@ -14,7 +14,7 @@ from cylcontact.laws.user import user_law
 from cylcontact.pair import Contact
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.result import FitResult
+    from cylcontact.fitting.results import FitResult
 
 # `find_law` accepts the name of a law without a closed form too, and `exported` reports that.
 EXPORTABLE = tuple(name for name, law in LAWS.items() if formula_of(law(), "internal") is not None)
@@ -62,8 +62,7 @@ def _exists(path: str) -> bool:
 
 def _from_result(path: str, contact: Contact | None) -> FoundLaw:
     """Return the law of a fit result."""
-    from cylcontact.fitting.law_models import law_of
-    from cylcontact.fitting.result import FitResult
+    from cylcontact.fitting.results import FitResult
 
     result = FitResult.read(path)
     if contact not in (None, result.contact):
@@ -74,7 +73,7 @@ def _from_result(path: str, contact: Contact | None) -> FoundLaw:
             f"contradicts --contact {contact}",
             "leave --contact out, or name a result for that contact",
         )
-    return FoundLaw(law_of(result, path), result.contact, _origin(result))
+    return FoundLaw(result.to_law(path), result.contact, _origin(result))
 
 
 def _origin(result: FitResult) -> str:

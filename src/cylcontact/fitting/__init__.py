@@ -1,23 +1,27 @@
-"""Calibration: from a campaign to the coefficients, and what they are worth."""
+"""Fits of a law: to another law on a grid, or to readings, and what the coefficients are worth."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.assessment import verdicts
     from cylcontact.fitting.calibration import calibrate
-    from cylcontact.fitting.campaign import Campaign, campaign_of_table, read_campaign
+    from cylcontact.fitting.campaign import Campaign
     from cylcontact.fitting.choice import Choice
+    from cylcontact.fitting.comparison import compare
     from cylcontact.fitting.own_data import choose, fit
     from cylcontact.fitting.power_fit import PowerFit, fit_power, fit_power_to_law
-    from cylcontact.fitting.report import compare
-    from cylcontact.fitting.result import FitResult
+    from cylcontact.fitting.results import DataFit, FitResult, LawFit
+    from cylcontact.fitting.table_campaign import TableCampaign, campaign_of_table, read_campaign
+    from cylcontact.fitting.table_fit import fit_table
 
 __all__ = [
     "Campaign",
     "Choice",
+    "DataFit",
     "FitResult",
+    "LawFit",
     "PowerFit",
+    "TableCampaign",
     "calibrate",
     "campaign_of_table",
     "choose",
@@ -25,25 +29,28 @@ __all__ = [
     "fit",
     "fit_power",
     "fit_power_to_law",
+    "fit_table",
     "read_campaign",
-    "verdicts",
 ]
 
 # Loaded on first use, so that the command line can read the names of the optimisers at once.
 _MODULES = {
     "Campaign": "campaign",
     "Choice": "choice",
-    "choose": "own_data",
-    "FitResult": "result",
+    "DataFit": "results",
+    "FitResult": "results",
+    "LawFit": "results",
     "PowerFit": "power_fit",
+    "TableCampaign": "table_campaign",
     "calibrate": "calibration",
-    "campaign_of_table": "campaign",
-    "compare": "report",
+    "campaign_of_table": "table_campaign",
+    "choose": "own_data",
+    "compare": "comparison",
     "fit": "own_data",
     "fit_power": "power_fit",
     "fit_power_to_law": "power_fit",
-    "read_campaign": "campaign",
-    "verdicts": "assessment",
+    "fit_table": "table_fit",
+    "read_campaign": "table_campaign",
 }
 
 

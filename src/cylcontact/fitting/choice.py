@@ -20,7 +20,7 @@ the laws describes them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from textwrap import fill
 from typing import TYPE_CHECKING
@@ -32,17 +32,14 @@ from threadpoolctl import threadpool_limits
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.measurements import Indices
 from cylcontact.errors import InputError
-from cylcontact.fitting.assessment import COMPLIANCE, data_warnings, describes
-from cylcontact.fitting.calibration import calibrate, problem_of
-from cylcontact.fitting.campaign import Campaign, MeasuredTable
-from cylcontact.fitting.least_squares import descend, starting_points
-from cylcontact.fitting.measured_objective import MeasuredObjective, measured
-from cylcontact.fitting.noise_model import FittedNoise
-from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.result import FitResult
-from cylcontact.fitting.uncertainty.estimates import uncertainty_of
-from cylcontact.fitting.uncertainty.information import log_likelihood, number_estimated
-from cylcontact.fitting.uncertainty.residual_model import residual_model_at, with_rows
+from cylcontact.fitting.estimates import uncertainty_of
+from cylcontact.fitting.measured import Fit
+from cylcontact.fitting.noise import FittedNoise
+from cylcontact.fitting.noise_words import COMPLIANCE, data_warnings, describes
+from cylcontact.fitting.optimum import Optimum
+from cylcontact.fitting.results import DataFit
+from cylcontact.fitting.table_campaign import MeasuredTable, TableCampaign
+from cylcontact.fitting.table_fit import fit_table
 from cylcontact.housing_spec import takes_housing
 from cylcontact.laws import LAW_TYPES
 from cylcontact.pair import Contact
@@ -53,7 +50,7 @@ from cylcontact.text_tables import joined, text_table
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Choice", "RankedLaw", "choose_law", "laws_for"]
+    from cylcontact.plots.figure import Drawing
 
 # Starts of each fit; the usual start is one of them.
 _STARTS = 3
@@ -74,10 +71,8 @@ class RankedLaw:
     ----------
     law : str
         Its name.
-    problem : Problem
-        The problem solved.
-    point : array of float, shape (k,)
-        The best free parameters.
+    optimum : Optimum
+        The fit.
     aicc : float
         Its information criterion.
     errors : array of float, shape (m,)
@@ -87,8 +82,7 @@ class RankedLaw:
     """
 
     law: str
-    problem: Problem
-    point: FloatArray
+    optimum: Optimum
     aicc: float
     errors: FloatArray
     sizes: FloatArray
@@ -96,13 +90,11 @@ class RankedLaw:
     @property
     def compliance(self) -> tuple[float, float]:
         """The compliance in mm/(N/mm) and its standard error, NaN where it has none."""
-        names = [p.name for p in self.problem.free]
+        names = self.optimum.fit.names
         if "compliance" not in names:
-            return self.problem.coefficients(self.point).get("compliance", np.nan), np.nan
+            return self.optimum.best.get("compliance", np.nan), np.nan
         place = names.index("compliance")
-        covariance = residual_model_at(self.problem, self.point).covariance
-        error = np.nan if covariance is None else float(np.sqrt(covariance[place, place]))
-        return float(self.point[place]), error
+        return float(self.optimum.point[place]), float(self.optimum.errors[place])
 
     @property
     def cv_error(self) -> float:
@@ -184,7 +176,7 @@ class Choice:
         compliances = [law.compliance for law in self.laws]
         rows = [
             {
-                "parameters": number_estimated(law.problem),
+                "parameters": law.optimum.estimated,
                 "aicc": law.aicc,
                 "aicc_behind": behind[k],
                 "weight": weight[k] / weight.sum(),
@@ -208,22 +200,32 @@ class Choice:
         is_worse = law.aicc - self.best.aicc > _AICC and law.behind(self.best) > _STANDARD_ERRORS
         return "worse" if is_worse else "undecided"
 
-    def fit(self, law: str = "", jobs: int = 1) -> FitResult:
+    def fit(self, law: str = "", jobs: int = 1) -> DataFit:
         """Return the fit of a law, by default of the best, with its intervals."""
-        return calibrate(_campaign(self.data, law or self.best.law), jobs)
+        return fit_table(_campaign(self.data, law or self.best.law), jobs)
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the data with the best laws; return the axes."""
-        from cylcontact.fitting import drawings
+        from cylcontact.fitting import pictures
 
-        return drawings.plot_choice(self, ax)
+        return pictures.plot_choice(self._optima, ax)
+
+    def drawing(self) -> Drawing:
+        """Return a figure of the data with the best laws, and beneath both less the best law."""
+        from cylcontact.fitting import pictures
+
+        return pictures.choice_drawing(self.data.name, self._optima, self.table)
+
+    @property
+    def _optima(self) -> dict[str, Optimum]:
+        return {law.law: law.optimum for law in self.laws}
 
     def summary(self) -> str:
         """Return the report as text."""
         return str(self)
 
     def __str__(self) -> str:
-        unit = _unit(measured(self.best.problem))
+        unit = _unit(self.best.optimum.fit)
         criteria = ("AICc", "behind", "weight", f"CV error, {unit}")
         head = ("", "parameters", *criteria, "compliance, mm/(N/mm)", "verdict")
         factor = 100 if unit == "%" else 1
@@ -245,7 +247,7 @@ class Choice:
         notes += [f"- {note}" for note in self._on_datum()]
         notes += [f"- {law}: {why}" for law, why in self.left_out.items()]
         items = (fill(note, 100, subsequent_indent="  ") for note in notes)
-        count = len(measured(self.best.problem).data)
+        count = len(self.data.measurements)
         title = f"{brief(self.data.name)}: {len(self.laws)} laws fitted to {count:,} measurements"
         return joined([title, "", text_table(head, rows), *items])
 
@@ -299,13 +301,13 @@ def listed_with_and(names: Sequence[str]) -> str:
     return f"{', '.join(first)} and {more}"
 
 
-def _unit(objective: MeasuredObjective) -> str:
+def _unit(fit: Fit) -> str:
     """Return the unit of residuals."""
-    if objective.is_log:
+    if fit.is_log:
         return "%"
-    if objective.noise is not None or objective.has_sigma:
+    if fit.noise is not None or fit.has_sigma:
         return "std. dev."
-    return "N/mm" if objective.of_load else "mm"
+    return "N/mm" if fit.of_load else "mm"
 
 
 def _with_error(factor: float, value: float, error: float) -> str:
@@ -366,14 +368,14 @@ def choose_law(
     # Without names the laws that know the housing are one curve: the reference stands for them.
     known = ["conformal"] if spec.housing is not None else []
     chosen = list(names) or known + laws_for(data.contact, len(data.groups("pair")[0]))
-    fitted: list[tuple[str, Problem, FloatArray, float]] = []
+    fitted: dict[str, tuple[float, Optimum]] = {}
     left_out: dict[str, str] = {}
     for number, name in enumerate(chosen):
         progress("fitting", number, len(chosen))
         try:
             # Matrices this small are slower on several threads.
             with threadpool_limits(limits=1):
-                fitted.append((name, *_fitted(_campaign(table, name, starts=_STARTS))))
+                optimum = _fitted(_campaign(table, name, starts=_STARTS))
         except InputError as error:
             if names:
                 raise
@@ -382,48 +384,50 @@ def choose_law(
             )
             left_out[name] = f"left out: {where}: {error.rule}".replace(": : ", ": ")
             continue
-        k = number_estimated(fitted[-1][1])
+        k = optimum.estimated
         if len(data) <= k + 1:
             left_out[name] = (
                 f"left out: {len(data)} readings are too few to rank it, which estimates {k} "
                 f"numbers; AICc needs {k + 2}"
             )
-            fitted.pop()
+            continue
+        fitted[name] = _aicc(optimum, table.source), optimum
     progress("fitting", len(chosen), len(chosen))
     _require_some(fitted, left_out, table, "measure more, or hold some (--fix compliance=0)")
-    parts, words = _parts(measured(fitted[0][1]), spec.seed)
+    parts, words = _parts(next(iter(fitted.values()))[1].fit, spec.seed)
     missed = {}
-    for name, problem, point, _ in fitted:
+    for name, (_, optimum) in list(fitted.items()):
         with threadpool_limits(limits=1):
-            missed[name] = _missed(problem, point, parts)
+            missed[name] = _missed(optimum, parts)
         if not np.isfinite(missed[name]).all():
             left_out[name] = (
                 "left out: cannot be cross-validated: a fit to some of the readings has no value "
                 "at others, as its curve ends before them or passes below 0"
             )
-    fitted = [each for each in fitted if each[0] not in left_out]
+            del fitted[name]
     _require_some(
         fitted, left_out, table, "look at the readings: a kink, an outlier or a few only?"
     )
-    fitted.sort(key=lambda each: each[-1])
+    order = sorted(fitted, key=lambda name: fitted[name][0])
+    best = fitted[order[0]][1]
     # Deviations are those of the best law's noise model, so that the errors of laws compare.
-    noise = measured(fitted[0][1]).noise
+    noise = best.fit.noise
     scale = np.ones(len(data)) if noise is None else noise.whitening.scale
     sizes = np.array([float(part.size) for part in parts])
     ranked = []
-    for name, problem, point, aicc in fitted:
+    for name in order:
         squares = (missed[name] / scale) ** 2
         errors = as_floats([squares[part].mean() for part in parts])
-        ranked.append(RankedLaw(name, problem, point, aicc, errors, sizes))
-    best = ranked[0]
+        aicc, optimum = fitted[name]
+        ranked.append(RankedLaw(name, optimum, aicc, errors, sizes))
     with threadpool_limits(limits=1):
-        uncertainty = uncertainty_of(best.problem, best.problem.coefficients(best.point))
-    told = tuple(data_warnings(uncertainty))
-    return Choice(table, tuple(ranked), left_out, words, told, describes(uncertainty))
+        uncertainty = uncertainty_of(best)
+    warnings = tuple(data_warnings(uncertainty))
+    return Choice(table, tuple(ranked), left_out, words, warnings, describes(uncertainty))
 
 
 def _require_some(
-    fitted: Sequence[object], left_out: dict[str, str], table: MeasuredTable, remedy: str
+    fitted: Mapping[str, object], left_out: dict[str, str], table: MeasuredTable, remedy: str
 ) -> None:
     """Refuse measurements to which no law is left, with the reason of the first."""
     if not fitted:
@@ -432,7 +436,7 @@ def _require_some(
         raise InputError(table.source, "", None, rule, remedy)
 
 
-def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> Campaign:
+def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> TableCampaign:
     """Return the campaign of a law with offset and, in an unknown housing, compliance free."""
     if starts is not None:
         table = replace(table, spec=table.spec.model_copy(update={"starts": starts}))
@@ -441,10 +445,10 @@ def _campaign(table: MeasuredTable, law: str, starts: int | None = None) -> Camp
     return table.campaign(law, [name for name in freed if name not in table.spec.named])
 
 
-def _parts(objective: MeasuredObjective, seed: int) -> tuple[list[Indices], str]:
+def _parts(fit: Fit, seed: int) -> tuple[list[Indices], str]:
     """Return the parts of the data that are left out in turn, and what they are."""
-    data = objective.data
-    if "group" in data.data.labels and objective.noise is None:
+    data = fit.data
+    if "group" in data.data.labels and fit.noise is None:
         names, index = data.groups("group")
         if len(names) >= _FEWEST_SERIES:
             return [np.flatnonzero(index == k) for k in range(len(names))], f"{len(names)} series"
@@ -453,51 +457,46 @@ def _parts(objective: MeasuredObjective, seed: int) -> tuple[list[Indices], str]
     return [np.sort(part) for part in np.array_split(order, number)], f"{number} parts of the rows"
 
 
-def _fitted(campaign: Campaign) -> tuple[Problem, FloatArray, float]:
-    """Return the problem of a law, its best point, and its AICc."""
-    problem, _ = problem_of(campaign, 1, silent)
-    starts = starting_points(problem, campaign.nominal, _STARTS, campaign.spec.seed)
-    minima = [descend(problem, start, most=1)[:2] for start in starts]
-    point = descend(problem, min(minima, key=lambda minimum: minimum[1])[0])[0]
-    likelihood = log_likelihood(problem, point)
+def _fitted(campaign: TableCampaign) -> Optimum:
+    """Return the fit of a law."""
+    fit = campaign.fit()
+    starts = fit.starts(campaign.nominal, _STARTS, campaign.spec.seed)
+    first = min((fit.minimise(start, most=1) for start in starts), key=lambda end: end.value)
+    return Optimum(fit, fit.minimise(first.point).point)
+
+
+def _aicc(optimum: Optimum, source: str) -> float:
+    """Return the information criterion of a fit."""
+    likelihood = optimum.log_likelihood
     if likelihood is None:
-        raise InputError(
-            campaign.source,
-            "loss",
-            None,
-            "leaves no likelihood to rank laws by",
-            "compare them by least squares",
-        )
-    k, N = number_estimated(problem), len(measured(problem).data)
-    # With N ≤ k + 1 it is undefined, and the law is not ranked.
-    return problem, point, 2 * k - 2 * likelihood + 2 * k * (k + 1) / max(N - k - 1, 1)
+        rule, remedy = "leaves no likelihood to rank laws by", "compare them by least squares"
+        raise InputError(source, "loss", None, rule, remedy)
+    k, N = optimum.estimated, len(optimum.fit.data)
+    return 2 * k - 2 * likelihood + 2 * k * (k + 1) / (N - k - 1)
 
 
-def _missed(problem: Problem, start: FloatArray, parts: Sequence[Indices]) -> FloatArray:
+def _missed(optimum: Optimum, parts: Sequence[Indices]) -> FloatArray:
     """Return by how much each reading is missed by a fit without its part, shape (N,).
 
     In mm with a noise model, else in the unit of the residuals.
     """
-    objective = measured(problem)
-    missed = np.empty(len(objective.data))
+    fit, missed = optimum.fit, np.empty(len(optimum.fit.data))
     for part in parts:
-        rest = with_rows(problem, np.setdiff1d(np.arange(missed.size), part))
-        point, _, _ = descend(rest, start, most=1)
-        form = problem.form(point[None, :])
-        if objective.noise is None:
-            missed[part] = objective.raw(form)[0][part]
+        rest = fit.take(np.setdiff1d(np.arange(missed.size), part))
+        point = rest.minimise(optimum.point, most=1).point
+        if fit.noise is None:
+            missed[part] = fit.raw(point[None, :])[0][part]
         else:
-            difference = objective.differences(form)[0] + _of_series(rest, point, objective.noise)
+            difference = fit.differences(point[None, :])[0] + _of_series(rest, point, fit.noise)
             missed[part] = difference[part]
     return missed
 
 
-def _of_series(rest: Problem, point: FloatArray, noise: FittedNoise) -> FloatArray:
+def _of_series(rest: Fit, point: FloatArray, noise: FittedNoise) -> FloatArray:
     """Return what the series add to all readings in mm, estimated from a part of them."""
-    covariance, known = noise.covariance, measured(rest).noise
-    if not covariance.model.effects or known is None:
+    covariance, estimated = noise.covariance, Optimum(rest, point).series
+    if estimated is None or rest.noise is None:
         return np.zeros(covariance.load.size)
-    estimated = known.series_effects(measured(rest).differences(rest.form(point[None, :]))[0])
-    effects = np.zeros((int(covariance.series.max()) + 1, len(covariance.model.effects)))
-    effects[np.unique(known.covariance.series)] = estimated
+    effects = np.zeros((int(covariance.series.max()) + 1, len(noise.effects)))
+    effects[np.unique(rest.noise.covariance.series)] = estimated
     return as_floats((covariance.columns * effects[covariance.series]).sum(axis=1))

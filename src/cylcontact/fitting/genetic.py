@@ -23,7 +23,7 @@ from numpy.random import RandomState
 from numpy.typing import NDArray
 
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
-from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.problem import ParameterSpace
 
 __all__ = ["CROSSOVERS", "ELITE", "OPERATORS", "Search", "WholePopulations", "mutate", "search"]
 
@@ -57,13 +57,13 @@ class Search:
 
 
 def search(
-    problem: Problem, population: int, generations: int, crossover: str, seed: int
+    problem: ParameterSpace, population: int, generations: int, crossover: str, seed: int
 ) -> Search:
     """Search a problem genetically.
 
     Parameters
     ----------
-    problem : Problem
+    problem : Problem or Fit
         What to minimise.
     population, generations : int
         Size of the population and number of generations.

@@ -13,10 +13,10 @@ the factor. A power law, whose constants nobody knows, is fitted with all of the
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from cylcontact.errors import InputError
 from cylcontact.housing_spec import HousingSpec, in_housing
@@ -26,9 +26,6 @@ from cylcontact.laws.housing import Housing
 from cylcontact.laws.law import Coefficients, LawModel, Parameter
 from cylcontact.laws.user import UserFunction, UserLaw
 from cylcontact.pair import Contact
-
-if TYPE_CHECKING:
-    from cylcontact.fitting.result import FitResult
 
 MODELS: dict[tuple[str, Contact], LawModel] = {
     (m.law, m.contact): m for law in LAW_TYPES for m in law.models()
@@ -105,12 +102,6 @@ def for_measurements(model: LawModel, free: Collection[str], named: Collection[s
     if not any(p.stiffness for p in held):
         usual.add("stiffness_factor")
     return with_rig(replace(model, parameters=held), {*usual, *free, *named})
-
-
-def _without_rig(model: LawModel, coefficients: Coefficients) -> dict[str, float]:
-    """Return the coefficients of the contact, without the offset and compliance of the rig."""
-    rig = {"offset", "compliance"} - {*model.names}
-    return {name: value for name, value in coefficients.items() if name not in rig}
 
 
 def model_of(law: str, contact: Contact, source: str) -> LawModel:
@@ -223,34 +214,28 @@ def is_user_law(law: str) -> bool:
     return ":" in law
 
 
-def law_of(result: FitResult, source: str = "") -> ContactLaw:
-    """Return the fitted law of the contact, without the offset and compliance of the rig.
-
-    Parameters
-    ----------
-    result : FitResult
-        A fit on a grid or to measurements.
-    source : str, optional
-        The result's file, for error messages; by default its name.
+def fitted_law(
+    law: str,
+    contact: Contact,
+    coefficients: Coefficients,
+    housing: Mapping[str, Any] | None,
+    source: str,
+) -> ContactLaw:
+    """Return the law of the contact with fitted coefficients, less the rig's offset and compliance.
 
     Raises
     ------
     InputError
         If the law is a Python function of the user's own.
     """
-    if is_user_law(result.law):
-        raise InputError(
-            source or result.name,
-            "law",
-            result.law,
-            "is a Python function of your own, and this needs a law of the package",
-            "fit a law of the package, e.g. explicit",
-        )
-    housing = result.settings["campaign"].get("housing")
+    if is_user_law(law):
+        rule = "is a Python function of your own, and this needs a law of the package"
+        remedy = "fit a law of the package, e.g. explicit"
+        raise InputError(source, "law", law, rule, remedy)
     if housing is None:
-        model = model_of(result.law, result.contact, source or result.name)
+        model = model_of(law, contact, source)
     else:
-        known = HousingSpec(**housing).housing
-        model = housed_model(result.law, result.contact, known, source or result.name)
-    contact = _without_rig(model, result.coefficients)
-    return with_rig(model, contact).build(contact)
+        model = housed_model(law, contact, HousingSpec(**housing).housing, source)
+    rig = {"offset", "compliance"} - {*model.names}
+    of_contact = {name: value for name, value in coefficients.items() if name not in rig}
+    return with_rig(model, of_contact).build(of_contact)

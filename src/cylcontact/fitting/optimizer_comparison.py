@@ -5,14 +5,17 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from statistics import median
 
-from cylcontact.fitting.assessment import SAME_BASIN, same_basin
-from cylcontact.fitting.calibration import problem_of, search_all
+from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import Campaign
 from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed
+from cylcontact.fitting.problem import ParameterSpace
 from cylcontact.fitting.records import RunRecord
+from cylcontact.fitting.results import SAME_BASIN, same_basin
+from cylcontact.fitting.runs import run_all, searches
+from cylcontact.fitting.table_campaign import TableCampaign
 from cylcontact.parallel import Workers
 from cylcontact.progress import Progress, silent
 from cylcontact.text_tables import TextTable, text_table
@@ -55,7 +58,7 @@ class OptimizerRuns:
 
 
 def compare_optimizers(
-    campaign: Campaign,
+    campaign: Campaign | TableCampaign,
     optimizers: Collection[str] = OPTIMIZERS,
     jobs: Workers = 1,
     progress: Progress = silent,
@@ -64,7 +67,7 @@ def compare_optimizers(
 
     Parameters
     ----------
-    campaign : Campaign
+    campaign : Campaign or TableCampaign
         From `read_campaign`; its own optimiser is ignored.
     optimizers : collection of str
         Some of `OPTIMIZERS`.
@@ -84,15 +87,20 @@ def compare_optimizers(
     """
     for optimizer in optimizers:
         require_installed(optimizer, campaign.source)
-    problem, _ = problem_of(campaign, jobs, progress)
+    problem: ParameterSpace
+    if isinstance(campaign, TableCampaign):
+        problem = campaign.fit()
+    else:
+        problem, _ = problem_of(campaign, jobs, progress)
+    spec = campaign.spec
     compared = []
     for optimizer in optimizers:
-        spec = campaign.spec.model_copy(update={"optimizer": optimizer})
 
         def report(_: str, done: int, total: int, name: str = optimizer) -> None:
             progress(name, done, total)
 
-        records = search_all(problem, replace(campaign, spec=spec), jobs, report)
+        calls = searches(problem, optimizer, spec.genetic, spec.seed, campaign.source)
+        records = run_all(calls, jobs, report, None, False)
         compared.append(OptimizerRuns(optimizer, tuple(records)))
     return compared
 

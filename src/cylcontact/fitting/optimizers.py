@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from cylcontact.fitting.genetic import Search
-    from cylcontact.fitting.problem import Problem
+    from cylcontact.fitting.problem import ParameterSpace
 
     # From problem, population, generations, crossover and seed.
-    _Search = Callable[[Problem, int, int, str | None, int], Search]
+    _Search = Callable[[ParameterSpace, int, int, str | None, int], Search]
     # Restarts with this population until the budget raises an error.
     _Restarts = Callable[["EvaluationBudget", int, np.random.Generator], None]
 
@@ -87,7 +87,7 @@ def budget_of(population: int, generations: int) -> int:
 
 
 def search(
-    problem: Problem,
+    problem: ParameterSpace,
     optimizer: str,
     population: int,
     generations: int,
@@ -98,7 +98,7 @@ def search(
 
     Parameters
     ----------
-    problem : Problem
+    problem : Problem or Fit
         What to minimise.
     optimizer : str
         One of `OPTIMIZERS`.
@@ -140,7 +140,7 @@ def require_installed(optimizer: str, source: str) -> None:
 
 
 def _genetic(
-    problem: Problem, population: int, generations: int, crossover: str | None, seed: int
+    problem: ParameterSpace, population: int, generations: int, crossover: str | None, seed: int
 ) -> Search:
     """Search by PyGAD."""
     from cylcontact.fitting import genetic
@@ -148,7 +148,7 @@ def _genetic(
     return genetic.search(problem, population, generations, crossover or "blend", seed)
 
 
-def _random(problem: Problem, population: int, _: int, __: str | None, seed: int) -> Search:
+def _random(problem: ParameterSpace, population: int, _: int, __: str | None, seed: int) -> Search:
     """Return the best of a population of random points, from which the polish descends."""
     from cylcontact.fitting.genetic import Search
     from cylcontact.fitting.polish import scatter
@@ -167,7 +167,7 @@ class EvaluationBudget:
 
     Parameters
     ----------
-    problem : Problem
+    problem : Problem or Fit
         What to minimise.
     budget : int
         Candidates that may be evaluated; the last one raises `BudgetSpentError`.
@@ -184,7 +184,7 @@ class EvaluationBudget:
         Its objective.
     """
 
-    def __init__(self, problem: Problem, budget: int) -> None:
+    def __init__(self, problem: ParameterSpace, budget: int) -> None:
         self.size = len(problem.free)
         self.spent = 0
         self.point = (problem.low + problem.high) / 2
@@ -224,7 +224,7 @@ def _within_budget(restart: _Restarts) -> _Search:
     """Return the search that restarts until it has spent the budget of a genetic run."""
 
     def search_within_budget(
-        problem: Problem, population: int, generations: int, _: str | None, seed: int
+        problem: ParameterSpace, population: int, generations: int, _: str | None, seed: int
     ) -> Search:
         from cylcontact.fitting.genetic import Search
 

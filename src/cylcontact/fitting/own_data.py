@@ -11,14 +11,12 @@ import pandas as pd
 
 from cylcontact.datasets.measurements import Constants
 from cylcontact.errors import InputError
-from cylcontact.fitting.calibration import calibrate
-from cylcontact.fitting.campaign import MeasuredTable, read_table
 from cylcontact.fitting.choice import Choice, choose_law
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.results import DataFit
+from cylcontact.fitting.table_campaign import MeasuredTable, read_table
+from cylcontact.fitting.table_fit import fit_table
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.parallel import Workers
-
-__all__ = ["choose", "constants_of", "fit"]
 
 
 def fit(
@@ -33,7 +31,7 @@ def fit(
     bounds: Mapping[str, tuple[float, float]] | None = None,
     jobs: Workers = 1,
     **settings: Any,
-) -> FitResult:
+) -> DataFit:
     """Fit a law to measurements.
 
     Parameters
@@ -64,7 +62,7 @@ def fit(
 
     Returns
     -------
-    FitResult
+    DataFit
 
     Raises
     ------
@@ -84,7 +82,7 @@ def fit(
     {'value': 1.0008..., 'standard_error': 0.0043...}
     """
     settings |= _parameters(free, fixed, bounds)
-    return calibrate(_table(data, law, pair, contact, constants, settings).campaign(law), jobs)
+    return fit_table(_table(data, law, pair, contact, constants, settings).campaign(law), jobs)
 
 
 def choose(

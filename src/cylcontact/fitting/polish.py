@@ -18,7 +18,7 @@ from scipy.optimize import linprog
 
 from cylcontact.arrays import FloatArray, IndexArray, as_floats
 from cylcontact.fitting.objectives import Largest, RmsLogPenetration, RootMeanSquare
-from cylcontact.fitting.problem import Problem
+from cylcontact.fitting.problem import ParameterSpace
 from cylcontact.fitting.samples import PowerForm
 
 __all__ = ["central_differences", "descend", "minimise", "minimise_largest", "polish", "scatter"]
@@ -55,13 +55,13 @@ _Residuals = Callable[[FloatArray], FloatArray]
 
 
 def polish(
-    problem: Problem, start: FloatArray, precision: float = 1e-14
+    problem: ParameterSpace, start: FloatArray, precision: float = 1e-14
 ) -> tuple[FloatArray, float]:
     """Descend from a point to a local minimum, and restart until that gains nothing.
 
     Parameters
     ----------
-    problem : Problem
+    problem : Problem or Fit
         What to minimise.
     start : array of float, shape (k,)
         Free parameters within their bounds.
@@ -87,12 +87,12 @@ def polish(
     return point, value
 
 
-def minimise(problem: Problem, start: FloatArray, seed: int = 0) -> tuple[FloatArray, float]:
+def minimise(problem: ParameterSpace, start: FloatArray, seed: int = 0) -> tuple[FloatArray, float]:
     """Descend from a point and from random ones, then from beside the lowest, and return it.
 
     Parameters
     ----------
-    problem : Problem
+    problem : Problem or Fit
         What to minimise.
     start : array of float, shape (k,)
         Free parameters within their bounds.
@@ -129,12 +129,12 @@ def minimise(problem: Problem, start: FloatArray, seed: int = 0) -> tuple[FloatA
             return polish(problem, point)
 
 
-def scatter(problem: Problem, rng: np.random.Generator, number: int) -> FloatArray:
+def scatter(problem: ParameterSpace, rng: np.random.Generator, number: int) -> FloatArray:
     """Return random points between the bounds, shape (number, k)."""
     return rng.uniform(problem.low, problem.high, (number, len(problem.free)))
 
 
-def affordable_starts(problem: Problem) -> int:
+def affordable_starts(problem: ParameterSpace) -> int:
     """Return how many random starts a polish can afford."""
     objective = problem.objective
     if problem.model.power_form is None or not isinstance(objective, _SLOPED):
@@ -142,7 +142,9 @@ def affordable_starts(problem: Problem) -> int:
     return min(_STARTS, _SLOPES // (len(problem.free) * objective.size))
 
 
-def climb_down(problem: Problem, points: FloatArray, held: Collection[int] = ()) -> FloatArray:
+def climb_down(
+    problem: ParameterSpace, points: FloatArray, held: Collection[int] = ()
+) -> FloatArray:
     """Descend the ladder of smoothed maxima from P points, and return where it ends.
 
     A law without a maximum has no ladder. The columns `held` stay as they are.
@@ -153,13 +155,13 @@ def climb_down(problem: Problem, points: FloatArray, held: Collection[int] = ())
 
 
 def descend(
-    problem: Problem, starts: FloatArray, precision: float, held: Collection[int] = ()
+    problem: ParameterSpace, starts: FloatArray, precision: float, held: Collection[int] = ()
 ) -> tuple[FloatArray, FloatArray]:
     """Descend once from each of P points.
 
     Parameters
     ----------
-    problem : Problem
+    problem : Problem or Fit
         What to minimise.
     starts : array of float, shape (P, k)
         Free parameters within their bounds.
@@ -190,7 +192,7 @@ def descend(
 
 
 def _descend_squares(
-    problem: Problem,
+    problem: ParameterSpace,
     starts: FloatArray,
     precision: float,
     held: Collection[int],
@@ -255,7 +257,7 @@ def _descend_squares(
 
 
 def _normal_equations(
-    problem: Problem, points: FloatArray, free: IndexArray, smooth: float
+    problem: ParameterSpace, points: FloatArray, free: IndexArray, smooth: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the sum of squares, JᵀJ and Jᵀr at P points, in coordinates from 0 to 1."""
     objective = problem.objective
@@ -280,7 +282,7 @@ def _normal_equations(
 
 
 def _linearised(
-    problem: Problem, points: FloatArray, smooth: float
+    problem: ParameterSpace, points: FloatArray, smooth: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return the residuals of P points and their derivatives, shapes (P, q) and (P, k, q)."""
     form_of_law, objective = problem.model.smooth_form, problem.objective
@@ -296,7 +298,7 @@ def _linearised(
         return objective.residuals(form), slopes
 
 
-def _by_free(problem: Problem, points: FloatArray, slopes: FloatArray) -> FloatArray:
+def _by_free(problem: ParameterSpace, points: FloatArray, slopes: FloatArray) -> FloatArray:
     """Return derivatives by the free parameters from those by all, shape (P, all, m)."""
     if any(p.tie for p in problem.parameters):
         ties = central_differences(problem.complete, problem.low, problem.high, points)
@@ -306,7 +308,7 @@ def _by_free(problem: Problem, points: FloatArray, slopes: FloatArray) -> FloatA
     return slopes[:, [p.is_free for p in problem.parameters]]
 
 
-def _has_formula(problem: Problem) -> bool:
+def _has_formula(problem: ParameterSpace) -> bool:
     """Return whether the law has a formula for its slopes, and the objective can use it."""
     return problem.model.smooth_form is not None and isinstance(problem.objective, _SLOPED)
 
@@ -328,7 +330,7 @@ def central_differences(
 
 
 def _descend_largest(
-    problem: Problem, start: FloatArray, precision: float, held: Collection[int]
+    problem: ParameterSpace, start: FloatArray, precision: float, held: Collection[int]
 ) -> FloatArray:
     """Minimise the largest magnitude of the residuals within the bounds."""
     free = [column for column in range(start.size) if column not in held]

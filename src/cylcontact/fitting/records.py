@@ -1,12 +1,15 @@
-"""Parts of a fit result: its runs, its objective, and how many samples it has."""
+"""Parts of a fit result: its runs, its objective, its intervals, and how many samples it has."""
 
 from __future__ import annotations
 
+import numpy as np
 from pydantic import Field
 
 from cylcontact.spec import Spec
 
-__all__ = ["MaxDifference", "ObjectiveValue", "Published", "RunRecord", "SampleCounts"]
+# Half-widths of an interval, relative to the value, up to which a parameter is well or fairly
+# determined.
+WELL, FAIRLY = 0.02, 0.10
 
 
 class ObjectiveValue(Spec):
@@ -56,3 +59,44 @@ class RunRecord(Spec):
     coefficients: dict[str, float] = Field(description="the coefficients after the polish")
     evaluations: int = Field(description="candidates that the search evaluated")
     seconds: float = Field(description="wall-clock time")
+
+
+class Ends(Spec):
+    """The ends of an interval of a parameter."""
+
+    low: float = Field(description="the lower end")
+    high: float = Field(description="the upper end")
+    low_is_bound: bool = Field(description="whether a bound of the search cuts it off below")
+    high_is_bound: bool = Field(description="whether a bound of the search cuts it off above")
+
+    def is_at_bound(self, value: float) -> bool:
+        """Return whether a value is at an end that is a bound of the search."""
+        margin = 1e-6 * (self.high - self.low) / 2
+        return (self.low_is_bound and value - self.low <= margin) or (
+            self.high_is_bound and self.high - value <= margin
+        )
+
+
+class Interval(Ends):
+    """An interval of a parameter of a fit to readings."""
+
+    lowest: float = Field(
+        0.0, description="the lowest (S(θ) − S)/τ; below 0 there is a better optimum"
+    )
+
+
+class LeftOut(Spec):
+    """A fit without one group."""
+
+    group: str = Field(description="the group left out")
+    rows: int = Field(description="its rows")
+    coefficients: dict[str, float] = Field(description="fitted to the others")
+    own_rms: float | None = Field(
+        description="the objective of its rows with those coefficients; null if undefined"
+    )
+
+    @classmethod
+    def of(cls, group: str, rows: int, coefficients: dict[str, float], rms: float) -> LeftOut:
+        """Return the record; an objective that is not finite is none."""
+        own_rms = rms if np.isfinite(rms) else None
+        return cls(group=group, rows=rows, coefficients=coefficients, own_rms=own_rms)

@@ -13,7 +13,7 @@ from cylcontact.choices import Branch
 from cylcontact.errors import InputError
 from cylcontact.fitting.genetic import CROSSOVERS
 from cylcontact.fitting.loss import LOSSES
-from cylcontact.fitting.noise_model import NOISES
+from cylcontact.fitting.noise import NOISES
 from cylcontact.fitting.objectives import OBJECTIVES
 from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.ties import require_valid

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from cylcontact.fitting.assessment import round_off
 from cylcontact.fitting.calibration import calibrate, problem_of
-from cylcontact.fitting.campaign import campaign_from_settings
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.problem import ParameterSpace
+from cylcontact.fitting.results import FitResult, LawFit
+from cylcontact.fitting.table_campaign import TableCampaign, campaign_of
+from cylcontact.fitting.table_fit import fit_table
 from cylcontact.parallel import Workers
 from cylcontact.progress import Progress
 from cylcontact.text_tables import TextTable
@@ -97,29 +98,35 @@ def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:
         If the file is not a result.
     """
     committed = FitResult.read(path)
-    campaign = campaign_from_settings(committed.name, committed.settings, str(path))
-    problem, _ = problem_of(campaign, jobs, progress)
+    campaign = campaign_of(committed.name, committed.settings, str(path))
+    problem: ParameterSpace
+    fresh: FitResult
+    if isinstance(campaign, TableCampaign):
+        problem, fresh = campaign.fit(), fit_table(campaign, jobs, progress)
+    else:
+        problem, _ = problem_of(campaign, jobs, progress)
+        fresh = calibrate(campaign, jobs, progress)
     of_coefficients = Check(
         "objective of the coefficients",
         committed.objective.value,
         problem.value_of(committed.coefficients),
         _EXACT_TOLERANCE,
-        round_off(committed),
+        committed.round_off,
     )
-    fresh = calibrate(campaign, jobs, progress)
     return [of_coefficients, *compare_results(committed, fresh)]
 
 
 def compare_results(committed: FitResult, fresh: FitResult) -> list[Check]:
     """Compare a committed result with a fresh one."""
-    objective, exact = (committed.objective.value, fresh.objective.value), round_off(committed)
+    objective, exact = (committed.objective.value, fresh.objective.value), committed.round_off
     checks = [
         Check("objective", *objective, _OBJECTIVE_TOLERANCE, exact),
         Check("samples", committed.counts.samples, fresh.counts.samples, 0.0),
     ]
-    if committed.bound is not None and fresh.bound is not None:
-        bounds = committed.bound, fresh.bound
-        checks.append(Check("lower bound", *bounds, _EXACT_TOLERANCE, exact))
+    if isinstance(committed, LawFit) and isinstance(fresh, LawFit) and committed.bound:
+        checks.append(
+            Check("lower bound", committed.bound, fresh.bound or 0.0, _EXACT_TOLERANCE, exact)
+        )
     if committed.published and fresh.published:
         published = committed.published.objective, fresh.published.objective
         checks.append(Check("published objective", *published, _EXACT_TOLERANCE, exact))

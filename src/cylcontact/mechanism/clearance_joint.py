@@ -447,12 +447,11 @@ def _law(what: str, source: str) -> tuple[ContactLaw, str]:
             source, "law", what, "is neither a law nor a fit result",
             f"choose {', '.join(LAWS)}, module:function of your own, or the path of a result",
         )  # fmt: skip
-    from cylcontact.fitting.law_models import law_of
-    from cylcontact.fitting.result import FitResult
+    from cylcontact.fitting.results import FitResult
 
     result = FitResult.read(what)
     require(
         result.contact == "internal", source, "law", what, "is a fit to external contact",
         "name a fit for a pin in a hole",
     )  # fmt: skip
-    return law_of(result, what), f"fit result '{result.name}', fitted to {result.reference}"
+    return result.to_law(what), f"fit result '{result.name}', fitted to {result.reference}"

@@ -12,7 +12,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.results import FitResult, LawFit
 from cylcontact.materials import SHIPPED, MaterialRow, known_materials, shipped_materials
 from cylcontact.parallel import Workers
 
@@ -212,13 +212,13 @@ class Bench:
         """Return an input file of a figure, by its name in the results folder."""
         return self.noted(self.results_folder / name)
 
-    def result(self, name: str) -> FitResult:
-        """Load the fit result `NAME.json`.
+    def result(self, name: str) -> LawFit:
+        """Load the fit of a law to a law `NAME.json`.
 
         Raises
         ------
         InputError
-            If it has not been made, or is not a fit result.
+            If it has not been made, or is not such a fit.
         """
         path = self.result_file(f"{name}.json")
         if not path.is_file():
@@ -229,7 +229,7 @@ class Bench:
                 "this fit result does not exist",
                 f"make it with: cylcontact fit fitting/{name}.toml -o {path}",
             )
-        return FitResult.read(path)
+        return LawFit.read(path)
 
     def results_by_name(self) -> dict[str, FitResult]:
         """Load every fit result of the results folder, name → result.

@@ -18,9 +18,7 @@ from matplotlib.image import imsave
 from matplotlib.lines import Line2D
 
 from cylcontact.arrays import FloatArray, as_floats
-from cylcontact.fitting.measured_objective import laws_of, measured
-from cylcontact.fitting.problem import Problem
-from cylcontact.fitting.uncertainty.residual_model import ResidualModel, residual_model_at
+from cylcontact.fitting.measured import Fit
 from cylcontact.html_repr import table_html
 from cylcontact.plain_text import html
 from cylcontact.plots.figure import SCREEN_DPI, StyledFigure, new_figure
@@ -29,7 +27,7 @@ from cylcontact.plots.style import ACCENT, QUIET, figure_style
 from cylcontact.reports.notebook import require_extra
 
 if TYPE_CHECKING:
-    from cylcontact.fitting.result import FitResult
+    from cylcontact.fitting.results import DataFit
 
 __all__ = ["FitView", "explore_fit"]
 
@@ -46,7 +44,7 @@ class FitView:
 
     Attributes
     ----------
-    result : FitResult
+    result : DataFit
         Of measurements.
 
     Examples
@@ -63,17 +61,17 @@ class FitView:
     Ruled out: the objective is 5.955 times the best, above the threshold of 95 %, 1.534 times.
     """
 
-    result: FitResult
+    result: DataFit
 
     @property
-    def problem(self) -> Problem:
-        """The problem that it solves."""
-        return self.result.problem
+    def fit(self) -> Fit:
+        """The law, the readings and the noise."""
+        return self.result.optimum.fit
 
     @cached_property
     def best(self) -> dict[str, float]:
         """The fitted values of the free coefficients."""
-        return {p.name: self.result.coefficients[p.name] for p in self.problem.free}
+        return self.result.free
 
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
@@ -82,8 +80,8 @@ class FitView:
 
     def _range(self, name: str) -> tuple[float, float]:
         """Return the ends of one slider."""
-        parameter = next(p for p in self.problem.free if p.name == name)
-        estimates = self.result.uncertainty.estimates if self.result.uncertainty else {}
+        parameter = next(p for p in self.fit.free if p.name == name)
+        estimates = self.result.uncertainty.estimates
         ends = estimates[name].profile or estimates[name]
         if ends.low is None or ends.high is None:
             return parameter.low, parameter.high
@@ -99,16 +97,16 @@ class FitView:
         It is that of the joint region of all free coefficients, since the others do not follow
         when one moves; NaN if the fit has no covariance, or is exact.
         """
-        noise = self._noise
-        if noise.covariance is None or noise.is_rounding:
+        optimum = self.result.optimum
+        if optimum.covariance is None or optimum.is_rounding:
             return float("nan")
-        most = noise.threshold(self._level, range(noise.free))
-        return float(np.sqrt(1 + most * noise.unit / noise.sum_of_squares))
+        most = optimum.threshold(self.result.level, list(self.best))
+        return float(np.sqrt(1 + most * optimum.unit / optimum.sum_of_squares))
 
     def relative(self, coefficients: Mapping[str, float]) -> float:
         """Return the objective relative to the best; inf where the law is undefined."""
         best = self.result.objective.value
-        value = self.problem.value(self.problem.point(coefficients))
+        value = self.fit.value(self.fit.point(coefficients))
         return value / best if best > 0 else float("nan")
 
     def verdict(self, coefficients: Mapping[str, float]) -> str:
@@ -122,7 +120,7 @@ class FitView:
             return "The law is undefined at these values for some of the loads."
         if np.isnan(times) or np.isnan(threshold):
             return "There is no threshold: the fit is exact, or has no covariance."
-        level = f"the threshold of {100 * self._level:g} %, {threshold:.4g} times"
+        level = f"the threshold of {100 * self.result.level:g} %, {threshold:.4g} times"
         if times > threshold:
             return f"Ruled out: the objective is {times:.4g} times the best, above {level}."
         return f"Not ruled out: the objective is {times:.4g} times the best, below {level}."
@@ -133,7 +131,7 @@ class FitView:
             f"{p.name}{f', {p.unit}' if p.unit else ''}": (
                 f"{coefficients[p.name]:.5g} (best {self.best[p.name]:.5g})"
             )
-            for p in self.problem.free
+            for p in self.fit.free
         }
         times = self.relative(coefficients)
         rows[self.result.objective.name] = times * self.result.objective.value
@@ -142,7 +140,7 @@ class FitView:
 
     def readings(self, coefficients: Mapping[str, float]) -> list[FloatArray]:
         """Return the readings that each pair's curve is drawn with, in mm; NaN if undefined."""
-        (law,) = laws_of(self.problem.form(self.problem.point(coefficients)[None, :]))
+        law = self.fit.law(self.fit.point(coefficients))
         return [
             np.full_like(load, np.nan) if law is None else law.penetration(load, pair)
             for load, pair in self._loads
@@ -162,17 +160,9 @@ class FitView:
         return table["load_N_per_mm"].to_numpy(), as_floats(reading.to_numpy())
 
     @cached_property
-    def _noise(self) -> ResidualModel:
-        return residual_model_at(self.problem, self.problem.point(self.best))
-
-    @property
-    def _level(self) -> float:
-        return self.result.uncertainty.level if self.result.uncertainty else 0.95
-
-    @cached_property
     def _loads(self) -> list[tuple[FloatArray, Any]]:
         """The loads of each pair's curve, and the pair."""
-        data, curves = measured(self.problem).data, []
+        data, curves = self.fit.data, []
         names, index = data.groups("pair")
         for number in range(min(len(names), _PAIRS)):
             rows = np.flatnonzero(index == number)
@@ -229,7 +219,7 @@ class _Picture:
         return stream.getvalue()
 
 
-def explore_fit(result: FitResult) -> Any:
+def explore_fit(result: DataFit) -> Any:
     """Return sliders for the coefficients of a fit, with the data and the objective, live.
 
     Each slider reaches over the coefficient's interval, widened. The objective is compared with
@@ -237,7 +227,7 @@ def explore_fit(result: FitResult) -> Any:
 
     Parameters
     ----------
-    result : FitResult
+    result : DataFit
         Of measurements.
 
     Returns
@@ -264,7 +254,7 @@ def explore_fit(result: FitResult) -> Any:
             readout_format=".4g",
             **wide,
         )
-        for p in view.problem.free
+        for p in view.fit.free
     }
     reset = widgets.Button(description="back to the best fit")
     image, table = widgets.Image(format="png"), widgets.HTML()

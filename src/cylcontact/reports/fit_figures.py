@@ -7,8 +7,7 @@ import math
 import pandas as pd
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.assessment import basins
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.results import LawFit
 from cylcontact.plain_text import as_label
 from cylcontact.plots.arguments import add_legend
 from cylcontact.plots.figure import Drawing, new_figure
@@ -23,12 +22,12 @@ METHOD = (
 )
 
 
-def runs_table(result: FitResult) -> pd.DataFrame:
+def runs_table(result: LawFit) -> pd.DataFrame:
     """Return the runs of a result, best first.
 
     Parameters
     ----------
-    result : FitResult
+    result : LawFit
         The fit.
 
     Returns
@@ -58,12 +57,12 @@ def runs_table(result: FitResult) -> pd.DataFrame:
 
 
 @figure_style()
-def runs_drawing(result: FitResult) -> Drawing:
+def runs_drawing(result: LawFit) -> Drawing:
     """Draw the objective of every run before and after the polish, best first.
 
     Parameters
     ----------
-    result : FitResult
+    result : LawFit
         The fit.
 
     Returns
@@ -84,7 +83,7 @@ def runs_drawing(result: FitResult) -> Drawing:
     axes.set(xlabel="run, best first", ylabel=as_label(result.objective.name), ylim=0)
     axes.xaxis.get_major_locator().set_params(integer=True)
     add_legend(axes)
-    value, agreeing = basins(result)[0]
+    value, agreeing = result.basins()[0]
     caption = (
         f"The {len(table)} runs of the fit {result.name!r}, best first: {result.objective.name} "
         f"after the genetic search and after the polish. {agreeing} of them reached the best "
@@ -94,12 +93,12 @@ def runs_drawing(result: FitResult) -> Drawing:
 
 
 @figure_style()
-def profile_drawing(result: FitResult, name: str, label: str) -> Drawing:
+def profile_drawing(result: LawFit, name: str, label: str) -> Drawing:
     """Draw the best attainable objective against one coefficient.
 
     Parameters
     ----------
-    result : FitResult
+    result : LawFit
         The fit.
     name : str
         The coefficient.
@@ -141,7 +140,7 @@ def profile_drawing(result: FitResult, name: str, label: str) -> Drawing:
     return Drawing(figure, table, _headline(result, name), _caption(result, name), METHOD)
 
 
-def _headline(result: FitResult, name: str) -> dict[str, float]:
+def _headline(result: LawFit, name: str) -> dict[str, float]:
     """Return the optimum, its 1 % interval, and the rise at the published value."""
     profile = result.profiles[name]
     headline = {
@@ -156,7 +155,7 @@ def _headline(result: FitResult, name: str) -> dict[str, float]:
     return headline
 
 
-def _caption(result: FitResult, name: str) -> str:
+def _caption(result: LawFit, name: str) -> str:
     """Return the caption of a profile."""
     return (
         f"The fit {result.name!r} of the enhanced law (Eqs 5-6, {result.contact} contact) to "

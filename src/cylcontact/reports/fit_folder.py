@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from cylcontact.choices import CHOICE_FILES, FIT_FILES
+from cylcontact.choices import CHOICE_FILES, DESIGN_FILES, FIT_FILES
 from cylcontact.files import replacing_all
 from cylcontact.fitting.choice import Choice
-from cylcontact.fitting.drawings import choice_drawing, fit_drawing
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.design import Design
+from cylcontact.fitting.results import DataFit
 from cylcontact.plain_text import csv_text
 from cylcontact.plots.figure import Drawing
 from cylcontact.plots.style import JOURNAL, figure_style
 from cylcontact.reports.build import NUMBER_FORMAT, save_picture
-
-__all__ = ["write_choice", "write_fit"]
 
 
 def write_choice(choice: Choice, folder: Path) -> None:
@@ -34,16 +32,16 @@ def write_choice(choice: Choice, folder: Path) -> None:
         If the folder cannot be written to.
     """
     with figure_style():
-        drawing = choice_drawing(choice)
+        drawing = choice.drawing()
     _write(drawing, folder, CHOICE_FILES, lambda _: None)
 
 
-def write_fit(result: FitResult, folder: Path) -> None:
+def write_fit(result: DataFit, folder: Path) -> None:
     """Write a fit to measurements into a folder; on an error, write none of its files.
 
     Parameters
     ----------
-    result : FitResult
+    result : DataFit
         Of measurements.
     folder : path
         Where to write `choices.FIT_FILES`; made if it does not exist.
@@ -54,8 +52,15 @@ def write_fit(result: FitResult, folder: Path) -> None:
         If the folder cannot be written to.
     """
     with figure_style():
-        drawing = fit_drawing(result)
+        drawing = result.drawing()
     _write(drawing, folder, FIT_FILES, lambda paths: result.write(paths[".json"]))
+
+
+def write_design(design: Design, folder: Path) -> None:
+    """Write the picture of a design and its table into a folder, as `choices.DESIGN_FILES`."""
+    with figure_style():
+        drawing = design.drawing()
+    _write(drawing, folder, DESIGN_FILES, lambda _: None)
 
 
 def _write(

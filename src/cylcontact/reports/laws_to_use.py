@@ -20,7 +20,7 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.datasets.grid import grid_from
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import grid_model_of
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.results import FitResult
 from cylcontact.fitting.samples import Form, LawForm, Samples, collect_samples, form_of
 from cylcontact.formats import upgraded
 from cylcontact.laws import PUBLISHED, Explicit, Johnson

@@ -30,7 +30,7 @@ import pandas as pd
 from cylcontact.choices import first_of
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import units_of
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.results import DataFit, FitResult, LawFit
 from cylcontact.plain_text import markdown
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import FigureResult
@@ -446,11 +446,11 @@ def _of_fit(result: FitResult) -> Group:
     }
     values["objective"] = Quantity(result.objective.value)
     values["samples"] = Quantity(result.counts.samples)
-    if result.bound is not None:
+    if isinstance(result, LawFit) and result.bound is not None:
         values["bound"] = Quantity(result.bound)
     if result.published is not None:
         values["published"] = Quantity(result.published.objective)
-    if result.uncertainty is None:
+    if not isinstance(result, DataFit):
         return values
     values["level"] = Quantity(100 * result.uncertainty.level, "%", 2)
     for name, estimate in result.uncertainty.estimates.items():

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from cylcontact.errors import InputError
-from cylcontact.fitting.assessment import fixed, ties, verdicts
-from cylcontact.fitting.report import by_search, side_by_side
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.comparison import by_search, side_by_side
+from cylcontact.fitting.results import FitResult
 from cylcontact.reports.bench import Bench
 
 __all__ = [
@@ -114,7 +113,7 @@ def headline(results: Mapping[str, FitResult], names: Sequence[str]) -> list[Tab
 def _main_fit(result: FitResult) -> Table:
     """Return the table of a main fit, "recovered" if it fixes or ties coefficients."""
     table = _table([result])
-    recovered = bool(fixed(result) or ties(result))
+    recovered = bool(result.fixed or result.ties)
     name = "recovered" if recovered else "refit"
     column, *others = table.columns
     columns = (replace(column, name=name, about=""), *others)
@@ -142,7 +141,7 @@ def _table(results: Sequence[FitResult]) -> Table:
                     result.name,
                     f"to {result.reference}, {result.objective.name}",
                     column,
-                    tuple(verdicts(result)),
+                    tuple(result.verdicts),
                 )
                 for result, column in zip(results, columns, strict=True)
             ),

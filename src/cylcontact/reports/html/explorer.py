@@ -9,7 +9,7 @@ from typing import Any
 
 from cylcontact.errors import InputError
 from cylcontact.export import EXPORTABLE, export, export_named
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.results import FitResult
 from cylcontact.laws import LAWS, Johnson, Parametric
 from cylcontact.laws.enhanced import PUBLISHED_DR
 from cylcontact.materials import MaterialRow

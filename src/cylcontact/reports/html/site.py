@@ -12,7 +12,7 @@ from typing import Any
 
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, replacing_all, require_writable
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.results import FitResult
 from cylcontact.laws.enhanced import InternalCoefficients
 from cylcontact.plain_text import html, page_text
 from cylcontact.progress import Progress, silent

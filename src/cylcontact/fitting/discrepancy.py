@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, Literal
+from itertools import combinations
+from typing import Any
 
 import numpy as np
 from pydantic import Field
@@ -20,20 +21,17 @@ from cylcontact.datasets.grid import AnyGrid
 from cylcontact.datasets.sampling import blocks
 from cylcontact.errors import InputError
 from cylcontact.fitting.calibration import problem_of
-from cylcontact.fitting.campaign import Campaign, campaign_from_settings, grid_of, with_grid
-from cylcontact.fitting.result import FitResult
+from cylcontact.fitting.campaign import Campaign
+from cylcontact.fitting.polish import polish
+from cylcontact.fitting.profiles import DiscrepancyPair, Profile, discrepancy_pair
+from cylcontact.fitting.records import LeftOut
+from cylcontact.fitting.results import LawFit, Rows, item, left_out_table
 from cylcontact.fitting.samples import form_of, samples_of
-from cylcontact.fitting.uncertainty.profiles import (
-    DiscrepancyPair,
-    Profile,
-    discrepancy_pair,
-    pairs_of,
-    refit_to_law,
-)
-from cylcontact.fitting.uncertainty.resampling import LeftOut, left_out
 from cylcontact.parallel import Workers, call, collect
+from cylcontact.plain_text import brief
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
+from cylcontact.text_tables import Report, joined, text_table
 
 __all__ = ["RISES", "DiscrepancyStudy", "study_discrepancy"]
 
@@ -48,17 +46,39 @@ class DiscrepancyStudy(Spec):
     """The discrepancy of a fit to a reference law."""
 
     name: str = Field(description="the fit's name")
-    kind: Literal["discrepancy"] = Field("discrepancy", description="what the numbers are about")
     profiles: dict[str, Profile] = Field(description="the objective over each coefficient")
     pairs: list[DiscrepancyPair] = Field(description="the objective over pairs of them")
     left_out: list[LeftOut] = Field(description="fits without one value of an axis")
     spread_percent: dict[str, float] = Field(
         description="quantiles of Eq 9 over the samples of the grid, in percent"
     )
+    coefficients: dict[str, float] = Field(description="the fitted coefficients")
+    reference: str = Field(description="the law they were fitted to")
+
+    def __str__(self) -> Report:
+        rows: Rows = [
+            (name, f"{self.coefficients[name]:.5g}", profile.interval)
+            for name, profile in self.profiles.items()
+        ]
+        low, middle, high = self.spread_percent.values()
+        sentences = [
+            f"{self.reference} is a law, not a measurement: the residuals are model discrepancy, "
+            "which has no standard error",
+            f"over the grid, Eq 9 lies between {low:+.3g} % and {high:+.3g} % for 95 % of the "
+            f"samples (median {middle:+.3g} %)",
+        ]
+        parts = [
+            f"{brief(self.name)}: how far each coefficient may move before the best objective "
+            "rises by 1 %",
+            text_table(("", "fitted", "within 1 %"), rows),
+            "\n".join(map(item, sentences)),
+            *left_out_table(self.left_out, list(self.profiles)),
+        ]
+        return joined(parts, "\n\n")
 
 
 def study_discrepancy(
-    result: FitResult,
+    result: LawFit,
     *,
     leave_out: str | None = None,
     with_pairs: bool = False,
@@ -69,8 +89,8 @@ def study_discrepancy(
 
     Parameters
     ----------
-    result : FitResult
-        Of kind "discrepancy".
+    result : LawFit
+        The fit.
     leave_out : str, optional
         The axis of the grid whose values are left out one after the other: dR, E (or material),
         nu or load.
@@ -88,14 +108,10 @@ def study_discrepancy(
     Raises
     ------
     InputError
-        If the result is one of measurements, or the axis is unknown or has one value only.
+        If the axis is unknown or has one value only.
     """
     source = f"fit result {result.name!r}"
-    if result.kind != "discrepancy":
-        raise InputError(
-            source, "kind", result.kind, "was fitted to measurements", "study its noise"
-        )
-    campaign = campaign_from_settings(result.name, result.settings, source)
+    campaign = Campaign.of_settings(result.name, result.settings, source)
     best = result.coefficients
     spread = _spread(campaign, best)
     fits: list[LeftOut] = []
@@ -107,7 +123,7 @@ def study_discrepancy(
         problem, _ = problem_of(campaign, jobs, silent)
         calls = [
             call(discrepancy_pair, problem, names, best, result.profiles)
-            for names in pairs_of(problem)
+            for names in combinations(problem.names, 2)
         ]
         pairs = collect(calls, jobs, progress, "mapping")
     return DiscrepancyStudy(
@@ -116,6 +132,8 @@ def study_discrepancy(
         pairs=pairs,
         left_out=fits,
         spread_percent=spread,
+        coefficients=best,
+        reference=result.reference,
     )
 
 
@@ -123,7 +141,7 @@ def _leave_one_out(
     campaign: Campaign, best: Mapping[str, float], axis: str, jobs: Workers, progress: Progress
 ) -> list[LeftOut]:
     """Fit without each value of an axis, and evaluate the fit on that value."""
-    axes = grid_of(campaign).axes
+    axes = campaign.grid.axes
     if axis not in axes:
         raise InputError(
             campaign.source,
@@ -132,7 +150,7 @@ def _leave_one_out(
             "is not an axis of a grid",
             f"choose {', '.join(axes)}{' or material' if 'E' in axes else ''}",
         )
-    size = getattr(grid_of(campaign), axis).size
+    size = getattr(campaign.grid, axis).size
     if size < 2:
         raise InputError(
             campaign.source, "leave-out", axis, "has one value only", "choose another axis"
@@ -149,16 +167,18 @@ def _with_axis(grid: AnyGrid, axis: str, values: FloatArray) -> AnyGrid:
 
 def _without(campaign: Campaign, best: Mapping[str, float], axis: str, place: int) -> LeftOut:
     """Fit without one value of an axis."""
-    values = getattr(grid_of(campaign), axis)
-    rest = _with_axis(grid_of(campaign), axis, np.delete(values, place))
-    own = _with_axis(grid_of(campaign), axis, values[place : place + 1])
-    problem, _ = problem_of(with_grid(campaign, rest), 1, silent)
+    values = getattr(campaign.grid, axis)
+    rest = _with_axis(campaign.grid, axis, np.delete(values, place))
+    own = _with_axis(campaign.grid, axis, values[place : place + 1])
+    problem, _ = problem_of(campaign.on(rest), 1, silent)
     alone, rows = None, 0
     with suppress(InputError):  # if every sample of this value is masked
-        alone, counts = problem_of(with_grid(campaign, own), 1, silent)
+        alone, counts = problem_of(campaign.on(own), 1, silent)
         rows = counts.samples
-    group = f"{axis} = {values[place]:.6g}"
-    return left_out(group, problem, alone, rows, best, refit_to_law)
+    point, _ = polish(problem, problem.point(best), precision=1e-10)
+    coefficients = problem.coefficients(point)
+    rms = np.inf if alone is None else alone.value_of(coefficients)
+    return LeftOut.of(f"{axis} = {values[place]:.6g}", rows, coefficients, rms)
 
 
 def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
@@ -166,10 +186,10 @@ def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
     edges = np.arange(-_LARGEST, _LARGEST + _BIN, _BIN)
     counts = np.zeros(edges.size - 1)
     candidate = campaign.model.candidates(best)
-    for dR in grid_of(campaign).dR:
+    for dR in campaign.grid.dR:
         form = form_of(campaign.model, candidate, np.array([dR]))
-        for block in blocks(grid_of(campaign), float(dR)):
-            ratio = form.log_penetration_ratio(0, samples_of(grid_of(campaign), block))
+        for block in blocks(campaign.grid, float(dR)):
+            ratio = form.log_penetration_ratio(0, samples_of(campaign.grid, block))
             if not np.isfinite(ratio).all():
                 raise InputError(
                     campaign.source,

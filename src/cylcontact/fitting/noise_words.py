@@ -1,44 +1,12 @@
-"""Verdicts: sentences on the quality of a fit, computed from its numbers."""
+"""What the uncertainty of a fit to readings means, in sentences."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from cylcontact.fitting.diagnose import OUTLYING, SURPRISING
+from cylcontact.fitting.estimates import STRONG_CORRELATION, FittedDeviations, Uncertainty
+from cylcontact.fitting.optimum import ROUNDING
+from cylcontact.fitting.records import FAIRLY, WELL
 
-from cylcontact.fitting.uncertainty.estimates import OUTLYING, STRONG_CORRELATION
-from cylcontact.fitting.uncertainty.profiles import FAIRLY, TOLERANCE, WELL
-from cylcontact.fitting.uncertainty.residual_model import ROUNDING
-
-if TYPE_CHECKING:
-    from cylcontact.fitting.records import RunRecord
-    from cylcontact.fitting.result import FitResult
-    from cylcontact.fitting.uncertainty.estimates import FittedDeviations, Uncertainty
-
-__all__ = [
-    "SAME_BASIN",
-    "basins",
-    "data_warnings",
-    "describes",
-    "fixed",
-    "identification",
-    "noise_verdicts",
-    "noise_warnings",
-    "round_off",
-    "same_basin",
-    "ties",
-    "verdicts",
-    "warnings",
-]
-
-# Runs whose objectives are this close, relatively, ended in the same basin.
-SAME_BASIN = 1e-3
-# The objective of data that follow the law exactly is round-off, below this.
-_EXACT = 1e-12
-# From moments it has half of the digits.
-_EXACT_FROM_MOMENTS = 1e-6
-# A coefficient this close to a bound, relative to the search interval, is at the bound.
-_AT_BOUND = 1e-6
-# Below this probability the residuals are not those of the noise assumed.
-_SURPRISING = 0.01
 # A law that describes less than this share of the variance of readings is not theirs; nor is one
 # that misses them by more than a share of them, and by several times their scatter.
 _DESCRIBED = 0.8
@@ -59,176 +27,6 @@ _MEANINGS = {
 _DATUM = "the datum, the housing or the rig (try --free compliance)"
 # At most so many rows of the data are listed.
 _LISTED = 8
-
-
-def verdicts(result: FitResult) -> list[str]:
-    """Return the verdicts on a result, most important first.
-
-    For a fit to a reference law they are its `warnings`; then they state whether the published
-    coefficients are the optimum, how far the fit is from the lower bound, which coefficients are
-    well identified, which are at a bound, and how many runs agree. For a fit to measurements they
-    are those of `noise_verdicts`, the objective of the published coefficients, and how many runs
-    agree.
-    """
-    if result.uncertainty is not None:
-        steps = result.settings["measurements"].get("steps", [])
-        sentences = [
-            *noise_verdicts(result.uncertainty),
-            _on_published_law(result),
-            *(f"data: {step}" for step in steps),
-        ]
-    else:
-        sentences = [
-            *warnings(result),
-            _on_published(result),
-            _on_lower_bound(result),
-            _on_identification(result),
-            *_on_search_bounds(result),
-        ]
-    return [sentence for sentence in [*sentences, *_on_runs(result)] if sentence]
-
-
-def identification(result: FitResult, name: str) -> str:
-    """Return "well", "fairly", "poorly", "not", "at a bound", "fixed", its tie, or "-"."""
-    if name in ties(result):
-        return f"= {ties(result)[name]}"
-    if result.uncertainty is not None:
-        estimate = result.uncertainty.estimates.get(name)
-        return "fixed" if estimate is None else estimate.verdict
-    if name not in result.profiles:
-        return "fixed" if result.profiles or name in fixed(result) else "-"
-    return result.profiles[name].verdict(result.coefficients[name])
-
-
-def ties(result: FitResult) -> dict[str, str]:
-    """Return the expressions that set coefficients of a result, by name."""
-    return result.settings["campaign"].get("ties") or {}
-
-
-def fixed(result: FitResult) -> list[str]:
-    """Return the coefficients that a result's campaign fixes at a value."""
-    tables = result.settings["campaign"]["parameters"]
-    return [name for name, table in tables.items() if table.get("fixed")]
-
-
-def basins(result: FitResult) -> list[tuple[float, int]]:
-    """Return the distinct objectives of the runs with the number of runs at each, best first."""
-    counts: list[tuple[float, int]] = []
-    for record in sorted(result.runs, key=lambda record: record.objective):
-        if counts and same_basin(record, counts[-1][0], round_off(result)):
-            counts[-1] = (counts[-1][0], counts[-1][1] + 1)
-        else:
-            counts.append((record.objective, 1))
-    return counts
-
-
-def same_basin(record: RunRecord, objective: float, exact: float = _EXACT) -> bool:
-    """Return whether a run reached an objective, to 0.1 % and round-off."""
-    return record.objective <= objective * (1 + SAME_BASIN) + exact
-
-
-def round_off(result: FitResult) -> float:
-    """Return the objective below which the law follows the samples of a result exactly."""
-    return _EXACT if result.uncertainty is not None else _EXACT_FROM_MOMENTS
-
-
-def _on_published(result: FitResult) -> str:
-    """Compare the objective of the published coefficients with the fitted one."""
-    if result.published is None:
-        return ""
-    optimum = result.objective.value * (1 + SAME_BASIN) + round_off(result)
-    if result.published.objective <= optimum:
-        return "the published coefficients are the optimum on this grid, within 0.1 %"
-    ratio = result.published.objective / result.objective.value
-    excess = f"{100 * (ratio - 1):.1f} % above" if ratio < 1.1 else f"{ratio:.2f} times"
-    return (
-        f"with {_searched(result)} the published coefficients are not the optimum on this grid: "
-        f"their objective is {result.published.objective:.4g}, {excess} the fitted one"
-    )
-
-
-def _searched(result: FitResult) -> str:
-    """Return which coefficients of a result were free."""
-    if not fixed(result) and not ties(result):
-        return "all coefficients free"
-    return f"only {' and '.join(result.profiles)} free"
-
-
-def _on_published_law(result: FitResult) -> str:
-    """Give the objective of the published coefficients on measurements."""
-    if result.published is None:
-        return ""
-    return (
-        "on these data the law has an objective of "
-        f"{result.published.objective:.4g} with its published constants, and "
-        f"{result.objective.value:.4g} fitted"
-    )
-
-
-def _on_lower_bound(result: FitResult) -> str:
-    """Give the distance to the best objective that any law of this form could reach."""
-    if not result.bound:
-        return ""
-    excess = result.objective.value / result.bound - 1
-    return (
-        f"the fit is {100 * excess:.1f} % above the lower bound {result.bound:.4g}, reached with "
-        "K* and n fitted separately at each clearance"
-    )
-
-
-def _on_identification(result: FitResult) -> str:
-    """Name the coefficients that are poorly identified, if there are profiles."""
-    if not result.profiles:
-        return ""
-    poor = _poorly_identified(result)
-    if not poor:
-        return "every coefficient inside its bounds is at least fairly identified"
-    return (
-        f"poorly identified: {', '.join(poor)} (the best objective rises by less than "
-        f"{100 * TOLERANCE:g} % while the coefficient moves by more than {100 * FAIRLY:g} % of its "
-        f"value, or to a bound; well identified is {100 * WELL:g} %)"
-    )
-
-
-def _poorly_identified(result: FitResult) -> list[str]:
-    """Return the coefficients that the profiles show to be poorly identified."""
-    return [name for name in result.profiles if identification(result, name) == "poorly"]
-
-
-def _on_search_bounds(result: FitResult) -> list[str]:
-    """Name the coefficients at a bound of the search."""
-    sentences = []
-    for name, table in result.settings["campaign"]["parameters"].items():
-        if table.get("fixed"):
-            continue
-        margin = _AT_BOUND * (table["high"] - table["low"])
-        for end in ("low", "high"):
-            if abs(result.coefficients[name] - table[end]) <= margin:
-                sentences.append(f"{name} is at its {end} bound {table[end]:g}: widen it")
-    return sentences
-
-
-def _on_runs(result: FitResult) -> list[str]:
-    """Say how many runs agree with the best, and where the others ended."""
-    (_, agreeing), *others = basins(result)
-    sentences = [f"{agreeing} of {len(result.runs)} runs reached the best objective within 0.1 %"]
-    if others:
-        objectives = ", ".join(f"{objective:.4g} ({count})" for objective, count in others)
-        sentences.append(f"the others ended in other basins, at (runs): {objectives}")
-    return sentences
-
-
-# --- what the uncertainty of a fit to measurements means, in sentences ------------------------
-
-
-def warnings(result: FitResult) -> list[str]:
-    """Return what makes a result doubtful, with the remedy.
-
-    Fewer than half of the runs at the best; for measurements also tests of the noise that fail,
-    with the option that allows for it, and parameters that are at a bound or not determined.
-    """
-    noise = [] if result.uncertainty is None else noise_warnings(result.uncertainty)
-    return [*noise, *_on_disagreement(result)]
 
 
 def noise_warnings(uncertainty: Uncertainty) -> list[str]:
@@ -303,22 +101,6 @@ def _on_stiffness(uncertainty: Uncertainty) -> list[str]:
             f"{estimate.nominal:.3g} for the pair as given: is it {', '.join(first)}, or {last}?"
         )
     return sentences
-
-
-def _on_disagreement(result: FitResult) -> list[str]:
-    """Warn if fewer than half of the runs reached the best objective."""
-    (_, agreeing), *_ = basins(result)
-    runs = len(result.runs)
-    if 2 * agreeing >= runs:
-        return []
-    poor = [] if result.uncertainty is not None else _poorly_identified(result)
-    held = " or ".join(poor) or "a coefficient"
-    how = "fixed = true in the campaign" if result.uncertainty is None else "--fix NAME=VALUE"
-    return [
-        f"only {agreeing} of {runs} runs reached the best objective within 0.1 %, so a lower one "
-        f"may have been missed: make more runs (--runs {4 * runs}), or hold {held} at a value "
-        f"({how})"
-    ]
 
 
 def noise_verdicts(uncertainty: Uncertainty) -> list[str]:
@@ -396,12 +178,12 @@ def _on_noise(uncertainty: Uncertainty) -> str:
         )
     p = uncertainty.chi_square_p
     verdict = "as large as the given standard deviations allow"
-    if p < _SURPRISING:
+    if p < SURPRISING:
         verdict = (
             "larger than the given standard deviations allow: the law is wrong, or they are too "
             "small; the intervals are then too narrow"
         )
-    elif p > 1 - _SURPRISING:
+    elif p > 1 - SURPRISING:
         verdict = "smaller than the given standard deviations: those look too large"
     return f"measured data with given standard deviations: residuals are {verdict} (p = {p:.3g})"
 
@@ -440,7 +222,7 @@ def _on_deviations(noise: FittedDeviations, level: float) -> str:
 def _on_shape(uncertainty: Uncertainty) -> str:
     """Return a sentence if neighbouring residuals are correlated, unlike those of noise."""
     p = uncertainty.runs_test_p
-    if p is None or p > _SURPRISING or _is_exact(uncertainty):
+    if p is None or p > SURPRISING or _is_exact(uncertainty):
         return ""
     return (
         f"the residuals are not random along the load (runs test, p = {p:.2g}): the law has the "

@@ -1,0 +1,205 @@
+"""Fit results side by side, as text for a terminal and as cells for other renderings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from cylcontact.fitting.results import (
+    OBJECTIVE_UNITS,
+    DataFit,
+    FitResult,
+    LawFit,
+    Rows,
+    item,
+    label_of,
+)
+from cylcontact.plain_text import brief
+from cylcontact.text_tables import Report, joined, text_table
+
+# The rows below the coefficients where results are compared, with their labels in text and their
+# formats. Those of the published coefficients are computed on the data of each fit.
+NUMBERS = {
+    "objective": ("  fitted", ".5g"),
+    "published objective": ("  published", ".5g"),
+    "lower bound": ("  lower bound", ".5g"),
+    "largest |Eq 9|, %": ("max |Eq 9|, %", ".4g"),
+    "published largest |Eq 9|, %": ("  published", ".5g"),
+    "samples": ("samples", ",d"),
+    "masked": ("  masked", ",d"),
+}
+
+# The axes of grids, with symbols and units.
+_AXES = {
+    **{"E": ("E", " GPa"), "nu": ("ν", ""), "dR": ("ΔR", " mm"), "load": ("load", " N/mm")},
+    **{"alpha": ("α", ""), "beta": ("β", ""), "phi": ("φ", "")},
+}
+
+
+def compare(results: Sequence[FitResult]) -> Report:
+    """Return results side by side: a table for those of one kind, then the verdicts.
+
+    Parameters
+    ----------
+    results : sequence of FitResult
+        In the order of the columns.
+
+    Returns
+    -------
+    Report
+        Results of one kind are of the same law, contact and search (`by_search`). A table has a
+        column for the published coefficients and one for each result, and the samples of each
+        beneath. That of a single result gives its difference from the published coefficients.
+    """
+    parts: list[str] = [_side_by_side_text(group) for group in by_search(results)]
+    for result in results:
+        parts.append("\n".join([f"{brief(result.name)}:", *map(item, result.verdicts)]))
+    return joined(parts, "\n\n")
+
+
+def by_search(results: Iterable[FitResult]) -> list[list[FitResult]]:
+    """Return the results in groups of the same law, contact, fixed and tied coefficients."""
+    groups: dict[tuple[str, ...], list[FitResult]] = {}
+    for result in results:
+        kind = (result.law, result.contact, *labels(result).values())
+        groups.setdefault(kind, []).append(result)
+    return list(groups.values())
+
+
+def labels(result: FitResult) -> dict[str, str]:
+    """Return the label of each coefficient in tables: its name, its tie, whether it was fixed.
+
+    Examples
+    --------
+    >>> from cylcontact.fitting import FitResult
+    >>> labels(FitResult.read("fitting/results/recovered-external.json"))
+    {'a': 'a', 'b': 'b', 'n': 'n (fixed)'}
+    """
+    of_ties = {name: f"{name} = {expression}" for name, expression in result.ties.items()}
+    of_fixed = {name: f"{name} (fixed)" for name in result.fixed}
+    return {name: (of_ties | of_fixed).get(name, name) for name in result.coefficients}
+
+
+def side_by_side(results: Sequence[FitResult]) -> dict[str, list[str | None]]:
+    """Return results of one law and contact side by side, for the renderings of such a table.
+
+    Parameters
+    ----------
+    results : sequence of FitResult
+        In the order of the columns.
+
+    Returns
+    -------
+    dict
+        The labels of the coefficients, then the rows of `NUMBERS`: row → the published value (""
+        below the coefficients) and each fit's; None for a number that does not exist. With a
+        single result the published coefficients' numbers are in their own column, and a third one
+        holds the difference of the fit from them in percent.
+
+    Examples
+    --------
+    >>> from cylcontact.fitting import FitResult
+    >>> table = side_by_side([FitResult.read("fitting/results/external.json")])
+    >>> table["n"], table["objective"]
+    (['1.094', '1.0847', '-0.8'], ['0.065965', '0.051954', '-21.2'])
+    """
+    # Some results of a group may be of data for which nothing was published.
+    published = next((r.published.coefficients for r in results if r.published), None)
+    rows: dict[str, list[str | None]] = {
+        label: [
+            f"{published[name]:g}" if published else None,
+            *(f"{r.coefficients[name]:.5g}" for r in results),
+        ]
+        for name, label in labels(results[0]).items()
+    }
+    columns = [_numbers(result) for result in results]
+    for number, (row, (_, form)) in enumerate(NUMBERS.items()):
+        values = [column[number] for column in columns]
+        rows[row] = ["", *(None if v is None else format(v, form) for v in values)]
+    if len(results) == 1:
+        _add_differences(rows, results[0])
+    return rows
+
+
+def _add_differences(rows: dict[str, list[str | None]], result: FitResult) -> None:
+    """Move the numbers of the published coefficients to their column, and add the differences."""
+    for row in ("objective", "largest |Eq 9|, %"):
+        rows[row][0] = rows.pop(f"published {row}")[1]
+    differences = {}
+    if result.published is not None:
+        published = result.published.coefficients | {"objective": result.published.objective}
+        fitted = result.coefficients | {"objective": result.objective.value}
+        differences = {
+            label: f"{100 * (fitted[name] / published[name] - 1):+.1f}"
+            for name, label in (labels(result) | {"objective": "objective"}).items()
+            if published[name] and name not in result.fixed
+        }
+    for row, cells in rows.items():
+        cells.append(differences.get(row, ""))
+
+
+def _numbers(result: FitResult) -> tuple[float | None, ...]:
+    """Return the numbers of `NUMBERS`."""
+    return (
+        result.objective.value,
+        result.published.objective if result.published else None,
+        result.bound if isinstance(result, LawFit) else None,
+        result.max_abs_diff_percent.fitted,
+        result.max_abs_diff_percent.published,
+        result.counts.samples,
+        result.counts.masked,
+    )
+
+
+def _side_by_side_text(results: list[FitResult]) -> Report:
+    """Return results of one law and contact side by side as text."""
+    first = results[0]
+    of_coefficients = labels(first)
+    of_units = {
+        name: ", ".join(filter(None, (label, first.units.get(name))))
+        for name, label in of_coefficients.items()
+    }
+    names = {row: label for row, (label, _) in NUMBERS.items()}
+    names |= {label: of_units[name] for name, label in of_coefficients.items()}
+    columns = [f"{first.law}, {first.contact}", "published", *(r.name for r in results)]
+    if len(results) == 1:
+        names["objective"] = label_of(first.objective.name, OBJECTIVE_UNITS)
+        columns.append("difference, %")
+    rows: Rows = [
+        (names.get(row, row), *("-" if c is None else c for c in cells))
+        for row, cells in side_by_side(results).items()
+    ]
+    if len(results) > 1:
+        objectives = (
+            "objective",
+            "",
+            *(label_of(r.objective.name, OBJECTIVE_UNITS) for r in results),
+        )
+        rows.insert(len(first.coefficients), objectives)
+    return joined([text_table(columns, rows), *map(_samples_text, results)])
+
+
+def _samples_text(result: FitResult) -> str:
+    """Return which samples a result was fitted to, in a line."""
+    if isinstance(result, DataFit):
+        return f"{brief(result.name)}: {result.counts.samples:,} measurements"
+    axes = result.settings["dataset"]["axes"]
+    texts = [_axis_text(*words, axes[name]) for name, words in _AXES.items() if name in axes]
+    return f"{brief(result.name)}: samples at {', '.join(texts)}"
+
+
+def _axis_text(symbol: str, unit: str, axis: Mapping[str, Any]) -> str:
+    """Return an axis of a grid in a few words.
+
+    Examples
+    --------
+    >>> _axis_text("ΔR", " mm", {"min": 0.05, "max": 10.0, "points": 20, "spacing": "log"})
+    'ΔR 0.05…10 mm (20 log)'
+    """
+    values = axis.get("values")
+    if values is None:
+        low, high, count = axis["min"], axis["max"], f" ({axis['points']} {axis['spacing']})"
+    else:
+        low, high, count = values[0], values[-1], f" ({len(values)})" if len(values) > 1 else ""
+    span = f"{low:g}" if low == high else f"{low:g}…{high:g}"
+    return f"{symbol} {span}{unit}{count}"

@@ -1,0 +1,225 @@
+"""Which further readings would narrow the intervals of a fit most.
+
+To first order n further readings of one new series add JᵀV⁻¹J to the inverse of the covariance of
+the parameters, with J the derivatives of the penetration and V its covariance by the fitted noise.
+The readings are chosen one after the other, and then exchanged for other candidates until no
+exchange gains. What counts is the determinant of the covariance (D-optimality; Fedorov 1972), or
+the variance of one parameter. A candidate may be chosen more than once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.errors import InputError
+from cylcontact.fitting.optimum import Optimum, half_width
+from cylcontact.pair import CylinderPair
+from cylcontact.text_tables import Report, frame_table, joined
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from cylcontact.plots.figure import Drawing
+
+_MOST = 1000
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """Further readings, and what they promise.
+
+    Attributes
+    ----------
+    readings : pandas.DataFrame
+        The readings to add: load_N_per_mm, dR_mm and their number.
+    intervals : pandas.DataFrame
+        For each free parameter its value and the half-width of its interval, before and after.
+    candidates : pandas.DataFrame
+        All candidates: load_N_per_mm, dR_mm, and narrower_percent, by how much one reading there
+        narrows the interval that counts (without a parameter the mean of all, by the determinant).
+    parameter : str
+        The parameter that counts; empty for all.
+    """
+
+    readings: pd.DataFrame
+    intervals: pd.DataFrame
+    candidates: pd.DataFrame
+    parameter: str
+
+    def __str__(self) -> Report:
+        what = f"the interval of {self.parameter}" if self.parameter else "all intervals together"
+        title = f"{self.readings['number'].sum()} further readings that narrow {what} most"
+        tables = (frame_table(self.readings, index=False), frame_table(self.intervals))
+        return joined([title, *tables], "\n\n")
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw what one reading at each candidate gains, a line for each clearance."""
+        from cylcontact.fitting import pictures
+
+        return pictures.plot_design(self.candidates, self.readings, self.parameter, ax)
+
+    def drawing(self) -> Drawing:
+        """Return `plot` as a figure with a caption."""
+        from cylcontact.fitting import pictures
+
+        return pictures.design_drawing(self.candidates, self.readings, self.parameter)
+
+
+def design(
+    optimum: Optimum,
+    loads: FloatArray,
+    dR: FloatArray | None,
+    add: int,
+    parameter: str | None,
+    level: float,
+) -> Design:
+    """Return the best further readings; `DataFit.design` describes the arguments."""
+    if optimum.covariance is None:
+        rule, remedy = "are not identifiable one by one", "fix one of them, and fit again"
+        raise InputError("design", "parameters", optimum.blind, rule, remedy)
+    names = optimum.fit.names
+    if parameter is not None and parameter not in names:
+        raise InputError(
+            "design", "parameter", parameter, "is not free", f"choose {', '.join(names)}"
+        )
+    if not 1 <= add <= _MOST:
+        raise InputError("design", "add", add, f"must be from 1 to {_MOST}", "5 is common")
+    candidates = _Candidates.of(optimum, loads, dR)
+    before = as_floats(np.linalg.inv(optimum.covariance))
+    cost = _cost(None if parameter is None else names.index(parameter))
+    chosen: list[int] = []
+
+    def best(others: list[int]) -> int:
+        costs = [
+            cost(before + candidates.information([*others, k])) for k in range(len(candidates))
+        ]
+        return int(np.argmin(costs))
+
+    for _ in range(add):
+        chosen.append(best(chosen))
+    reached = np.inf
+    while (now := cost(before + candidates.information(chosen))) < reached * (1 - 1e-9):
+        reached = now
+        for place in range(add):
+            others = chosen[:place] + chosen[place + 1 :]
+            chosen = [*others, best(others)]
+    covariance = as_floats(np.linalg.inv(before + candidates.information(chosen)))
+    return Design(
+        readings=candidates.table.assign(number=np.bincount(chosen, minlength=len(candidates)))
+        .query("number > 0")
+        .reset_index(drop=True),
+        intervals=_intervals(optimum, covariance, add, level),
+        candidates=candidates.table.assign(narrower_percent=candidates.gains(before, cost)),
+        parameter=parameter or "",
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidates:
+    """m possible readings: derivatives (m, k), variances (m,), and what their series shares."""
+
+    table: pd.DataFrame
+    slopes: FloatArray
+    variance: FloatArray
+    shared: FloatArray
+    spread: FloatArray | None
+
+    def __len__(self) -> int:
+        return self.variance.size
+
+    @classmethod
+    def of(cls, optimum: Optimum, loads: FloatArray, dR: FloatArray | None) -> _Candidates:
+        """Return the candidates of all loads at all clearances."""
+        fit, base = optimum.fit, _pair_of(optimum)
+        clearances = np.atleast_1d(as_floats(base.dR if dR is None else dR))
+        load, gap = (grid.ravel() for grid in np.meshgrid(loads, clearances))
+        pair = base if dR is None else _with_clearance(base, as_floats(gap))
+        centre, slopes = optimum.slopes_of(lambda law: law.penetration(load, pair))
+        if not np.isfinite(centre).all():
+            rule, remedy = "leaves the domain of the fitted law", "stay within it"
+            raise InputError("design", "loads", load[~np.isfinite(centre)][0], rule, remedy)
+        depth = as_floats(centre - optimum.best.get("offset", 0.0))
+        shared, spread = np.empty((load.size, 0)), None
+        if fit.noise is None:
+            variance = optimum.variance_of_reading(centre, load, pair)
+        else:
+            covariance = fit.noise.covariance
+            variance = fit.noise.scatter_variance(depth, load)
+            if fit.noise.effects:
+                columns = {"offset": np.ones_like(depth), "gain": depth, "drift": 0.5 + 0 * depth}
+                shared = np.stack([columns[name] for name in fit.noise.effects], axis=1)
+                if covariance.is_random:
+                    spread = covariance.spread(fit.noise.deviations)
+        table = pd.DataFrame({"load_N_per_mm": load, "dR_mm": gap})
+        return cls(table, slopes, variance, shared, spread)
+
+    def information(self, rows: list[int]) -> FloatArray:
+        """Return JᵀV⁻¹J of some of the candidates, as readings of one new series."""
+        weight = 1 / np.sqrt(self.variance[rows])
+        J, Z = self.slopes[rows] * weight[:, None], self.shared[rows] * weight[:, None]
+        if not Z.size:
+            return as_floats(J.T @ J)
+        inner = Z.T @ Z
+        if self.spread is None:  # fixed effects take away what they could explain
+            core = np.linalg.pinv(inner, hermitian=True)
+        else:
+            scaled = self.spread[:, None] * inner * self.spread
+            inverse = np.linalg.inv(np.eye(len(scaled)) + scaled)
+            core = self.spread[:, None] * inverse * self.spread
+        return as_floats(J.T @ J - J.T @ Z @ core @ Z.T @ J)
+
+    def gains(self, before: FloatArray, cost: Callable[[FloatArray], float]) -> FloatArray:
+        """Return by how many percent one reading at each candidate narrows what counts."""
+        reached = [cost(before + self.information([k])) for k in range(len(self))]
+        return as_floats(100 * (1 - np.array(reached) / cost(before)))
+
+
+def _cost(place: int | None) -> Callable[[FloatArray], float]:
+    """Return what is minimised: the width of one parameter, or the mean of all by determinant."""
+    if place is not None:
+        return lambda information: float(np.sqrt(np.linalg.inv(information)[place, place]))
+    return lambda information: float(
+        np.exp(-np.linalg.slogdet(information)[1] / (2 * len(information)))
+    )
+
+
+def _intervals(optimum: Optimum, covariance: FloatArray, add: int, level: float) -> pd.DataFrame:
+    """Return the half-widths of the intervals before and after."""
+    before = optimum.degrees_of_each()
+    plain = optimum.satterthwaite is None and not optimum.known
+    after = before + add if plain else before
+    errors = np.sqrt(np.diag(covariance))
+    return pd.DataFrame(
+        {
+            "value": optimum.point,
+            "half_width": half_width(level, before) * optimum.errors,
+            "expected_half_width": half_width(level, after) * errors,
+        },
+        index=pd.Index(optimum.fit.names, name="parameter"),
+    )
+
+
+def _pair_of(optimum: Optimum) -> CylinderPair:
+    """Return the pair of the first row, of whose materials all rows have to be."""
+    data = optimum.fit.data
+    names, _ = data.groups("material")
+    if len(names) > 1:
+        rule, remedy = f"the data have {len(names)} pairs of materials", "fit one of them alone"
+        raise InputError("design", "materials", None, rule, remedy)
+    return data.take(np.zeros(1, dtype=np.intp)).pair
+
+
+def _with_clearance(pair: CylinderPair, dR: FloatArray) -> CylinderPair:
+    """Return a pair with other ΔR in mm: the pin, or the second roller, has another radius."""
+    R_j = None
+    if pair.R_i is not None:
+        R_j = pair.R_i - dR if pair.contact == "internal" else dR - pair.R_i
+    return CylinderPair(
+        pair.contact, dR, pair.material_i, pair.material_j, pair.R_i, R_j, pair.length
+    )

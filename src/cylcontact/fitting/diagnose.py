@@ -1,0 +1,330 @@
+"""What the residuals of a fit show: tests of the law and of the noise that it assumes.
+
+The noise is taken to be independent, steady, and of one size. Each test of that which fails is a
+finding: what the residuals show, and the option that allows for it. All use the residuals in the
+units in which they should be alike, whitened by the noise model if there is one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import Field
+from scipy import special
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.datasets.measurements import Indices
+from cylcontact.fitting.measured import MEDIAN_TO_SIGMA
+from cylcontact.fitting.noise import positions
+from cylcontact.fitting.optimum import Optimum
+from cylcontact.spec import Spec
+
+# A test fails below this probability.
+SURPRISING = 0.01
+# Residuals this many robust standard deviations away are reported as outliers, which stay in.
+OUTLYING = 3.5
+# Rows that a test needs, and rows of a series that its trend needs.
+_FEWEST, _FEWEST_IN_SERIES = 12, 4
+# The normal approximation of the runs test needs this many residuals of either sign.
+_FEW_OF_A_SIGN = 8
+# Readings whose scatter from one to the next can be told.
+_FEWEST_NEIGHBOURS = 8
+
+
+class Finding(Spec):
+    """A test of the noise that fails."""
+
+    test: str = Field(description="series, pairs, drift, sequence, spread, branches or repeats")
+    p: float = Field(description="the probability of such residuals if the noise were as assumed")
+    says: str = Field(description="what the residuals show")
+    remedy: str = Field(description="what to do about it")
+
+    @property
+    def sentence(self) -> str:
+        """What the residuals show, how unlikely that is, and what to do."""
+        return f"{self.says} (p = {self.p:.2g}): {self.remedy}"
+
+
+def findings_of(optimum: Optimum) -> list[Finding]:
+    """Return the tests of the noise that fail."""
+    if optimum.r.size < _FEWEST + optimum.point.size:
+        return []
+    tests = (_series, _drift, _sequence, _spread, _branches, _repeats)
+    findings = [finding for test in tests if (finding := test(optimum)) is not None]
+    return _without_echoes([f for f in findings if f.p < SURPRISING])
+
+
+def _groups(optimum: Optimum, name: str) -> tuple[list[str], Indices] | None:
+    """Return the groups of a grouping; None if the table has none or only one."""
+    data = optimum.fit.data
+    if name in ("group", "branch") and name not in data.data.labels:
+        return None
+    names, index = data.groups(name)
+    return (names, index) if len(names) > 1 else None
+
+
+def _series_of_rows(optimum: Optimum, *names: str) -> Indices:
+    """Return the group of each row in the first of some groupings that there is."""
+    groupings = [groups for name in names if (groups := _groups(optimum, name))]
+    return groupings[0][1] if groupings else np.zeros(optimum.r.size, dtype=np.intp)
+
+
+def _allowed(optimum: Optimum) -> tuple[str, ...]:
+    """Return the effects of series that the noise model allows for."""
+    return () if optimum.fit.noise is None else optimum.fit.noise.effects
+
+
+def _without_echoes(findings: list[Finding]) -> list[Finding]:
+    """Leave out what another finding explains.
+
+    A series or a drift explains a sequence of like residuals. Branches look like a drift, and a
+    drift like branches; the less likely one is left.
+    """
+    p = {finding.test: finding.p for finding in findings}
+    echoes = {"sequence"} if p.keys() & {"series", "pairs", "drift"} else set()
+    if p.keys() >= {"drift", "branches"}:
+        echoes.add(max("drift", "branches", key=lambda test: p[test]))
+    return [f for f in findings if f.test not in echoes]
+
+
+def _series(optimum: Optimum) -> Finding | None:
+    """Test whether residuals depend on the series: a mean and a trend along the load of each."""
+    if "offset" in _allowed(optimum):
+        return None
+    over = "group" if _groups(optimum, "group") else "pair"
+    groups = _groups(optimum, over)
+    if groups is None:
+        return None
+    names, index = groups
+    member = as_floats(index[:, None] == np.arange(len(names)))
+    load = np.log(optimum.fit.data.load)
+    columns = np.hstack([member, member * (load - load.mean())[:, None]])
+    p = _f_test(optimum, columns)
+    if p is None:
+        return None
+    if over == "group":
+        return Finding(
+            test="series",
+            p=p,
+            says=f"the {len(names)} series of the column group differ by more than the scatter "
+            "within them, so that the intervals are too narrow",
+            remedy="allow for it with --group group",
+        )
+    return Finding(
+        test="pairs",
+        p=p,
+        says=f"the residuals differ between the {len(names)} pairs of the table: each pair has "
+        "errors of its own, or the law is wrong in the clearance or the moduli",
+        remedy="name the series by a column, and add --group COLUMN",
+    )
+
+
+def _drift(optimum: Optimum) -> Finding | None:
+    """Test whether residuals have trends along the rows of the series, each its own."""
+    if "drift" in _allowed(optimum):
+        return None
+    index = _series_of_rows(optimum, "group", "pair")
+    data = optimum.fit.data
+    position = _less_mean(positions(index, data.columns.get("time")), index)
+    load = _less_mean(np.log(data.load), index)
+    if abs(np.corrcoef(position, load)[0, 1]) > 0.9:
+        return None  # along a single sweep of the load a drift looks like another law
+    p = _f_test(optimum, position[:, None] * (index[:, None] == np.unique(index)))
+    if p is None:
+        return None
+    return Finding(
+        test="drift",
+        p=p,
+        says="the residuals drift along the rows of a series",
+        remedy="allow for it with --drift",
+    )
+
+
+def _less_mean(values: FloatArray, index: Indices) -> FloatArray:
+    """Return values less the mean of their series."""
+    return as_floats(values - (np.bincount(index, values) / np.bincount(index))[index])
+
+
+def _sequence(optimum: Optimum) -> Finding | None:
+    """Test whether each residual is like the one before, by their correlation."""
+    index = _series_of_rows(optimum, "group")
+    order = np.argsort(index, kind="stable")
+    r, same = optimum.r[order], np.diff(index[order]) == 0
+    r = r - r.mean()
+    correlation = float((r[1:] * r[:-1])[same].sum() / (r**2).sum())
+    p = float(special.ndtr(-correlation * np.sqrt(r.size)))
+    load = optimum.fit.data.load
+    turns = np.diff(np.sign(np.diff(load)))
+    remedy = "repeat some loads, in another order: this may be a drift, or the law's shape"
+    if np.any(turns != 0):
+        untried = {
+            "offset": "name the series by a column with --group COLUMN",
+            "drift": "allow for a drift with --drift",
+        }
+        options = [text for effect, text in untried.items() if effect not in _allowed(optimum)]
+        remedy = ", or ".join([*options, "try other laws with `cylcontact choose`"])
+    return Finding(
+        test="sequence",
+        p=p,
+        says=f"readings in sequence err alike (correlation {correlation:.2f}), so that the "
+        "intervals are too narrow",
+        remedy=remedy,
+    )
+
+
+def _spread(optimum: Optimum) -> Finding | None:
+    """Test whether the size of the residuals depends on the penetration, by ranks."""
+    noise = optimum.fit.noise
+    if optimum.known:
+        return None
+    size = _ranks(np.abs(optimum.r))
+    correlation = float(np.corrcoef(size, _ranks(optimum.fit.observed))[0, 1])
+    degrees = optimum.r.size - 2
+    t = correlation * np.sqrt(degrees / max(1 - correlation**2, 1e-12))
+    p = 2 * float(special.stdtr(degrees, -abs(t)))
+    grows = "grows" if correlation > 0 else "falls"
+    relative = " relative to it" if optimum.fit.is_log else ""
+    if noise is not None:
+        relative = " relative to that assumed"
+    remedy = "allow for both kinds of scatter with --noise both"
+    if noise is not None and len(noise.covariance.model.scatter) == 2:
+        remedy = "look for what else makes readings scatter"
+    return Finding(
+        test="spread",
+        p=p,
+        says=f"the scatter of the readings{relative} {grows} with them",
+        remedy=remedy,
+    )
+
+
+def _branches(optimum: Optimum) -> Finding | None:
+    """Test whether unloading reads otherwise than loading."""
+    groups = _groups(optimum, "branch")
+    if groups is None:
+        return None
+    names, index = groups
+    p = _f_test(optimum, as_floats(index[:, None] == np.arange(len(names)))[:, 1:])
+    if p is None:
+        return None
+    return Finding(
+        test="branches",
+        p=p,
+        says="loading and unloading differ, by friction in the rig or by plastic flow",
+        remedy="fit one of them with --branch loading, and compare",
+    )
+
+
+def _repeats(optimum: Optimum) -> Finding | None:
+    """Test whether the law misses the means of repeated loads by more than they scatter."""
+    sets = optimum.fit.data.replicates()
+    r, degrees = optimum.r, sum(rows.size - 1 for rows in sets)
+    between = r.size - optimum.point.size - degrees
+    if degrees < _FEWEST_IN_SERIES or between < 1:
+        return None
+    pure = sum(float(((r[rows] - r[rows].mean()) ** 2).sum()) for rows in sets)
+    if pure <= 0:
+        return None
+    ratio = max(float((r**2).sum()) - pure, 0.0) / between / (pure / degrees)
+    return Finding(
+        test="repeats",
+        p=float(special.fdtrc(between, degrees, ratio)),
+        says="the law misses the means of repeated loads by more than their scatter",
+        remedy="try other laws with `cylcontact choose`"
+        + ("" if "offset" in _allowed(optimum) else ", or name the series with --group COLUMN"),
+    )
+
+
+def _f_test(optimum: Optimum, columns: FloatArray) -> float | None:
+    """Return the probability of residuals that depend on columns so much; None if too few rows."""
+    r = optimum.r
+    design = np.column_stack([np.ones(r.size), columns])
+    left, singular, _ = np.linalg.svd(design, full_matrices=False)
+    basis = left[:, singular > 1e-10 * singular[0]]
+    rank, rest = basis.shape[1] - 1, r.size - optimum.point.size - basis.shape[1]
+    if rank < 1 or rest < _FEWEST_IN_SERIES:
+        return None
+    explained = float(((basis.T @ r) ** 2).sum()) - r.size * float(r.mean()) ** 2
+    left_over = max(float((r**2).sum()) - float(((basis.T @ r) ** 2).sum()), 1e-300)
+    return float(special.fdtrc(rank, rest, max(explained, 0.0) / rank / (left_over / rest)))
+
+
+def _ranks(values: FloatArray) -> FloatArray:
+    """Return the ranks of values; ties share their mean."""
+    _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
+    return as_floats((np.cumsum(counts) - (counts - 1) / 2)[place])
+
+
+# --- how well the law describes the readings --------------------------------------------------
+
+
+class Outlier(Spec):
+    """A row far from the fitted law."""
+
+    line: int = Field(description="its line in the table")
+    deviations: float = Field(description="measured less fitted, in robust standard deviations")
+
+
+def outliers(optimum: Optimum) -> list[Outlier]:
+    """Return the rows far from the law, in robust standard deviations."""
+    r, data = optimum.r, optimum.fit.data
+    spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(r)))
+    if optimum.is_rounding or spread == 0:
+        return []
+    far = np.flatnonzero(np.abs(r) > OUTLYING * spread)
+    return [Outlier(line=data.line(int(k)), deviations=float(-r[k] / spread)) for k in far]
+
+
+def r_squared(optimum: Optimum) -> float | None:
+    """Return 1 − Σ(fitted − measured)²/Σ(measured − mean)²; None if all readings are equal.
+
+    What a series adds is no misfit of the law: the readings are less that, and the means those of
+    the series.
+    """
+    noise, added = optimum.fit.noise, optimum.series_in_mm
+    rest, seen = _less_series(optimum), optimum.fit.observed - (0.0 if added is None else added)
+    series = np.zeros(seen.size, dtype=np.intp) if noise is None else noise.covariance.series
+    mean = np.bincount(series, seen) / np.bincount(series)
+    total = float(((seen - mean[series]) ** 2).sum())
+    return 1 - float((rest**2).sum()) / total if total > 0 else None
+
+
+def _less_series(optimum: Optimum) -> FloatArray:
+    """Return the fitted less the measured values, without what the series add, shape (N,)."""
+    added = optimum.series_in_mm
+    return optimum.differences if added is None else optimum.differences + added
+
+
+def missed(optimum: Optimum) -> tuple[float, float | None]:
+    """Return the residuals over the readings, and over the scatter from one to the next.
+
+    The scatter is that of the second differences along the load, by their median, which a kink or
+    an outlier does not move. None for fewer than `_FEWEST_NEIGHBOURS` readings.
+    """
+    fit, size = optimum.fit, 1.0
+    if fit.is_log:
+        r = optimum.r
+    else:
+        r, size = _less_series(optimum), float(np.sqrt((fit.observed**2).mean()))
+    rms = float(np.sqrt((r**2).mean()))
+    if r.size < _FEWEST_NEIGHBOURS or size == 0:
+        return rms / size if size > 0 else 0.0, None
+    over = "group" if "group" in fit.data.data.labels else "pair"
+    bends = np.diff(r[np.lexsort((fit.data.load, fit.data.groups(over)[1]))], 2)
+    scatter = MEDIAN_TO_SIGMA * float(np.median(np.abs(bends))) / np.sqrt(6)
+    return rms / size, rms / scatter if scatter > 0 else None
+
+
+def runs_test(optimum: Optimum) -> float | None:
+    """Return the probability of so few runs of residuals of one sign (Wald and Wolfowitz 1940).
+
+    Rows are sorted by pair and load. Noise changes sign at random; residuals of a law of the wrong
+    shape do not. None if there are too few rows of either sign.
+    """
+    data = optimum.fit.data
+    positive = optimum.r[np.lexsort((data.load, data.groups("pair")[1]))] > 0
+    n, m = int(positive.sum()), int((~positive).sum())
+    if min(n, m) < _FEW_OF_A_SIGN:
+        return None
+    runs = 1 + int((positive[1:] != positive[:-1]).sum())
+    mean = 1 + 2 * n * m / (n + m)
+    variance = (mean - 1) * (mean - 2) / (n + m - 1)
+    return float(special.ndtr((runs - mean) / np.sqrt(variance)))

@@ -1,0 +1,331 @@
+"""A law fitted to readings: its residuals, their minimum, and the noise that they show.
+
+| objective | residual | for |
+|---|---|---|
+| rms-log-penetration | ln(δ_law(f)/δ) | noise proportional to δ |
+| rms-log-load | ln(f_law(δ)/f) | noise proportional to f |
+| rms-penetration | (δ_law(f) − δ)/σ, σ = 1 mm by default | constant noise, or σ |
+| rms-load | (f_law(δ) − f)/σ, σ = 1 N/mm by default | constant noise, or σ |
+| rms-standardised | V^(−½)·(δ_law(f) − δ), in standard deviations | a noise model (`noise`) |
+
+Weights multiply the squares, scaled to a mean of 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from cylcontact.arrays import BoolArray, FloatArray, as_floats
+from cylcontact.datasets.measurements import Indices, Measurements
+from cylcontact.errors import InputError
+from cylcontact.fitting.loss import TUNING, Loss
+from cylcontact.fitting.noise import FittedNoise, Likelihood, NoiseModel, estimate
+from cylcontact.fitting.problem import ParameterSpace
+from cylcontact.laws.law import ContactLaw
+
+OBJECTIVES = ("rms-log-penetration", "rms-log-load", "rms-penetration", "rms-load")
+STANDARDISED = "rms-standardised"
+# From the median of |r| to a standard deviation of Gaussian residuals.
+MEDIAN_TO_SIGMA = 1.4826
+# Points evaluated for each start chosen.
+_POINTS_PER_START = 32
+# A parameter is searched by its logarithm if its bounds have more than this ratio.
+_WIDE = 100.0
+# Steps of central differences relative to a parameter, or to its interval if it is near 0.
+_RELATIVE_STEP, _INTERVAL_STEP = 6e-6, 1e-9
+# Descents from the end of the one before; one that gains less, relatively, is the last.
+_MAX_RESTARTS, _MIN_GAIN, _PRECISION = 10, 1e-12, 1e-15
+# Iterations for the scale of a robust loss, and for the deviations of a noise model, which end when
+# the parameters move by less than this share of the residuals.
+_SCALE_ROUNDS, _ROUNDS, _SETTLED = 5, 60, 1e-9
+_LEAST_SQUARES = Loss()
+
+
+class Minimum(NamedTuple):
+    """The end of a descent: the free parameters, the objective, and the candidates evaluated."""
+
+    point: FloatArray
+    value: float
+    evaluations: int
+
+
+@dataclass(frozen=True, eq=False)
+class Fit(ParameterSpace):
+    """N readings, and a law with k free parameters that is fitted to them.
+
+    Attributes
+    ----------
+    objective : str
+        One of `OBJECTIVES`, or `STANDARDISED` with a noise model.
+    data : Measurements
+        N rows.
+    loss : Loss
+        Plain least squares by default.
+    noise : FittedNoise, optional
+        For `STANDARDISED`; without one the residuals are in mm.
+    """
+
+    objective: str
+    data: Measurements
+    loss: Loss = _LEAST_SQUARES
+    noise: FittedNoise | None = None
+
+    @property
+    def of_load(self) -> bool:
+        """Whether loads are compared at equal penetration."""
+        return self.objective.endswith("load")
+
+    @property
+    def is_log(self) -> bool:
+        """Whether residuals are logarithms of a ratio."""
+        return "log" in self.objective
+
+    @property
+    def has_sigma(self) -> bool:
+        """Whether the standard deviation of the noise is known."""
+        if self.objective == STANDARDISED:
+            return self.noise is not None and self.noise.is_given
+        return not self.is_log and self._sigma_name in self.data.columns
+
+    @property
+    def sigma(self) -> FloatArray:
+        """The standard deviations in mm or N/mm, shape (N,); 1 if they are not known."""
+        return self.data.columns.get(self._sigma_name, np.ones(len(self.data)))
+
+    @property
+    def _sigma_name(self) -> str:
+        return "load_std" if self.of_load else "penetration_std"
+
+    @property
+    def observed(self) -> FloatArray:
+        """The measured loads in N/mm or penetrations in mm, shape (N,)."""
+        return self.data.load if self.of_load else self.data.penetration
+
+    # --- the law and its residuals ------------------------------------------------------------
+
+    def law(self, point: FloatArray) -> ContactLaw | None:
+        """Return the law of free parameters, with its rig; None for those that define none."""
+        return self._built(self.complete(point[None, :])[0])
+
+    def _built(self, values: Sequence[float] | FloatArray) -> ContactLaw | None:
+        try:
+            return self.model.build(dict(zip(self.model.names, map(float, values), strict=True)))
+        except InputError:
+            return None
+
+    def differences(self, points: FloatArray) -> FloatArray:
+        """Return the predicted less the measured values in mm or N/mm, shape (P, N)."""
+        laws = map(self._built, self.complete(points))
+        return as_floats(np.array([self._predicted(law) for law in laws]) - self.observed)
+
+    def raw(self, points: FloatArray) -> FloatArray:
+        """Return the residuals with weights and σ, before the loss, shape (P, N)."""
+        return np.array([self._raw(self._built(values)) for values in self.complete(points)])
+
+    def residuals(self, points: FloatArray) -> FloatArray:
+        """Return residuals whose squares add up to the objective's, shape (P, N)."""
+        return self._scaled(self.raw(points))
+
+    def values(self, points: FloatArray) -> FloatArray:
+        """Return the objective of P points, shape (P,); inf if undefined."""
+        return _norm(self.residuals(points))
+
+    def value_of(self, coefficients: Mapping[str, float]) -> float:
+        """Return the objective of coefficients by name, which may be outside the bounds."""
+        law = self._built([coefficients[name] for name in self.model.names])
+        return float(_norm(self._scaled(self._raw(law)[None, :]))[0])
+
+    def _scaled(self, raw: FloatArray) -> FloatArray:
+        return as_floats(self.loss.residual(raw) / np.sqrt(len(self.data)))
+
+    def _raw(self, law: ContactLaw | None) -> FloatArray:
+        """Return the residuals of one law, shape (N,); NaN outside its domain."""
+        predicted, observed = self._predicted(law), self.observed
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            difference = np.log(predicted / observed) if self.is_log else predicted - observed
+            if self.noise is not None:
+                return self.noise.whitening(as_floats(difference))
+            root = np.sqrt(self.data.weight)
+            return as_floats(difference * (root if self.is_log else root / self.sigma))
+
+    def _predicted(self, law: ContactLaw | None) -> FloatArray:
+        """Return what one law predicts, shape (N,); NaN outside its domain."""
+        data = self.data
+        if law is None:
+            return np.full(len(data), np.nan)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            if self.of_load:
+                return law.load(data.penetration, data.pair)
+            return law.penetration(data.load, data.pair)
+
+    def jacobian(
+        self, point: FloatArray, evaluate: Callable[[FloatArray], FloatArray]
+    ) -> FloatArray:
+        """Return derivatives by the free parameters, from central differences, shape (N, k).
+
+        `evaluate` gives values of shape (P, N) at points of shape (P, k). At a bound, beyond which
+        a law may be undefined, the differences are one-sided.
+        """
+        interval = _INTERVAL_STEP / _RELATIVE_STEP * (self.high - self.low)
+        steps = _RELATIVE_STEP * np.maximum(np.abs(point), interval)
+        high = np.minimum(point + steps, np.maximum(self.high, point))
+        low = np.maximum(point - steps, np.minimum(self.low, point))
+        moved = np.vstack([point + np.diag(high - point), point + np.diag(low - point)])
+        ahead, behind = np.split(evaluate(moved), 2)
+        with np.errstate(invalid="ignore"):
+            slopes = (ahead - behind) / (high - low)[:, None]
+        return as_floats(np.nan_to_num(slopes, nan=0.0, posinf=0.0, neginf=0.0).T)
+
+    # --- the minimum --------------------------------------------------------------------------
+
+    def starts(self, nominal: FloatArray | None, number: int, seed: int) -> FloatArray:
+        """Return points to start from, shape (number or fewer, k).
+
+        The first is the nominal one; the others are the best of many drawn between the bounds.
+        """
+        rng, k = np.random.default_rng(seed), len(self.free)
+        unit = np.vstack([np.full(k, 0.5), rng.uniform(size=(_POINTS_PER_START * number, k))])
+        low, high = self.low, self.high
+        wide: BoolArray = (low > 0) & (high > _WIDE * np.where(low > 0, low, 1.0))
+        safe_low, safe_high = np.where(wide, low, 1.0), np.where(wide, high, 1.0)
+        logarithmic = safe_low * (safe_high / safe_low) ** unit
+        points = np.where(wide, logarithmic, low + unit * (high - low))
+        if nominal is not None:
+            points = np.vstack([np.clip(nominal, low, high), points])
+        values = self.values(points)
+        first = [] if nominal is None or not np.isfinite(values[0]) else [0]
+        order = [k for k in np.argsort(values, kind="stable") if np.isfinite(values[k])]
+        return as_floats(points[[*first, *(k for k in order if k not in first)][:number]])
+
+    def minimise(self, start: FloatArray, most: int = _MAX_RESTARTS) -> Minimum:
+        """Descend within the bounds, `most` times from the end of the descent before.
+
+        The end is the start if nothing better was found, as where the law is undefined.
+        """
+        point, value, evaluations = start, self.value(start), 1
+        if point.size == 0 or not np.isfinite(value):
+            return Minimum(point, value, evaluations)
+        for _ in range(most):
+            candidate, spent = self._descend(point)
+            reached = self.value(candidate)
+            evaluations += spent + 1
+            is_worthwhile = reached < value * (1 - _MIN_GAIN)
+            if reached < value:
+                point, value = candidate, reached
+            if not is_worthwhile:
+                break
+        return Minimum(point, value, evaluations)
+
+    def _descend(self, start: FloatArray) -> tuple[FloatArray, int]:
+        """Run scipy's trust-region method once; return its end and the candidates evaluated."""
+        span = self.high - self.low
+        margin = 1e-12 * span
+
+        def residuals(point: FloatArray) -> FloatArray:
+            return as_floats(self.finite_residuals(point[None, :])[0])
+
+        def slopes(point: FloatArray) -> FloatArray:
+            return self.jacobian(point, self.residuals)
+
+        solution = least_squares(
+            residuals,
+            np.clip(start, self.low + margin, self.high - margin),
+            jac=slopes,
+            bounds=(self.low, self.high),
+            x_scale=np.maximum(np.abs(start), 1e-3 * span),
+            xtol=_PRECISION,
+            ftol=_PRECISION,
+            gtol=_PRECISION,
+            max_nfev=200,
+        )
+        return np.asarray(solution.x), int(solution.nfev + 2 * start.size * (solution.njev or 0))
+
+    # --- the noise ----------------------------------------------------------------------------
+
+    def take(self, rows: Indices, series: Indices | None = None) -> Fit:
+        """Return the fit to a selection of rows, possibly repeated.
+
+        `series` renumbers the series of its noise, of which repeated rows are others.
+        """
+        noise = None if self.noise is None else self.noise.take(rows, series)
+        return replace(self, data=self.data.take(rows), noise=noise)
+
+    def with_noise(
+        self, model: NoiseModel, best: Mapping[str, float], deviations: Mapping[str, float]
+    ) -> Fit:
+        """Return the fit with a noise model of these deviations, for a law close to the best."""
+        law = self.law(self.point(best))
+        if law is None:
+            raise TypeError("the law is undefined at the best parameters")
+        covariance = model.covariance(self.data, law, best.get("offset", 0.0))
+        return replace(self, noise=FittedNoise(covariance, dict(deviations)))
+
+    def at_best(self, best: Mapping[str, float]) -> Fit:
+        """Return the fit with its noise, if it has a model of it, for the best law."""
+        if self.noise is None:
+            return self
+        return self.with_noise(self.noise.covariance.model, best, self.noise.deviations)
+
+    def likelihood(self, point: FloatArray, noise: FittedNoise) -> Likelihood:
+        """Return the likelihood of the deviations of a noise model at a point."""
+        slopes = self.jacobian(point, self.differences)
+        return Likelihood(noise.covariance, self.differences(point[None, :])[0], slopes)
+
+    def estimating(self, model: NoiseModel, start: FloatArray) -> Fit:
+        """Return the fit with the deviations of a noise model.
+
+        The two take turns: the parameters by least squares of the residuals in standard deviations,
+        which the deviations weigh, and the deviations by restricted maximum likelihood of these
+        residuals, until neither moves. `start` is the best point by plain least squares.
+        """
+        point = start
+        for _ in range(_ROUNDS):
+            noise = self.with_noise(model, self.coefficients(point), {}).noise
+            assert noise is not None
+            likelihood = self.likelihood(point, noise)
+            self._require_rows(likelihood)
+            weighed = replace(self, noise=replace(noise, deviations=estimate(likelihood)))
+            moved = weighed.minimise(point).point
+            step = likelihood.slopes @ (moved - point)
+            point = moved
+            size = float(np.abs(likelihood.residuals).max())
+            if float(np.abs(step).max(initial=0.0)) <= _SETTLED * size:
+                break
+        return weighed
+
+    def _require_rows(self, likelihood: Likelihood) -> None:
+        """Refuse data with no more rows than parameters and fixed effects."""
+        rows, free = likelihood.slopes.shape
+        effects = likelihood.covariance.fixed.shape[1]
+        if rows <= free + effects:
+            rule = f"are not more than {free} parameters and {effects} effects of the series"
+            remedy = "measure more points, or leave group and drift out"
+            raise InputError(self.data.data.source, "group", f"{rows} rows", rule, remedy)
+
+    def robust(self, loss: str, scale: float | None, start: Callable[[], FloatArray]) -> Fit:
+        """Return the fit with a robust loss and its scale.
+
+        A scale that is not given is 1.345 times the standard deviation if that is known, else
+        1.345 times the robust spread of the residuals, by a few iterations from `start`, a
+        least-squares fit.
+        """
+        if scale is not None or self.has_sigma:
+            return replace(self, loss=Loss(loss, scale or TUNING))
+        point, fit = start(), self
+        for _ in range(_SCALE_ROUNDS):
+            spread = MEDIAN_TO_SIGMA * float(np.median(np.abs(self.raw(point[None, :])[0])))
+            fit = replace(self, loss=Loss(loss, max(TUNING * spread, 1e-12)))
+            point = fit.minimise(point).point
+        return fit
+
+
+def _norm(residuals: FloatArray) -> FloatArray:
+    """Return the root of the sum of squares of each row; inf if undefined."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        values = np.sqrt((residuals**2).sum(axis=1))
+    return np.where(np.isfinite(values), values, np.inf)

@@ -1,0 +1,532 @@
+"""How measurements err: scatter that grows or not, errors of the load, series, and drift.
+
+A reading of the penetration is δ = δ_law(f) + e with a Gaussian e of the covariance
+
+    V = diag(σ_δ² + (dδ/df)²·σ_f² + s₀² + s₁²·δ_c²) + Z·diag(τ²)·Zᵀ.
+
+σ_δ and σ_f are given with the data: deviations of the penetration and of the load, the latter
+carried over by the slope of the law (the effective variance of Orear 1982). s₀ is a constant
+scatter, s₁ one in proportion to the penetration δ_c of the contact. The readings of a series share
+an offset, a gain and a drift, which are the columns of Z: 1, δ_c, and the position in the series
+from 0 to 1. With five series or more these effects are random with deviations τ; fewer say too
+little about a deviation, and their effects are fixed, that is, fitted without any.
+
+With the residuals r of the readings at the best parameters and X their derivatives, the columns of
+fixed effects among them, the deviations minimise the restricted likelihood
+
+    −2·ℓ = ln|V| + ln|XᵀV⁻¹X| + rᵀPr,   P = V⁻¹ − V⁻¹X(XᵀV⁻¹X)⁻¹XᵀV⁻¹
+
+(Patterson and Thompson 1971), which allows for the parameters being estimated from the same data:
+with constant scatter alone it gives Σr²/(N − k). The degrees of freedom of an estimate are
+Satterthwaite's: 2C²/(gᵀAg), with C its variance, g the derivatives of C by the logarithms of the
+deviations, and A their covariance from the curvature of ℓ.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize
+
+from cylcontact.arrays import FloatArray, as_floats
+from cylcontact.datasets.measurements import Indices, Measurements
+from cylcontact.laws.law import ContactLaw
+
+NOISES = ("constant", "proportional", "both")
+# With fewer series than this, their effects are fixed.
+FEWEST_RANDOM = 5
+# Deviations relative to the penetration; the others are in mm.
+RELATIVE = ("proportional", "gain")
+# Deviations are searched by their logarithms, within these of a first guess.
+_LEAST, _MOST = -14.0, 9.0
+# Steps of the derivatives of ℓ, and of its curvature.
+_STEP, _WIDE_STEP = 1e-4, 1e-2
+_OPTIONS: Any = {"ftol": 1e-14, "gtol": 1e-7, "maxiter": 500}
+# A deviation is zero if −2ℓ loses no more than this by it.
+_NO_LOSS = 1e-6
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """What a fit allows for; `MeasuredSpec` has the keys of a campaign.
+
+    noise: how the scatter of single readings grows, None if their deviations are given; over: the
+    grouping of the rows into series, None for one; drift: whether readings drift along a series;
+    load_error: standard deviation of the loads relative to them, beside that in the data;
+    has_offset: whether the law has a free offset, which is then the mean of fixed offsets.
+    """
+
+    noise: str | None
+    over: str | None = None
+    drift: bool = False
+    load_error: float = 0.0
+    has_offset: bool = False
+
+    @property
+    def scatter(self) -> tuple[str, ...]:
+        """The deviations of single readings that are estimated."""
+        if self.noise is None:
+            return ()
+        return ("constant", "proportional") if self.noise == "both" else (self.noise,)
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """The effects that the readings of a series share."""
+        series = ("offset", "gain") if self.over else ()
+        return series + (("drift",) if self.drift else ())
+
+    def covariance(self, data: Measurements, law: ContactLaw, offset: float = 0.0) -> Covariance:
+        """Return the covariance of N readings for a law close to the best.
+
+        `law` has the compliance and the offset of the rig; the offset, in mm, is no penetration.
+        """
+        load, pair, columns = data.load, data.pair, data.columns
+        reading = law.penetration(load, pair)
+        zero = np.zeros(len(data))
+        load_std = np.hypot(columns.get("load_std", zero), self.load_error * load)
+        with np.errstate(divide="ignore"):
+            slope = np.where(load_std > 0, 1 / law.stiffness(reading, pair), 0.0)
+        given = columns.get("penetration_std", zero) ** 2 + (slope * load_std) ** 2
+        series = np.zeros(len(data), dtype=np.intp)
+        if self.over is not None:
+            series = data.groups(self.over)[1]
+        return Covariance(
+            model=self,
+            load=load,
+            given=as_floats(given),
+            depth=as_floats(reading - offset),
+            weight=data.weight,
+            series=series,
+            position=positions(series, columns.get("time")),
+        )
+
+
+def positions(series: Indices, time: FloatArray | None) -> FloatArray:
+    """Return the position of each row in its series, from 0 for the first to 1 at most."""
+    order = np.arange(series.size, dtype=np.float64) if time is None else time
+    along, longest = np.empty(series.size), 0.0
+    for number in np.unique(series):
+        rows = np.flatnonzero(series == number)
+        ranks = np.arange(rows.size) if time is None else order[rows] - order[rows].min()
+        along[rows] = ranks
+        longest = max(longest, float(ranks.max()))
+    return along / longest if longest > 0 else along
+
+
+@dataclass(frozen=True, eq=False)
+class Covariance:
+    """The covariance of N readings, but for the deviations that are to be estimated.
+
+    load in N/mm; given: the variance of each row that is known beforehand, in mm²; depth: the
+    penetration of the contact in mm; weight of the squared residuals; series of each row, from 0,
+    and position in it; random: whether the effects of the series are random, as they stay in a part
+    of the data, by default with five series or more.
+    """
+
+    model: NoiseModel
+    load: FloatArray
+    given: FloatArray
+    depth: FloatArray
+    weight: FloatArray
+    series: Indices
+    position: FloatArray
+    random: bool | None = None
+
+    @cached_property
+    def is_random(self) -> bool:
+        """Whether the effects of the series are random."""
+        if self.random is not None:
+            return self.random
+        return bool(self.model.effects) and np.unique(self.series).size >= FEWEST_RANDOM
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The deviations that are estimated: of single readings, then of series."""
+        return self.model.scatter + (self.model.effects if self.is_random else ())
+
+    @cached_property
+    def columns(self) -> FloatArray:
+        """The effects of a series on its readings, shape (N, q)."""
+        shapes = {"offset": np.ones_like(self.depth), "gain": self.depth, "drift": self.position}
+        return as_floats(np.stack([shapes[name] for name in self.model.effects], axis=-1))
+
+    @cached_property
+    def fixed(self) -> FloatArray:
+        """The columns of fixed effects, shape (N, m); none if the effects are random.
+
+        Gains sum to zero, since their mean is the law's own stiffness; so do offsets beside a free
+        offset of the law.
+        """
+        if self.is_random or not self.model.effects:
+            return np.empty((self.depth.size, 0))
+        member = self.series[:, None] == np.unique(self.series)
+        parts = []
+        for name, column in zip(self.model.effects, self.columns.T, strict=True):
+            part = member * column[:, None]
+            if name == "gain" or (name == "offset" and self.model.has_offset):
+                part = part[:, 1:] - part[:, :1]
+            parts.append(part)
+        return as_floats(np.hstack(parts))
+
+    def variance(self, deviations: Mapping[str, float]) -> FloatArray:
+        """Return the variance of single readings in mm², shape (N,)."""
+        constant = deviations.get("constant", 0.0)
+        proportional = deviations.get("proportional", 0.0) * self.depth
+        return as_floats(self.given + (constant**2 + proportional**2) / self.weight)
+
+    def spread(self, deviations: Mapping[str, float]) -> FloatArray:
+        """Return the deviations of the columns of Z, shape (q,)."""
+        return np.array([deviations[name] for name in self.model.effects])
+
+    def take(self, rows: Indices, series: Indices | None = None) -> Covariance:
+        """Return the covariance of a selection of rows, in the series given."""
+        return replace(
+            self,
+            load=self.load[rows],
+            given=self.given[rows],
+            depth=self.depth[rows],
+            weight=self.weight[rows],
+            series=self.series[rows] if series is None else series,
+            position=self.position[rows],
+            random=self.is_random,
+        )
+
+    def whitening(self, deviations: Mapping[str, float]) -> Whitening:
+        """Return the map from residuals to independent ones of variance 1."""
+        scale = np.sqrt(self.variance(deviations))
+        blocks: list[_Block] = []
+        if self.is_random:
+            columns = self.columns / scale[:, None] * self.spread(deviations)
+            blocks = [_random_block(rows, columns[rows]) for rows in _rows_by_size(self.series)]
+        elif self.fixed.shape[1]:
+            basis = _basis_of(self.fixed / scale[:, None])
+            rows = np.arange(scale.size)[None, :]
+            blocks.append(_Block(rows, basis[None, :], np.eye(basis.shape[1])[None, :]))
+        return Whitening(scale, tuple(blocks))
+
+
+class _Block(NamedTuple):
+    """u → u − Q·S·Qᵀ·u for G series of n rows each, with orthonormal columns Q.
+
+    `rows` has the shape (G, n), Q (G, n, m) and S (G, m, m).
+    """
+
+    rows: Indices
+    Q: FloatArray
+    S: FloatArray
+
+
+def _rows_by_size(series: Indices) -> list[Indices]:
+    """Return the rows of series of n rows for each n, shape (G, n), to treat them at once."""
+    order = np.argsort(series, kind="stable")
+    _, first, sizes = np.unique(series[order], return_index=True, return_counts=True)
+    return [order[first[sizes == n, None] + np.arange(n)] for n in np.unique(sizes)]
+
+
+def _random_block(rows: Indices, columns: FloatArray) -> _Block:
+    """Return the blocks of (I + UUᵀ)^(−1/2), with U of shape (G, n, q)."""
+    Q, R = np.linalg.qr(columns)
+    values, vectors = np.linalg.eigh(R @ R.mT)
+    shrunk = 1 - 1 / np.sqrt(1 + np.maximum(values, 0.0))
+    return _Block(rows, as_floats(Q), as_floats((vectors * shrunk[:, None, :]) @ vectors.mT))
+
+
+def _basis_of(columns: FloatArray) -> FloatArray:
+    """Return an orthonormal basis of the space of columns, which need not be independent."""
+    length = np.linalg.norm(columns, axis=0)
+    scaled = columns / np.where(length > 0, length, 1.0)
+    left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
+    return as_floats(left[:, singular > 1e-10 * singular[0]])
+
+
+class Whitening(NamedTuple):
+    """The symmetric root of V⁻¹, by rows and by series.
+
+    `scale` is the deviation of single readings in mm, shape (N,); the blocks are what the series
+    take away. Fixed effects leave no trace in whitened residuals.
+    """
+
+    scale: FloatArray
+    blocks: tuple[_Block, ...] = ()
+
+    def __call__(self, residuals: FloatArray) -> FloatArray:
+        """Return residuals in mm, shape (..., N), as independent ones in standard deviations."""
+        u = residuals / self.scale
+        for block in self.blocks:
+            part = u[..., block.rows]
+            shared = (part[..., None, :] @ block.Q) @ block.S @ block.Q.mT
+            u[..., block.rows] = part - shared[..., 0, :]
+        return as_floats(u)
+
+
+@dataclass(frozen=True, eq=False)
+class FittedNoise:
+    """A covariance at the best parameters with its estimated deviations."""
+
+    covariance: Covariance
+    deviations: Mapping[str, float]
+
+    @cached_property
+    def whitening(self) -> Whitening:
+        """The map from residuals to independent ones of variance 1."""
+        return self.covariance.whitening(self.deviations)
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """The effects that the readings of a series share."""
+        return self.covariance.model.effects
+
+    @property
+    def is_given(self) -> bool:
+        """Whether all deviations came with the data."""
+        return not self.covariance.names
+
+    def take(self, rows: Indices, series: Indices | None = None) -> FittedNoise:
+        """Return the noise of a selection of rows, in the series given."""
+        return replace(self, covariance=self.covariance.take(rows, series))
+
+    def series_effects(self, residuals: FloatArray) -> FloatArray:
+        """Return the effects of each series, shape (G, q), from fitted less measured in mm.
+
+        Offsets and drifts are in mm, gains relative. Random effects are the best linear unbiased
+        predictions, fixed ones their least squares.
+        """
+        covariance = self.covariance
+        variance = covariance.variance(self.deviations)
+        if covariance.is_random:
+            spread, effects = covariance.spread(self.deviations), []
+            for number in np.unique(covariance.series):
+                rows = covariance.series == number
+                columns = covariance.columns[rows] * spread
+                weighted = columns.T / variance[rows]
+                core = np.eye(spread.size) + weighted @ columns
+                effects.append(spread * np.linalg.solve(core, weighted @ -residuals[rows]))
+            return np.array(effects)
+        scale = np.sqrt(variance)
+        values = np.linalg.lstsq(covariance.fixed / scale[:, None], -residuals / scale)[0]
+        shared = covariance.fixed @ values
+        member = covariance.series[:, None] == np.unique(covariance.series)
+        design = (member[:, :, None] * covariance.columns[:, None, :]).reshape(len(shared), -1)
+        own = np.linalg.lstsq(design, shared)[0]
+        return as_floats(own.reshape(-1, len(self.effects)))
+
+    def scatter_variance(self, depth: FloatArray, load: FloatArray) -> FloatArray:
+        """Return the variance of single new readings in mm², without what their series shares."""
+        covariance, deviations = self.covariance, self.deviations
+        # What is given at the loads of the data is interpolated between them.
+        at, place = np.unique(covariance.load, return_inverse=True)
+        mean = np.bincount(place, covariance.given) / np.bincount(place)
+        proportional = deviations.get("proportional", 0.0) * depth
+        constant = deviations.get("constant", 0.0)
+        return as_floats(np.interp(load, at, mean) + proportional**2 + constant**2)
+
+    def new_variance(self, depth: FloatArray, load: FloatArray) -> FloatArray:
+        """Return the variance of a new reading of a new series in mm², at depths and loads."""
+        shared = np.square([self.deviations.get(name, 0.0) for name in ("offset", "drift")]).sum()
+        gain = self.deviations.get("gain", 0.0) * depth
+        return as_floats(self.scatter_variance(depth, load) + gain**2 + shared)
+
+
+# --- the deviations by restricted maximum likelihood ------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Likelihood:
+    """The restricted likelihood of deviations, for readings at the best parameters.
+
+    residuals: fitted less measured in mm, shape (N,); slopes: their derivatives by the free
+    parameters, shape (N, k).
+    """
+
+    covariance: Covariance
+    residuals: FloatArray
+    slopes: FloatArray
+
+    def __call__(self, deviations: Mapping[str, float]) -> float:
+        """Return −2ℓ; inf if the covariance is singular."""
+        inner, log_det = self._inner(deviations, self._reduced)
+        if not np.isfinite(log_det):
+            return np.inf
+        normal = inner[1:, 1:]
+        sign, log_normal = np.linalg.slogdet(normal)
+        if sign <= 0:
+            return np.inf
+        rest = inner[0, 0] - inner[0, 1:] @ np.linalg.solve(normal, inner[1:, 0])
+        return float(log_det + log_normal + rest)
+
+    def log_likelihood(self, deviations: Mapping[str, float]) -> float:
+        """Return ln L of the readings, not restricted, at the best parameters and fixed effects."""
+        inner, log_det = self._inner(deviations, self._reduced)
+        rest = inner[0, 0] - inner[0, 1:] @ np.linalg.solve(inner[1:, 1:], inner[1:, 0])
+        return float(-0.5 * (self.residuals.size * np.log(2 * np.pi) + log_det + rest))
+
+    def parameter_covariance(self, deviations: Mapping[str, float]) -> FloatArray:
+        """Return the covariance of the free parameters, shape (k, k)."""
+        design = np.hstack([self.slopes, self.covariance.fixed])
+        size = np.linalg.norm(design, axis=0)
+        size = np.where(size > 0, size, 1.0)
+        inner, _ = self._inner(deviations, design / size)
+        inverse = np.linalg.pinv(inner, hermitian=True) / np.outer(size, size)
+        k = self.slopes.shape[1]
+        return as_floats(inverse[:k, :k])
+
+    @cached_property
+    def _reduced(self) -> FloatArray:
+        """The residuals, then an orthonormal basis of the derivatives and fixed effects."""
+        basis = _basis_of(np.hstack([self.slopes, self.covariance.fixed]))
+        return np.column_stack([self.residuals, basis])
+
+    def _inner(
+        self, deviations: Mapping[str, float], columns: FloatArray
+    ) -> tuple[FloatArray, float]:
+        """Return MᵀV⁻¹M of columns M, shape (m, m), and ln|V|."""
+        covariance = self.covariance
+        variance = covariance.variance(deviations)
+        if not (variance > 0).all():
+            return np.zeros((columns.shape[1],) * 2), np.inf
+        weighted = columns / variance[:, None]
+        inner, log_det = columns.T @ weighted, float(np.log(variance).sum())
+        if not covariance.is_random:
+            return inner, log_det
+        Z = covariance.columns * covariance.spread(deviations)
+        own = _by_series(covariance.series, Z[:, :, None] * Z[:, None, :] / variance[:, None, None])
+        shared = _by_series(covariance.series, Z[:, :, None] * weighted[:, None, :])
+        core = np.eye(Z.shape[1]) + own
+        inner = inner - np.einsum("gqa,gqb->ab", shared, np.linalg.solve(core, shared))
+        return inner, log_det + float(np.linalg.slogdet(core)[1].sum())
+
+
+def _by_series(series: Indices, values: FloatArray) -> FloatArray:
+    """Return sums over the rows of each series, shape (N, ...) to (G, ...)."""
+    order = np.argsort(series, kind="stable")
+    starts = np.flatnonzero(np.diff(series[order], prepend=-1))
+    return as_floats(np.add.reduceat(values[order], starts, axis=0))
+
+
+def estimate(likelihood: Likelihood) -> dict[str, float]:
+    """Return the deviations of largest restricted likelihood.
+
+    "constant", "offset" and "drift" are in mm, "proportional" and "gain" relative; 0 where the
+    readings show none.
+
+    Examples
+    --------
+    Twice the scatter in the residuals gives twice the deviation, √(Σr²/(N − k)):
+
+    >>> one, none = np.ones(4), np.zeros(4)
+    >>> model = NoiseModel("constant")
+    >>> covariance = Covariance(model, one, none, one, one, np.zeros(4, dtype=int), none)
+    >>> r = np.array([1.0, -1.0, 1.0, -1.0])
+    >>> round(estimate(Likelihood(covariance, r, one[:, None]))["constant"], 5)
+    1.1547
+    """
+    names = likelihood.covariance.names
+    if not names:
+        return {}
+    size = float(np.sqrt((likelihood.residuals**2).mean()))
+    depth = float(np.sqrt((likelihood.covariance.depth**2).mean()))
+    first = {name: (size / depth if name in RELATIVE else size) or 1e-12 for name in names}
+
+    def value(steps: FloatArray) -> float:
+        return likelihood(_scaled(first, names, steps))
+
+    def slopes(at: FloatArray) -> FloatArray:
+        steps = _STEP * np.eye(at.size)
+        return np.array([(value(at + step) - value(at - step)) / (2 * _STEP) for step in steps])
+
+    solution = minimize(
+        value,
+        np.zeros(len(names)),
+        jac=slopes,
+        method="L-BFGS-B",
+        bounds=[(_LEAST, _MOST)] * len(names),
+        options=_OPTIONS,
+    )
+    best, lowest = _scaled(first, names, solution.x), float(solution.fun)
+    for name in sorted(names, key=lambda name: best[name] / first[name]):
+        without = best | {name: 0.0}
+        if (reached := likelihood(without)) <= lowest + _NO_LOSS:
+            best, lowest = without, min(lowest, reached)
+    return best
+
+
+def _scaled(
+    first: Mapping[str, float], names: tuple[str, ...], steps: FloatArray
+) -> dict[str, float]:
+    """Return deviations by the logarithms of their ratios to the first guess."""
+    return {name: first[name] * math.exp(step) for name, step in zip(names, steps, strict=True)}
+
+
+# --- degrees of freedom -----------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Degrees:
+    """Satterthwaite's degrees of freedom of linear combinations of the parameters.
+
+    covariance of the parameters, shape (k, k); sensitivity: its derivatives by the logarithm of
+    each deviation, (m, k, k); spread: the covariance of these logarithms, (m, m); most: readings
+    less parameters.
+    """
+
+    covariance: FloatArray
+    sensitivity: FloatArray
+    spread: FloatArray
+    most: float
+
+    @classmethod
+    def of(cls, likelihood: Likelihood, deviations: Mapping[str, float]) -> Degrees:
+        """Return the degrees of freedom at the estimated deviations."""
+        active = tuple(name for name in deviations if deviations[name] > 0)
+
+        def at(steps: FloatArray) -> dict[str, float]:
+            return {**deviations, **_scaled(deviations, active, steps)}
+
+        def covariance(steps: FloatArray) -> FloatArray:
+            return likelihood.parameter_covariance(at(steps))
+
+        k, m = likelihood.slopes.shape[1], len(active)
+        slopes = [
+            (covariance(step) - covariance(-step)) / (2 * _WIDE_STEP)
+            for step in _WIDE_STEP * np.eye(m)
+        ]
+        return cls(
+            covariance=likelihood.parameter_covariance(deviations),
+            sensitivity=np.reshape(slopes, (m, k, k)),
+            spread=_inverse_curvature(lambda steps: 0.5 * likelihood(at(steps)), m),
+            most=float(likelihood.residuals.size - k - likelihood.covariance.fixed.shape[1]),
+        )
+
+    def __call__(self, contrasts: FloatArray) -> FloatArray:
+        """Return the degrees of freedom of contrasts, shape (..., k) to (...); at least 1.
+
+        They are infinite if nothing was estimated.
+        """
+        variance = np.einsum("...i,ij,...j->...", contrasts, self.covariance, contrasts)
+        if not self.sensitivity.size:
+            return np.full_like(variance, np.inf)
+        g = np.einsum("...i,mij,...j->...m", contrasts, self.sensitivity, contrasts)
+        noise = np.einsum("...m,mn,...n->...", g, self.spread, g)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            degrees = np.where(noise > 0, 2 * variance**2 / noise, np.inf)
+        return as_floats(np.clip(degrees, 1.0, self.most))
+
+
+def _inverse_curvature(value: Callable[[FloatArray], float], size: int) -> FloatArray:
+    """Return the inverse of the second derivatives at 0, without directions that do not curve."""
+    steps = _WIDE_STEP * np.eye(size)
+    curvature = np.empty((size, size))
+    for i in range(size):
+        for j in range(i, size):
+            a, b = steps[i], steps[j]
+            mixed = value(a + b) - value(a - b) - value(b - a) + value(-a - b)
+            curvature[i, j] = curvature[j, i] = mixed / (4 * _WIDE_STEP**2)
+    values, vectors = np.linalg.eigh(curvature)
+    curved = values > 1e-6 * max(float(values.max(initial=0.0)), 1e-12)
+    inverse = np.where(curved, 1 / np.where(curved, values, 1.0), 0.0)
+    return as_floats((vectors * inverse) @ vectors.T)

@@ -1,0 +1,1104 @@
+"""Fit results: coefficients, their quality in words, and everything needed to redo the fit."""
+
+from __future__ import annotations
+
+import json
+from abc import abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from textwrap import fill
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from cylcontact.arrays import as_floats
+from cylcontact.errors import InputError, short
+from cylcontact.files import replacing
+from cylcontact.fitting.campaign import CampaignBase
+from cylcontact.fitting.design import Design, design
+from cylcontact.fitting.estimates import Uncertainty
+from cylcontact.fitting.law_models import fitted_law, units_of, user_model, with_rig
+from cylcontact.fitting.loss import Loss
+from cylcontact.fitting.measured import Fit
+from cylcontact.fitting.noise_words import noise_verdicts, noise_warnings
+from cylcontact.fitting.optimum import Optimum
+from cylcontact.fitting.profiles import TOLERANCE, Profile
+from cylcontact.fitting.records import (
+    FAIRLY,
+    WELL,
+    LeftOut,
+    MaxDifference,
+    ObjectiveValue,
+    Published,
+    RunRecord,
+    SampleCounts,
+)
+from cylcontact.fitting.specs import ParameterSpec
+from cylcontact.fitting.table_campaign import TableCampaign, campaign_of, require_increasing
+from cylcontact.formats import marked, upgraded
+from cylcontact.laws.adapters import RigCompliance
+from cylcontact.laws.law import ContactLaw
+from cylcontact.pair import Contact, CylinderPair
+from cylcontact.plain_text import as_label, brief, html
+from cylcontact.reading import RESULT_BYTES, read_text
+from cylcontact.spec import Spec, parse_spec, parser_reason, require_other_kind
+from cylcontact.text_tables import Report, joined, text_table
+from cylcontact.units import column_named, load_in_N_per_mm
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from cylcontact.plots.figure import Drawing
+
+# Runs whose objectives are this close, relatively, ended in the same basin.
+SAME_BASIN = 1e-3
+# A coefficient this close to a bound, relative to the search interval, is at the bound.
+_AT_BOUND = 1e-6
+_WIDTH = 100
+# The units of objectives that have one, if no deviations are given with the data.
+OBJECTIVE_UNITS = {"rms-penetration": "mm", "rms-load": "N/mm", "rms-standardised": "std. dev."}
+# What only files of before have, where fits to laws and to readings were one record.
+_FORMER = ("kind", "bound", "profiles")
+
+Rows = list[tuple[str, ...]]
+
+
+def same_basin(record: RunRecord, objective: float, exact: float = 1e-12) -> bool:
+    """Return whether a run reached an objective, to 0.1 % and round-off."""
+    return record.objective <= objective * (1 + SAME_BASIN) + exact
+
+
+class FitResult(Spec):
+    """What a fit gives: a `LawFit` of a law to a law, or a `DataFit` to readings.
+
+    `print(result)` gives the report, and a notebook shows it. `to_law` returns the fitted law.
+    """
+
+    name: str = Field(description="the campaign's name")
+    law: str = Field(description="the law fitted")
+    contact: Contact = Field(description="the contact it is for")
+    reference: str = Field(description="the law it was fitted to, or measurements")
+    coefficients: dict[str, float] = Field(description="the fitted coefficients")
+    objective: ObjectiveValue = Field(description="the objective reached")
+    published: Published | None = Field(description="the published coefficients' objective")
+    max_abs_diff_percent: MaxDifference = Field(description="largest |Eq 9| over the data")
+    runs: list[RunRecord] = Field(description="every run")
+    counts: SampleCounts = Field(description="samples used and masked")
+    settings: dict[str, Any] = Field(description="the campaign and the grid, or the data, as run")
+    provenance: dict[str, Any] = Field(description="versions and hashes")
+
+    # The objective below which the law follows the samples exactly.
+    round_off: ClassVar[float]
+
+    @classmethod
+    def read(cls, path: Path | str) -> Self:
+        """Read a result file, of this version of the program or an older one.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, is not a result, is of a newer format, or is inconsistent.
+        """
+        source = str(path)
+        text = read_text(path, RESULT_BYTES, "name a result, a JSON file")
+        try:
+            data = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            require_other_kind(path, text, "a fit result")
+            rule = f"is not JSON ({parser_reason(error)})"
+            raise InputError(source, "", None, rule, "name a result, or redo the fit") from error
+        if not isinstance(data, dict):
+            raise InputError(source, "", None, "is not a result", "name one that a fit has written")
+        kind: type[FitResult] = LawFit
+        settings = data.get("settings")
+        if isinstance(settings, dict) and "measurements" in settings:
+            kind, data = DataFit, {k: v for k, v in data.items() if k not in _FORMER}
+        result = parse_spec(kind, upgraded("fit result", data, source), source)
+        if not isinstance(result, cls):
+            what = "readings" if cls is DataFit else "a law"
+            rule, remedy = f"is not a fit to {what}", f"name a fit to {what}"
+            raise InputError(source, "", None, rule, remedy)
+        result.require_consistent(source)
+        return result
+
+    def save(self, path: Path | str) -> None:
+        """Write the result as JSON, complete or not at all."""
+        with replacing(path) as temporary:
+            self.write(temporary)
+
+    def write(self, path: Path) -> None:
+        """Write the result as JSON to a file that is not yet in its place."""
+        contents = marked("fit result", self.model_dump())
+        text = json.dumps(contents, indent=1, ensure_ascii=False, allow_nan=False)
+        try:
+            path.write_text(text + "\n", encoding="utf-8")
+        except UnicodeEncodeError as error:
+            source = f"fit result {self.name!r}"
+            raise InputError(source, "", None, "is not text in UTF-8", "rename it") from error
+
+    def require_consistent(self, source: str) -> None:
+        """Raise `InputError` if the parts of a result contradict each other."""
+        campaign = self._campaign(source)
+        names, spec = campaign.model.names, campaign.spec
+        model = campaign.model
+        expected = {"law": model.law, "contact": model.contact, "reference": campaign.reference}
+        for key, value in expected.items():
+            if getattr(self, key) != value:
+                rule = f"must be that of its campaign, {value}"
+                raise InputError(source, key, getattr(self, key), rule, "redo the fit")
+        sets = {"coefficients": self.coefficients}
+        if self.published is not None:
+            sets["published.coefficients"] = self.published.coefficients
+        sets |= {f"runs.{run.index}.coefficients": run.coefficients for run in self.runs}
+        for key, coefficients in sets.items():
+            if set(coefficients) != set(names):
+                rule = f"must be the coefficients of its campaign: {', '.join(names)}"
+                raise InputError(source, key, sorted(coefficients), rule, "redo the fit")
+        for name, table in spec.parameters.items():
+            self._require_within(name, table, source)
+        if not self.runs:
+            raise InputError(source, "runs", [], "must hold at least one run", "redo the fit")
+
+    def _require_within(self, name: str, table: ParameterSpec, source: str) -> None:
+        """Refuse a coefficient that the campaign could not have reached."""
+        value = self.coefficients[name]
+        rule = f"lies outside the bounds of its campaign, {table.low} to {table.high}"
+        if table.fixed:
+            rule = f"must be the value that its campaign fixes, {table.value}"
+        if not table.allows(value) or (table.fixed and value != table.value):
+            raise InputError(source, f"coefficients.{name}", value, rule, "redo the fit")
+
+    def _campaign(self, source: str) -> CampaignBase:
+        """Return the campaign from the settings."""
+        return campaign_of(self.name, self.settings, source)
+
+    def to_law(self, source: str = "") -> ContactLaw:
+        """Return the fitted law of the contact, without the offset and compliance of the rig.
+
+        Parameters
+        ----------
+        source : str, optional
+            The result's file, for errors; by default its name.
+
+        Raises
+        ------
+        InputError
+            If the law is a Python function of your own.
+        """
+        housing = self.settings["campaign"].get("housing")
+        return fitted_law(self.law, self.contact, self.coefficients, housing, source or self.name)
+
+    def repeatable(self) -> dict[str, Any]:
+        """Return what the same seed reproduces: everything but times and provenance."""
+        data = self.model_dump(exclude={"provenance"})
+        for run in data["runs"]:
+            del run["seconds"]
+        return data
+
+    # --- in words -----------------------------------------------------------------------------
+
+    @property
+    def ties(self) -> dict[str, str]:
+        """The expressions that set coefficients, by name."""
+        return self.settings["campaign"].get("ties") or {}
+
+    @property
+    def fixed(self) -> list[str]:
+        """The coefficients that the campaign fixes at a value."""
+        tables = self.settings["campaign"]["parameters"]
+        return [name for name, table in tables.items() if table.get("fixed")]
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The units of the coefficients that have one, by name."""
+        return units_of(self.law, self.contact)
+
+    def basins(self) -> list[tuple[float, int]]:
+        """Return the distinct objectives of the runs, best first, and the runs at each."""
+        counts: list[tuple[float, int]] = []
+        for record in sorted(self.runs, key=lambda record: record.objective):
+            if counts and same_basin(record, counts[-1][0], self.round_off):
+                counts[-1] = (counts[-1][0], counts[-1][1] + 1)
+            else:
+                counts.append((record.objective, 1))
+        return counts
+
+    @abstractmethod
+    def identification(self, name: str) -> str:
+        """Return "well", "fairly", "poorly", "not", "at a bound", "fixed", a tie, or "-"."""
+
+    @property
+    @abstractmethod
+    def warnings(self) -> list[str]:
+        """What makes the result doubtful, with the remedy."""
+
+    @property
+    @abstractmethod
+    def verdicts(self) -> list[str]:
+        """Sentences on the quality of the fit, computed from its numbers, most important first."""
+
+    @property
+    @abstractmethod
+    def headline(self) -> str:
+        """What was fitted to what."""
+
+    @property
+    def status(self) -> str:
+        """In a line whether the fit can be taken as it is; empty for a fit to a law."""
+        return ""
+
+    @abstractmethod
+    def _table(self) -> tuple[tuple[str, ...], Rows]:
+        """Return the headings and the rows of the report's table."""
+
+    @abstractmethod
+    def _numbers(self, name: str) -> dict[str, float | None]:
+        """Return the standard error and the ends of the interval of a coefficient."""
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the coefficients as a table.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each coefficient: value, unit, standard_error, low, high (the ends of the
+            interval; NaN for one that was not searched), and verdict.
+        """
+        rows = {
+            name: {
+                "value": value,
+                "unit": self.units.get(name, ""),
+                **{k: np.nan if v is None else v for k, v in self._numbers(name).items()},
+                "verdict": self.identification(name),
+            }
+            for name, value in self.coefficients.items()
+        }
+        return pd.DataFrame.from_dict(rows, orient="index")
+
+    def summary(self) -> str:
+        """Return the report as text, as `print` shows it."""
+        return str(self)
+
+    def __str__(self) -> Report:
+        unwarned = [sentence for sentence in self.verdicts if sentence not in self.warnings]
+        return joined(
+            [
+                fill(self.headline, _WIDTH),
+                *([self.status] if self.status else []),
+                *(item(sentence, "! ") for sentence in self.warnings),
+                "",
+                text_table(*self._table()),
+                *map(item, unwarned),
+            ]
+        )
+
+    def __repr__(self) -> str:
+        return (
+            f"{type(self).__name__}({self.name!r}, {self.objective.name} = "
+            f"{self.objective.value:.6g}, coefficients={self.coefficients})"
+        )
+
+    def _repr_html_(self) -> str:
+        columns, rows = self._table()
+        head = "".join(f"<th>{html(column)}</th>" for column in columns)
+        body = "".join(
+            "<tr>" + "".join(f"<td>{html(cell)}</td>" for cell in row) + "</tr>" for row in rows
+        )
+        unwarned = [sentence for sentence in self.verdicts if sentence not in self.warnings]
+        items = "".join(f"<li>{html(sentence)}</li>" for sentence in unwarned)
+        status = f"<p>{html(self.status)}</p>" if self.status else ""
+        style = "border-left: 4px solid #D55E00; padding-left: 0.5em"
+        warned = "".join(f'<p style="{style}">{html(sentence)}</p>' for sentence in self.warnings)
+        return (
+            f"<p>{html(self.headline)}</p>{status}{warned}"
+            f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table><ul>{items}</ul>"
+        )
+
+    def _on_disagreement(self, poor: Sequence[str], how: str) -> list[str]:
+        """Warn if fewer than half of the runs reached the best objective."""
+        (_, agreeing), *_ = self.basins()
+        runs = len(self.runs)
+        if 2 * agreeing >= runs:
+            return []
+        held = " or ".join(poor) or "a coefficient"
+        return [
+            f"only {agreeing} of {runs} runs reached the best objective within 0.1 %, so a lower "
+            f"one may have been missed: make more runs (--runs {4 * runs}), or hold {held} at a "
+            f"value ({how})"
+        ]
+
+    def _on_runs(self) -> list[str]:
+        """Say how many runs agree with the best, and where the others ended."""
+        (_, agreeing), *others = self.basins()
+        sentences = [f"{agreeing} of {len(self.runs)} runs reached the best objective within 0.1 %"]
+        if others:
+            objectives = ", ".join(f"{objective:.4g} ({count})" for objective, count in others)
+            sentences.append(f"the others ended in other basins, at (runs): {objectives}")
+        return sentences
+
+
+class LawFit(FitResult):
+    """A law fitted to a law; `calibrate` has an example."""
+
+    bound: float | None = Field(
+        description="the per-clearance lower bound of the objective, for power laws"
+    )
+    profiles: dict[str, Profile] = Field(description="a profile for each free coefficient")
+
+    round_off: ClassVar[float] = 1e-6  # moments have half of the digits
+
+    def require_consistent(self, source: str) -> None:
+        """Raise `InputError` if the parts of a result contradict each other."""
+        super().require_consistent(source)
+        for name, curve in self.profiles.items():
+            if name not in self.coefficients or len(curve.values) != len(curve.objective):
+                rule = "must be that of a coefficient, with as many values as objectives"
+                raise InputError(source, f"profiles.{name}", None, rule, "redo the fit")
+
+    def plot_profile(self, name: str, ax: Axes | None = None) -> Axes:
+        """Draw how much worse the fit gets when a coefficient moves and all others follow.
+
+        Parameters
+        ----------
+        name : str
+            A coefficient that was searched.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; by default a figure of its own.
+        """
+        from cylcontact.fitting import pictures
+
+        curve = self.profiles.get(name)
+        if curve is None:
+            raise without_profile(self.name, name, self.profiles)
+        best, optimum = self.coefficients[name], self.objective
+        label = axis_label(name, self.units)
+        return pictures.plot_profile_of_law(curve.values, curve.objective, best, optimum, label, ax)
+
+    def identification(self, name: str) -> str:
+        """Return "well", "fairly", "poorly", "at a bound", "fixed", a tie, or "-"."""
+        if name in self.ties:
+            return f"= {self.ties[name]}"
+        if name not in self.profiles:
+            return "fixed" if self.profiles or name in self.fixed else "-"
+        return self.profiles[name].verdict(self.coefficients[name])
+
+    def _numbers(self, name: str) -> dict[str, float | None]:
+        ends = self.profiles.get(name)
+        low, high = (None, None) if ends is None else (ends.low, ends.high)
+        return {"standard_error": None, "low": low, "high": high}
+
+    @property
+    def headline(self) -> str:
+        """What was fitted to what."""
+        return (
+            f"{brief(self.name)}: {brief(self.law)} law, {self.contact} contact, fitted to "
+            f"{self.reference} by {self.objective.name} on {self.counts.samples:,} samples "
+            f"({self.counts.masked:,} masked by the reference's domain)"
+        )
+
+    @property
+    def warnings(self) -> list[str]:
+        """What makes the result doubtful: fewer than half of the runs at the best."""
+        return self._on_disagreement(self._poor, "fixed = true in the campaign")
+
+    @property
+    def verdicts(self) -> list[str]:
+        """Sentences on the fit, most important first.
+
+        They are its `warnings`; then they state whether the published coefficients are the optimum,
+        how far the fit is from the lower bound, which coefficients are well identified, which are
+        at a bound, and how many runs agree.
+        """
+        sentences = [
+            *self.warnings,
+            self._on_published(),
+            self._on_lower_bound(),
+            self._on_identification(),
+            *self._on_search_bounds(),
+            *self._on_runs(),
+        ]
+        return [sentence for sentence in sentences if sentence]
+
+    def _table(self) -> tuple[tuple[str, ...], Rows]:
+        """Return the headings and the rows of the report's table.
+
+        The penalty is the relative rise of the best objective when a coefficient is fixed at its
+        published value.
+        """
+        columns = ("", "fitted", "published", "penalty at published", "within 1 %", "identified")
+        published, optimum = self.published, self.objective.value
+        rows: Rows = []
+        for name, value in self.coefficients.items():
+            paper = f"{published.coefficients[name]:g}" if published else "-"
+            interval = penalty = ""
+            if name in self.profiles:
+                profile = self.profiles[name]
+                interval = profile.interval
+                if profile.objective_at_published is not None:
+                    penalty = f"{profile.objective_at_published / optimum - 1:+.1%}"
+            label, verdict = label_of(name, self.units), self.identification(name)
+            rows.append((label, f"{value:.5g}", paper, penalty, interval, verdict))
+        paper = f"{published.objective:.5g}" if published else "-"
+        bound = f"bound {self.bound:.5g}" if self.bound is not None else ""
+        label = label_of(self.objective.name, OBJECTIVE_UNITS)
+        rows.append((label, f"{optimum:.5g}", paper, "", bound, ""))
+        worst = self.max_abs_diff_percent
+        largest = (or_dash(worst.fitted, ".4g"), or_dash(worst.published))
+        return columns, [*rows, ("max |Eq 9|, %", *largest, "", "", "")]
+
+    def _on_published(self) -> str:
+        """Compare the objective of the published coefficients with the fitted one."""
+        if self.published is None:
+            return ""
+        published, best = self.published.objective, self.objective.value
+        if published <= best * (1 + SAME_BASIN) + self.round_off:
+            return "the published coefficients are the optimum on this grid, within 0.1 %"
+        ratio = published / best
+        excess = f"{100 * (ratio - 1):.1f} % above" if ratio < 1.1 else f"{ratio:.2f} times"
+        searched = f"only {' and '.join(self.profiles)} free"
+        if not self.fixed and not self.ties:
+            searched = "all coefficients free"
+        return (
+            f"with {searched} the published coefficients are not the optimum on this grid: "
+            f"their objective is {published:.4g}, {excess} the fitted one"
+        )
+
+    def _on_lower_bound(self) -> str:
+        """Give the distance to the best objective that any law of this form could reach."""
+        if not self.bound:
+            return ""
+        return (
+            f"the fit is {100 * (self.objective.value / self.bound - 1):.1f} % above the lower "
+            f"bound {self.bound:.4g}, reached with K* and n fitted separately at each clearance"
+        )
+
+    @property
+    def _poor(self) -> list[str]:
+        """The coefficients that the profiles show to be poorly identified."""
+        return [name for name in self.profiles if self.identification(name) == "poorly"]
+
+    def _on_identification(self) -> str:
+        """Name the coefficients that are poorly identified, if there are profiles."""
+        if not self.profiles:
+            return ""
+        if not self._poor:
+            return "every coefficient inside its bounds is at least fairly identified"
+        return (
+            f"poorly identified: {', '.join(self._poor)} (the best objective rises by less than "
+            f"{100 * TOLERANCE:g} % while the coefficient moves by more than {100 * FAIRLY:g} % of "
+            f"its value, or to a bound; well identified is {100 * WELL:g} %)"
+        )
+
+    def _on_search_bounds(self) -> list[str]:
+        """Name the coefficients at a bound of the search."""
+        sentences = []
+        for name, table in self.settings["campaign"]["parameters"].items():
+            if table.get("fixed"):
+                continue
+            margin = _AT_BOUND * (table["high"] - table["low"])
+            for end in ("low", "high"):
+                if abs(self.coefficients[name] - table[end]) <= margin:
+                    sentences.append(f"{name} is at its {end} bound {table[end]:g}: widen it")
+        return sentences
+
+
+class DataFit(FitResult):
+    """A law fitted to readings, with the uncertainty of its coefficients; from `cylcontact.fit`.
+
+    `print(result)` gives the report, and a notebook shows it with its picture.
+    """
+
+    uncertainty: Uncertainty = Field(description="the uncertainty of the coefficients")
+
+    round_off: ClassVar[float] = 1e-12
+
+    def require_consistent(self, source: str) -> None:
+        """Raise `InputError` if the parts of a result contradict each other."""
+        super().require_consistent(source)
+        if not {*self.uncertainty.estimates} <= {*self.coefficients}:
+            rule = f"must be those of coefficients of its campaign: {', '.join(self.coefficients)}"
+            raise InputError(source, "uncertainty.estimates", None, rule, "redo the fit")
+
+    # --- the fit itself -----------------------------------------------------------------------
+
+    @cached_property
+    def optimum(self) -> Optimum:
+        """The fit at its best parameters, with its residuals and their derivatives.
+
+        Raises
+        ------
+        InputError
+            If it was read from a file and has a law of your own: `with_law` names that again.
+        """
+        return self._optimum(None)
+
+    def with_law(self, law: str) -> Self:
+        """Return the result with its law, a function of your own, run again.
+
+        The current folder is searched first.
+
+        Raises
+        ------
+        InputError
+            If that is not its law.
+        """
+        if law != self.law:
+            rule, remedy = f"is not its law, {self.law}", "leave --law out, or name that one"
+            raise InputError(f"fit result {self.name!r}", "law", law, rule, remedy)
+        return self.with_optimum(self._optimum(law))
+
+    def with_optimum(self, optimum: Optimum) -> Self:
+        """Return the result, which remembers the fit that it is of, with a law of your own too."""
+        self.__dict__["optimum"] = optimum
+        return self
+
+    def __getstate__(self) -> dict[Any, Any]:
+        # The fit holds functions, and is made again where it is needed.
+        state = super().__getstate__()
+        fields = {k: v for k, v in state["__dict__"].items() if k != "optimum"}
+        return {**state, "__dict__": fields}
+
+    def _optimum(self, law: str | None) -> Optimum:
+        source = f"fit result {self.name!r}"
+        campaign = TableCampaign.of_settings(self.name, self.settings, source)
+        if law is not None:
+            model = user_model(law, self.contact, source, Path.cwd())
+            campaign = replace(campaign, model=with_rig(model, campaign.spec.parameters))
+        fit: Fit = campaign.plain
+        if campaign.noise is not None and self.uncertainty.noise is not None:
+            deviations = self.uncertainty.noise.deviations
+            fit = fit.with_noise(campaign.noise, self.coefficients, deviations)
+        if self.uncertainty.loss_scale is not None:
+            fit = replace(fit, loss=Loss(campaign.spec.loss, self.uncertainty.loss_scale))
+        if not np.isfinite(fit.value_of(self.coefficients)):
+            rule = "leave the law undefined for some of the data"
+            raise InputError(source, "coefficients", self.coefficients, rule, "redo the fit")
+        require_increasing(fit, self.coefficients)
+        return Optimum.of(fit, self.coefficients)
+
+    # --- tables -------------------------------------------------------------------------------
+
+    @property
+    def residuals(self) -> pd.DataFrame:
+        """The data beside the fit, a row for each measurement.
+
+        Columns line, the labels of the table, load_N_per_mm, penetration_mm, fitted_mm (or
+        fitted_N_per_mm if loads were compared), residual_mm (measured less fitted), standardised
+        (in standard deviations), and with series series_mm, what the series adds to the law.
+        """
+        optimum = self.optimum
+        fit, data = optimum.fit, optimum.fit.data
+        unit = "N_per_mm" if fit.of_load else "mm"
+        size = 1.0 if optimum.known or fit.noise is not None else optimum.sigma
+        columns: dict[str, object] = {"line": [data.line(k) for k in range(len(data))]}
+        for name, words in data.data.labels.items():
+            columns[name] = [words[int(row) % len(words)] for row in data.rows]
+        columns |= {
+            "load_N_per_mm": data.load,
+            "penetration_mm": data.penetration,
+            f"fitted_{unit}": fit.observed + optimum.differences,
+            f"residual_{unit}": -optimum.differences,
+            "standardised": -optimum.r / size if size > 0 else np.zeros(len(data)),
+        }
+        if optimum.series_in_mm is not None:
+            columns["series_mm"] = optimum.series_in_mm
+        return pd.DataFrame(columns)
+
+    def predict(
+        self,
+        load: ArrayLike | str | Sequence[str],
+        band: float = 0.95,
+        pair: CylinderPair | None = None,
+    ) -> pd.DataFrame:
+        """Return what the fitted law predicts for readings, with bands.
+
+        Parameters
+        ----------
+        load : array_like, str or sequence of str
+            Loads in N/mm, or with their unit, such as "4500 N".
+        band : float
+            Level of the bands.
+        pair : CylinderPair, optional
+            Any pair of the same contact; by default that of the data.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns load_N_per_mm, penetration_mm, low_mm and high_mm (band of a new reading),
+            curve_low_mm and curve_high_mm (band of the curve), and beyond (whether the load is
+            beyond the readings). Where the table has other units, the load, the penetration and
+            the band of a new reading in these as well.
+
+        Raises
+        ------
+        InputError
+            If the data have several pairs and none is given, the coefficients have no covariance,
+            or the law is undefined at a load.
+        """
+        if not 0 < band < 1:
+            rule, remedy = "must lie between 0 and 1", "0.95 is common"
+            raise InputError("prediction", "band", band, rule, remedy)
+        data, pair = self.optimum.fit.data, pair or self._only_pair()
+        texts = [load] if isinstance(load, str) else load
+        if isinstance(texts, Sequence) and all(isinstance(text, str) for text in texts):
+            length = None if pair.length is None else float(np.ravel(pair.length)[0])
+            texts = [load_in_N_per_mm(str(text), length) for text in texts]
+        loads = np.atleast_1d(as_floats(texts))
+        ends = self.optimum.band(pair, band, load=loads)
+        table = pd.DataFrame(
+            {
+                "load_N_per_mm": loads,
+                "penetration_mm": ends.value,
+                "low_mm": ends.new_low,
+                "high_mm": ends.new_high,
+                "curve_low_mm": ends.low,
+                "curve_high_mm": ends.high,
+                "beyond": (loads < data.load.min()) | (loads > data.load.max()),
+            }
+        )
+        return table.assign(**self._in_units_of_the_table(table, pair))
+
+    def _in_units_of_the_table(
+        self, table: pd.DataFrame, pair: CylinderPair
+    ) -> dict[str, pd.Series[float]]:
+        """Return load, penetration and band in the units of the table, if these are others."""
+        units, columns = self.optimum.fit.data.data.units, {}
+        load = column_named(f"load_{units.get('load', '')}")
+        if load is not None and load.unit != "N_per_mm" and not (load.is_total and not pair.length):
+            length = pair.length if load.is_total and pair.length is not None else 1.0
+            columns[load.name] = table["load_N_per_mm"] * length / load.factor
+        depth = column_named(f"penetration_{units.get('penetration', '')}")
+        if depth is not None and depth.unit != "mm":
+            for name in ("penetration", "low", "high"):
+                columns[f"{name}_{depth.unit}"] = table[f"{name}_mm"] / depth.factor
+        return columns
+
+    def interval(
+        self, function: Callable[[ContactLaw], ArrayLike], level: float = 0.95
+    ) -> pd.DataFrame:
+        """Return the interval of any number that follows from the fitted law.
+
+        Parameters
+        ----------
+        function : callable
+            From the law of the contact, without the rig, to a number or to m of them, such as a
+            stiffness at a load or the penetration at the peak of a joint.
+        level : float
+            Of the interval.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row for each number: value, standard_error, low and high, by the delta method.
+
+        Raises
+        ------
+        InputError
+            If the coefficients have no covariance.
+
+        Examples
+        --------
+        >>> import cylcontact as cc
+        >>> steel = cc.Material("steel", E="207 GPa", nu=0.3)
+        >>> pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+        >>> load, noise = np.geomspace(10.0, 1000.0, 9), 1 + 0.01 * np.cos(np.arange(9))
+        >>> depth = cc.laws.Explicit().penetration(load, pair) * noise
+        >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": 1e3 * depth})
+        >>> result = cc.fit(data, "explicit", pair)
+        >>> print(result.interval(lambda law: 1e3 * law.penetration(500.0, pair)).round(3))
+           value  standard_error    low   high
+        0  6.111           0.022  6.060  6.163
+        """
+
+        def of_contact(law: ContactLaw) -> ArrayLike:
+            return function(law.base if isinstance(law, RigCompliance) else law)
+
+        value, variance, reach = self.optimum.propagated(of_contact, level)
+        error = np.sqrt(variance)
+        columns = {"value": value, "standard_error": error}
+        return pd.DataFrame(
+            {**columns, "low": value - reach * error, "high": value + reach * error}
+        )
+
+    def design(
+        self,
+        candidates: ArrayLike,
+        add: int = 5,
+        *,
+        dR: ArrayLike | None = None,
+        parameter: str | None = None,
+        level: float = 0.95,
+    ) -> Design:
+        """Return which further readings would narrow the intervals most.
+
+        Parameters
+        ----------
+        candidates : array_like
+            Loads in N/mm at which readings can be taken.
+        add : int
+            How many readings are to be added, as one new series.
+        dR : array_like, optional
+            Clearances in mm at which they can be taken; by default that of the first reading.
+        parameter : str, optional
+            The parameter whose interval counts; by default all together.
+        level : float
+            Of the intervals.
+
+        Raises
+        ------
+        InputError
+            If the coefficients have no covariance, or the law is undefined at a candidate.
+
+        Examples
+        --------
+        A modulus is known best from readings at large loads:
+
+        >>> import cylcontact as cc
+        >>> steel = cc.Material("steel", E="207 GPa", nu=0.3)
+        >>> pair = cc.CylinderPair.internal(R_i=10.0, R_j=9.97, material=steel, length=20.0)
+        >>> load, noise = np.geomspace(10.0, 200.0, 9), 0.01 * np.cos(np.arange(9))
+        >>> depth = 1e3 * cc.laws.Explicit().penetration(load, pair) + noise
+        >>> data = pd.DataFrame({"load_N": load * 20.0, "penetration_um": depth})
+        >>> result = cc.fit(data, "explicit", pair, noise="constant")
+        >>> result.design([10.0, 50.0, 200.0], add=2, parameter="stiffness_factor").readings
+           load_N_per_mm  dR_mm  number
+        0          200.0   0.03       2
+        """
+        loads = np.atleast_1d(as_floats(candidates))
+        clearances = None if dR is None else np.atleast_1d(as_floats(dR))
+        return design(self.optimum, loads, clearances, add, parameter, level)
+
+    def _only_pair(self) -> CylinderPair:
+        """Return the pair of the data; raise `InputError` if they have several."""
+        data = self.optimum.fit.data
+        names, _ = data.groups("pair")
+        if len(names) > 1:
+            rule = f"is required: the data have {len(names)} pairs"
+            raise InputError("prediction", "pair", None, rule, "give a CylinderPair")
+        return data.take(np.zeros(1, dtype=np.intp)).pair
+
+    @property
+    def correlation(self) -> pd.DataFrame:
+        """Correlations of the free coefficients."""
+        return pd.DataFrame(self.uncertainty.correlation)
+
+    @property
+    def aic(self) -> float:
+        """Akaike's information criterion, 2k − 2·ln L, k with the deviations of the noise."""
+        return 2 * self._of_uncertainty("estimated") - 2 * self._of_uncertainty("log_likelihood")
+
+    @property
+    def bic(self) -> float:
+        """The Bayesian information criterion, k·ln N − 2·ln L."""
+        k, N = self._of_uncertainty("estimated"), self.uncertainty.rows
+        return float(k * np.log(N) - 2 * self._of_uncertainty("log_likelihood"))
+
+    @property
+    def r_squared(self) -> float:
+        """Share of the variance of the readings that the law describes."""
+        return self._of_uncertainty("r_squared")
+
+    @property
+    def level(self) -> float:
+        """The level of the intervals."""
+        return self.uncertainty.level
+
+    def _of_uncertainty(self, name: str) -> float:
+        """Return a number of the uncertainty; raise `InputError` if it has none."""
+        value = getattr(self.uncertainty, name)
+        if value is None:
+            rule = "is for fits to measurements, by least squares, of this version"
+            raise InputError(f"fit result {self.name!r}", name, None, rule, "fit the data again")
+        return float(value)
+
+    # --- pictures -----------------------------------------------------------------------------
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw the data, the fitted law and the band of a new reading; return the axes.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; by default a figure of its own.
+        """
+        from cylcontact.fitting import pictures
+
+        return pictures.plot(self.optimum, self.law, self.level, ax)
+
+    def plot_residuals(self, ax: Axes | None = None) -> Axes:
+        """Draw the residuals over the load; `ax` as for `plot`."""
+        from cylcontact.fitting import pictures
+
+        return pictures.plot_residuals(self.optimum, self.residuals, self.uncertainty.outliers, ax)
+
+    def plot_profile(self, name: str, ax: Axes | None = None) -> Axes:
+        """Draw how much worse the fit gets when a coefficient moves and all others follow.
+
+        Parameters
+        ----------
+        name : str
+            A coefficient that was searched.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; by default a figure of its own.
+        """
+        from cylcontact.fitting import pictures
+
+        estimates = self.uncertainty.estimates
+        estimate = estimates.get(name)
+        if estimate is None or estimate.profile is None:
+            raise without_profile(self.name, name, estimates)
+        label = axis_label(name, self.units)
+        return pictures.plot_profile_of_data(
+            self.optimum, name, estimate.profile, self.level, label, ax
+        )
+
+    def drawing(self) -> Drawing:
+        """Return a figure of the data with the law and its band, the residuals beneath."""
+        from cylcontact.fitting import pictures
+
+        outliers = self.uncertainty.outliers
+        return pictures.fit_drawing(
+            self.optimum, self.name, self.law, self.level, self.residuals, outliers
+        )
+
+    def _repr_html_(self) -> str:
+        from cylcontact.plots.style import figure_style
+
+        try:
+            with figure_style():
+                return super()._repr_html_() + self.drawing()._repr_html_()
+        except InputError:  # the result was read from a file, and the law is a user's own
+            return super()._repr_html_()
+
+    # --- in words -----------------------------------------------------------------------------
+
+    @property
+    def free(self) -> dict[str, float]:
+        """The coefficients that were searched."""
+        return {name: self.coefficients[name] for name in self.uncertainty.estimates}
+
+    def identification(self, name: str) -> str:
+        """Return "well", "fairly", "poorly", "not", "at a bound", "fixed", or a tie."""
+        if name in self.ties:
+            return f"= {self.ties[name]}"
+        estimate = self.uncertainty.estimates.get(name)
+        return "fixed" if estimate is None else estimate.verdict
+
+    def _numbers(self, name: str) -> dict[str, float | None]:
+        estimate = self.uncertainty.estimates.get(name)
+        error = None if estimate is None else estimate.standard_error
+        ends = None if estimate is None else estimate.profile
+        low, high = (None, None) if ends is None else (ends.low, ends.high)
+        return {"standard_error": error, "low": low, "high": high}
+
+    @property
+    def headline(self) -> str:
+        """What was fitted to what."""
+        return (
+            f"{brief(self.name)}: {brief(self.law)} law, {self.contact} contact, fitted to "
+            f"{self.counts.samples:,} measurements by {self.objective.name}"
+        )
+
+    @property
+    def status(self) -> str:
+        """In a line whether the fit can be taken as it is."""
+        uncertainty, verdicts = self.uncertainty, [self.identification(name) for name in self.free]
+        poor = verdicts.count("poorly") + verdicts.count("not")
+        parts = [
+            f"{self.basins()[0][1]} of {len(self.runs)} runs agree",
+            f"{verdicts.count('at a bound') or 'none'} at a bound",
+            f"{poor or 'none'} ill determined",
+        ]
+        if uncertainty.r_squared is not None:
+            parts.append(f"R² = {uncertainty.r_squared:.5f}")
+        if uncertainty.log_likelihood is not None:
+            parts.append(f"AIC = {self.aic:.1f}, BIC = {self.bic:.1f}")
+        return " · ".join(parts)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What makes the result doubtful, with the remedy.
+
+        Tests of the noise that fail, with the option that allows for it, parameters that are at a
+        bound or not determined, and fewer than half of the runs at the best.
+        """
+        disagreement = self._on_disagreement((), "--fix NAME=VALUE")
+        return [*noise_warnings(self.uncertainty), *disagreement]
+
+    @property
+    def verdicts(self) -> list[str]:
+        """Sentences on the fit, most important first.
+
+        They state how large the noise is, which parameters are determined, which are correlated,
+        which rows are duplicates, what the published constants give, and how many runs agree.
+        """
+        steps = self.settings["measurements"].get("steps", [])
+        sentences = [
+            *noise_verdicts(self.uncertainty),
+            self._on_published(),
+            *(f"data: {step}" for step in steps),
+            *self._on_runs(),
+        ]
+        return [sentence for sentence in sentences if sentence]
+
+    def _on_published(self) -> str:
+        """Give the objective of the published coefficients."""
+        if self.published is None:
+            return ""
+        return (
+            f"on these data the law has an objective of {self.published.objective:.4g} with its "
+            f"published constants, and {self.objective.value:.4g} fitted"
+        )
+
+    def __str__(self) -> Report:
+        return joined([super().__str__(), *self._series_table()], "\n\n")
+
+    def _series_table(self) -> list[str]:
+        """Return the table of the series, if there are several."""
+        series = self.uncertainty.noise.series if self.uncertainty.noise else []
+        if len(series) < 2:
+            return []
+        names = {
+            "offset": ("offset, µm", 1e3),
+            "gain": ("gain, %", 100.0),
+            "drift": ("drift, µm", 1e3),
+        }
+        shown = list(series[0].effects)
+        rows = [
+            (one.name, str(one.rows), *(f"{names[k][1] * one.effects[k]:.3g}" for k in shown))
+            for one in series
+        ]
+        return [text_table(("series", "readings", *(names[k][0] for k in shown)), rows)]
+
+    def _table(self) -> tuple[tuple[str, ...], Rows]:
+        """Return the headings and the rows of the report's table."""
+        published, level = self.published, f"{100 * self.level:g} % interval"
+        rows: Rows = []
+        # The free ones first: the others are the law's own constants.
+        for name in sorted(self.coefficients, key=lambda name: name not in self.free):
+            estimate = self.uncertainty.estimates.get(name)
+            error = interval = ""
+            if estimate is not None and estimate.standard_error is not None:
+                error = f"{estimate.standard_error:.2g}"
+            if estimate is not None and estimate.profile is not None:
+                ends = estimate.profile
+                cut = ", bound" if ends.low_is_bound or ends.high_is_bound else ""
+                interval = f"{ends.low:.5g} … {ends.high:.5g}{cut}"
+            paper = f"{published.coefficients[name]:.5g}" if published else ""
+            value, unit = f"{self.coefficients[name]:.5g}", self.units.get(name, "")
+            rows.append((name, value, unit, error, interval, paper, self.identification(name)))
+        paper = f"{published.objective:.5g}" if published else ""
+        unit = OBJECTIVE_UNITS.get(self.objective.name, "")
+        value = f"{self.objective.value:.5g}"
+        rows.append((self.objective.name, value, unit, "", "", paper, ""))
+        if min(self.settings["measurements"]["numbers"]["penetration"]) > 0:
+            # Of readings about zero a relative difference says nothing.
+            worst = self.max_abs_diff_percent
+            fitted, paper = or_dash(worst.fitted, ".4g"), or_dash(worst.published)
+            rows.append(("largest |Eq 9|", fitted, "%", "", "", paper, ""))
+        columns = ("", "fitted", "unit", "std. error", level, "published", "determined")
+        if published:
+            return columns, rows
+        return (*columns[:5], columns[6]), [(*row[:5], row[6]) for row in rows]
+
+
+# --- pieces -----------------------------------------------------------------------------------
+
+
+def label_of(name: str, units: Mapping[str, str]) -> str:
+    """Return a name with its unit, if it has one."""
+    return ", ".join(filter(None, (name, units.get(name))))
+
+
+def axis_label(name: str, units: Mapping[str, str]) -> str:
+    """Return the label of an axis over a coefficient."""
+    return f"{as_label(name)} ({units[name]})" if units.get(name) else as_label(name)
+
+
+def item(sentence: str, mark: str = "- ") -> str:
+    """Return a sentence as an item of a list, wrapped."""
+    return fill(sentence, _WIDTH, initial_indent=mark, subsequent_indent="  ")
+
+
+def left_out_table(fits: Sequence[LeftOut], names: Sequence[str]) -> list[str]:
+    """Return the table of fits without one group; nothing if there are none."""
+    if not fits:
+        return []
+    rows = [
+        (
+            fit.group,
+            f"{fit.rows:,}",
+            *(f"{fit.coefficients[name]:.5g}" for name in names),
+            "-" if fit.own_rms is None else f"{fit.own_rms:.4g}",
+        )
+        for fit in fits
+    ]
+    table = text_table(("without", "samples", *names, "RMS on that group"), rows)
+    return [joined(["Fits without one group, and how well they predict it:", table])]
+
+
+def or_dash(value: float | None, style: str = ".5g") -> str:
+    """Return a number, or a dash for None."""
+    return "-" if value is None else format(value, style)
+
+
+def without_profile(result: str, name: str, known: Mapping[str, object]) -> InputError:
+    """Return the error of a coefficient without a profile."""
+    rule = "has no profile: it was not searched, or the data do not determine it"
+    remedy = f"choose {', '.join(known)}" if known else "free it"
+    return InputError(f"fit result {result!r}", "name", name, rule, remedy)
+
+
+def require_same_inputs(path: Path, campaign: CampaignBase) -> None:
+    """Refuse to replace a result of other inputs than those of a campaign.
+
+    Parameters
+    ----------
+    path : Path
+        Where the result will be written.
+    campaign : Campaign
+        The campaign.
+
+    Raises
+    ------
+    InputError
+        If the file exists and is another campaign's result, or not a result.
+    """
+    remedy = "write elsewhere with -o, or add --force to replace it"
+    if not path.exists():
+        return
+    try:
+        before = FitResult.read(path).settings
+    except InputError as error:
+        rule = "is in the place of the result and cannot be read as one"
+        raise InputError(str(path), "", None, rule, remedy) from error
+    now = json.loads(json.dumps(campaign.settings))
+    changed = _differences(before, now)
+    if changed:
+        more = f", and {len(changed) - 2} more" if len(changed) > 2 else ""
+        named = ", ".join(changed[:2]) + more
+        rule = f"holds a result that came from other inputs ({named})"
+        raise InputError(str(path), "", None, rule, remedy)
+
+
+def _differences(before: Any, now: Any, key: str = "") -> list[str]:
+    """Return the differences between two settings, one text for each key.
+
+    Examples
+    --------
+    >>> _differences({"law": "power", "seed": 1}, {"law": "hertz", "seed": 1})
+    ["law: 'power' there, 'hertz' now"]
+    """
+    if before == now:
+        return []
+    if isinstance(before, dict) and isinstance(now, dict):
+        names = [*before, *(name for name in now if name not in before)]
+        pairs = ((f"{key}.{n}" if key else n, before.get(n), now.get(n)) for n in names)
+        return [text for name, old, new in pairs for text in _differences(old, new, name)]
+    old, new = (short(value, 40) or "nothing" for value in (before, now))
+    return [f"{key} differs" if old == new else f"{key}: {old} there, {new} now"]

@@ -1,0 +1,499 @@
+"""A law and a table of measurements to fit it to: columns, free parameters, noise, and starts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from cylcontact.arrays import FloatArray
+from cylcontact.datasets.measurements import (
+    Constants,
+    MeasuredData,
+    Measurements,
+    measurements_of,
+    pair_notes,
+    read_frame,
+    read_measured,
+    require_positive_penetration,
+)
+from cylcontact.errors import InputError
+from cylcontact.fitting.campaign import Campaign, CampaignBase
+from cylcontact.fitting.law_models import (
+    RIG_NAMES,
+    for_measurements,
+    housed_model,
+    is_user_law,
+    model_of,
+    named_user_model,
+    user_model,
+    with_rig,
+)
+from cylcontact.fitting.measured import OBJECTIVES, STANDARDISED, Fit
+from cylcontact.fitting.noise import NoiseModel
+from cylcontact.fitting.specs import MeasuredSpec, completed, parameters_of, require_complete
+from cylcontact.housing_spec import takes_housing
+from cylcontact.laws.adapters import RigCompliance, ScaledLaw
+from cylcontact.laws.law import Coefficients, LawModel, Parameter
+from cylcontact.laws.user import UserFunction, UserLaw
+from cylcontact.materials import own_table
+from cylcontact.pair import Contact
+from cylcontact.reading import beside_or_above
+from cylcontact.spec import parse_spec, read_toml
+
+_ZERO_REMEDY = (
+    "correct the row, or remove it; readings that are not zeroed need a free offset "
+    "(--free offset, or a table [parameters.offset]) and --noise constant"
+)
+# Points evaluated before data are refused as outside a law's domain.
+_TRIALS = 256
+# Penetrations at which a function of the user's own is looked at.
+_LOOKS = 101
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TableCampaign(CampaignBase):
+    """A law that is fitted to a table of measurements.
+
+    Attributes
+    ----------
+    measurements : Measurements
+        The readings.
+    noise : NoiseModel or None
+        The noise model of the fit, if it has one.
+    """
+
+    spec: MeasuredSpec
+    measurements: Measurements
+    noise: NoiseModel | None = None
+
+    @property
+    def reference(self) -> str:
+        """What the law is fitted to."""
+        return "measurements"
+
+    @property
+    def data_settings(self) -> dict[str, Any]:
+        """The whole table; without what results lack that were saved before it was there."""
+        data = self.measurements.data
+        without = {name for name in ("steps", "units") if not getattr(data, name)}
+        return {"measurements": data.model_dump(mode="json", exclude=without)}
+
+    @classmethod
+    def of_settings(cls, name: str, settings: dict[str, Any], source: str) -> TableCampaign:
+        """Return the campaign from the settings in a result, without importing a user's law."""
+        where = f"{source}, settings.campaign", f"{source}, settings.measurements"
+        spec = parse_spec(MeasuredSpec, settings["campaign"], where[0])
+        data = parse_spec(MeasuredData, settings["measurements"], where[1])
+        model = _stored_model(spec, source)
+        campaign = _on_table(name, spec, measurements_of(data, where[1]), model, source)
+        require_complete(settings["campaign"].get("parameters", {}), campaign.parameters, source)
+        return campaign
+
+    @property
+    def plain(self) -> Fit:
+        """The fit by plain least squares."""
+        return Fit(self.model, self.parameters, self.objective, self.measurements)
+
+    @cached_property
+    def starts(self) -> FloatArray:
+        """The points from which plain least squares descend, shape (number, k)."""
+        return self.plain.starts(self.nominal, self.spec.starts, self.spec.seed)
+
+    def fit(self) -> Fit:
+        """Return the fit with its noise or robust loss.
+
+        Raises
+        ------
+        InputError
+            If the law is undefined for some row at all coefficients tried.
+        """
+        self._require_defined()
+
+        def best() -> FloatArray:
+            return min(map(self.plain.minimise, self.starts), key=lambda end: end.value).point
+
+        if self.noise is not None:
+            return self.plain.estimating(self.noise, best())
+        if self.spec.loss == "linear":
+            return self.plain
+        return self.plain.robust(self.spec.loss, self.spec.loss_scale, best)
+
+    def _require_defined(self) -> None:
+        """Refuse data that no coefficients within the bounds can describe, and name the row."""
+        fit, data = self.plain, self.measurements
+        unit = np.random.default_rng(0).uniform(size=(_TRIALS, len(fit.free)))
+        points = fit.low + unit * (fit.high - fit.low)
+        if self.nominal is not None:
+            points = np.vstack([self.nominal, points])
+        defined = np.zeros(len(data), dtype=int)
+        for point in points:
+            inside = np.isfinite(fit.raw(point[None, :])[0])
+            if inside.all():
+                return
+            defined += inside
+        row = int(np.argmin(defined))
+        others = ", and other rows at the rest" if defined[row] else ""
+        tried = f"{len(points) - defined[row]} of {len(points)} sets of" if defined[row] else "all"
+        raise InputError(
+            f"{self.source}, {data.data.row_word} {data.line(row)}",
+            "load, penetration, dR",
+            [float(data.columns[name][row]) for name in ("load", "penetration", "dR")],
+            f"lies outside the domain of {self.model.law} at {tried} coefficients tried within "
+            f"the bounds{others}",
+            "move the bounds, remove the row, or choose a law that reaches that far",
+        )
+
+
+def require_increasing(fit: Fit, coefficients: Coefficients) -> None:
+    """Refuse a function of the user's own that is no contact law at some coefficients.
+
+    Raises
+    ------
+    InputError
+        With the penetration where the load decreases, or is negative.
+    """
+    law, data = fit.model.build(coefficients), fit.data
+    if isinstance(law, RigCompliance):
+        law = law.base
+    function = law.base if isinstance(law, ScaledLaw) else law
+    if not isinstance(function, UserLaw):
+        return
+    at = ", ".join(f"{name} = {value:.6g}" for name, value in function.values.items())
+    with np.errstate(all="ignore"):
+        deepest = np.fmax(data.penetration, law.penetration(data.load, data.pair))
+    deepest = np.where(deepest > 0, deepest, np.abs(data.penetration).max())
+    before = np.full(len(data), -np.inf)
+    for share in np.linspace(0.0, 1.0, _LOOKS):
+        loads = function.load(share * deepest, data.pair)
+        wrong = np.flatnonzero((loads <= before) | ((loads < 0) & (share > 0)))
+        if wrong.size:
+            row = int(wrong[0])
+            what = "decreases with" if loads[row] < before[row] else "does not grow with"
+            if loads[row] < 0:
+                what = f"is negative, {loads[row]:.6g} N/mm, at"
+            rule = f"{what} the penetration at {share * deepest[row]:.6g} mm, with {at}"
+            remedy = "the load of a contact grows from 0; correct the function, or move the bounds"
+            raise InputError(function.name, "load", None, rule, remedy)
+        before = np.where(np.isfinite(loads), loads, before)
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredTable:
+    """A table of measurements, and how laws are fitted to it.
+
+    Attributes
+    ----------
+    name : str
+        Of the campaigns.
+    spec : MeasuredSpec
+        Their settings as given.
+    measurements : Measurements
+        The data.
+    folder : path
+        Where a module with a law of one's own is looked for.
+    source : str
+        Its name in errors.
+    """
+
+    name: str
+    spec: MeasuredSpec
+    measurements: Measurements
+    folder: Path
+    source: str
+
+    def campaign(self, law: str, free: Sequence[str] = ()) -> TableCampaign:
+        """Return the campaign that fits a law, with further parameters free.
+
+        Raises
+        ------
+        InputError
+            If the law is unknown, or the settings are not for it.
+        """
+        model = _law_model(law, self.spec, self.folder, self.source)
+        wanted = tuple(dict.fromkeys((*(self.spec.free or ()), *free))) or None
+        spec = self.spec.model_copy(update={"law": law, "free": wanted})
+        model = _freed(model, spec, self.measurements, self.source)
+        return _on_table(self.name, spec, self.measurements, model, self.source)
+
+
+def campaign_of_table(
+    table: Path | pd.DataFrame,
+    law: str,
+    contact: Contact,
+    constants: Constants,
+    name: str = "",
+    **settings: Any,
+) -> TableCampaign:
+    """Return a campaign on a table, without a file of its own.
+
+    Parameters
+    ----------
+    table : path or DataFrame
+        The measurements.
+    law, contact, constants
+        As in a campaign file.
+    name : str, optional
+        Of the campaign; by default that of the file.
+    **settings
+        Any other key of a campaign file.
+
+    Returns
+    -------
+    TableCampaign
+
+    Raises
+    ------
+    InputError
+        If the table or a setting is invalid.
+    """
+    return read_table(table, law, contact, constants, name, **settings).campaign(law)
+
+
+def read_table(
+    table: Path | pd.DataFrame,
+    law: str,
+    contact: Contact,
+    constants: Constants,
+    name: str = "",
+    **settings: Any,
+) -> MeasuredTable:
+    """Read a table to which several laws may be fitted, as for `campaign_of_table`."""
+    others = {key: value for key, value in settings.items() if value is not None}
+    path = table if isinstance(table, Path) else Path("data")
+    source = str(table) if isinstance(table, Path) else "DataFrame"
+    required = {"data": path.name, "law": law, "contact": contact, "constants": dict(constants)}
+    spec = parse_spec(MeasuredSpec, required | others, source)
+    return _read_table(name or path.stem, spec, table, path.parent, source)
+
+
+def read_campaign(
+    path: Path | str,
+    runs: int | None = None,
+    seed: int | None = None,
+    optimizer: str | None = None,
+) -> Campaign | TableCampaign:
+    """Read a campaign file, and the grid or the table that it names.
+
+    Parameters
+    ----------
+    path : path
+        A TOML file: one with `dataset` is on a grid, one with `data` on measurements. Either is
+        searched for beside it and in the folder above, a table also in the current folder.
+    runs, seed, optimizer : optional
+        Replace the file's. On measurements runs are starts if no optimiser is named.
+
+    Raises
+    ------
+    InputError
+        If a file is invalid.
+    """
+    contents, path = read_toml(path), Path(path)
+    if "data" not in contents:
+        return Campaign.of_file(path, contents, runs, seed=seed, optimizer=optimizer)
+    source = str(path)
+    if "dataset" in contents:
+        rule, remedy = "conflicts with dataset", "keep data for measurements, or dataset for a grid"
+        raise InputError(source, "data", contents["data"], rule, remedy)
+    contents |= {"seed": seed} if seed is not None else {}
+    contents |= {"optimizer": optimizer} if optimizer is not None else {}
+    if runs is not None and "optimizer" not in contents:
+        contents["starts"] = runs
+    elif runs is not None and isinstance(contents.get("genetic", {}), dict):
+        contents["genetic"] = {**contents.get("genetic", {}), "runs": runs}
+    spec = parse_spec(MeasuredSpec, contents, source)
+    table = beside_or_above(path.parent, spec.data)
+    if table is None:
+        rule = "no such file beside the campaign or above it"
+        raise InputError(source, "data", spec.data, rule, "name a .csv, .xlsx or .parquet table")
+    _law_model(spec.law, spec, path.parent, source)  # refuses an unknown one before any data
+    return _read_table(path.stem, spec, table, path.parent, source).campaign(spec.law)
+
+
+def campaign_of(name: str, settings: dict[str, Any], source: str) -> Campaign | TableCampaign:
+    """Return the campaign from the settings in a result, without importing a user's law.
+
+    Raises
+    ------
+    InputError
+        If they lack a part, or are invalid.
+    """
+    key = "measurements" if isinstance(settings.get("measurements"), dict) else "dataset"
+    if not all(isinstance(settings.get(part), dict) for part in ("campaign", key)):
+        rule = "lacks the campaign or the dataset"
+        raise InputError(source, "settings", None, rule, "redo the fit")
+    of_settings = Campaign.of_settings if key == "dataset" else TableCampaign.of_settings
+    return of_settings(name, settings, source)
+
+
+def _law_model(law: str, spec: MeasuredSpec, folder: Path, source: str) -> LawModel:
+    """Return the model of a law of the package, or of a function of the user's own."""
+    if is_user_law(law):
+        return user_model(law, spec.contact, source, folder, Path.cwd())
+    return _package_model(law, spec, source)
+
+
+def _package_model(law: str, spec: MeasuredSpec, source: str) -> LawModel:
+    """Return the model of a law of the package, in a known housing if it takes one."""
+    if spec.housing is not None and (takes_housing(law) or law == spec.law):
+        return housed_model(law, spec.contact, spec.housing.housing, source)
+    return model_of(law, spec.contact, source)
+
+
+def _read_table(
+    name: str, spec: MeasuredSpec, table: Path | pd.DataFrame, folder: Path, source: str
+) -> MeasuredTable:
+    """Read the data of a campaign."""
+    materials = own_table(spec.materials, folder, source)
+    read: Callable[..., MeasuredData] = read_measured if isinstance(table, Path) else read_frame
+    data = read(
+        *(table, spec.contact, spec.constants, materials),
+        *(spec.ignore, spec.columns, spec.group, spec.branch),
+    )
+    measured = measurements_of(data, str(table) if isinstance(table, Path) else source)
+    data.notes.extend(pair_notes(measured, materials))
+    return MeasuredTable(name, spec, measured, folder, source)
+
+
+def _freed(model: LawModel, spec: MeasuredSpec, measured: Measurements, source: str) -> LawModel:
+    """Return the model with what is free in a fit to measurements."""
+    free = spec.free or ()
+    for name in free:
+        if name not in (*model.names, *RIG_NAMES):
+            rule = f"is not a parameter of {model.law} for {model.contact} contact"
+            remedy = f"its parameters: {', '.join((*model.names, *RIG_NAMES))}"
+            raise InputError(source, "free", name, rule, remedy)
+        if name in spec.named:
+            rule, remedy = "is bounded, fixed or tied as well", "keep one of them"
+            raise InputError(source, "free", name, rule, remedy)
+    if is_user_law(spec.law):
+        model = with_rig(model, {*free, *spec.named})
+    else:
+        model = for_measurements(model, free, spec.named)
+    # A reading is not further from zero than the largest of them by much, and neither a rig nor
+    # another datum is worth much more than the readings over the loads.
+    largest = 2 * np.abs(measured.penetration).max()
+    reach, most = (float(f"{value:.1g}") for value in (largest, largest / measured.load.max()))
+    # Readings of nothing, or at a load beyond all measure, leave the bounds as they are.
+    bounds = {name: end for name, end in (("offset", reach), ("compliance", most)) if end > 0}
+    parameters = (
+        replace(p, low=-bounds[p.name], high=bounds[p.name]) if p.name in bounds else p
+        for p in model.parameters
+    )
+    return replace(model, parameters=tuple(parameters))
+
+
+def _on_table(
+    name: str, spec: MeasuredSpec, measured: Measurements, model: LawModel, source: str
+) -> TableCampaign:
+    """Return the checked campaign, with defaults for what the spec leaves out."""
+    model = with_rig(model, spec.named)
+    rig = f"; the rig's: {', '.join(RIG_NAMES)}"
+    parameters = parameters_of(model, spec.parameters, spec.ties, source, rig)
+    free = sum(p.is_free for p in parameters)
+    if len(measured) <= free:
+        raise InputError(
+            source,
+            "data",
+            f"{len(measured)} rows",
+            f"are not more than the {free} free parameters",
+            "measure more points, or fix parameters with fixed = true",
+        )
+    noise = _noise_of(spec, measured, parameters, source)
+    objective = STANDARDISED if noise is not None else _objective_of(spec, measured, source)
+    if "log" in objective or not any(p.is_free for p in parameters if p.name == "offset"):
+        named = Path(source).name == measured.data.source
+        where = source if named else f"{source}, {measured.data.source}"
+        require_positive_penetration(measured, where, _ZERO_REMEDY)
+    chosen = {"objective": objective, "noise": spec.noise if noise else None}
+    complete = completed(spec, parameters).model_copy(update=chosen)
+    return TableCampaign(name, complete, model, parameters, objective, source, measured, noise)
+
+
+def _stored_model(spec: MeasuredSpec, source: str) -> LawModel:
+    """Return the model of a result's law; a user's function is not imported."""
+    if not is_user_law(spec.law):
+        return _package_model(spec.law, spec, source)
+    own = [key for key in spec.named if key not in RIG_NAMES]
+    named = tuple(Parameter(key, -math.inf, math.inf) for key in own)
+    return named_user_model(UserFunction(spec.law, None), named, spec.contact)
+
+
+def _noise_of(
+    spec: MeasuredSpec, data: Measurements, parameters: tuple[Parameter, ...], source: str
+) -> NoiseModel | None:
+    """Return the noise model that a campaign chooses; None for one of the plain objectives.
+
+    Raises
+    ------
+    InputError
+        If its keys contradict each other or the data.
+    """
+    given = [name for name in ("load", "penetration") if f"{name}_std" in data.columns]
+    keys = {"group": spec.group, "drift": spec.drift or None, "load_error": spec.load_error}
+    chosen = [key for key, value in keys.items() if value is not None]
+    has_offset = any(p.name == "offset" and p.is_free for p in parameters)
+    # Scatter in proportion to the penetration is not in proportion to a reading with an offset.
+    if spec.noise == "both" or (spec.noise == "proportional" and has_offset):
+        chosen.append("noise")
+    if not chosen and len(given) < 2:
+        return None
+    key = chosen[0] if chosen else "load_std"
+    if spec.objective not in (None, STANDARDISED):
+        rule, remedy = f"conflicts with {key}, which has a likelihood of its own", "keep one"
+        raise InputError(source, "objective", spec.objective, rule, remedy)
+    if spec.loss != "linear":
+        rule, remedy = f"conflicts with {key}, whose noise is Gaussian", "keep one of them"
+        raise InputError(source, "loss", spec.loss, rule, remedy)
+    if spec.noise is not None and "penetration" in given:
+        rule = "conflicts with the column penetration_std, which gives the noise"
+        raise InputError(source, "noise", spec.noise, rule, "keep one of them")
+    return NoiseModel(
+        noise=None if "penetration" in given else spec.noise or "both",
+        over="group" if spec.group is not None else None,
+        drift=bool(spec.drift),
+        load_error=spec.load_error or 0.0,
+        has_offset=has_offset,
+    )
+
+
+def _objective_of(spec: MeasuredSpec, data: Measurements, source: str) -> str:
+    """Return the objective of a campaign without a noise model, or the default for its data.
+
+    Raises
+    ------
+    InputError
+        If it is unknown, or not that of the standard deviations in the data.
+    """
+
+    def refused(key: str, value: object, rule: str, remedy: str = "keep one of them") -> InputError:
+        return InputError(source, key, value, rule, remedy)
+
+    given, noise = spec.objective, spec.noise
+    sigmas = [q for q in ("load", "penetration") if f"{q}_std" in data.columns]
+    if sigmas and "weight" in data.columns:
+        raise refused("weight", None, f"conflicts with {sigmas[0]}_std, which implies the weights")
+    if noise is not None:
+        said = [*(["objective"] if given else []), *(f"{name}_std" for name in sigmas)]
+        if said:
+            raise refused("noise", noise, f"conflicts with {said[0]}, which says the same")
+        return "rms-penetration" if noise == "constant" else "rms-log-penetration"
+    if given is None:
+        # A law of one's own is explicit in the load, and its inverse is numerical.
+        quantity = "load" if is_user_law(spec.law) else "penetration"
+        if (data.penetration <= 0).any() and not sigmas:
+            return "rms-penetration"
+        return f"rms-{sigmas[0]}" if sigmas else f"rms-log-{quantity}"
+    if given not in OBJECTIVES:
+        rule = "is not an objective for measurements"
+        raise refused("objective", given, rule, f"choose {', '.join(OBJECTIVES)}")
+    if sigmas and given != f"rms-{sigmas[0]}":
+        remedy = f"choose rms-{sigmas[0]}, or list the column under ignore"
+        raise refused("objective", given, f"leaves the column {sigmas[0]}_std unused", remedy)
+    return given
