@@ -1,15 +1,16 @@
-"""Which readings to add, intervals of what follows from a fit, and predictions in a table's units."""
+"""Which readings to add, intervals of what follows from a fit, and predictions in units."""
 
 from dataclasses import replace
 from itertools import combinations_with_replacement
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import cylcontact as cc
 from cylcontact import InputError
-from cylcontact.fitting.optimum import Optimum
-from tests.noisy_series import LAW, OFFSET, PAIR, readings
+from cylcontact.fitting.optimum import Optimum, half_width
+from tests.noisy_series import LAW, OFFSET, PAIR, campaign_of, readings, refitted
 
 SCATTER = 5e-5  # mm
 
@@ -65,26 +66,29 @@ def test_expected_widths_are_those_of_repeated_experiments(series, settings):
     first = cc.fit(frame, "explicit", PAIR, starts=2, **settings)
     chosen = first.design(np.geomspace(10.0, 1500.0, 15), add=6)
     loads = np.repeat(chosen.readings["load_N_per_mm"], chosen.readings["number"]).to_numpy()
-    names, widths = first.optimum.fit.names, []
     noise = first.uncertainty.noise
     deviations = noise.deviations if noise else {"constant": first.optimum.sigma}
-    for seed in range(400):
+    group = np.concatenate([np.repeat(np.arange(series), 12), np.full(6, series)])
+    load = np.concatenate([np.tile(np.geomspace(10.0, 1500.0, 12), series), loads])
+    depth = LAW.penetration(load, PAIR)
+
+    def again(seed):
         rng = np.random.default_rng(seed)
-        group = np.concatenate([np.repeat(np.arange(series), 12), np.full(6, series)])
-        load = np.concatenate([np.tile(np.geomspace(10.0, 1500.0, 12), series), loads])
-        depth = LAW.penetration(load, PAIR)
         own = deviations.get("offset", 0.0) * rng.normal(size=series + 1)
         gain = deviations.get("gain", 0.0) * rng.normal(size=series + 1)
         scatter = deviations["constant"] * rng.normal(size=load.size)
         reading = OFFSET + depth * (1 + gain[group]) + own[group] + scatter
-        again = frame.reindex(np.arange(load.size)).assign(
-            load_N_per_mm=load, penetration_um=1e3 * reading, group=[f"s{k}" for k in group]
-        )
-        fit = cc.fit(again, "explicit", PAIR, starts=1, **settings)
-        widths.append([fit.optimum.errors, fit.optimum.point])
-    errors = np.sqrt(np.mean(np.array(widths)[:, 0] ** 2, axis=0))
-    expected = chosen.intervals["expected_half_width"] / chosen.intervals["half_width"]
-    assert errors / first.optimum.errors == pytest.approx(expected.to_numpy(), rel=0.05), names
+        columns = {"load_N_per_mm": load, "penetration_um": 1e3 * reading}
+        return pd.DataFrame({**columns, "group": [f"s{k}" for k in group]})
+
+    campaign = campaign_of(again(0), "explicit", PAIR, **settings)
+    errors = [refitted(campaign, again(seed)).errors for seed in range(400)]
+    ratio = np.sqrt(np.mean(np.square(errors), axis=0)) / first.optimum.errors
+    widths = chosen.intervals
+    t = half_width(0.95, first.optimum.degrees_of_each())
+    t_after = t if series > 1 else half_width(0.95, first.optimum.degrees_of_each() + 6)
+    expected = widths["expected_half_width"] / t_after / (widths["half_width"] / t)
+    assert ratio == pytest.approx(expected.to_numpy(), rel=0.05)
 
 
 def test_clearances_and_repeated_readings_may_be_chosen(fitted):
@@ -120,16 +124,15 @@ def test_the_interval_of_a_number_is_that_of_the_parameter_it_is_made_of(fitted)
 
 @pytest.mark.slow
 def test_intervals_of_a_stiffness_hold_the_truth_as_often_as_they_say():
-    hits = []
-    for seed in range(300):
-        frame = readings(1000 + seed, 1, 15).drop(columns="group")
-        fit = cc.fit(frame, "explicit", PAIR, noise="constant", starts=1)
+    frames = [readings(1000 + seed, 1, 15).drop(columns="group") for seed in range(300)]
+    campaign, hits = campaign_of(frames[0], "explicit", PAIR, noise="constant"), []
 
-        def stiffness(law):
-            return law.stiffness(law.penetration(200.0, PAIR), PAIR)
+    def stiffness(law):
+        return law.stiffness(law.penetration(200.0, PAIR), PAIR)
 
-        (row,) = fit.interval(stiffness).to_dict("records")
-        hits.append(row["low"] <= stiffness(LAW) <= row["high"])
+    for frame in frames:
+        value, variance, reach = refitted(campaign, frame).propagated(stiffness, 0.95)
+        hits.append(abs(value - stiffness(LAW)) <= reach * np.sqrt(variance))
     assert np.mean(hits) == pytest.approx(0.95, abs=0.03)
 
 
@@ -155,8 +158,8 @@ def test_commands_predict_and_design(tmp_path, run):
     frame = readings(3, 1, 25).drop(columns="group")
     frame["load_N"] = 20 * frame.pop("load_N_per_mm")
     frame.to_csv(tmp_path / "t.csv", index=False)
-    pair = ("--contact", "internal", "--E", 207, "--nu", 0.3, "--Ri", 10, "--Rj", 9.97)
-    pair = (*pair, "--length", 20, "--law", "explicit", "--noise", "constant")
+    pair = ("--contact", "internal", "--E", "207 GPa", "--nu", 0.3)
+    pair = (*pair, "--Ri", 10, "--Rj", 9.97, "--length", 20, "--law", "explicit", "--noise", "constant")
     assert run("fit", tmp_path / "t.csv", *pair, "-o", tmp_path / "fit")[0] == 0
     code, said, errors = run(
         "predict", tmp_path / "fit/result.json", "--load", "4500 N", "--load", "90 kN"

@@ -212,8 +212,8 @@ def plot_design(
             axes.annotate(f"{row['number']:.0f} times", place, (0, 5), textcoords="offset points")
         what = as_label(parameter) if parameter else "all intervals"
         axes.set(xscale="log", xlabel="load (N/mm)", ylabel=f"one reading narrows {what} by (%)")
-        axes.set_ylim(0, None)
-        axes.legend()
+        axes.set_ylim(0, 1.2 * candidates["narrower_percent"].max())
+        axes.legend(loc="lower left")
     return axes
 
 
