@@ -258,8 +258,9 @@ def design(
         typer.Option("--loads", help="Loads that can be taken, in N/mm.", metavar="LOW:HIGH"),
     ],
     add: Annotated[
-        int, typer.Option("--add", help="Readings to add.", parser=integer_from(1), metavar="N")
-    ] = 5,
+        int | None,
+        typer.Option("--add", help="Readings to add; 5.", parser=integer_from(1), metavar="N"),
+    ] = None,
     parameter: Annotated[
         str | None, typer.Option("--parameter", help="The one that counts; all by default.")
     ] = None,
@@ -295,7 +296,7 @@ def design(
         fitted = fit_table(plan.campaign(plan.spec.law), 1, progress)
     chosen = fitted.design(
         np.geomspace(ends[0], ends[1], _DESIGN_LOADS),
-        add,
+        5 if add is None else add,
         dR=numbers("--dR-choices", clearances) or None,
         parameter=parameter,
     )
