@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cylcontact.arrays import require
 from cylcontact.choices import listed
@@ -17,11 +17,27 @@ from cylcontact.pair import CONTACTS, Contact
 if TYPE_CHECKING:
     from cylcontact.mechanism import ClearanceJoint
 
-__all__ = ["EXPORTABLE", "JOINT_TARGETS", "TARGETS", "export", "export_joint", "export_named"]
+__all__ = [
+    "CODES",
+    "EXPORTABLE",
+    "JOINT_TARGETS",
+    "TARGETS",
+    "contact_parameters",
+    "export",
+    "export_joint",
+    "export_named",
+]
 
 
 def __dir__() -> list[str]:
     return __all__
+
+
+def __getattr__(name: str) -> Any:
+    # The command line reads the names of the targets, so SciPy is imported when it is used.
+    if name == "contact_parameters":
+        return import_module(f"{__name__}.parameters").contact_parameters
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 # Each is a module of this package; with the suffix of its file.
@@ -44,6 +60,8 @@ JOINT_TARGETS = {
     "python": ".py",
     "fmu": ".fmu",
 }
+# Multibody codes with a contact of their own, whose parameters `contact_parameters` fits.
+CODES = ("adams", "chrono", "drake", "mujoco", "exudyn", "simscape")
 
 
 def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str | bytes:
