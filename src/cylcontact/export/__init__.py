@@ -40,7 +40,7 @@ def __getattr__(name: str) -> Any:
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-# Each is a module of this package; with the suffix of its file.
+# With the suffix of the file.
 TARGETS = {
     "c": ".c",
     "cpp": ".hpp",
@@ -51,7 +51,7 @@ TARGETS = {
     "json": ".json",
     "fmu": ".fmu",
 }
-# Each is a module of `joints`; with the suffix of the file that is named.
+# With the suffix of the file that is named.
 JOINT_TARGETS = {
     "c": ".c",
     "cpp": ".hpp",
@@ -105,12 +105,14 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     const double a = 0.965;
     """
     # The command line reads the names of the targets, so the rest is imported here.
-    from cylcontact.export.exported_law import exported
+    from cylcontact.export.exported_law import exported, source
     from cylcontact.export.soundness import require_contact_law
 
     _require_target(target)
     chosen = exported(law, _contact(contact), origin)
     require_contact_law(law, chosen.contact)
+    if target not in ("json", "fmu"):
+        return source(chosen, target)
     text: str | bytes = import_module(f"{__name__}.{target}").source(chosen)
     return text
 
@@ -188,9 +190,10 @@ def export_joint(
         not stem or re.fullmatch(r"[\w+-][\w.+ -]*", stem, re.ASCII) is not None, "export", "--out",
         stem, "is not plain text", "name the file with ASCII letters, digits, spaces, - and _",
     )  # fmt: skip
-    module = import_module(f"{__name__}.joints.{target}")
-    texts: dict[str, str] | dict[str, bytes] = module.source(joint, stem)
-    return texts
+    from cylcontact.export.fmu import joint_source
+    from cylcontact.export.joint import source
+
+    return joint_source(joint, stem) if target == "fmu" else source(joint, target, stem)
 
 
 def _require_target(target: str, targets: Collection[str] = TARGETS) -> None:

@@ -12,7 +12,8 @@ from importlib.metadata import version
 from textwrap import wrap
 
 from cylcontact.errors import InputError
-from cylcontact.export.render import WIDTH, Dialect, filled
+from cylcontact.export.dialects import DIALECTS
+from cylcontact.export.render import WIDTH, filled_template
 from cylcontact.laws import LAWS, Johnson
 from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.contact_law import ContactLaw
@@ -159,28 +160,6 @@ class ExportedLaw:
             | ({"f": "alone", "k": "slope"} if scaled else {}),
         )  # fmt: skip
 
-    def source(self, dialect: Dialect, frame: str, **own: str) -> str:
-        """Return the law as the text of a file: a frame with the statements of a language.
-
-        `own` are further parts of the frame, each filled with those before it.
-        """
-        constants = {n: x for n, x in self.constants.items() if n not in dialect.names}
-        parts = {
-            "comment": self.comment(dialect.comment),
-            "name": self.name,
-            "arguments": ", ".join(self.arguments),
-            "pair": ", ".join(self.arguments[1:]),
-            "domain": dialect.render(self.domain),
-            "ends": dialect.render(expression(self.ends)) if self.ends else "",
-            "constants": dialect.constants(constants),
-            "at_pair": dialect.statements(self.at_pair, self.at_depth),
-            "at_depth": dialect.statements(self.at_depth),
-        }
-        parts["helpers"] = dialect.helpers_of(parts["at_pair"] + parts["at_depth"])
-        for key, text in own.items():
-            parts[key] = filled(text, parts).rstrip("\n")
-        return filled(frame, parts)
-
     def comment(self, mark: str) -> str:
         """Return the comment at the top of a file, each line behind a `mark`."""
         contact = f"{self.contact} contact" if self.contact else "internal or external contact"
@@ -214,6 +193,38 @@ class ExportedLaw:
         factors = {name: value for name, value in scaled.items() if value != 1}
         own = {self._names[name]: value for name, value in self.coefficients.items()}
         return own | factors
+
+
+def source(law: ExportedLaw, target: str) -> str:
+    """Return a law as the text of a file in a language."""
+    dialect, names = DIALECTS[target], law.arguments
+    domain = dialect.render(law.domain)
+    constants = {name: x for name, x in law.constants.items() if name not in dialect.names}
+    check = {"fortran": f"if (.not. ({domain})) return", "python": f"if not ({domain}):"}
+    parts = {
+        "comment": law.comment(dialect.comment),
+        "name": law.name,
+        "guard": law.name.upper(),
+        "arguments": ", ".join(names),
+        "parameters": ", ".join(f"double {name}" for name in names),
+        "pair": ", ".join(names[1:]),
+        "total": " + ".join(names),
+        "expanded": "\n".join(f"{name} = {name} + numbers;" for name in names),
+        "hidden": "\n".join(f"{name}(outside) = NaN;" for name in names),
+        "domain": domain,
+        "check": dialect.wrapped(check.get(target, "")),
+        "ends": dialect.render(expression(law.ends)) if law.ends else "",
+        "least": "jnp.minimum(dR, last)" if law.ends else "dR",
+        "constants": dialect.constants(constants),
+        "variables": declared(law.steps),
+        "at_pair": dialect.statements(law.at_pair, law.at_depth),
+        "at_depth": dialect.statements(law.at_depth),
+    }
+    parts["helpers"] = dialect.helpers_of(parts["at_pair"] + parts["at_depth"])
+    if target in ("c", "cpp"):
+        parts["body"] = filled_template("law.body", parts).rstrip("\n")
+    text = filled_template(f"law.{target}", parts)
+    return text.replace("\nstatic ", "\ninline ") if target == "cpp" else text
 
 
 def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> ExportedLaw:
@@ -312,6 +323,19 @@ def renamed(step: Step, names: Mapping[str, str]) -> Step:
     value: ast.expr = Renamer().visit(expression(ast.unparse(step.value)))
     body = tuple(renamed(each, names) for each in step.body)
     return Step(names.get(step.name, step.name), value, body)
+
+
+def declared(steps: Iterable[Step]) -> str:
+    """Return Fortran's declaration of the variables that steps assign, and of what loops count."""
+    steps = tuple(steps)
+    kinds = {
+        "real(wp)": list(assigned_in(steps)),
+        "integer": list(dict.fromkeys(step.name for step in flat(steps) if step.body)),
+    }
+    return "\n".join(
+        f"{kind} :: " + " &\n    ".join(wrap(", ".join(names), WIDTH - 24))
+        for kind, names in kinds.items() if names
+    )  # fmt: skip
 
 
 def expression(text: str) -> ast.expr:
