@@ -19,6 +19,7 @@ from cylcontact.laws.user import user_law
 from cylcontact.pair import CONTACTS, Contact
 
 if TYPE_CHECKING:
+    from cylcontact.export.parameters import contact_parameters
     from cylcontact.mechanism import ClearanceJoint
 
 __all__ = [
