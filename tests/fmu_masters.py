@@ -6,7 +6,7 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
-from cylcontact.export.joints.fmu import VARIABLES
+from cylcontact.export.fmu import VARIABLES
 from cylcontact.mechanism.assembly import assemble, evaluate, joint_table
 from cylcontact.mechanism.clearance_joint import JointState
 

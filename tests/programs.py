@@ -33,7 +33,7 @@ EXTRAS = {
     "docs": "latex2mathml material mkdocs mkdocstrings",
     "paper": "pypandoc typst",
     "browser": "axe_playwright_python playwright",
-    "peers": "cma exudyn fmpy iminuit jax libcosimpy lmfit odrpack pymoo statsmodels",
+    "peers": "cma exudyn fmpy iminuit jax libcosimpy lmfit mujoco odrpack pymoo statsmodels",
 }
 # Set by `--rest`.
 REQUIRED = False

@@ -11,8 +11,7 @@ import pytest
 
 from cylcontact import CylinderPair, InputError, Material, laws
 from cylcontact.export import EXPORTABLE, export, export_named
-from cylcontact.export.exported_law import exported
-from cylcontact.export.soundness import require_contact_law
+from cylcontact.export.exported_law import exported, require_contact_law
 from cylcontact.fitting import FitResult
 from cylcontact.fitting.law_models import MODELS
 from cylcontact.laws.adapters import ScaledLaw

@@ -15,9 +15,8 @@ from matplotlib.figure import Figure
 import cylcontact as cc
 from cylcontact import InputError, Material, laws
 from cylcontact.cli import terminal
-from cylcontact.export import export
-from cylcontact.export.joints import fmu
-from cylcontact.export.joints.element import Element
+from cylcontact.export import export, fmu
+from cylcontact.export.joint import Element
 from cylcontact.fitting import FitResult
 from cylcontact.mechanism import read_joint
 from cylcontact.plain_text import (

@@ -10,7 +10,8 @@ import pytest
 
 import cylcontact as cc
 from cylcontact.errors import InputError
-from cylcontact.export.named import find_law
+from cylcontact.fitting import FitResult
+from cylcontact.fitting.law_models import law_of
 from cylcontact.laws import LAWS
 from cylcontact.materials import material_in_MPa
 from cylcontact.reports.laws_table import case, comparison, to_text
@@ -64,7 +65,8 @@ def data(explore):
 def python_law(law, folder):
     """The law that the page calls by this id, in Python."""
     if law.startswith("fit:"):
-        return find_law(str(folder / f"{law[4:]}.json"), None).law
+        path = str(folder / f"{law[4:]}.json")
+        return law_of(FitResult.read(path), path)
     return LAWS[law]()
 
 

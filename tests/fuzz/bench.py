@@ -44,7 +44,7 @@ SEAMS = (
     *("cylcontact.fitting.discrepancy.blocks", "cylcontact.datasets.sampling.blocks"),
     "cylcontact.fitting.measured.Fit.minimise",
     *("cylcontact.mechanism.simulate.advance", "cylcontact.mechanism.impact.advance"),
-    *("cylcontact.export.fmi._library", "cylcontact.cli.init.copy_files"),
+    *("cylcontact.export.fmu._library", "cylcontact.cli.init.copy_files"),
 )
 TABLES = ("datasets/examples/pin-in-hole.csv", "datasets/finite_element/recommended-embedded.csv")
 FIT = "fit {} --law power --contact internal -j 1 -o "

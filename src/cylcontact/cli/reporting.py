@@ -25,7 +25,7 @@ from cylcontact.cli.pair import PairOptions, constants_of, housing_of, pair_of
 from cylcontact.cli.renamed import renamed
 from cylcontact.cli.terminal import cores, progress_bars, say, show
 from cylcontact.errors import InputError
-from cylcontact.export import JOINT_TARGETS, TARGETS
+from cylcontact.export import CODES, JOINT_TARGETS, TARGETS
 from cylcontact.files import (
     keeping,
     replacing,
@@ -269,20 +269,43 @@ def export(
     ] = None,
     target: Annotated[
         str,
-        typer.Option("--to", help=f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}."),
+        typer.Option(
+            "--to",
+            help=f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}, or with --range "
+            f"{listed(CODES)}.",
+        ),
     ],
     contact: Annotated[
         str | None, typer.Option(help=f"{listed(CONTACTS)}; for laws that depend on it.")
     ] = None,
     materials: Materials = None,
+    force_range: Annotated[
+        str | None,
+        typer.Option("--range", help="Total force in N, LOW:HIGH, for a code's own contact."),
+    ] = None,
+    mass: Annotated[
+        float | None, typer.Option(help="Effective mass of its impacts, kg; 1.", **NUMBER)
+    ] = None,
+    speed: Annotated[
+        float | None, typer.Option(help="Their speed, m/s; by the middle of the range.", **NUMBER)
+    ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("-o", "--out", help="The file; of a law, standard output by default."),
+        typer.Option("-o", "--out", help="The file; standard output by default, but for a joint."),
     ] = None,
 ) -> None:
-    """Write a law, or a whole clearance joint, in another language, for a multibody code."""
+    """Write a law, or a whole clearance joint, in another language, for a multibody code.
+
+    Or print the parameters of the code's own contact that follow the joint's law over a range.
+    """
     from cylcontact.export import export_named
 
+    if target in CODES:
+        _print_parameters(joint, target, force_range, mass, speed, materials, out)
+        return
+    for option, value in (("--range", force_range), ("--mass", mass), ("--speed", speed)):
+        remedy = f"leave it out, or choose --to {listed(CODES)}"
+        require(value is None, "export", option, value, "is for a code's own contact", remedy)
     if joint is not None:
         _export_joint(joint, target, out, materials, {"RESULT|LAW": what, "--contact": contact})
         return
@@ -306,6 +329,43 @@ def export(
     with replacing(out) as temporary:
         temporary.write_bytes(source)
     say(f"{what} written to {out}")
+
+
+def _print_parameters(
+    path: Path | None,
+    code: str,
+    force_range: str | None,
+    mass: float | None,
+    speed: float | None,
+    materials: str | None,
+    out: Path | None,
+) -> None:
+    """Print the parameters of a code's own contact, or write them to the file `out`."""
+    from cylcontact.export import contact_parameters
+    from cylcontact.mechanism import read_joint
+
+    if path is None:
+        remedy = "name its file, e.g. --joint datasets/joint.toml"
+        raise InputError("export", "--joint", None, f"is missing for {code}", remedy)
+    low, _, high = (force_range or "").partition(":")
+    try:
+        ends = float(low), float(high)
+    except ValueError:
+        rule, remedy = "must be the smallest and the largest total force in N", "e.g. 100:5000"
+        raise InputError("export", "--range", force_range, rule, remedy) from None
+    joint = read_joint(path, materials)
+    parameters = contact_parameters(joint, code, *ends, 1.0 if mass is None else mass, speed)
+    if out is None:
+        typer.echo(parameters)
+    else:
+        require_writable(out)
+        with replacing(out) as temporary:
+            temporary.write_text(f"{parameters}\n", encoding="ascii")
+        say(f"{joint.name} written to {out}")
+    if ends[1] > joint.first_yield:
+        say(f"warning: {path}: first yield is at {joint.first_yield:.4g} N", err=True)
+    for warning in unusual_lengths(joint.pair):
+        say(f"warning: {path}: {warning}", err=True)
 
 
 def _export_joint(

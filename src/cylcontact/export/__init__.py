@@ -4,27 +4,49 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection
+from contextlib import suppress
 from importlib import import_module
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from cylcontact.arrays import require
 from cylcontact.choices import listed
 from cylcontact.errors import InputError
-from cylcontact.export.named import EXPORTABLE, find_law
-from cylcontact.laws.law import ContactLaw
+from cylcontact.laws import LAWS
+from cylcontact.laws.law import ContactLaw, formula_of
+from cylcontact.laws.user import user_law
 from cylcontact.pair import CONTACTS, Contact
 
 if TYPE_CHECKING:
+    from cylcontact.export.parameters import contact_parameters
     from cylcontact.mechanism import ClearanceJoint
 
-__all__ = ["EXPORTABLE", "JOINT_TARGETS", "TARGETS", "export", "export_joint", "export_named"]
+__all__ = [
+    "CODES",
+    "EXPORTABLE",
+    "JOINT_TARGETS",
+    "TARGETS",
+    "contact_parameters",
+    "export",
+    "export_joint",
+    "export_named",
+]
 
 
 def __dir__() -> list[str]:
     return __all__
 
 
-# Each is a module of this package; with the suffix of its file.
+def __getattr__(name: str) -> Any:
+    # The command line reads the names of the targets, so SciPy is imported when it is used.
+    if name == "contact_parameters":
+        return import_module(f"{__name__}.parameters").contact_parameters
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+# A law without a closed form is known too, and refused when it is exported.
+EXPORTABLE = tuple(name for name, law in LAWS.items() if formula_of(law(), "internal") is not None)
+# With the suffix of the file.
 TARGETS = {
     "c": ".c",
     "cpp": ".hpp",
@@ -35,7 +57,7 @@ TARGETS = {
     "json": ".json",
     "fmu": ".fmu",
 }
-# Each is a module of `joints`; with the suffix of the file that is named.
+# With the suffix of the file that is named.
 JOINT_TARGETS = {
     "c": ".c",
     "cpp": ".hpp",
@@ -44,6 +66,8 @@ JOINT_TARGETS = {
     "python": ".py",
     "fmu": ".fmu",
 }
+# Multibody codes with a contact of their own, whose parameters `contact_parameters` fits.
+CODES = ("adams", "chrono", "drake", "mujoco", "exudyn", "simscape")
 
 
 def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") -> str | bytes:
@@ -87,12 +111,13 @@ def export(law: ContactLaw, contact: str | None, target: str, origin: str = "") 
     const double a = 0.965;
     """
     # The command line reads the names of the targets, so the rest is imported here.
-    from cylcontact.export.exported_law import exported
-    from cylcontact.export.soundness import require_contact_law
+    from cylcontact.export.exported_law import exported, require_contact_law, source
 
     _require_target(target)
     chosen = exported(law, _contact(contact), origin)
     require_contact_law(law, chosen.contact)
+    if target not in ("json", "fmu"):
+        return source(chosen, target)
     text: str | bytes = import_module(f"{__name__}.{target}").source(chosen)
     return text
 
@@ -126,8 +151,8 @@ def export_named(what: str, contact: str | None, target: str) -> str | bytes:
     module cylcontact_johnson_law
     """
     _require_target(target)
-    named = find_law(what, _contact(contact))
-    return export(named.law, named.contact, target, named.origin)
+    law, known, origin = _named(what, _contact(contact))
+    return export(law, known, target, origin)
 
 
 def export_joint(
@@ -170,9 +195,55 @@ def export_joint(
         not stem or re.fullmatch(r"[\w+-][\w.+ -]*", stem, re.ASCII) is not None, "export", "--out",
         stem, "is not plain text", "name the file with ASCII letters, digits, spaces, - and _",
     )  # fmt: skip
-    module = import_module(f"{__name__}.joints.{target}")
-    texts: dict[str, str] | dict[str, bytes] = module.source(joint, stem)
-    return texts
+    from cylcontact.export.fmu import joint_source
+    from cylcontact.export.joint import source
+
+    return joint_source(joint, stem) if target == "fmu" else source(joint, target, stem)
+
+
+def _named(what: str, contact: Contact | None) -> tuple[ContactLaw, Contact | None, str]:
+    """Return a law by its name or the path of a fit result, its contact, and its origin in words.
+
+    Raises `InputError` if it is neither, or the result is for the other contact.
+    """
+    if what in LAWS:
+        return LAWS[what](), contact, ""
+    if what.startswith("power"):
+        rule, remedy = "has no coefficients of its own", "name a fit result of it"
+        raise InputError("export", "law", what, rule, remedy)
+    if Path(what).suffix == ".json" or _exists(what):
+        return _of_result(what, contact)
+    if ":" in what:
+        return user_law(what, Path.cwd()), contact, "a function of the user's own"
+    rule = "is neither a law that can be exported nor a fit result"
+    names = ", ".join(EXPORTABLE)
+    remedy = f"choose {names}, module:function of your own, or the path of a result"
+    raise InputError("export", "law", what, rule, remedy)
+
+
+def _exists(path: str) -> bool:
+    """Return whether the file exists; False for a name that is too long."""
+    with suppress(OSError):
+        return Path(path).exists()
+    return False
+
+
+def _of_result(path: str, contact: Contact | None) -> tuple[ContactLaw, Contact, str]:
+    """Return the law of a fit result, its contact, and in words what it was fitted to."""
+    from cylcontact.fitting.results import FitResult
+
+    result = FitResult.read(path)
+    require(
+        contact in (None, result.contact), path, "contact", result.contact,
+        f"contradicts --contact {contact}",
+        "leave --contact out, or name a result for that contact",
+    )  # fmt: skip
+    made_with = result.provenance.get("cylcontact", "an unknown version")
+    origin = (
+        f"fit result '{result.name}', fitted to {result.reference} by cylcontact {made_with}, "
+        f"{result.objective.name} = {result.objective.value:.6g}"
+    )
+    return result.to_law(path), result.contact, origin
 
 
 def _require_target(target: str, targets: Collection[str] = TARGETS) -> None:

@@ -11,8 +11,12 @@ from functools import cached_property
 from importlib.metadata import version
 from textwrap import wrap
 
+import numpy as np
+
+from cylcontact.arrays import FloatArray
 from cylcontact.errors import InputError
-from cylcontact.export.render import WIDTH, Dialect, filled
+from cylcontact.export.dialects import DIALECTS
+from cylcontact.export.render import WIDTH, filled_template
 from cylcontact.laws import LAWS, Johnson
 from cylcontact.laws.adapters import ScaledLaw
 from cylcontact.laws.formula import (
@@ -26,7 +30,8 @@ from cylcontact.laws.formula import (
     steps_of,
 )
 from cylcontact.laws.law import ContactLaw, Law, formula_of
-from cylcontact.pair import CONTACTS, Contact
+from cylcontact.materials import Material
+from cylcontact.pair import CONTACTS, Contact, CylinderPair
 from cylcontact.plain_text import RESERVED, comment, identifier
 
 # Unit and meaning of the arguments and results of exported functions.
@@ -46,6 +51,13 @@ RESULTS: Mapping[str, tuple[str, str]] = {
 }
 # What pairs can have; other arguments are positive.
 _OF_TWO_MATERIALS = {"alpha": "alpha * alpha < 1", "beta": "beta * beta < 0.251"}
+# Clearances and sums of radii in mm, moduli in MPa and penetrations relative to ΔR that are tried.
+_DR: dict[Contact, tuple[float, float]] = {"internal": (0.005, 9.0), "external": (5.0, 500.0)}
+_MODULI = (2e3, 70e3, 207e3, 600e3)
+_STEEL = 207e3
+_DEPTHS = np.geomspace(1e-6, 1.0, 61)[:, None, None]
+# Rounding may take this part from a load that levels off.
+_ROUNDING = 1e-9
 # Names that a language or a frame has for something else.
 _TAKEN = (
     "load", "stiffness", "law", "wp", "outside", "inside", "apart", "still", "power", "choose",
@@ -158,28 +170,6 @@ class ExportedLaw:
             | ({"f": "alone", "k": "slope"} if scaled else {}),
         )  # fmt: skip
 
-    def source(self, dialect: Dialect, frame: str, **own: str) -> str:
-        """Return the law as the text of a file: a frame with the statements of a language.
-
-        `own` are further parts of the frame, each filled with those before it.
-        """
-        constants = {n: x for n, x in self.constants.items() if n not in dialect.names}
-        parts = {
-            "comment": self.comment(dialect.comment),
-            "name": self.name,
-            "arguments": ", ".join(self.arguments),
-            "pair": ", ".join(self.arguments[1:]),
-            "domain": dialect.render(self.domain),
-            "ends": dialect.render(expression(self.ends)) if self.ends else "",
-            "constants": dialect.constants(constants),
-            "at_pair": dialect.statements(self.at_pair, self.at_depth),
-            "at_depth": dialect.statements(self.at_depth),
-        }
-        parts["helpers"] = dialect.helpers_of(parts["at_pair"] + parts["at_depth"])
-        for key, text in own.items():
-            parts[key] = filled(text, parts).rstrip("\n")
-        return filled(frame, parts)
-
     def comment(self, mark: str) -> str:
         """Return the comment at the top of a file, each line behind a `mark`."""
         contact = f"{self.contact} contact" if self.contact else "internal or external contact"
@@ -213,6 +203,38 @@ class ExportedLaw:
         factors = {name: value for name, value in scaled.items() if value != 1}
         own = {self._names[name]: value for name, value in self.coefficients.items()}
         return own | factors
+
+
+def source(law: ExportedLaw, target: str) -> str:
+    """Return a law as the text of a file in a language."""
+    dialect, names = DIALECTS[target], law.arguments
+    domain = dialect.render(law.domain)
+    constants = {name: x for name, x in law.constants.items() if name not in dialect.names}
+    check = {"fortran": f"if (.not. ({domain})) return", "python": f"if not ({domain}):"}
+    parts = {
+        "comment": law.comment(dialect.comment),
+        "name": law.name,
+        "guard": law.name.upper(),
+        "arguments": ", ".join(names),
+        "parameters": ", ".join(f"double {name}" for name in names),
+        "pair": ", ".join(names[1:]),
+        "total": " + ".join(names),
+        "expanded": "\n".join(f"{name} = {name} + numbers;" for name in names),
+        "hidden": "\n".join(f"{name}(outside) = NaN;" for name in names),
+        "domain": domain,
+        "check": dialect.wrapped(check.get(target, "")),
+        "ends": dialect.render(expression(law.ends)) if law.ends else "",
+        "least": "jnp.minimum(dR, last)" if law.ends else "dR",
+        "constants": dialect.constants(constants),
+        "variables": declared(law.steps),
+        "at_pair": dialect.statements(law.at_pair, law.at_depth),
+        "at_depth": dialect.statements(law.at_depth),
+    }
+    parts["helpers"] = dialect.helpers_of(parts["at_pair"] + parts["at_depth"])
+    if target in ("c", "cpp"):
+        parts["body"] = filled_template("law.body", parts).rstrip("\n")
+    text = filled_template(f"law.{target}", parts)
+    return text.replace("\nstatic ", "\ninline ") if target == "cpp" else text
 
 
 def exported(law: ContactLaw, contact: Contact | None, origin: str = "") -> ExportedLaw:
@@ -313,6 +335,19 @@ def renamed(step: Step, names: Mapping[str, str]) -> Step:
     return Step(names.get(step.name, step.name), value, body)
 
 
+def declared(steps: Iterable[Step]) -> str:
+    """Return Fortran's declaration of the variables that steps assign, and of what loops count."""
+    steps = tuple(steps)
+    kinds = {
+        "real(wp)": list(assigned_in(steps)),
+        "integer": list(dict.fromkeys(step.name for step in flat(steps) if step.body)),
+    }
+    return "\n".join(
+        f"{kind} :: " + " &\n    ".join(wrap(", ".join(names), WIDTH - 24))
+        for kind, names in kinds.items() if names
+    )  # fmt: skip
+
+
 def expression(text: str) -> ast.expr:
     """Return one expression in Python's syntax as its node."""
     return ast.parse(text, mode="eval").body
@@ -333,3 +368,47 @@ def paragraph(title: str, text: str) -> list[str]:
 def table(rows: Mapping[str, tuple[str, str]]) -> list[str]:
     """Return a line for each name, with unit and meaning."""
     return [f"  {name:<12} {unit:<7} {meaning}" for name, (unit, meaning) in rows.items()]
+
+
+def require_contact_law(law: ContactLaw, contact: Contact | None) -> None:
+    """Refuse a law whose load is negative or decreases for some pair, or exists for none.
+
+    Raises `InputError` with the penetration and the pair where it fails.
+    """
+    has_load = False
+    for each in CONTACTS if contact is None else (contact,):
+        try:
+            pair, depth, loads = _loads(law, each, _MODULI)
+        except InputError:  # some laws are for steel alone
+            pair, depth, loads = _loads(law, each, (_STEEL,))
+        before = np.fmax.accumulate(np.nan_to_num(loads, nan=-np.inf), axis=0)[:-1]
+        falls = loads[1:] < before * (1 - _ROUNDING)
+        wrong = np.concatenate([loads[:1] < 0, (loads[1:] < 0) | falls])
+        if wrong.any():
+            at = tuple(np.argwhere(wrong)[0])
+            dR = float(np.broadcast_to(pair.dR, loads.shape)[at])
+            E = float(np.broadcast_to(pair.material_i.E, loads.shape)[at])
+            what = "is negative" if loads[at] < 0 else "decreases"
+            rule = (
+                f"is no contact law with these coefficients: its load {what} at {depth[at]:.3g} mm "
+                f"for ΔR = {dR:.3g} mm and E = {E:g} MPa"
+            )
+            raise InputError("export", "law", law.name, rule, "correct them, or redo the fit")
+        has_load = has_load or bool(((loads > 0) & np.isfinite(loads)).any())
+    if not has_load:
+        rule = "has no load at any penetration with these coefficients"
+        raise InputError("export", "law", law.name, rule, "correct them, or redo the fit")
+
+
+def _loads(
+    law: ContactLaw, contact: Contact, moduli: tuple[float, ...]
+) -> tuple[CylinderPair, FloatArray, FloatArray]:
+    """Return pairs of many clearances and moduli, and loads over many penetrations."""
+    dR = np.geomspace(*_DR[contact], 13)[:, None]
+    material = Material("any", np.array(moduli), 0.3)
+    R_i = 20 * dR if contact == "internal" else dR / 2
+    pair = CylinderPair.from_dR(contact, dR, material, length=10.0, R_i=R_i)
+    with np.errstate(all="ignore"):
+        loads = law.load(_DEPTHS * dR, pair)
+    depth, loads = np.broadcast_arrays(_DEPTHS * dR, loads)
+    return pair, depth, loads

@@ -17,7 +17,6 @@ from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw, renam
 from cylcontact.export.render import lambert_steps
 from cylcontact.formats import marked
 from cylcontact.laws.formula import FUNCTIONS, Step, names_in
-from cylcontact.laws.law import ContactLaw
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 
@@ -50,6 +49,10 @@ def source(law: ExportedLaw) -> str:
         steps.append(f"{name} = {name} if penetration > 0 or {name} >= 0 else 0")
         if law.ends:
             steps.append(f"{name} = {name} if {law.ends} else nan")
+    described = {
+        name: {"unit": unit, "meaning": meaning}
+        for name, (unit, meaning) in {**MEANINGS, **RESULTS}.items()
+    }
     document: dict[str, Any] = {
         "function": law.name,
         "law": law.law.name,
@@ -57,8 +60,8 @@ def source(law: ExportedLaw) -> str:
         "formula": law.formula.equation,
         "remark": law.formula.remark,
         "coefficients": dict(law.listed),
-        "arguments": {name: _described(*MEANINGS[name]) for name in law.arguments},
-        "results": {name: _described(*about) for name, about in RESULTS.items()},
+        "arguments": {name: described[name] for name in law.arguments},
+        "results": {name: described[name] for name in RESULTS},
         "domain": ", ".join(filter(None, (*law.conditions, law.ends))),
         "outside_domain": _OUTSIDE,
         "without_contact": _APART,
@@ -101,39 +104,22 @@ def _check_values(exported: ExportedLaw) -> Iterator[dict[str, float | str]]:
     build = CylinderPair.internal if contact == "internal" else CylinderPair.external
     for material, pin, (R_i, R_j), length in product(_MATERIALS, pins, _RADII[contact], lengths):
         pair = build(R_i, R_j, material, length, pin)
-        arguments = _arguments(pair)
+        arguments = {
+            **{name: float(getattr(pair, name)) for name in ("E_star", "dR", "alpha", "beta")},
+            **{"R_i": R_i, "R_j": R_j, "length": length},
+        }
         try:
-            penetrations = _penetrations(law, pair)
+            largest = float(law.max_penetration(pair))
         except InputError:  # some laws are for steel alone
             continue
-        for penetration in penetrations:
+        ends = math.isfinite(largest)
+        parts, whole = (_OF_LARGEST, largest) if ends else (_OF_DR, float(pair.dR))
+        for penetration in (whole * part for part in parts):
             values = {"penetration": penetration, **arguments}
             row: dict[str, float | str] = {name: values[name] for name in exported.arguments}
             row["load"] = _plain(law.load(penetration, pair))
             row["stiffness"] = _plain(law.stiffness(penetration, pair))
             yield row
-
-
-def _arguments(pair: CylinderPair) -> dict[str, float]:
-    """Return the arguments of exported functions that depend on the pair."""
-    R_i, R_j = pair.radii("the export")
-    return {
-        "E_star": float(pair.E_star),
-        "dR": float(np.asarray(pair.dR)),
-        "R_i": float(R_i),
-        "R_j": float(R_j),
-        "length": pair.contact_length("the export"),
-        "alpha": float(pair.alpha),
-        "beta": float(pair.beta),
-    }
-
-
-def _penetrations(law: ContactLaw, pair: CylinderPair) -> list[float]:
-    """Return penetrations in mm over the domain of a law and slightly beyond."""
-    largest = float(law.max_penetration(pair))
-    if math.isfinite(largest):
-        return [largest * part for part in _OF_LARGEST]
-    return [float(np.asarray(pair.dR)) * part for part in _OF_DR]
 
 
 def _plain(value: np.floating | np.ndarray) -> float | str:
@@ -142,8 +128,3 @@ def _plain(value: np.floating | np.ndarray) -> float | str:
     if math.isnan(number):
         return "NaN"
     return number if math.isfinite(number) else "Infinity"
-
-
-def _described(unit: str, meaning: str) -> dict[str, str]:
-    """Return a unit and a meaning as data."""
-    return {"unit": unit, "meaning": meaning}

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from pathlib import Path
 from string import Template
 from textwrap import indent, wrap
 
@@ -16,6 +17,7 @@ from cylcontact.laws.formula import Formula, Step, names_in, needed
 from cylcontact.laws.lambert import branch_distance_steps
 
 WIDTH = 90
+_TEMPLATES = Path(__file__).parent / "templates"
 # Operator precedence, the same in all languages.
 _CHOICE, _OR, _AND, _COMPARISON, _SUM, _PRODUCT, _POWER, _ATOM = range(8)
 _SYMBOLS: Mapping[type[ast.AST], str] = {
@@ -213,8 +215,21 @@ def filled(frame: str, parts: Mapping[str, str]) -> str:
     """Return a frame with its placeholders replaced.
 
     A placeholder alone on its line may stand for several lines, indented as it is, or for none.
+    Lines between "$if name" and "$end" are there only if the part is not empty.
     """
-    return "".join(_filled_line(line, parts) for line in frame.splitlines(keepends=True))
+    lines, used = [], True
+    for line in frame.splitlines(keepends=True):
+        word, _, name = line.strip().partition(" ")
+        if word in ("$if", "$end"):
+            used = word == "$end" or bool(parts[name])
+        elif used:
+            lines.append(_filled_line(line, parts))
+    return "".join(lines)
+
+
+def filled_template(name: str, parts: Mapping[str, str]) -> str:
+    """Return a file of the folder `templates`, filled."""
+    return filled((_TEMPLATES / name).read_text(encoding="ascii"), parts)
 
 
 def _filled_line(line: str, parts: Mapping[str, str]) -> str:

@@ -7,8 +7,8 @@ language has formulas of its own. Only the law is in mm: the step `depth` is the
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.metadata import version
 from textwrap import wrap
@@ -16,8 +16,17 @@ from textwrap import wrap
 import numpy as np
 
 from cylcontact.arrays import FloatArray, require
-from cylcontact.export.exported_law import MEANINGS, flat, paragraph, renamed, safe_names
-from cylcontact.export.render import WIDTH, Dialect
+from cylcontact.export import JOINT_TARGETS
+from cylcontact.export.dialects import JOINT_DIALECTS
+from cylcontact.export.exported_law import (
+    MEANINGS,
+    declared,
+    flat,
+    paragraph,
+    renamed,
+    safe_names,
+)
+from cylcontact.export.render import WIDTH, Dialect, filled, filled_template
 from cylcontact.impact import RATIO_BEND
 from cylcontact.laws.formula import Step, names_in, needed, steps_of
 from cylcontact.laws.kernels import TABLE
@@ -336,22 +345,111 @@ _RESULT_LINES = (
 )
 
 
-def argument_names(form: str, first: int) -> dict[str, str]:
-    """Return the inputs of the steps as elements of two arrays, counted from `first`.
+# How a file is used, for its comment.
+_USES = {
+    "c": """\
+#include "$stem.h" and link with -lm:
 
-    Examples
-    --------
-    >>> argument_names("{body}[{k}]", 0)["pin_spin"]
-    'pin[5]'
-    """
-    return {
+  ${name}_state state;
+  ${name}_wrench wrench;
+  ${name}_start(&state);
+  ${name}_evaluate(&state, bearing, pin, &wrench);   (state is not changed)
+  ${name}_accept(&state, bearing, pin);""",
+    "cpp": """\
+#include "$stem.hpp":
+
+  $name joint;                                         (without contact)
+  $name::wrench wrench = joint.evaluate(bearing, pin); (changes nothing)
+  joint.accept(bearing, pin);""",
+    "fortran": """\
+use $name
+
+type(${name}_state) :: state
+type(${name}_wrench) :: wrench
+call ${name}_start(state)
+call ${name}_evaluate(state, bearing, pin, wrench)   (state is not changed)
+call ${name}_accept(state, bearing, pin)""",
+    "matlab": """\
+joint = $stem();                                     (this file is $stem.m)
+
+impact_rate = joint.start();                         (the state: 0, not in contact)
+wrench = joint.evaluate(impact_rate, bearing, pin);
+impact_rate = joint.accept(impact_rate, bearing, pin);""",
+    "python": """\
+$imported
+
+impact_rate = joint.start()      (the state: 0, not in contact)
+wrench = joint.evaluate(impact_rate, bearing, pin)
+impact_rate = joint.accept(impact_rate, bearing, pin)""",
+}
+# Of each language: a number of a body, the index of its first one, and what ends a line of a table.
+_ARRAYS = {
+    "c": ("{body}[{k}]", 0, ",\n        "),
+    "cpp": ("{body}[{k}]", 0, ",\n        "),
+    "fortran": ("{body}({k})", 1, ", &\n    "),
+    "matlab": ("{body}({k})", 1, ", ...\n        "),
+    "python": ("{body}[{k}]", 0, ",\n    "),
+}
+# The standard allows 255 lines for a statement of Fortran, so a table is cut into arrays.
+_NODES = 800
+
+
+def source(joint: ClearanceJoint, target: str, stem: str) -> dict[str, str]:
+    """Return the texts of the files of a joint in a language, by their names."""
+    element, name, stem = Element(joint), joint.identifier, stem or joint.identifier
+    if target in ("matlab", "python"):
+        require(
+            stem.isascii() and stem.isidentifier() and stem not in RESERVED, "export", "--out",
+            stem, "cannot be called by its name",
+            "name the file with letters, digits and underscores",
+        )  # fmt: skip
+    form, first, line_end = _ARRAYS[target]
+    names = {
         f"{body}_{part}": form.format(body=body, k=k)
         for body in ("bearing", "pin")
         for k, part in enumerate(_MOTION, first)
     }
+    own = {"c": f"{name}_law", "cpp": f"{name}_law", "matlab": "law_load", "python": "_law"}
+    names["law"] = own.get(target, "law")
+    if target == "fortran":
+        names["impact_rate"] = "state%impact_rate"
+    dialect = JOINT_DIALECTS[target]
+    dialect = replace(dialect, names={**dialect.names, **names})
+    parts = {
+        "name": name,
+        "stem": stem,
+        "capitals": name.upper(),
+        "imported": "import joint" if stem == "joint" else f"import {stem} as joint",
+        "static": "inline" if target == "cpp" else "static",
+        "inline": "inline " if target == "cpp" else "",
+        **_bodies(element, dialect),
+        "evaluate_variables": declared(element.evaluate),
+        "accept_variables": declared(element.accept),
+        "law_variables": declared(step for step in element.law if step.name != "f"),
+        "table": "",
+    }
+    parts["helpers"] = dialect.helpers_of(parts["law"])
+    has_nan = "ieee_value" in parts["law"]
+    parts["nan_module"] = "use, intrinsic :: ieee_arithmetic" if has_nan else ""
+    if element.table is not None:
+        nodes = element.table[0].size
+        parts |= {"nodes": str(nodes), "last": str(nodes - 1 + first), "table": "a table"}
+        for key, numbers in zip("xys", element.table, strict=True):
+            parts[key] = _lines_of(numbers, dialect, line_end)
+        if target == "fortran":
+            parts["table"] = _fortran_arrays(element.table, dialect, line_end)
+    parts["comment"] = element.comment(filled(_USES[target], parts), dialect.comment)
+    if target in ("c", "cpp"):
+        for shared in ("types", "functions"):
+            parts[shared] = filled_template(f"joint.{shared}", parts).rstrip("\n")
+    suffix = JOINT_TARGETS[target]
+    files = {f"{stem}{suffix}": filled_template(f"joint.{target}", parts)}
+    if target == "c":
+        files[f"{stem}.h"] = filled_template("joint.h", parts)
+    return files
 
 
-def bodies_of(element: Element, dialect: Dialect) -> dict[str, str]:
+def _bodies(element: Element, dialect: Dialect) -> dict[str, str]:
     """Return the bodies of law, `evaluate` and `accept`, each with its constants, in a language."""
     parts = {
         "law": dialect.statements(element.law),
@@ -365,31 +463,24 @@ def bodies_of(element: Element, dialect: Dialect) -> dict[str, str]:
     return parts
 
 
-def table_parts(
-    element: Element, arrays: Callable[[tuple[FloatArray, ...]], str], lookup: str, first: int
-) -> dict[str, str]:
-    """Return the arrays of a law's table and their lookup; empty for a law with a formula.
-
-    `first` is the index of the first element of an array in the language.
-    """
-    table = element.table
-    if table is None:
-        return {"table": "", "lookup": ""}
-    return {"table": arrays(table), "lookup": lookup.format(last=table[0].size - 1 + first)}
-
-
-def rows_of(numbers: FloatArray, number: Callable[[float], str] = repr) -> list[str]:
+def _lines_of(numbers: FloatArray, dialect: Dialect, line_end: str) -> str:
     """Return literals of numbers, four a line."""
-    literals = [number(float(value)) for value in numbers]
-    return [", ".join(literals[k : k + 4]) for k in range(0, len(literals), 4)]
+    literals = [dialect.number(float(value)) for value in numbers]
+    return line_end.join(", ".join(literals[k : k + 4]) for k in range(0, len(literals), 4))
 
 
-def require_importable(stem: str) -> None:
-    """Raise `InputError` for a file that no import or call can name."""
-    require(
-        stem.isascii() and stem.isidentifier() and stem not in RESERVED, "export", "--out", stem,
-        "cannot be called by its name", "name the file with letters, digits and underscores",
-    )  # fmt: skip
+def _fortran_arrays(table: tuple[FloatArray, ...], dialect: Dialect, line_end: str) -> str:
+    """Return the declarations for a table: ln of the penetration, ln of the load, slopes."""
+    texts = ["real(wp) :: at, x_0, y_0, s_0, x_1, y_1, s_1", "integer :: low, high, middle"]
+    for name, numbers in zip("xys", table, strict=True):
+        parts = []
+        for k in range(0, numbers.size, _NODES):
+            some = numbers[k : k + _NODES]
+            inside = _lines_of(some, dialect, line_end)
+            parts.append(f"{name}_from_{k}")
+            texts.append(f"real(wp), parameter :: {parts[-1]}({some.size}) = [ &\n    {inside}]")
+        texts.append(f"real(wp), parameter :: {name}({numbers.size}) = [{', '.join(parts)}]")
+    return "\n".join(texts)
 
 
 def _rows(title: str, texts: Iterable[str]) -> Iterator[str]:

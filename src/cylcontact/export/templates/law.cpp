@@ -1,11 +1,3 @@
-"""The C++ target: the C in one header, as inline functions in a namespace."""
-
-from __future__ import annotations
-
-from cylcontact.export import c
-from cylcontact.export.exported_law import ExportedLaw
-
-_FRAME = """\
 $comment
 //
 // C++11: load, stiffness, and both by evaluate, in the namespace of this name.
@@ -44,10 +36,3 @@ inline double stiffness(
 } // namespace $name
 
 #endif
-"""
-
-
-def source(law: ExportedLaw) -> str:
-    """Return the header of a law."""
-    guard = law.name.upper()
-    return c.source(law, _FRAME.replace("${guard}", guard)).replace("\nstatic ", "\ninline ")

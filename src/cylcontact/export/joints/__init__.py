@@ -1,1 +1,0 @@
-"""Clearance joints as force elements in other languages: one module for each."""

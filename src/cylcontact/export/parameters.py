@@ -1,0 +1,490 @@
+"""A joint's law as the parameters of the contact that a multibody code has of its own.
+
+The normal force of each code is a formula of the penetration x, its rate v, and parameters. The
+elastic ones are fitted to the law: the logarithm of the force is as close as can be by the root of
+the mean square, over forces spaced evenly by their logarithm. The damping is matched: an impact of
+a mass at a speed comes back with the joint's restitution.
+
+Units are m, N, s and kg, but for the parameters of Adams, which are in mm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.integrate import fixed_quad, solve_ivp
+from scipy.optimize import brentq, least_squares
+
+from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.choices import listed
+from cylcontact.export import CODES
+from cylcontact.impact import IMPACT_RATE_FLOOR, achieved_restitution
+from cylcontact.mechanism.clearance_joint import ClearanceJoint
+
+# The forces of a fit.
+_FORCES = 200
+
+
+class _Impact(NamedTuple):
+    """An impact: effective mass in kg, and speed in m/s."""
+
+    mass: float
+    speed: float
+
+
+class _Curve(NamedTuple):
+    """A law over a range: penetration in m, force in N, stiffness in N/m."""
+
+    x: FloatArray
+    force: FloatArray
+    stiffness: FloatArray
+
+    def power(self) -> tuple[float, float]:
+        """Return k and n of the force k·x^n that is closest."""
+        n, ln_k = np.polyfit(np.log(self.x), np.log(self.force), 1)
+        return float(np.exp(ln_k)), float(n)
+
+    def linear(self) -> float:
+        """Return k of the force k·x that is closest."""
+        return float(np.exp(np.mean(np.log(self.force / self.x))))
+
+
+# --- the codes ---
+
+
+class _Contact:
+    """The contact of a code: a dataclass of its parameters, by the code's own names.
+
+    `elastic` is the contact without damping that is closest to a law; `force` takes x ≥ 0 in m and
+    v in m/s, in an impact.
+    """
+
+    title: ClassVar[str]
+    formula: ClassVar[str]
+    note: ClassVar[str]
+    address: ClassVar[str]
+    units: ClassVar[Mapping[str, str]]
+    damping_name: ClassVar[str]
+
+    @classmethod
+    def elastic(cls, curve: _Curve, impact: _Impact) -> _Contact:
+        raise NotImplementedError
+
+    def force(self, x: FloatArray, v: FloatArray, impact: _Impact) -> FloatArray:
+        raise NotImplementedError
+
+    def damped(self, damping: float) -> _Contact:
+        changed: dict[str, Any] = {self.damping_name: damping}
+        return replace(self, **changed)  # type: ignore[type-var]
+
+
+@dataclass(frozen=True)
+class _Adams(_Contact):
+    K: float
+    e: float
+    c_max: float
+    d_max: float
+
+    title = "Adams, IMPACT"
+    formula = "F = max(0, K x^e + STEP(x, 0, 0, d_max, c_max) v)"
+    note = "In mm, N, s; full damping from the penetration of the smallest force on."
+    address = "https://adams.thisaray.com/adams_solver/state_contact.html"
+    units: ClassVar = {"K": "N/mm^e", "e": "", "c_max": "N s/mm", "d_max": "mm"}
+    damping_name = "c_max"
+
+    @classmethod
+    def elastic(cls, curve: _Curve, _impact: _Impact) -> _Contact:
+        k, e = curve.power()
+        return cls(k * 1e-3**e, e, 0.0, 1e3 * float(curve.x[0]))
+
+    def force(self, x: FloatArray, v: FloatArray, _impact: _Impact) -> FloatArray:
+        depth, rate = 1e3 * x, 1e3 * v
+        damping = self.c_max * _step(depth / self.d_max)
+        return as_floats(np.maximum(self.K * depth**self.e + damping * rate, 0.0))
+
+
+@dataclass(frozen=True)
+class _Chrono(_Contact):
+    kn: float
+    gn: float
+
+    title = "Chrono SMC, Hooke"
+    formula = "F = max(0, kn x + m gn v), m the effective mass that Chrono computes"
+    note = "SetContactForceModel(Hooke), UseMaterialProperties(false), both materials alike."
+    address = "https://api.projectchrono.org/classchrono_1_1_ch_system_s_m_c.html"
+    units: ClassVar = {"kn": "N/m", "gn": "1/s"}
+    damping_name = "gn"
+
+    @classmethod
+    def elastic(cls, curve: _Curve, _impact: _Impact) -> _Contact:
+        return cls(curve.linear(), 0.0)
+
+    def force(self, x: FloatArray, v: FloatArray, impact: _Impact) -> FloatArray:
+        return as_floats(np.maximum(self.kn * x + impact.mass * self.gn * v, 0.0))
+
+
+@dataclass(frozen=True)
+class _Drake(_Contact):
+    point_contact_stiffness: float
+    hunt_crossley_dissipation: float
+
+    title = "Drake, compliant point contact"
+    formula = "F = k x max(0, 1 + d v), k half of each geometry's, d the same"
+    note = "Give both geometries these; the approximation kSap has no such dissipation."
+    address = "https://drake.mit.edu/doxygen_cxx/group__compliant__contact.html"
+    units: ClassVar = {"point_contact_stiffness": "N/m", "hunt_crossley_dissipation": "s/m"}
+    damping_name = "hunt_crossley_dissipation"
+
+    @classmethod
+    def elastic(cls, curve: _Curve, _impact: _Impact) -> _Contact:
+        return cls(2 * curve.linear(), 0.0)
+
+    def force(self, x: FloatArray, v: FloatArray, _impact: _Impact) -> FloatArray:
+        k = self.point_contact_stiffness / 2
+        return as_floats(k * x * np.maximum(1 + self.hunt_crossley_dissipation * v, 0.0))
+
+
+@dataclass(frozen=True)
+class _MuJoCo(_Contact):
+    solref: tuple[float, float]
+    solimp: tuple[float, float, float, float, float]
+
+    title = "MuJoCo, solref in its direct form"
+    formula = "F = max(0, m (k x (d(x)/d_width)^2 + b v d(x)/d_width)), solref = -k -b"
+    note = "solref holds for this effective mass m; d_width of other forces is added to F."
+    address = "https://mujoco.readthedocs.io/en/stable/modeling.html#solver-parameters"
+    units: ClassVar = {"solref": "(1/s^2, 1/s)", "solimp": "(-, -, m, -, -)"}
+
+    @classmethod
+    def elastic(cls, curve: _Curve, impact: _Impact) -> _Contact:
+        """Fit the stiffness, and d_0, width and power of the impedance.
+
+        At the smallest midpoint the impedance rises most at first touch, as the stiffness does.
+        """
+        d_width, midpoint, still = 1e-3, 1e-4, np.zeros_like(curve.x)
+
+        def contact(p: FloatArray) -> _MuJoCo:
+            part, ln_width, power = map(float, p)
+            solimp = (part * d_width, d_width, float(np.exp(ln_width)), midpoint, power)
+            return _MuJoCo((-1.0, 0.0), solimp)
+
+        def ratio(p: FloatArray) -> FloatArray:
+            return as_floats(np.log(curve.force / contact(p).force(curve.x, still, impact)))
+
+        def misses(p: FloatArray) -> FloatArray:
+            return as_floats(ratio(p) - ratio(p).mean())
+
+        ln_x = float(np.log(curve.x[-1]))
+        bounds = ([0.1, ln_x - 3, 1.0], [1.0, ln_x + 3, 8.0])
+        best = least_squares(misses, (0.7, ln_x, 2.0), bounds=bounds).x
+        return replace(contact(best), solref=(-float(np.exp(ratio(best).mean())), 0.0))
+
+    def damped(self, damping: float) -> _Contact:
+        return replace(self, solref=(self.solref[0], 0.0 - damping))
+
+    def force(self, x: FloatArray, v: FloatArray, impact: _Impact) -> FloatArray:
+        k, b = -self.solref[0], -self.solref[1]
+        part = self._impedance(x) / self.solimp[1]
+        return as_floats(np.maximum(impact.mass * (k * x * part**2 + b * v * part), 0.0))
+
+    def _impedance(self, x: FloatArray) -> FloatArray:
+        d_0, d_width, width, midpoint, power = self.solimp
+        s = np.clip(x / width, 0.0, 1.0)
+        below = s**power / midpoint ** (power - 1)
+        above = 1 - (1 - s) ** power / (1 - midpoint) ** (power - 1)
+        return as_floats(d_0 + (d_width - d_0) * np.where(s <= midpoint, below, above))
+
+
+@dataclass(frozen=True)
+class _Exudyn(_Contact):
+    contactStiffness: float
+    contactStiffnessExponent: float
+    restitutionCoefficient: float
+    minimumImpactVelocity: float
+    impactModel: int = 2
+
+    title = "Exudyn, ObjectContactSphereSphere"
+    formula = (
+        "F = k x^n (1 + c v/v_0), v_0 the rate at first touch, at least the minimum; c = "
+        "3/2 (1 - e)(11 - e)/(1 + 9 e) for e > 1/3, (1 - e^2)/e below"
+    )
+    note = "isHollowSphere1 = True; markers and radii of pin and hole in this order."
+    address = (
+        "https://exudyn.readthedocs.io/en/latest/docs/RST/items/ObjectContactSphereSphere.html"
+    )
+    units: ClassVar = {
+        "contactStiffness": "N/m^n", "contactStiffnessExponent": "", "restitutionCoefficient": "",
+        "minimumImpactVelocity": "m/s", "impactModel": "",
+    }  # fmt: skip
+
+    @classmethod
+    def elastic(cls, curve: _Curve, _impact: _Impact) -> _Contact:
+        return cls(*curve.power(), 1.0, 1e-3 * IMPACT_RATE_FLOOR)
+
+    def damped(self, damping: float) -> _Contact:
+        """Set the restitution coefficient whose factor c is `damping`."""
+
+        def excess(e: float) -> float:
+            return replace(self, restitutionCoefficient=e)._factor - damping
+
+        e = 1.0 if damping == 0 else float(brentq(excess, 1e-12, 1.0, xtol=1e-14))
+        return replace(self, restitutionCoefficient=e)
+
+    @property
+    def _factor(self) -> float:
+        e = self.restitutionCoefficient
+        return 1.5 * (1 - e) * (11 - e) / (1 + 9 * e) if e > 1 / 3 else (1 - e) * (1 + e) / e
+
+    def force(self, x: FloatArray, v: FloatArray, impact: _Impact) -> FloatArray:
+        elastic = self.contactStiffness * x**self.contactStiffnessExponent
+        onset = max(impact.speed, self.minimumImpactVelocity)
+        return as_floats(elastic * (1 + self._factor * v / onset))
+
+
+@dataclass(frozen=True)
+class _Simscape(_Contact):
+    stiffness: float
+    damping: float
+    transition_region_width: float
+
+    title = "Simscape Multibody, Spatial Contact Force"
+    formula = "F = max(0, s(x/w) (k x + b v)), s rising from 0 to 1 over the width w"
+    note = "w ends where the range begins; the page leaves s open, taken as a cubic here."
+    address = "https://www.mathworks.com/help/sm/ref/spatialcontactforce.html"
+    units: ClassVar = {"stiffness": "N/m", "damping": "N s/m", "transition_region_width": "m"}
+    damping_name = "damping"
+
+    @classmethod
+    def elastic(cls, curve: _Curve, _impact: _Impact) -> _Contact:
+        return cls(curve.linear(), 0.0, float(curve.x[0]))
+
+    def force(self, x: FloatArray, v: FloatArray, _impact: _Impact) -> FloatArray:
+        share = _step(x / self.transition_region_width)
+        return as_floats(np.maximum(share * (self.stiffness * x + self.damping * v), 0.0))
+
+
+def _step(share: FloatArray) -> FloatArray:
+    """Return the cubic from 0 at 0 to 1 at 1, level there and beyond."""
+    s = np.clip(share, 0.0, 1.0)
+    return as_floats(s**2 * (3 - 2 * s))
+
+
+_CONTACTS: Mapping[str, type[_Contact]] = dict(
+    zip(CODES, (_Adams, _Chrono, _Drake, _MuJoCo, _Exudyn, _Simscape), strict=True)
+)
+
+
+# --- a joint's parameters ---
+
+
+@dataclass(frozen=True)
+class ContactParameters:
+    """Parameters of a multibody code's own contact, and how close it then is to a joint's law.
+
+    Attributes
+    ----------
+    values : dict
+        The parameters, numbers or tuples of them, by the names that the code has for them.
+    low, high : float
+        The total forces in N between which they were fitted.
+    mass, speed : float
+        The effective mass in kg and the speed in m/s at which the damping was matched.
+    restitution : tuple of float
+        The coefficients of restitution of the code at this speed, at half and at twice it.
+    force_error, stiffness_error : pair of float
+        The largest and the root-mean-square error over the range, as parts of the law's.
+    """
+
+    values: dict[str, Any]
+    low: float
+    high: float
+    mass: float
+    speed: float
+    restitution: tuple[float, ...]
+    force_error: tuple[float, float]
+    stiffness_error: tuple[float, float]
+    _contact: _Contact
+
+    def force(self, penetration: ArrayLike, rate: ArrayLike = 0.0) -> FloatArray:
+        """Return the code's own normal force in N, for the mass and in an impact of the speed.
+
+        Parameters
+        ----------
+        penetration : array_like
+            In m; 0 or less is no contact.
+        rate : array_like, optional
+            Its rate in m/s.
+
+        Returns
+        -------
+        array of float
+        """
+        x, impact = as_floats(penetration), _Impact(self.mass, self.speed)
+        force = self._contact.force(np.maximum(x, 0.0), as_floats(rate), impact)
+        return as_floats(np.where(x > 0, force, 0.0))
+
+    def __str__(self) -> str:
+        """Return a line for each parameter, then the errors and the restitution."""
+        lines = []
+        for name, value in self.values.items():
+            numbers = value if isinstance(value, tuple) else (value,)
+            text = " ".join(f"{number:.6g}" for number in numbers)
+            lines.append(f"{name} = {text} {self._contact.units[name]}".rstrip())
+        force, stiffness = (
+            f"within {100 * largest:.2g} % (root mean square {100 * rms:.2g} %)"
+            for largest, rms in (self.force_error, self.stiffness_error)
+        )
+        at, half, twice = self.restitution
+        return "\n".join([
+            *lines,
+            "",
+            f"From {self.low:g} to {self.high:g} N: force {force}, stiffness {stiffness}.",
+            f"Restitution {at:.3f} at {self.speed:g} m/s of {self.mass:g} kg, {half:.3f} at half "
+            f"and {twice:.3f} at twice this speed.",
+            f"{self._contact.title}: {self._contact.formula}.",
+            self._contact.note,
+            self._contact.address,
+        ])  # fmt: skip
+
+
+def contact_parameters(
+    joint: ClearanceJoint,
+    code: str,
+    low: float,
+    high: float,
+    mass: float = 1.0,
+    speed: float | None = None,
+) -> ContactParameters:
+    """Return the parameters with which a multibody code's own contact follows a joint's law.
+
+    Parameters
+    ----------
+    joint : ClearanceJoint
+        The joint, of any law.
+    code : {"adams", "chrono", "drake", "mujoco", "exudyn", "simscape"}
+        The code.
+    low, high : float
+        The range of the total force in N.
+    mass : float, optional
+        The effective mass of the impact in kg: m_1·m_2/(m_1 + m_2), or that of the pin if the
+        bearing is fixed.
+    speed : float, optional
+        The speed of the impact in m/s; by default one whose force rises, without losses, to the
+        geometric mean of the range.
+
+    Returns
+    -------
+    ContactParameters
+
+    Raises
+    ------
+    InputError
+        If the code is unknown, the range is none or exceeds the law, or mass or speed are not
+        positive.
+
+    Notes
+    -----
+    The joint's restitution is the one that its hysteresis factor achieves, at every speed.
+
+    Examples
+    --------
+    >>> from cylcontact.mechanism import read_joint
+    >>> parameters = contact_parameters(read_joint("datasets/joint.toml"), "adams", 100, 5000)
+    >>> print(*str(parameters).splitlines()[:2])
+    K = 1.92848e+06 N/mm^e e = 1.22035
+    """
+    require(code in CODES, "export", "--to", code, "is not known", f"choose {listed(CODES)}")
+    for key, number in (("--mass", mass), ("--speed", 1.0 if speed is None else speed)):
+        require(0 < number < np.inf, "export", key, number, "must be positive", "give kg and m/s")
+    curve = _curve(joint, low, high)
+    if speed is None:
+        speed = float(f"{np.sqrt(2 * _energy(joint, np.sqrt(low * high)) / mass):.3g}")
+    impact = _Impact(mass, speed)
+    contact = _damped(_CONTACTS[code].elastic(curve, impact), joint.chi, curve, impact)
+    still, step = np.zeros_like(curve.x), 1e-5 * curve.x
+    force, above, below = (
+        contact.force(x, still, impact) for x in (curve.x, curve.x + step, curve.x - step)
+    )
+    return ContactParameters(
+        values=asdict(contact),  # type: ignore[call-overload]
+        low=low,
+        high=high,
+        mass=mass,
+        speed=speed,
+        restitution=tuple(
+            _restitution(contact, curve, _Impact(mass, v)) for v in (speed, speed / 2, 2 * speed)
+        ),
+        force_error=_error(force / curve.force),
+        stiffness_error=_error((above - below) / (2 * step) / curve.stiffness),
+        _contact=contact,
+    )
+
+
+def _error(ratio: FloatArray) -> tuple[float, float]:
+    """Return the largest and the root-mean-square difference from 1."""
+    return float(np.abs(ratio - 1).max()), float(np.sqrt(np.mean((ratio - 1) ** 2)))
+
+
+def _curve(joint: ClearanceJoint, low: float, high: float) -> _Curve:
+    """Return the law over the range, evenly by the logarithm of the force."""
+    pair, length = joint.pair, joint.pair.contact_length("the export")
+    most, text = float(joint.law.max_load(pair)) * length, f"{low:g}:{high:g}"
+    rule, remedy = "is no range of force", "give the smaller one first, both above 0 N"
+    require(0 < low < high < np.inf, "export", "--range", text, rule, remedy)
+    rule = f"goes beyond the law '{joint.law.name}', which ends at {most:.4g} N"
+    remedy = "end it before, or choose a law without an end, such as explicit"
+    require(high < most, "export", "--range", text, rule, remedy)
+    force = np.geomspace(low, high, _FORCES)
+    x = joint.law.penetration(force / length, pair)
+    return _Curve(1e-3 * x, force, 1e3 * length * joint.law.stiffness(x, pair))
+
+
+def _energy(joint: ClearanceJoint, force: float) -> float:
+    """Return the elastic energy in J that the joint stores under a force in N."""
+    length = joint.pair.contact_length("the export")
+    deepest = float(joint.law.penetration(force / length, joint.pair))
+    work, _ = fixed_quad(joint.law.load, 0.0, deepest, (joint.pair,), n=40)
+    return 1e-3 * length * float(work)
+
+
+def _damped(contact: _Contact, chi: float, curve: _Curve, impact: _Impact) -> _Contact:
+    """Return the contact with the damping that gives the restitution of a hysteresis factor."""
+    if chi == 0 or isinstance(contact, _Exudyn):  # which has such a factor itself
+        return contact.damped(chi)
+    wanted = float(achieved_restitution(chi))
+
+    def excess(damping: float) -> float:
+        return _restitution(contact.damped(damping), curve, impact) - wanted
+
+    # First the damping that doubles the force in the middle of the range.
+    x, v = np.sqrt(curve.x[0] * curve.x[-1]), as_floats(impact.speed)
+    elastic, more = (float(contact.damped(c).force(x, v, impact)) for c in (0.0, 1.0))
+    most = elastic / (more - elastic)
+    while excess(most) > 0:
+        most *= 2
+    return contact.damped(float(brentq(excess, 0.0, most, xtol=1e-9 * most)))
+
+
+def _restitution(contact: _Contact, curve: _Curve, impact: _Impact) -> float:
+    """Return the coefficient of restitution of an impact."""
+    mass, speed = impact
+
+    def motion(_time: float, state: FloatArray) -> tuple[float, float]:
+        x, v = state
+        return v, -float(contact.force(np.maximum(x, 0.0), v, impact)) / mass
+
+    def apart(_time: float, state: FloatArray) -> float:
+        return float(state[0])
+
+    apart.terminal, apart.direction = True, -1.0  # type: ignore[attr-defined]
+    # That of a mass on a spring; no step may pass over the end of the force, or over a transition.
+    time = float(np.sqrt(mass / curve.linear()))
+    run = solve_ivp(
+        motion, (0.0, 1e9 * time), (0.0, speed), method="LSODA", events=apart,
+        rtol=1e-10, atol=1e-12 * speed * np.array([time, 1.0]), max_step=0.005 * time,
+    )  # fmt: skip
+    return float(-run.y[1, -1] / speed)
