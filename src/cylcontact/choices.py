@@ -6,29 +6,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Literal, get_args
 
-__all__ = [
-    "BEYOND",
-    "BRANCHES",
-    "CHOICE_FILES",
-    "ENGINES",
-    "FILM_SUFFIXES",
-    "FIT_FILES",
-    "FORMATS",
-    "METHODS",
-    "OUTPUT_SUFFIXES",
-    "STUDIES",
-    "TABLE_SUFFIXES",
-    "Beyond",
-    "Branch",
-    "Engine",
-    "Format",
-    "Method",
-    "Study",
-    "first_of",
-    "is_table",
-    "listed",
-]
-
 Branch = Literal["loading", "unloading"]
 Method = Literal["minimal", "multiplier"]
 Beyond = Literal["stop", "tangent"]

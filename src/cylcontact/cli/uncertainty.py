@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cylcontact.cli.options import NUMBER, integer_from
-from cylcontact.cli.terminal import progress_bars, show
+from cylcontact.cli.terminal import progress_bars, say
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix, require_writable
 from cylcontact.formats import marked
-from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
     from cylcontact.cli.measured import LawOption
@@ -102,7 +101,7 @@ def study_uncertainty(
             )
             text = discrepancy_text(study, fit)
     _write(study, out)
-    show(joined([text, *([f"written to {out}"] if out else [])], "\n\n"))
+    say(f"{text}\n\nwritten to {out}" if out else text)
 
 
 def _require_study(
@@ -125,6 +124,6 @@ def _write(study: Any, out: Path | None) -> None:
     if out is None:
         return
     with replacing(out) as temporary:
-        contents = marked("uncertainty", study.model_dump(mode="json"))
+        contents = marked(study.model_dump(mode="json"))
         text = json.dumps(contents, indent=1, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")

@@ -13,11 +13,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
 from cylcontact.errors import InputError
-from cylcontact.files import scratch_folder
 
 # What pip cannot install, and the folder, suffix and flags of a shared library.
 _COMPILERS = ("cc", "gcc")
@@ -149,7 +149,8 @@ def _library(sources: Mapping[str, str], file: str) -> bytes:
             "export", "--to", "fmu", "needs a C compiler, and there is neither cc nor gcc",
             "install one (Debian: apt install gcc libc6-dev; macOS: xcode-select --install)",
         )  # fmt: skip
-    with scratch_folder() as folder:
+    with TemporaryDirectory(prefix="cylcontact-") as name:
+        folder = Path(name)
         for path, text in sources.items():
             (folder / path).write_text(text, encoding="ascii")
         units = [path for path in sources if path.endswith(".c")]

@@ -69,7 +69,7 @@ def source(law: ExportedLaw) -> str:
         "provenance": {"cylcontact": version("cylcontact"), "coefficients": law.origin},
         "check_values": {name: [row[name] for row in rows] for name in rows[0]},
     }
-    return json.dumps(marked("law", document), indent=1, allow_nan=False) + "\n"
+    return json.dumps(marked(document), indent=1, allow_nan=False) + "\n"
 
 
 def _unrolled(steps: Iterable[Step]) -> Iterator[str]:

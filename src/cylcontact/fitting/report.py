@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from html import escape
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
@@ -21,8 +22,8 @@ from cylcontact.fitting.assessment import (
 )
 from cylcontact.fitting.law_models import units_of
 from cylcontact.fitting.uncertainty.resampling import FEW_GROUPS, FEW_REFITS, FEWEST_REFITS
-from cylcontact.plain_text import brief, html
-from cylcontact.text_tables import Report, joined, text_table
+from cylcontact.plain_text import brief
+from cylcontact.text_tables import Table
 
 if TYPE_CHECKING:
     from cylcontact.fitting.result import FitResult
@@ -74,16 +75,16 @@ _Rows = list[tuple[str, ...]]
 # --- one result -------------------------------------------------------------------------------
 
 
-def as_text(result: FitResult) -> Report:
+def as_text(result: FitResult) -> str:
     """Return the report on one result."""
     warned = [_item(sentence, "! ") for sentence in warnings(result)]
-    return joined(
+    return "\n".join(
         [
             fill(_headline(result), _WIDTH),
             *([_status(result)] if result.uncertainty is not None else []),
             *warned,
             "",
-            text_table(_columns(result), _rows(result)),
+            str(Table(_columns(result), _rows(result))),
             *map(_item, _unwarned(result)),
         ]
     )
@@ -116,18 +117,13 @@ def _status(result: FitResult) -> str:
 
 def as_html(result: FitResult) -> str:
     """Return the report on one result as an HTML fragment, with all text escaped."""
-    head = "".join(f"<th>{html(column)}</th>" for column in _columns(result))
-    body = "".join(
-        "<tr>" + "".join(f"<td>{html(cell)}</td>" for cell in row) + "</tr>"
-        for row in _rows(result)
-    )
-    items = "".join(f"<li>{html(sentence)}</li>" for sentence in _unwarned(result))
-    status = f"<p>{html(_status(result))}</p>" if result.uncertainty is not None else ""
+    items = "".join(f"<li>{escape(sentence)}</li>" for sentence in _unwarned(result))
+    status = f"<p>{escape(_status(result))}</p>" if result.uncertainty is not None else ""
     style = "border-left: 4px solid #D55E00; padding-left: 0.5em"
-    warned = "".join(f'<p style="{style}">{html(sentence)}</p>' for sentence in warnings(result))
+    warned = "".join(f'<p style="{style}">{escape(sentence)}</p>' for sentence in warnings(result))
     return (
-        f"<p>{html(_headline(result))}</p>{status}{warned}"
-        f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table><ul>{items}</ul>"
+        f"<p>{escape(_headline(result))}</p>{status}{warned}"
+        f"{Table(_columns(result), _rows(result))._repr_html_()}<ul>{items}</ul>"
     )
 
 
@@ -242,7 +238,7 @@ def _measured_rows(result: FitResult, uncertainty: Uncertainty) -> _Rows:
 # --- several results --------------------------------------------------------------------------
 
 
-def compare(results: Sequence[FitResult]) -> Report:
+def compare(results: Sequence[FitResult]) -> str:
     """Return results side by side: a table for those of one kind, then the verdicts.
 
     Parameters
@@ -252,7 +248,7 @@ def compare(results: Sequence[FitResult]) -> Report:
 
     Returns
     -------
-    Report
+    str
         Results of one kind are of the same law, contact and search (`by_search`). A table has a
         column for the published coefficients and one for each result, and the samples of each
         beneath. That of a single result gives its difference from the published coefficients.
@@ -260,7 +256,7 @@ def compare(results: Sequence[FitResult]) -> Report:
     parts: list[str] = [_side_by_side_text(group) for group in by_search(results)]
     for result in results:
         parts.append("\n".join([f"{brief(result.name)}:", *map(_item, verdicts(result))]))
-    return joined(parts, "\n\n")
+    return "\n\n".join(parts)
 
 
 def by_search(results: Iterable[FitResult]) -> list[list[FitResult]]:
@@ -369,7 +365,7 @@ def _numbers(result: FitResult) -> tuple[float | None, ...]:
     )
 
 
-def _side_by_side_text(results: list[FitResult]) -> Report:
+def _side_by_side_text(results: list[FitResult]) -> str:
     """Return results of one law and contact side by side as text."""
     first = results[0]
     of_coefficients = labels(first)
@@ -387,7 +383,7 @@ def _side_by_side_text(results: list[FitResult]) -> Report:
     if len(results) > 1:
         objectives = ("objective", "", *map(_objective, results))
         rows.insert(len(first.coefficients), objectives)
-    return joined([text_table(columns, rows), *map(_samples_text, results)])
+    return "\n".join([str(Table(columns, rows)), *map(_samples_text, results)])
 
 
 def _samples_text(result: FitResult) -> str:
@@ -419,7 +415,7 @@ def _axis_text(symbol: str, unit: str, axis: Mapping[str, Any]) -> str:
 # --- studies of uncertainty -------------------------------------------------------------------
 
 
-def noise_text(study: NoiseStudy) -> Report:
+def noise_text(study: NoiseStudy) -> str:
     """Return the report on the uncertainty of a fit to measurements."""
     uncertainty, bootstrap = study.uncertainty, study.bootstrap
     level = f"{100 * uncertainty.level:g} %"
@@ -441,15 +437,15 @@ def noise_text(study: NoiseStudy) -> Report:
     title = f"{brief(study.name)}: uncertainty from the noise of the measurements"
     parts = [
         "\n".join([title, *(_item(sentence, "! ") for sentence in warned)]),
-        text_table(("", "fitted", "std. error", *intervals), rows),
+        str(Table(("", "fitted", "std. error", *intervals), rows)),
         "\n".join(map(_item, sentences)),
         *_left_out(study.left_out, list(uncertainty.estimates)),
         *_on_bands(study.bands, level),
     ]
-    return joined(parts, "\n\n")
+    return "\n\n".join(parts)
 
 
-def discrepancy_text(study: DiscrepancyStudy, result: FitResult) -> Report:
+def discrepancy_text(study: DiscrepancyStudy, result: FitResult) -> str:
     """Return the report on the discrepancy of a fit to a reference law."""
     rows: _Rows = [
         (name, f"{result.coefficients[name]:.5g}", profile.interval)
@@ -465,11 +461,11 @@ def discrepancy_text(study: DiscrepancyStudy, result: FitResult) -> Report:
     parts = [
         f"{brief(study.name)}: how far each coefficient may move before the best objective rises "
         "by 1 %",
-        text_table(("", "fitted", "within 1 %"), rows),
+        str(Table(("", "fitted", "within 1 %"), rows)),
         "\n".join(map(_item, sentences)),
         *_left_out(study.left_out, list(study.profiles)),
     ]
-    return joined(parts, "\n\n")
+    return "\n\n".join(parts)
 
 
 def _interval(low: float | None, high: float | None) -> str:
@@ -515,8 +511,8 @@ def _left_out(fits: Sequence[LeftOut], names: Sequence[str]) -> list[str]:
         )
         for fit in fits
     ]
-    table = text_table(("without", "samples", *names, "RMS on that group"), rows)
-    return [joined(["Fits without one group, and how well they predict it:", table])]
+    table = Table(("without", "samples", *names, "RMS on that group"), rows)
+    return [f"Fits without one group, and how well they predict it:\n{table}"]
 
 
 def _on_bands(bands: Sequence[Band], level: str) -> list[str]:
@@ -528,8 +524,8 @@ def _on_bands(bands: Sequence[Band], level: str) -> list[str]:
         for band in bands
     ]
     end = ("at", "curve ±%", "new ±%")
-    table = text_table(("pair", "predicted", *end, *end), rows)
-    return [joined([f"Bands at the ends of the range ({level}):", table])]
+    table = Table(("pair", "predicted", *end, *end), rows)
+    return [f"Bands at the ends of the range ({level}):\n{table}"]
 
 
 def _half_widths(band: Band, k: int) -> tuple[str, str, str]:

@@ -31,11 +31,11 @@ from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.fitting.uncertainty.estimates import Uncertainty
 from cylcontact.fitting.uncertainty.profiles import Profile
 from cylcontact.fitting.uncertainty.study import problem_of_result
-from cylcontact.formats import marked, upgraded
+from cylcontact.formats import marked, unmarked
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.reading import RESULT_BYTES, read_text
-from cylcontact.spec import Spec, parse_spec, parser_reason, require_other_kind
+from cylcontact.reading import read_text
+from cylcontact.spec import Spec, parse_spec, require_other_kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -86,16 +86,16 @@ class FitResult(Spec):
             If the file cannot be read, is not a result, is of a newer format, or is inconsistent.
         """
         source = str(path)
-        text = read_text(path, RESULT_BYTES, "name a result, a JSON file")
+        text = read_text(path, "name a result, a JSON file")
         try:
             data = json.loads(text)
         except (ValueError, RecursionError) as error:
             require_other_kind(path, text, "a fit result")
-            rule = f"is not JSON ({parser_reason(error)})"
+            rule = f"is not JSON ({error})"
             raise InputError(source, "", None, rule, "name a result, or redo the fit") from error
         if not isinstance(data, dict):
             raise InputError(source, "", None, "is not a result", "name one that a fit has written")
-        result = parse_spec(cls, upgraded("fit result", data, source), source)
+        result = parse_spec(cls, unmarked(data, source), source)
         _require_consistent(result, source)
         return result
 
@@ -106,7 +106,7 @@ class FitResult(Spec):
 
     def write(self, path: Path) -> None:
         """Write the result as JSON to a file that is not yet in its place."""
-        contents = marked("fit result", self._plain())
+        contents = marked(self._plain())
         text = json.dumps(contents, indent=1, ensure_ascii=False, allow_nan=False)
         try:
             path.write_text(text + "\n", encoding="utf-8")

@@ -10,6 +10,7 @@ import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +23,6 @@ from cylcontact.fitting.measured_objective import laws_of, measured
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.residual_model import ResidualModel, residual_model_at
 from cylcontact.html_repr import table_html
-from cylcontact.plain_text import html
 from cylcontact.plots.figure import SCREEN_DPI, StyledFigure, new_figure
 from cylcontact.plots.measured import draw_readings
 from cylcontact.plots.style import ACCENT, QUIET, figure_style
@@ -138,7 +138,7 @@ class FitView:
         times = self.relative(coefficients)
         rows[self.result.objective.name] = times * self.result.objective.value
         rows["times the best"] = times
-        return table_html("With the sliders here", rows) + f"<p>{html(self._sentence(times))}</p>"
+        return table_html("With the sliders here", rows) + f"<p>{escape(self._sentence(times))}</p>"
 
     def readings(self, coefficients: Mapping[str, float]) -> list[FloatArray]:
         """Return the readings that each pair's curve is drawn with, in mm; NaN if undefined."""

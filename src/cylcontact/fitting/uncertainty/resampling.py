@@ -19,7 +19,6 @@ from cylcontact.fitting.measured_objective import measured
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.uncertainty.profiles import Descent, Interval, refit_to_data
 from cylcontact.fitting.uncertainty.residual_model import with_rows
-from cylcontact.memory import require_memory
 from cylcontact.parallel import Workers, call, collect, run_calls
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
@@ -37,8 +36,6 @@ __all__ = [
 
 # Replicates per call of a worker.
 _BATCH = 25
-# Of each replicate, its seed and its point.
-_REFIT_BYTES = 700
 # With fewer groups than this intervals are too narrow.
 FEW_GROUPS = 8
 # Fewer refits than this give standard errors, but no percentile intervals.
@@ -125,9 +122,6 @@ def bootstrap(
             "would tear apart the series of the noise model",
             "resample whole series with --over group",
         )
-    require_memory(
-        "bootstrap", "replicates", replicates, _REFIT_BYTES * replicates, "1000 are enough"
-    )
     seeds = np.random.SeedSequence(seed).spawn(replicates)
     batches = [seeds[k : k + _BATCH] for k in range(0, replicates, _BATCH)]
     calls = [call(_replicates, problem, best, over, batch) for batch in batches]
