@@ -20,7 +20,6 @@ LAYERS = (
         "formats",
         "html_repr",
         "journal",
-        "memory",
         "numba_cache",
         "parallel",
         "progress",

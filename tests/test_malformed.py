@@ -5,9 +5,9 @@ import subprocess
 import sys
 
 import pytest
+from tests.counts import counted
 
 from tests import malformed
-from tests.counts import counted
 from tests.spec_files import tree
 
 

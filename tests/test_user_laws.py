@@ -1,9 +1,9 @@
 """Functions of the user's own that misbehave: each is told in one line, and nothing is written."""
 
 import pytest
+from tests.counts import counted
 
 from cylcontact import InputError
-from tests.counts import counted
 from tests.measured_files import write_measured
 from tests.spec_files import tree
 

@@ -189,7 +189,8 @@ def _on_this_machine(
     with joblib.parallel_config(**where):
         results = joblib.Parallel(workers, return_as=in_order)(calls)
     try:
-        yield from results
+        for result in results:  # noqa: UP028 - `yield from` would close it before `finally` does
+            yield result
     except BrokenProcessPool as error:
         rule = "the system ended a worker process, probably because memory ran out"
         remedy = f"use fewer, or a smaller grid; {_RESUME}"

@@ -22,9 +22,10 @@ def require_file(path: Path | str, remedy: str = "check the path") -> int:
         size = file.stat().st_size
     except (OSError, ValueError) as error:  # ValueError of a path that holds a zero byte
         raise _unreadable(path, error, remedy) from error
+    if file.is_dir():
+        raise _unreadable(path, OSError("Is a directory"), remedy)
     if not file.is_file():
-        rule = "is a folder" if file.is_dir() else "is a device, a pipe or a socket"
-        raise InputError(str(path), "", None, rule, "name a file")
+        raise InputError(str(path), "", None, "is a device, a pipe or a socket", "name a file")
     return size
 
 
