@@ -114,7 +114,7 @@ def test_an_output_that_is_an_input_is_refused(tmp_path, monkeypatch, run):
 def test_another_suffix_and_a_missing_library_are_told(monkeypatch):
     with pytest.raises(InputError) as caught:
         require_suffix("out.txt", ".csv", ".parquet")
-    assert_told(caught, "out.txt", "", None, "does not end in .csv or .parquet", "name the output")
+    assert_told(caught, "out.txt", "", None, "is neither .csv nor .parquet", "name the output")
     monkeypatch.setitem(__import__("sys").modules, "pyarrow.parquet", None)
     with pytest.raises(InputError) as caught:
         require_suffix("out.parquet", ".csv", ".parquet")

@@ -112,8 +112,8 @@ def require_suffix(path: Path | str, *suffixes: str) -> str:
     """
     suffix = Path(path).suffix
     if suffix not in suffixes:
-        rule = f"does not end in {' or '.join(suffixes)}"
-        raise InputError(str(path), "", None, rule, "name the output so that it does")
+        none = f"not a {suffixes[0]}" if len(suffixes) == 1 else f"neither {' nor '.join(suffixes)}"
+        raise InputError(str(path), "", None, f"is {none}", "name the output so that it is one")
     if suffix == ".parquet":
         require_parquet(path)
     return suffix

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from cylcontact.errors import InputError
@@ -67,7 +68,9 @@ def beside_or_above(folder: Path, name: str) -> Path | None:
 
 def first_file(paths: Iterable[Path]) -> Path | None:
     """Return the first of several paths that is a file; None if none is."""
-    return next((path for path in paths if path.is_file()), None)
+    with suppress(OSError):  # a name may be too long
+        return next((path for path in paths if path.is_file()), None)
+    return None
 
 
 def plain_number(text: str) -> float:

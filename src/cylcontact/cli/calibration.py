@@ -40,6 +40,7 @@ def sample(
     """Sample a reference law over a grid, in bounded memory."""
     from cylcontact.datasets import read_grid, write_samples
 
+    require_writable(out)
     grid = read_grid(spec)
     with progress_bars() as progress:
         counts = write_samples(grid, out, lambda n: progress("sampling", n, grid.dR.size))

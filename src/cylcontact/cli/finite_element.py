@@ -54,8 +54,8 @@ def finite_element(
         if failures:
             for failure in failures:
                 say(f"cylcontact: {failure}", err=True)
-                raise _incomplete(spec, sum(len(f.loads) for f in failures), len(rows), journal)
-            write_table(target, study, solver, rows)
+            raise _incomplete(spec, sum(len(f.loads) for f in failures), len(rows), journal)
+        write_table(target, study, solver, rows)
     say(f"{target}: {len(rows)} cases by {solver}")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import fields, is_dataclass
 from functools import wraps
 from itertools import chain
@@ -173,9 +173,10 @@ def keep_inputs(command: Callable[..., None]) -> Callable[..., None]:
         named = chain.from_iterable(value if type(value) is list else [value] for value in values)
         files = [each for each in named if isinstance(each, Path) and each.is_file()]
         for out in outputs:
-            if out.exists() and any(file.samefile(out) for file in files):
-                rule = "cannot be written (it is an input)"
-                raise InputError(str(out), "", None, rule, "choose another file")
+            with suppress(OSError):  # there is none yet, or there can be none
+                if any(out.samefile(file) for file in files):
+                    rule = "cannot be written (it is an input)"
+                    raise InputError(str(out), "", None, rule, "choose another file")
         command(**given)
 
     return checked
