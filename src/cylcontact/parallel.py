@@ -243,7 +243,7 @@ def _on_cluster(calls: Sequence[Call], cluster: Cluster, ordered: bool) -> Gener
             raise cluster.error(rule, remedy) from error
         _require_versions(client, cluster)
         futures = [client.submit(_answer, *deferred, pure=False) for deferred in calls]
-        for future in futures if ordered else dask.as_completed(futures):
+        for future in futures if ordered else dask.as_completed(futures, loop=client.loop):
             try:
                 result, failure = future.result()
             except KilledWorker as error:
@@ -262,7 +262,8 @@ def _require_versions(client: Any, cluster: Cluster) -> None:
     """Raise `InputError` if the scheduler or a worker has other versions than this process."""
     versions = client.get_versions(packages=list(_SAME_VERSIONS))
     own = versions["client"]["packages"]
-    for who, theirs in {"scheduler": versions["scheduler"], **versions["workers"]}.items():
+    others = {f"worker {address}": theirs for address, theirs in versions["workers"].items()}
+    for who, theirs in {"scheduler": versions["scheduler"], **others}.items():
         for name in ("python", *_SAME_VERSIONS):
             if (actual := theirs["packages"].get(name)) != own[name]:
                 rule = f"its {who} has {name} {actual}, here it is {own[name]}"
