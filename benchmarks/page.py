@@ -12,7 +12,7 @@ from typing import Any
 
 from benchmarks.harness import Row
 from cylcontact.files import replacing
-from cylcontact.formats import marked, unmarked
+from cylcontact.reading import marked, unmarked
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "datasets" / "benchmarks.json"

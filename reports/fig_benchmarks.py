@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from cylcontact.errors import InputError
-from cylcontact.formats import unmarked
 from cylcontact.plots.figure import Drawing, figure_of_lines, plain_log, round_ticks
 from cylcontact.plots.style import ACCENT, QUIET, current_style, small_text
+from cylcontact.reading import unmarked
 from cylcontact.reports.bench import Bench
 
 CAPTION = (

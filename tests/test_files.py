@@ -9,8 +9,7 @@ import pytest
 from cylcontact import InputError
 from cylcontact.files import replacing, replacing_all, require_suffix, require_writable
 from cylcontact.fitting import FitResult
-from cylcontact.formats import unmarked
-from cylcontact.reading import plain_number, read_bytes
+from cylcontact.reading import plain_number, read_bytes, unmarked
 from cylcontact.spec import read_toml
 from tests.spec_files import assert_told, tree, write_bench
 

@@ -17,7 +17,6 @@ LAYERS = (
         "arrays",
         "choices",
         "files",
-        "formats",
         "html_repr",
         "journal",
         "numba_cache",

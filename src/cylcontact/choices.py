@@ -30,13 +30,7 @@ FILM_SUFFIXES = (".gif", ".mp4")
 
 
 def is_table(path: Path) -> bool:
-    """Return whether a path is that of a table: whatever is no spec and no result.
-
-    Examples
-    --------
-    >>> is_table(Path("run 3.TXT")), is_table(Path("fitting/internal.toml"))
-    (True, False)
-    """
+    """Return whether a path is that of a table: whatever is no spec and no result."""
     return path.suffix.lower() not in (".toml", ".json")
 
 
@@ -53,13 +47,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def first_of(names: Iterable[str], most: int) -> str:
-    """Return names for a message, the first ones if they are many.
-
-    Examples
-    --------
-    >>> first_of("abc", 3), first_of("abcde", 3)
-    ('a, b, c', 'a, b, c and 2 more')
-    """
+    """Return names for a message, the first ones if they are many."""
     every = list(names)
     more = f" and {len(every) - most} more" if len(every) > most else ""
     return ", ".join(every[:most]) + more

@@ -19,17 +19,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def replacing(path: Path | str) -> Iterator[Path]:
-    """Yield a temporary path beside `path`, and rename it to `path` when the block succeeds.
-
-    Examples
-    --------
-    >>> from tempfile import mkdtemp
-    >>> folder = Path(mkdtemp())
-    >>> with replacing(folder / "new" / "numbers.txt") as temporary:
-    ...     _ = temporary.write_text("1 2 3")
-    >>> (folder / "new" / "numbers.txt").read_text()
-    '1 2 3'
-    """
+    """Yield a temporary path beside `path`, and rename it to `path` when the block succeeds."""
     with replacing_all([path]) as (temporary,):
         yield temporary
 
@@ -103,13 +93,7 @@ def _obstacle(path: Path) -> str:
 
 
 def require_suffix(path: Path | str, *suffixes: str) -> str:
-    """Return the suffix of an output path, which must be one of some.
-
-    Examples
-    --------
-    >>> require_suffix("build/table.csv", ".csv", ".parquet")
-    '.csv'
-    """
+    """Return the suffix of an output path, which must be one of some."""
     suffix = Path(path).suffix
     if suffix not in suffixes:
         none = f"not a {suffixes[0]}" if len(suffixes) == 1 else f"neither {' nor '.join(suffixes)}"

@@ -10,8 +10,7 @@ from typing import Any, TypeVar
 
 from cylcontact.errors import InputError
 from cylcontact.files import require_writable, unwritable
-from cylcontact.formats import marked
-from cylcontact.reading import read_bytes
+from cylcontact.reading import marked, read_bytes
 
 Part = TypeVar("Part")
 _ANEW = "run without --resume to start anew"
@@ -21,18 +20,6 @@ class Journal:
     """A file of finished parts of long work: a header, then one line of JSON for each.
 
     The header holds a key, a hash of everything that the parts depend on.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> path = Path(tempfile.mkdtemp()) / "result.json.partial"
-    >>> Journal(path, "campaign", "3f2a").add({"index": 0})
-    >>> Journal(path, "campaign", "3f2a").load(dict)
-    [{'index': 0}]
-    >>> Journal(path, "campaign", "9c41").load(dict)
-    Traceback (most recent call last):
-    ...
-    cylcontact.errors.InputError: ...: belongs to other work: its campaign or settings differ; ...
     """
 
     def __init__(self, path: Path, kind: str, key: str) -> None:

@@ -76,16 +76,7 @@ Workers = int | Cluster
 
 
 def call(function: Callable[..., Any], *arguments: Any, **named: Any) -> Call:
-    """Return a deferred call of a module-level function, which other processes can import.
-
-    The same as from `joblib.delayed`, but typed and without importing joblib.
-
-    Examples
-    --------
-    >>> function, arguments, named = call(round, 2.1234, ndigits=2)
-    >>> function(*arguments, **named)
-    2.12
-    """
+    """Return a deferred call of a module-level function, as `joblib.delayed`, with types."""
     return function, arguments, named
 
 
@@ -96,11 +87,6 @@ def run_calls(
 
     `threads` is for calls that spend their time in numpy or numba. Close the generator where the
     loop may be left early (`contextlib.closing`), which cancels pending calls.
-
-    Examples
-    --------
-    >>> list(run_calls([call(abs, value) for value in (-1, -2, -3)]))
-    [1, 2, 3]
     """
     if isinstance(workers, Cluster):
         return _on_cluster(calls, workers, ordered)
@@ -134,15 +120,6 @@ def run_recorded(
     `call_for` for a call for one case. `entry` returns what the journal holds of a case and its
     result, None if it is to be tried again; `parse` is its inverse. Without `resume` the journal
     starts anew. `progress` takes the number of cases done and their total.
-
-    Examples
-    --------
-    >>> calls = {("a", "b"): call(dict, a=1, b=2), ("c",): call_for("c", call(abs, -3))}
-    >>> run_recorded(calls, None, tuple, lambda *_: None, False, 1, print)
-    0 3
-    2 3
-    3 3
-    {'a': 1, 'b': 2, 'c': 3}
     """
     cases = list(chain.from_iterable(calls))
     recorded = dict(journal.load(parse)) if journal and resume else {}
@@ -166,9 +143,7 @@ def call_for(case: Hashable, deferred: Call) -> Call:
     return call(_by_case, case, *deferred)
 
 
-def _by_case(
-    case: Case, function: Callable[..., Result], arguments: Any, named: Any
-) -> dict[Case, Result]:
+def _by_case(case: Any, function: Callable[..., Any], arguments: Any, named: Any) -> dict[Any, Any]:
     return {case: function(*arguments, **named)}
 
 

@@ -1,4 +1,4 @@
-"""Input files, and numbers in text."""
+"""Input files, the version that those of the program say under `format`, numbers in text."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ import re
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from cylcontact.errors import InputError
 
 # A spec is written by hand; the longest that ships has 4 kB.
 SPEC_BYTES = 64_000
+FORMAT = 1
 # `float` also takes 1_700, other scripts' digits, nan and infinity.
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
@@ -71,6 +73,21 @@ def first_file(paths: Iterable[Path]) -> Path | None:
     with suppress(OSError):  # a name may be too long
         return next((path for path in paths if path.is_file()), None)
     return None
+
+
+def marked(contents: dict[str, Any]) -> dict[str, Any]:
+    """Return the contents of a file with the version, which comes first."""
+    return {"format": FORMAT, **contents}
+
+
+def unmarked(contents: dict[str, Any], source: str) -> dict[str, Any]:
+    """Return the contents of a file without the version; refuse another version."""
+    version = contents.get("format", FORMAT)
+    if version != FORMAT:
+        rule = f"is not the version {FORMAT} that this cylcontact reads"
+        remedy = "read it with the cylcontact that wrote it, or make it anew"
+        raise InputError(source, "format", version, rule, remedy)
+    return {key: value for key, value in contents.items() if key != "format"}
 
 
 def plain_number(text: str) -> float:

@@ -12,17 +12,7 @@ _WIDTH, _COLUMN_WIDTH = 100, 24
 
 
 class Table:
-    """Cells under headings.
-
-    `str` aligns them, numbers to the right; a notebook shows them as HTML.
-
-    Examples
-    --------
-    >>> print(Table(["", "mm"], [("dR", "0.5"), ("R", "10")]))
-         mm
-    dR  0.5
-    R    10
-    """
+    """Cells under headings, as aligned text for a terminal and as HTML for a notebook."""
 
     def __init__(
         self, columns: Sequence[str], rows: Sequence[Sequence[str]], title: str = ""

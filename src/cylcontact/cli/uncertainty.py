@@ -13,7 +13,7 @@ from cylcontact.cli.options import NUMBER, integer_from
 from cylcontact.cli.terminal import progress_bars, say
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix, require_writable
-from cylcontact.formats import marked
+from cylcontact.reading import marked
 
 if TYPE_CHECKING:
     from cylcontact.cli.measured import LawOption

@@ -15,11 +15,11 @@ import numpy as np
 from cylcontact.errors import InputError
 from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw, renamed
 from cylcontact.export.render import lambert_steps
-from cylcontact.formats import marked
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.formula import FUNCTIONS, Step, names_in
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
+from cylcontact.reading import marked
 
 _CALLED = ", ".join(name for name in FUNCTIONS if name not in ("where", "branch_distance"))
 _SYNTAX = (

@@ -31,10 +31,9 @@ from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.fitting.uncertainty.estimates import Uncertainty
 from cylcontact.fitting.uncertainty.profiles import Profile
 from cylcontact.fitting.uncertainty.study import problem_of_result
-from cylcontact.formats import marked, unmarked
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.reading import read_text
+from cylcontact.reading import marked, read_text, unmarked
 from cylcontact.spec import Spec, parse_spec, require_other_kind
 
 if TYPE_CHECKING:

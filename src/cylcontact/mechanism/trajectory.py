@@ -13,7 +13,6 @@ import numpy as np
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_parquet
-from cylcontact.formats import marked, unmarked
 from cylcontact.html_repr import table_html
 from cylcontact.limits import yield_load
 from cylcontact.mechanism import contact, derived
@@ -24,7 +23,7 @@ from cylcontact.mechanism.statistics import SECTION, Statistics, described
 from cylcontact.mechanism.step_history import LEDGERS, Settings, State, StepHistory
 from cylcontact.mechanism.system import build
 from cylcontact.provenance import made_with
-from cylcontact.reading import require_file
+from cylcontact.reading import marked, require_file, unmarked
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,7 +10,7 @@ from typing import Any
 
 import pandas as pd
 
-from cylcontact.formats import marked
+from cylcontact.reading import marked
 from cylcontact.reports.claims import VERDICTS, Alternative, Claim, Verdict
 
 __all__ = [

@@ -22,12 +22,11 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import Form, LawForm, Samples, collect_samples, form_of
-from cylcontact.formats import unmarked
 from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.pair import Contact
-from cylcontact.reading import read_text
+from cylcontact.reading import read_text, unmarked
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, johnson_end
 from cylcontact.text_tables import Table

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING
 
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
-from cylcontact.formats import marked, unmarked
-from cylcontact.reading import read_text
+from cylcontact.reading import marked, read_text, unmarked
 
 if TYPE_CHECKING:
     import pandas as pd
