@@ -57,6 +57,7 @@ class DrawnFigures:
     def _load(self, file: Path) -> DrawnFigure:
         """Return a figure from the folder, where this worker or another one has put it."""
         claim = file.with_suffix(".claim")
+        claim.parent.mkdir(parents=True, exist_ok=True)
         while not file.exists():
             try:
                 claim.touch(exist_ok=False)

@@ -7,6 +7,7 @@ import secrets
 import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -90,6 +91,15 @@ def _obstacle(path: Path) -> str:
     if not os.access(folder, os.W_OK | os.X_OK):
         return f"no permission to write in {folder}"
     return ""
+
+
+def require_apart(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
+    """Raise `InputError` if an output is one of the inputs, by this or another name."""
+    for output, file in product(outputs, inputs):
+        with suppress(OSError):  # one of them is not there
+            if output.samefile(file):
+                rule = "cannot be written (it is an input)"
+                raise InputError(str(output), "", None, rule, "choose another file")
 
 
 def require_suffix(path: Path | str, *suffixes: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from functools import wraps
 from itertools import chain
@@ -16,6 +16,7 @@ import typer
 from cylcontact.choices import listed
 from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
+from cylcontact.files import require_apart
 from cylcontact.reading import plain_number
 
 RESULTS = Path("fitting/results")
@@ -171,12 +172,7 @@ def keep_inputs(command: Callable[..., None]) -> Callable[..., None]:
         outputs = [given[name] for name in ("out", "table") if isinstance(given.get(name), Path)]
         values = [value for name, value in given.items() if name not in ("out", "table")]
         named = chain.from_iterable(value if type(value) is list else [value] for value in values)
-        files = [each for each in named if isinstance(each, Path) and each.is_file()]
-        for out in outputs:
-            with suppress(OSError):  # there is none yet, or there can be none
-                if any(out.samefile(file) for file in files):
-                    rule = "cannot be written (it is an input)"
-                    raise InputError(str(out), "", None, rule, "choose another file")
+        require_apart(outputs, [each for each in named if isinstance(each, Path)])
         command(**given)
 
     return checked

@@ -29,6 +29,7 @@ from cylcontact.export import JOINT_TARGETS, TARGETS
 from cylcontact.files import (
     replacing,
     replacing_all,
+    require_apart,
     require_suffix,
     require_writable,
     shipped_bench,
@@ -170,6 +171,7 @@ def claims(
     if out is not None:
         require_suffix(out, ".csv", ".json")
         require_writable(out)
+        require_apart([out], bench.inputs)
     folder = bench.recipes_folder / "claims"
     remedy = "run it in a folder that has them; cylcontact init FOLDER lays one out"
     require(folder.is_dir(), str(folder), "", None, "there are no claims here", remedy)

@@ -23,7 +23,7 @@ from typing import Any
 
 from cylcontact.choices import Format
 from cylcontact.errors import InputError
-from cylcontact.files import replacing_all, require_writable
+from cylcontact.files import replacing_all, require_apart, require_writable
 from cylcontact.parallel import call, run_calls
 from cylcontact.plots.figure import Drawing
 from cylcontact.plots.pgf import plain_pgf
@@ -384,7 +384,10 @@ def _drawn(
     try:
         drawing = draw(name, watched, options.style, arguments)
         drawn = True
-        paths = write(drawing, _stem(name, arguments), folder, options)
+        stem = _stem(name, arguments)
+        endings = (*options.formats, "csv", "txt")
+        require_apart([folder / f"{stem}.{ending}" for ending in endings], watched.read)
+        paths = write(drawing, stem, folder, options)
     except InputError as error:
         if drawn:  # the next would fail too
             raise

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from cylcontact.errors import InputError
-from cylcontact.files import replacing_all, require_writable
+from cylcontact.files import replacing_all, require_apart, require_writable
 from cylcontact.plots.latex import latex
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import chosen_recipes, draw
@@ -57,6 +57,7 @@ def write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) ->
     files = ("coefficients", "claims", *captions(dict.fromkeys(chosen, "")))
     paths = [folder / f"{name}.{ending}" for name in files]
     require_writable(*paths)
+    require_apart(paths, bench.inputs)
     caption_of = {name: draw(name, bench).caption for name in chosen}
     texts = {
         "coefficients": table(_coefficients_table(bench)),

@@ -116,7 +116,7 @@ def read_table(path: Path | str) -> FiniteElementTable:
     lines = text.splitlines(keepends=True)
     head = [line for line in lines if line.startswith("# ")]
     header = {key: value for key, _, value in (line[2:].rstrip().partition(": ") for line in head)}
-    version: int | str = header.get("format", "0")
+    version: int | str = header.get("format", "1")
     with suppress(ValueError):
         version = int(version)
     header = unmarked({**header, "format": version}, str(path))
