@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, require
-from cylcontact.html_repr import law_html
+from cylcontact.html_repr import completed_law_html
 from cylcontact.laws.contact_law import ContactLaw, OverLength, require_hole
 from cylcontact.laws.definition import LawModel, Parameter
 from cylcontact.laws.formula import Formula
@@ -78,7 +78,7 @@ class Law(OverLength):
             object.__setattr__(self, "coefficients", self._coefficients_from(given))
 
     def _repr_html_(self) -> str:
-        return law_html(self, self.defaults)
+        return completed_law_html(self, self.defaults)
 
     def formula_for(self, contact: Contact) -> Formula:
         """Return the formula for a contact."""
