@@ -27,7 +27,7 @@ unexport PYTHONHOME PYTHONPATH
 
 .DELETE_ON_ERROR:
 .PHONY: all committed env extras fits finite-element mechanism bifurcation readings optimizers figures report paper claims verify \
-	bench scaling notebooks notebooks-run pair docs test test-all test-long fuzz lint format lock clean distclean help FORCE
+	bench scaling notebooks notebooks-run pair docs test test-all test-long lint format lock clean distclean help FORCE
 
 ##@ The main job
 
@@ -151,12 +151,6 @@ test-all: $(VENV)/.extras ## Run what make test leaves out or has skipped; none 
 
 test-long: $(VENV)/.extras ## Run killed commands, clusters, large grids and studies of many minutes
 	$(PYTEST) -m long
-
-# RECORD=1 writes tests/fuzz/long_run.json as well.
-fuzz: CASES := 10000
-fuzz: SEED := 1
-fuzz: $(VENV)/.extras ## Try inputs made by chance; make fuzz CASES=100000 SEED=7 for more, or others
-	$(BIN)/python -m tests.fuzz.run --cases $(CASES) --seed $(SEED) $(if $(RECORD),--record)
 
 lint: $(VENV)/.lint ## Check style, formatting and types
 	$(BIN)/ruff check .

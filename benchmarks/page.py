@@ -12,7 +12,7 @@ from typing import Any
 
 from benchmarks.harness import Row
 from cylcontact.files import replacing
-from cylcontact.formats import marked, upgraded
+from cylcontact.reading import marked, unmarked
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "datasets" / "benchmarks.json"
@@ -162,13 +162,13 @@ def save(path: Path, results: dict[str, Any]) -> None:
     """Write the results, complete or not at all."""
     data = results | {"rows": [asdict(row) for row in results["rows"]]}
     with replacing(path) as temporary:
-        text = json.dumps(marked("benchmarks", data), indent=1, ensure_ascii=False)
+        text = json.dumps(marked(data), indent=1, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")
 
 
 def load(path: Path) -> dict[str, Any]:
     """Return the results: the machine, why benchmarks were skipped, and the rows as `Row`."""
-    data = upgraded("benchmarks", json.loads(path.read_text(encoding="utf-8")), str(path))
+    data = unmarked(json.loads(path.read_text(encoding="utf-8")), str(path))
     return data | {"rows": [Row(**row) for row in data["rows"]]}
 
 

@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from cylcontact.errors import InputError
-from cylcontact.formats import upgraded
 from cylcontact.plots.figure import Drawing, figure_of_lines, plain_log, round_ticks
 from cylcontact.plots.style import ACCENT, QUIET, current_style, small_text
+from cylcontact.reading import unmarked
 from cylcontact.reports.bench import Bench
 
 CAPTION = (
@@ -74,7 +74,7 @@ def ratios_of(results: Path) -> pd.DataFrame:
     """Return the ratios of the other sides to ours, without the benchmarks that were skipped."""
     try:
         data = dict(json.loads(results.read_text(encoding="utf-8")))
-        data = upgraded("benchmarks", data, str(results))
+        data = unmarked(data, str(results))
         rows, skipped = pd.DataFrame(data["rows"], columns=COLUMNS), data["skipped"]
     except InputError:
         raise

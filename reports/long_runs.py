@@ -215,7 +215,7 @@ def long_runs(bench: Bench, progress: Progress = silent) -> pd.DataFrame:
     """
     data = mechanism(bench).data
     stamp = json.dumps([data, str(bench.root)])
-    journal = Journal(bench.input(LONG_RUNS), "long runs", "1", "move it away")
+    journal = Journal(bench.input(LONG_RUNS), "long runs", "1")
     if stamp not in _RUNS:
         runs = {key_of(run, data): run for run in PLAN}
         calls: dict[tuple[str, ...], Call] = {

@@ -8,8 +8,7 @@ from pathlib import Path
 import cloudpickle
 import pytest
 
-from cylcontact import InputError
-from cylcontact.files import owning, replacing
+from cylcontact.files import replacing
 from cylcontact.plots.figure import Drawing
 from cylcontact.plots.style import JOURNAL, FigureOptions
 from cylcontact.reports.bench import Bench
@@ -57,15 +56,19 @@ class DrawnFigures:
 
     def _load(self, file: Path) -> DrawnFigure:
         """Return a figure from the folder, where this worker or another one has put it."""
+        claim = file.with_suffix(".claim")
+        claim.parent.mkdir(parents=True, exist_ok=True)
         while not file.exists():
             try:
-                with owning(file):
-                    if not file.exists():
-                        self._draw(file)
-            except InputError as error:
-                if "is being written" not in error.rule:
-                    raise
+                claim.touch(exist_ok=False)
+            except FileExistsError:  # another worker draws it
                 time.sleep(0.05)
+                continue
+            try:
+                if not file.exists():
+                    self._draw(file)
+            finally:
+                claim.unlink()
         # A drawing may hold functions of the bench, which a test's own bench has replaced.
         BENCH.module("paper")
         return pickle.loads(file.read_bytes())

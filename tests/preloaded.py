@@ -1,7 +1,5 @@
 """What the processes of tests/killable.py have imported before they start."""
 
-import filelock  # noqa: F401
-
 import cylcontact.cli
 import cylcontact.cli.app
 import cylcontact.datasets.finite_element

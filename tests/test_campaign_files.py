@@ -168,7 +168,7 @@ EITHER = "give low and high, or value with fixed = true"
 SIZES = "a list of population sizes"
 HELD = {"value": 1.1, "fixed": True}
 
-# What no schema says; tests/malformed.py has the rest.
+# What no schema says; tests/test_malformed.py has the rest.
 # Changes to a good campaign; the key, value, rule and remedy of the error.
 BAD_INPUT = [
     # missing and unknown keys

@@ -1,20 +1,14 @@
 """The commands as a whole: their groups, options, examples, former names, and tables."""
 
-import os
 import re
 import shlex
-import subprocess
-import sys
 from collections import defaultdict
 from pathlib import Path
 
 import pytest
 import typer
-from rich.console import Console
 
-from cylcontact.cli import terminal
 from cylcontact.cli.app import app as program
-from cylcontact.text_tables import joined, pieces_of, text_table
 
 ROOT = Path(__file__).resolve().parents[1]
 GROUPS = {
@@ -240,61 +234,3 @@ def test_what_is_for_another_way_is_refused(run, tmp_path, monkeypatch, argument
     monkeypatch.chdir(tmp_path)
     assert run(*arguments) == (2, "", f"cylcontact: {line}\n")
     assert not list(tmp_path.iterdir())
-
-
-# --- tables ------------------------------------------------------------------------------------
-
-TABLE = text_table(["", "ΔR, mm", "law"], [("first", "0.5", "[johnson]")])
-
-
-def test_a_table_is_plain_where_nobody_reads_it(capsys):
-    terminal.show(joined(["title", TABLE, "end"]))
-    assert (
-        capsys.readouterr().out
-        == "title\n       ΔR, mm        law\nfirst     0.5  [johnson]\nend\n"
-    )
-
-
-def test_a_terminal_draws_the_table_and_leaves_the_text():
-    drawn = terminal._drawn(TABLE, Console(width=60, markup=False))
-    assert [line[0] for line in drawn.splitlines()] == ["╭", "│", "├", "│", "╰"]
-    for cell in ("ΔR, mm", "first", "0.5", "[johnson]"):
-        assert cell in drawn
-    assert terminal._drawn("text [1]", Console(width=60)) == "text [1]"
-
-
-def test_a_table_wider_than_the_terminal_stays_plain():
-    assert terminal._drawn(TABLE, Console(width=20)) is TABLE
-
-
-def test_reports_hold_the_tables_of_the_reports_in_them():
-    inner = joined(["a", TABLE])
-    assert list(pieces_of(joined([inner, "b"], "\n\n"))) == ["a", "\n", TABLE, "\n\n", "b"]
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no such terminals")
-def test_compare_on_a_terminal_and_elsewhere():
-    results = ROOT / "fitting/results"
-    command = [sys.executable, "-m", "cylcontact.cli", "compare", results / "internal.json"]
-    plain = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    assert "\na, mm^(1-n) " in plain
-    assert "│" not in plain
-    master, slave = os.openpty()
-    environment = os.environ | {"COLUMNS": "100", "NO_COLOR": "1"}
-    process = subprocess.Popen(command, stdout=slave, stderr=subprocess.DEVNULL, env=environment)
-    os.close(slave)
-    visible = b""
-    while True:
-        try:
-            part = os.read(master, 4096)
-        except OSError:  # the other end is closed
-            break
-        if not part:
-            break
-        visible += part
-    os.close(master)
-    assert process.wait(timeout=60) == 0
-    text = visible.decode().replace("\r\n", "\n")
-    assert "│ a, mm^(1-n) " in text
-    assert text.partition("╯\n")[2] == plain[plain.index("internal: samples") :]

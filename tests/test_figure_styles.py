@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 
 from cylcontact import InputError
 from cylcontact.cli.app import app
-from cylcontact.plain_text import latex
 from cylcontact.plots.figure import StyledFigure, new_figure
+from cylcontact.plots.latex import latex
 from cylcontact.plots.style import STYLES, FigureOptions, choose, figure_style
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, chosen_recipes, draw, write
@@ -182,7 +182,7 @@ class TestStyleFile:
         ("text", "message"),
         [
             ('font = "No Such Font"', "font = 'No Such Font': is not an installed font; install"),
-            ("font_size = 400.0", "font_size = 400.0: must be"),  # tests/malformed.py has more
+            ("font_size = 400.0", "font_size = 400.0: must be"),  # tests/test_malformed.py has more
         ],
     )
     def test_mistakes_are_told_with_the_file(self, tmp_path: Path, text: str, message: str) -> None:

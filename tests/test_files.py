@@ -1,230 +1,170 @@
-"""Files appear complete or not at all."""
+"""Files appear complete or not at all, and what cannot be read or written is told in a line."""
 
-import multiprocessing
 import os
 import stat
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import pytest
 
 from cylcontact import InputError
-from cylcontact.files import replacing, replacing_all, require_writable
-from tests.spec_files import assert_told, tree
+from cylcontact.files import replacing, replacing_all, require_suffix, require_writable
+from cylcontact.fitting import FitResult
+from cylcontact.reading import plain_number, read_bytes, unmarked
+from cylcontact.spec import read_toml
+from tests.spec_files import assert_told, tree, write_bench
 
-AS_ROOT = hasattr(os, "geteuid") and os.geteuid() == 0
-NOBODY = 65534
 REMEDY = "choose a file in a folder you may write to"
 
 
-def write(path, text="new"):
-    with replacing(path) as temporary:
-        temporary.write_text(text)
+def test_a_file_is_replaced_only_at_the_end_and_keeps_its_permissions(tmp_path):
+    path = tmp_path / "one/two/out.json"
+    for text in ("old", "new"):
+        before = tree(tmp_path)
+        with replacing(path) as temporary:
+            temporary.write_text(text)
+            assert {k: v for k, v in tree(tmp_path).items() if k in before} == before
+        path.chmod(0o640)
+    assert [file.name for file in path.parent.iterdir()] == ["out.json"]
+    assert (path.read_text(), stat.S_IMODE(path.stat().st_mode)) == ("new", 0o640)
 
 
-@pytest.mark.parametrize("name", ["out.json", "one/two/out.json"])
-def test_a_file_is_written_with_its_folders(tmp_path, name):
-    write(tmp_path / name)
-    assert (tmp_path / name).read_text() == "new"
-    assert [path.name for path in (tmp_path / name).parent.iterdir()] == ["out.json"]
-
-
-def test_an_old_file_is_replaced_only_at_the_end(tmp_path):
-    path = tmp_path / "out.json"
-    path.write_text("old")
-    with replacing(path) as temporary:
-        temporary.write_text("new")
-        assert path.read_text() == "old"
-    assert tree(tmp_path) == {"out.json": b"new"}
-
-
-def test_a_plain_string_will_do(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    write("out.json")
-    assert tree(tmp_path) == {"out.json": b"new"}
-
-
-def test_the_temporary_file_stands_beside_and_keeps_the_suffix(tmp_path):
-    with replacing(tmp_path / "out.parquet") as temporary:
-        assert (temporary.parent, temporary.suffix) == (tmp_path, ".parquet")
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no umask")
-@pytest.mark.parametrize("mask", [0o022, 0o077])
-def test_permissions_are_those_of_any_new_file(tmp_path, mask):
-    before = os.umask(mask)
-    try:
-        write(tmp_path / "out.json")
-    finally:
-        os.umask(before)
-    assert stat.S_IMODE((tmp_path / "out.json").stat().st_mode) == 0o666 & ~mask
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no such modes")
-@pytest.mark.parametrize("mode", [0o600, 0o640, 0o444, 0o666])
-def test_a_replaced_file_keeps_its_permissions(tmp_path, mode):
-    path = tmp_path / "out.json"
-    path.write_text("old")
-    path.chmod(mode)
-    with replacing(path) as temporary:
-        assert stat.S_IMODE(temporary.stat().st_mode) & ~0o200 & ~mode == 0  # nor before
-        temporary.write_text("new")
-    assert (path.read_text(), stat.S_IMODE(path.stat().st_mode)) == ("new", mode)
-
-
-@pytest.mark.skipif(not AS_ROOT, reason="only root may give files away")
-def test_a_replaced_file_keeps_its_owner(tmp_path):
-    path = tmp_path / "out.json"
-    path.write_text("old")
-    os.chown(path, NOBODY, NOBODY)
-    write(path)
-    assert (path.stat().st_uid, path.stat().st_gid) == (NOBODY, NOBODY)
-
-
-def test_a_signal_as_the_temporary_file_is_made_leaves_none(tmp_path, monkeypatch):
-    create = os.open
-
-    def interrupted(path, flags, *mode):
-        os.close(create(path, flags, *mode))
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(os, "open", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        write(tmp_path / "new/out.json")
-    monkeypatch.undo()
-    assert tree(tmp_path) == {}
-
-
-def test_files_that_belong_together_are_replaced_together(tmp_path):
-    paths = [tmp_path / "out.csv", tmp_path / "new/out.png"]
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, OSError(28, "No room")])
+def test_a_failure_leaves_the_files_of_before(tmp_path, error):
+    paths = [tmp_path / "out.csv", tmp_path / "out.png"]
     paths[0].write_text("old")
 
     def fail():
         with replacing_all(paths) as temporaries:
             for temporary in temporaries:
-                temporary.write_text("new")
-            temporaries[1].unlink()  # which fails once the first is complete
-
-    with pytest.raises(InputError):
-        fail()
-    assert tree(tmp_path) == {"out.csv": b"old"}
-
-
-@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, SystemExit, MemoryError])
-@pytest.mark.parametrize("name", ["out.json", "one/two/out.json"])
-def test_a_failure_leaves_nothing_not_even_a_folder(tmp_path, error, name):
-    def fail():
-        with replacing(tmp_path / name) as temporary:
-            temporary.write_text("half")
+                temporary.write_text("half")
             raise error
 
-    with pytest.raises(error):
+    with pytest.raises(InputError if isinstance(error, OSError) else error) as caught:
         fail()
+    assert tree(tmp_path) == {"out.csv": b"old"}
+    if isinstance(error, OSError):
+        assert_told(caught, tmp_path, "", None, "cannot be written (No room)", "with room left")
+
+
+def test_files_that_belong_together_are_complete_before_the_first_is_renamed(tmp_path):
+    paths = [tmp_path / "out.csv", tmp_path / "out.png"]
+
+    def write_one():
+        with replacing_all(paths) as temporaries:
+            temporaries[0].write_text("complete")
+
+    with pytest.raises(InputError):
+        write_one()
     assert tree(tmp_path) == {}
 
 
-def test_a_failure_leaves_the_old_file(tmp_path):
-    path = tmp_path / "out.json"
-    path.write_text("old")
-
-    def fail():
-        with replacing(path) as temporary:
-            temporary.write_text("half")
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        fail()
-    assert tree(tmp_path) == {"out.json": b"old"}
+def make_link(folder):
+    (folder / "file").touch()
+    (folder / "out").symlink_to("file")
 
 
-def test_a_failure_leaves_folders_that_others_use_meanwhile(tmp_path):
-    def fail():
-        with replacing(tmp_path / "one/two/out.json"):
-            (tmp_path / "one/theirs").write_text("x")
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        fail()
-    assert tree(tmp_path) == {"one": None, "one/theirs": b"x"}
+def make_loop(folder):
+    (folder / "out").symlink_to("out")
 
 
-def test_running_out_of_room_is_told_in_one_line(tmp_path):
-    path = tmp_path / "out.json"
-
-    def fill():
-        with replacing(path):
-            raise OSError(28, "No space left on device")
-
-    with pytest.raises(InputError) as caught:
-        fill()
-    rule = "cannot be written (No space left on device)"
-    assert_told(caught, path, "", None, rule, f"{REMEDY}, with room left")
-    assert tree(tmp_path) == {}
+# What stands where the output is to go, and what is said.
+OBSTACLES = {
+    "a folder": (lambda folder: (folder / "out").mkdir(), "it is a folder"),
+    "a link": (make_link, "it is a link"),
+    "a link to itself": (make_loop, "it is a link"),
+    "a pipe": (lambda folder: os.mkfifo(folder / "out"), "it is a device, a pipe or a socket"),
+    "a file for a folder": (lambda folder: (folder / "new").touch(), "new is not a folder"),
+}
 
 
-# --- what cannot be written -------------------------------------------------------------------
+@pytest.mark.parametrize("obstacle", OBSTACLES)
+def test_an_output_that_can_be_no_file_is_refused_before_any_work(tmp_path, obstacle):
+    make, problem = OBSTACLES[obstacle]
+    make(tmp_path)
+    path = tmp_path / ("new/out" if "for a folder" in obstacle else "out")
+    before = sorted(tmp_path.rglob("*"))
+    for attempt in (require_writable, lambda path: replacing(path).__enter__()):
+        with pytest.raises(InputError) as caught:
+            attempt(path)
+        assert_told(caught, path, "", None, problem, REMEDY)
+    assert sorted(tmp_path.rglob("*")) == before
 
 
-def obstacles(root):
-    """Return paths that cannot be written, and why."""
-    (root / "folder").mkdir()
-    (root / "file").write_text("x")
-    return [
-        (root / "folder", "it is a folder"),
-        (Path("/"), "it is a folder"),
-        (Path(), "it is a folder"),
-        (root / "file/out.json", f"{root / 'file'} is not a folder"),
-        (root / "file/one/two/out.json", f"{root / 'file'} is not a folder"),
-        (root / f"{'x' * 300}.json", "File name too long"),
-        (root / "x\udcff.json", "its name is not text"),
-        (root / f"{'x' * 245}.json", "File name too long"),
-        (root / "none/../out.json", "it leads through a folder that does not exist"),
-    ]
+def test_a_device_a_long_name_and_a_closed_folder_are_refused(tmp_path, monkeypatch):
+    with pytest.raises(InputError, match="it is a device"):
+        require_writable("/dev/null")
+    with pytest.raises(InputError, match="File name too long"):
+        require_writable(tmp_path / ("x" * 300))
+    monkeypatch.setattr(os, "access", lambda *_: False)  # root may write everywhere
+    with pytest.raises(InputError, match="no permission to write in"):
+        require_writable(tmp_path / "out")
 
 
-@pytest.mark.parametrize("index", range(9))
-@pytest.mark.parametrize("attempt", [write, require_writable])
-def test_what_cannot_be_written_is_said_before_anything_is(tmp_path, attempt, index):
-    path, reason = obstacles(tmp_path)[index]
+def test_an_output_that_is_an_input_is_refused(tmp_path, monkeypatch, run):
+    write_bench(tmp_path)
+    monkeypatch.chdir(tmp_path)
     before = tree(tmp_path)
-    with pytest.raises(InputError) as caught:
-        attempt(path)
-    assert_told(caught, path, "", None, f"cannot be written ({reason})", REMEDY)
+    code, _, errors = run("fit", "fitting/small.toml", "-o", "./fitting/small.toml")
+    assert code == 2
+    assert "fitting/small.toml: cannot be written (it is an input); choose another" in errors
     assert tree(tmp_path) == before
 
 
-@pytest.mark.parametrize("attempt", [write, require_writable])
-@pytest.mark.parametrize("name", ["out.json", "one/two/out.json"])
-def test_permission_is_asked_for_before_anything_is_written(tmp_path, attempt, name, monkeypatch):
-    """Also as root, whom no folder's mode stops."""
-    monkeypatch.setattr(os, "access", lambda path, _: Path(path) != tmp_path)
+def test_another_suffix_and_a_missing_library_are_told(monkeypatch):
     with pytest.raises(InputError) as caught:
-        attempt(tmp_path / name)
-    rule = f"cannot be written (no permission to write in {tmp_path})"
-    assert_told(caught, tmp_path / name, "", None, rule, REMEDY)
-    assert tree(tmp_path) == {}
+        require_suffix("out.txt", ".csv", ".parquet")
+    assert_told(caught, "out.txt", "", None, "is neither .csv nor .parquet", "name the output")
+    monkeypatch.setitem(__import__("sys").modules, "pyarrow.parquet", None)
+    with pytest.raises(InputError) as caught:
+        require_suffix("out.parquet", ".csv", ".parquet")
+    assert_told(caught, "out.parquet", "", None, "needs the extra 'parquet'", "make extras")
 
 
-@pytest.mark.skipif(os.name == "nt", reason="Windows has no such modes and users")
-@pytest.mark.parametrize("attempt", [write, require_writable])
-def test_a_folder_closed_to_writing_is_told(attempt):
-    """Root may write into any folder, so for root a user without rights asks."""
-    with TemporaryDirectory() as folder:
-        Path(folder).chmod(0o555)
-        asked = multiprocessing.get_context("fork").Process(target=_refused, args=(folder, attempt))
-        asked.start()
-        asked.join()
-        assert asked.exitcode == 0
+# --- reading --------------------------------------------------------------------------------------
 
 
-def _refused(folder, attempt):
-    if AS_ROOT:
-        os.setuid(NOBODY)
-    with pytest.raises(InputError, match=rf"no permission to write in {folder}"):
-        attempt(f"{folder}/out.json")
+@pytest.mark.parametrize(
+    ("make", "rule"),
+    [
+        (lambda _: None, "cannot be read (No such file or directory)"),
+        (Path.mkdir, "cannot be read (Is a directory)"),
+        (os.mkfifo, "is a device, a pipe or a socket"),  # which would be waited for
+    ],
+)
+def test_what_is_no_file_is_refused(tmp_path, make, rule):
+    path = tmp_path / "in.toml"
+    make(path)
+    for read in (read_bytes, read_toml, FitResult.read):
+        with pytest.raises(InputError) as caught:
+            read(path)
+        assert caught.value.source == str(path)
+        assert caught.value.rule == rule
 
 
-@pytest.mark.parametrize("name", ["out.json", "one/two/out.json"])
-def test_asking_whether_a_file_can_be_written_leaves_no_trace(tmp_path, name):
-    require_writable(tmp_path / name)
-    assert tree(tmp_path) == {}
+def test_a_spec_beyond_64_kB_is_refused(tmp_path):
+    path = tmp_path / "in.toml"
+    path.write_text("#" * 64_000)
+    assert read_toml(path) == {}
+    path.write_text("#" * 70_000)
+    with pytest.raises(InputError) as caught:
+        read_toml(path)
+    assert_told(caught, path, "", None, "has 70 kB (at most 64)", "give a TOML file")
+
+
+def test_a_file_of_another_version_is_told(tmp_path, small_result):
+    path = tmp_path / "result.json"
+    small_result.save(path)
+    assert FitResult.read(path) == small_result
+    path.write_text(path.read_text().replace('"format": 1', '"format": 2'))
+    with pytest.raises(InputError) as caught:
+        FitResult.read(path)
+    assert_told(caught, path, "format", 2, "is not the version 1", "read it with the cylcontact")
+    assert unmarked({"key": 3}, "source") == {"key": 3}
+
+
+@pytest.mark.parametrize(
+    "text", ["1_700", "１７００", "0x10", "nan", "inf", "1e999", "", "1,5", "1 7"]
+)
+def test_a_number_is_what_a_spreadsheet_writes(text):
+    with pytest.raises(ValueError, match="is not a number"):
+        plain_number(text)

@@ -270,9 +270,9 @@ def test_a_notebook_shows_warnings_above_the_table_and_units(warned):
     assert "<td>mm</td>" in html
     assert "a&lt;b" in html
     assert "a<b" not in html
-    row = html[html.index("<td>offset</td>") :]
+    row = html[html.index(">offset</th>") :]
     value = f"{warned.coefficients['offset']:.5g}"
-    assert row.startswith(f"<td>offset</td><td>{value}</td><td>mm</td>")
+    assert row.startswith(f">offset</th><td>{value}</td><td>mm</td>")
 
 
 # --- pictures ---------------------------------------------------------------------------------

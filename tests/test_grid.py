@@ -135,7 +135,7 @@ LIST = "a list of increasing numbers"
 EITHER = "an axis takes min, max, points and spacing, or values = [...]"
 NUMBER = "must be a number"
 
-# What no schema says; tests/malformed.py has the rest.
+# What no schema says; tests/test_malformed.py has the rest.
 # Changes to a good grid; the key, value, rule and remedy of the error.
 BAD_INPUT = [
     # missing keys

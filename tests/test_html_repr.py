@@ -12,6 +12,7 @@ from cylcontact import CylinderPair, InputError, Material, choose, laws
 from cylcontact.fitting import read_campaign
 from cylcontact.html_repr import law_html, table_html
 from cylcontact.mechanism import read_mechanism, simulate
+from cylcontact.text_tables import Table
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -36,12 +37,21 @@ class Cells(HTMLParser):
 
 def visible(fragment):
     cells = Cells(fragment)
-    assert cells.tags <= {"table", "caption", "b", "tbody", "tr", "th", "td"}
+    assert cells.tags <= {"table", "caption", "b", "thead", "tbody", "tr", "th", "td"}
     return cells.texts
 
 
 def test_texts_stay_texts():
     assert visible(table_html(HOSTILE, {HOSTILE: HOSTILE})) == [HOSTILE] * 3
+
+
+def test_one_table_is_aligned_text_and_html():
+    table = Table(["", "ΔR, mm", "law"], [("first", "0.5", "[johnson]"), ("second", "10", "\x1b")])
+    assert str(table).splitlines() == [
+        *("        ΔR, mm        law", "first      0.5  [johnson]", r"second      10       \x1b"),
+    ]
+    cells = ["ΔR, mm", "law", "first", "0.5", "[johnson]", "second", "10", r"\x1b"]
+    assert visible(table._repr_html_()) == cells
 
 
 def test_material():

@@ -298,10 +298,10 @@ def test_a_run_that_cannot_go_on_keeps_its_revolutions(run, tmp_path):
 
 
 def test_resuming_is_noted_once_the_input_is_checked(run, tmp_path):
-    options = ("-o", tmp_path / "run.parquet", "--resume", "--revolutions", 1_000_000_000)
+    options = ("-o", tmp_path / "run.parquet", "--resume", "--first", 3, "--revolutions", 3)
     code, _, err = run("simulate", SPEC, *options)
     assert (code, err.count("\n")) == (2, 1)
-    assert "of memory" in err
+    assert "leaves none of 3 revolutions" in err
 
 
 def test_resuming_what_is_not_there_starts_anew(run, tmp_path):

@@ -16,7 +16,6 @@ FACES = (
     "cylcontact.fitting",
     "cylcontact.laws",
     "cylcontact.mechanism",
-    "cylcontact.parallel",
     "cylcontact.plots",
     "cylcontact.reports",
 )

@@ -3,7 +3,6 @@
 import pytest
 
 from cylcontact import InputError
-from tests.counts import counted
 from tests.measured_files import write_measured
 from tests.spec_files import tree
 
@@ -101,10 +100,6 @@ def test_a_module_that_misbehaves_is_told_in_one_line(fit, tmp_path, module):
 @pytest.mark.parametrize("name", NAMES)
 def test_only_the_name_of_a_module_and_a_function_is_imported(fit, tmp_path, name):
     refused(fit, tmp_path, "cannot be imported: it does not name", law(f"return {POWER}"), name)
-
-
-def test_the_misbehaving_laws_are_counted():
-    counted("misbehaving laws of one's own", len(BODIES) + len(MODULES) + len(NAMES))
 
 
 def test_what_a_law_prints_is_no_part_of_the_report(fit):

@@ -50,22 +50,13 @@ def require_one_shape(source: str, **arrays: ArrayLike) -> None:
 
 
 def inside_or_nan(values: FloatArray, inside: BoolArray) -> FloatArray:
-    """Return `values` where `inside` is true and NaN elsewhere.
-
-    Examples
-    --------
-    >>> inside_or_nan(np.array([1.0, 2.0]), np.array([True, False]))
-    array([ 1., nan])
-    """
+    """Return `values` where `inside` is true and NaN elsewhere."""
     result: FloatArray = np.where(inside, values, np.nan)[()]
     return result
 
 
 def own_arrays(instance: Any) -> None:
-    """Replace the arrays and lists of a frozen dataclass by read-only arrays of its own.
-
-    A later change of the caller's arrays then changes no instance.
-    """
+    """Replace the arrays and lists of a frozen dataclass by read-only arrays of its own."""
     for field in fields(instance):
         value = getattr(instance, field.name)
         if isinstance(value, np.ndarray | list | tuple):

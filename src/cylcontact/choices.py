@@ -6,29 +6,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Literal, get_args
 
-__all__ = [
-    "BEYOND",
-    "BRANCHES",
-    "CHOICE_FILES",
-    "ENGINES",
-    "FILM_SUFFIXES",
-    "FIT_FILES",
-    "FORMATS",
-    "METHODS",
-    "OUTPUT_SUFFIXES",
-    "STUDIES",
-    "TABLE_SUFFIXES",
-    "Beyond",
-    "Branch",
-    "Engine",
-    "Format",
-    "Method",
-    "Study",
-    "first_of",
-    "is_table",
-    "listed",
-]
-
 Branch = Literal["loading", "unloading"]
 Method = Literal["minimal", "multiplier"]
 Beyond = Literal["stop", "tangent"]
@@ -54,13 +31,7 @@ FILM_SUFFIXES = (".gif", ".mp4")
 
 
 def is_table(path: Path) -> bool:
-    """Return whether a path is that of a table: whatever is no spec and no result.
-
-    Examples
-    --------
-    >>> is_table(Path("run 3.TXT")), is_table(Path("fitting/internal.toml"))
-    (True, False)
-    """
+    """Return whether a path is that of a table: whatever is no spec and no result."""
     return path.suffix.lower() not in (".toml", ".json")
 
 
@@ -77,13 +48,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def first_of(names: Iterable[str], most: int) -> str:
-    """Return names for a message, the first ones if they are many.
-
-    Examples
-    --------
-    >>> first_of("abc", 3), first_of("abcde", 3)
-    ('a, b, c', 'a, b, c and 2 more')
-    """
+    """Return names for a message, the first ones if they are many."""
     every = list(names)
     more = f" and {len(every) - most} more" if len(every) > most else ""
     return ", ".join(every[:most]) + more

@@ -6,11 +6,8 @@ import numpy as np
 
 from cylcontact.plain_text import brief
 
-__all__ = ["InputError", "short"]
-
-
-# The most characters that a message has of the source, the rule and the remedy.
-_PART = 1000
+# The most characters of a message, part of which other programs and files may have written.
+_MESSAGE = 2000
 
 
 class InputError(ValueError):
@@ -43,12 +40,7 @@ class InputError(ValueError):
         self.remedy = remedy
         setting = " = ".join(part for part in (key, short(value)) if part)
         where = ": ".join(part for part in (source, setting) if part)
-        # Paths and the messages of other programs may contain line breaks or control characters,
-        # and much text.
-        where, rule, remedy = (
-            brief(" ".join(part.splitlines()), _PART) for part in (where, rule, remedy)
-        )
-        super().__init__(f"{where}: {rule}; {remedy}")
+        super().__init__(brief(" ".join(f"{where}: {rule}; {remedy}".splitlines()), _MESSAGE))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str, object, str, str]]:
         """Pickle the five parts, so that worker processes can send the error back."""
@@ -64,5 +56,4 @@ def short(value: object, width: int = 80) -> str:
     if value is None:
         return ""
     plain = value.item() if isinstance(value, np.generic) else value
-    text = " ".join(repr(plain).split())
-    return text if len(text) <= width else text[: width - 1] + "…"
+    return brief(" ".join(repr(plain).split()), width)

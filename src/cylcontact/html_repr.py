@@ -1,4 +1,4 @@
-"""HTML tables with which a notebook shows materials, pairs, laws and results."""
+"""The tables with which a notebook shows materials, pairs, laws and results."""
 
 from __future__ import annotations
 
@@ -9,29 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from cylcontact.plain_text import html
-
-__all__ = ["completed_law_html", "law_html", "table_html"]
+from cylcontact.text_tables import Table
 
 # An array of more numbers than this is shown as a range.
 _MOST_NUMBERS = 4
 
 
 def table_html(title: str, rows: Mapping[str, object]) -> str:
-    """Return an HTML table with a title, names on the left and values on the right.
-
-    Parameters
-    ----------
-    title : str
-        The caption.
-    rows : mapping of str to object
-        Values by name. Numbers are shown with six digits, longer arrays as a range, and None as
-        a dash.
-
-    Returns
-    -------
-    str
-        An HTML fragment with all texts escaped.
+    """Return an HTML table with names on the left and values on the right.
 
     Examples
     --------
@@ -40,65 +25,39 @@ def table_html(title: str, rows: Mapping[str, object]) -> str:
     <tr><th style="text-align:left">E (MPa)</th><td>207000</td></tr>
     </tbody></table>
     """
-    lines = "\n".join(
-        f'<tr><th style="text-align:left">{html(name)}</th><td>{html(_cell(value))}</td></tr>'
-        for name, value in rows.items()
-    )
-    style = "text-align:left;white-space:nowrap"
-    caption = f'<caption style="{style}"><b>{html(title)}</b></caption>'
-    return f"<table>{caption}<tbody>\n{lines}\n</tbody></table>"
+    cells = [(name, _cell(value)) for name, value in rows.items()]
+    return Table(["", ""], cells, title)._repr_html_()
 
 
 def law_html(law: Any) -> str:
-    """Return an HTML table of a law: the first line of its docstring and its coefficients.
-
-    Parameters
-    ----------
-    law : ContactLaw
-        A dataclass with a docstring.
-
-    Returns
-    -------
-    str
-        An HTML fragment.
-
-    Examples
-    --------
-    >>> from cylcontact import laws
-    >>> "Johnson&#x27;s law, Eq 1" in law_html(laws.Johnson())
-    True
-    """
+    """Return an HTML table of a law: the first line of its docstring and its coefficients."""
     return completed_law_html(law, {})
 
 
 def completed_law_html(law: Any, defaults: Mapping[Any, Any]) -> str:
     """Return an HTML table of a law, with `defaults` by contact for coefficients that are None."""
     units: Mapping[str, str] = getattr(law, "units", {})
-    rows: dict[str, object] = {}
+    values: dict[str, tuple[str, object]] = {}
     for field in fields(law):
         value = getattr(law, field.name)
         if value is None:
             for contact, coefficients in defaults.items():
-                named = _with_units(asdict(coefficients), units)
-                rows |= {f"{contact}: {name}": number for name, number in named.items()}
+                named = asdict(coefficients).items()
+                values |= {f"{contact}: {name}": (name, number) for name, number in named}
         elif is_dataclass(value) and not isinstance(value, type):
-            rows |= _with_units(asdict(value), units)
+            values |= {name: (name, number) for name, number in asdict(value).items()}
         else:
-            rows |= _with_units({field.name: value}, units)
+            values[field.name] = (field.name, value)
+    rows = {
+        f"{text} ({units[name]})" if units.get(name) else text: value
+        for text, (name, value) in values.items()
+    }
     summary = (inspect.getdoc(law) or law.name).splitlines()[0]
     return table_html(f"{type(law).__name__}: {summary}", rows)
 
 
-def _with_units(values: Mapping[str, object], units: Mapping[str, str]) -> dict[str, object]:
-    """Return values by name and unit."""
-    return {
-        f"{name} ({units[name]})" if units.get(name) else name: value
-        for name, value in values.items()
-    }
-
-
 def _cell(value: object) -> str:
-    """Return the text of a table cell."""
+    """Return the text of a cell: numbers with six digits, longer arrays as a range."""
     if value is None:
         return "–"
     if isinstance(value, str) or is_dataclass(value):

@@ -11,15 +11,12 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
-
-__all__ = ["PACKAGE", "PARTS", "compiled", "inlined", "source_hash"]
 
 # Typed as Any: numba declares no attributes to a type checker.
 _SETTINGS: Any = numba.config
@@ -31,13 +28,18 @@ PARTS = ("impact", "laws", "mechanism")
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
-def compiled(function: _Function) -> _Function:
+def compiled(function: _Function, **settings: Any) -> _Function:
     """Compile a function of numbers, with IEEE division, and cache it on disk.
 
     It must be defined in one of the `PARTS`, whose sources name the cache.
     """
-    with _own_cache() as writable:
-        return cast(_Function, numba.njit(cache=writable, error_model="numpy")(function))
+    folder, before = _folder(), _SETTINGS.CACHE_DIR
+    _SETTINGS.CACHE_DIR = str(folder or "")  # numba reads it now, not when it compiles
+    try:
+        compiler = numba.njit(cache=folder is not None, error_model="numpy", **settings)
+        return cast(_Function, compiler(function))
+    finally:
+        _SETTINGS.CACHE_DIR = before
 
 
 def inlined(function: _Function) -> _Function:
@@ -45,24 +47,7 @@ def inlined(function: _Function) -> _Function:
 
     For the innermost functions of a loop, where a call costs as much as the work.
     """
-    with _own_cache() as writable:
-        compile_inline = numba.njit(cache=writable, error_model="numpy", forceinline=True)
-        return cast(_Function, compile_inline(function))
-
-
-@contextmanager
-def _own_cache() -> Iterator[bool]:
-    """Point numba to the cache of these sources; yield whether a writable folder exists.
-
-    numba reads the setting when a function is declared, not when it is compiled.
-    """
-    folder = _folder()
-    before = _SETTINGS.CACHE_DIR
-    _SETTINGS.CACHE_DIR = str(folder or "")
-    try:
-        yield folder is not None
-    finally:
-        _SETTINGS.CACHE_DIR = before
+    return compiled(function, forceinline=True)
 
 
 @cache
@@ -72,10 +57,8 @@ def _folder() -> Path | None:
     Files in it are loaded as code, so only folders of the user are considered.
     """
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser())
-    bases = [PACKAGE / "__pycache__", home / "cylcontact"]
-    if _SETTINGS.CACHE_DIR:
-        bases.insert(0, Path(_SETTINGS.CACHE_DIR))
-    for base in bases:
+    own = [Path(_SETTINGS.CACHE_DIR)] if _SETTINGS.CACHE_DIR else []
+    for base in (*own, PACKAGE / "__pycache__", home / "cylcontact"):
         folder = base / f"compiled-{source_hash(PACKAGE)[:16]}"
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -87,23 +70,7 @@ def _folder() -> Path | None:
 
 
 def source_hash(package: Path) -> str:
-    """Return a hash of all sources in the `PARTS` of a package.
-
-    Parameters
-    ----------
-    package : path
-        Its folder.
-
-    Returns
-    -------
-    str
-        64 hexadecimal digits.
-
-    Examples
-    --------
-    >>> len(source_hash(PACKAGE))
-    64
-    """
+    """Return a hash of all sources in the `PARTS` of a package."""
     digest = hashlib.sha256()
     for part in PARTS:
         for path in sorted([*package.glob(f"{part}.py"), *(package / part).rglob("*.py")]):

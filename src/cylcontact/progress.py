@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-__all__ = ["Progress", "silent"]
-
 # Called with the stage, how many of its parts are done, and their number.
 Progress = Callable[[str, int, int], None]
 

@@ -1,136 +1,97 @@
-"""Input files, read whole once they are known to be files and not too large; plain numbers."""
+"""Input files, the version that those of the program say under `format`, numbers in text."""
 
 from __future__ import annotations
 
-import errno
 import math
-import os
 import re
-import stat
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from cylcontact.errors import InputError
-from cylcontact.memory import as_size
 
-__all__ = [
-    "JOURNAL_BYTES",
-    "RESULT_BYTES",
-    "SPEC_BYTES",
-    "TABLE_BYTES",
-    "beside_or_above",
-    "first_file",
-    "plain_integer",
-    "plain_number",
-    "read_bytes",
-    "read_text",
-    "require_file",
-]
-
-# Written by hand; the longest that ships has 4 kB.
-SPEC_BYTES = 1_000_000
-# A fit to the 200,000 rows that a table may have writes some 10 MB.
-RESULT_BYTES = 100_000_000
-# 200,000 rows of 500 characters.
-TABLE_BYTES = 100_000_000
-# 100,000 runs, the most of a campaign, of 2 kB each.
-JOURNAL_BYTES = 200_000_000
-# `float` and `int` also take 1_700, other scripts' digits, nan and infinity.
+# A spec is written by hand; the longest that ships has 4 kB.
+SPEC_BYTES = 64_000
+FORMAT = 1
+# `float` also takes 1_700, other scripts' digits, nan and infinity.
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-_INTEGER = re.compile(r"[+-]?[0-9]+")
 
 
-def require_file(path: Path | str, most: int, remedy: str = "check the path") -> None:
-    """Raise `InputError` unless a path is of a file of at most `most` bytes.
-
-    A folder, a device or a pipe is not opened: reading it might never end.
-
-    Raises
-    ------
-    InputError
-        If it is not, or does not exist.
-    """
+def require_file(path: Path | str, remedy: str = "check the path") -> int:
+    """Return the size of a file; refuse a device or a pipe, whose reading might never end."""
+    file = Path(path)
     try:
-        status = Path(path).stat()
-        if stat.S_ISDIR(status.st_mode):
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        size = file.stat().st_size
     except (OSError, ValueError) as error:  # ValueError of a path that holds a zero byte
         raise _unreadable(path, error, remedy) from error
-    if not stat.S_ISREG(status.st_mode):
-        rule = "is a device, a pipe or a socket"
-        raise InputError(str(path), "", None, rule, "name a file")
-    if status.st_size > most:
-        rule = f"is {as_size(status.st_size)} (at most {as_size(most)})"
-        raise InputError(str(path), "", None, rule, "make it smaller, or name another file")
+    if file.is_dir():
+        raise _unreadable(path, OSError("Is a directory"), remedy)
+    if not file.is_file():
+        raise InputError(str(path), "", None, "is a device, a pipe or a socket", "name a file")
+    return size
 
 
-def read_bytes(path: Path | str, most: int, remedy: str = "check the path") -> bytes:
-    """Return the contents of a file.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    most : int
-        The bytes that it may have.
-    remedy : str, optional
-        For the error if it cannot be read.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, is not a file, or is larger.
-    """
-    require_file(path, most, remedy)
+def read_bytes(path: Path | str, remedy: str = "check the path") -> bytes:
+    """Return the contents of a file."""
+    require_file(path, remedy)
     try:
-        with Path(path).open("rb") as file:
-            return file.read(most)
+        return Path(path).read_bytes()
     except OSError as error:
         raise _unreadable(path, error, remedy) from error
 
 
-def read_text(path: Path | str, most: int, wanted: str, remedy: str = "check the path") -> str:
-    """Return the text of a file in UTF-8, without a byte order mark.
-
-    Parameters
-    ----------
-    path, most, remedy
-        As for `read_bytes`.
-    wanted : str
-        What to give in place of a file that is not text.
-
-    Raises
-    ------
-    InputError
-        As `read_bytes`, and if it is not in UTF-8.
-    """
+def read_text(path: Path | str, wanted: str, remedy: str = "check the path") -> str:
+    """Return the text of a file in UTF-8; `wanted` is what to give in place of other files."""
     try:
-        return read_bytes(path, most, remedy).decode("utf-8-sig")
+        return read_bytes(path, remedy).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(str(path), "", None, "is not a text file", wanted) from error
 
 
+def read_spec(path: Path | str, wanted: str) -> str:
+    """Return the text of a file that is written by hand; refuse one that is too large for it."""
+    if (size := require_file(path)) > SPEC_BYTES:
+        rule = f"has {size / 1000:,.0f} kB (at most {SPEC_BYTES / 1000:.0f})"
+        raise InputError(str(path), "", None, rule, wanted)
+    return read_text(path, wanted)
+
+
+def _unreadable(path: Path | str, error: Exception, remedy: str) -> InputError:
+    """Return the error for a file that the system does not let us read."""
+    reason = getattr(error, "strerror", None) or error
+    return InputError(str(path), "", None, f"cannot be read ({reason})", remedy)
+
+
 def beside_or_above(folder: Path, name: str) -> Path | None:
     """Return a file in a folder, in the two above, or here; None if there is none."""
-    places = (folder, folder / "..", folder / ".." / "..", Path())
-    return first_file(place / name for place in places)
+    return first_file(near / name for near in (folder, folder / "..", folder / ".." / "..", Path()))
 
 
-def first_file(places: Iterable[Path]) -> Path | None:
+def first_file(paths: Iterable[Path]) -> Path | None:
     """Return the first of several paths that is a file; None if none is."""
-    with suppress(OSError):  # the name is too long, or the folder unreadable
-        return next((place for place in places if place.is_file()), None)
+    with suppress(OSError):  # a name may be too long
+        return next((path for path in paths if path.is_file()), None)
     return None
 
 
-def plain_number(text: str) -> float:
-    """Return a decimal number as a spreadsheet writes it, in ASCII and finite.
+def marked(contents: dict[str, Any]) -> dict[str, Any]:
+    """Return the contents of a file with the version, which comes first."""
+    return {"format": FORMAT, **contents}
 
-    Raises
-    ------
-    ValueError
-        If the text is anything else.
+
+def unmarked(contents: dict[str, Any], source: str) -> dict[str, Any]:
+    """Return the contents of a file without the version; refuse another version."""
+    version = contents.get("format", FORMAT)
+    if version != FORMAT:
+        rule = f"is not the version {FORMAT} that this cylcontact reads"
+        remedy = "read it with the cylcontact that wrote it, or make it anew"
+        raise InputError(source, "format", version, rule, remedy)
+    return {key: value for key, value in contents.items() if key != "format"}
+
+
+def plain_number(text: str) -> float:
+    """Return a decimal number as a spreadsheet writes it; raise ValueError for any other text.
 
     Examples
     --------
@@ -145,22 +106,3 @@ def plain_number(text: str) -> float:
     if not math.isfinite(number):
         raise ValueError(f"{text!r} is not a number")
     return number
-
-
-def plain_integer(text: str) -> int:
-    """Return a whole number in ASCII digits.
-
-    Raises
-    ------
-    ValueError
-        If the text is anything else.
-    """
-    if not _INTEGER.fullmatch(text.strip()):
-        raise ValueError(f"{text!r} is not an integer")
-    return int(text)
-
-
-def _unreadable(path: Path | str, error: Exception, remedy: str) -> InputError:
-    """Return the error for a file that the system does not let us read."""
-    reason = getattr(error, "strerror", None) or error
-    return InputError(str(path), "", None, f"cannot be read ({reason})", remedy)

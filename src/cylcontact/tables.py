@@ -8,7 +8,6 @@ import io
 import math
 import re
 import warnings
-import zipfile
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
@@ -17,9 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from cylcontact.errors import InputError
 from cylcontact.files import require_parquet
-from cylcontact.memory import as_size
-from cylcontact.plain_text import from_csv
-from cylcontact.reading import TABLE_BYTES, plain_number, read_bytes
+from cylcontact.reading import plain_number, read_bytes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,7 +28,6 @@ MAX_ROWS = 200_000
 # As many columns as a data logger may have, and what a gigabyte of memory holds.
 MAX_COLUMNS, MAX_CELLS = 1000, 10_000_000
 # What is compressed in a workbook, or repeated in Parquet, may grow to this when it is read.
-_UNPACKED_BYTES = 400_000_000
 # Of each row its position in the file and its cells.
 _Rows = list[tuple[int, list[Any]]]
 _SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "spaces"}
@@ -114,7 +110,7 @@ def read_table(path: Path | str) -> Table:
         raise InputError(source, "", None, rule, "save it as .xlsx")
     if suffix in (".toml", ".json"):
         raise InputError(source, "", None, "is not a table", "name a table")
-    content = read_bytes(path, TABLE_BYTES)
+    content = read_bytes(path)
     steps: list[str] = []
     separator = ""
     binary = {".xlsx": _read_workbook, ".parquet": _read_parquet}.get(suffix)
@@ -274,7 +270,6 @@ def _rows(text: str, separator: str, strict: bool) -> Iterator[tuple[int, list[A
 def _read_workbook(source: str, content: bytes, steps: list[str]) -> _Rows:
     """Return the rows of the first sheet with cells, that of names first."""
     try:
-        _require_unpacked(source, sum(part.file_size for part in _parts(content)))
         title, sheets, rows = _first_sheet(source, content, data_only=False)
         if any(_is_formula(cell) for _, cells in rows for cell in cells):
             values = _first_sheet(source, content, data_only=True, title=title)[2]
@@ -294,19 +289,6 @@ def _read_workbook(source: str, content: bytes, steps: list[str]) -> _Rows:
         else []
     )
     return [(line, [cells[k] if k < len(cells) else None for k in used]) for line, cells in rows]
-
-
-def _parts(content: bytes) -> list[zipfile.ZipInfo]:
-    """Return the files in a workbook, with the sizes to which they are unpacked at most."""
-    with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        return archive.infolist()
-
-
-def _require_unpacked(source: str, size: int) -> None:
-    """Raise `InputError` for a file that grows too large when it is read."""
-    if size > _UNPACKED_BYTES:
-        rule = f"is unpacked to {as_size(size)} (at most {as_size(_UNPACKED_BYTES)})"
-        raise InputError(source, "", None, rule, "keep only the rows and columns that are needed")
 
 
 def _first_sheet(
@@ -373,8 +355,6 @@ def _read_parquet(source: str, content: bytes, _steps: list[str]) -> _Rows:
         file = pa.parquet.ParquetFile(pa.BufferReader(content))
         metadata = file.metadata
         _require_size(source, metadata.num_rows, metadata.num_columns)
-        groups = range(metadata.num_row_groups)
-        _require_unpacked(source, sum(metadata.row_group(k).total_byte_size for k in groups))
         schema = file.schema_arrow
         for column in schema:
             if pa.types.is_nested(column.type):
@@ -420,8 +400,7 @@ def texts(table: Table, k: int) -> list[str]:
         If a cell is empty.
     """
     _require_filled(table, k)
-    words = map(_text, table.columns[k])
-    return [from_csv(word) for word in words] if table.separator else list(words)
+    return list(map(_text, table.columns[k]))
 
 
 def _text(cell: Any) -> str:

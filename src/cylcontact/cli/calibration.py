@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -21,11 +20,10 @@ from cylcontact.cli.options import (
     require_taken,
     resumable,
 )
-from cylcontact.cli.terminal import noting, progress_bars, say, show, workers
+from cylcontact.cli.terminal import noting, progress_bars, say, workers
 from cylcontact.cli.uncertainty import StudyOptions, study_uncertainty
 from cylcontact.errors import InputError
-from cylcontact.files import owning, replacing, require_suffix, require_writable
-from cylcontact.text_tables import joined
+from cylcontact.files import replacing, require_suffix, require_writable
 
 if TYPE_CHECKING:
     from cylcontact.fitting import Campaign, FitResult, TableCampaign
@@ -41,8 +39,9 @@ def sample(
     """Sample a reference law over a grid, in bounded memory."""
     from cylcontact.datasets import read_grid, write_samples
 
+    require_writable(out)
     grid = read_grid(spec)
-    with owning(out), progress_bars() as progress:
+    with progress_bars() as progress:
         counts = write_samples(grid, out, lambda n: progress("sampling", n, grid.dR.size))
     say(
         f"{out}: {counts.samples:,} samples, {counts.masked:,} masked by the domain of "
@@ -116,22 +115,21 @@ def _calibrate(
     target, folder = _place(source, planned, out)
     require_writable(target, *(target.with_name(name) for name in FIT_FILES if folder))
     require_suffix(target, ".json")
-    with owning(target):
-        if out is None and not force:
-            require_same_inputs(target, planned)
-        with resumable(target, "run") as journal:
-            anew = resume and not journal.exists()
-            note = f"no runs are kept in {journal}; all are run" if anew else ""
-            with progress_bars() as bars:
-                progress = noting(bars, "searching", note)
-                result: FitResult
-                if isinstance(planned, Campaign):
-                    result = calibrate(planned, where, progress, journal, resume)
-                else:
-                    result = fit_table(planned, where, progress, journal, resume)
-            _save(result, target, folder)
+    if out is None and not force:
+        require_same_inputs(target, planned)
+    with resumable(target, "run") as journal:
+        anew = resume and not journal.exists()
+        note = f"no runs are kept in {journal}; all are run" if anew else ""
+        with progress_bars() as bars:
+            progress = noting(bars, "searching", note)
+            result: FitResult
+            if isinstance(planned, Campaign):
+                result = calibrate(planned, where, progress, journal, resume)
+            else:
+                result = fit_table(planned, where, progress, journal, resume)
+        _save(result, target, folder)
     names = f": {', '.join(FIT_FILES)}" if folder else ""
-    show(joined([str(result), f"written to {folder or target}{names}"], "\n\n"))
+    say(f"{result}\n\nwritten to {folder or target}{names}")
 
 
 def _place(
@@ -185,12 +183,13 @@ def _compare_optimizers(
 
     if out is not None:
         require_suffix(out, ".csv")
-    with owning(out) if out else nullcontext(), progress_bars() as progress:
+        require_writable(out)
+    with progress_bars() as progress:
         compared = optimizer_comparison.compare_optimizers(planned, names, where, progress)
-        if out is not None:
-            with replacing(out) as temporary:
-                temporary.write_text(optimizer_comparison.as_csv(compared), encoding="utf-8")
-    show(optimizer_comparison.as_text(compared))
+    if out is not None:
+        with replacing(out) as temporary:
+            temporary.write_text(optimizer_comparison.as_csv(compared), encoding="utf-8")
+    say(optimizer_comparison.as_text(compared))
 
 
 def compare(
@@ -201,7 +200,7 @@ def compare(
     """Compare results with each other and with the published coefficients."""
     from cylcontact import fitting
 
-    show(fitting.compare([fitting.FitResult.read(path) for path in results]))
+    say(fitting.compare([fitting.FitResult.read(path) for path in results]))
 
 
 def verify(
@@ -212,7 +211,6 @@ def verify(
     scheduler: Scheduler = None,
 ) -> None:
     """Redo committed fits with their own settings; exit code 1 if one differs."""
-    from cylcontact.fitting.verify import checks_table
     from cylcontact.fitting.verify import verify as verify_one
 
     paths = results or sorted(RESULTS.glob("*.json"))
@@ -228,7 +226,7 @@ def verify(
     for path in paths:
         with progress_bars() as progress:
             checks = verify_one(path, workers(jobs, scheduler), progress)
-        show(checks_table(path.stem, checks))
+        say("\n".join(f"{path.stem}: {check}" for check in checks))
         failed += sum(not check.holds for check in checks)
     say(f"{len(paths)} results verified, {failed} checks do not hold")
     if failed:

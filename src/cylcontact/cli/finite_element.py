@@ -11,7 +11,7 @@ from cylcontact.choices import ENGINES, listed
 from cylcontact.cli.options import Force, Jobs, Resume, resumable
 from cylcontact.cli.terminal import cores, noting, progress_bars, say
 from cylcontact.errors import InputError
-from cylcontact.files import owning, require_suffix, require_writable
+from cylcontact.files import require_suffix, require_writable
 
 __all__ = ["finite_element"]
 
@@ -43,22 +43,19 @@ def finite_element(
     target = out or spec.with_name(f"{spec.stem}-{chosen}.csv")
     require_writable(target)
     require_suffix(target, ".csv")
-    with owning(target):
-        if out is None and not force:
-            require_same_inputs(target, study)
-        with resumable(target, "case") as journal:
-            anew = resume and not journal.exists()
-            note = f"no cases are kept in {journal}; all are solved" if anew else ""
-            with progress_bars() as bars:
-                progress = noting(bars, "solving", note)
-                rows, failures = run_study(
-                    study, chosen, jobs or cores(), progress, journal, resume
-                )
-            if failures:
-                for failure in failures:
-                    say(f"cylcontact: {failure}", err=True)
-                raise _incomplete(spec, sum(len(f.loads) for f in failures), len(rows), journal)
-            write_table(target, study, solver, rows)
+    if out is None and not force:
+        require_same_inputs(target, study)
+    with resumable(target, "case") as journal:
+        anew = resume and not journal.exists()
+        note = f"no cases are kept in {journal}; all are solved" if anew else ""
+        with progress_bars() as bars:
+            progress = noting(bars, "solving", note)
+            rows, failures = run_study(study, chosen, jobs or cores(), progress, journal, resume)
+        if failures:
+            for failure in failures:
+                say(f"cylcontact: {failure}", err=True)
+            raise _incomplete(spec, sum(len(f.loads) for f in failures), len(rows), journal)
+        write_table(target, study, solver, rows)
     say(f"{target}: {len(rows)} cases by {solver}")
 
 

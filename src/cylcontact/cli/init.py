@@ -6,9 +6,7 @@ import filecmp
 import os
 import shutil
 from collections.abc import Iterable
-from contextlib import ExitStack, suppress
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import typer
@@ -16,7 +14,7 @@ import typer
 from cylcontact.choices import first_of
 from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
-from cylcontact.files import folder_of, require_writable, shipped_bench, unwritable
+from cylcontact.files import replacing_all, require_writable, shipped_bench
 
 __all__ = ["FOLDERS", "copy_files", "init", "shipped_files"]
 
@@ -69,24 +67,10 @@ def copy_files(source: Path, folder: Path, names: Iterable[Path]) -> None:
     InputError
         If they cannot be written.
     """
-    moved: list[Path] = []
-    with ExitStack() as folders:
-        folders.enter_context(folder_of(folder / "any"))
-        try:
-            with TemporaryDirectory(prefix=".cylcontact-", dir=folder) as temporary:
-                for name in names:
-                    (Path(temporary) / name).parent.mkdir(parents=True, exist_ok=True)
-                    shutil.copyfile(source / name, Path(temporary) / name)
-                for name in names:
-                    folders.enter_context(folder_of(folder / name))
-                    moved.append((Path(temporary) / name).rename(folder / name))
-        except BaseException as error:
-            for path in moved:
-                with suppress(OSError):
-                    path.unlink()
-            if isinstance(error, OSError):
-                raise unwritable(folder, error) from error
-            raise
+    names = list(names)
+    with replacing_all(folder / name for name in names) as temporaries:
+        for temporary, name in zip(temporaries, names, strict=True):
+            shutil.copyfile(source / name, temporary)
 
 
 def _missing(source: Path, folder: Path, names: Iterable[Path]) -> list[Path]:

@@ -30,12 +30,11 @@ from cylcontact.cli.pair import (
     constants_of,
     housing_of,
 )
-from cylcontact.cli.terminal import progress_bars, show
+from cylcontact.cli.terminal import progress_bars, say
 from cylcontact.errors import InputError
-from cylcontact.files import owning, require_writable
+from cylcontact.files import require_writable
 from cylcontact.fitting.optimizers import OPTIMIZERS
-from cylcontact.reading import TABLE_BYTES, plain_number, require_file
-from cylcontact.text_tables import frame_table, joined
+from cylcontact.reading import plain_number, require_file
 
 if TYPE_CHECKING:
     from cylcontact.fitting import Campaign, TableCampaign
@@ -181,7 +180,7 @@ def _table(
     """Return a table with the options for it."""
     from cylcontact.fitting.table_campaign import read_table
 
-    require_file(path, TABLE_BYTES)
+    require_file(path)
     if "contact" not in given and OF_PIN_AND_HOLE & {*given}:
         given["contact"] = "internal"
     for name, example in (("law", "explicit"), ("contact", "internal")):
@@ -239,13 +238,12 @@ def choose(
         raise InputError(str(data), "", None, rule, remedy)
     folder = out or data.parent / "results" / data.stem
     require_writable(*(folder / name for name in CHOICE_FILES))
-    with owning(folder / CHOICE_FILES[0]):
-        first = law[0] if law else "johnson"
-        measured = _table(data, {"law": first, **_given(asdict(table))}, SearchOptions())
-        with progress_bars() as progress:
-            choice = choose_law(measured, law or (), progress)
-        write_choice(choice, folder)
-    show(joined([str(choice), f"written to {folder}: {', '.join(CHOICE_FILES)}"], "\n\n"))
+    first = law[0] if law else "johnson"
+    measured = _table(data, {"law": first, **_given(asdict(table))}, SearchOptions())
+    with progress_bars() as progress:
+        choice = choose_law(measured, law or (), progress)
+    write_choice(choice, folder)
+    say(f"{choice}\n\nwritten to {folder}: {', '.join(CHOICE_FILES)}")
 
 
 @expand_options
@@ -304,7 +302,7 @@ def design(
     if out is not None:
         write_design(chosen, out)
         parts.append(f"written to {out}: {', '.join(DESIGN_FILES)}")
-    show(joined(parts, "\n\n"))
+    say("\n\n".join(parts))
 
 
 def predict(
@@ -344,7 +342,7 @@ def predict(
             f"! beyond the readings, which reach from {loads.min():g} to {loads.max():g} N/mm: "
             f"row {rows}"
         ]
-    show(joined([frame_table(shown, index=False), *notes], "\n\n"))
+    say("\n\n".join([shown.to_string(index=False, float_format="{:.5g}".format), *notes]))
 
 
 def _columns(source: str, texts: list[str]) -> dict[str, str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -26,11 +25,9 @@ from cylcontact.cli.options import (
     resumable,
     split,
 )
-from cylcontact.cli.terminal import noting, progress_bars, say, show, workers
+from cylcontact.cli.terminal import noting, progress_bars, say, workers
 from cylcontact.errors import InputError
-from cylcontact.files import owning, require_suffix, require_writable, write_table
-from cylcontact.memory import require_memory
-from cylcontact.text_tables import frame_table
+from cylcontact.files import require_suffix, require_writable, write_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -201,6 +198,7 @@ def simulate(
             rule, remedy = "is missing for a study", "name the table, e.g. -o cases.csv"
             raise InputError("simulate", "--out", None, rule, remedy)
         require_suffix(out, *OUTPUT_SUFFIXES)
+        require_writable(out)
         way = f"--study {study}"
     run, takes = _WAYS[way][0], {name: names for name, (_, names) in _WAYS.items()}
     require_taken("simulate", way, takes, asdict(options))
@@ -231,26 +229,26 @@ def _one_run(
     total = revolutions or mechanism.integration.revolutions
     first = first_of(total) if options.first is None else options.first
     _require_left(first, total)
-    with owning(out) if out else nullcontext(), owning(table) if table else nullcontext():
-        if out is None:
-            require(
-                not options.resume, "simulate", "--resume", None, "needs a file to go on from",
-                "name it: -o",
-            )  # fmt: skip
-            statistics = _statistics(mechanism, settings, total, first)
-        else:
-            run = _kept(mechanism, settings, total, out, options.resume)
-            statistics = run.statistics(first)
-        if table is not None:
-            write_table(statistics.by_revolution.reset_index(), table)
-    show(statistics.to_text())
+    require_writable(*filter(None, (out, table)))
+    if out is None:
+        require(
+            not options.resume, "simulate", "--resume", None, "needs a file to go on from",
+            "name it: -o",
+        )  # fmt: skip
+        statistics = _statistics(mechanism, settings, total, first)
+    else:
+        run = _kept(mechanism, settings, total, out, options.resume)
+        statistics = run.statistics(first)
+    if table is not None:
+        write_table(statistics.by_revolution.reset_index(), table)
+    say(statistics.to_text())
     for path in (out, table):
         if path is not None:
             typer.echo()
             say(f"written to {path}")
     if not mechanism.ideal:
         typer.echo()
-        show(agreement(mechanism, settings, total))
+        say(agreement(mechanism, settings, total))
     for warning in (*mechanism.warnings, *statistics.warnings):
         say(f"warning: {warning}", err=True)
 
@@ -284,7 +282,7 @@ def _statistics(
     except Interrupted as interruption:
         if interruption.statistics is None:
             raise KeyboardInterrupt from None
-        show(interruption.statistics.to_text())
+        say(interruption.statistics.to_text())
         count = len(interruption.statistics.revolutions)
         raise KeyboardInterrupt(
             f"interrupted; these are the numbers of {count} complete revolutions"
@@ -372,7 +370,7 @@ def _film(
     first = 2 if options.first is None else options.first
     total = revolutions or first + 1
     _require_left(first, total)
-    require_film(out, total - first)
+    require_film(out)
     require_writable(out)
     mechanism = read_mechanism(spec, changes.materials, **changes.single())
     with progress_bars() as progress:
@@ -393,7 +391,7 @@ def _cases(
     first = first_of(total) if options.first is None else options.first
     plan = Plan(total, first, **options.integration(), against=options.against)
     where = workers(options.jobs, options.scheduler)
-    with owning(out), resumable(out, "case") as journal:
+    with resumable(out, "case") as journal:
         with progress_bars() as progress:
             wanted = _combinations(changes)
             table = sweep(mechanism, wanted, plan, where, progress, journal, options.resume)
@@ -428,15 +426,15 @@ def _tolerances(
         for method in METHODS
         for value in numbers("--tolerance", options.tolerance) or TOLERANCES
     ]
-    with owning(out), progress_bars() as progress:
+    with progress_bars() as progress:
         tables = []
         for done, plan in enumerate(plans):
             progress("sweeps", done, len(plans))
             tables.append(sweep(mechanism, wanted, plan, where))
         progress("sweeps", len(plans), len(plans))
-        table = tolerance_table(tables)
-        write_table(table, out)
-    show(frame_table(table, ".3g", index=False))
+    table = tolerance_table(tables)
+    write_table(table, out)
+    say(table.to_string(float_format="{:.3g}".format, na_rep="-", index=False))
     missing = len(wanted) * len(table) - int(table["cases"].sum())
     if missing:
         total = len(wanted) * len(table)
@@ -461,28 +459,26 @@ def _bifurcation(
         "must be two positive numbers, the smallest and the largest", "e.g. 0.01,0.5",
     )  # fmt: skip
     points = options.points or 40
-    require_memory("simulate", "--points", points, 1000.0 * points, "give fewer")
     spaced = np.geomspace(ends[0], ends[1], points)
     values = [float(f"{value:.4g}") for value in spaced]
     where = workers(options.jobs, options.scheduler)
     last, beyond = options.last or 50, options.beyond or "stop"
-    with owning(out):
-        with progress_bars() as progress:
-            tables = [
-                bifurcation(
-                    mechanism,
-                    values,
-                    revolutions or 200,
-                    last,
-                    rate or None,
-                    beyond,
-                    where,
-                    progress,
-                )
-                for rate in numbers("--impact-rate", options.impact_rate) or [0.0]
-            ]
-        table = pd.concat(tables, ignore_index=True)
-        write_table(table, out)
+    with progress_bars() as progress:
+        tables = [
+            bifurcation(
+                mechanism,
+                values,
+                revolutions or 200,
+                last,
+                rate or None,
+                beyond,
+                where,
+                progress,
+            )
+            for rate in numbers("--impact-rate", options.impact_rate) or [0.0]
+        ]
+    table = pd.concat(tables, ignore_index=True)
+    write_table(table, out)
     say(f"{out}: {_periods(table)}")
 
 

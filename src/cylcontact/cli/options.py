@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from functools import wraps
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,29 +16,8 @@ import typer
 from cylcontact.choices import listed
 from cylcontact.cli.terminal import say
 from cylcontact.errors import InputError
-from cylcontact.files import keeping
-from cylcontact.reading import plain_integer, plain_number
-
-__all__ = [
-    "LOSSES",
-    "NOISES",
-    "NUMBER",
-    "RESULTS",
-    "STYLES",
-    "TABLES",
-    "Force",
-    "Jobs",
-    "Materials",
-    "Results",
-    "Runs",
-    "Scheduler",
-    "Seed",
-    "expand_options",
-    "integer_from",
-    "keep_inputs",
-    "require_internal",
-    "resumable",
-]
+from cylcontact.files import require_apart
+from cylcontact.reading import plain_number
 
 RESULTS = Path("fitting/results")
 # Keys of tables of functions, which are slow to import; tests/test_cli_choices.py compares them.
@@ -57,7 +37,7 @@ def integer_from(least: int) -> Callable[[str], int]:
 
     def parse(text: str) -> int:
         try:
-            number = plain_integer(text)
+            number = int(text)
         except ValueError:
             number = least - 1
         if number < least:
@@ -185,16 +165,17 @@ def expand_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def keep_inputs(command: Callable[..., None]) -> Callable[..., None]:
-    """Let a command refuse outputs that would replace a file it is given to read."""
+    """Let a command refuse an output that would replace a file it is given to read."""
 
     @wraps(command)
-    def keeping_them(**given: Any) -> None:
+    def checked(**given: Any) -> None:
+        outputs = [given[name] for name in ("out", "table") if isinstance(given.get(name), Path)]
         values = [value for name, value in given.items() if name not in ("out", "table")]
-        named = [each for value in values for each in (value if type(value) is list else [value])]
-        with keeping(Path(each) for each in named if isinstance(each, str | Path)):
-            command(**given)
+        named = chain.from_iterable(value if type(value) is list else [value] for value in values)
+        require_apart(outputs, [each for each in named if isinstance(each, Path)])
+        command(**given)
 
-    return keeping_them
+    return checked
 
 
 @contextmanager

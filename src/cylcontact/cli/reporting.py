@@ -23,13 +23,13 @@ from cylcontact.cli.options import (
 )
 from cylcontact.cli.pair import PairOptions, constants_of, housing_of, pair_of
 from cylcontact.cli.renamed import renamed
-from cylcontact.cli.terminal import cores, progress_bars, say, show
+from cylcontact.cli.terminal import cores, progress_bars, say
 from cylcontact.errors import InputError
 from cylcontact.export import CODES, JOINT_TARGETS, TARGETS
 from cylcontact.files import (
-    keeping,
     replacing,
     replacing_all,
+    require_apart,
     require_suffix,
     require_writable,
     shipped_bench,
@@ -39,7 +39,6 @@ from cylcontact.limits import yield_warning
 from cylcontact.materials import known_materials, own_table
 from cylcontact.pair import CONTACTS, unusual_lengths
 from cylcontact.plain_text import brief
-from cylcontact.text_tables import joined
 
 if TYPE_CHECKING:
     from cylcontact.reports.bench import Bench
@@ -147,8 +146,7 @@ def _write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) -
     """Write the tables for a paper and the captions of the figures."""
     from cylcontact.reports.tables import write_tables
 
-    with keeping(bench.inputs):
-        written = write_tables(bench, names, kind, folder)
+    written = write_tables(bench, names, kind, folder)
     count = len(written)
     say(f"{count} {'file' if count == 1 else 'files'} in {folder}")
 
@@ -172,8 +170,8 @@ def claims(
     bench = Bench(Path(), results, jobs or cores())
     if out is not None:
         require_suffix(out, ".csv", ".json")
-        with keeping(bench.inputs):
-            require_writable(out)
+        require_writable(out)
+        require_apart([out], bench.inputs)
     folder = bench.recipes_folder / "claims"
     remedy = "run it in a folder that has them; cylcontact init FOLDER lays one out"
     require(folder.is_dir(), str(folder), "", None, "there are no claims here", remedy)
@@ -185,7 +183,7 @@ def claims(
         raise KeyboardInterrupt(text) from None
     terms, gone = paper_of(bench).definitions, withdrawn(bench)
     if out is None:
-        show(to_text(computed, terms, gone))
+        say(to_text(computed, terms, gone))
         return
     if out.suffix == ".csv":
         write_table(to_table(computed), out)
@@ -250,7 +248,7 @@ def laws(
     advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
     listed_too = None if own is None else user_law(own, Path.cwd())
     around = None if housing is None else housing.housing
-    show(joined([advice, to_text(cylinders, load, listed_too, around)], "\n\n"))
+    say(f"{advice}\n\n{to_text(cylinders, load, listed_too, around)}")
     for warning in (yield_warning(load, cylinders), *unusual_lengths(cylinders)):
         if warning is not None:
             say(f"warning: {warning}", err=True)

@@ -12,14 +12,9 @@ import typer
 
 from cylcontact.plain_text import brief, visible
 from cylcontact.progress import Progress
-from cylcontact.text_tables import TextTable, pieces_of
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from cylcontact.parallel import Workers
-
-__all__ = ["cores", "noting", "progress_bars", "say", "show", "workers"]
 
 
 def cores() -> int:
@@ -38,44 +33,9 @@ def workers(jobs: int | None, scheduler: str | None) -> Workers:
     return Cluster(scheduler)
 
 
-def show(text: str) -> None:
-    """Print a report; on a terminal its tables are drawn, if they are not wider than it is.
-
-    Characters that are not seen are escaped: none of a text acts on the terminal.
-    """
-    from rich.console import Console
-
-    if sys.stdout.isatty():
-        console = Console(highlight=False, markup=False)
-        typer.echo("".join(_drawn(piece, console) for piece in pieces_of(text)))
-    else:
-        typer.echo(visible(text, "\n"))
-
-
-def say(line: str, err: bool = False) -> None:
-    """Print a line, on standard error if `err`; characters that are not seen are escaped."""
-    typer.echo(visible(line), err=err)
-
-
-def _drawn(piece: str, console: Console) -> str:
-    """Return a table with lines and colours; other text, and a wide table, as it is."""
-    if not isinstance(piece, TextTable):
-        return visible(piece, "\n")
-    from rich import box
-    from rich.measure import Measurement
-    from rich.table import Table
-
-    table = Table(box=box.ROUNDED, header_style="bold")
-    for index, column in enumerate(piece.columns):
-        table.add_column(column, justify="left" if index == 0 else "right", no_wrap=True)
-    for row in piece.rows:
-        table.add_row(*row)
-    unlimited = console.options.update(max_width=10_000)
-    if Measurement.get(console, unlimited, table).maximum > console.width:
-        return piece
-    with console.capture() as capture:
-        console.print(table)
-    return capture.get().rstrip("\n")
+def say(text: str, err: bool = False) -> None:
+    """Print a text, on standard error if `err`; characters that are not seen are escaped."""
+    typer.echo(visible(text, "\n"), err=err)
 
 
 @contextmanager

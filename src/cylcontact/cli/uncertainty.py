@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cylcontact.cli.options import NUMBER, integer_from
-from cylcontact.cli.terminal import progress_bars, show
+from cylcontact.cli.terminal import progress_bars, say
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_suffix, require_writable
-from cylcontact.formats import marked
-from cylcontact.text_tables import joined
+from cylcontact.reading import marked
 
 if TYPE_CHECKING:
     from cylcontact.cli.measured import LawOption
@@ -99,7 +98,7 @@ def study_uncertainty(
                 progress=progress,
             )
     _write(study, out)
-    show(joined([str(study), *([f"written to {out}"] if out else [])], "\n\n"))
+    say(f"{study}\n\nwritten to {out}" if out else str(study))
 
 
 def _require_study(
@@ -122,6 +121,6 @@ def _write(study: Any, out: Path | None) -> None:
     if out is None:
         return
     with replacing(out) as temporary:
-        contents = marked("uncertainty", study.model_dump(mode="json"))
+        contents = marked(study.model_dump(mode="json"))
         text = json.dumps(contents, indent=1, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")

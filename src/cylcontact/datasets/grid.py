@@ -16,7 +16,6 @@ from cylcontact.datasets.tabulated import FINITE_ELEMENT, TabulatedReference, wi
 from cylcontact.errors import InputError
 from cylcontact.laws import REFERENCES, ContactLaw, reference_law
 from cylcontact.materials import LARGEST_MODULUS, material_in_MPa
-from cylcontact.memory import require_memory
 from cylcontact.pair import Contact, CylinderPair, are_possible
 from cylcontact.spec import Spec, broken, parse_spec, read_toml
 
@@ -44,8 +43,6 @@ _UNITS = {"E": "GPa", "nu": "dimensionless", "dR": "mm", "load": "N/mm"}
 _SMALLEST, _LARGEST = 1e-12, 1e12
 # An axis is held in memory, unlike the grid.
 _MAX_POINTS = 10_000_000
-# Of each pair of α and β while those that materials can have are chosen.
-_PAIR_BYTES = 40
 
 
 class AxisSpec(Spec):
@@ -198,10 +195,6 @@ class DundursAxesSpec(Spec):
     @model_validator(mode="after")
     def _check(self) -> DundursAxesSpec:
         alpha, beta = self.alpha.numbers(), self.beta.numbers()
-        try:
-            require_memory("", "", None, _PAIR_BYTES * alpha.size * beta.size, "thin alpha or beta")
-        except InputError as error:
-            raise broken("", None, error.rule, error.remedy) from None
         if np.abs(alpha).max() >= 1:
             ends = [float(alpha[0]), float(alpha[-1])]
             raise broken("alpha", ends, "must lie inside ]-1, 1[", "narrow the axis")

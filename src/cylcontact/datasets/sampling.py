@@ -24,7 +24,6 @@ from cylcontact.datasets.moments import Moments, concatenate, merge
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_parquet, require_suffix
 from cylcontact.laws import LogarithmicLaw
-from cylcontact.memory import require_memory, require_space
 from cylcontact.parallel import Workers, call, run_calls
 
 __all__ = [
@@ -43,14 +42,6 @@ BLOCK = 1 << 16
 PIECE = 1 << 21
 # Clearances whose moments are formed together.
 _AT_ONCE = 256
-# Of each call of a worker in the list of all.
-_CALL_BYTES = 400
-# So few need no look at what memory is free, which takes a millisecond.
-_FEW_CALLS, _FEW_VALUES = 1000, 1_000_000
-# Of each load, and of each combination of E and ν, whose moments are formed together.
-_VALUE_BYTES = 1000
-# Of each sample in a Parquet file, where most columns repeat, and in a CSV file.
-_SAMPLE_BYTES = (8, 60)
 # Writes columns to a table.
 _Write = Callable[[Sequence[FloatArray]], None]
 
@@ -189,16 +180,10 @@ def reduce_grid(
     >>> counts
     Counts(samples=3, masked=1)
     """
-    values = grid.rows + grid.load.size
-    if values > _FEW_VALUES:
-        require_memory(grid.source, "axes", None, _VALUE_BYTES * values, "thin the axes")
     inside = _clearances_inside(grid)
     masked = np.flatnonzero(~inside)
     height = max(1, PIECE // grid.load.size)
     starts = range(0, grid.rows, height)
-    calls = masked.size * len(starts)
-    if calls > _FEW_CALLS:
-        require_memory(grid.source, "axes", None, _CALL_BYTES * calls, "thin the axes")
     work = [
         call(_reduce_rows, grid, float(dR), first, min(first + height, grid.rows))
         for dR in grid.dR[masked]
@@ -286,10 +271,9 @@ def write_samples(
     Raises
     ------
     InputError
-        If the suffix is neither, the disk has no room for the file, it cannot be written, every
-        sample is masked, or Parquet's library is not installed.
+        If the suffix is neither, the file cannot be written, every sample is masked, or Parquet's
+        library is not installed.
     """
-    require_space(path, _SAMPLE_BYTES[Path(path).suffix == ".csv"] * grid.size, "thin the axes")
     samples = masked = 0
     opened = _parquet if require_suffix(path, ".parquet", ".csv") == ".parquet" else _csv
     with replacing(path) as temporary, opened(temporary, grid.columns) as write:

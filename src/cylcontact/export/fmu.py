@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
@@ -20,7 +21,6 @@ from cylcontact.errors import InputError
 from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw
 from cylcontact.export.exported_law import source as law_text
 from cylcontact.export.joint import source as joint_text
-from cylcontact.files import scratch_folder
 from cylcontact.mechanism.clearance_joint import ClearanceJoint
 from cylcontact.plain_text import comment
 
@@ -154,7 +154,8 @@ def _library(sources: Mapping[str, str], file: str) -> bytes:
             "export", "--to", "fmu", "needs a C compiler, and there is neither cc nor gcc",
             "install one (Debian: apt install gcc libc6-dev; macOS: xcode-select --install)",
         )  # fmt: skip
-    with scratch_folder() as folder:
+    with TemporaryDirectory() as name:
+        folder = Path(name)
         for path, text in sources.items():
             (folder / path).write_text(text, encoding="ascii")
         units = [path for path in sources if path.endswith(".c")]

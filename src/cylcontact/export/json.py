@@ -15,10 +15,10 @@ import numpy as np
 from cylcontact.errors import InputError
 from cylcontact.export.exported_law import MEANINGS, RESULTS, ExportedLaw, renamed
 from cylcontact.export.render import lambert_steps
-from cylcontact.formats import marked
 from cylcontact.laws.formula import FUNCTIONS, Step, names_in
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
+from cylcontact.reading import marked
 
 _CALLED = ", ".join(name for name in FUNCTIONS if name not in ("where", "branch_distance"))
 _SYNTAX = (
@@ -72,7 +72,7 @@ def source(law: ExportedLaw) -> str:
         "provenance": {"cylcontact": version("cylcontact"), "coefficients": law.origin},
         "check_values": {name: [row[name] for row in rows] for name in rows[0]},
     }
-    return json.dumps(marked("law", document), indent=1, allow_nan=False) + "\n"
+    return json.dumps(marked(document), indent=1, allow_nan=False) + "\n"
 
 
 def _unrolled(steps: Iterable[Step]) -> Iterator[str]:

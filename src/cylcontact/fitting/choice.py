@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from html import escape
 from textwrap import fill
 from typing import TYPE_CHECKING
 
@@ -43,9 +44,9 @@ from cylcontact.fitting.table_fit import fit_table
 from cylcontact.housing_spec import takes_housing
 from cylcontact.laws import LAW_TYPES
 from cylcontact.pair import Contact
-from cylcontact.plain_text import brief, html
+from cylcontact.plain_text import brief
 from cylcontact.progress import Progress, silent
-from cylcontact.text_tables import joined, text_table
+from cylcontact.text_tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -249,7 +250,7 @@ class Choice:
         items = (fill(note, 100, subsequent_indent="  ") for note in notes)
         count = len(self.data.measurements)
         title = f"{brief(self.data.name)}: {len(self.laws)} laws fitted to {count:,} measurements"
-        return joined([title, "", text_table(head, rows), *items])
+        return "\n".join([title, "", str(Table(head, rows)), *items])
 
     def _conclusion(self) -> str:
         """Return whether the data decide, in a sentence."""
@@ -285,7 +286,7 @@ class Choice:
     def _repr_html_(self) -> str:
         numbers = self.table.drop(columns=["compliance", "compliance_error"]).round(3)
         notes = (self._conclusion(), *self.warnings, *self._on_datum())
-        return numbers.to_html() + "".join(f"<p>{html(note)}</p>" for note in notes)
+        return numbers.to_html() + "".join(f"<p>{escape(note)}</p>" for note in notes)
 
 
 def listed_with_and(names: Sequence[str]) -> str:

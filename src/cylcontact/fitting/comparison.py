@@ -15,7 +15,7 @@ from cylcontact.fitting.results import (
     label_of,
 )
 from cylcontact.plain_text import brief
-from cylcontact.text_tables import Report, joined, text_table
+from cylcontact.text_tables import Table
 
 # The rows below the coefficients where results are compared, with their labels in text and their
 # formats. Those of the published coefficients are computed on the data of each fit.
@@ -36,7 +36,7 @@ _AXES = {
 }
 
 
-def compare(results: Sequence[FitResult]) -> Report:
+def compare(results: Sequence[FitResult]) -> str:
     """Return results side by side: a table for those of one kind, then the verdicts.
 
     Parameters
@@ -54,7 +54,7 @@ def compare(results: Sequence[FitResult]) -> Report:
     parts: list[str] = [_side_by_side_text(group) for group in by_search(results)]
     for result in results:
         parts.append("\n".join([f"{brief(result.name)}:", *map(item, result.verdicts)]))
-    return joined(parts, "\n\n")
+    return "\n\n".join(parts)
 
 
 def by_search(results: Iterable[FitResult]) -> list[list[FitResult]]:
@@ -151,7 +151,7 @@ def _numbers(result: FitResult) -> tuple[float | None, ...]:
     )
 
 
-def _side_by_side_text(results: list[FitResult]) -> Report:
+def _side_by_side_text(results: list[FitResult]) -> str:
     """Return results of one law and contact side by side as text."""
     first = results[0]
     of_coefficients = labels(first)
@@ -176,7 +176,7 @@ def _side_by_side_text(results: list[FitResult]) -> Report:
             *(label_of(r.objective.name, OBJECTIVE_UNITS) for r in results),
         )
         rows.insert(len(first.coefficients), objectives)
-    return joined([text_table(columns, rows), *map(_samples_text, results)])
+    return "\n".join([str(Table(columns, rows)), *map(_samples_text, results)])
 
 
 def _samples_text(result: FitResult) -> str:

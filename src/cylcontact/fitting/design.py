@@ -20,7 +20,6 @@ from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.fitting.optimum import Optimum, half_width
 from cylcontact.pair import CylinderPair
-from cylcontact.text_tables import Report, frame_table, joined
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,11 +51,12 @@ class Design:
     candidates: pd.DataFrame
     parameter: str
 
-    def __str__(self) -> Report:
+    def __str__(self) -> str:
         what = f"the interval of {self.parameter}" if self.parameter else "all intervals together"
         title = f"{self.readings['number'].sum()} further readings that narrow {what} most"
-        tables = (frame_table(self.readings, index=False), frame_table(self.intervals))
-        return joined([title, *tables], "\n\n")
+        readings = self.readings.to_string(index=False, float_format="{:.5g}".format)
+        intervals = self.intervals.to_string(float_format="{:.5g}".format)
+        return f"{title}\n\n{readings}\n\n{intervals}"
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw what one reading at each candidate gains, a line for each clearance."""

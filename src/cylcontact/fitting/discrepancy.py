@@ -31,7 +31,7 @@ from cylcontact.parallel import Workers, call, collect
 from cylcontact.plain_text import brief
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
-from cylcontact.text_tables import Report, joined, text_table
+from cylcontact.text_tables import Table
 
 __all__ = ["RISES", "DiscrepancyStudy", "study_discrepancy"]
 
@@ -55,7 +55,7 @@ class DiscrepancyStudy(Spec):
     coefficients: dict[str, float] = Field(description="the fitted coefficients")
     reference: str = Field(description="the law they were fitted to")
 
-    def __str__(self) -> Report:
+    def __str__(self) -> str:
         rows: Rows = [
             (name, f"{self.coefficients[name]:.5g}", profile.interval)
             for name, profile in self.profiles.items()
@@ -70,11 +70,11 @@ class DiscrepancyStudy(Spec):
         parts = [
             f"{brief(self.name)}: how far each coefficient may move before the best objective "
             "rises by 1 %",
-            text_table(("", "fitted", "within 1 %"), rows),
+            str(Table(("", "fitted", "within 1 %"), rows)),
             "\n".join(map(item, sentences)),
             *left_out_table(self.left_out, list(self.profiles)),
         ]
-        return joined(parts, "\n\n")
+        return "\n\n".join(parts)
 
 
 def study_discrepancy(

@@ -18,7 +18,7 @@ from cylcontact.fitting.runs import run_all, searches
 from cylcontact.fitting.table_campaign import TableCampaign
 from cylcontact.parallel import Workers
 from cylcontact.progress import Progress, silent
-from cylcontact.text_tables import TextTable, text_table
+from cylcontact.text_tables import Table
 
 __all__ = [
     "CSV_COLUMNS",
@@ -110,7 +110,7 @@ def best_objective(compared: Sequence[OptimizerRuns]) -> float:
     return min(record.objective for runs in compared for record in runs.records)
 
 
-def as_text(compared: Sequence[OptimizerRuns]) -> TextTable:
+def as_text(compared: Sequence[OptimizerRuns]) -> str:
     """Return a table of the optimisers.
 
     A run is in the best basin if its objective is within 0.1 % of the best of all runs, before
@@ -132,7 +132,7 @@ def as_text(compared: Sequence[OptimizerRuns]) -> TextTable:
                 f"{sum(same_basin(r, best) for r in runs.records)}/{len(polished)}",
             )
         )
-    return text_table(_TEXT_COLUMNS, rows)
+    return str(Table(_TEXT_COLUMNS, rows))
 
 
 def as_csv(compared: Sequence[OptimizerRuns]) -> str:

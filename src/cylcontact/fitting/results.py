@@ -7,6 +7,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -40,14 +41,13 @@ from cylcontact.fitting.records import (
 )
 from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.fitting.table_campaign import TableCampaign, campaign_of, require_increasing
-from cylcontact.formats import marked, upgraded
 from cylcontact.laws.adapters import RigCompliance
 from cylcontact.laws.law import ContactLaw
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.plain_text import as_label, brief, html
-from cylcontact.reading import RESULT_BYTES, read_text
-from cylcontact.spec import Spec, parse_spec, parser_reason, require_other_kind
-from cylcontact.text_tables import Report, joined, text_table
+from cylcontact.plain_text import as_label, brief
+from cylcontact.reading import marked, read_text, unmarked
+from cylcontact.spec import Spec, parse_spec, require_other_kind
+from cylcontact.text_tables import Table
 from cylcontact.units import column_named, load_in_N_per_mm
 
 if TYPE_CHECKING:
@@ -105,12 +105,12 @@ class FitResult(Spec):
             If the file cannot be read, is not a result, is of a newer format, or is inconsistent.
         """
         source = str(path)
-        text = read_text(path, RESULT_BYTES, "name a result, a JSON file")
+        text = read_text(path, "name a result, a JSON file")
         try:
             data = json.loads(text)
         except (ValueError, RecursionError) as error:
             require_other_kind(path, text, "a fit result")
-            rule = f"is not JSON ({parser_reason(error)})"
+            rule = f"is not JSON ({error})"
             raise InputError(source, "", None, rule, "name a result, or redo the fit") from error
         if not isinstance(data, dict):
             raise InputError(source, "", None, "is not a result", "name one that a fit has written")
@@ -118,7 +118,7 @@ class FitResult(Spec):
         settings = data.get("settings")
         if isinstance(settings, dict) and "measurements" in settings:
             kind, data = DataFit, {k: v for k, v in data.items() if k not in _FORMER}
-        result = parse_spec(kind, upgraded("fit result", data, source), source)
+        result = parse_spec(kind, unmarked(data, source), source)
         if not isinstance(result, cls):
             what = "readings" if cls is DataFit else "a law"
             rule, remedy = f"is not a fit to {what}", f"name a fit to {what}"
@@ -133,7 +133,7 @@ class FitResult(Spec):
 
     def write(self, path: Path) -> None:
         """Write the result as JSON to a file that is not yet in its place."""
-        contents = marked("fit result", self.model_dump())
+        contents = marked(self.model_dump())
         text = json.dumps(contents, indent=1, ensure_ascii=False, allow_nan=False)
         try:
             path.write_text(text + "\n", encoding="utf-8")
@@ -284,15 +284,15 @@ class FitResult(Spec):
         """Return the report as text, as `print` shows it."""
         return str(self)
 
-    def __str__(self) -> Report:
+    def __str__(self) -> str:
         unwarned = [sentence for sentence in self.verdicts if sentence not in self.warnings]
-        return joined(
+        return "\n".join(
             [
                 fill(self.headline, _WIDTH),
                 *([self.status] if self.status else []),
                 *(item(sentence, "! ") for sentence in self.warnings),
                 "",
-                text_table(*self._table()),
+                str(Table(*self._table())),
                 *map(item, unwarned),
             ]
         )
@@ -304,19 +304,14 @@ class FitResult(Spec):
         )
 
     def _repr_html_(self) -> str:
-        columns, rows = self._table()
-        head = "".join(f"<th>{html(column)}</th>" for column in columns)
-        body = "".join(
-            "<tr>" + "".join(f"<td>{html(cell)}</td>" for cell in row) + "</tr>" for row in rows
-        )
         unwarned = [sentence for sentence in self.verdicts if sentence not in self.warnings]
-        items = "".join(f"<li>{html(sentence)}</li>" for sentence in unwarned)
-        status = f"<p>{html(self.status)}</p>" if self.status else ""
+        items = "".join(f"<li>{escape(sentence)}</li>" for sentence in unwarned)
+        status = f"<p>{escape(self.status)}</p>" if self.status else ""
         style = "border-left: 4px solid #D55E00; padding-left: 0.5em"
-        warned = "".join(f'<p style="{style}">{html(sentence)}</p>' for sentence in self.warnings)
+        warned = "".join(f'<p style="{style}">{escape(sentence)}</p>' for sentence in self.warnings)
         return (
-            f"<p>{html(self.headline)}</p>{status}{warned}"
-            f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table><ul>{items}</ul>"
+            f"<p>{escape(self.headline)}</p>{status}{warned}"
+            f"{Table(*self._table())._repr_html_()}<ul>{items}</ul>"
         )
 
     def _on_disagreement(self, poor: Sequence[str], how: str) -> list[str]:
@@ -955,8 +950,8 @@ class DataFit(FitResult):
             f"published constants, and {self.objective.value:.4g} fitted"
         )
 
-    def __str__(self) -> Report:
-        return joined([super().__str__(), *self._series_table()], "\n\n")
+    def __str__(self) -> str:
+        return "\n\n".join([super().__str__(), *self._series_table()])
 
     def _series_table(self) -> list[str]:
         """Return the table of the series, if there are several."""
@@ -973,7 +968,7 @@ class DataFit(FitResult):
             (one.name, str(one.rows), *(f"{names[k][1] * one.effects[k]:.3g}" for k in shown))
             for one in series
         ]
-        return [text_table(("series", "readings", *(names[k][0] for k in shown)), rows)]
+        return [str(Table(("series", "readings", *(names[k][0] for k in shown)), rows))]
 
     def _table(self) -> tuple[tuple[str, ...], Rows]:
         """Return the headings and the rows of the report's table."""
@@ -1038,8 +1033,8 @@ def left_out_table(fits: Sequence[LeftOut], names: Sequence[str]) -> list[str]:
         )
         for fit in fits
     ]
-    table = text_table(("without", "samples", *names, "RMS on that group"), rows)
-    return [joined(["Fits without one group, and how well they predict it:", table])]
+    table = Table(("without", "samples", *names, "RMS on that group"), rows)
+    return [f"Fits without one group, and how well they predict it:\n{table}"]
 
 
 def or_dash(value: float | None, style: str = ".5g") -> str:

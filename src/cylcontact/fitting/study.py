@@ -24,7 +24,7 @@ from cylcontact.parallel import Workers, call, collect
 from cylcontact.plain_text import brief
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
-from cylcontact.text_tables import Report, joined, text_table
+from cylcontact.text_tables import Table
 
 # Levels of the contours of pairs.
 _CONTOURS = (0.68, 0.95)
@@ -49,7 +49,7 @@ class NoiseStudy(Spec):
     left_out: list[LeftOut] = Field(description="fits without one group")
     bands: list[Band] = Field(description="predictions with their bands")
 
-    def __str__(self) -> Report:
+    def __str__(self) -> str:
         uncertainty, bootstrap = self.uncertainty, self.bootstrap
         level = f"{100 * uncertainty.level:g} %"
         rows: Rows = []
@@ -70,12 +70,12 @@ class NoiseStudy(Spec):
         title = f"{brief(self.name)}: uncertainty from the noise of the measurements"
         parts = [
             "\n".join([title, *(item(sentence, "! ") for sentence in warned)]),
-            text_table(("", "fitted", "std. error", *intervals), rows),
+            str(Table(("", "fitted", "std. error", *intervals), rows)),
             "\n".join(map(item, sentences)),
             *left_out_table(self.left_out, list(uncertainty.estimates)),
             *_on_bands(self.bands, level),
         ]
-        return joined(parts, "\n\n")
+        return "\n\n".join(parts)
 
 
 def study_noise(
@@ -183,8 +183,8 @@ def _on_bands(bands: Sequence[Band], level: str) -> list[str]:
         for band in bands
     ]
     end = ("at", "curve ±%", "new ±%")
-    table = text_table(("pair", "predicted", *end, *end), rows)
-    return [joined([f"Bands at the ends of the range ({level}):", table])]
+    table = Table(("pair", "predicted", *end, *end), rows)
+    return [f"Bands at the ends of the range ({level}):\n{table}"]
 
 
 def _half_widths(band: Band, k: int) -> tuple[str, str, str]:

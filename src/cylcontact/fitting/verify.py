@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +12,6 @@ from cylcontact.fitting.table_campaign import TableCampaign, campaign_of
 from cylcontact.fitting.table_fit import fit_table
 from cylcontact.parallel import Workers
 from cylcontact.progress import Progress
-from cylcontact.text_tables import TextTable
 
 __all__ = ["Check", "compare_results", "verify"]
 
@@ -54,23 +52,6 @@ class Check:
             f"{self.what}: committed {self.committed:.10g}, fresh {self.fresh:.10g}, "
             f"deviation {self.deviation:.1e}, allowed {self.tolerance:.0e}: {verdict}"
         )
-
-
-def checks_table(name: str, checks: Sequence[Check]) -> TextTable:
-    """Return the checks of a result, as plain text a line each that begins with its name."""
-    columns = (name, "committed", "fresh", "deviation", "allowed", "")
-    rows = [
-        (
-            check.what,
-            f"{check.committed:.10g}",
-            f"{check.fresh:.10g}",
-            f"{check.deviation:.1e}",
-            f"{check.tolerance:.0e}",
-            "holds" if check.holds else "DOES NOT HOLD",
-        )
-        for check in checks
-    ]
-    return TextTable("\n".join(f"{name}: {check}" for check in checks), columns, rows)
 
 
 def verify(path: Path, jobs: Workers, progress: Progress) -> list[Check]:

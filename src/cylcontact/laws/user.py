@@ -30,7 +30,6 @@ from cylcontact.errors import InputError
 from cylcontact.laws.formula import Formula
 from cylcontact.laws.law import AtPair, Law
 from cylcontact.pair import Contact, CylinderPair
-from cylcontact.reading import SPEC_BYTES, read_bytes
 
 _NAMING = "name it as module:function; the campaign's folder is searched first, then this one"
 _RELATIVE_STEP = 1e-6
@@ -203,4 +202,4 @@ def _file_of(spec: str, folder: str) -> Path:
 
 def _digest(path: Path) -> str:
     """Return the hash of a file, empty if there is none."""
-    return hashlib.sha256(read_bytes(path, SPEC_BYTES)).hexdigest() if path.is_file() else ""
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""

@@ -27,7 +27,6 @@ from cylcontact.mechanism.drawing import (
     poses,
     set_view,
 )
-from cylcontact.memory import require_memory
 from cylcontact.plain_text import as_label
 from cylcontact.plots.style import ACCENT, FigureStyle, figure_style
 from cylcontact.progress import Progress, silent
@@ -80,7 +79,7 @@ def film(run: Trajectory, path: Path, first: int = 0, progress: Progress = silen
     """
     from matplotlib.animation import writers
 
-    require_film(path, run.revolutions - first)
+    require_film(path)
     count = (run.revolutions - first) * FRAMES_PER_REVOLUTION
     times = (first + np.arange(count) / FRAMES_PER_REVOLUTION) * run.mechanism.period
     path_of = poses(run, times)
@@ -101,8 +100,8 @@ def film(run: Trajectory, path: Path, first: int = 0, progress: Progress = silen
     return count
 
 
-def require_film(path: Path, revolutions: int = 1) -> None:
-    """Raise `InputError` if no film of so many revolutions can be written to `path`."""
+def require_film(path: Path) -> None:
+    """Raise `InputError` if no film can be written to `path`."""
     from matplotlib.animation import writers
 
     suffix = require_suffix(path, *WRITERS)
@@ -110,11 +109,6 @@ def require_film(path: Path, revolutions: int = 1) -> None:
         raise InputError(
             str(path), "", None, "needs ffmpeg, which is not installed", "write a .gif instead"
         )
-    if suffix == ".gif":  # all frames are kept until the end
-        frame = 4 * DPI**2 * SIZE_INCHES[0] * SIZE_INCHES[1]
-        needed = frame * revolutions * FRAMES_PER_REVOLUTION
-        remedy = "film fewer, or write a .mp4"
-        require_memory("film", "revolutions", revolutions, needed, remedy)
 
 
 class _Scene:

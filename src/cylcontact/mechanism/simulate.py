@@ -7,7 +7,7 @@ on the state at its start, and a resumed run equals an uninterrupted one to the 
 from __future__ import annotations
 
 import time
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,13 +21,9 @@ from cylcontact.mechanism.statistics import Statistics
 from cylcontact.mechanism.step_history import Settings, State, StepHistory, concatenate
 from cylcontact.mechanism.system import build
 from cylcontact.mechanism.trajectory import Trajectory
-from cylcontact.memory import require_memory
 from cylcontact.progress import Progress, silent
 
 __all__ = ["Interrupted", "begin", "one_revolution", "settings_for", "simulate"]
-
-# The least that is kept of a revolution: its numbers, if not its steps.
-_LEAST_BYTES = 2000
 
 
 class Interrupted(KeyboardInterrupt):
@@ -116,8 +112,6 @@ def simulate(
         for index in range(done, total):
             progress("revolutions", index, total)
             parts.append(one_revolution(run, index, mechanism.period))
-            if index == done:
-                _require_room(parts[-1], total - done)
     except (KeyboardInterrupt, RunError) as error:
         rows = concatenate(parts)
         block = run.system.block.copy()
@@ -130,14 +124,6 @@ def simulate(
     return Trajectory(mechanism, settings, concatenate(parts), run.system.block.copy())
 
 
-def _require_room(steps: StepHistory, revolutions: int) -> None:
-    """Raise `InputError` if the steps of all revolutions, like these of one, find no memory."""
-    each = sum(getattr(steps, field.name).nbytes for field in fields(steps))
-    remedy = "simulate fewer at a time, or write no trajectory: statistics need none"
-    # Twice: as they come, and joined.
-    require_memory("simulate", "revolutions", revolutions, 2.0 * each * revolutions, remedy)
-
-
 def begin(
     mechanism: Mechanism, settings: Settings, revolutions: int, state: State | None = None
 ) -> Run:
@@ -146,8 +132,6 @@ def begin(
         revolutions >= 1, "simulate", "revolutions", revolutions, "must be at least 1",
         "give e.g. 10",
     )  # fmt: skip
-    needed = _LEAST_BYTES * revolutions
-    require_memory("simulate", "revolutions", revolutions, needed, "simulate fewer")
     system = build(mechanism, settings.method, settings.beyond, settings.allowed_penetration)
     return Run.start(system, settings.tolerance, settings.max_step, state)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from dataclasses import dataclass
 from functools import cached_property
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,8 +17,6 @@ from cylcontact.mechanism.batch_means import BatchMeans
 from cylcontact.mechanism.model import Mechanism
 from cylcontact.mechanism.revolution import ENERGIES, FORCE_PERCENTILES, Limits
 from cylcontact.mechanism.step_history import Settings, State
-from cylcontact.plain_text import html
-from cylcontact.text_tables import Report, frame_table, joined
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -420,16 +419,16 @@ class Statistics:
         )
 
     def __repr__(self) -> str:
-        table = frame_table(self._table())
+        table = self._table().to_string(float_format="{:.5g}".format, na_rep="-")
         lines = [f"Means over {self._counts}; {self._method}", table, *self.motion]
-        return joined(lines)
+        return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        notes = "".join(f"<p>{html(text)}.</p>" for text in (self._method, *self.motion))
+        notes = "".join(f"<p>{escape(text)}.</p>" for text in (self._method, *self.motion))
         table: str = self._table().to_html(float_format=lambda number: f"{number:.5g}", na_rep="–")
         return f"<p>Means over {self._counts}.</p>{table}{notes}"
 
-    def to_text(self) -> Report:
+    def to_text(self) -> str:
         """Return the report that `cylcontact simulate` prints: summary, statistics, assumptions."""
         milliseconds = self.revolutions["seconds"].mean() * 1e3
         real = f"{self.mechanism.period * 1e3:.3g} ms in real time"
@@ -445,7 +444,7 @@ class Statistics:
                 "; ".join(self.assumptions), _WIDTH, initial_indent="  ", subsequent_indent="  "
             ),
         ]
-        return joined(lines)
+        return "\n".join(lines)
 
     @property
     def assumptions(self) -> tuple[str, ...]:

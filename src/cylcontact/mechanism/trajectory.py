@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -14,7 +13,6 @@ import numpy as np
 from cylcontact.arrays import BoolArray, FloatArray, as_floats
 from cylcontact.errors import InputError
 from cylcontact.files import replacing, require_parquet
-from cylcontact.formats import marked, upgraded
 from cylcontact.html_repr import table_html
 from cylcontact.limits import yield_load
 from cylcontact.mechanism import contact, derived
@@ -24,9 +22,8 @@ from cylcontact.mechanism.slider_crank import motion, recognise
 from cylcontact.mechanism.statistics import SECTION, Statistics, described
 from cylcontact.mechanism.step_history import LEDGERS, Settings, State, StepHistory
 from cylcontact.mechanism.system import build
-from cylcontact.memory import require_memory
 from cylcontact.provenance import made_with
-from cylcontact.reading import require_file
+from cylcontact.reading import marked, require_file, unmarked
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -447,7 +444,7 @@ class Trajectory:
                 Path(mechanism.source).parent, {"mechanism": mechanism.data}, _LIBRARIES
             ),
         }
-        text = json.dumps(marked("trajectory", metadata))
+        text = json.dumps(marked(metadata))
         table = pa.table(columns).replace_schema_metadata({_METADATA: text})
         with replacing(path) as temporary:
             pa.parquet.write_table(table, temporary, compression="zstd")
@@ -461,15 +458,13 @@ class Trajectory:
         InputError
             If the file cannot be read, holds no trajectory, or one of a newer format.
         """
-        require_file(path, sys.maxsize)
+        require_file(path)
         pa = require_parquet(path)
         try:
             file = pa.parquet.ParquetFile(path)
-            size = 8.0 * file.metadata.num_rows * file.metadata.num_columns
-            require_memory(str(path), "", None, 2 * size, "simulate fewer revolutions")
             table = file.read()
             metadata = dict(json.loads((table.schema.metadata or {})[_METADATA]))
-            metadata = upgraded("trajectory", metadata, str(path))
+            metadata = unmarked(metadata, str(path))
             rows = _rows_of(table, metadata["counts"])
             spec, source = metadata["spec"], str(metadata["source"])
             settings = Settings(**metadata["settings"])

@@ -8,6 +8,7 @@ import re
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from typing import Any, Literal
 
 import numpy as np
@@ -18,7 +19,6 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter
 
-from cylcontact.plain_text import html
 from cylcontact.plots.style import (
     JOURNAL,
     MM_PER_INCH,
@@ -84,9 +84,9 @@ class Drawing:
         with figure_style():
             self.figure.savefig(stream, format="png", dpi=SCREEN_DPI)
         picture = base64.b64encode(stream.getvalue()).decode("ascii")
-        caption = html(self.caption)
+        caption = escape(self.caption)
         image = f'<img alt="{caption}" src="data:image/png;base64,{picture}">'
-        note = f"<p><small>{html(self.method)}</small></p>" if self.method else ""
+        note = f"<p><small>{escape(self.method)}</small></p>" if self.method else ""
         return f"<figure>{image}<figcaption>{caption}{note}</figcaption></figure>"
 
 

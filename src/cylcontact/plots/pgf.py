@@ -9,7 +9,7 @@ from typing import Any
 
 from matplotlib.backends import backend_pgf
 
-from cylcontact.plain_text import latex
+from cylcontact.plots.latex import latex
 
 __all__ = ["plain_pgf"]
 

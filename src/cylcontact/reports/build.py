@@ -12,6 +12,7 @@ import gc
 import hashlib
 import inspect
 import io
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -22,9 +23,8 @@ from typing import Any
 
 from cylcontact.choices import Format
 from cylcontact.errors import InputError
-from cylcontact.files import keeping, remove_leftovers, replacing_all, require_writable
+from cylcontact.files import replacing_all, require_apart, require_writable
 from cylcontact.parallel import call, run_calls
-from cylcontact.plain_text import csv_text, file_name, page_text
 from cylcontact.plots.figure import Drawing
 from cylcontact.plots.pgf import plain_pgf
 from cylcontact.plots.style import (
@@ -247,15 +247,10 @@ def build(
     work = [call(_attempt, bench, name, target, options, given) for name in chosen]
     results: list[FigureResult] = []
     progress("drawing", 0, len(chosen))
-    try:
-        with closing(run_calls(work, bench.jobs)) as drawn:
-            for result in drawn:
-                results.append(result)
-                progress("drawing", len(results), len(chosen))
-    except BaseException:  # the workers have been killed, some of them while they were writing
-        for path in outputs:
-            remove_leftovers(path)
-        raise
+    with closing(run_calls(work, bench.jobs)) as drawn:
+        for result in drawn:
+            results.append(result)
+            progress("drawing", len(results), len(chosen))
     return results
 
 
@@ -307,11 +302,14 @@ def write(
     with replacing_all(paths) as files:
         for form, picture in zip(options.formats, files, strict=False):
             save_picture(drawing, picture, form, options.style)
-        csv = files[len(options.formats)]
-        csv.write_text(csv_text(drawing.table, float_format=NUMBER_FORMAT), encoding="utf-8")
+        drawing.table.to_csv(
+            files[len(options.formats)],
+            index=False,
+            float_format=NUMBER_FORMAT,
+            lineterminator="\n",
+        )
         for note in files[len(options.formats) + 1 :]:
-            texts = map(page_text, (drawing.caption, drawing.method))
-            note.write_text("\n\n".join(texts) + "\n", encoding="utf-8")
+            note.write_text(f"{drawing.caption}\n\n{drawing.method}\n", encoding="utf-8")
     return tuple(paths)
 
 
@@ -329,7 +327,7 @@ def _require_programs(formats: Iterable[Format]) -> None:
 
 def save_picture(drawing: Drawing, picture: Path, form: Format, style: FigureStyle) -> None:
     """Write one picture, with the caption as metadata where the format allows it."""
-    caption = page_text(drawing.caption)
+    caption = drawing.caption
     # No dates and versions: they would change the bytes.
     metadata: dict[Format, dict[str, str | None]] = {
         "png": {"Software": None, "Description": caption},
@@ -386,8 +384,10 @@ def _drawn(
     try:
         drawing = draw(name, watched, options.style, arguments)
         drawn = True
-        with keeping(watched.read):
-            paths = write(drawing, _stem(name, arguments), folder, options)
+        stem = _stem(name, arguments)
+        endings = (*options.formats, "csv", "txt")
+        require_apart([folder / f"{stem}.{ending}" for ending in endings], watched.read)
+        paths = write(drawing, stem, folder, options)
     except InputError as error:
         if drawn:  # the next would fail too
             raise
@@ -416,7 +416,8 @@ def _drawn(
 
 def _stem(name: str, arguments: Arguments | None) -> str:
     """Return the name of a figure's files: the recipe's, then the values of its arguments."""
-    return "-".join([name, *map(file_name, (arguments or {}).values())])
+    values = (re.sub(r"[^\w.+-]+", "-", value) for value in (arguments or {}).values())
+    return "-".join([name, *values])
 
 
 def _inputs(bench: _WatchedBench, name: str) -> dict[str, str]:

@@ -10,9 +10,8 @@ from typing import Any
 
 import pandas as pd
 
-from cylcontact.formats import marked
+from cylcontact.reading import marked
 from cylcontact.reports.claims import VERDICTS, Alternative, Claim, Verdict
-from cylcontact.text_tables import Report, TextTable, joined
 
 __all__ = [
     "MEANINGS",
@@ -92,7 +91,7 @@ def to_text(
     terms: Mapping[str, str],
     gone: Mapping[str, str] | None = None,
     width: int = 100,
-) -> Report:
+) -> str:
     """Return the ledger for reading: what stands, the claims by verdict, the terms.
 
     Parameters
@@ -108,9 +107,9 @@ def to_text(
 
     Returns
     -------
-    Report
+    str
     """
-    lines = [_counted(claims, width), ""]
+    lines = [*wrap(what_stands(claims), width), ""]
     for group, members in grouped(claims).items():
         title = f"{group.capitalize()} ({len(members)}): {MEANINGS[group]}"
         lines += [*wrap(title, width), "─" * width, ""]
@@ -120,13 +119,7 @@ def to_text(
         lines += [title, "─" * width, ""] if entries else []
         for term, meaning in entries.items():
             lines += [*_entry(f"{term}:", meaning, width, len(term) + 2), ""]
-    return joined(lines[:-1])
-
-
-def _counted(claims: Sequence[Claim], width: int) -> TextTable:
-    """Return how many of the statements stand: a sentence, and the counts for a terminal."""
-    rows = [(verdict, str(count)) for verdict, count in counts(claims).items() if count]
-    return TextTable("\n".join(wrap(what_stands(claims), width)), ("", "statements"), rows)
+    return "\n".join(lines[:-1])
 
 
 def _claim_lines(one: Claim, width: int) -> list[str]:
@@ -216,4 +209,4 @@ def to_json(
         "counts": counts(claims),
         "withdrawn": dict(gone or {}),
     }
-    return json.dumps(marked("claims", document), ensure_ascii=False, indent=2) + "\n"
+    return json.dumps(marked(document), ensure_ascii=False, indent=2) + "\n"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from cylcontact.html_repr import table_html
 from cylcontact.laws import LAWS, ContactLaw, Johnson, difference_percent
 from cylcontact.materials import Material, shipped_materials
 from cylcontact.pair import CONTACTS, Contact, CylinderPair
-from cylcontact.plain_text import as_label, html
+from cylcontact.plain_text import as_label
 from cylcontact.plots import Drawing, new_figure, plot_laws
 from cylcontact.plots.style import ACCENT, COLOURS, QUIET, figure_style
 from cylcontact.reports.laws_bounds import truth_of
@@ -358,7 +359,7 @@ def as_message(error: InputError) -> str:
     >>> print(as_message(InputError("pair", "dR", -1.0, "must be > 0", "give it in mm")))
     <p role="alert">pair: dR = -1.0: must be &gt; 0; give it in mm</p>
     """
-    return f'<p role="alert">{html(str(error))}</p>'
+    return f'<p role="alert">{escape(str(error))}</p>'
 
 
 def _mark_limits(axes: Axes, results: Mapping[str, float], span: tuple[float, float]) -> None:

@@ -10,6 +10,7 @@ import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +21,6 @@ from matplotlib.lines import Line2D
 from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.fitting.measured import Fit
 from cylcontact.html_repr import table_html
-from cylcontact.plain_text import html
 from cylcontact.plots.figure import SCREEN_DPI, StyledFigure, new_figure
 from cylcontact.plots.measured import draw_readings
 from cylcontact.plots.style import ACCENT, QUIET, figure_style
@@ -136,7 +136,7 @@ class FitView:
         times = self.relative(coefficients)
         rows[self.result.objective.name] = times * self.result.objective.value
         rows["times the best"] = times
-        return table_html("With the sliders here", rows) + f"<p>{html(self._sentence(times))}</p>"
+        return table_html("With the sliders here", rows) + f"<p>{escape(self._sentence(times))}</p>"
 
     def readings(self, coefficients: Mapping[str, float]) -> list[FloatArray]:
         """Return the readings that each pair's curve is drawn with, in mm; NaN if undefined."""

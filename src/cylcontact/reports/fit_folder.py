@@ -10,7 +10,6 @@ from cylcontact.files import replacing_all
 from cylcontact.fitting.choice import Choice
 from cylcontact.fitting.design import Design
 from cylcontact.fitting.results import DataFit
-from cylcontact.plain_text import csv_text
 from cylcontact.plots.figure import Drawing
 from cylcontact.plots.style import JOURNAL, figure_style
 from cylcontact.reports.build import NUMBER_FORMAT, save_picture
@@ -74,6 +73,7 @@ def _write(
         paths = {file.suffix: file for file in files}
         save_picture(drawing, paths[".png"], "png", JOURNAL)
         save_picture(drawing, paths[".pdf"], "pdf", JOURNAL)
-        text = csv_text(drawing.table, float_format=NUMBER_FORMAT)
-        paths[".csv"].write_text(text, encoding="utf-8")
+        drawing.table.to_csv(
+            paths[".csv"], index=False, float_format=NUMBER_FORMAT, lineterminator="\n"
+        )
         rest(paths)

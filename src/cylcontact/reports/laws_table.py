@@ -19,7 +19,6 @@ from cylcontact.limits import first_yield
 from cylcontact.materials import Material
 from cylcontact.pair import Contact, CylinderPair
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, departures, explicit_error, truth_of
-from cylcontact.text_tables import Report, TextTable, joined
 
 __all__ = ["case", "comparison", "departures", "deviations", "explicit_error", "to_text"]
 
@@ -189,7 +188,7 @@ def to_text(
     load: float,
     own: ContactLaw | None = None,
     housing: Housing | None = None,
-) -> Report:
+) -> str:
     """Return the whole comparison of laws for a pair and a load as text.
 
     Parameters
@@ -205,7 +204,7 @@ def to_text(
 
     Returns
     -------
-    Report
+    str
         The comparison, the deviations, Johnson's departures from conformal contact (internal
         contact only), the explicit law's error, the laws in a line each, and the parameters that
         a fit searches.
@@ -238,7 +237,7 @@ def to_text(
     if all(body.yield_stress is not None for body in (pair.material_i, pair.material_j)):
         parts[0] += f"\nfirst yield at {first_yield(pair)}"
     parts += [_explicit(), _each_law(contact), _parameters(contact)]
-    return joined(parts, "\n\n")
+    return "\n\n".join(parts)
 
 
 def _advice(pair: CylinderPair, side_by_side: pd.DataFrame, errors: pd.DataFrame) -> str:
@@ -365,7 +364,7 @@ def _parameter(parameter: Parameter) -> str:
     return f"{parameter.name:<18} {bounds:<13} {parameter.unit:<11} {parameter.meaning}"
 
 
-def _lines(table: pd.DataFrame) -> TextTable:
+def _lines(table: pd.DataFrame) -> str:
     """Return a table of texts with the first column left-aligned and numbers right-aligned."""
     columns = [[str(name), *table[name].tolist()] for name in table.columns]
     widths = [max(map(len, column)) for column in columns]
@@ -376,4 +375,4 @@ def _lines(table: pd.DataFrame) -> TextTable:
             for cell, width, name in zip(cells, widths, table.columns, strict=True)
         )
         lines.append("  ".join([first, *others]).rstrip())
-    return TextTable("\n".join(lines), list(map(str, table.columns)), table.to_numpy().tolist())
+    return "\n".join(lines)

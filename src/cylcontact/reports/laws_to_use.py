@@ -22,15 +22,14 @@ from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.results import FitResult
 from cylcontact.fitting.samples import Form, LawForm, Samples, collect_samples, form_of
-from cylcontact.formats import upgraded
 from cylcontact.laws import PUBLISHED, Explicit, Johnson
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN
 from cylcontact.laws.explicit import CALIBRATED
 from cylcontact.pair import Contact
-from cylcontact.reading import SPEC_BYTES, read_text
+from cylcontact.reading import read_text, unmarked
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.laws_bounds import BOUNDED, TRUTH, johnson_end
-from cylcontact.text_tables import Report, joined, text_table
+from cylcontact.text_tables import Table
 
 __all__ = ["error_text", "laws_to_use", "to_text"]
 
@@ -157,7 +156,7 @@ def laws_to_use(contact: Contact, bench: Bench, ranges: Ranges = "practical") ->
     return pd.DataFrame(rows)
 
 
-def to_text(contact: Contact, bench: Bench) -> Report:
+def to_text(contact: Contact, bench: Bench) -> str:
     """Return the comparison of `laws_to_use` as text, with the constants beneath.
 
     Parameters
@@ -167,7 +166,7 @@ def to_text(contact: Contact, bench: Bench) -> Report:
 
     Returns
     -------
-    Report
+    str
     """
     table = laws_to_use(contact, bench).to_dict("records")
     place = _PLACES[_REFITS[contact, "practical"][0]]
@@ -194,7 +193,7 @@ def to_text(contact: Contact, bench: Bench) -> Report:
     lines = [
         f"laws for {contact} contact: error of the penetration at equal load, over {place},\n"
         "and the time of a compiled load relative to that of a power law",
-        text_table([*columns, "time", "units", "defined for", "fitted over"], rows),
+        str(Table([*columns, "time", "units", "defined for", "fitted over"], rows)),
         *(
             ", ".join(filter(None, (f"{row['law']}: {row['formula']}", row["constants"])))
             for row in table
@@ -205,7 +204,7 @@ def to_text(contact: Contact, bench: Bench) -> Report:
             "all by Johnson's datum: a real housing changes the penetration by more than most of "
             "these laws differ"
         )
-    return joined(lines)
+    return "\n".join(lines)
 
 
 def error_text(value: float, form: str) -> str:
@@ -289,8 +288,8 @@ def _relative_times(bench: Bench) -> dict[str, float]:
     remedy = "measure them: make bench"
     path = bench.required(BENCHMARKS, "the measured times do not exist", remedy)
     try:
-        data = dict(json.loads(read_text(path, SPEC_BYTES, remedy)))
-        rows = upgraded("benchmarks", data, str(path))["rows"]
+        data = dict(json.loads(read_text(path, remedy)))
+        rows = unmarked(data, str(path))["rows"]
         compiled = [row for row in rows if row["case"].startswith("compiled scalar")]
         measured = {row["side"]: row["value"] for row in compiled}
     except InputError:

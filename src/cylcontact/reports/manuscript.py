@@ -31,12 +31,11 @@ from cylcontact.choices import first_of
 from cylcontact.errors import InputError
 from cylcontact.fitting.law_models import units_of
 from cylcontact.fitting.results import DataFit, FitResult, LawFit
-from cylcontact.plain_text import markdown
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import FigureResult
 from cylcontact.reports.claims import ledger
 from cylcontact.reports.claims_text import counts
-from cylcontact.reports.quantity import FORMAT, Quantity, Symbol
+from cylcontact.reports.quantity import FORMAT, Quantity, Symbol, markdown
 
 __all__ = [
     "PLACEHOLDER",

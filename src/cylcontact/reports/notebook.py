@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from html import escape
 from importlib import import_module
 from types import ModuleType
 from typing import Any
 
 from cylcontact.errors import InputError
-from cylcontact.plain_text import html
 from cylcontact.progress import Progress
 
 __all__ = ["live_progress", "progress_bar", "require_extra"]
@@ -69,6 +69,6 @@ def progress_bar(stage: str, done: int, total: int) -> str:
     >>> print(progress_bar("searching", 3, 16))
     <progress value="3" max="16" aria-label="searching"></progress> searching 3/16
     """
-    name = html(stage)
+    name = escape(stage)
     bar = f'<progress value="{done}" max="{total}" aria-label="{name}"></progress>'
     return f"{bar} {name} {done}/{total}"

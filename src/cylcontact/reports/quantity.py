@@ -6,11 +6,12 @@ import math
 import re
 from dataclasses import dataclass
 from decimal import Decimal
+from string import punctuation
 
 import numpy as np
 
 from cylcontact.errors import InputError
-from cylcontact.plain_text import markdown
+from cylcontact.plots.latex import LATEX
 
 __all__ = ["FORMAT", "Quantity", "Symbol", "unit_text"]
 
@@ -23,6 +24,12 @@ _WORDS = (
     *("ten", "eleven", "twelve"),
 )
 _SPACE = "\\ "  # between a number and its unit, where a line does not break
+_FORMULA = re.compile(r"\\ensuremath\{(.*)\}")
+_MARKDOWN = {
+    mark: f"${match[1]}$"
+    for mark, text in LATEX.items()
+    if not mark.isascii() and (match := _FORMULA.fullmatch(text))
+}
 
 
 class Symbol(str):
@@ -165,3 +172,29 @@ def _decimals(number: str) -> int:
     """Return how many digits a number in text has behind the first significant one."""
     digits = number.partition("e")[0].replace(".", "").lstrip("+-0")
     return max(len(digits) - 1, 0)
+
+
+def markdown(text: str) -> str:
+    r"""Escape a text for pandoc's Markdown, from which LaTeX and Typst are made.
+
+    No part of it acts as markup or ends a paragraph. Greek letters and signs become formulas, which
+    every font of a journal has.
+
+    Examples
+    --------
+    >>> print(markdown("ΔR_i < 50 % of *R*²"))
+    $\Delta$R\_i \< 50 \% of \*R\*$^{2}$
+    """
+    # A line does not break in a negative number.
+    parts = re.split(r"(−[0-9]+(?:\.[0-9]+)?)", " ".join(text.split("\n")).strip(" "))
+    escaped = "".join(
+        f"$-{part[1:]}$" if index % 2 else "".join(map(_in_markdown, part))
+        for index, part in enumerate(parts)
+    )
+    # Before a digit, a dollar sign does not end a formula.
+    return re.sub(r"(?<=[^ ]\$)[0-9]", lambda digit: f"&#{ord(digit[0])};", escaped)
+
+
+def _in_markdown(mark: str) -> str:
+    """Return one character for pandoc's Markdown."""
+    return _MARKDOWN.get(mark, f"\\{mark}" if mark in punctuation else mark)

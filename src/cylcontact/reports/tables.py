@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from html import escape
 from pathlib import Path
 
 import pandas as pd
 
 from cylcontact.errors import InputError
-from cylcontact.files import replacing_all, require_writable
-from cylcontact.plain_text import csv_text, html, latex, page_text
+from cylcontact.files import replacing_all, require_apart, require_writable
+from cylcontact.plots.latex import latex
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import chosen_recipes, draw
 from cylcontact.reports.claims import ledger
@@ -56,6 +57,7 @@ def write_tables(bench: Bench, names: Sequence[str], kind: str, folder: Path) ->
     files = ("coefficients", "claims", *captions(dict.fromkeys(chosen, "")))
     paths = [folder / f"{name}.{ending}" for name in files]
     require_writable(*paths)
+    require_apart(paths, bench.inputs)
     caption_of = {name: draw(name, bench).caption for name in chosen}
     texts = {
         "coefficients": table(_coefficients_table(bench)),
@@ -106,9 +108,14 @@ def _latex_table(table: pd.DataFrame) -> str:
     return "".join(["% needs \\usepackage{booktabs,longtable}\n", head, rule, "\\endhead\n", body])
 
 
+def _csv_table(table: pd.DataFrame) -> str:
+    """Return a table as CSV."""
+    return table.to_csv(index=False, lineterminator="\n")
+
+
 def _html_table(table: pd.DataFrame) -> str:
     """Return a table as an HTML fragment, all texts escaped."""
-    return table.map(page_text).to_html(index=False, border=0, escape=True) + "\n"
+    return table.to_html(index=False, border=0, escape=True) + "\n"
 
 
 def _latex_captions(captions: Mapping[str, str]) -> dict[str, str]:
@@ -122,7 +129,7 @@ def _latex_captions(captions: Mapping[str, str]) -> dict[str, str]:
 def _html_captions(captions: Mapping[str, str]) -> dict[str, str]:
     """Return one file with all captions."""
     lines = (
-        f'<figcaption id="{html(name)}">{html(text)}</figcaption>'
+        f'<figcaption id="{escape(name)}">{escape(text)}</figcaption>'
         for name, text in captions.items()
     )
     return {"captions": "\n".join(lines) + "\n"}
@@ -131,7 +138,7 @@ def _html_captions(captions: Mapping[str, str]) -> dict[str, str]:
 def _csv_captions(captions: Mapping[str, str]) -> dict[str, str]:
     """Return one file with all captions."""
     return {
-        "captions": csv_text(
+        "captions": _csv_table(
             pd.DataFrame({"figure": list(captions), "caption": list(captions.values())})
         )
     }
@@ -141,6 +148,6 @@ Kind = tuple[str, Callable[[pd.DataFrame], str], Callable[[Mapping[str, str]], d
 # For each kind: the files' ending, and the functions that write a table and the captions.
 KINDS: Mapping[str, Kind] = {
     "latex": ("tex", _latex_table, _latex_captions),
-    "csv": ("csv", csv_text, _csv_captions),
+    "csv": ("csv", _csv_table, _csv_captions),
     "html": ("html", _html_table, _html_captions),
 }

@@ -14,17 +14,17 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shutil import copyfile
+from tempfile import TemporaryDirectory
 from typing import Any
 from urllib.parse import unquote
 
 import pandas as pd
 
 from cylcontact.errors import InputError
-from cylcontact.files import keeping, replacing_all, require_writable, scratch_folder
-from cylcontact.plain_text import csv_text
+from cylcontact.files import replacing_all, require_writable
 from cylcontact.plots.style import choose
 from cylcontact.progress import Progress, silent
-from cylcontact.reading import SPEC_BYTES, TABLE_BYTES, read_text, require_file
+from cylcontact.reading import read_text, require_file
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import FigureResult, build
 from cylcontact.reports.manuscript import (
@@ -105,7 +105,7 @@ def typeset(
         If a part is missing, a placeholder names nothing, a phrase does not hold any more, or a
         reference leads nowhere. Nothing is written then.
     """
-    text = read_text(source, SPEC_BYTES, "name a manuscript, a Markdown file")
+    text = read_text(source, "name a manuscript, a Markdown file")
     if folder.resolve() == source.resolve().parent:
         rule, remedy = "is the manuscript's own folder", "choose another"
         raise InputError("manuscript", "--out", str(folder), rule, remedy)
@@ -123,8 +123,8 @@ def _typeset(bench: Bench, source: Path, text: str, folder: Path, progress: Prog
     tree = _read(PLACEHOLDER.sub(_WORD, text), source)
     _require_places(tree, text, source)
     absent = require_holds(text, bench, source)
-    inputs = [source, *source.parent.glob("*.*"), *bench.inputs]
-    with scratch_folder() as scratch, keeping(inputs):
+    with TemporaryDirectory(prefix="cylcontact-") as name:
+        scratch = Path(name)
         figures, pictures = _draw(bench, source, text, tree, scratch / JOURNAL, progress)
         progress("typesetting", 0, 1)
         values = Values(bench, source, figures)
@@ -188,10 +188,10 @@ def _set(text: str, source: Path, pictures: Mapping[str, str], folder: Path) -> 
 def _write_numbers(filled: Filled, folder: Path) -> None:
     """Write the list of numbers, and each table as CSV."""
     numbers = pd.DataFrame(filled.numbers, columns=["line", "placeholder", "value", "unit"])
-    (folder / "numbers.csv").write_text(csv_text(numbers), encoding="utf-8")
+    numbers.to_csv(folder / "numbers.csv", index=False, lineterminator="\n")
     for name, table in filled.tables.items():
         (folder / "tables").mkdir(exist_ok=True)
-        (folder / "tables" / f"{name}.csv").write_text(csv_text(table), encoding="utf-8")
+        table.to_csv(folder / "tables" / f"{name}.csv", index=False, lineterminator="\n")
 
 
 def _move(scratch: Path, folder: Path) -> None:
@@ -270,7 +270,7 @@ def _target(image: Node) -> str:
 def _copy_picture(source: Path, target: str, folder: Path) -> None:
     """Copy a picture that is beside the manuscript."""
     picture = source.parent / target
-    require_file(picture, TABLE_BYTES, "name a picture beside the manuscript, or a recipe")
+    require_file(picture, "name a picture beside the manuscript, or a recipe")
     copyfile(picture, folder / picture.name)
 
 
@@ -475,7 +475,7 @@ def _read(text: str, source: Path) -> Node:
 def _write(tree: Node, kind: str, source: Path) -> str:
     """Return a tree as LaTeX or Typst."""
     template = source.with_name(_TEMPLATES[kind])
-    read_text(template, SPEC_BYTES, "name a template of pandoc", "copy it from cylcontact init")
+    read_text(template, "name a template of pandoc", "copy it from cylcontact init")
     options = ["--natbib", f"--template={template.resolve()}"]
     return _pandoc(source, json.dumps(tree), kind, "json", options)
 
@@ -531,5 +531,5 @@ def _bibliography(tree: Node, source: Path) -> Path:
             str(source), "bibliography", name or None, rule, "e.g. bibliography: references.bib"
         )
     library = source.with_name(name)
-    read_text(library, SPEC_BYTES, "name a file in BibTeX")
+    read_text(library, "name a file in BibTeX")
     return library

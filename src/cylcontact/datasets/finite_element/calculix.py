@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from cylcontact.datasets.finite_element.calculix_deck import Deck, make_deck
 from cylcontact.datasets.finite_element.cases import Case
 from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.errors import InputError
-from cylcontact.files import scratch_folder
 from cylcontact.tether import tethered
 
 __all__ = ["SolverError", "find_program", "read_results", "run_case", "version"]
@@ -120,7 +120,8 @@ def _run_deck(deck: Deck, program: str, scratch: Path | None = None) -> str:
     SolverError
         If the program ends with an error, is killed, or writes no results.
     """
-    with scratch_folder(scratch) as folder:
+    with TemporaryDirectory(dir=scratch) as name:
+        folder = Path(name)
         (folder / "case.inp").write_text(deck.text, encoding="ascii")
         # One thread: cases run in parallel, and the result does not depend on the machine.
         done = subprocess.run(

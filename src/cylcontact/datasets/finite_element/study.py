@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from threadpoolctl import threadpool_limits
@@ -17,7 +18,6 @@ from cylcontact.datasets.finite_element.setup import Setup
 from cylcontact.datasets.finite_element.solve import solve
 from cylcontact.datasets.finite_element.spec import Study
 from cylcontact.errors import InputError
-from cylcontact.files import scratch_folder
 from cylcontact.journal import Journal
 from cylcontact.parallel import call, run_recorded
 from cylcontact.progress import Progress, silent
@@ -130,9 +130,9 @@ def run_study(
         Journal(checkpoint, "study", f"{study.key} {engine_name(engine)}") if checkpoint else None
     )
     # An interruption ends the workers, which cannot remove what they have written then.
-    with scratch_folder() as scratch:
+    with TemporaryDirectory(ignore_cleanup_errors=True) as scratch:
         calls = {
-            task.places: call(_solve_task, task, study.load, program, scratch)
+            task.places: call(_solve_task, task, study.load, program, Path(scratch))
             for task in _tasks(study, engine)
         }
         solved = run_recorded(

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING
 
 from cylcontact.errors import InputError
 from cylcontact.files import replacing
-from cylcontact.formats import marked, upgraded
-from cylcontact.reading import TABLE_BYTES, read_text
+from cylcontact.reading import marked, read_text, unmarked
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -93,7 +92,7 @@ def write_table(path: Path | str, study: Study, engine: str, rows: Sequence[Row]
         f"{study.origin['outer_ratio']}); it sets the additive constant of the penetration"
     )
     values = (study.name, study.key, engine, calibrated, _hash(body))
-    contents = marked("table of finite elements", dict(zip(KEYS, values, strict=True)))
+    contents = marked(dict(zip(KEYS, values, strict=True)))
     header = "".join(f"# {key}: {value}\n" for key, value in contents.items())
     with replacing(path) as temporary:
         temporary.write_text(header + body, encoding="utf-8", newline="\n")
@@ -113,14 +112,14 @@ def read_table(path: Path | str) -> FiniteElementTable:
     import pandas as pd
 
     remedy = "make finite-element writes it"
-    text = read_text(path, TABLE_BYTES, remedy, remedy)
+    text = read_text(path, remedy, remedy)
     lines = text.splitlines(keepends=True)
     head = [line for line in lines if line.startswith("# ")]
     header = {key: value for key, _, value in (line[2:].rstrip().partition(": ") for line in head)}
-    version: int | str = header.get("format", "0")
+    version: int | str = header.get("format", "1")
     with suppress(ValueError):
         version = int(version)
-    header = upgraded("table of finite elements", {**header, "format": version}, str(path))
+    header = unmarked({**header, "format": version}, str(path))
     body = "".join(lines[len(head) :])
     columns = tuple(body.partition("\n")[0].split(","))
     if tuple(header) != KEYS or columns not in (COLUMNS, (*COLUMNS, *PIN_COLUMNS)):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
+from html import escape
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
@@ -14,7 +15,6 @@ from cylcontact.errors import InputError
 from cylcontact.files import replacing, replacing_all, require_writable
 from cylcontact.fitting.results import FitResult
 from cylcontact.laws.enhanced import InternalCoefficients
-from cylcontact.plain_text import html, page_text
 from cylcontact.progress import Progress, silent
 from cylcontact.reports.bench import Bench
 from cylcontact.reports.build import build, find_recipes
@@ -174,12 +174,11 @@ def _renderer(**common: Any) -> Callable[..., str]:
         loader=PackageLoader("cylcontact.reports.html"),
         autoescape=True,
         undefined=StrictUndefined,
-        finalize=lambda value: page_text(value) if type(value) is str else value,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     # Our own styles and scripts are inserted verbatim; everything else is escaped.
-    environment.filters["subscripts"] = lambda text: Markup(_subscripts(html(text)))
+    environment.filters["subscripts"] = lambda text: Markup(_subscripts(escape(text)))
     environment.globals |= common
     environment.globals["described"] = described
     environment.globals["asset"] = lambda name: Markup(_asset(name))
