@@ -64,13 +64,10 @@ fitting/results/%.json: fitting/%.toml FORCE | committed $(VENV)/.editable
 
 # No files of make's own: a checkout's timestamps say nothing, and the figures, which read these
 # tables, must not redo them. CalculiX solves the recommended set-up; the other studies vary it.
-FE := datasets/finite_element
-
 finite-element: $(VENV)/.editable ## Redo the finite elements' tables (some minutes; needs CalculiX)
-	set -e; for study in $(basename $(wildcard $(FE)/*.toml)); do \
+	set -e; for study in $(basename $(wildcard datasets/finite_element/*.toml)); do \
 		$(CYLCONTACT) finite-element $$study.toml -o $$study-embedded.csv; done
-	$(CYLCONTACT) finite-element $(FE)/recommended.toml --engine calculix \
-		-o $(FE)/recommended-calculix.csv
+	$(BIN)/python -m benchmarks.calculix
 
 # The paper's 24 cases: what a tolerance gives, and how far two of them agree.
 CASES := --law lankarani-nikravesh,johnson,enhanced --clearance 0.5,0.02 --restitution 1,0.9 --friction 0,0.1

@@ -103,7 +103,8 @@ def numbers(campaigns: tuple[str, ...], revolutions: tuple[int, ...]) -> Numbers
         result = calibrate(campaign)
         out[f"coefficients of `{name}`"] = [*result.coefficients.values()]
         out[f"objective of `{name}`"] = [result.objective.value]
-    cases = solve(Setup(2.245, 3.3, 207e3, 0.3, cells=16), 0.1, [20.0, 100.0])
+    setup = Setup(hole_radius=2.245, outer_ratio=3.3, E=207e3, nu=0.3, cells=16)
+    cases = solve(setup, 0.1, [20.0, 100.0])
     out["finite elements, penetration"] = [case.penetration for case in cases]
     for clearance in CLEARANCES:
         mechanism = read_mechanism(ROOT / "datasets/slider_crank.toml", clearance=clearance)

@@ -38,7 +38,7 @@ BODIES = {"plate": ("0.85", COLOURS[0]), "pin": ("#cfe4f2", COLOURS[1])}
 def draw(bench: Bench) -> Drawing:
     recommended = study(bench, "recommended")
     setup = recommended.setups["base"]
-    mesh = setup.mesh(CLEARANCE, recommended.loads)
+    mesh = setup.mesh(CLEARANCE, recommended.load)
     table = _table(mesh)
     smallest = 1e3 * table["shortest_in_contact_mm"].max()
     headline = {

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from cylcontact.datasets.finite_element import Engine, Study, read_study, read_table
+from cylcontact.datasets.finite_element import Study, read_study, read_table
 from cylcontact.errors import InputError
 from cylcontact.laws import LAWS
 from cylcontact.materials import Material
@@ -36,10 +36,10 @@ def study(bench: Bench, name: str) -> Study:
     return read_study(bench.required(FOLDER / f"{name}.toml", rule, remedy))
 
 
-def table(bench: Bench, name: str, engine: Engine = "embedded") -> pd.DataFrame:
-    """Return the cases of `NAME-ENGINE.csv`, after checking that `NAME.toml` made them."""
+def table(bench: Bench, name: str, solver: str = "embedded") -> pd.DataFrame:
+    """Return the cases of `NAME-SOLVER.csv`, after checking that `NAME.toml` made them."""
     setups = study(bench, name)
-    path = bench.input(FOLDER / f"{name}-{engine}.csv")
+    path = bench.input(FOLDER / f"{name}-{solver}.csv")
     cases = read_table(path)
     if cases.header["set-up"] != setups.key:
         raise InputError(

@@ -14,7 +14,7 @@ from skfem.helpers import ddot, eye, sym_grad, trace
 
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.datasets.finite_element import Setup, solve
-from cylcontact.datasets.finite_element.solve import clamped_nodes
+from cylcontact.datasets.finite_element.solver import clamped_nodes
 from cylcontact.laws import ClampedPlate, Conformal, Housing, Sector, glauert
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.housing import pressure_harmonics
@@ -442,9 +442,9 @@ def test_the_compact_law_is_as_near_to_the_series_as_printed(name, rho, clamp, p
 def of_elements(name, rho, clamp, plane, phi, cells):
     """Percent by which penetration and largest pressure of elements exceed the law's, by φ."""
     pin, hole = PAIRS[name]
-    where = "whole" if clamp == "full" else CLAMPS[clamp]
-    own = {"pin_E": pin.E, "pin_nu": pin.nu}
-    setup = Setup(10.0, rho, hole.E, hole.nu, plane=plane, clamp=where, cells=cells, **own)
+    where = CLAMPS[clamp]
+    bodies = {"E": hole.E, "nu": hole.nu, "pin_E": pin.E, "pin_nu": pin.nu, "plane": plane}
+    setup = Setup(hole_radius=10.0, outer_ratio=rho, clamp=where, cells=cells, **bodies)
     pair = setup.pair(0.001)
     f = np.asarray(phi) * float(pair.E_star) * 0.001
     if clamp != "full":  # the sector that the nodes have
@@ -453,7 +453,7 @@ def of_elements(name, rho, clamp, plane, phi, cells):
         side, theta = where.side, np.degrees(np.arctan2(x, y))
         half = theta.max() if side == "near" else 180 - theta.min()
         where = Sector(2 * half, side)
-    law = Conformal(Housing(10 * rho, "rim" if clamp == "full" else where))
+    law = Conformal(Housing(10 * rho, where))
     cases = []
     while not cases:  # the pairs of nodes end at 79°
         try:

@@ -17,7 +17,6 @@ import pytest
 from cylcontact.mechanism import Trajectory
 from tests import killable
 from tests.killable import ROOT, family, wait_until
-from tests.programs import fake_program
 from tests.spec_files import ELEMENTS, tree, write_bench, write_toml
 
 pytestmark = [
@@ -124,7 +123,6 @@ COMMANDS = {
         ("fit", "{out}/fitting/small.toml", "--optimizer", "all", "-o", "{out}/optimizers.csv")
     ),
     "figure": Command(("figure", "-o", "{out}/figures")),
-    "calculix": Command((*STUDY, "{out}/calculix.csv", "--engine", "calculix")),
 }
 RESUMABLE = [name for name, command in COMMANDS.items() if command.short]
 EXIT_CODES = {"SIGKILL": -signal.SIGKILL, "SIGINT": 130, "SIGTERM": 130, "SIGHUP": 130}
@@ -266,13 +264,10 @@ def end_one(folder, name, how, moment):
     write_bench(out, LONG)
     before, shared = set(tree(out)), set(SHARED.iterdir())
     scratch.mkdir()
-    # It stands for CalculiX and does not end.
-    script = "case $1 in -v) echo This is Version 9.9 ;; *) exec sleep 600 ;; esac"
-    ccx = fake_program(folder / "bin", "ccx", script)
     arguments = [part.format(out=out) for part in COMMANDS[name].long]
     command = [*AS_USER, *arguments, "--jobs", "2"]
-    environment = {"PATH": f"{ccx.parent}:{os.environ['PATH']}", "TMPDIR": str(scratch)}
-    with family(command, said, terminal=how == "closed terminal", **environment) as started:
+    terminal = how == "closed terminal"
+    with family(command, said, terminal=terminal, TMPDIR=str(scratch)) as started:
         if moment == "early":
             time.sleep(random.uniform(0.1, 1.5))
         else:
@@ -310,7 +305,6 @@ def shared_memory(numbers, before):
         pytest.param("fit", "SIGKILL", "first worker", marks=pytest.mark.long),
         ("cases", "SIGKILL", "early"),
         pytest.param("figure", "SIGTERM", "workers start", marks=pytest.mark.long),
-        ("calculix", "SIGKILL", "under way"),
         ("fit", "closed terminal", "workers start"),
     ],
 )

@@ -523,7 +523,7 @@ def _unlike_by_elements() -> float:
     largest = 0.0
     for pin, (E, nu) in FE_JOINTS:
         own = {"pin_E": pin[0], "pin_nu": pin[1]}
-        setup = Setup(HOLE, FE_RATIO, E=E, nu=nu, clamp="whole", **own)  # type: ignore[arg-type]
+        setup = Setup(hole_radius=HOLE, outer_ratio=FE_RATIO, E=E, nu=nu, clamp="rim", **own)
         pair, dR = setup.pair(HOLE / 1000), HOLE / 1000
         one = laws.Conformal(datum=laws.Housing(R_o=FE_RATIO * HOLE))
         for phi in FE_PHI:

@@ -9,14 +9,12 @@ from typing import Literal, get_args
 Branch = Literal["loading", "unloading"]
 Method = Literal["minimal", "multiplier"]
 Beyond = Literal["stop", "tangent"]
-Engine = Literal["embedded", "calculix"]
 Study = Literal["cases", "tolerances", "bifurcation"]
 Format = Literal["png", "pdf", "svg", "pgf"]
 
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
 METHODS: tuple[Method, ...] = get_args(Method)
 BEYOND: tuple[Beyond, ...] = get_args(Beyond)
-ENGINES: tuple[Engine, ...] = get_args(Engine)
 STUDIES: tuple[Study, ...] = get_args(Study)
 FORMATS: tuple[Format, ...] = get_args(Format)
 # What the folder of a fit to a table holds.
@@ -40,8 +38,8 @@ def listed(names: Iterable[str]) -> str:
 
     Examples
     --------
-    >>> listed(ENGINES), listed(FORMATS)
-    ('embedded or calculix', 'png, pdf, svg or pgf')
+    >>> listed(METHODS), listed(FORMATS)
+    ('minimal or multiplier', 'png, pdf, svg or pgf')
     """
     *others, last = names
     return f"{', '.join(others)} or {last}" if others else last

@@ -78,7 +78,7 @@ def with_table(data: dict[str, Any], source: Path) -> dict[str, Any]:
         or it is of two materials.
     """
     from cylcontact.datasets.finite_element import read_table
-    from cylcontact.datasets.finite_element.table import PIN_COLUMNS
+    from cylcontact.datasets.finite_element.study import PIN_COLUMNS
 
     name = data.get("table")
     if not isinstance(name, str):

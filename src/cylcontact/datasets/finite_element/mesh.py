@@ -1,4 +1,4 @@
-"""Meshes of half a pin in a hole: structured four-node quads, graded towards the contact.
+"""Set-ups of a pin in a hole, and meshes of its half: four-node quads, graded towards the contact.
 
 The symmetry axis is x = 0. The contact is at the top, and θ is measured from there. The origin is
 the hole's centre and the pin touches the top of the hole, so the pin's centre is at y = ΔR. The
@@ -9,17 +9,28 @@ same rays from the hole's centre, so contact is between pairs of nodes.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from pydantic import BeforeValidator, Field
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, IndexArray, require
 from cylcontact.errors import InputError
+from cylcontact.laws import Conformal, Sector
+from cylcontact.materials import Material
+from cylcontact.pair import CylinderPair, Plane
+from cylcontact.spec import Spec, broken, parse_spec
 
-__all__ = ["Body", "Grading", "IntArray", "Mesh", "Pairs", "make_mesh"]
+BodyName = Literal["plate", "pin"]
 
-IntArray = NDArray[np.intp]
+# With fewer cells over the half-width of the contact the pressure is meaningless.
+_FEWEST_CELLS = 4
+# For a given `size`: number of cells of that size, growth beyond, and largest cell in radii.
+_EVEN_CELLS, _GROWTH, _LARGEST = 24, 1.1, 0.1
+# Rounding costs 1e-5 of the penetration at 1 − 2ν = 2e-11 and is inversely proportional to 1 − 2ν.
+_LARGEST_NU = 0.499999
 
 # Half-width of the pin's square core, in radii.
 _CORE = 0.35
@@ -30,73 +41,223 @@ _EDGE = 0.001
 _MOST_CELLS = 5000
 
 
-@dataclass(frozen=True, eq=False)
-class Body:
-    """One body's mesh.
+# --- the set-up ----------------------------------------------------------------------------------
 
-    Attributes
+
+def _clamp(clamp: object) -> object:
+    """Return the sector that a text such as "far:60" names, and all else as it is."""
+    side, colon, angle = clamp.partition(":") if isinstance(clamp, str) else ("", "", "")
+    if not colon:
+        return clamp
+    try:
+        return Sector(float(angle), side)  # type: ignore[arg-type]
+    except ValueError:
+        rule = "must be a sector near or far of 10 to 350 degrees"
+        raise broken("", clamp, rule, 'write e.g. "far:60"') from None
+
+
+_Clamp = Annotated[Literal["upper half", "rim"] | Sector, BeforeValidator(_clamp)]
+
+
+class SetupKeys(Spec):
+    """What a set-up may hold, in Python and, with Young's moduli in GPa, in a file."""
+
+    hole_radius: float = Field(gt=0, description="the radius of the hole in mm")
+    outer_ratio: float = Field(
+        gt=1, le=1000, description="the plate's outer radius over the hole's, above 1"
+    )
+    E: float | str = Field(description="Young's modulus in MPa, or with its unit")
+    nu: float = Field(ge=0, le=0.5, description="Poisson's ratio, from 0 to 0.5")
+    plane: Plane = Field("strain", description='"strain" or "stress"')
+    load_on: Literal["pin", "disc", "centre"] = Field(
+        "pin", description='"pin", "disc" or "centre"'
+    )
+    disc_ratio: float = Field(
+        0.25, gt=0.1, le=1, description="the loaded disc's radius over the pin's, above 0.1"
+    )
+    clamp: _Clamp = Field(
+        "upper half", description='"upper half", "rim", or a sector such as "near:60" or "far:60"'
+    )
+    cells: int = Field(
+        16,
+        ge=_FEWEST_CELLS,
+        le=200,
+        description=f"cells over the contact's half-width, an integer from {_FEWEST_CELLS} to 200",
+    )
+    size: float | None = Field(None, gt=0, description="the smallest cells, a number in mm above 0")
+    contact_size: float | None = Field(
+        None, gt=0, description="the largest cells in the contact, a number in mm above 0"
+    )
+    pin_E: float | str | None = Field(None, description="the pin's Young's modulus, as E")
+    pin_nu: float | None = Field(
+        None, ge=0, le=0.5, description="the pin's Poisson's ratio, from 0 to 0.5"
+    )
+
+
+class Setup(SetupKeys):
+    """Everything about a case except the clearance and the load.
+
+    Parameters
     ----------
-    points : array of float, shape (N, 2)
-        Nodes in mm.
-    quads : array of int, shape (M, 4)
-        Nodes of each cell, counter-clockwise.
-    surface : array of int, shape (k,)
-        Nodes of the contact surface, from the top.
-    axis : array of int
-        Nodes on the symmetry axis.
+    hole_radius, outer_ratio : float
+        R_i in mm, and the plate's outer radius over it, which sets the additive constant of the
+        penetration, because a 2-D body has no absolute approach.
+    E, nu : float
+        Young's modulus as in `Material`, in MPa or with its unit, and Poisson's ratio, in plane
+        strain at most 0.499999.
+    plane : {"strain", "stress"}
+        Plane state.
+    load_on : {"pin", "disc", "centre"}
+        Where the load acts: all over the pin, on a disc at its centre, or at the centre node.
+    disc_ratio : float
+        Radius of that disc over the radius of the pin.
+    clamp : {"upper half", "rim"} or Sector
+        The part of the plate's outer boundary that is fixed: the half that the pin is pushed
+        towards, or as in a `Housing` all of it or a sector, "far:60" for short. A sector ends at
+        the node next to its angle; the cells are graded to its end, unless that is in front of
+        where contact may extend.
+    cells : int
+        Number of cells over the half-width of the contact at the smallest load.
+    size, contact_size : float, optional
+        Length of the smallest cells in mm, in place of `cells`, and of the largest in the contact.
+    pin_E, pin_nu : float, optional
+        Those of the pin, by default the plate's.
+
+    Raises
+    ------
+    InputError
+        If a value is out of its range.
+
+    Examples
+    --------
+    An aluminium pin in a steel plate:
+
+    >>> steel = {"hole_radius": 2.245, "outer_ratio": 3.4, "E": 207e3, "nu": 0.3}
+    >>> for setup in (Setup(**steel), Setup(**steel, pin_E="70 GPa", pin_nu=0.33)):
+    ...     print(f"{setup.half_width(1.0, 20.0):.4f} mm")
+    0.0250 mm
+    0.0349 mm
     """
 
-    points: FloatArray
-    quads: IntArray
-    surface: IntArray
-    axis: IntArray
+    def __init__(self, **keys: Any) -> None:
+        parse_spec(SetupKeys, keys, "finite elements")  # its errors are ours
+        super().__init__(**keys)
+        for body in get_args(BodyName):
+            self.material(body)  # which judges E
+        for key in ("nu", "pin_nu"):
+            nu = getattr(self, key)
+            fits = self.plane == "stress" or nu is None or nu <= _LARGEST_NU
+            rule = f"must not exceed {_LARGEST_NU:g} in plane strain: the stiffness of an "
+            rule += "incompressible body is infinite"
+            remedy = "use 0.4999, or laws.Conformal(), which takes 0.5"
+            require(fits, "finite elements", key, nu, rule, remedy)
+
+    @property
+    def outer_radius(self) -> float:
+        """The plate's outer radius in mm."""
+        return self.outer_ratio * self.hole_radius
+
+    def material(self, of: BodyName) -> Material:
+        """Return the material of a body."""
+        E = self.E if of == "plate" or self.pin_E is None else self.pin_E
+        nu = self.nu if of == "plate" or self.pin_nu is None else self.pin_nu
+        return Material(of, E, nu)
+
+    def equivalent(self, of: BodyName) -> tuple[float, float]:
+        """Return E (MPa) and ν of a body for which plane strain is equivalent to the state `plane`.
+
+        Plane stress is equivalent to plane strain with E' = E(1 + 2ν)/(1 + ν)² and ν' = ν/(1 + ν).
+        """
+        material = self.material(of)
+        E, nu = float(material.E), float(material.nu)
+        if self.plane == "strain":
+            return E, nu
+        return E * (1 + 2 * nu) / (1 + nu) ** 2, nu / (1 + nu)
+
+    def pair(self, dR: float) -> CylinderPair:
+        """Return the pair of cylinders."""
+        plate, pin = self.material("plate"), self.material("pin")
+        return CylinderPair.from_dR(
+            "internal", dR, R_i=self.hole_radius, pin=pin, hole=plate, plane=self.plane
+        )
+
+    @property
+    def clamp_end(self) -> float | None:
+        """Where a clamped sector ends, in radians from the top."""
+        if not isinstance(self.clamp, Sector):
+            return None
+        half = np.radians(self.clamp.angle) / 2
+        return float(half if self.clamp.side == "near" else np.pi - half)
+
+    def half_width(self, dR: float, load: float) -> float:
+        """Return the half-width of the contact in mm by the reference law, to grade the mesh."""
+        pair = self.pair(dR)
+        radius = np.sqrt(self.hole_radius * (self.hole_radius - dR))
+        return float(np.radians(Conformal().contact_angle(load, pair)) * radius)
+
+    def require_room(self, dR: float) -> None:
+        """Raise `InputError` for a clearance that is not positive or leaves no pin."""
+        rule = f"must lie between 0 and the radius of the hole, {self.hole_radius:g} mm"
+        remedy = "give the radial clearance in mm"
+        require(0 < dR < self.hole_radius, "finite elements", "dR", dR, rule, remedy)
+
+    def mesh(self, dR: float, loads: Sequence[float] | FloatArray) -> Mesh:
+        """Return the mesh of one clearance for all its loads.
+
+        Raises
+        ------
+        InputError
+            If the clearance leaves no pin, or the cells are too large for the narrowest contact.
+        """
+        self.require_room(dR)
+        narrow, wide = (self.half_width(dR, float(f)) for f in (min(loads), max(loads)))
+        if self.size is None:
+            share = 1.44 / self.cells
+            grading = Grading(narrow / self.cells, 1.1 * narrow, 1 + share, share)
+        else:
+            needed = narrow / _FEWEST_CELLS
+            rule = f"is too coarse: at ΔR = {dR:g} mm and {min(loads):g} N/mm the contact's "
+            rule += f"half-width is {narrow:.3g} mm, and {_FEWEST_CELLS} cells must fit into it"
+            remedy = f"use {needed:.2g} mm or less, or give cells instead"
+            require(self.size <= needed, "finite elements", "size", self.size, rule, remedy)
+            even = min(1.1 * narrow, _EVEN_CELLS * self.size)
+            fine = np.inf if self.contact_size is None else self.contact_size
+            grading = Grading(self.size, even, _GROWTH, _LARGEST, fine, 1.1 * wide)
+        return _mesh(self, dR, grading)
+
+
+# --- the mesh ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """One body's mesh."""
+
+    points: FloatArray  # (N, 2), the nodes in mm
+    quads: IndexArray  # (M, 4), the nodes of each cell, counter-clockwise
+    surface: IndexArray  # nodes of the contact surface, from the top
+    axis: IndexArray  # nodes on the symmetry axis
 
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """Pairs of nodes that may touch: the first `count` of both surfaces.
-
-    Attributes
-    ----------
-    count : int
-        The number of pairs m.
-    normals : array of float, shape (m, 2)
-        Unit vectors out of the pin, from the hole's centre through each pair.
-    gap : array of float, shape (m,)
-        Distance in mm when the pin just touches the top; zero for the first pair.
-    length : array of float, shape (m,)
-        Length of surface in mm represented by each pair.
-    arc : array of float, shape (m,)
-        Distance from the top along the hole's surface in mm.
-    """
+    """The m pairs of nodes that may touch: the first of both surfaces."""
 
     count: int
-    normals: FloatArray
-    gap: FloatArray
-    length: FloatArray
-    arc: FloatArray
+    normals: FloatArray  # (m, 2), unit vectors out of the pin, from the hole's centre
+    gap: FloatArray  # mm, when the pin just touches the top; zero for the first pair
+    length: FloatArray  # mm, the length of surface that each pair represents
+    arc: FloatArray  # mm, from the top along the hole's surface
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A pin, a plate with a hole, and the pairs of nodes between them.
-
-    Attributes
-    ----------
-    plate, pin : Body
-        The pin's centre is at (0, ΔR).
-    centre : int
-        Node at the centre of the pin.
-    outer : array of int
-        Nodes on the outer boundary of the plate, from the top.
-    pairs : Pairs
-        Pairs of nodes that may touch.
-    """
+    """A pin with its centre at (0, ΔR), a plate with a hole, and the pairs between them."""
 
     plate: Body
     pin: Body
-    centre: int
-    outer: IntArray
+    centre: int  # the node at the centre of the pin
+    outer: IndexArray  # nodes on the outer boundary of the plate, from the top
     pairs: Pairs
 
     @property
@@ -107,52 +268,39 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Grading:
-    """Growth of the lengths of cells away from the middle of the contact.
+    """How the lengths of cells grow away from the middle of the contact."""
 
-    Attributes
-    ----------
-    size : float
-        Length of the cells at the middle of the contact in mm.
-    even : float
-        Length of surface in mm with cells of that length.
-    growth : float
-        Ratio of the lengths of neighbouring cells beyond it, at least 1.
-    largest : float
-        Largest length of a cell, in radii of its body.
-    fine : float
-        Largest length of a cell in mm along the first `reach` of the surface.
-    reach : float
-        Length of surface in mm.
-    """
-
-    size: float
-    even: float
-    growth: float
-    largest: float
-    fine: float = np.inf
-    reach: float = 0.0
+    size: float  # mm, of the cells at the middle
+    even: float  # mm, the length of surface with cells of that size
+    growth: float  # the ratio of neighbours beyond it, at least 1
+    largest: float  # of all cells, in radii of the body
+    fine: float = np.inf  # mm, of the cells along the first `reach` of the surface
+    reach: float = 0.0  # mm
 
 
-def _graded(length: float, grading: Grading, radius: float = 1.0) -> FloatArray:
+def _mesh(setup: Setup, dR: float, grading: Grading) -> Mesh:
+    """Mesh a pin in a hole."""
+    pin_radius = setup.hole_radius - dR
+    # The pin's angles from 0 to 45°, and a multiple of 8 intervals from 45° to 135°.
+    top = _graded(_QUARTER * pin_radius, grading, pin_radius) / pin_radius
+    eighths = int(np.ceil(_QUARTER / 4 / (top[-1] - top[-2])))
+    right = np.linspace(_QUARTER, 3 * _QUARTER, 8 * eighths + 1)
+    inwards = replace(grading, even=0.0)
+    depth = _graded((1 - _CORE) * pin_radius, inwards, pin_radius)
+    pin, centre = _pin(pin_radius, dR, top, right, depth / depth[-1])
+    # The pairs extend to 79°; contact of bodies of one material stays below 85° at any load.
+    facing = np.concatenate([top, right[1 : 3 * (right.size // 8) + 1]])
+    rays = np.arctan2(pin_radius * np.sin(facing), dR + pin_radius * np.cos(facing))
+    plate, outer = _plate(setup, rays, inwards)
+    return Mesh(plate, pin, centre, outer, _pairs(plate, pin, setup.hole_radius, facing.size))
+
+
+def _graded(length: float, grading: Grading, radius: float) -> FloatArray:
     """Return points from 0 to `length` with distances that grow from the grading's size.
 
-    Parameters
-    ----------
-    length : float
-        The last point, in mm.
-    grading : Grading
-        All distances are reduced slightly so that the last point is at `length`.
-    radius : float
-        Radius of the body in mm.
+    All distances are reduced slightly so that the last point is at `length`.
 
-    Returns
-    -------
-    array of float
-        In mm.
-
-    Examples
-    --------
-    >>> print(_graded(1.0, Grading(size=0.1, even=0.0, growth=1.5, largest=0.3)).round(3))
+    >>> print(_graded(1.0, Grading(size=0.1, even=0.0, growth=1.5, largest=0.3), 1.0).round(3))
     [0.    0.093 0.233 0.442 0.721 1.   ]
     """
     points, size = [0.0], grading.size
@@ -168,85 +316,34 @@ def _graded(length: float, grading: Grading, radius: float = 1.0) -> FloatArray:
     return np.array(points) * (length / points[-1])
 
 
-def make_mesh(
-    hole_radius: float,
-    dR: float,
-    outer_radius: float,
-    grading: Grading,
-    clamp_end: float | None = None,
-) -> Mesh:
-    """Mesh a pin in a hole.
-
-    Parameters
-    ----------
-    hole_radius, dR, outer_radius : float
-        R_i, ΔR and the plate's outer radius in mm.
-    grading : Grading
-        The lengths of the cells.
-    clamp_end : float, optional
-        An angle in radians from the top where the boundary begins to be free or held.
-
-    Returns
-    -------
-    Mesh
-
-    Examples
-    --------
-    >>> mesh = make_mesh(2.245, 0.1, 7.184, Grading(0.01, 0.08, 1.15, 0.12))
-    >>> mesh.pin.points[mesh.centre].round(12).tolist(), mesh.pairs.gap[0].round(12).item()
-    ([0.0, 0.1], 0.0)
-    """
-    pin_radius = hole_radius - dR
-    top, right = _pin_angles(pin_radius, grading)
-    inwards = replace(grading, even=0.0)
-    depth = _graded((1 - _CORE) * pin_radius, inwards, pin_radius)
-    pin, centre = _pin(pin_radius, dR, top, right, depth / depth[-1])
-    # The pairs extend to 79°; contact of bodies of one material stays below 85° at any load.
-    facing = np.concatenate([top, right[1 : 3 * (right.size // 8) + 1]])
-    rays = np.arctan2(pin_radius * np.sin(facing), dR + pin_radius * np.cos(facing))
-    plate, outer = _plate(hole_radius, outer_radius, rays, inwards, clamp_end)
-    return Mesh(plate, pin, centre, outer, _pairs(plate, pin, hole_radius, facing.size))
-
-
-def _pin_angles(radius: float, grading: Grading) -> tuple[FloatArray, FloatArray]:
-    """Return the pin's angles from 0 to 45°, and a multiple of 8 intervals from 45° to 135°."""
-    top = _graded(_QUARTER * radius, grading, radius) / radius
-    eighths = int(np.ceil(_QUARTER / 4 / (top[-1] - top[-2])))
-    return top, np.linspace(_QUARTER, 3 * _QUARTER, 8 * eighths + 1)
-
-
-def _plate(
-    radius: float,
-    outer_radius: float,
-    rays: FloatArray,
-    grading: Grading,
-    clamp_end: float | None,
-) -> tuple[Body, IntArray]:
-    """Mesh the plate, a ring with `rays` as its first angles."""
+def _plate(setup: Setup, rays: FloatArray, grading: Grading) -> tuple[Body, IndexArray]:
+    """Mesh the plate, a ring with `rays` as its first angles, and return its outer nodes too."""
+    radius, clamp_end = setup.hole_radius, setup.clamp_end
+    width = setup.outer_radius - radius
     onwards = replace(grading, size=(rays[-1] - rays[-2]) * radius)
-    to_side = _graded((np.pi / 2 - rays[-1]) * radius, onwards, radius) / radius
-    below = np.linspace(np.pi / 2, np.pi, int(np.ceil(np.pi / 2 / grading.largest)) + 1)
-    # One node is exactly at the end of the upper half of the boundary.
-    theta = np.concatenate([rays, rays[-1] + to_side[1:-1], below])
     outwards = replace(grading, largest=2 * grading.largest)
-    r = radius + _graded(outer_radius - radius, outwards, radius)
-    if clamp_end is not None:
+    if clamp_end is None:
+        r = radius + _graded(width, outwards, radius)
+    else:
         edge = replace(grading, size=_EDGE * radius, even=0.0)
-        half = (outer_radius - radius) / 2
-        inner = _graded(half, replace(outwards, largest=grading.largest), radius)
-        r = radius + np.append(inner, 2 * half - _graded(half, edge, radius)[-2::-1])
-        if clamp_end > rays[-1]:
-            middle, rest = (clamp_end - rays[-1]) / 2, np.pi - clamp_end
-            before = _graded(middle * radius, onwards, radius) / radius
-            to_end, after = (_graded(a * radius, edge, radius) / radius for a in (middle, rest))
-            before = np.append(rays[-1] + before[1:], clamp_end - to_end[-2::-1])
-            theta = np.concatenate([rays, before, clamp_end + after[1:]])
+        inner = _graded(width / 2, replace(outwards, largest=grading.largest), radius)
+        r = radius + np.append(inner, width - _graded(width / 2, edge, radius)[-2::-1])
+    if clamp_end is not None and clamp_end > rays[-1]:
+        middle, rest = (clamp_end - rays[-1]) / 2, np.pi - clamp_end
+        before = _graded(middle * radius, onwards, radius) / radius
+        to_end, after = (_graded(a * radius, edge, radius) / radius for a in (middle, rest))
+        before = np.append(rays[-1] + before[1:], clamp_end - to_end[-2::-1])
+        theta = np.concatenate([rays, before, clamp_end + after[1:]])
+    else:
+        to_side = _graded((np.pi / 2 - rays[-1]) * radius, onwards, radius) / radius
+        # One node is exactly at the end of the upper half of the boundary.
+        below = np.linspace(np.pi / 2, np.pi, int(np.ceil(np.pi / 2 / grading.largest)) + 1)
+        theta = np.concatenate([rays, rays[-1] + to_side[1:-1], below])
     points = _polar(r[:, None], theta[None, :])
-    nodes = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
+    nodes = np.arange(r.size * theta.size).reshape(r.size, theta.size)
     # θ runs clockwise, so with r outwards the corners turn counter-clockwise in this order.
-    quads = _quads(nodes)
     axis = np.concatenate([nodes[:, 0], nodes[:, -1]])
-    return Body(points.reshape(-1, 2), quads, nodes[0], axis), nodes[-1]
+    return Body(points.reshape(-1, 2), _quads(nodes), nodes[0], axis), nodes[-1]
 
 
 def _pin(
@@ -254,7 +351,7 @@ def _pin(
 ) -> tuple[Body, int]:
     """Mesh the pin: layers between its surface and a square core, and the core.
 
-    `depth` runs from 0 at the surface to 1 at the core.
+    `depth` runs from 0 at the surface to 1 at the core. Returned is the node at the centre too.
     """
     bottom = np.linspace(3 * _QUARTER, np.pi, top.size)
     theta = np.concatenate([top, right[1:], bottom[1:]])
@@ -285,7 +382,6 @@ def _pin(
 def _pairs(plate: Body, pin: Body, radius: float, count: int) -> Pairs:
     """Return the pairs of nodes that face each other."""
     hole, facing = plate.points[plate.surface[:count]], pin.points[pin.surface[:count]]
-    normals = hole / radius
     # The pin touches the top exactly, without rounding error.
     gap = np.concatenate([[0.0], radius - np.hypot(facing[1:, 0], facing[1:, 1])])
     pieces = np.hypot(*np.diff(hole, axis=0).T)
@@ -293,7 +389,7 @@ def _pairs(plate: Body, pin: Body, radius: float, count: int) -> Pairs:
     length[:-1] += pieces / 2
     length[1:] += pieces / 2
     arc = radius * np.arctan2(hole[:, 0], hole[:, 1])
-    return Pairs(count, normals, gap, length, arc)
+    return Pairs(count, hole / radius, gap, length, arc)
 
 
 def _polar(r: FloatArray, theta: FloatArray) -> FloatArray:
@@ -304,7 +400,7 @@ def _polar(r: FloatArray, theta: FloatArray) -> FloatArray:
     return np.where(np.abs(points) < 1e-12 * r[..., None], 0.0, points)
 
 
-def _quads(nodes: IntArray) -> IntArray:
+def _quads(nodes: IndexArray) -> IndexArray:
     """Return the cells of a block of nodes with rows outwards and columns clockwise."""
     corners = (nodes[:-1, :-1], nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1])
     return np.stack([corner.ravel() for corner in corners], axis=-1)
