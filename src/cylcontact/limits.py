@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, require, require_positive
 from cylcontact.errors import InputError
-from cylcontact.laws import Johnson
+from cylcontact.housing_stress import first_yield_in
+from cylcontact.laws import Housing, Johnson
 from cylcontact.pair import CylinderPair
 from cylcontact.yield_search import Criterion, FirstYield, find_first_yield
 
@@ -83,7 +84,10 @@ def hertz_pressure(x: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatAr
 
 
 def yield_load(
-    pair: CylinderPair, criterion: Criterion = "von Mises", yield_stress: float | None = None
+    pair: CylinderPair,
+    criterion: Criterion = "von Mises",
+    yield_stress: float | None = None,
+    housing: Housing | None = None,
 ) -> FloatArray:
     """Return the load at which the contact first yields (Fig 7 with the paper's "Hertz").
 
@@ -98,6 +102,8 @@ def yield_load(
         the estimate while f/(E*·ΔR) is below 0.67 at yield, and less beyond.
     yield_stress : float, optional
         In MPa, for both bodies; by default each has that of its material.
+    housing : Housing, optional
+        As for `first_yield`; "Hertz" knows none.
 
     Returns
     -------
@@ -123,13 +129,14 @@ def yield_load(
     if criterion == "Hertz":
         weaker = min(_yield_stresses(pair, yield_stress))
         return as_floats(np.pi * weaker**2 * pair.R / pair.E_star)
-    return first_yield(pair, criterion, yield_stress).load
+    return first_yield(pair, criterion, yield_stress, housing).load
 
 
 def first_yield(
     pair: CylinderPair,
     criterion: Literal["von Mises", "Tresca"] = "von Mises",
     yield_stress: float | None = None,
+    housing: Housing | None = None,
 ) -> FirstYield:
     """Return the load at which either body first yields, the body, and the depth.
 
@@ -180,10 +187,15 @@ def first_yield(
     remedy = "'Hertz' is the paper's estimate of the load"
     known = criterion in ("von Mises", "Tresca")
     require(known, "yield limit", "criterion", criterion, rule, remedy)
-    return find_first_yield(pair, _yield_stresses(pair, yield_stress), criterion)
+    stresses = _yield_stresses(pair, yield_stress, housing)
+    if housing is not None:
+        return first_yield_in(housing, pair, stresses, criterion)
+    return find_first_yield(pair, (stresses[0], stresses[1]), criterion)
 
 
-def yield_warning(load: ArrayLike, pair: CylinderPair) -> str | None:
+def yield_warning(
+    load: ArrayLike, pair: CylinderPair, housing: Housing | None = None
+) -> str | None:
     """Return a sentence if a load is above first yield by von Mises; None if none is.
 
     Of loads in N/mm, where NaN counts for nothing, and one pair. None is returned as well if a
@@ -200,11 +212,12 @@ def yield_warning(load: ArrayLike, pair: CylinderPair) -> str | None:
     >>> print(*others)
     von Mises, in the hole, at its surface); all laws here are elastic
     """
-    bodies = pair.material_i, pair.material_j
+    layers = [] if housing is None else [material for material, _ in housing.layers]
+    bodies = pair.material_i, pair.material_j, *layers
     if pair.R_i is None or pair.R_j is None or any(body.yield_stress is None for body in bodies):
         return None
-    largest, at = np.nanmax(as_floats(load), initial=0.0), first_yield(pair)
-    if largest <= at.load:
+    largest, at = np.nanmax(as_floats(load), initial=0.0), first_yield(pair, housing=housing)
+    if not largest > at.load:
         return None
     load_and_limit = f"the largest load, {largest:,.0f} N/mm, is above first yield at {at}"
     return f"{load_and_limit}; all laws here are elastic"
@@ -280,14 +293,18 @@ def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
     return as_floats(2 * radius / (1 + np.sqrt(1 + 4 / m)))
 
 
-def _yield_stresses(pair: CylinderPair, given: float | None) -> tuple[float, float]:
-    """Return the yield stresses of bodies i and j in MPa: the given one, else their own."""
-    own = pair.material_i.yield_stress, pair.material_j.yield_stress
-    stress_i, stress_j = own if given is None else (given, given)
-    if stress_i is None or stress_j is None:
-        rule = "is not known for both materials"
+def _yield_stresses(
+    pair: CylinderPair, given: float | None, housing: Housing | None = None
+) -> list[float]:
+    """Return the yield stresses of body i, of layers around it, and of body j in MPa."""
+    layers = [] if housing is None else [material for material, _ in housing.layers]
+    bodies = [pair.material_i, *layers, pair.material_j]
+    stresses = [body.yield_stress if given is None else given for body in bodies]
+    known = [stress for stress in stresses if stress is not None]
+    if len(known) < len(bodies):
+        rule = f"is not known for {'all' if layers else 'both'} materials"
         remedy = "give the materials a yield_stress in MPa, or pass one"
         raise InputError("yield limit", "yield_stress", None, rule, remedy)
     if given is not None:  # those of materials are positive
         require_positive(given, "yield limit", "yield_stress", "give it in MPa")
-    return stress_i, stress_j
+    return known

@@ -1,0 +1,209 @@
+"""Stresses in a housing and its pin under the pressure of the series, and where they first yield.
+
+Lengths are in units of R and stresses in units of f/R; the load acts along θ = 0. The stresses are
+those of the infinite plate under the same pressure, which `cylcontact.stress` has exactly, and a
+sum over harmonics of what the rim adds. With P_n = ∫p·cos ns ds the bore carries the pressure
+P_n/π·cos nθ, half of it for n = 0, and
+
+    σ = σ of the plate + Σ cos nθ·[terms of the ring − terms of the plate].
+
+The ring's are Michell's four terms of `cylcontact.laws.housing`, for a bore under that pressure
+with the rim clamped, and in an eye those of the displacements of its free arc besides, which are
+linear in all P_n. The plate's have, for n ≥ 2, the coefficients 1/(2(n − 1)) and n/(2(n + 1)); so
+the sum falls like ρ^(−2n) at the bore, where the pressure's own singularities are in closed form.
+
+**Where first yield is sought.** In the whole pin, and in the housing from the bore to the rim or,
+if a sector is clamped, to the middle of its wall: the ends of a clamp are singular, and no elastic
+stress there says when they yield. Thin eyes that are pulled yield on the bore beside the contact,
+by bending and hoop tension.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from cylcontact.arrays import FloatArray, as_floats, require
+from cylcontact.laws.conformal import Bodies
+from cylcontact.laws.contact_law import require_hole
+from cylcontact.laws.glauert import Housed
+from cylcontact.laws.housing import Housing, Kernel, compliances, michell
+from cylcontact.pair import CylinderPair
+from cylcontact.stress import PlaneStress, Pressure, in_pin, in_plate
+from cylcontact.yield_search import Criterion, FirstYield, equivalent
+
+Field = Callable[[FloatArray, FloatArray], PlaneStress]
+
+# Points of the search: along half the bore and across a wall, and as many within two and three
+# half-widths of the contact; then so many times this many around the largest value.
+_ALONG, _THROUGH, _NEAR_ALONG, _NEAR_THROUGH = 33, 13, 17, 13
+_PASSES, _FINE = 5, 7
+_END, _CENTRE = np.pi - 1e-6, 0.02
+# The arcs of the search, 1 − e^−t times the largest, and the accuracy of t.
+_FIRST, _LAST, _EXACT = 1e-6, 23.0, 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class HousingStress:
+    """The stresses in the rings of a housing and in its pin, under the pressure along one arc."""
+
+    kernel: Kernel
+    b: float  # tan(ε/2)
+    coefficients: FloatArray  # of Glauert's series
+
+    @cached_property
+    def pressure(self) -> Pressure:
+        """The pressure as an analytic function."""
+        return Pressure(np.array([[self.b]]), self.coefficients[:, None, None])
+
+    @cached_property
+    def terms(self) -> FloatArray:
+        """The coefficients of the terms of each ring, in the first without those of the plate."""
+        given, kappa = compliances(self.kernel), self.kernel.rings[0].kappa
+        count = given.moved.shape[2]
+        x, weights = np.polynomial.legendre.leggauss(2 * self.coefficients.size + count)
+        v = np.pi / 4 * (1 + x)
+        y = self.b * np.cos(v)
+        p = np.sin(np.outer(v, 2 * np.arange(self.coefficients.size) + 1)) @ self.coefficients
+        p *= np.pi * weights * self.b * np.sin(v) / (1 + y**2)
+        n = np.arange(len(given.terms))
+        P = np.cos(np.outer(n, 2 * np.arctan(y))) @ p
+        bore = P / np.pi * np.where(n == 0, 0.5, 1.0)
+        bore[count:] = 0.0  # of which nothing reaches the rim
+        terms = given.terms[..., 0] * bore[:, None, None]
+        terms += np.einsum("nkji,nim,m->nkj", given.terms[..., 1:], given.moved, P[:count])
+        second = np.where(n == 1, -1 / (2 * (kappa + 1)), 1 / (2 * np.maximum(n - 1, 1)))
+        fourth = np.where(n == 1, -(kappa - 1) / (4 * (kappa + 1)), n / (2 * (n + 1)))
+        second[0], fourth[0] = 0, -1
+        terms[:, 0, 1] -= second * bore
+        terms[:, 0, 3] -= fourth * bore
+        return as_floats(terms)
+
+    def in_ring(self, k: int, r: FloatArray, theta: FloatArray) -> PlaneStress:
+        """Return the stresses in ring k at each r and θ, shape (r, θ)."""
+        n = np.arange(len(self.terms))
+        rows = np.stack([michell(n, self.kernel.rings[k], float(radius))[:, 2:] for radius in r])
+        radial, shear, total = np.einsum("rnij,nj->irn", rows, self.terms[:, k])
+        even, odd = np.cos(np.outer(n, theta)), np.sin(np.outer(n, theta))
+        added = total @ even, (total - 2 * radial) @ even + 2j * (shear @ odd)
+        if k > 0:
+            return PlaneStress(*added)
+        w = np.exp(-1j * theta) / r[:, None]
+        plate = in_plate(_eta(w), self.pressure, self.kernel.rings[0].kappa)
+        return PlaneStress(*(a.reshape(w.shape) + b for a, b in zip(plate, added, strict=True)))
+
+    def in_pin(self, r: FloatArray, theta: FloatArray) -> PlaneStress:
+        """Return the stresses in the pin at each r and θ, shape (r, θ)."""
+        w = np.exp(1j * theta) * r[:, None]
+        return PlaneStress(*(each.reshape(w.shape) for each in in_pin(_eta(w), self.pressure)))
+
+    def bodies(self) -> Iterator[tuple[Field, FloatArray]]:
+        """Yield the stresses of each ring and of the pin, and the radii where they are sought."""
+        near = 2 * self.b * np.linspace(0, 1.5, _NEAR_THROUGH)
+        rings, full = self.kernel.rings, np.linspace(0, 1, _THROUGH)
+        for k, ring in enumerate(rings):
+            end = ring.outer
+            if self.kernel.sector is not None and ring is rings[-1]:
+                end = (ring.inner + end) / 2
+            r = ring.inner + (end - ring.inner) * full
+            r = np.append(r, 1 + near) if k == 0 else r
+            yield lambda r, theta, k=k: self.in_ring(k, r, theta), np.unique(np.minimum(r, end))
+        r = 1 - np.append(near, full)
+        yield self.in_pin, np.unique(np.maximum(r, _CENTRE))
+
+    def largest(
+        self, field: Field, r: FloatArray, nu: float, criterion: Criterion
+    ) -> tuple[float, float, float]:
+        """Return the largest equivalent stress of a body, and r and θ there."""
+        theta = np.append(2 * np.arctan(self.b * np.linspace(0, 2.03, _NEAR_ALONG)),
+                          np.linspace(0, _END, _ALONG))  # fmt: skip
+        theta = np.unique(theta)
+        for _ in range(1 + _PASSES):
+            values = equivalent(field(r, theta), nu, criterion)
+            i, j = np.unravel_index(np.argmax(values), values.shape)
+            at = float(values[i, j]), float(r[i]), float(theta[j])
+            r, theta = (
+                np.linspace(x[max(k - 1, 0)], x[min(k + 1, x.size - 1)], _FINE)
+                for x, k in ((r, i), (theta, j))
+            )
+        return at
+
+
+def _eta(w: np.ndarray) -> np.ndarray:
+    """Return the η of points w of the unit disk in one row; rounding may leave its half plane."""
+    eta = 1j * (1 - w.reshape(1, -1)) / (1 + w.reshape(1, -1))
+    return eta.real + 1j * np.maximum(eta.imag, 0.0)
+
+
+def first_yield_in(
+    housing: Housing, pair: CylinderPair, stresses: Sequence[float], criterion: Criterion
+) -> FirstYield:
+    """Return the first yield of a pin in a housing: of its rings, from within, and the pin.
+
+    It is NaN where the pin leaves a thin eye within the arc before anything yields.
+    """
+    require_hole("the yield load in a housing", pair)
+    require(
+        housing.g is None, "yield limit", "housing", housing, "has no stresses to look for",
+        "give its rim and clamp, not its compliances",
+    )  # fmt: skip
+    R_i, R_j = pair.radii("the yield load")
+    which, kernels = housing.kernels(pair)
+    layers = [material for material, _ in housing.layers]
+    across = 0.0 if pair.plane == "stress" else 1.0
+    columns = np.broadcast_arrays(
+        np.sqrt(R_i * R_j),
+        pair.E_star * as_floats(pair.dR),
+        pair.shares[0],
+        np.round(pair.beta, 15),
+        which,
+        *(across * as_floats(body.nu) for body in (pair.material_i, *layers, pair.material_j)),
+    )
+    rows = []
+    for R, unit, w_i, beta, k, *nus in zip(*(c.ravel().tolist() for c in columns), strict=True):
+        bodies = Bodies(as_floats(w_i), beta, np.zeros(()), kernels[int(k)])
+        strengths = [stress * R / unit for stress in stresses]
+        phi, body, r, angle = _first_arc(bodies, nus, strengths, criterion)
+        rows.append((phi * unit, body, abs(r - 1) * R, np.degrees(angle)))
+    load, number, depth, angle = (
+        np.reshape(each, columns[0].shape)[()] for each in zip(*rows, strict=True)
+    )
+    names = np.array(["hole", *(f"layer {k + 1}" for k in range(len(layers))), "pin"])
+    return FirstYield(load, names[number], depth, criterion, angle)
+
+
+def _first_arc(
+    bodies: Bodies, nus: Sequence[float], strengths: Sequence[float], criterion: Criterion
+) -> tuple[float, int, float, float]:
+    """Return φ at which φ·m = T in one of the bodies, the number of the body, and r and θ there."""
+    from scipy.optimize import brentq  # which takes longer to import than the package
+
+    series, last = bodies.remainder, float(bodies.last.angle)
+    assert isinstance(series, Housed)
+    assert bodies.kernel is not None
+
+    def at(t: float) -> tuple[float, float, int, float, float]:
+        """Return φ, φ·m/T, the body, r and θ on the arc of 1 − e^−t times the largest."""
+        angle = -last * np.expm1(-t)
+        b = float(np.tan(angle / 2))
+        arc = bodies.arc(as_floats(1 / (b**2 * (1 + b**2))))
+        phi = float(np.pi * arc.S / arc.k)
+        coefficients = chebyshev.chebval(2 * angle / series.top - 1, series.coefficients) / b
+        stress = HousingStress(bodies.kernel, b, as_floats(coefficients))
+        found = []
+        for k, (field, radii) in enumerate(stress.bodies()):
+            m, r, theta = stress.largest(field, radii, nus[k], criterion)
+            found.append((phi, phi * m / strengths[k], k, r, theta))
+        return max(found, key=lambda each: each[1])
+
+    end = _LAST if series.whole_to >= last else -float(np.log1p(-series.whole_to / last))
+    _, share, body, r, theta = at(end)
+    if share < 1:  # the pin leaves the eye within the arc before
+        return np.nan, body, np.nan, np.nan
+    t = brentq(lambda t: np.log(at(t)[1]), _FIRST, end, rtol=_EXACT)
+    phi, _, body, r, theta = at(t)
+    return phi, body, r, theta
