@@ -1,16 +1,11 @@
 """Housings against closed forms, finite elements, quadrature and printed numbers."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
-import skfem
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from mpmath import mp
-from scipy.sparse.linalg import splu
-from skfem.helpers import ddot, eye, sym_grad, trace
 
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.datasets.finite_element import Setup, solve
@@ -19,6 +14,7 @@ from cylcontact.laws import ClampedPlate, Conformal, Housing, Sector, glauert
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.housing import pressure_harmonics
 from cylcontact.materials import material_in_MPa
+from tests.ring_elements import RingOfElements
 
 STEEL, AL = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)
 PEEK, BRONZE = Material("PEEK", 3.6e3, 0.38), Material("bronze", 110e3, 0.34)
@@ -104,69 +100,13 @@ def test_one_lug_is_near_for_push_and_far_for_pull():
 
 
 def ring_by_elements(radii, materials, clamp, count, cells=10):
-    """U_nm = 2μu_r of the bore for cos nθ under p = cos mθ, by biquadratic elements of half a ring.
-
-    Plane strain, the bore's radius 1, μ that of the innermost ring; cells graded to a clamp's end.
-    """
-    end = np.pi
-    if clamp != "rim":
-        half = np.radians(clamp.angle) / 2
-        end = half if clamp.side == "near" else np.pi - half
-
-    def graded(length, first):
-        steps = [first]
-        while sum(steps) < length:
-            steps.append(min(steps[-1] * 1.5, np.pi / (3 * cells)))
-        return np.cumsum(np.append(0, steps)) * length / sum(steps)
-
-    first = 3e-4 if clamp != "rim" else 0.03
-    theta = end - graded(end, first)[::-1]
-    if clamp != "rim":
-        theta = np.append(theta, (end + graded(np.pi - end, first))[1:])
-    r = [np.linspace(*ends, 5) for ends in pairwise(radii[:-1])]
-    r = np.unique(np.concatenate([*r, radii[-1] - graded(radii[-1] - radii[-2], first)]).round(12))
-    mesh = skfem.MeshQuad.init_tensor(r, theta)
-    curved = skfem.MeshQuad2.from_mesh(mesh)
-    at = curved.doflocs
-    polar = np.array([at[0] * np.cos(at[1]), at[0] * np.sin(at[1])])
-    curved = skfem.MeshQuad2(polar, curved.t, sort_t=False)
-    basis = skfem.Basis(curved, skfem.ElementVector(skfem.ElementQuad2()), intorder=5)
-    layer = np.searchsorted(radii[1:-1], mesh.p[0][mesh.t].mean(axis=0))
-    E, nu = (np.array([getattr(m, key) for m in materials])[layer] for key in ("E", "nu"))
-    mu, lame = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
-
-    @skfem.BilinearForm
-    def stiffness(u, v, w):
-        e, d = sym_grad(u), sym_grad(v)
-        stress = 2 * w.mu * e + w.lame * eye(trace(e), 2)
-        return ddot(stress, d)
-
-    fields = {"mu": mu[:, None] + 0 * basis.dx, "lame": lame[:, None] + 0 * basis.dx}
-    K = stiffness.assemble(basis, **fields)
-    bore = curved.facets_satisfying(lambda x: np.hypot(*x) < radii[0] * 1.01, boundaries_only=True)
-    edge = skfem.FacetBasis(curved, skfem.ElementVector(skfem.ElementQuad2()), facets=bore)
-    waves = [
-        skfem.LinearForm(
-            lambda v, w, n=n: (
-                np.cos(n * np.arctan2(w.x[1], w.x[0])) * (v[0] * w.x[0] + v[1] * w.x[1])
-            )
-        ).assemble(edge)
-        for n in range(count)
-    ]
-    x, y = basis.doflocs
-    angle, radius = np.arctan2(y, x), np.hypot(x, y)
-    rim = (radius > radii[-1] * (1 - 1e-9)) & (
-        (angle <= end + 1e-9) if clamp == "rim" or clamp.side == "near" else (angle >= end - 1e-9)
-    )
-    upright = np.isin(np.arange(x.size), basis.split_indices()[1])
-    held = rim | (upright & (np.abs(y) < 1e-9))
-    free = np.flatnonzero(~held)
-    factors = splu(K.tocsc()[free][:, free])
-    loads = np.array(waves)
-    moved = np.zeros(loads.shape)
-    moved[:, free] = factors.solve(np.ascontiguousarray(loads[:, free].T)).T
+    """U_nm = 2μu_r of the bore for cos nθ under p = cos mθ, μ that of the innermost ring."""
+    ring = RingOfElements(radii, materials, clamp, cells)
+    loads = np.array([ring.pressed(lambda theta, n=n: np.cos(n * theta)) for n in range(count)])
+    moved = np.array([ring.moved(load) for load in loads])
     share = np.where(np.arange(count) == 0, np.pi, np.pi / 2)  # of ∫cos² over half the bore
-    return 2 * mu[layer == 0][0] * (loads @ moved.T) / share[:, None]
+    mu = materials[0].E / (2 * (1 + materials[0].nu))
+    return 2 * mu * (loads @ moved.T) / share[:, None]
 
 
 def theory_of_ring(radii, materials, clamp, count):

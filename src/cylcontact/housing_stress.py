@@ -12,17 +12,17 @@ with the rim clamped, and in an eye those of the displacements of its free arc b
 linear in all P_n. The plate's have, for n ≥ 2, the coefficients 1/(2(n − 1)) and n/(2(n + 1)); so
 the sum falls like ρ^(−2n) at the bore, where the pressure's own singularities are in closed form.
 
-**Where first yield is sought.** In the whole pin, and in the housing from the bore to the rim or,
-if a sector is clamped, to the middle of its wall: the ends of a clamp are singular, and no elastic
-stress there says when they yield. Thin eyes that are pulled yield on the bore beside the contact,
-by bending and hoop tension.
+**Where first yield is sought.** In the whole pin and the whole housing, but for what is beyond the
+middle of its wall and nearer than the wall's thickness to an end of a clamped sector: these ends
+are singular, and no elastic stress says when they yield. Thin eyes that are pulled yield on the
+bore beside the contact, by bending and hoop tension, or under small loads on the rim above it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -33,7 +33,7 @@ from cylcontact.laws.contact_law import require_hole
 from cylcontact.laws.glauert import Housed
 from cylcontact.laws.housing import Housing, Kernel, compliances, michell
 from cylcontact.pair import CylinderPair
-from cylcontact.stress import PlaneStress, Pressure, in_pin, in_plate
+from cylcontact.stress import ComplexArray, PlaneStress, Pressure, in_pin, in_plate
 from cylcontact.yield_search import Criterion, FirstYield, equivalent
 
 Field = Callable[[FloatArray, FloatArray], PlaneStress]
@@ -44,7 +44,9 @@ _ALONG, _THROUGH, _NEAR_ALONG, _NEAR_THROUGH = 33, 13, 17, 13
 _PASSES, _FINE = 5, 7
 _END, _CENTRE = np.pi - 1e-6, 0.02
 # The arcs of the search, 1 − e^−t times the largest, and the accuracy of t.
-_FIRST, _LAST, _EXACT = 1e-6, 23.0, 1e-7
+_FIRST, _LAST, _EXACT = 1e-6, 23.0, 1e-6
+# Terms of the pressure are left out from where all are below this part of the largest.
+_LEAST = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +77,9 @@ class HousingStress:
         bore = P / np.pi * np.where(n == 0, 0.5, 1.0)
         bore[count:] = 0.0  # of which nothing reaches the rim
         terms = given.terms[..., 0] * bore[:, None, None]
-        terms += np.einsum("nkji,nim,m->nkj", given.terms[..., 1:], given.moved, P[:count])
+        smooth = np.exp(-36.0 * (n / n[-1]) ** 8)  # or the rim's sum would not converge
+        moved = given.moved @ P[:count] * smooth[:, None]
+        terms += np.einsum("nkji,ni->nkj", given.terms[..., 1:], moved)
         second = np.where(n == 1, -1 / (2 * (kappa + 1)), 1 / (2 * np.maximum(n - 1, 1)))
         fourth = np.where(n == 1, -(kappa - 1) / (4 * (kappa + 1)), n / (2 * (n + 1)))
         second[0], fourth[0] = 0, -1
@@ -104,27 +108,34 @@ class HousingStress:
     def bodies(self) -> Iterator[tuple[Field, FloatArray]]:
         """Yield the stresses of each ring and of the pin, and the radii where they are sought."""
         near = 2 * self.b * np.linspace(0, 1.5, _NEAR_THROUGH)
-        rings, full = self.kernel.rings, np.linspace(0, 1, _THROUGH)
-        for k, ring in enumerate(rings):
-            end = ring.outer
-            if self.kernel.sector is not None and ring is rings[-1]:
-                end = (ring.inner + end) / 2
-            r = ring.inner + (end - ring.inner) * full
-            r = np.append(r, 1 + near) if k == 0 else r
-            yield lambda r, theta, k=k: self.in_ring(k, r, theta), np.unique(np.minimum(r, end))
-        r = 1 - np.append(near, full)
+        through = np.linspace(0, 1, _THROUGH)
+        for k, ring in enumerate(self.kernel.rings):
+            r = np.append(ring.inner + (ring.outer - ring.inner) * through, ring.inner + near)
+            yield partial(self._sought, k), np.unique(np.minimum(r, ring.outer))
+        r = 1 - np.append(near, through)
         yield self.in_pin, np.unique(np.maximum(r, _CENTRE))
+
+    def _sought(self, k: int, r: FloatArray, theta: FloatArray) -> PlaneStress:
+        """Return the stresses in ring k, none at the ends of a clamped sector."""
+        total, difference = self.in_ring(k, r, theta)
+        ring, sector = self.kernel.rings[k], self.kernel.sector
+        if sector is not None and ring is self.kernel.rings[-1]:
+            end = np.radians(sector.angle / 2)
+            away = ring.outer * np.abs(theta - (end if sector.side == "near" else np.pi - end))
+            beyond = r > (ring.inner + ring.outer) / 2
+            out = beyond[:, None] & (away < ring.outer - ring.inner)
+            total, difference = np.where(out, 0.0, total), np.where(out, 0.0, difference)
+        return PlaneStress(total, difference)
 
     def largest(
         self, field: Field, r: FloatArray, nu: float, criterion: Criterion
     ) -> tuple[float, float, float]:
         """Return the largest equivalent stress of a body, and r and θ there."""
-        theta = np.append(2 * np.arctan(self.b * np.linspace(0, 2.03, _NEAR_ALONG)),
-                          np.linspace(0, _END, _ALONG))  # fmt: skip
-        theta = np.unique(theta)
+        near = 2 * np.arctan(self.b * np.linspace(0, 2.03, _NEAR_ALONG))  # not at its very end
+        theta = np.unique(np.append(near, np.linspace(0, _END, _ALONG)))
         for _ in range(1 + _PASSES):
             values = equivalent(field(r, theta), nu, criterion)
-            i, j = np.unravel_index(np.argmax(values), values.shape)
+            i, j = divmod(int(np.argmax(values)), theta.size)
             at = float(values[i, j]), float(r[i]), float(theta[j])
             r, theta = (
                 np.linspace(x[max(k - 1, 0)], x[min(k + 1, x.size - 1)], _FINE)
@@ -133,10 +144,10 @@ class HousingStress:
         return at
 
 
-def _eta(w: np.ndarray) -> np.ndarray:
+def _eta(w: ComplexArray) -> ComplexArray:
     """Return the η of points w of the unit disk in one row; rounding may leave its half plane."""
     eta = 1j * (1 - w.reshape(1, -1)) / (1 + w.reshape(1, -1))
-    return eta.real + 1j * np.maximum(eta.imag, 0.0)
+    return np.asarray(eta.real + 1j * np.maximum(eta.imag, 0.0))
 
 
 def first_yield_in(
@@ -163,14 +174,18 @@ def first_yield_in(
         which,
         *(across * as_floats(body.nu) for body in (pair.material_i, *layers, pair.material_j)),
     )
+    each, which_row = np.unique(
+        np.stack([column.ravel() for column in columns]), axis=1, return_inverse=True
+    )
     rows = []
-    for R, unit, w_i, beta, k, *nus in zip(*(c.ravel().tolist() for c in columns), strict=True):
+    for R, unit, w_i, beta, k, *nus in each.T.tolist():
         bodies = Bodies(as_floats(w_i), beta, np.zeros(()), kernels[int(k)])
         strengths = [stress * R / unit for stress in stresses]
-        phi, body, r, angle = _first_arc(bodies, nus, strengths, criterion)
-        rows.append((phi * unit, body, abs(r - 1) * R, np.degrees(angle)))
+        phi, body, r, theta = _first_arc(bodies, nus, strengths, criterion)
+        rows.append((phi * unit, body, abs(r - 1) * R, np.degrees(theta)))
     load, number, depth, angle = (
-        np.reshape(each, columns[0].shape)[()] for each in zip(*rows, strict=True)
+        np.array(values)[which_row].reshape(columns[0].shape)[()]
+        for values in zip(*rows, strict=True)
     )
     names = np.array(["hole", *(f"layer {k + 1}" for k in range(len(layers))), "pin"])
     return FirstYield(load, names[number], depth, criterion, angle)
@@ -182,9 +197,9 @@ def _first_arc(
     """Return φ at which φ·m = T in one of the bodies, the number of the body, and r and θ there."""
     from scipy.optimize import brentq  # which takes longer to import than the package
 
-    series, last = bodies.remainder, float(bodies.last.angle)
+    series, kernel, last = bodies.remainder, bodies.kernel, float(bodies.last.angle)
     assert isinstance(series, Housed)
-    assert bodies.kernel is not None
+    assert kernel is not None
 
     def at(t: float) -> tuple[float, float, int, float, float]:
         """Return φ, φ·m/T, the body, r and θ on the arc of 1 − e^−t times the largest."""
@@ -193,7 +208,8 @@ def _first_arc(
         arc = bodies.arc(as_floats(1 / (b**2 * (1 + b**2))))
         phi = float(np.pi * arc.S / arc.k)
         coefficients = chebyshev.chebval(2 * angle / series.top - 1, series.coefficients) / b
-        stress = HousingStress(bodies.kernel, b, as_floats(coefficients))
+        size = np.flatnonzero(np.abs(coefficients) > _LEAST * np.abs(coefficients).max())[-1] + 1
+        stress = HousingStress(kernel, b, as_floats(coefficients[:size]))
         found = []
         for k, (field, radii) in enumerate(stress.bodies()):
             m, r, theta = stress.largest(field, radii, nus[k], criterion)

@@ -74,9 +74,11 @@ class FirstYield:
 
     def __str__(self) -> str:
         """Return the load and the place of one pair in words."""
+        if np.isnan(self.load):
+            return "no load at which the pin touches its housing along one arc"
         body = f"the {self.body}" if self.body in ("hole", "pin") else f"body {self.body}"
         place = f"{self.depth:.2g} mm below its surface" if self.depth > 0 else "at its surface"
-        place += f", {self.angle:.0f}° from the load" if self.angle > 0 else ""
+        place += f", {self.angle:.0f}° from the load" if self.angle >= 0.5 else ""
         return f"{self.load:,.0f} N/mm ({self.criterion}, in {body}, {place})"
 
 

@@ -251,7 +251,7 @@ def laws(
     listed_too = None if own is None else user_law(own, Path.cwd())
     around = None if housing is None else housing.housing
     show(joined([advice, to_text(cylinders, load, listed_too, around)], "\n\n"))
-    for warning in (yield_warning(load, cylinders), *unusual_lengths(cylinders)):
+    for warning in (yield_warning(load, cylinders, around), *unusual_lengths(cylinders)):
         if warning is not None:
             say(f"warning: {warning}", err=True)
 

@@ -67,7 +67,7 @@ _LEAST_RATIO = 1.05
 # The last harmonic of one's own g over the largest, at most.
 _LAST_SHARE = 1e-3
 # Modes of the free arc, harmonics of its stiffness, and where D_n begins to be proportional to n.
-_MODES, _RIM_HARMONICS, _LINEAR_FROM = 32, 4000, 400
+_MODES, _RIM_HARMONICS, _LINEAR_FROM = 48, 2000, 400
 # For n = 0: which terms have a part in u_r, u_θ, σ_rr, σ_rθ and the sum.
 _EVEN, _ODD = [1, 0, 0, 1], [0, 1, 1, 0]
 _OF_ZERO = np.array([_EVEN, _ODD, _EVEN, _ODD, _EVEN])
@@ -506,12 +506,12 @@ def michell(n: IndexArray, ring: Ring, r: float) -> FloatArray:
     μ is that of the bore, and each term is at most about 1 in its ring. For n = 0 the second and
     the third are those of a rotation and of torsion, and have no part in what is even in θ.
     """
-    kappa, log, none = ring.kappa, np.log(r), np.zeros(n.shape)
-    is_one = n == 1
+    kappa, none, one, is_one = ring.kappa, np.zeros(n.shape), np.ones(n.shape), n == 1
+    log = 2 * kappa * np.log(r)  # of n = 1
     rows = np.array(
         [
-            [kappa - n - 1, np.where(is_one, 2 * kappa * log - 1, kappa - 1 + n), none - 1, none - 1],
-            [kappa + n + 1, np.where(is_one, -2 * kappa * log - 1, n - 1 - kappa), none + 1, none - 1],
+            [kappa - n - 1, np.where(is_one, log - 1, kappa - 1 + n), -one, -one],
+            [kappa + n + 1, np.where(is_one, -log - 1, n - 1 - kappa), one, -one],
             [(n + 1) * (2 - n), np.where(is_one, 3 + kappa, (1 - n) * (2 + n)), 1 - n, n + 1],
             [n * (n + 1), np.where(is_one, 1 - kappa, n * (1 - n)), n - 1, n + 1],
             [4 * (n + 1), np.where(is_one, 4, 4 * (1 - n)), none, none],
