@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,9 +16,9 @@ from cylcontact.cli.options import (
     STYLES,
     TABLES,
     Jobs,
-    Materials,
     Results,
     expand_options,
+    option_of,
     split,
 )
 from cylcontact.cli.pair import PairOptions, constants_of, housing_of, pair_of
@@ -37,7 +37,7 @@ from cylcontact.files import (
 )
 from cylcontact.limits import yield_warning
 from cylcontact.materials import known_materials, own_table
-from cylcontact.pair import CONTACTS, unusual_lengths
+from cylcontact.pair import CylinderPair, unusual_lengths
 from cylcontact.plain_text import brief
 from cylcontact.text_tables import joined
 
@@ -239,14 +239,11 @@ def laws(
     from cylcontact.laws.user import user_law
     from cylcontact.reports import laws_to_use
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.laws_table import case, to_text
+    from cylcontact.reports.laws_table import to_text
 
     given = {name: value for name, value in vars(pair).items() if value is not None}
-    contact = given.get("contact", "internal")
-    housing = housing_of(given, "laws", contact)
-    constants, options = constants_of(given, "laws", contact)
-    rows = known_materials(own_table(pair.materials, Path(), "laws", "--materials"))
-    cylinders = pair_of(constants, options, contact, rows, "laws", case())
+    housing = housing_of(given, "laws", given.get("contact", "internal"))
+    cylinders = _pair_of(given, pair, "laws")
     advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
     listed_too = None if own is None else user_law(own, Path.cwd())
     around = None if housing is None else housing.housing
@@ -256,6 +253,17 @@ def laws(
             say(f"warning: {warning}", err=True)
 
 
+def _pair_of(given: Mapping[str, Any], pair: PairOptions, source: str) -> CylinderPair:
+    """Return the pair that options give, and for the rest that which is compared by default."""
+    from cylcontact.reports.laws_table import case
+
+    contact = given.get("contact", "internal")
+    constants, options = constants_of(given, source, contact)
+    rows = known_materials(own_table(pair.materials, Path(), source, "--materials"))
+    return pair_of(constants, options, contact, rows, source, case())
+
+
+@expand_options
 def export(
     what: Annotated[
         str | None,
@@ -267,34 +275,47 @@ def export(
     joint: Annotated[
         Path | None, typer.Option(help="A joint, e.g. datasets/joint.toml, as a force element.")
     ] = None,
+    pair: PairOptions,
     target: Annotated[
         str,
         typer.Option("--to", help=f"{listed(TARGETS)}; of a joint {listed(JOINT_TARGETS)}."),
     ],
-    contact: Annotated[
-        str | None, typer.Option(help=f"{listed(CONTACTS)}; for laws that depend on it.")
-    ] = None,
-    materials: Materials = None,
     out: Annotated[
         Path | None,
         typer.Option("-o", "--out", help="The file; of a law, standard output by default."),
     ] = None,
 ) -> None:
-    """Write a law, or a whole clearance joint, in another language, for a multibody code."""
-    from cylcontact.export import export_named
+    """Write a law, or a whole clearance joint, in another language, for a multibody code.
 
+    A law in a housing (--R-o, --clamp) is of the pair's materials; others are of any.
+    """
+    from cylcontact.export import export as exported
+    from cylcontact.export import export_named
+    from cylcontact.export.in_housing import law_in_housing
+    from cylcontact.housing_spec import in_housing
+
+    given = {name: value for name, value in vars(pair).items() if value is not None}
     if joint is not None:
-        _export_joint(joint, target, out, materials, {"RESULT|LAW": what, "--contact": contact})
+        others = {"RESULT|LAW": what} | {option_of(name): given[name] for name in given}
+        _export_joint(joint, target, out, others.pop("--materials", None), others)
         return
-    if materials is not None:
-        rule, remedy = "is for a joint, and a law has no material", "leave it out, or add --joint"
-        raise InputError("export", "--materials", materials, rule, remedy)
     if what is None:
         remedy = "name one, e.g. explicit, or a joint with --joint"
         raise InputError("export", "RESULT|LAW", None, "is missing", remedy)
     if out is not None:
         require_writable(out)
-    source = export_named(what, contact, target)
+    housing = housing_of(given, "export", given.get("contact", "internal"))
+    if housing is not None:
+        law = in_housing(what, housing.housing, "export", "RESULT|LAW")
+        law, words = law_in_housing(law, _pair_of(given, pair, "export"))
+        say(f"{what} in this housing: {words}", err=True)
+        source = exported(law, None, target, words)
+    else:
+        contact = given.pop("contact", None)
+        for name, value in given.items():
+            rule, remedy = "is for a law in a housing or a joint", "leave it out, or add --R-o"
+            raise InputError("export", option_of(name), value, rule, remedy)
+        source = export_named(what, contact, target)
     if isinstance(source, str):
         if out is None:
             typer.echo(source, nl=False)

@@ -181,6 +181,14 @@ class Bodies:
         L = least + np.log1p(each_of_L * (least + np.log1p(2.7 * each_of_L)))
         return self._one_arc(self._root(miss, as_floats(L * each + end), end))
 
+    def energy(self, arc: Arc) -> FloatArray:
+        """Return the stored energy over E*·ΔR², φ·(d − H + 1)/2, half the work of the pressure."""
+        H = 2 * arc.S + _q_of(arc) * np.log1p(arc.b2)
+        if self.remainder is not None:
+            H = H + arc.S * self.remainder.additions(arc.angle)[1]
+        phi = np.pi * arc.S / arc.k
+        return as_floats(phi / 2 * (phi * arc.L / np.pi + 1 - H))
+
     def peak(self, arc: Arc) -> FloatArray:
         """Return R·p/f at θ = 0."""
         peak = persson_peak(np.sqrt(arc.b2))
@@ -364,6 +372,15 @@ class Conformal(Unlimited):
         )
         stiffness = np.pi * pair.E_star / compliance
         return inside_or_nan(np.where(delta == 0, 0.0, stiffness), touching)
+
+    def energy(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the stored elastic energy per unit length in N, ∫f dδ up to `penetration` in mm.
+
+        It is half the work of the pressure, f·(δ − ΔR·∫(1 − cos θ)·p dθ)/2 with p in f/R.
+        """
+        delta, unit = depth_of(penetration), self.load_unit(pair) * as_floats(pair.dR)
+        touching, energy = self._at(lambda arc, bodies: bodies.energy(arc), delta, pair)
+        return inside_or_nan(np.where(delta == 0, 0.0, unit * energy), touching)
 
     def require_pair(self, pair: CylinderPair) -> None:
         """Raise `InputError` for external contact."""
