@@ -17,7 +17,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from cylcontact.arrays import FloatArray
+from cylcontact.arrays import FloatArray, as_floats
 from cylcontact.laws import Explicit, Housing, Sector
 from cylcontact.laws.contact_law import ContactLaw
 from cylcontact.laws.formula import Formula, Step, steps_of
@@ -107,10 +107,10 @@ def law_in_housing(law: ContactLaw, pair: CylinderPair) -> tuple[InHousing, str]
 
 def _error(law: InHousing, series: Curve, pair: CylinderPair) -> float:
     """Return the largest error of a law's load for φ from 1e-4 to 10, relative to the series."""
-    within = (series.y > np.log(1e-4)) & (series.y < np.log(10.0))
-    depth = np.exp(series.x[within]) * float(pair.dR)
-    loads = np.exp(series.y[within]) * float(pair.E_star * pair.dR)
-    return float(np.abs(law.load(depth, pair) / loads - 1).max())
+    last = min(np.log(10.0), series.y[-1] - 1e-9)
+    d = np.exp(np.interp(np.linspace(np.log(1e-4), last, 400), series.y, series.x))
+    exact = series.at(as_floats(d))[0] * float(pair.E_star * pair.dR)
+    return float(np.abs(law.load(d * float(pair.dR), pair) / exact - 1).max())
 
 
 def _remarked(law: InHousing, remark: str, words: str) -> tuple[InHousing, str]:
