@@ -102,8 +102,7 @@ def _draw(table: pd.DataFrame, johnson: float) -> Figure:
         axes.plot(table["ratio"], table[f"{name}_um"], label=words, **style)
         style |= {"linestyle": "", "marker": "o", "markerfacecolor": "none"}
         axes.plot(table["ratio"], table[f"{name}_explicit_um"], **style)
-        style |= {"marker": "+", "markersize": 9}
-        axes.plot(table["ratio"], table[f"{name}_elements_um"], **style)
+        axes.plot(table["ratio"], table[f"{name}_elements_um"], **style | {"marker": "+"}, ms=9)
     axes.axhline(johnson, color=QUIET, linestyle=":", marker="", zorder=1)
     axes.text(19.5, johnson * 0.97, "Johnson's law", ha="right", va="top", color=QUIET)
     axes.set(xscale="log", yscale="log", xlim=(1.25, 20.8))

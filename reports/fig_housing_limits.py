@@ -44,14 +44,16 @@ def draw(bench: Bench) -> Drawing:
             law = Conformal(Housing(R_I * ratio, clamp=clamp))
             own = law.stiffness(law.penetration(LOAD, pair), pair)
             first = first_yield(pair, housing=Housing(R_I * ratio, clamp=clamp))
-            rows.append((own / stiffness, first.load / plate, float(first.angle)))
+            rows.append(tuple(map(float, (own / stiffness, first.load / plate, first.angle))))
             if ratio in NAMED:
                 where = f"{words}, R_o/R_i = {ratio:g}"
-                headline[f"{where}: stiffness ratio"] = float(rows[-1][0])
+                headline[f"{where}: stiffness ratio"] = rows[-1][0]
                 headline[f"{where}: first yield, N/mm"] = float(first.load)
                 headline[f"{where}: degrees from the load"] = rows[-1][2]
-        columns = [f"{name}_{what}" for what in ("stiffness", "yield", "angle")]
-        table[columns] = rows
+        for what, values in zip(
+            ("stiffness", "yield", "angle"), zip(*rows, strict=True), strict=True
+        ):
+            table[f"{name}_{what}"] = values
     method = METHOD.format(origins=origins_of(bench, [(PIN, HOLE)]))
     return Drawing(_draw(table), table, headline, CAPTION, method)
 

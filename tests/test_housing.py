@@ -9,11 +9,13 @@ from mpmath import mp
 
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.datasets.finite_element import Setup, solve
+from cylcontact.datasets.finite_element.calculix import find_program, run_case
 from cylcontact.datasets.finite_element.solve import clamped_nodes
 from cylcontact.laws import ClampedPlate, Conformal, Housing, Parametric, Sector, glauert
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.housing import pressure_harmonics
 from cylcontact.materials import material_in_MPa
+from tests.programs import require_program
 from tests.ring_elements import RingOfElements
 
 STEEL, AL = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)
@@ -395,8 +397,8 @@ def test_the_compact_law_is_as_near_to_the_series_as_printed(name, rho, clamp, p
 # --- contact finite elements --------------------------------------------------------------------
 
 
-def of_elements(name, rho, clamp, plane, phi, cells):
-    """Percent by which penetration and largest pressure of elements exceed the law's, by φ."""
+def setup_of(name, rho, clamp, plane, phi, cells):
+    """Finite elements, their pair, loads, and the law in the same housing."""
     pin, hole = PAIRS[name]
     where = "whole" if clamp == "full" else CLAMPS[clamp]
     own = {"pin_E": pin.E, "pin_nu": pin.nu}
@@ -409,7 +411,12 @@ def of_elements(name, rho, clamp, plane, phi, cells):
         side, theta = where.side, np.degrees(np.arctan2(x, y))
         half = theta.max() if side == "near" else 180 - theta.min()
         where = Sector(2 * half, side)
-    law = Conformal(Housing(10 * rho, "rim" if clamp == "full" else where))
+    return setup, pair, f, Conformal(Housing(10 * rho, "rim" if clamp == "full" else where))
+
+
+def of_elements(name, rho, clamp, plane, phi, cells):
+    """Percent by which penetration and largest pressure of elements exceed the law's, by φ."""
+    setup, pair, f, law = setup_of(name, rho, clamp, plane, phi, cells)
     cases = []
     while not cases:  # the pairs of nodes end at 79°
         try:
@@ -434,6 +441,19 @@ def test_contact_by_elements_is_the_same(name, rho, clamp, plane):
     better = (4 * fine - coarse) / 3
     assert np.abs(better[:, 0]).max() < 0.15
     assert np.abs(fine[:, 1]).max() < 0.3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rho", "clamp"), [(2.0, "full"), (2.0, "far180"), (1.5, "near180")])
+def test_contact_by_calculix_is_the_same(rho, clamp):
+    require_program("ccx")
+    away = []
+    for cells in (10, 20):
+        setup, pair, f, law = setup_of("steel in aluminium", rho, clamp, "strain", [0.3], cells)
+        case = run_case(setup, 0.001, float(f[0]), f, find_program())
+        away.append(100 * (case.penetration / float(law.penetration(f[0], pair)) - 1))
+    assert abs(2 * away[1] - away[0]) < 0.15  # its contact of nodes with faces is of first order
+    assert abs(away[1]) < 0.5
 
 
 # Where a sector ends in the contact the cells are not graded: the error is of first order there.
