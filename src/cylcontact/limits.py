@@ -148,12 +148,15 @@ def first_yield(
         Compares an equivalent stress with each body's own yield stress.
     yield_stress : float, optional
         In MPa, for both bodies; by default each has that of its material.
+    housing : Housing, optional
+        Around the hole, in place of an infinite plate.
 
     Returns
     -------
     FirstYield
-        With `load` in N/mm, `body` ("hole" or "pin", for external contact "i" or "j"), and
-        `depth` in mm below the surface.
+        With `load` in N/mm, `body` ("hole" or "pin", "layer 1" and so on of a housing, for external
+        contact "i" or "j"), `depth` in mm below the surface, and `angle` in degrees from the load.
+        In a housing the load is NaN where the pin leaves it within the arc before anything yields.
 
     Raises
     ------
@@ -164,8 +167,10 @@ def first_yield(
     -----
     A pin in a hole: the pressure is that of `cylcontact.laws.Conformal`, and the stresses inside
     both bodies under it are exact; `cylcontact.stress` derives them. The pin's load is balanced by
-    an even body force, the plate's at infinity. A lug of finite width carries more hoop tension
-    and yields earlier. Loads are within 2e-4 of the solution, in relative terms.
+    an even body force, the plate's at infinity. Loads are within 2e-4 of the solution, in relative
+    terms; in a housing within 1e-3, where thin eyes that are pulled yield on the bore beside the
+    contact, by bending and hoop tension. The ends of a clamp, which are singular, are left out: see
+    `cylcontact.housing_stress`.
 
     Rollers: Hertz's pressure on flat surfaces. Both criteria are those of ductile materials; they
     say nothing of brittle ones, which break in tension.
@@ -182,6 +187,12 @@ def first_yield(
     ...     print(f"{at.load:.0f} N/mm, in the {at.body}, {at.depth:.2f} mm deep")
     901 N/mm, in the hole, 0.87 mm deep
     3618 N/mm, in the hole, 0.00 mm deep
+
+    The second one in an eye that is pulled by its shank:
+
+    >>> from cylcontact.laws import Housing, Sector
+    >>> print(first_yield(pair, housing=Housing(20.0, Sector(60, side="far"))))
+    1,428 N/mm (von Mises, in the hole, at its surface, 93° from the load)
     """
     rule = "must be 'von Mises', 'Tresca' or, for the load alone, 'Hertz'"
     remedy = "'Hertz' is the paper's estimate of the load"

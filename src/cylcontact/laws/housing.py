@@ -116,22 +116,12 @@ class Sector:
     side: Literal["near", "far"] = "near"
 
     def __post_init__(self) -> None:
-        require(
-            is_number(self.angle) and 10 <= self.angle <= 350,
-            "Sector",
-            "angle",
-            self.angle,
-            "must be from 10 to 350 degrees",
-            'give the angle of the clamped part of the rim, or clamp="rim" for all of it',
-        )
-        require(
-            self.side in ("near", "far"),
-            "Sector",
-            "side",
-            self.side,
-            "must be 'near' or 'far'",
-            "near if the pin is pressed towards the clamp, far if away from it",
-        )
+        rule, remedy = "must be from 10 to 350 degrees", 'or write clamp="rim" for all of the rim'
+        inside = is_number(self.angle) and 10 <= self.angle <= 350
+        require(inside, "Sector", "angle", self.angle, rule, remedy)
+        rule = "must be 'near' or 'far'"
+        remedy = "near if the pin is pressed towards the clamp, far if away from it"
+        require(self.side in ("near", "far"), "Sector", "side", self.side, rule, remedy)
 
 
 class Compact(NamedTuple):
@@ -307,32 +297,19 @@ class Housing:
             pairs = all(len(layer) == 2 and isinstance(layer[0], Material) for layer in layers)
             radii = [*(layer[-1] for layer in layers), self.R_o]
             positive = all(is_number(radius) and radius > 0 for radius in radii)
-            require(
-                pairs and positive and radii == sorted(set(radii)),
-                "Housing",
-                "layers" if layers else "R_o",
-                self.layers or self.R_o,
-                "must be pairs of a Material and its inner radius, increasing up to R_o"
-                if layers
-                else "must be a number, positive and finite",
-                "give radii in mm, e.g. Housing(R_o=20.0, layers=[(lug, 12.0)])",
-            )
-        require(
-            isinstance(self.clamp, Sector) or self.clamp == "rim",
-            "Housing",
-            "clamp",
-            self.clamp,
-            "must be 'rim' or a Sector",
-            'e.g. clamp=laws.Sector(60, side="far")',
-        )
-        require(
-            self.pin in ("body-force", "diametral"),
-            "Housing",
-            "pin",
-            self.pin,
-            "must be 'body-force' or 'diametral'",
-            "say how the pin is loaded",
-        )
+            key, rule = "R_o", "must be a number, positive and finite"
+            if layers:
+                key = "layers"
+                rule = "must be pairs of a Material and its inner radius, increasing up to R_o"
+            remedy = "give radii in mm, e.g. Housing(R_o=20.0, layers=[(lug, 12.0)])"
+            sound = pairs and positive and radii == sorted(set(radii))
+            require(sound, "Housing", key, self.layers or self.R_o, rule, remedy)
+        known = isinstance(self.clamp, Sector) or self.clamp == "rim"
+        rule, remedy = "must be 'rim' or a Sector", 'e.g. clamp=laws.Sector(60, side="far")'
+        require(known, "Housing", "clamp", self.clamp, rule, remedy)
+        rule, remedy = "must be 'body-force' or 'diametral'", "say how the pin is loaded"
+        known = self.pin in ("body-force", "diametral")
+        require(known, "Housing", "pin", self.pin, rule, remedy)
 
     @classmethod
     def from_compliances(cls, g: ArrayLike | str | Path, pin: PinDatum = "body-force") -> Housing:
@@ -367,7 +344,11 @@ class Housing:
         10.78 µm
         """
         if isinstance(g, str | Path):
-            g = _read_numbers(Path(g))
+            try:
+                g = np.loadtxt(g, delimiter=",", ndmin=1)
+            except (OSError, ValueError) as error:
+                rule, remedy = f"cannot be read as numbers: {error}", "separate g_nm by commas"
+                raise InputError(str(g), "g", None, rule, remedy) from None
         table = as_numbers(g, "Housing", "g")
         table = np.diag(table) if table.ndim == 1 else np.atleast_2d(table)
         return cls(math.inf, pin=pin, g=tuple(map(tuple, table.tolist())))
@@ -391,22 +372,11 @@ class Housing:
         R_i, _ = pair.radii(f"the datum {self!r}")
         inner = min([*(radius for _, radius in self.layers), self.R_o])
         key, given = ("layers", self.layers) if self.layers else ("R_o", self.R_o)
-        require(
-            inner > R_i,
-            "Housing",
-            key,
-            given,
-            f"must be larger than the hole (R_i = {np.max(R_i):g} mm)",
-            "the housing is clamped outside the hole",
-        )
-        require(
-            inner >= _LEAST_RATIO * R_i,
-            "Housing",
-            key,
-            given,
-            f"makes a ring thinner than {100 * (_LEAST_RATIO - 1):.0f} % of the hole's radius",
-            "give a thicker one",
-        )
+        rule = f"must be larger than the hole (R_i = {np.max(R_i):g} mm)"
+        remedy = "the housing is clamped outside the hole"
+        require(inner > R_i, "Housing", key, given, rule, remedy)
+        rule = f"makes a ring thinner than {100 * (_LEAST_RATIO - 1):.0f} % of the hole's radius"
+        require(inner >= _LEAST_RATIO * R_i, "Housing", key, given, rule, "give a thicker one")
         around = [replace(pair, material_i=material) for material, _ in self.layers]
         numbers = [R_i, pair.shares[0]]
         for one in (pair, *around):
@@ -579,17 +549,6 @@ def _require_own(g: tuple[tuple[float, ...], ...]) -> None:
 def _own_kernel(g: tuple[tuple[float, ...], ...]) -> Kernel:
     table = np.array(g)
     return Kernel(as_floats((table + table.T) / 2))
-
-
-def _read_numbers(path: Path) -> FloatArray:
-    """Return the numbers of a file."""
-    try:
-        return as_floats(np.loadtxt(path, delimiter=",", ndmin=1))
-    except (OSError, ValueError) as error:
-        rule = f"cannot be read as numbers: {error}"
-        raise InputError(
-            str(path), "g", None, rule, "give a file of comma-separated g_nm"
-        ) from None
 
 
 def is_number(value: object) -> bool:
