@@ -190,3 +190,10 @@ def test_what_has_no_first_yield_is_refused_in_a_line(housing, pair, message):
     with pytest.raises(InputError, match=message) as error:
         limits.first_yield(pair, housing=housing)
     assert "\n" not in str(error.value)
+
+
+def test_the_papers_estimate_knows_no_housing():
+    with pytest.raises(
+        InputError, match=r"housing = Housing.* is nothing that the criterion 'Hertz'"
+    ):
+        limits.yield_load(CylinderPair.internal(10.0, 9.9, STEEL), "Hertz", housing=Housing(20.0))

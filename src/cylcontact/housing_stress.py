@@ -12,6 +12,8 @@ with the rim clamped, and in an eye those of the displacements of its free arc b
 linear in all P_n. The plate's have, for n ≥ 2, the coefficients 1/(2(n − 1)) and n/(2(n + 1)); so
 the sum falls like ρ^(−2n) at the bore, where the pressure's own singularities are in closed form.
 
+The pin's load is balanced by an even body force, whatever the datum of the penetration.
+
 **Where first yield is sought.** In the whole pin and the whole housing, but for what is beyond the
 middle of its wall and nearer than the wall's thickness to an end of a clamped sector: these ends
 are singular, and no elastic stress says when they yield. Thin eyes that are pulled yield on the
@@ -210,11 +212,11 @@ def _first_arc(
         coefficients = chebyshev.chebval(2 * angle / series.top - 1, series.coefficients) / b
         size = np.flatnonzero(np.abs(coefficients) > _LEAST * np.abs(coefficients).max())[-1] + 1
         stress = HousingStress(kernel, b, as_floats(coefficients[:size]))
-        found = []
+        answers = []
         for k, (field, radii) in enumerate(stress.bodies()):
             m, r, theta = stress.largest(field, radii, nus[k], criterion)
-            found.append((phi, phi * m / strengths[k], k, r, theta))
-        return max(found, key=lambda each: each[1])
+            answers.append((phi, phi * m / strengths[k], k, r, theta))
+        return max(answers, key=lambda each: each[1])
 
     end = _LAST if series.whole_to >= last else -float(np.log1p(-series.whole_to / last))
     _, share, body, r, theta = at(end)

@@ -103,7 +103,7 @@ def yield_load(
     yield_stress : float, optional
         In MPa, for both bodies; by default each has that of its material.
     housing : Housing, optional
-        As for `first_yield`; "Hertz" knows none.
+        As for `first_yield`; "Hertz" takes none.
 
     Returns
     -------
@@ -127,6 +127,11 @@ def yield_load(
     [ 901. 3614. 3618.] [  339.  3556. 17850.]
     """
     if criterion == "Hertz":
+        rule, remedy = (
+            "is nothing that the criterion 'Hertz' knows",
+            "choose 'von Mises' or 'Tresca'",
+        )
+        require(housing is None, "yield limit", "housing", housing, rule, remedy)
         weaker = min(_yield_stresses(pair, yield_stress))
         return as_floats(np.pi * weaker**2 * pair.R / pair.E_star)
     return first_yield(pair, criterion, yield_stress, housing).load

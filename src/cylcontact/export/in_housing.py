@@ -134,8 +134,8 @@ def _thinned(curve: Curve) -> Curve:
             middle = (low + high) // 2
             chosen.add(middle)
             open_ += [(low, middle), (middle, high)]
-    kept = sorted(chosen)
-    return Curve(x[kept], y[kept], slopes[kept])
+    nodes = sorted(chosen)
+    return Curve(x[nodes], y[nodes], slopes[nodes])
 
 
 def _function(penetration: FloatArray, _pair: CylinderPair) -> FloatArray:

@@ -159,7 +159,7 @@ class Parametric(Law, Conformal):
                 "datum",
                 self.datum,
                 "depends on the radii and the materials",
-                "export a joint with a table [housing]",
+                "export a joint with a table [housing], or the law by cylcontact export --R-o",
             )
         return by_alpha | asdict(self.constants)
 
