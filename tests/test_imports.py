@@ -35,6 +35,7 @@ LAYERS = (
     {"laws"},
     {"housing_spec", "stress"},
     {"yield_search"},
+    {"housing_stress"},
     {"limits", "impact"},
     {"datasets", "plots"},
     {"fitting", "mechanism"},
