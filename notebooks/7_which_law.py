@@ -85,6 +85,24 @@ known = cc.choose(table, pair, group="specimen", fixed={"compliance": 0.0})
 print(known)
 
 # %% [markdown]
+# ## Which housing?
+#
+# A law needs the place that its penetration is counted from. In a joint that is the clamped rim of
+# the housing. This is the penetration (µm) under 1000 N/mm, and the load of first yield (N/mm), for
+# the same pair in a plate by Johnson's datum, in a ring pressed into a frame, and in an eye that is
+# pulled by its shank. If you know the housing of your readings, say so: `housing={"R_o": 15.0}` in
+# `cc.choose` and `cc.fit`.
+
+# %%
+eye = cc.laws.Housing(15.0, clamp=cc.laws.Sector(60, side="far"))
+answers = {}
+for name, housing in {"plate": None, "ring": cc.laws.Housing(15.0), "pulled eye": eye}.items():
+    law = cc.laws.Conformal(housing or "johnson")
+    limit = cc.limits.yield_load(pair, housing=housing)
+    answers[name] = 1e3 * law.penetration(1000.0, pair), limit
+pd.DataFrame(answers, index=["penetration, µm", "first yield, N/mm"]).round(1)
+
+# %% [markdown]
 # ## Does it matter?
 #
 # This is how much the laws that are left differ, over the loads of the data and ten times higher.

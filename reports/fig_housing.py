@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from cylcontact.arrays import FloatArray
+from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.laws import Conformal, Explicit, Housing, Johnson, Sector
 from cylcontact.pair import CylinderPair
 from cylcontact.plots.figure import Drawing, new_figure, plain_log
@@ -26,14 +27,15 @@ CLAMPS: dict[str, tuple[str, Literal["rim"] | Sector]] = {
     "far_120": ("120° far", Sector(120, "far")),
     "far_60": ("60° far: rod pulls", Sector(60, "far")),
 }
-# R_o/R_i of the lines and marks, and of the headline.
+# R_o/R_i of the lines and circles; of the headline and the finite elements, and cells of these
+# over half of the contact.
 RATIOS: FloatArray = np.array([1.3, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 14.0, 20.0])
-NAMED = (1.5, 3.0, 10.0)
+NAMED, CELLS = (1.5, 3.0, 10.0), 10
 CAPTION = (
     "The same joint in other housings: penetration (µm) of a steel pin in a bronze hole against "
     "R_o/R_i (-), radius of the clamped rim over the hole's. Lines: exact series for the rim or a "
-    "sector clamped, near the contact or opposite. Circles: the explicit law there. Dotted: "
-    "Johnson's law, which knows no housing."
+    "sector clamped, near the contact or opposite. Circles: the explicit law there. Crosses: "
+    "finite elements. Dotted: Johnson's law, which knows no housing."
 )
 METHOD = (
     "R_i = 10 mm, R_j = 9.95 mm, 1000 N/mm, plane strain, no friction, the pin under a body force. "
@@ -53,6 +55,8 @@ def draw(bench: Bench) -> Drawing:
         table[f"{name}_explicit_um"] = [
             _micrometres(Explicit(datum=each), pair) for each in housings
         ]
+        solved = [_by_elements(pair, ratio, clamp) for ratio in NAMED]
+        table[f"{name}_elements_um"] = table["ratio"].map(dict(zip(NAMED, solved, strict=True)))
     johnson = _micrometres(Johnson(), CylinderPair.internal(R_i=R_I, R_j=R_J, pin=pin, hole=hole))
     headline = {"Johnson's law, µm": johnson}
     for name, (words, clamp) in CLAMPS.items():
@@ -61,8 +65,27 @@ def draw(bench: Bench) -> Drawing:
             headline[f"{words}, R_o/R_i = {ratio:g}, µm"] = _micrometres(law, pair)
         error = table[f"{name}_explicit_um"] / table[f"{name}_um"] - 1
         headline[f"{words}: explicit off by at most, %"] = float(100 * error.abs().max())
+        error = table[f"{name}_elements_um"] / table[f"{name}_um"] - 1
+        headline[f"{words}: finite elements off by at most, %"] = float(100 * error.abs().max())
     method = METHOD.format(origins=origins_of(bench, [(PIN, HOLE)]))
     return Drawing(_draw(table, johnson), table, headline, CAPTION, method)
+
+
+def _by_elements(pair: CylinderPair, ratio: float, clamp: Literal["rim"] | Sector) -> float:
+    """Return the penetration in µm by finite elements."""
+    hole, pin = pair.material_i, pair.material_j
+    setup = Setup(
+        hole_radius=R_I,
+        outer_ratio=ratio,
+        E=float(hole.E),
+        nu=float(hole.nu),
+        pin_E=float(pin.E),
+        pin_nu=float(pin.nu),
+        clamp="whole" if isinstance(clamp, str) else clamp,
+        cells=CELLS,
+    )
+    (case,) = solve(setup, R_I - R_J, [LOAD])
+    return 1e3 * case.penetration
 
 
 def _micrometres(law: Conformal | Explicit | Johnson, pair: CylinderPair) -> float:
@@ -79,6 +102,7 @@ def _draw(table: pd.DataFrame, johnson: float) -> Figure:
         axes.plot(table["ratio"], table[f"{name}_um"], label=words, **style)
         style |= {"linestyle": "", "marker": "o", "markerfacecolor": "none"}
         axes.plot(table["ratio"], table[f"{name}_explicit_um"], **style)
+        axes.plot(table["ratio"], table[f"{name}_elements_um"], **style | {"marker": "+"}, ms=9)
     axes.axhline(johnson, color=QUIET, linestyle=":", marker="", zorder=1)
     axes.text(19.5, johnson * 0.97, "Johnson's law", ha="right", va="top", color=QUIET)
     axes.set(xscale="log", yscale="log", xlim=(1.25, 20.8))

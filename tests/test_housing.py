@@ -1,24 +1,22 @@
 """Housings against closed forms, finite elements, quadrature and printed numbers."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
-import skfem
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 from mpmath import mp
-from scipy.sparse.linalg import splu
-from skfem.helpers import ddot, eye, sym_grad, trace
 
+from benchmarks.calculix import run_case
 from cylcontact import CylinderPair, InputError, Material
 from cylcontact.datasets.finite_element import Setup, solve
 from cylcontact.datasets.finite_element.solver import clamped_nodes
-from cylcontact.laws import ClampedPlate, Conformal, Housing, Sector, glauert
+from cylcontact.laws import ClampedPlate, Conformal, Housing, Parametric, Sector, glauert
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.housing import pressure_harmonics
 from cylcontact.materials import material_in_MPa
+from tests.programs import require_program
+from tests.ring_elements import RingOfElements
 
 STEEL, AL = Material("steel", 207e3, 0.3), Material("aluminium", 70e3, 0.33)
 PEEK, BRONZE = Material("PEEK", 3.6e3, 0.38), Material("bronze", 110e3, 0.34)
@@ -104,69 +102,13 @@ def test_one_lug_is_near_for_push_and_far_for_pull():
 
 
 def ring_by_elements(radii, materials, clamp, count, cells=10):
-    """U_nm = 2μu_r of the bore for cos nθ under p = cos mθ, by biquadratic elements of half a ring.
-
-    Plane strain, the bore's radius 1, μ that of the innermost ring; cells graded to a clamp's end.
-    """
-    end = np.pi
-    if clamp != "rim":
-        half = np.radians(clamp.angle) / 2
-        end = half if clamp.side == "near" else np.pi - half
-
-    def graded(length, first):
-        steps = [first]
-        while sum(steps) < length:
-            steps.append(min(steps[-1] * 1.5, np.pi / (3 * cells)))
-        return np.cumsum(np.append(0, steps)) * length / sum(steps)
-
-    first = 3e-4 if clamp != "rim" else 0.03
-    theta = end - graded(end, first)[::-1]
-    if clamp != "rim":
-        theta = np.append(theta, (end + graded(np.pi - end, first))[1:])
-    r = [np.linspace(*ends, 5) for ends in pairwise(radii[:-1])]
-    r = np.unique(np.concatenate([*r, radii[-1] - graded(radii[-1] - radii[-2], first)]).round(12))
-    mesh = skfem.MeshQuad.init_tensor(r, theta)
-    curved = skfem.MeshQuad2.from_mesh(mesh)
-    at = curved.doflocs
-    polar = np.array([at[0] * np.cos(at[1]), at[0] * np.sin(at[1])])
-    curved = skfem.MeshQuad2(polar, curved.t, sort_t=False)
-    basis = skfem.Basis(curved, skfem.ElementVector(skfem.ElementQuad2()), intorder=5)
-    layer = np.searchsorted(radii[1:-1], mesh.p[0][mesh.t].mean(axis=0))
-    E, nu = (np.array([getattr(m, key) for m in materials])[layer] for key in ("E", "nu"))
-    mu, lame = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
-
-    @skfem.BilinearForm
-    def stiffness(u, v, w):
-        e, d = sym_grad(u), sym_grad(v)
-        stress = 2 * w.mu * e + w.lame * eye(trace(e), 2)
-        return ddot(stress, d)
-
-    fields = {"mu": mu[:, None] + 0 * basis.dx, "lame": lame[:, None] + 0 * basis.dx}
-    K = stiffness.assemble(basis, **fields)
-    bore = curved.facets_satisfying(lambda x: np.hypot(*x) < radii[0] * 1.01, boundaries_only=True)
-    edge = skfem.FacetBasis(curved, skfem.ElementVector(skfem.ElementQuad2()), facets=bore)
-    waves = [
-        skfem.LinearForm(
-            lambda v, w, n=n: (
-                np.cos(n * np.arctan2(w.x[1], w.x[0])) * (v[0] * w.x[0] + v[1] * w.x[1])
-            )
-        ).assemble(edge)
-        for n in range(count)
-    ]
-    x, y = basis.doflocs
-    angle, radius = np.arctan2(y, x), np.hypot(x, y)
-    rim = (radius > radii[-1] * (1 - 1e-9)) & (
-        (angle <= end + 1e-9) if clamp == "rim" or clamp.side == "near" else (angle >= end - 1e-9)
-    )
-    upright = np.isin(np.arange(x.size), basis.split_indices()[1])
-    held = rim | (upright & (np.abs(y) < 1e-9))
-    free = np.flatnonzero(~held)
-    factors = splu(K.tocsc()[free][:, free])
-    loads = np.array(waves)
-    moved = np.zeros(loads.shape)
-    moved[:, free] = factors.solve(np.ascontiguousarray(loads[:, free].T)).T
+    """U_nm = 2μu_r of the bore for cos nθ under p = cos mθ, μ that of the innermost ring."""
+    ring = RingOfElements(radii, materials, clamp, cells)
+    loads = np.array([ring.pressed(lambda theta, n=n: np.cos(n * theta)) for n in range(count)])
+    moved = np.array([ring.moved(load) for load in loads])
     share = np.where(np.arange(count) == 0, np.pi, np.pi / 2)  # of ∫cos² over half the bore
-    return 2 * mu[layer == 0][0] * (loads @ moved.T) / share[:, None]
+    mu = materials[0].E / (2 * (1 + materials[0].nu))
+    return 2 * mu * (loads @ moved.T) / share[:, None]
 
 
 def theory_of_ring(radii, materials, clamp, count):
@@ -260,6 +202,22 @@ def test_load_penetration_and_stiffness_are_one_curve(name, housing, exponent):
     d = law.penetration(f, pair)
     np.testing.assert_allclose(law.load(d, pair), f, rtol=1e-12)
     assert (d[2] - d[0]) / (f[2] - f[0]) == pytest.approx(1 / law.stiffness(d[1], pair), rel=1e-8)
+
+
+@pytest.mark.parametrize("name", PAIRS)
+@pytest.mark.parametrize("datum", ["johnson", Housing(13.0), Housing(20.0, Sector(60, "far"))])
+def test_the_stored_energy_is_the_integral_of_the_load(name, datum):
+    pair, law = pair_of(name), Conformal(datum)
+    d = law.penetration(np.array([1e-3, 0.1, 1.0, 4.0]) * pair.E_star * 0.01, pair)
+    low, high = (law.energy(d * (1 + step), pair) for step in (-1e-5, 1e-5))
+    np.testing.assert_allclose((high - low) / (2e-5 * d), law.load(d, pair), rtol=1e-7)
+    x, weights = np.polynomial.legendre.leggauss(60)
+    t = (1 + x) / 2  # δ = d·t³, so that f is smooth enough
+    f = law.load(d[:, None] * t**3, pair)
+    np.testing.assert_allclose(law.energy(d, pair), f @ (weights / 2 * 3 * t**2) * d, rtol=1e-7)
+    np.testing.assert_array_equal(law.energy([0.0, -1.0], pair), 0)
+    fast = Parametric(datum)
+    np.testing.assert_allclose(fast.energy(d, pair), law.energy(d, pair), rtol=1e-12)
 
 
 def test_small_loads_add_h():
@@ -439,8 +397,8 @@ def test_the_compact_law_is_as_near_to_the_series_as_printed(name, rho, clamp, p
 # --- contact finite elements --------------------------------------------------------------------
 
 
-def of_elements(name, rho, clamp, plane, phi, cells):
-    """Percent by which penetration and largest pressure of elements exceed the law's, by φ."""
+def setup_of(name, rho, clamp, plane, phi, cells):
+    """Finite elements, their pair, loads, and the law in the same housing."""
     pin, hole = PAIRS[name]
     where = CLAMPS[clamp]
     bodies = {"E": hole.E, "nu": hole.nu, "pin_E": pin.E, "pin_nu": pin.nu, "plane": plane}
@@ -453,7 +411,12 @@ def of_elements(name, rho, clamp, plane, phi, cells):
         side, theta = where.side, np.degrees(np.arctan2(x, y))
         half = theta.max() if side == "near" else 180 - theta.min()
         where = Sector(2 * half, side)
-    law = Conformal(Housing(10 * rho, where))
+    return setup, pair, f, Conformal(Housing(10 * rho, "rim" if clamp == "full" else where))
+
+
+def of_elements(name, rho, clamp, plane, phi, cells):
+    """Percent by which penetration and largest pressure of elements exceed the law's, by φ."""
+    setup, pair, f, law = setup_of(name, rho, clamp, plane, phi, cells)
     cases = []
     while not cases:  # the pairs of nodes end at 79°
         try:
@@ -478,6 +441,19 @@ def test_contact_by_elements_is_the_same(name, rho, clamp, plane):
     better = (4 * fine - coarse) / 3
     assert np.abs(better[:, 0]).max() < 0.15
     assert np.abs(fine[:, 1]).max() < 0.3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("rho", "clamp"), [(2.0, "full"), (2.0, "far180"), (1.5, "near180")])
+def test_contact_by_calculix_is_the_same(rho, clamp):
+    require_program("ccx")
+    away = []
+    for cells in (10, 20):
+        setup, pair, f, law = setup_of("steel in aluminium", rho, clamp, "strain", [0.3], cells)
+        penetration, _ = run_case(setup, 0.001, float(f[0]), f)
+        away.append(100 * (penetration / float(law.penetration(f[0], pair)) - 1))
+    assert abs(2 * away[1] - away[0]) < 0.15  # its contact of nodes with faces is of first order
+    assert abs(away[1]) < 0.5
 
 
 # Where a sector ends in the contact the cells are not graded: the error is of first order there.

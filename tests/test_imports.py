@@ -33,6 +33,7 @@ LAYERS = (
     {"laws"},
     {"housing_spec", "stress"},
     {"yield_search"},
+    {"housing_stress"},
     {"limits", "impact"},
     {"datasets", "plots"},
     {"fitting", "mechanism"},

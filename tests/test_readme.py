@@ -92,6 +92,12 @@ def test_what_the_housing_changes():
     eye = Housing(R_o=20.0, clamp=Sector(60, side="far"))
     for datum in ("johnson", Housing(R_o=100.0), Housing(R_o=1000.0), eye):
         assert f"{1e3 * Conformal(datum).penetration(1000.0, pair):.0f} µm" in README
+    thin = Housing(R_o=15.0, clamp=Sector(60, side="far"))
+    index = (ROOT / "docs/index.md").read_text(encoding="utf-8")
+    for page in (README, index):
+        assert f"{1e3 * Conformal(thin).penetration(1000.0, pair):.0f} µm" in page
+        for housing in (None, thin):
+            assert f"{limits.yield_load(pair, housing=housing):,.0f} N/mm" in page
 
 
 def planned():

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from cylcontact.arrays import FloatArray, as_floats, require, require_positive
 from cylcontact.errors import InputError
-from cylcontact.laws import Johnson
+from cylcontact.housing_stress import first_yield_in
+from cylcontact.laws import Housing, Johnson
 from cylcontact.pair import CylinderPair
 from cylcontact.yield_search import Criterion, FirstYield, find_first_yield
 
@@ -66,7 +67,10 @@ def hertz_pressure(x: ArrayLike, load: ArrayLike, pair: CylinderPair) -> FloatAr
 
 
 def yield_load(
-    pair: CylinderPair, criterion: Criterion = "von Mises", yield_stress: float | None = None
+    pair: CylinderPair,
+    criterion: Criterion = "von Mises",
+    yield_stress: float | None = None,
+    housing: Housing | None = None,
 ) -> FloatArray:
     """Return the load at which the contact first yields (Fig 7 with the paper's "Hertz").
 
@@ -81,6 +85,8 @@ def yield_load(
         the estimate while f/(E*·ΔR) is below 0.67 at yield, and less beyond.
     yield_stress : float, optional
         In MPa, for both bodies; by default each has that of its material.
+    housing : Housing, optional
+        As for `first_yield`; "Hertz" takes none.
 
     Returns
     -------
@@ -104,15 +110,21 @@ def yield_load(
     [ 901. 3614. 3618.] [  339.  3556. 17850.]
     """
     if criterion == "Hertz":
+        rule, remedy = (
+            "is nothing that the criterion 'Hertz' knows",
+            "choose 'von Mises' or 'Tresca'",
+        )
+        require(housing is None, "yield limit", "housing", housing, rule, remedy)
         weaker = min(_yield_stresses(pair, yield_stress))
         return as_floats(np.pi * weaker**2 * pair.R / pair.E_star)
-    return first_yield(pair, criterion, yield_stress).load
+    return first_yield(pair, criterion, yield_stress, housing).load
 
 
 def first_yield(
     pair: CylinderPair,
     criterion: Literal["von Mises", "Tresca"] = "von Mises",
     yield_stress: float | None = None,
+    housing: Housing | None = None,
 ) -> FirstYield:
     """Return the load at which either body first yields, the body, and the depth.
 
@@ -123,12 +135,15 @@ def first_yield(
     criterion : {"von Mises", "Tresca"}
         Compares an equivalent stress with each body's own yield stress. Both are criteria of
         ductile materials, and say nothing of brittle ones, which break in tension.
+    housing : Housing, optional
+        Around the hole, in place of an infinite plate.
 
     Returns
     -------
     FirstYield
-        With `load` in N/mm, `body` ("hole" or "pin", for external contact "i" or "j"), and
-        `depth` in mm below the surface.
+        With `load` in N/mm, `body` ("hole" or "pin", "layer 1" and so on of a housing, for external
+        contact "i" or "j"), `depth` in mm below the surface, and `angle` in degrees from the load.
+        In a housing the load is NaN where the pin leaves it within the arc before anything yields.
 
     Raises
     ------
@@ -139,9 +154,10 @@ def first_yield(
     -----
     A pin in a hole: the pressure is that of `cylcontact.laws.Conformal`, and the stresses inside
     both bodies under it are exact; `cylcontact.stress` derives them. The pin's load is balanced by
-    an even body force, the plate's at infinity. A lug of finite width carries more hoop tension
-    and yields earlier. Loads are within 2e-4 of the solution, in relative terms. Rollers: Hertz's
-    pressure on flat surfaces.
+    an even body force, the plate's at infinity. Loads are within 2e-4 of the solution, in relative
+    terms; in a housing within 1e-3, where thin eyes that are pulled yield on the bore beside the
+    contact, by bending and hoop tension. The ends of a clamp, which are singular, are left out: see
+    `cylcontact.housing_stress`. Rollers: Hertz's pressure on flat surfaces.
 
     Examples
     --------
@@ -154,15 +170,26 @@ def first_yield(
     ...     print(f"{at.load:.0f} N/mm, in the {at.body}, {at.depth:.2f} mm deep")
     901 N/mm, in the hole, 0.87 mm deep
     3618 N/mm, in the hole, 0.00 mm deep
+
+    The second one in an eye that is pulled by its shank:
+
+    >>> from cylcontact.laws import Housing, Sector
+    >>> print(first_yield(pair, housing=Housing(20.0, Sector(60, side="far"))))
+    1,428 N/mm (von Mises, in the hole, at its surface, 93° from the load)
     """
     rule = "must be 'von Mises', 'Tresca' or, for the load alone, 'Hertz'"
     remedy = "'Hertz' is the paper's estimate of the load"
     known = criterion in ("von Mises", "Tresca")
     require(known, "yield limit", "criterion", criterion, rule, remedy)
-    return find_first_yield(pair, _yield_stresses(pair, yield_stress), criterion)
+    stresses = _yield_stresses(pair, yield_stress, housing)
+    if housing is not None:
+        return first_yield_in(housing, pair, stresses, criterion)
+    return find_first_yield(pair, (stresses[0], stresses[1]), criterion)
 
 
-def yield_warning(load: ArrayLike, pair: CylinderPair) -> str | None:
+def yield_warning(
+    load: ArrayLike, pair: CylinderPair, housing: Housing | None = None
+) -> str | None:
     """Return a sentence if a load is above first yield by von Mises; None if none is.
 
     Of loads in N/mm, where NaN counts for nothing, and one pair. None is returned as well if a
@@ -178,11 +205,12 @@ def yield_warning(load: ArrayLike, pair: CylinderPair) -> str | None:
     >>> print(*others)
     von Mises, in the hole, at its surface); all laws here are elastic
     """
-    bodies = pair.material_i, pair.material_j
+    layers = [] if housing is None else [material for material, _ in housing.layers]
+    bodies = pair.material_i, pair.material_j, *layers
     if pair.R_i is None or pair.R_j is None or any(body.yield_stress is None for body in bodies):
         return None
-    largest, at = np.nanmax(as_floats(load), initial=0.0), first_yield(pair)
-    if largest <= at.load:
+    largest, at = np.nanmax(as_floats(load), initial=0.0), first_yield(pair, housing=housing)
+    if not largest > at.load:
         return None
     load_and_limit = f"the largest load, {largest:,.0f} N/mm, is above first yield at {at}"
     return f"{load_and_limit}; all laws here are elastic"
@@ -253,14 +281,18 @@ def elastic_limit_clearance(R_i: ArrayLike, pair: CylinderPair) -> FloatArray:
     return as_floats(2 * radius / (1 + np.sqrt(1 + 4 / m)))
 
 
-def _yield_stresses(pair: CylinderPair, given: float | None) -> tuple[float, float]:
-    """Return the yield stresses of bodies i and j in MPa: the given one, else their own."""
-    own = pair.material_i.yield_stress, pair.material_j.yield_stress
-    stress_i, stress_j = own if given is None else (given, given)
-    if stress_i is None or stress_j is None:
-        rule = "is not known for both materials"
+def _yield_stresses(
+    pair: CylinderPair, given: float | None, housing: Housing | None = None
+) -> list[float]:
+    """Return the yield stresses of body i, of layers around it, and of body j in MPa."""
+    layers = [] if housing is None else [material for material, _ in housing.layers]
+    bodies = [pair.material_i, *layers, pair.material_j]
+    stresses = [body.yield_stress if given is None else given for body in bodies]
+    known = [stress for stress in stresses if stress is not None]
+    if len(known) < len(bodies):
+        rule = f"is not known for {'all' if layers else 'both'} materials"
         remedy = "give the materials a yield_stress in MPa, or pass one"
         raise InputError("yield limit", "yield_stress", None, rule, remedy)
     if given is not None:  # those of materials are positive
         require_positive(given, "yield limit", "yield_stress", "give it in MPa")
-    return stress_i, stress_j
+    return known

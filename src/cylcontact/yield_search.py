@@ -60,17 +60,23 @@ class FirstYield:
     depth : float or array
         Below the surface in mm, on the axis of the contact; 0 at the surface.
     criterion : {"von Mises", "Tresca", "Hertz"}
+    angle : float or array
+        From the line of the load in degrees; 0 but in a housing.
     """
 
     load: FloatArray
     body: NDArray[np.str_]
     depth: FloatArray
     criterion: Criterion
+    angle: FloatArray | float = 0.0
 
     def __str__(self) -> str:
         """Return the load and the place of one pair in words."""
+        if np.isnan(self.load):
+            return "no load at which the pin touches its housing along one arc"
         body = f"the {self.body}" if self.body in ("hole", "pin") else f"body {self.body}"
         place = f"{self.depth:.2g} mm below its surface" if self.depth > 0 else "at its surface"
+        place += f", {self.angle:.0f}° from the load" if self.angle >= 0.5 else ""
         return f"{self.load:,.0f} N/mm ({self.criterion}, in {body}, {place})"
 
 

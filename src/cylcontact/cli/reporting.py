@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,9 +16,9 @@ from cylcontact.cli.options import (
     STYLES,
     TABLES,
     Jobs,
-    Materials,
     Results,
     expand_options,
+    option_of,
     split,
 )
 from cylcontact.cli.pair import PairOptions, constants_of, housing_of, pair_of
@@ -37,7 +37,7 @@ from cylcontact.files import (
 )
 from cylcontact.limits import yield_warning
 from cylcontact.materials import known_materials, own_table
-from cylcontact.pair import CONTACTS, unusual_lengths
+from cylcontact.pair import CylinderPair, unusual_lengths
 from cylcontact.plain_text import brief
 
 if TYPE_CHECKING:
@@ -237,23 +237,31 @@ def laws(
     from cylcontact.laws.user import user_law
     from cylcontact.reports import laws_to_use
     from cylcontact.reports.bench import Bench
-    from cylcontact.reports.laws_table import case, to_text
+    from cylcontact.reports.laws_table import to_text
 
     given = {name: value for name, value in vars(pair).items() if value is not None}
-    contact = given.get("contact", "internal")
-    housing = housing_of(given, "laws", contact)
-    constants, options = constants_of(given, "laws", contact)
-    rows = known_materials(own_table(pair.materials, Path(), "laws", "--materials"))
-    cylinders = pair_of(constants, options, contact, rows, "laws", case())
+    housing = housing_of(given, "laws", given.get("contact", "internal"))
+    cylinders = _pair_of(given, pair, "laws")
     advice = laws_to_use.to_text(cylinders.contact, Bench(shipped_bench()))
     listed_too = None if own is None else user_law(own, Path.cwd())
     around = None if housing is None else housing.housing
     say(f"{advice}\n\n{to_text(cylinders, load, listed_too, around)}")
-    for warning in (yield_warning(load, cylinders), *unusual_lengths(cylinders)):
+    for warning in (yield_warning(load, cylinders, around), *unusual_lengths(cylinders)):
         if warning is not None:
             say(f"warning: {warning}", err=True)
 
 
+def _pair_of(given: Mapping[str, Any], pair: PairOptions, source: str) -> CylinderPair:
+    """Return the pair that options give, and for the rest that which is compared by default."""
+    from cylcontact.reports.laws_table import case
+
+    contact = given.get("contact", "internal")
+    constants, options = constants_of(given, source, contact)
+    rows = known_materials(own_table(pair.materials, Path(), source, "--materials"))
+    return pair_of(constants, options, contact, rows, source, case())
+
+
+@expand_options
 def export(
     what: Annotated[
         str | None,
@@ -265,6 +273,7 @@ def export(
     joint: Annotated[
         Path | None, typer.Option(help="A joint, e.g. datasets/joint.toml, as a force element.")
     ] = None,
+    pair: PairOptions,
     target: Annotated[
         str,
         typer.Option(
@@ -273,10 +282,6 @@ def export(
             f"{listed(CODES)}.",
         ),
     ],
-    contact: Annotated[
-        str | None, typer.Option(help=f"{listed(CONTACTS)}; for laws that depend on it.")
-    ] = None,
-    materials: Materials = None,
     force_range: Annotated[
         str | None,
         typer.Option("--range", help="Total force in N, LOW:HIGH, for a code's own contact."),
@@ -294,28 +299,47 @@ def export(
 ) -> None:
     """Write a law, or a whole clearance joint, in another language, for a multibody code.
 
-    Or print the parameters of the code's own contact that follow the joint's law over a range.
+    A law in a housing (--R-o, --clamp) is of the pair's materials; others are of any. With --range,
+    print the parameters of the code's own contact that follow a joint's law over a range.
     """
+    from cylcontact.export import export as exported
     from cylcontact.export import export_named
+    from cylcontact.export.in_housing import law_in_housing
+    from cylcontact.housing_spec import in_housing
 
+    given = {name: value for name, value in vars(pair).items() if value is not None}
     if target in CODES:
-        _print_parameters(joint, target, force_range, mass, speed, materials, out)
+        _print_parameters(joint, target, force_range, mass, speed, pair.materials, out)
         return
     for option, value in (("--range", force_range), ("--mass", mass), ("--speed", speed)):
         remedy = f"leave it out, or choose --to {listed(CODES)}"
         require(value is None, "export", option, value, "is for a code's own contact", remedy)
     if joint is not None:
-        _export_joint(joint, target, out, materials, {"RESULT|LAW": what, "--contact": contact})
+        others = {"RESULT|LAW": what} | {option_of(name): given[name] for name in given}
+        _export_joint(joint, target, out, others.pop("--materials", None), others)
         return
-    if materials is not None:
-        rule, remedy = "is for a joint, and a law has no material", "leave it out, or add --joint"
-        raise InputError("export", "--materials", materials, rule, remedy)
     if what is None:
         remedy = "name one, e.g. explicit, or a joint with --joint"
         raise InputError("export", "RESULT|LAW", None, "is missing", remedy)
     if out is not None:
         require_writable(out)
-    source = export_named(what, contact, target)
+    housing = housing_of(given, "export", given.get("contact", "internal"))
+    if housing is not None:
+        law = in_housing(what, housing.housing, "export", "RESULT|LAW")
+        law, words = law_in_housing(law, _pair_of(given, pair, "export"))
+        say(f"{what} in this housing: {words}", err=True)
+        source = exported(law, None, target, words)
+    else:
+        contact = given.pop("contact", None)
+        for name, value in given.items():
+            rule, remedy = "is for a law in a housing or a joint", "leave it out, or add --R-o"
+            raise InputError("export", option_of(name), value, rule, remedy)
+        source = export_named(what, contact, target)
+    _write_law(what, source, out)
+
+
+def _write_law(what: str, source: str | bytes, out: Path | None) -> None:
+    """Write an exported law to the file `out`, or as text to standard output."""
     if isinstance(source, str):
         if out is None:
             typer.echo(source, nl=False)

@@ -180,6 +180,15 @@ class Bodies:
         arc = self.arc(1 / (b2 * (1 + b2)))  # with the slopes there, not a step before
         return arc.L - arc.L_slope * arc.k / (arc.k_slope - arc.c * arc.k)
 
+    def energy(self, d: FloatArray) -> FloatArray:
+        """Return the stored energy over E*·ΔR², φ·(d − H + 1)/2, half the work of the pressure."""
+        arc = self.arc_of_penetration(d)
+        H = 2 * arc.S + arc.c**2 / arc.S * np.log1p(arc.b2)
+        if self.remainder is not None:
+            H = H + arc.S * self.remainder.additions(arc.angle)[1]
+        phi = np.pi * arc.S / arc.k
+        return as_floats(phi / 2 * (phi * arc.L / np.pi + 1 - H))
+
     def peak(self, phi: FloatArray) -> FloatArray:
         """Return R·p/f at θ = 0 under the load φ."""
         arc = self.arc_of_load(phi)
@@ -344,6 +353,16 @@ class Conformal(OverLength):
         compliance = self._each(lambda bodies, d: self._checked(bodies).compliance(d), d, pair)
         stiffness = np.pi * pair.E_star / compliance
         return inside_or_nan(np.where(delta == 0, 0.0, stiffness), touching)
+
+    def energy(self, penetration: ArrayLike, pair: CylinderPair) -> FloatArray:
+        """Return the stored elastic energy per unit length in N, ∫f dδ up to `penetration` in mm.
+
+        It is half the work of the pressure, f·(δ − ΔR·∫(1 − cos θ)·p dθ)/2 with p in f/R.
+        """
+        delta, unit = depth_of(penetration), self.load_unit(pair) * as_floats(pair.dR)
+        touching, d = in_units_of(self.load_unit(pair) / pair.E_star, delta)
+        energy = self._each(lambda bodies, d: self._checked(bodies).energy(d), d, pair)
+        return inside_or_nan(np.where(delta == 0, 0.0, unit * energy), touching)
 
     def require_pair(self, pair: CylinderPair) -> None:
         """Raise `InputError` for external contact."""

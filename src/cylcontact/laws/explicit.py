@@ -146,7 +146,10 @@ class Explicit(Law):
     def constants_for(self, contact: Contact) -> dict[str, float]:
         """Return the constants by name."""
         if isinstance(self.datum, Housing):
-            rule, remedy = "depends on the joint", "export a joint with a table [housing]"
+            rule, remedy = (
+                "depends on the joint",
+                "export a joint with a table [housing], or the law by cylcontact export --R-o",
+            )
             raise InputError("export", "datum", self.datum, rule, remedy)
         return super().constants_for(contact)
 

@@ -253,7 +253,7 @@ def housed(beta: float, w_i: float, kernel: Kernel) -> Housed:
     for nodes in range(32 if len(kernel.g) < 30 else 48, _MOST_NODES + 1, 16):
         series, solution, b = _series(top, beta, nodes, kernel)
         values, last = np.abs(series[:, :2]), np.abs(series[-5:-2, :2])
-        if np.all(last.max(axis=0) < _LAST_TERMS * values.max(axis=0)):
+        if np.all(last.max(axis=0) < _LAST_TERMS * np.maximum(values.max(axis=0), 1.0)):
             coefficients = _fitted(solution.coefficients * b[:, None])
             return Housed(top, series, np.zeros(1), coefficients)
     rule = "makes a ring so thin that the pin does not touch it along one arc"

@@ -109,6 +109,11 @@ def curve_of(housing: Housing, pair: CylinderPair, constants: ParametricCoeffici
     return _curve(_joint(housing, pair, constants))
 
 
+def series_of(housing: Housing, pair: CylinderPair) -> Curve:
+    """Return the curve of one pair in a housing by the series."""
+    return _curve(_joint(housing, pair, CALIBRATED)._replace(by_series=True))
+
+
 def at_pair(curve: Curve, pair: CylinderPair) -> AtPair:
     """Return the law of a curve at its pair."""
     dR, E_star = as_floats(pair.dR), as_floats(pair.E_star)

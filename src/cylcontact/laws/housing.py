@@ -67,7 +67,10 @@ _LEAST_RATIO = 1.05
 # The last harmonic of one's own g over the largest, at most.
 _LAST_SHARE = 1e-3
 # Modes of the free arc, harmonics of its stiffness, and where D_n begins to be proportional to n.
-_MODES, _RIM_HARMONICS, _LINEAR_FROM = 32, 4000, 400
+_MODES, _RIM_HARMONICS, _LINEAR_FROM = 48, 2000, 400
+# For n = 0: which terms have a part in u_r, u_θ, σ_rr, σ_rθ and the sum.
+_EVEN, _ODD = [1, 0, 0, 1], [0, 1, 1, 0]
+_OF_ZERO = np.array([_EVEN, _ODD, _EVEN, _ODD, _EVEN])
 # What is left out of the compact law's polynomials, of their largest Chebyshev coefficient.
 _POLYNOMIALS = 1e-13
 # Where h is above this or T(0) below, the error of the compact law may exceed 1 %.
@@ -76,7 +79,7 @@ _LARGEST_H, _LEAST_T = 4.0, -3.0
 _SERIES, _SERIES_END, _ONE = 2 * np.arange(1.0, 17.0) / np.arange(2.0, 18.0), 0.1, 1 - 1e-15
 
 
-class _Ring(NamedTuple):
+class Ring(NamedTuple):
     """A ring of one material: radii over the bore's, κ, and μ over that of the bore."""
 
     inner: float
@@ -113,22 +116,12 @@ class Sector:
     side: Literal["near", "far"] = "near"
 
     def __post_init__(self) -> None:
-        require(
-            is_number(self.angle) and 10 <= self.angle <= 350,
-            "Sector",
-            "angle",
-            self.angle,
-            "must be from 10 to 350 degrees",
-            'give the angle of the clamped part of the rim, or clamp="rim" for all of it',
-        )
-        require(
-            self.side in ("near", "far"),
-            "Sector",
-            "side",
-            self.side,
-            "must be 'near' or 'far'",
-            "near if the pin is pressed towards the clamp, far if away from it",
-        )
+        rule, remedy = "must be from 10 to 350 degrees", 'or write clamp="rim" for all of the rim'
+        inside = is_number(self.angle) and 10 <= self.angle <= 350
+        require(inside, "Sector", "angle", self.angle, rule, remedy)
+        rule = "must be 'near' or 'far'"
+        remedy = "near if the pin is pressed towards the clamp, far if away from it"
+        require(self.side in ("near", "far"), "Sector", "side", self.side, rule, remedy)
 
 
 class Compact(NamedTuple):
@@ -148,6 +141,8 @@ class Kernel:
     """
 
     g: FloatArray
+    rings: tuple[Ring, ...] = ()
+    sector: Sector | None = None
 
     @cached_property
     def h(self) -> float:
@@ -302,32 +297,19 @@ class Housing:
             pairs = all(len(layer) == 2 and isinstance(layer[0], Material) for layer in layers)
             radii = [*(layer[-1] for layer in layers), self.R_o]
             positive = all(is_number(radius) and radius > 0 for radius in radii)
-            require(
-                pairs and positive and radii == sorted(set(radii)),
-                "Housing",
-                "layers" if layers else "R_o",
-                self.layers or self.R_o,
-                "must be pairs of a Material and its inner radius, increasing up to R_o"
-                if layers
-                else "must be a number, positive and finite",
-                "give radii in mm, e.g. Housing(R_o=20.0, layers=[(lug, 12.0)])",
-            )
-        require(
-            isinstance(self.clamp, Sector) or self.clamp == "rim",
-            "Housing",
-            "clamp",
-            self.clamp,
-            "must be 'rim' or a Sector",
-            'e.g. clamp=laws.Sector(60, side="far")',
-        )
-        require(
-            self.pin in ("body-force", "diametral"),
-            "Housing",
-            "pin",
-            self.pin,
-            "must be 'body-force' or 'diametral'",
-            "say how the pin is loaded",
-        )
+            key, rule = "R_o", "must be a number, positive and finite"
+            if layers:
+                key = "layers"
+                rule = "must be pairs of a Material and its inner radius, increasing up to R_o"
+            remedy = "give radii in mm, e.g. Housing(R_o=20.0, layers=[(lug, 12.0)])"
+            sound = pairs and positive and radii == sorted(set(radii))
+            require(sound, "Housing", key, self.layers or self.R_o, rule, remedy)
+        known = isinstance(self.clamp, Sector) or self.clamp == "rim"
+        rule, remedy = "must be 'rim' or a Sector", 'e.g. clamp=laws.Sector(60, side="far")'
+        require(known, "Housing", "clamp", self.clamp, rule, remedy)
+        rule, remedy = "must be 'body-force' or 'diametral'", "say how the pin is loaded"
+        known = self.pin in ("body-force", "diametral")
+        require(known, "Housing", "pin", self.pin, rule, remedy)
 
     @classmethod
     def from_compliances(cls, g: ArrayLike | str | Path, pin: PinDatum = "body-force") -> Housing:
@@ -362,7 +344,11 @@ class Housing:
         10.78 µm
         """
         if isinstance(g, str | Path):
-            g = _read_numbers(Path(g))
+            try:
+                g = np.loadtxt(g, delimiter=",", ndmin=1)
+            except (OSError, ValueError) as error:
+                rule, remedy = f"cannot be read as numbers: {error}", "separate g_nm by commas"
+                raise InputError(str(g), "g", None, rule, remedy) from None
         table = as_numbers(g, "Housing", "g")
         table = np.diag(table) if table.ndim == 1 else np.atleast_2d(table)
         return cls(math.inf, pin=pin, g=tuple(map(tuple, table.tolist())))
@@ -386,22 +372,11 @@ class Housing:
         R_i, _ = pair.radii(f"the datum {self!r}")
         inner = min([*(radius for _, radius in self.layers), self.R_o])
         key, given = ("layers", self.layers) if self.layers else ("R_o", self.R_o)
-        require(
-            inner > R_i,
-            "Housing",
-            key,
-            given,
-            f"must be larger than the hole (R_i = {np.max(R_i):g} mm)",
-            "the housing is clamped outside the hole",
-        )
-        require(
-            inner >= _LEAST_RATIO * R_i,
-            "Housing",
-            key,
-            given,
-            f"makes a ring thinner than {100 * (_LEAST_RATIO - 1):.0f} % of the hole's radius",
-            "give a thicker one",
-        )
+        rule = f"must be larger than the hole (R_i = {np.max(R_i):g} mm)"
+        remedy = "the housing is clamped outside the hole"
+        require(inner > R_i, "Housing", key, given, rule, remedy)
+        rule = f"makes a ring thinner than {100 * (_LEAST_RATIO - 1):.0f} % of the hole's radius"
+        require(inner >= _LEAST_RATIO * R_i, "Housing", key, given, rule, "give a thicker one")
         around = [replace(pair, material_i=material) for material, _ in self.layers]
         numbers = [R_i, pair.shares[0]]
         for one in (pair, *around):
@@ -418,31 +393,57 @@ class Housing:
         R_i, w_i, *elastic = row
         radii = [1.0, *(radius / R_i for _, radius in self.layers), self.R_o / R_i]
         rings = tuple(
-            _Ring(radii[k], radii[k + 1], elastic[2 * k], elastic[2 * k + 1] / elastic[1])
+            Ring(radii[k], radii[k + 1], elastic[2 * k], elastic[2 * k + 1] / elastic[1])
             for k in range(len(radii) - 1)
         )
         return _kernel_of(rings, w_i, None if self.clamp == "rim" else self.clamp)
 
 
 @lru_cache(maxsize=256)
-def _kernel_of(rings: tuple[_Ring, ...], w_i: float, sector: Sector | None) -> Kernel:
+def _kernel_of(rings: tuple[Ring, ...], w_i: float, sector: Sector | None) -> Kernel:
     """Return the kernel of bonded rings, clamped on the whole rim or on a sector of it."""
-    count = _harmonics(rings[0].outer)
-    n = np.arange(1, max(count, 1 if sector is None else _LINEAR_FROM) + 1)
-    (bore_0, rim_0, through_0), (bore, rim, through) = (
-        _responses(orders, rings) for orders in (np.array([0]), n)
-    )
-    kappa = rings[0].kappa
-    plate = np.where(n == 1, 0.25, (kappa / np.maximum(n - 1, 1) + 1 / (n + 1)) / 2)
-    share = 2 * w_i / (kappa + 1)
-    g = np.diag(share * np.append((bore_0 - 1) / 2, (bore - plate)[:count]))
+    return Kernel(w_i * _compliances(rings, sector).g, rings, sector)
+
+
+class Compliances(NamedTuple):
+    """What bonded rings do under loads cos nθ, n from 0.
+
+    `terms`, shape (n, rings, 4, 3), are the coefficients of `michell` in each ring under a pressure
+    on the bore with the rim clamped, and under 2μu_r and 2μu_θ of the rim with the bore free.
+    `moved`, shape (n, 2, m), are these two displacements of the rim for each P_m.
+    """
+
+    terms: FloatArray
+    moved: FloatArray
+    g: FloatArray  # for w_i = 1
+
+
+def compliances(kernel: Kernel) -> Compliances:
+    """Return what the rings of a kernel do."""
+    return _compliances(kernel.rings, kernel.sector)
+
+
+@lru_cache(maxsize=64)
+def _compliances(rings: tuple[Ring, ...], sector: Sector | None) -> Compliances:
+    """Return what bonded rings do, clamped on the whole rim or on a sector of it."""
+    count = _harmonics(rings[0].outer) + 1
+    n = np.arange(count if sector is None else max(count, _LINEAR_FROM + 1))
+    kappa, last = rings[0].kappa, rings[-1]
+    terms = _responses(n, rings)
+    bore = (michell(n, rings[0], 1.0)[:, :1] @ terms[:, 0])[:, 0]
+    plate = (kappa / np.maximum(n - 1, 1) + 1 / (n + 1)) / 2
+    plate[:2] = 1, 0.25
+    share = 2 / (kappa + 1)
+    g = np.diag(share * np.where(n == 0, 0.5, 1) * (bore[:, 0] - plate))[:count, :count]
+    moved = np.zeros((n.size, 2, count))
     if sector is not None:
-        D, T = np.zeros((n.size + 1, 2, 2)), np.zeros((count + 1, 2))
-        D[0, 0, 0], T[0, 0], D[1:], T[1:] = rim_0[0, 0, 0], through_0[0, 0], rim, through[:count]
-        B, A = _free_arc(sector, D, T, rings[-1].outer)
+        D = (michell(n, last, last.outer)[:, 2:4] @ terms[:, -1])[:, :, 1:]
+        phi, B, A = _free_arc(sector, D, bore[:count, 1:], last.outer)
         B[:, 0] /= 2
-        g = g + share / np.pi * (B.T @ np.linalg.solve(A, B))
-    return Kernel(as_floats((g + g.T) / 2))
+        modes = np.linalg.solve(A, B) / np.pi
+        g = g + share * (B.T @ modes)
+        moved = np.stack([phi[k::2, : n.size].T @ modes[k::2] for k in range(2)], axis=1)
+    return Compliances(terms, as_floats(moved), as_floats((g + g.T) / 2))
 
 
 def _harmonics(ratio: float) -> int:
@@ -451,55 +452,52 @@ def _harmonics(ratio: float) -> int:
     return int(n[np.argmax(np.log(n) - n * np.log(ratio) < np.log(_LEAST_TERM) / 2)])
 
 
-def _responses(n: IndexArray, rings: tuple[_Ring, ...]) -> tuple[FloatArray, ...]:
-    """Return U_n of the bore with the rim clamped, and D_n and T_n with the bore free.
+def _responses(n: IndexArray, rings: tuple[Ring, ...]) -> FloatArray:
+    """Return the coefficients of the terms of each ring, as `Compliances` has them.
 
-    The unknowns are four terms a ring; the equations two tractions of the bore, continuity at each
-    interface, and two displacements of the rim. For n = 0 they are half as many.
+    The equations are two tractions of the bore, continuity at each interface, and two displacements
+    of the rim.
     """
-    half = 1 if n[0] == 0 else 2
-    chosen = np.ix_(range(n.size), *(([0, 2], [0, 3]) if half == 1 else (range(4), range(4))))
-    size = 2 * half * len(rings)
-    system, applied = np.zeros((n.size, size, size)), np.zeros((n.size, size, 1 + half))
+    size = 4 * len(rings)
+    system, applied = np.zeros((n.size, size, size)), np.zeros((n.size, size, 3))
     for k, ring in enumerate(rings):
-        inner, outer = (_terms(n, ring, r)[chosen] for r in (ring.inner, ring.outer))
-        start = 2 * half * k
-        own = slice(start, start + 2 * half)
-        system[:, max(start - half, 0) : start + half, own] = inner if k else inner[:, half:]
-        system[:, start + half : start + 3 * half, own] = (
-            outer[:, :half] if ring is rings[-1] else -outer
-        )
+        inner, outer = (michell(n, ring, r)[:, :4] for r in (ring.inner, ring.outer))
+        own = slice(4 * k, 4 * k + 4)
+        system[:, max(4 * k - 2, 0) : 4 * k + 2, own] = inner if k else inner[:, 2:]
+        system[:, 4 * k + 2 : 4 * k + 6, own] = outer[:, :2] if ring is rings[-1] else -outer
     applied[:, 0, 0] = -1
-    applied[:, -half:, 1:] = np.eye(half)
-    solved = np.linalg.solve(system, applied)
-    bore = _terms(n, rings[0], 1.0)[chosen][:, :1] @ solved[:, : 2 * half]
-    last = _terms(n, rings[-1], rings[-1].outer)[chosen]
-    return bore[:, 0, 0], last[:, half:] @ solved[:, -2 * half :, 1:], bore[:, 0, 1:]
+    applied[:, -2:, 1:] = np.eye(2)
+    return as_floats(np.linalg.solve(system, applied).reshape(n.size, len(rings), 4, 3))
 
 
-def _terms(n: IndexArray, ring: _Ring, r: float) -> FloatArray:
-    """Return 2μu_r, 2μu_θ, σ_rr and σ_rθ of the four terms of each n ≥ 1 at r, shape (n, 4, 4).
+def michell(n: IndexArray, ring: Ring, r: float) -> FloatArray:
+    """Return 2μu_r, 2μu_θ, σ_rr, σ_rθ and σ_rr + σ_θθ of four terms of each n at r.
 
-    μ is that of the bore, and each term is at most about 1 in its ring.
+    μ is that of the bore, and each term is at most about 1 in its ring. For n = 0 the second and
+    the third are those of a rotation and of torsion, and have no part in what is even in θ.
     """
-    kappa, one, log = ring.kappa, np.ones(n.shape), np.log(r)
-    is_one = n == 1
-    rows = [
-        [kappa - n - 1, np.where(is_one, 2 * kappa * log - 1, kappa - 1 + n), -one, -one],
-        [kappa + n + 1, np.where(is_one, -2 * kappa * log - 1, n - 1 - kappa), one, -one],
-        [(n + 1) * (2 - n), np.where(is_one, 3 + kappa, (1 - n) * (2 + n)), 1 - n, n + 1],
-        [n * (n + 1), np.where(is_one, 1 - kappa, n * (1 - n)), n - 1, n + 1],
-    ]
+    kappa, none, one, is_one = ring.kappa, np.zeros(n.shape), np.ones(n.shape), n == 1
+    log = 2 * kappa * np.log(r)  # of n = 1
+    rows = np.array(
+        [
+            [kappa - n - 1, np.where(is_one, log - 1, kappa - 1 + n), -one, -one],
+            [kappa + n + 1, np.where(is_one, -log - 1, n - 1 - kappa), one, -one],
+            [(n + 1) * (2 - n), np.where(is_one, 3 + kappa, (1 - n) * (2 + n)), 1 - n, n + 1],
+            [n * (n + 1), np.where(is_one, 1 - kappa, n * (1 - n)), n - 1, n + 1],
+            [4 * (n + 1), np.where(is_one, 4, 4 * (1 - n)), none, none],
+        ]
+    )
+    rows[:, :, n == 0] *= _OF_ZERO[:, :, None]
     grow, fall = np.log(r / ring.outer), np.log(r / ring.inner)
     powers = np.exp([(n + 1) * grow, (1 - n) * fall, (n - 1) * grow, -(n + 1) * fall])
-    units = np.array([1 / ring.mu, 1 / ring.mu, 1 / r, 1 / r])
-    return as_floats(np.einsum("ijn,jn,i->nij", np.array(rows), powers, units))
+    units = np.array([1 / ring.mu, 1 / ring.mu, 1 / r, 1 / r, 1 / r])
+    return as_floats(np.einsum("ijn,jn,i->nij", rows, powers, units))
 
 
 def _free_arc(
     sector: Sector, D: FloatArray, T: FloatArray, radius: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return B, shape (modes, harmonics), and the stiffness A of the free arc of the rim."""
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return φ and B, shape (modes, harmonics), and the stiffness A of the free arc of the rim."""
     from scipy.special import jv
 
     F = np.pi - np.radians(sector.angle) / 2
@@ -527,7 +525,7 @@ def _free_arc(
     B = np.zeros((_MODES, count))
     B[odd] = phi[odd, :count] * (e[:count] * T[:, 0])
     B[even] = phi[even, :count] * (e[:count] * T[:, 1])
-    return B, (A + A.T) / 2
+    return as_floats(phi), B, (A + A.T) / 2
 
 
 def _require_own(g: tuple[tuple[float, ...], ...]) -> None:
@@ -551,17 +549,6 @@ def _require_own(g: tuple[tuple[float, ...], ...]) -> None:
 def _own_kernel(g: tuple[tuple[float, ...], ...]) -> Kernel:
     table = np.array(g)
     return Kernel(as_floats((table + table.T) / 2))
-
-
-def _read_numbers(path: Path) -> FloatArray:
-    """Return the numbers of a file."""
-    try:
-        return as_floats(np.loadtxt(path, delimiter=",", ndmin=1))
-    except (OSError, ValueError) as error:
-        rule = f"cannot be read as numbers: {error}"
-        raise InputError(
-            str(path), "g", None, rule, "give a file of comma-separated g_nm"
-        ) from None
 
 
 def is_number(value: object) -> bool:

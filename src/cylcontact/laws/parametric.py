@@ -162,7 +162,8 @@ class Parametric(Law, Conformal):
         elif isinstance(self.datum, (int, float)):
             by_alpha = {"C_0": float(self.datum), "C_alpha": 0.0}
         else:
-            rule, remedy = "depends on the joint", "export a joint with a table [housing]"
+            rule = "depends on the radii and the materials"
+            remedy = "export a joint with a table [housing], or the law by cylcontact export --R-o"
             raise InputError("export", "datum", self.datum, rule, remedy)
         return by_alpha | asdict(self.constants)
 

@@ -20,7 +20,7 @@ from cylcontact.arrays import FloatArray, as_floats, require
 from cylcontact.errors import InputError
 from cylcontact.housing_spec import HousingSpec, in_housing
 from cylcontact.impact import IMPACT_RATE_FLOOR, hysteresis_factor
-from cylcontact.laws import LAWS, ContactLaw, Explicit
+from cylcontact.laws import LAWS, ContactLaw, Explicit, Housing
 from cylcontact.laws.kernels import Kernel, kernel
 from cylcontact.laws.user import user_law
 from cylcontact.limits import yield_load
@@ -178,7 +178,10 @@ class ClearanceJoint:
         bodies = self.pair.material_i, self.pair.material_j
         if any(body.yield_stress is None for body in bodies):
             return float("inf")
-        return float(yield_load(self.pair)) * self.pair.contact_length("the joint")
+        datum = getattr(self.law, "datum", None)
+        housing = datum if isinstance(datum, Housing) else None
+        load = float(yield_load(self.pair, housing=housing))
+        return load * self.pair.contact_length("the joint")
 
     @cached_property
     def kernel(self) -> Kernel:

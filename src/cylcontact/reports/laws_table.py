@@ -236,6 +236,8 @@ def to_text(
         ]
     if all(body.yield_stress is not None for body in (pair.material_i, pair.material_j)):
         parts[0] += f"\nfirst yield at {first_yield(pair)}"
+        if housing is not None:
+            parts[0] += f"; in this housing at {first_yield(pair, housing=housing)}"
     parts += [_explicit(), _each_law(contact), _parameters(contact)]
     return "\n\n".join(parts)
 

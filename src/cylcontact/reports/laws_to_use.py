@@ -202,7 +202,7 @@ def to_text(contact: Contact, bench: Bench) -> str:
     if contact == "internal":
         lines.append(
             "all by Johnson's datum: a real housing changes the penetration by more than most of "
-            "these laws differ"
+            "these laws differ; name yours, e.g. --R-o 20 --clamp far:60"
         )
     return "\n".join(lines)
 
