@@ -15,13 +15,8 @@ from cylcontact.fitting.calibration import calibrate, problem_of
 from cylcontact.fitting.campaign import campaign_from_settings, read_campaign
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.uncertainty.discrepancy import RISES
-from cylcontact.fitting.uncertainty.profiles import (
-    DiscrepancyPair,
-    PairMap,
-    discrepancy_pair,
-    pair_map,
-    pairs_of,
-)
+from cylcontact.fitting.uncertainty.law_profiles import DiscrepancyPair, discrepancy_pair
+from cylcontact.fitting.uncertainty.profiles import PairMap, pair_map, pairs_of
 from cylcontact.fitting.uncertainty.residual_model import residual_model_at
 from cylcontact.plots.figure import Drawing, new_figure, panel_title
 from cylcontact.plots.style import ACCENT, COLOURS, LINE_STYLES, small_text

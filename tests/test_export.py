@@ -47,6 +47,7 @@ LAWS = {
     "power": (laws.PowerLaw(n=1.237, K_star=0.3), "external"),
     "power-of-one-pair": (laws.PowerLaw(n=1.237, K=312148.0), "internal"),
     "power-dimensionless": (laws.PowerLaw(n=1.14, C=0.913), "internal"),
+    "power-clearance": (laws.PowerClearance(0.88, 0.72, 1.13, -0.02, 0.01, 0.001), "internal"),
     "linear": (laws.PowerLaw(n=1.0, K_star=0.3), "internal"),
     "softening": (laws.PowerLaw(n=0.9, K_star=0.3), "internal"),
     "scaled-johnson": (adjusted_logarithmic(laws.Johnson(), 1.3, -0.7, 2.0), "internal"),

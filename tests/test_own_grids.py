@@ -13,7 +13,7 @@ from cylcontact.fitting.assessment import SAME_BASIN
 from cylcontact.fitting.calibration import problem_of, search_all
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.report import as_html
-from cylcontact.fitting.uncertainty.profiles import profile
+from cylcontact.fitting.uncertainty.law_profiles import profile
 from cylcontact.progress import silent
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -92,7 +92,7 @@ def few_points():
 
 
 def starts(problem, number):
-    return polish.scatter(problem, np.random.default_rng(2), number)
+    return problem.scatter(np.random.default_rng(2), number)
 
 
 def test_slopes_by_formula_are_differences_of_the_residuals(few_points):

@@ -20,7 +20,8 @@ from cylcontact.fitting.assessment import SAME_BASIN, basins, identification
 from cylcontact.fitting.law_models import grid_model_of
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import collect_samples, form_of
-from cylcontact.fitting.uncertainty.profiles import FAIRLY, TOLERANCE
+from cylcontact.fitting.uncertainty.law_profiles import TOLERANCE
+from cylcontact.fitting.uncertainty.profiles import FAIRLY
 from cylcontact.laws import PUBLISHED, arcs, explicit, explicit_pair
 from cylcontact.laws.conformal import Bodies
 from cylcontact.laws.enhanced import INTERNAL_DR_MAX, INTERNAL_DR_MIN, PUBLISHED_DR

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from cylcontact.fitting.uncertainty.estimates import OUTLYING, STRONG_CORRELATION
-from cylcontact.fitting.uncertainty.profiles import FAIRLY, TOLERANCE, WELL
+from cylcontact.fitting.uncertainty.law_profiles import TOLERANCE
+from cylcontact.fitting.uncertainty.profiles import FAIRLY, WELL
 from cylcontact.fitting.uncertainty.residual_model import ROUNDING
 
 if TYPE_CHECKING:

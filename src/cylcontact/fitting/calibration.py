@@ -35,7 +35,7 @@ from cylcontact.fitting.objectives import (
     make_objective,
     max_abs_difference_percent,
 )
-from cylcontact.fitting.optimizers import OPTIMIZERS, require_installed, search
+from cylcontact.fitting.optimizers import OPTIMIZERS
 from cylcontact.fitting.polish import minimise
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.records import (
@@ -49,7 +49,7 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import Samples, collect_samples
 from cylcontact.fitting.specs import CampaignSpec
 from cylcontact.fitting.uncertainty.estimates import Uncertainty, uncertainty_of
-from cylcontact.fitting.uncertainty.profiles import Profile, profile
+from cylcontact.fitting.uncertainty.law_profiles import Profile, profile
 from cylcontact.journal import Journal
 from cylcontact.parallel import Call, Workers, call, call_for, collect, run_recorded
 from cylcontact.progress import Progress, silent
@@ -123,7 +123,9 @@ def calibrate(
     {'a': 0.39, 'b': 0.85, 'n': 1.094}
     """
     if campaign.spec.optimizer is not None:
-        require_installed(campaign.spec.optimizer, campaign.source)
+        OPTIMIZERS[campaign.spec.optimizer].require_installed(
+            campaign.source, campaign.spec.optimizer
+        )
     elif isinstance(jobs, int) and _is_quick(campaign):
         jobs = 1  # starting the workers would take longer
     provenance = campaign.provenance  # of what is run, not of what is there when it ends
@@ -473,9 +475,8 @@ def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRec
     """
     started = time.perf_counter()
     with threadpool_limits(limits=1):
-        best = search(
-            problem, plan.optimizer, plan.population, plan.generations, plan.crossover, plan.seed
-        )
+        search = OPTIMIZERS[plan.optimizer].search
+        best = search(problem, plan.population, plan.generations, plan.crossover, plan.seed)
         point, value = minimise(problem, best.point, plan.seed)
     if not np.isfinite(value):
         raise InputError(

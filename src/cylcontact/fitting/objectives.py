@@ -27,22 +27,6 @@ from cylcontact.fitting.samples import Form, PowerForm, Samples, form_of, sample
 from cylcontact.laws.definition import LawModel
 from cylcontact.parallel import Workers, call, run_calls
 
-__all__ = [
-    "OBJECTIVES",
-    "ON_ROWS",
-    "Largest",
-    "MaxDifference",
-    "MaxRelativeForce",
-    "Objective",
-    "RmsDifference",
-    "RmsLogPenetration",
-    "RmsLogPenetrationOnRows",
-    "RmsRelativeForce",
-    "RootMeanSquare",
-    "make_objective",
-    "max_abs_difference_percent",
-]
-
 # The polish of a largest magnitude sees the extremes of at least this many groups of samples.
 _GROUPS = 400
 # Step of the log ratio for the derivative of a deviation.
@@ -365,24 +349,10 @@ def max_abs_difference_percent(
     jobs: Workers = 1,
     progress: Callable[[int], None] | None = None,
 ) -> FloatArray:
-    """Return the largest |Eq 9| in percent over a grid for each of several coefficient sets.
+    """Return the largest |Eq 9| in percent over a grid for each of P coefficient sets.
 
-    Parameters
-    ----------
-    grid : Grid or DimensionlessGrid
-        The grid, sampled block by block.
-    model : LawModel
-        The law.
-    candidates : sequence of mapping
-        Coefficients by name, P of them.
-    jobs : int or Cluster
-        Threads, or a Dask cluster; the result does not depend on it.
-    progress : callable, optional
-        Called with the number of clearances done.
-
-    Returns
-    -------
-    array of float, shape (P,)
+    The grid is sampled block by block, by `jobs` threads. `progress` is called with the number of
+    clearances done.
     """
     points = model.candidates(*candidates)
     work = [call(_at_clearance, grid, model, points, float(dR)) for dR in grid.dR]

@@ -21,8 +21,6 @@ from cylcontact.fitting.objectives import Largest, RmsLogPenetration, RootMeanSq
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.samples import PowerForm
 
-__all__ = ["central_differences", "descend", "minimise", "minimise_largest", "polish", "scatter"]
-
 # A restart that gains less than this, relatively, ends the polish.
 _MIN_GAIN = 1e-10
 _MAX_RESTARTS = 20
@@ -57,24 +55,9 @@ _Residuals = Callable[[FloatArray], FloatArray]
 def polish(
     problem: Problem, start: FloatArray, precision: float = 1e-14
 ) -> tuple[FloatArray, float]:
-    """Descend from a point to a local minimum, and restart until that gains nothing.
+    """Return the local minimum below a point, by descents until one gains nothing, and its value.
 
-    Parameters
-    ----------
-    problem : Problem
-        What to minimise.
-    start : array of float, shape (k,)
-        Free parameters within their bounds.
-    precision : float
-        Relative change of the objective below which a descent ends; the coefficients are then
-        known to about its square root.
-
-    Returns
-    -------
-    point : array of float, shape (k,)
-        The minimum; the start itself if nothing better was found.
-    value : float
-        Its objective.
+    The coefficients are known to about the square root of the relative `precision`.
     """
     point, value = start, problem.value(start)
     for _ in range(_MAX_RESTARTS):
@@ -88,31 +71,13 @@ def polish(
 
 
 def minimise(problem: Problem, start: FloatArray, seed: int = 0) -> tuple[FloatArray, float]:
-    """Descend from a point and from random ones, then from beside the lowest, and return it.
+    """Return the lowest minimum below a point, random points and points beside it, and its value.
 
-    Parameters
-    ----------
-    problem : Problem
-        What to minimise.
-    start : array of float, shape (k,)
-        Free parameters within their bounds.
-    seed : int
-        Of the other starts.
-
-    Returns
-    -------
-    point : array of float, shape (k,)
-        The lowest minimum found.
-    value : float
-        Its objective.
-
-    Notes
-    -----
     Where a descent needs every sample, or a law has no formula for its slopes, there are fewer
-    random starts or none.
+    random points or none.
     """
     rng = np.random.default_rng(seed)
-    starts = np.vstack([start, scatter(problem, rng, affordable_starts(problem))])
+    starts = np.vstack([start, problem.scatter(rng, affordable_starts(problem))])
     starts = np.vstack([start, climb_down(problem, starts)])
     ends, values = descend(problem, starts, _FINER)
     point, value = ends[values.argmin()], values.min()
@@ -127,11 +92,6 @@ def minimise(problem: Problem, start: FloatArray, seed: int = 0) -> tuple[FloatA
             point, value = ends[values.argmin()], values.min()
         if enough:
             return polish(problem, point)
-
-
-def scatter(problem: Problem, rng: np.random.Generator, number: int) -> FloatArray:
-    """Return random points between the bounds, shape (number, k)."""
-    return rng.uniform(problem.low, problem.high, (number, len(problem.free)))
 
 
 def affordable_starts(problem: Problem) -> int:
@@ -155,25 +115,10 @@ def climb_down(problem: Problem, points: FloatArray, held: Collection[int] = ())
 def descend(
     problem: Problem, starts: FloatArray, precision: float, held: Collection[int] = ()
 ) -> tuple[FloatArray, FloatArray]:
-    """Descend once from each of P points.
+    """Return the ends of descents from P points, shape (P, k), and their objectives.
 
-    Parameters
-    ----------
-    problem : Problem
-        What to minimise.
-    starts : array of float, shape (P, k)
-        Free parameters within their bounds.
-    precision : float
-        Relative gain below which a descent ends.
-    held : collection of int
-        Columns that stay as they are.
-
-    Returns
-    -------
-    points : array of float, shape (P, k)
-        The ends; a start itself if nothing better was found.
-    values : array of float, shape (P,)
-        Their objectives.
+    A descent ends when it gains less than `precision`, relatively, and no higher than it began. The
+    columns `held` stay as they are.
     """
     before = problem.values(starts)
     if starts.shape[1] == len(held) or not np.isfinite(before).any():
@@ -357,24 +302,6 @@ def minimise_largest(
     Each programme minimises the largest magnitude of the linearised residuals within a trust
     region (Osborne and Watson 1969).
 
-    Parameters
-    ----------
-    residuals : callable
-        From points, shape (P, k), to residuals, shape (P, q).
-    low, high : array of float, shape (k,)
-        The bounds of the parameters.
-    start : array of float, shape (k,)
-        A point within the bounds.
-    precision : float
-        Relative gain of the largest residual below which the descent ends.
-
-    Returns
-    -------
-    array of float, shape (k,)
-        A local minimum; the start if nothing better was found.
-
-    Examples
-    --------
     The best straight line through a parabola from 0 to 1 has an error of 1/8:
 
     >>> x = np.linspace(0, 1, 101)

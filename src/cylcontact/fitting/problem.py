@@ -15,27 +15,16 @@ from cylcontact.fitting.samples import Form
 from cylcontact.fitting.ties import evaluate
 from cylcontact.laws.definition import LawModel, Parameter
 
-__all__ = ["Problem"]
-
 # Numbers in an array of candidates by data; of more candidates some at a time are evaluated.
 _AT_ONCE = 1 << 22
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Minimise an objective over the free parameters of a law.
-
-    Attributes
-    ----------
-    model : LawModel
-        The law and contact.
-    parameters : tuple of Parameter
-        One for each of the model's names, in their order.
-    objective : Objective
-        The objective with its data.
-    """
+    """Minimise an objective over the free parameters of a law."""
 
     model: LawModel
+    # One for each of the model's names, in their order.
     parameters: tuple[Parameter, ...]
     objective: Objective
 
@@ -53,6 +42,10 @@ class Problem:
     def high(self) -> FloatArray:
         """Upper bounds of the free parameters, shape (k,)."""
         return np.array([p.high for p in self.free])
+
+    def scatter(self, rng: np.random.Generator, number: int) -> FloatArray:
+        """Return random points between the bounds, shape (number, k)."""
+        return rng.uniform(self.low, self.high, (number, len(self.free)))
 
     def values(self, points: FloatArray) -> FloatArray:
         """Return the objective of P points of the free parameters, shape (P, k) to (P,)."""

@@ -29,7 +29,7 @@ from cylcontact.fitting.records import (
 )
 from cylcontact.fitting.specs import ParameterSpec
 from cylcontact.fitting.uncertainty.estimates import Uncertainty
-from cylcontact.fitting.uncertainty.profiles import Profile
+from cylcontact.fitting.uncertainty.law_profiles import Profile
 from cylcontact.fitting.uncertainty.study import problem_of_result
 from cylcontact.formats import marked, upgraded
 from cylcontact.laws.contact_law import ContactLaw

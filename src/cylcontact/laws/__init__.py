@@ -33,6 +33,7 @@ from cylcontact.laws.logarithmic import (
 )
 from cylcontact.laws.parametric import Parametric
 from cylcontact.laws.power import PowerLaw
+from cylcontact.laws.power_clearance import PowerClearance
 from cylcontact.laws.sphere import LankaraniNikravesh
 from cylcontact.laws.winkler import Winkler
 
@@ -65,6 +66,7 @@ __all__ = [
     "Parametric",
     "ParametricCoefficients",
     "Persson",
+    "PowerClearance",
     "PowerLaw",
     "Radzimovsky",
     "RadzimovskyRadii",
@@ -103,11 +105,12 @@ LAW_TYPES: tuple[type[Any], ...] = (
     Palmgren,
     Iso16281,
     PowerLaw,
+    PowerClearance,
 )
 
 # The laws with default coefficients, by the names that specs and commands use.
 LAWS: dict[str, Callable[[], ContactLaw]] = {
-    law.name: law for law in LAW_TYPES if law is not PowerLaw
+    law.name: law for law in LAW_TYPES if law not in (PowerLaw, PowerClearance)
 }
 
 # Those that need ΔR only, no radii or length, which a grid can sample.

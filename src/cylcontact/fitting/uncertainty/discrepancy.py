@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -21,21 +22,15 @@ from cylcontact.datasets.sampling import blocks
 from cylcontact.errors import InputError
 from cylcontact.fitting.calibration import problem_of
 from cylcontact.fitting.campaign import Campaign, campaign_from_settings, grid_of, with_grid
+from cylcontact.fitting.polish import polish
 from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import form_of, samples_of
-from cylcontact.fitting.uncertainty.profiles import (
-    DiscrepancyPair,
-    Profile,
-    discrepancy_pair,
-    pairs_of,
-    refit_to_law,
-)
+from cylcontact.fitting.uncertainty.law_profiles import DiscrepancyPair, Profile, discrepancy_pair
+from cylcontact.fitting.uncertainty.profiles import pairs_of
 from cylcontact.fitting.uncertainty.resampling import LeftOut, left_out
 from cylcontact.parallel import Workers, call, collect
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import Spec
-
-__all__ = ["RISES", "DiscrepancyStudy", "study_discrepancy"]
 
 # Contours of pairs: the relative rise of the best objective.
 RISES = (0.01, 0.05, 0.10)
@@ -67,28 +62,8 @@ def study_discrepancy(
 ) -> DiscrepancyStudy:
     """Return the discrepancy of a fit to a reference law.
 
-    Parameters
-    ----------
-    result : FitResult
-        Of kind "discrepancy".
-    leave_out : str, optional
-        The axis of the grid whose values are left out one after the other: dR, E (or material),
-        nu or load.
-    with_pairs : bool
-        Whether to map the objective over each pair of coefficients.
-    jobs : int or Cluster
-        Worker processes, or a Dask cluster; the result does not depend on it.
-    progress : callable, optional
-        Called with the stage, how many of its parts are done, and their number.
-
-    Returns
-    -------
-    DiscrepancyStudy
-
-    Raises
-    ------
-    InputError
-        If the result is one of measurements, or the axis is unknown or has one value only.
+    The values of the axis `leave_out` (dR, E or material, nu or load) are left out one after the
+    other; `with_pairs` maps the objective over each pair of coefficients.
     """
     source = f"fit result {result.name!r}"
     if result.kind != "discrepancy":
@@ -158,7 +133,7 @@ def _without(campaign: Campaign, best: Mapping[str, float], axis: str, place: in
         alone, counts = problem_of(with_grid(campaign, own), 1, silent)
         rows = counts.samples
     group = f"{axis} = {values[place]:.6g}"
-    return left_out(group, problem, alone, rows, best, refit_to_law)
+    return left_out(group, problem, alone, rows, best, partial(polish, precision=1e-10))
 
 
 def _spread(campaign: Campaign, best: Mapping[str, float]) -> dict[str, float]:
