@@ -25,13 +25,17 @@ from cylcontact.fitting.optimizers import (
     BudgetSpentError,
     EvaluationBudget,
     budget_of,
-    search,
 )
 from cylcontact.fitting.polish import polish
 from cylcontact.reports.bench import Bench
 from tests.spec_files import assert_told, tree, write_bench
 
 ROOT = Path(__file__).resolve().parents[1]
+
+
+def search(problem, optimizer, population, generations, crossover, seed):
+    """Search a problem with one of the optimisers."""
+    return OPTIMIZERS[optimizer].search(problem, population, generations, crossover, seed)
 
 
 @pytest.fixture(params=OPTIMIZERS)

@@ -13,7 +13,7 @@ from cylcontact.fitting.assessment import SAME_BASIN
 from cylcontact.fitting.calibration import problem_of, search_all
 from cylcontact.fitting.problem import Problem
 from cylcontact.fitting.report import as_html
-from cylcontact.fitting.uncertainty.law_profiles import profile
+from cylcontact.fitting.uncertainty.law_profiles import profiles
 from cylcontact.progress import silent
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -161,7 +161,7 @@ def test_a_profile_is_as_low_as_many_restarts_find():
     problem, _ = problem_of(read_campaign(ROOT / "fitting/internal.toml"), 1, silent)
     point, value = polish.minimise(problem, problem.low)
     best = problem.coefficients(point)
-    curve = profile(problem, "a", best, None)
+    curve = profiles(problem, ["a"], best, None)["a"]
     assert min(curve.objective) >= value * (1 - 1e-9)
     for at in range(0, len(curve.values), 6):
         held = problem.fixing("a", curve.values[at])

@@ -49,7 +49,7 @@ from cylcontact.fitting.result import FitResult
 from cylcontact.fitting.samples import Samples, collect_samples
 from cylcontact.fitting.specs import CampaignSpec
 from cylcontact.fitting.uncertainty.estimates import Uncertainty, uncertainty_of
-from cylcontact.fitting.uncertainty.law_profiles import Profile, profile
+from cylcontact.fitting.uncertainty.law_profiles import Profile, profiles
 from cylcontact.journal import Journal
 from cylcontact.parallel import Call, Workers, call, call_for, collect, run_recorded
 from cylcontact.progress import Progress, silent
@@ -294,15 +294,14 @@ def _quality_on_grid(
     best, *published = compared
     unwanted = isinstance(campaign.spec, CampaignSpec) and campaign.spec.profiles is False
     names = [] if unwanted else [p.name for p in problem.free]
-    values = [published[0][name] if published else None for name in names]
-    calls = [
-        call(profile, problem, name, best, value) for name, value in zip(names, values, strict=True)
-    ]
-    progress("profiling", 0, len(names))
-    if isinstance(problem.objective, RmsLogPenetration):
-        jobs = 1  # starting the workers would take longer
-    profiles = dict(zip(names, collect(calls, jobs, progress, "profiling"), strict=True))
-    return _Quality(problem.objective.bound if problem.model.power_form else None, profiles)
+    # One batch from moments; from rows a worker for each.
+    is_batch = isinstance(problem.objective, RmsLogPenetration)
+    groups = [names] * bool(names) if is_batch else [[name] for name in names]
+    calls = [call(profiles, problem, group, best, next(iter(published), None)) for group in groups]
+    progress("profiling", 0, len(calls))
+    curves = collect(calls, 1 if is_batch else jobs, progress, "profiling")
+    bound = problem.objective.bound if problem.model.power_form else None
+    return _Quality(bound, {name: each for some in curves for name, each in some.items()})
 
 
 def _problem_on_table(campaign: Campaign, *_: object) -> tuple[Problem, Counts]:

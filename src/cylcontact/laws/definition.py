@@ -82,8 +82,8 @@ class LawModel:
         shape (m,), to K* and n in f = K*·E*/ΔR·δⁿ, shape (P, m) each. Such a law can be evaluated
         from moments and has a lower bound.
     smooth_form : callable, optional
-        From candidates, clearances and ε to K*, n and their derivatives by the parameters, shape
-        (P, k, m), with every maximum in the law smoothed over ε. At ε = 0 it is `power_form`.
+        From candidates, clearances and ε to ln K*, n and their derivatives by the parameters,
+        shape (P, k, m), with every maximum in the law smoothed over ε. At ε = 0 it is `power_form`.
     on_grid : bool
         Whether the law can be fitted on a grid, where a sample has ΔR and f/E* only.
     dimensionless : bool

@@ -76,8 +76,8 @@ class PowerClearance(PowerShaped):
         Parameter("p", 0.0, 2.0, shift=True, meaning="slope of ln K* over ln ΔR"),
         Parameter("n0", 0.8, 2.0, meaning="n at ΔR = 1 mm"),
         Parameter("n1", -0.2, 0.2, shift=True, meaning="slope of n over ln ΔR"),
-        Parameter("q", value=0.0, shift=True, meaning="coefficient of ln² ΔR in ln K*"),
-        Parameter("n2", value=0.0, shift=True, meaning="coefficient of ln² ΔR in n"),
+        Parameter("q", -1.0, 1.0, value=0.0, shift=True, meaning="coefficient of ln² ΔR in ln K*"),
+        Parameter("n2", -0.1, 0.1, value=0.0, shift=True, meaning="coefficient of ln² ΔR in n"),
     )
     formula = Formula(load, by_clearance, end, energy, _EQUATION, IN_MM)
     on_grid = True

@@ -12,7 +12,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import combinations
-from typing import Protocol
 
 import numpy as np
 from pydantic import Field
@@ -45,22 +44,18 @@ BETTER = -1e-6
 Descent = Callable[[Problem, FloatArray], tuple[FloatArray, float]]
 
 
-class Ends(Protocol):
-    """The ends of an interval, and whether a bound of the search cuts it off there."""
+class Ends(Spec):
+    """The ends of an interval of a parameter."""
 
-    low: float
-    high: float
-    low_is_bound: bool
-    high_is_bound: bool
-
-
-class Interval(Spec):
-    """An interval of a parameter."""
-
-    low: float = Field(description="the lower end")
-    high: float = Field(description="the upper end")
+    low: float = Field(description="the lower end, or the bound that it meets")
+    high: float = Field(description="the upper end, or the bound that it meets")
     low_is_bound: bool = Field(description="whether a bound of the search cuts it off below")
     high_is_bound: bool = Field(description="whether a bound of the search cuts it off above")
+
+
+class Interval(Ends):
+    """A profile-likelihood interval."""
+
     lowest: float = Field(
         0.0, description="the lowest (S(θ) − S)/τ; below 0 there is a better optimum"
     )
