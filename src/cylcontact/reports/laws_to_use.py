@@ -47,10 +47,10 @@ _JOHNSON = "f = π·E*·δ/(−W₋₁(−e·δ/(4ΔR)))"
 # The campaigns of the enhanced law and of the power laws, by contact and ranges.
 Ranges = Literal["practical", "paper"]
 _REFITS: dict[tuple[Contact, Ranges], tuple[str, ...]] = {
-    ("internal", "practical"): ("practical", "power-practical", "power-clearance-practical"),
-    ("internal", "paper"): ("internal", "power-internal", "power-clearance"),
-    ("external", "practical"): ("external", "power-external"),
-    ("external", "paper"): ("external", "power-external"),
+    ("internal", "practical"): ("practical", "power-practical", "power-clearance-practical-six"),
+    ("internal", "paper"): ("internal", "power-internal", "power-clearance-six"),
+    ("external", "practical"): ("external", "power-external", "power-clearance-external"),
+    ("external", "paper"): ("external", "power-external", "power-clearance-external"),
 }
 _PLACES = {
     "practical": "practical clearances",
