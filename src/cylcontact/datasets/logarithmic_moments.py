@@ -24,7 +24,7 @@ from cylcontact.laws.logarithmic import LogarithmicLaw
 from cylcontact.pair import CylinderPair
 
 # The interpolation converges as ρ⁻ᵠ; the error left, which the sums reduce further.
-_LEFT = 1e-13
+_LEFT = 1e-12
 
 
 def row_moments(
@@ -83,7 +83,10 @@ def _interpolation(values: FloatArray) -> tuple[FloatArray, FloatArray]:
     angle = np.pi * (np.arange(q) + 0.5) / q
     nodes = low + extent * (1 + np.cos(angle)) / 2
     distance = values[:, None] - nodes
-    at_node = distance == 0
-    weights = (-1.0) ** np.arange(q) * np.sin(angle) / np.where(at_node, 1.0, distance)
-    weights = np.where(at_node.any(axis=1, keepdims=True), at_node / 1.0, weights)
-    return nodes, weights / weights.sum(axis=1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        weights = (-1.0) ** np.arange(q) * np.sin(angle) / distance
+        total = weights.sum(axis=1, keepdims=True)
+        weights /= total
+    at_node = np.isinf(total[:, 0])
+    weights[at_node] = distance[at_node] == 0
+    return nodes, weights
