@@ -55,8 +55,6 @@ from cylcontact.parallel import Call, Workers, call, call_for, collect, run_reco
 from cylcontact.progress import Progress, silent
 from cylcontact.spec import parse_spec
 
-__all__ = ["RunPlan", "calibrate", "execute", "plan_runs", "problem_of", "search_all"]
-
 # Every worker keeps all samples in memory, 24 bytes each.
 _MAX_ROWS = 20_000_000
 # Descents to so few measurements take less than a second.
@@ -169,24 +167,7 @@ def _is_quick(campaign: Campaign) -> bool:
 
 
 def problem_of(campaign: Campaign, jobs: Workers, progress: Progress) -> tuple[Problem, Counts]:
-    """Return the problem of a campaign and the number of its samples.
-
-    Parameters
-    ----------
-    campaign, jobs, progress
-        As for `calibrate`.
-
-    Returns
-    -------
-    problem : Problem
-    counts : Counts
-        Samples used and masked.
-
-    Raises
-    ------
-    InputError
-        If every sample is masked, or the bounds exclude the law's domain.
-    """
+    """Return the problem of a campaign and the number of its samples, used and masked."""
     return _WAYS[campaign.data.kind].problem(campaign, jobs, progress)
 
 
@@ -251,13 +232,7 @@ def _require_few(grid: AnyGrid, campaign: Campaign) -> None:
 
 
 def _require_defined_somewhere(problem: Problem, source: str) -> None:
-    """Refuse bounds within which the law is undefined at every sampled point.
-
-    Raises
-    ------
-    InputError
-        If the law is undefined at some sample for every one of 4098 sets of coefficients.
-    """
+    """Refuse bounds if the law is undefined at some sample for each of 4098 sets within them."""
     unit = np.random.default_rng(0).uniform(size=(1 << 12, len(problem.free)))
     corners = np.vstack([np.zeros(len(problem.free)), np.ones(len(problem.free)), unit])
     points = problem.low + corners * (problem.high - problem.low)
@@ -361,23 +336,7 @@ def search_all(
     journal: Journal | None = None,
     resume: bool = False,
 ) -> list[RunRecord]:
-    """Execute the runs that the journal lacks, record each, and return all in order.
-
-    Parameters
-    ----------
-    problem : Problem
-        From `problem_of`.
-    campaign, jobs, progress
-        As for `calibrate`.
-    journal : Journal, optional
-        The finished runs.
-    resume : bool
-        Whether to take the runs already in the journal from there.
-
-    Returns
-    -------
-    list of RunRecord
-    """
+    """Execute the runs that the journal lacks, record each, and return all in order."""
     calls: dict[tuple[int, ...], Call] = {
         (index,): call_for(index, each) for index, each in enumerate(_calls(campaign, problem))
     }
@@ -423,12 +382,8 @@ def plan_runs(
     seed: int,
     optimizer: str = "genetic",
 ) -> list[RunPlan]:
-    """Return the runs of a campaign, with populations, crossovers and seeds.
+    """Return the runs of a campaign, with populations and crossovers in turn and spawned seeds.
 
-    All combinations of populations and crossovers take turns. Seeds are spawned from `seed`.
-
-    Examples
-    --------
     >>> for plan in plan_runs(3, (60, 120), ("uniform", "blend"), 300, seed=1):
     ...     print(plan.population, plan.crossover)
     60 uniform
@@ -452,26 +407,7 @@ def plan_runs(
 
 
 def execute(problem: Problem, plan: RunPlan, source: str = "campaign") -> RunRecord:
-    """Search and polish on one thread, so that the result depends on the plan alone.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem.
-    plan : RunPlan
-        The settings of the run.
-    source : str
-        The campaign's name in errors.
-
-    Returns
-    -------
-    RunRecord
-
-    Raises
-    ------
-    InputError
-        If the search found no coefficients for which the law is defined.
-    """
+    """Search and polish on one thread, so that the result depends on the plan alone."""
     started = time.perf_counter()
     with threadpool_limits(limits=1):
         search = OPTIMIZERS[plan.optimizer].search

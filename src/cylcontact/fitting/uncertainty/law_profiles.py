@@ -22,12 +22,12 @@ from cylcontact.fitting.uncertainty.profiles import (
     EDGE_PRECISION,
     FAIRLY,
     WELL,
-    Ends,
     ParameterMap,
     around,
     is_at_bound,
 )
 from cylcontact.laws.definition import Coefficients
+from cylcontact.spec import Spec
 
 # The rise of the objective at the ends of the interval of a coefficient.
 TOLERANCE = 0.01
@@ -42,11 +42,15 @@ _FAR = 1e6
 _LADDERS, _NEIGHBOURS, _GAIN, _FINER, _PRECISE = 3, (1, 4), 1e-6, 1e-6, 1e-10
 
 
-class Profile(Ends):
-    """The best attainable objective as a function of one coefficient, and its 1 % interval."""
+class Profile(Spec):
+    """The best attainable objective as a function of one coefficient."""
 
     values: list[float] = Field(description="values of the coefficient, increasing")
     objective: list[float] = Field(description="the objective with all others re-optimised")
+    low: float = Field(description="lower end of the 1 % interval, or the bound it meets")
+    high: float = Field(description="upper end of the 1 % interval, or the bound it meets")
+    low_is_bound: bool = Field(description="whether the interval was cut off below by the bound")
+    high_is_bound: bool = Field(description="whether the interval was cut off above by the bound")
     objective_at_published: float | None = Field(
         description="the objective with the coefficient at its published value"
     )

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import combinations
+from typing import Protocol
 
 import numpy as np
 from pydantic import Field
@@ -44,18 +45,33 @@ BETTER = -1e-6
 Descent = Callable[[Problem, FloatArray], tuple[FloatArray, float]]
 
 
-class Ends(Spec):
-    """The ends of an interval of a parameter."""
+class Ends(Protocol):
+    """The ends of an interval, and whether a bound of the search cuts it off there."""
 
-    low: float = Field(description="the lower end, or the bound that it meets")
-    high: float = Field(description="the upper end, or the bound that it meets")
+    @property
+    def low(self) -> float:
+        """The lower end."""
+
+    @property
+    def high(self) -> float:
+        """The upper end."""
+
+    @property
+    def low_is_bound(self) -> bool:
+        """Whether it is cut off below."""
+
+    @property
+    def high_is_bound(self) -> bool:
+        """Whether it is cut off above."""
+
+
+class Interval(Spec):
+    """An interval of a parameter."""
+
+    low: float = Field(description="the lower end")
+    high: float = Field(description="the upper end")
     low_is_bound: bool = Field(description="whether a bound of the search cuts it off below")
     high_is_bound: bool = Field(description="whether a bound of the search cuts it off above")
-
-
-class Interval(Ends):
-    """A profile-likelihood interval."""
-
     lowest: float = Field(
         0.0, description="the lowest (S(θ) − S)/τ; below 0 there is a better optimum"
     )
