@@ -88,13 +88,13 @@ def own_mechanism(rows: Sequence[Row]) -> float:
 AIMS = (
     Aim(
         "Calibration at 1e6 samples: times as fast as PyGAD used plainly",
-        over("calibration", "1,001,925", "PyGAD", "cylcontact"),
+        over("calibration", "1,001,925", "PyGAD", "genetic search"),
         1000,
         at_least=True,
     ),
     Aim(
         "Calibration at 1e6 samples: times as fast as scipy's least squares on rows",
-        over("calibration", "1,001,925", "scipy least_squares", "cylcontact"),
+        over("calibration", "1,001,925", "scipy least_squares", "genetic search"),
         100,
         at_least=True,
     ),
