@@ -144,6 +144,19 @@ def test_a_minimum_is_one_for_scipy_too(few_points):
     assert few_points.value(solution.x) >= value * (1 - 1e-9)
 
 
+def test_what_is_held_is_as_good_as_fixed(few_points):
+    """Columns that differ from start to start, against problems without those parameters."""
+    begun = starts(few_points, 6)
+    held = np.zeros(begun.shape, dtype=bool)
+    held[np.arange(6), np.arange(6)] = True
+    ends, values = polish.descend(few_points, begun, 1e-14, held)
+    assert np.array_equal(ends[held], begun[held])
+    for k, parameter in enumerate(few_points.free[:6]):
+        fixed = few_points.fixing(parameter.name, float(begun[k, k]))
+        rest = np.delete(begun[k], k)[None, :]
+        assert polish.descend(fixed, rest, 1e-14)[1][0] == pytest.approx(values[k], rel=1e-6)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("axes", OTHERS.values(), ids=OTHERS)
 def test_descents_alone_agree_on_other_grids(axes, monkeypatch):
