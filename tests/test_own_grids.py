@@ -172,7 +172,8 @@ def test_descents_alone_agree_on_other_grids(axes, monkeypatch):
 @pytest.mark.slow
 def test_a_profile_is_as_low_as_many_restarts_find():
     problem, _ = problem_of(read_campaign(ROOT / "fitting/internal.toml"), 1, silent)
-    point, value = polish.minimise(problem, problem.low)
+    runs = [polish.minimise(problem, problem.low, seed) for seed in range(16)]
+    point, value = min(runs, key=lambda run: run[1])
     best = problem.coefficients(point)
     curve = profiles(problem, ["a"], best, None)["a"]
     assert min(curve.objective) >= value * (1 - 1e-9)
